@@ -1,0 +1,2 @@
+//! kinematics
+#![no_std]

@@ -1,0 +1,97 @@
+//! A recording in memory: the measured columns of one log, with the rows they came from.
+
+/// Measurements of one device, column by column, all in SI units.
+///
+/// Every column has [`Recording::len`] entries. A reading that is absent (an empty cell of the log)
+/// is `NaN`; the motor-side readings are always finite. Rows keep the order of the log, and rows of
+/// one `run` belong to one uninterrupted recording.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Recording {
+    /// Line of the log that each row came from (1 is the header), for error messages.
+    pub line: Vec<u64>,
+    /// Time \[s\], strictly increasing within a run.
+    pub time_s: Option<Vec<f64>>,
+    /// Recording that each row belongs to.
+    pub run: Option<Vec<i64>>,
+    /// Motor-side encoder readings divided by the nominal transmission ratio, one column per joint
+    /// (\[rad\], or \[m\] for a prismatic joint).
+    pub joint: Vec<Vec<f64>>,
+    /// External encoder readings of each joint's output axis (\[rad\] or \[m\]), where there are any.
+    pub output: Vec<Option<Vec<f64>>>,
+    /// Distances that the cable encoders measure \[m\], in the order of the device's cables.
+    pub cable_m: Vec<Option<Vec<f64>>>,
+    /// Handle position from an external tracker, x, y, z \[m\].
+    pub position_m: Option<[Vec<f64>; 3]>,
+    /// Handle orientation from an external tracker, unit quaternion w, x, y, z.
+    pub orientation_wxyz: Option<[Vec<f64>; 4]>,
+    /// Joint-side drive torques \[N m\].
+    pub torque_nm: Vec<Option<Vec<f64>>>,
+    /// Force of the hand on the handle in the end-effector frame \[N\].
+    pub force_n: Option<[Vec<f64>; 3]>,
+    /// Device temperature \[degC\].
+    pub temperature_degc: Option<Vec<f64>>,
+    /// Text identifiers of touched points (`contact`) and planes (`plane`); empty text is none.
+    pub contact: Option<Vec<String>>,
+    /// See [`Recording::contact`].
+    pub plane: Option<Vec<String>>,
+    /// Any other numeric column, by its header, kept as a covariate.
+    pub covariates: Vec<(String, Vec<f64>)>,
+}
+
+impl Recording {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.joint.first().map_or(0, Vec::len)
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The rows at `indices`, in that order.
+    ///
+    /// # Panics
+    /// If an index is not below [`Recording::len`].
+    #[must_use]
+    pub fn select(&self, indices: &[usize]) -> Self {
+        fn take<T: Clone>(column: &[T], indices: &[usize]) -> Vec<T> {
+            indices.iter().map(|&index| column[index].clone()).collect()
+        }
+        fn optional<T: Clone>(column: Option<&Vec<T>>, indices: &[usize]) -> Option<Vec<T>> {
+            column.map(|column| take(column, indices))
+        }
+        let many = |columns: &[Option<Vec<f64>>]| {
+            columns.iter().map(|column| optional(column.as_ref(), indices)).collect()
+        };
+        Self {
+            line: take(&self.line, indices),
+            time_s: optional(self.time_s.as_ref(), indices),
+            run: optional(self.run.as_ref(), indices),
+            joint: self.joint.iter().map(|column| take(column, indices)).collect(),
+            output: many(&self.output),
+            cable_m: many(&self.cable_m),
+            position_m: self
+                .position_m
+                .as_ref()
+                .map(|axes| axes.each_ref().map(|column| take(column, indices))),
+            orientation_wxyz: self
+                .orientation_wxyz
+                .as_ref()
+                .map(|parts| parts.each_ref().map(|column| take(column, indices))),
+            torque_nm: many(&self.torque_nm),
+            force_n: self
+                .force_n
+                .as_ref()
+                .map(|axes| axes.each_ref().map(|column| take(column, indices))),
+            temperature_degc: optional(self.temperature_degc.as_ref(), indices),
+            contact: optional(self.contact.as_ref(), indices),
+            plane: optional(self.plane.as_ref(), indices),
+            covariates: self
+                .covariates
+                .iter()
+                .map(|(name, column)| (name.clone(), take(column, indices)))
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,2 @@
+//! transmission
+#![no_std]
