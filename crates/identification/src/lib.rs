@@ -1,1 +1,24 @@
-//! identification
+#![doc = include_str!("../README.md")]
+
+mod derivative_check;
+mod error;
+mod estimate;
+mod identifiability;
+mod observability;
+mod problem;
+mod settings;
+mod solver;
+mod sparse;
+
+pub use derivative_check::{DerivativeMismatch, worst_derivative};
+pub use error::IdentificationError;
+pub use estimate::{Estimate, NoiseScale, Uncertainty, estimates, uncertainty};
+pub use haptical_linalg::{Matrix, Reduction, Triplet};
+pub use identifiability::{
+    Identifiability, IdentifiabilityRules, ParameterInfo, Status, Term, analyse,
+};
+pub use observability::Observability;
+pub use problem::{Problem, SparseProblem, evaluate_jacobian};
+pub use settings::{Convergence, Method, Settings};
+pub use solver::{Fit, solve};
+pub use sparse::{SparseFit, solve_sparse};

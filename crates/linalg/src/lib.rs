@@ -1,1 +1,29 @@
-//! linalg
+#![doc = include_str!("../README.md")]
+
+mod covariance;
+mod error;
+mod matrix;
+mod ordered;
+mod pivoted;
+mod reduction;
+mod sparse;
+
+pub use error::LinalgError;
+pub use matrix::Matrix;
+pub use ordered::{Dependence, OrderedRank};
+pub use reduction::{Reduction, Solution};
+pub use sparse::{SparseLeastSquares, Triplet};
+
+/// Singular values of any finite matrix, largest first.
+///
+/// # Errors
+/// [`LinalgError`] for an empty matrix, an entry that is not finite, or no convergence.
+pub fn singular_values(matrix: &Matrix) -> Result<Vec<f64>, LinalgError> {
+    matrix.check()?;
+    Ok(pivoted::singular_values(matrix)?.0)
+}
+
+/// Relative size below which a direction counts as absent: columns are scaled to unit norm first,
+/// so rounding leaves about 1e-16 times the condition number of what was kept, while the weakest
+/// direction that any measurement can use is far above it.
+pub const RANK_TOLERANCE: f64 = 1e-9;

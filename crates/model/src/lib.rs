@@ -1,5 +1,21 @@
-//! A device with cable drives: device file, parameters with names and units, predictions.
+#![doc = include_str!("../README.md")]
 
+mod device;
+mod device_file;
+mod device_writer;
+mod error;
+mod evaluation;
+mod joint;
+mod parameters;
+mod reader;
 mod recording;
 
+pub use device::{Body, Cable, ContactPair, Device, Tracker};
+pub use device_file::LoadedDevice;
+pub use error::{DeviceFileError, ModelError};
+pub use evaluation::Evaluation;
+pub use haptical_kinematics as kinematics;
+pub use haptical_transmission as transmission;
+pub use joint::{Joint, JointType, TransmissionError, TransmissionKind};
+pub use parameters::{LinkParameter, ParameterId};
 pub use recording::Recording;

@@ -62,13 +62,20 @@ impl Recording {
             column.map(|column| take(column, indices))
         }
         let many = |columns: &[Option<Vec<f64>>]| {
-            columns.iter().map(|column| optional(column.as_ref(), indices)).collect()
+            columns
+                .iter()
+                .map(|column| optional(column.as_ref(), indices))
+                .collect()
         };
         Self {
             line: take(&self.line, indices),
             time_s: optional(self.time_s.as_ref(), indices),
             run: optional(self.run.as_ref(), indices),
-            joint: self.joint.iter().map(|column| take(column, indices)).collect(),
+            joint: self
+                .joint
+                .iter()
+                .map(|column| take(column, indices))
+                .collect(),
             output: many(&self.output),
             cable_m: many(&self.cable_m),
             position_m: self

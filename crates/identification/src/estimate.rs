@@ -1,0 +1,142 @@
+//! Values with their intervals, for what the data fix, and a refusal for what they do not.
+
+use haptical_linalg::{Matrix, Reduction};
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::{Identifiability, IdentificationError, ParameterInfo, Status};
+
+/// How large the noise is taken to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoiseScale {
+    /// As stated in the weights.
+    Stated,
+    /// The stated one times the residuals' own size, sqrt(S / (m - n)).
+    Estimated,
+}
+
+/// Covariance of a fit.
+#[derive(Debug, Clone)]
+pub struct Uncertainty {
+    /// Indices (into the reduction's columns) that the rows and columns belong to.
+    pub columns: Vec<usize>,
+    /// Covariance matrix.
+    pub covariance: Matrix,
+    /// Residuals less parameters.
+    pub degrees_of_freedom: usize,
+    /// Factor that the stated noise was multiplied by.
+    pub noise_factor: f64,
+}
+
+impl Uncertainty {
+    /// Standard deviation of the parameter at a position of [`Uncertainty::columns`].
+    pub fn standard_deviation(&self, position: usize) -> f64 {
+        self.covariance[(position, position)].sqrt()
+    }
+
+    /// Correlation of two parameters by position.
+    pub fn correlation(&self, a: usize, b: usize) -> f64 {
+        self.covariance[(a, b)] / (self.standard_deviation(a) * self.standard_deviation(b))
+    }
+
+    /// Half width of the 95 % interval in standard deviations: Student's t with the fit's degrees
+    /// of freedom where the noise was estimated from the residuals, the normal value otherwise.
+    pub fn half_width_95(&self, noise: NoiseScale) -> f64 {
+        const NORMAL_95: f64 = 1.959_963_984_540_054;
+        match noise {
+            NoiseScale::Stated => NORMAL_95,
+            NoiseScale::Estimated => StudentsT::new(0.0, 1.0, self.degrees_of_freedom as f64)
+                .map_or(NORMAL_95, |distribution| distribution.inverse_cdf(0.975)),
+        }
+    }
+}
+
+/// Covariance of the chosen columns at a solution of cost `cost`.
+///
+/// # Errors
+/// [`IdentificationError::RankDeficient`] where the data do not fix the columns, and
+/// [`IdentificationError::TooFewRows`] where noise is to be estimated without degrees of freedom.
+pub fn uncertainty(
+    reduction: &Reduction,
+    columns: &[usize],
+    cost: f64,
+    noise: NoiseScale,
+) -> Result<Uncertainty, IdentificationError> {
+    let mut covariance = reduction.covariance(columns, f64::EPSILON)?;
+    let degrees_of_freedom = reduction.rows().saturating_sub(columns.len());
+    let noise_factor = match noise {
+        NoiseScale::Stated => 1.0,
+        NoiseScale::Estimated if degrees_of_freedom == 0 => {
+            return Err(IdentificationError::TooFewRows {
+                rows: reduction.rows(),
+                parameters: columns.len(),
+            });
+        }
+        NoiseScale::Estimated => (cost / degrees_of_freedom as f64).sqrt(),
+    };
+    for column in 0..columns.len() {
+        let scale = noise_factor * noise_factor;
+        covariance
+            .column_mut(column)
+            .iter_mut()
+            .for_each(|entry| *entry *= scale);
+    }
+    Ok(Uncertainty {
+        columns: columns.to_vec(),
+        covariance,
+        degrees_of_freedom,
+        noise_factor,
+    })
+}
+
+/// One parameter in a report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Name.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Estimate, or none where the data do not fix it.
+    pub value: Option<f64>,
+    /// Standard deviation.
+    pub standard_deviation: Option<f64>,
+    /// 95 % interval.
+    pub ci95: Option<[f64; 2]>,
+    /// What the data say of it.
+    #[serde(flatten)]
+    pub status: Status,
+}
+
+/// Puts values, intervals and refusals together; `values` has one entry per parameter.
+pub fn estimates(
+    parameters: &[ParameterInfo],
+    values: &[f64],
+    identifiability: &Identifiability,
+    uncertainty: &Uncertainty,
+    noise: NoiseScale,
+) -> Vec<Estimate> {
+    let half_width = uncertainty.half_width_95(noise);
+    parameters
+        .iter()
+        .zip(values)
+        .zip(&identifiability.statuses)
+        .enumerate()
+        .map(|(index, ((parameter, &value), status))| {
+            let position = uncertainty
+                .columns
+                .iter()
+                .position(|&column| column == index);
+            let deviation = position
+                .filter(|_| status.is_independent())
+                .map(|position| uncertainty.standard_deviation(position));
+            Estimate {
+                name: parameter.name.clone(),
+                unit: parameter.unit.clone(),
+                value: deviation.map(|_| value),
+                standard_deviation: deviation,
+                ci95: deviation.map(|sd| [value - half_width * sd, value + half_width * sd]),
+                status: status.clone(),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,258 @@
+//! Which parameters the data can fix: invisible, combinations of others, weak, or identifiable.
+
+use haptical_linalg::{Matrix, RANK_TOLERANCE, Reduction};
+use serde::Serialize;
+
+use crate::{IdentificationError, Observability};
+
+/// What a report needs to know of a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterInfo {
+    /// Short name, as in the paper's tables: `alpha4`, `ratio_deviation2`.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Size that a deviation of this parameter may plausibly have, in its unit.
+    pub plausible_size: f64,
+}
+
+/// Thresholds of the analysis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IdentifiabilityRules {
+    /// A column whose plausible effect is below this share of the largest is invisible.
+    pub zero_tolerance: f64,
+    /// Remainder of a unit-norm column below which it is a combination of others.
+    pub rank_tolerance: f64,
+    /// Standard deviation, as a share of the plausible size, above which a parameter is weak.
+    pub weak_share: f64,
+}
+
+impl Default for IdentifiabilityRules {
+    fn default() -> Self {
+        // zero_tolerance: analytic derivatives of an absent effect are rounding, about 1e-16 of the
+        // others; weak_share: data that shrink the plausible size by less than half say little.
+        Self {
+            zero_tolerance: 1e-11,
+            rank_tolerance: RANK_TOLERANCE,
+            weak_share: 0.5,
+        }
+    }
+}
+
+/// One term of a combination.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Term {
+    /// Index of the parameter.
+    pub parameter: usize,
+    /// Name of the parameter.
+    pub name: String,
+    /// Change of that parameter which acts like a unit change of the dependent one.
+    pub coefficient: f64,
+}
+
+/// What the data say of one parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "status", rename_all = "kebab-case")]
+pub enum Status {
+    /// The data fix it.
+    Identifiable {
+        /// Standard deviation for the stated noise.
+        standard_deviation: f64,
+    },
+    /// Independent, but fixed no better than its plausible size.
+    Weak {
+        /// Standard deviation for the stated noise.
+        standard_deviation: f64,
+    },
+    /// It has no effect on any measurement.
+    Invisible,
+    /// Its effect is a combination of others' effects.
+    Dependent {
+        /// The combination.
+        combination: Vec<Term>,
+    },
+}
+
+impl Status {
+    /// Whether the parameter can be estimated (identifiable or weak).
+    pub fn is_independent(&self) -> bool {
+        matches!(self, Self::Identifiable { .. } | Self::Weak { .. })
+    }
+}
+
+/// The answer of [`analyse`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Identifiability {
+    /// Names, in the order of the columns.
+    pub names: Vec<String>,
+    /// One status per parameter.
+    pub statuses: Vec<Status>,
+    /// Indices of the independent parameters, ascending.
+    pub independent: Vec<usize>,
+    /// Rank by the order of preference.
+    pub rank: usize,
+    /// Rank by the singular values of the unit-norm columns; differs only where the data are
+    /// on the edge, which a report must say.
+    pub singular_rank: usize,
+    /// Singular values of the unit-norm visible columns, largest first.
+    pub singular_values: Vec<f64>,
+    /// Remainder of the least independent parameter that was kept, and the largest that was not:
+    /// the gap in which the tolerance lies.
+    pub gap: [f64; 2],
+    /// Condition number of the kept columns at unit norm.
+    pub condition_unit_norm: f64,
+    /// Indices of the kept columns, scaled by the plausible sizes.
+    pub observability: Option<Observability>,
+}
+
+impl Identifiability {
+    /// Whether order of preference and singular values agree on the rank.
+    pub fn is_clear(&self) -> bool {
+        self.rank == self.singular_rank
+    }
+
+    /// A sentence for a dependent or invisible parameter; none where it is independent.
+    pub fn reason(&self, parameter: usize) -> Option<String> {
+        let name = self.names.get(parameter)?;
+        match self.statuses.get(parameter)? {
+            Status::Invisible => Some(format!("{name} has no effect on any measurement")),
+            Status::Dependent { combination } => {
+                let terms: Vec<String> = combination
+                    .iter()
+                    .map(|term| format!("{:+.6} {}", term.coefficient, term.name))
+                    .collect();
+                Some(format!("{name} acts like {}", terms.join(" ")))
+            }
+            Status::Weak { .. } | Status::Identifiable { .. } => None,
+        }
+    }
+}
+
+/// Judges every column of a reduced derivative matrix.
+///
+/// `order` lists the columns by preference: of a dependent set, those named first are kept
+/// (Khalil & Dombre 2002, section 10.2.2); it must be a permutation of all columns. Rows must be
+/// weighted by the noise, so that standard deviations are those of the stated noise.
+///
+/// # Errors
+/// [`IdentificationError::Shape`] if lengths do not fit; refusals of the linear algebra.
+pub fn analyse(
+    reduction: &Reduction,
+    parameters: &[ParameterInfo],
+    order: &[usize],
+    rules: &IdentifiabilityRules,
+) -> Result<Identifiability, IdentificationError> {
+    let count = reduction.columns();
+    for (what, found) in [
+        ("parameter names", parameters.len()),
+        ("preference order", order.len()),
+    ] {
+        if found != count {
+            return Err(IdentificationError::Shape {
+                what,
+                expected: count,
+                found,
+            });
+        }
+    }
+    let effects: Vec<f64> = reduction
+        .column_norms()
+        .iter()
+        .zip(parameters)
+        .map(|(norm, parameter)| norm * parameter.plausible_size)
+        .collect();
+    let largest = effects
+        .iter()
+        .fold(0.0_f64, |largest, effect| largest.max(*effect));
+    let visible: Vec<usize> = order
+        .iter()
+        .copied()
+        .filter(|&index| effects[index] > rules.zero_tolerance * largest)
+        .collect();
+    let mut statuses = vec![Status::Invisible; count];
+    let names = parameters
+        .iter()
+        .map(|parameter| parameter.name.clone())
+        .collect();
+    if visible.is_empty() {
+        return Ok(Identifiability {
+            names,
+            statuses,
+            independent: Vec::new(),
+            rank: 0,
+            singular_rank: 0,
+            singular_values: Vec::new(),
+            gap: [f64::INFINITY, 0.0],
+            condition_unit_norm: f64::INFINITY,
+            observability: None,
+        });
+    }
+    let ordered = reduction.ordered_rank(&visible, rules.rank_tolerance)?;
+    for dependence in &ordered.dependent {
+        let combination = dependence
+            .combination
+            .iter()
+            .map(|&(parameter, coefficient)| Term {
+                parameter,
+                name: parameters[parameter].name.clone(),
+                coefficient,
+            })
+            .collect();
+        statuses[dependence.column] = Status::Dependent { combination };
+    }
+    let mut independent = ordered.independent.clone();
+    independent.sort_unstable();
+    // The covariance has no tolerance of its own: the rank was decided above.
+    let covariance = reduction.covariance(&independent, f64::EPSILON)?;
+    for (position, &index) in independent.iter().enumerate() {
+        let standard_deviation = covariance[(position, position)].sqrt();
+        let limit = rules.weak_share * parameters[index].plausible_size;
+        statuses[index] = if standard_deviation > limit {
+            Status::Weak { standard_deviation }
+        } else {
+            Status::Identifiable { standard_deviation }
+        };
+    }
+    let (singular_values, _) = reduction.singular_values(&visible)?;
+    let cut = rules.rank_tolerance * singular_values[0];
+    let singular_rank = singular_values
+        .iter()
+        .position(|value| *value <= cut)
+        .unwrap_or(singular_values.len());
+    let (kept, _) = reduction.singular_values(&independent)?;
+    Ok(Identifiability {
+        names,
+        rank: independent.len(),
+        singular_rank,
+        gap: [ordered.smallest_kept, ordered.largest_dropped],
+        condition_unit_norm: kept[0] / kept[kept.len() - 1],
+        observability: Observability::new(reduction, &independent, parameters)?,
+        singular_values,
+        statuses,
+        independent,
+    })
+}
+
+impl ParameterInfo {
+    /// A parameter by name, unit and plausible size.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>, plausible_size: f64) -> Self {
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+            plausible_size,
+        }
+    }
+}
+
+/// Columns of a reduction's chosen factor scaled by plausible sizes instead of unit norms.
+pub(crate) fn plausible_scaling(
+    reduction: &Reduction,
+    columns: &[usize],
+    parameters: &[ParameterInfo],
+) -> Matrix {
+    let sizes: Vec<f64> = columns
+        .iter()
+        .map(|&column| reduction.column_norms()[column] * parameters[column].plausible_size)
+        .collect();
+    reduction.scaled_factor(columns, &sizes)
+}

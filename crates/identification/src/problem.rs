@@ -1,0 +1,94 @@
+//! What a least-squares problem is: weighted residuals and their analytic derivatives.
+
+use haptical_linalg::{Matrix, Triplet};
+
+use crate::IdentificationError;
+
+/// A nonlinear least-squares problem: minimise S(p) = sum r_i(p)^2 (Baser & Konukseven eq. (7)).
+///
+/// Residuals are divided by their standard deviations, so that a good fit has S near the number of
+/// residuals less the number of parameters.
+pub trait Problem {
+    /// Number of parameters, free or not.
+    fn parameter_count(&self) -> usize;
+
+    /// Number of residuals.
+    fn residual_count(&self) -> usize;
+
+    /// Writes the residuals and, where asked, d residual_i / d parameter_j into the columns `free`
+    /// of the parameter vector: column k of `jacobian` belongs to parameter `free[k]`.
+    ///
+    /// # Errors
+    /// [`IdentificationError::Evaluation`] where the model has no value.
+    fn evaluate(
+        &self,
+        parameters: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<(&[usize], &mut Matrix)>,
+    ) -> Result<(), IdentificationError>;
+}
+
+/// A problem whose derivative matrix is mostly zero and keeps its pattern of entries.
+pub trait SparseProblem: Problem {
+    /// Writes the residuals and the entries of the derivative matrix; the pattern (rows and columns
+    /// in order) must be the same at every call. Columns count within `free`.
+    ///
+    /// # Errors
+    /// As for [`Problem::evaluate`].
+    fn evaluate_sparse(
+        &self,
+        parameters: &[f64],
+        free: &[usize],
+        residuals: &mut [f64],
+        entries: &mut Vec<Triplet>,
+    ) -> Result<(), IdentificationError>;
+}
+
+/// The derivative matrix (residuals x `free`) and the residuals at one point.
+///
+/// # Errors
+/// Whatever the problem says, and [`IdentificationError::Shape`].
+pub fn evaluate_jacobian<P: Problem + ?Sized>(
+    problem: &P,
+    parameters: &[f64],
+    free: &[usize],
+) -> Result<(Matrix, Vec<f64>), IdentificationError> {
+    check_free(problem, parameters, free)?;
+    let mut residuals = vec![0.0; problem.residual_count()];
+    let mut jacobian = Matrix::zeros(problem.residual_count(), free.len());
+    problem.evaluate(parameters, &mut residuals, Some((free, &mut jacobian)))?;
+    Ok((jacobian, residuals))
+}
+
+pub(crate) fn check_free<P: Problem + ?Sized>(
+    problem: &P,
+    parameters: &[f64],
+    free: &[usize],
+) -> Result<(), IdentificationError> {
+    let expected = problem.parameter_count();
+    if parameters.len() != expected {
+        return Err(IdentificationError::Shape {
+            what: "parameters",
+            expected,
+            found: parameters.len(),
+        });
+    }
+    if let Some(column) = parameters.iter().position(|value| !value.is_finite()) {
+        return Err(IdentificationError::NotFinite {
+            row: 0,
+            column,
+            value: parameters[column],
+        });
+    }
+    if free.is_empty() {
+        return Err(IdentificationError::NothingFree);
+    }
+    if let Some(&index) = free.iter().find(|&&index| index >= expected) {
+        return Err(IdentificationError::Shape {
+            what: "free parameter index",
+            expected,
+            found: index,
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,125 @@
+//! How to search and why the search stopped.
+
+use serde::{Deserialize, Serialize};
+
+use crate::IdentificationError;
+
+/// The two methods that the paper names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Full steps of the linearised problem, halved where the cost would rise.
+    GaussNewton,
+    /// Damped steps (Levenberg 1944, Marquardt 1963) with Nielsen's update of the damping.
+    LevenbergMarquardt,
+}
+
+/// Settings of a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Search method.
+    pub method: Method,
+    /// Most accepted steps before giving up.
+    pub max_iterations: usize,
+    /// Stop when the predicted fall of the cost is below this share of it.
+    pub cost_tolerance: f64,
+    /// Stop when each parameter's step is below this share of its size (plus 1e-3 in its unit).
+    pub step_tolerance: f64,
+    /// Relative pivot below which a direction is left out of a step.
+    pub rank_tolerance: f64,
+    /// First damping of Levenberg-Marquardt, relative to unit-norm columns.
+    pub initial_damping: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::LevenbergMarquardt,
+            max_iterations: 100,
+            cost_tolerance: 1e-13,
+            step_tolerance: 1e-13,
+            rank_tolerance: 1e-12,
+            initial_damping: 1e-6,
+        }
+    }
+}
+
+impl Settings {
+    /// Refuses settings outside their range.
+    ///
+    /// # Errors
+    /// [`IdentificationError::Setting`].
+    pub fn check(&self) -> Result<(), IdentificationError> {
+        let unit = |name, value: f64| {
+            if (0.0..1.0).contains(&value) {
+                Ok(())
+            } else {
+                Err(IdentificationError::Setting {
+                    name,
+                    value,
+                    allowed: "from 0 to below 1",
+                })
+            }
+        };
+        unit("cost_tolerance", self.cost_tolerance)?;
+        unit("step_tolerance", self.step_tolerance)?;
+        unit("rank_tolerance", self.rank_tolerance)?;
+        if self.max_iterations == 0 {
+            return Err(IdentificationError::Setting {
+                name: "max_iterations",
+                value: 0.0,
+                allowed: "at least 1",
+            });
+        }
+        if self.initial_damping.is_finite() && self.initial_damping > 0.0 {
+            Ok(())
+        } else {
+            Err(IdentificationError::Setting {
+                name: "initial_damping",
+                value: self.initial_damping,
+                allowed: "above 0",
+            })
+        }
+    }
+}
+
+/// Why the search stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Convergence {
+    /// The linearised problem promises no further fall of the cost.
+    SmallCostChange,
+    /// The step is negligible against the parameters.
+    SmallStep,
+    /// The cost is zero to rounding.
+    ExactFit,
+    /// No shorter or more damped step lowers the cost, although the linear model promises it.
+    NoFurtherDescent,
+    /// The iteration limit was reached.
+    IterationLimit,
+    /// The free parameters became dependent on the way.
+    RankLost,
+}
+
+impl Convergence {
+    /// Whether the parameters are a minimum.
+    pub fn was_successful(self) -> bool {
+        matches!(
+            self,
+            Self::SmallCostChange | Self::SmallStep | Self::ExactFit
+        )
+    }
+}
+
+impl std::fmt::Display for Convergence {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(match self {
+            Self::SmallCostChange => "converged: the cost no longer falls",
+            Self::SmallStep => "converged: the step is negligible",
+            Self::ExactFit => "converged: the fit is exact",
+            Self::NoFurtherDescent => "stopped: no step lowers the cost",
+            Self::IterationLimit => "stopped at the iteration limit",
+            Self::RankLost => "stopped: the free parameters became dependent",
+        })
+    }
+}

@@ -1,0 +1,61 @@
+//! What can be wrong with a matrix or a question about it.
+
+/// Why a decomposition or a solution was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinalgError {
+    /// A matrix without rows or without columns.
+    #[error("the matrix is empty ({rows} rows, {columns} columns)")]
+    Empty {
+        /// Rows given.
+        rows: usize,
+        /// Columns given.
+        columns: usize,
+    },
+    /// An entry is NaN or infinite.
+    #[error("entry (row {row}, column {column}) is {value}, not a finite number")]
+    NotFinite {
+        /// Row, from 0.
+        row: usize,
+        /// Column, from 0; equal to the number of columns for the right-hand side.
+        column: usize,
+        /// The entry.
+        value: f64,
+    },
+    /// Shapes that do not fit each other.
+    #[error("{what}: expected length {expected}, found {found}")]
+    Shape {
+        /// Which argument.
+        what: &'static str,
+        /// Length wanted.
+        expected: usize,
+        /// Length given.
+        found: usize,
+    },
+    /// A column index out of range or given twice.
+    #[error("column {column} is out of range or repeated (the matrix has {columns} columns)")]
+    Column {
+        /// Index given.
+        column: usize,
+        /// Columns of the matrix.
+        columns: usize,
+    },
+    /// The columns are not independent, so the question has no answer.
+    #[error("the {columns} chosen columns have rank {rank}: leave out dependent columns first")]
+    RankDeficient {
+        /// Rank found.
+        rank: usize,
+        /// Columns chosen.
+        columns: usize,
+    },
+    /// The iteration inside a decomposition did not converge or ran out of memory.
+    #[error("{what} failed on a {rows} x {columns} matrix")]
+    Decomposition {
+        /// Which decomposition.
+        what: &'static str,
+        /// Rows.
+        rows: usize,
+        /// Columns.
+        columns: usize,
+    },
+}

@@ -1,0 +1,121 @@
+//! A dense matrix of `f64`, stored column by column.
+
+use crate::LinalgError;
+
+/// Dense matrix, column-major.
+///
+/// ```
+/// use haptical_linalg::Matrix;
+/// let matrix = Matrix::from_fn(2, 3, |row, column| (row * 10 + column) as f64);
+/// assert_eq!(matrix.column(1), &[1.0, 11.0]);
+/// assert_eq!(matrix[(1, 2)], 12.0);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matrix {
+    rows: usize,
+    columns: usize,
+    data: Vec<f64>,
+}
+
+impl Matrix {
+    /// A matrix of zeros.
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        Self {
+            rows,
+            columns,
+            data: vec![0.0; rows * columns],
+        }
+    }
+
+    /// A matrix whose entry at (row, column) is `entry(row, column)`.
+    pub fn from_fn(
+        rows: usize,
+        columns: usize,
+        mut entry: impl FnMut(usize, usize) -> f64,
+    ) -> Self {
+        let mut matrix = Self::zeros(rows, columns);
+        for column in 0..columns {
+            for row in 0..rows {
+                matrix[(row, column)] = entry(row, column);
+            }
+        }
+        matrix
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// One column.
+    pub fn column(&self, column: usize) -> &[f64] {
+        &self.data[column * self.rows..(column + 1) * self.rows]
+    }
+
+    /// One column, to be written.
+    pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
+        &mut self.data[column * self.rows..(column + 1) * self.rows]
+    }
+
+    /// The matrix times a vector of [`Matrix::columns`] entries.
+    ///
+    /// # Errors
+    /// [`LinalgError::Shape`] if the length does not fit.
+    pub fn times(&self, vector: &[f64]) -> Result<Vec<f64>, LinalgError> {
+        if vector.len() != self.columns {
+            return Err(LinalgError::Shape {
+                what: "vector of a product",
+                expected: self.columns,
+                found: vector.len(),
+            });
+        }
+        let mut product = vec![0.0; self.rows];
+        for (column, factor) in vector.iter().enumerate() {
+            for (sum, entry) in product.iter_mut().zip(self.column(column)) {
+                *sum += entry * factor;
+            }
+        }
+        Ok(product)
+    }
+
+    /// Refuses empty matrices and entries that are not finite.
+    pub(crate) fn check(&self) -> Result<(), LinalgError> {
+        if self.rows == 0 || self.columns == 0 {
+            return Err(LinalgError::Empty {
+                rows: self.rows,
+                columns: self.columns,
+            });
+        }
+        match self.data.iter().position(|entry| !entry.is_finite()) {
+            None => Ok(()),
+            Some(index) => Err(LinalgError::NotFinite {
+                row: index % self.rows,
+                column: index / self.rows,
+                value: self.data[index],
+            }),
+        }
+    }
+
+    pub(crate) fn as_faer(&self) -> faer::MatRef<'_, f64> {
+        faer::MatRef::from_column_major_slice(&self.data, self.rows, self.columns)
+    }
+}
+
+impl std::ops::Index<(usize, usize)> for Matrix {
+    type Output = f64;
+
+    fn index(&self, (row, column): (usize, usize)) -> &f64 {
+        &self.data[column * self.rows + row]
+    }
+}
+
+impl std::ops::IndexMut<(usize, usize)> for Matrix {
+    fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut f64 {
+        &mut self.data[column * self.rows + row]
+    }
+}

@@ -1,0 +1,102 @@
+//! The guarded column-pivoted QR: the one place where faer decomposes a dense matrix.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::householder;
+use faer::{Conj, Mat, Par};
+
+use crate::{LinalgError, Matrix};
+
+/// A P' = Q R of a checked matrix, with Q' applied to one right-hand side.
+#[derive(Debug)]
+pub(crate) struct PivotedQr {
+    /// min(rows, columns) x columns, upper trapezoidal, columns in pivot order.
+    pub(crate) factor: Matrix,
+    /// Original column at each pivot position.
+    pub(crate) pivots: Vec<usize>,
+    /// The whole of Q' b.
+    pub(crate) projected: Vec<f64>,
+}
+
+impl PivotedQr {
+    /// Decomposes `matrix`, whose entries the caller has checked to be finite.
+    pub(crate) fn new(matrix: &Matrix, rhs: &[f64]) -> Self {
+        let (rows, columns) = (matrix.rows(), matrix.columns());
+        let size = rows.min(columns);
+        // faer divides by the largest column norm: an all-zero matrix would come back as NaN.
+        if (0..columns).all(|column| matrix.column(column).iter().all(|entry| *entry == 0.0)) {
+            return Self {
+                factor: Matrix::zeros(size, columns),
+                pivots: (0..columns).collect(),
+                projected: rhs.to_vec(),
+            };
+        }
+        let qr = matrix.as_faer().col_piv_qr();
+        let mut projected = Mat::from_fn(rows, 1, |row, _| rhs[row]);
+        let block_size = qr.Q_coeff().nrows();
+        let scratch =
+            householder::apply_block_householder_sequence_transpose_on_the_left_in_place_scratch::<
+                f64,
+            >(rows, block_size, 1);
+        householder::apply_block_householder_sequence_transpose_on_the_left_in_place_with_conj(
+            qr.Q_basis(),
+            qr.Q_coeff(),
+            Conj::Yes,
+            projected.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+        );
+        let r = qr.R();
+        Self {
+            factor: Matrix::from_fn(size, columns, |row, column| {
+                if row <= column { r[(row, column)] } else { 0.0 }
+            }),
+            pivots: qr.P().arrays().0.to_vec(),
+            projected: (0..rows).map(|row| projected[(row, 0)]).collect(),
+        }
+    }
+
+    /// Index of the first diagonal entry that is negligible against the largest.
+    ///
+    /// The diagonal falls monotonically only above the rounding noise, so the rank is the *first*
+    /// index below the tolerance, never a count of entries above it.
+    pub(crate) fn rank(&self, tolerance: f64) -> usize {
+        let size = self.factor.rows();
+        let largest = self.factor[(0, 0)].abs();
+        if largest == 0.0 {
+            return 0;
+        }
+        (0..size)
+            .find(|&index| self.factor[(index, index)].abs() <= tolerance * largest)
+            .unwrap_or(size)
+    }
+
+    /// Solves the leading `rank` x `rank` triangle for the top of `rhs`.
+    pub(crate) fn back_substitute(&self, rank: usize, rhs: &[f64]) -> Vec<f64> {
+        let mut solution = rhs[..rank].to_vec();
+        for row in (0..rank).rev() {
+            let mut value = solution[row];
+            for column in row + 1..rank {
+                value -= self.factor[(row, column)] * solution[column];
+            }
+            solution[row] = value / self.factor[(row, row)];
+        }
+        solution
+    }
+}
+
+/// Singular values, largest first, and the right singular vectors as columns.
+pub(crate) fn singular_values(matrix: &Matrix) -> Result<(Vec<f64>, Matrix), LinalgError> {
+    let (rows, columns) = (matrix.rows(), matrix.columns());
+    let svd = matrix
+        .as_faer()
+        .thin_svd()
+        .map_err(|_| LinalgError::Decomposition {
+            what: "singular value decomposition",
+            rows,
+            columns,
+        })?;
+    let count = rows.min(columns);
+    let values: Vec<f64> = (0..count).map(|index| svd.S()[index]).collect();
+    let vectors = Matrix::from_fn(columns, count, |row, column| svd.V()[(row, column)]);
+    Ok((values, vectors))
+}

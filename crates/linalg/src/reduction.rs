@@ -1,0 +1,260 @@
+//! One decomposition of a tall matrix, from which every later question is answered.
+
+use crate::pivoted::{PivotedQr, singular_values};
+use crate::{LinalgError, Matrix, OrderedRank, covariance, ordered};
+
+/// A least-squares problem min |A x - b| reduced to a small triangle.
+///
+/// A (m x n) is scaled to unit column norms and decomposed once by a column-pivoted QR; what is
+/// kept is the small factor F (min(m, n) x n, columns in A's order) with F'F = S A'A S and the
+/// projected right-hand side, so that |A x - b|^2 = |F S^-1 x - q|^2 + residual. Rank, step,
+/// covariance and singular values of any subset of columns then cost O(n^3), whatever m is.
+///
+/// ```
+/// use haptical_linalg::{Matrix, Reduction, RANK_TOLERANCE};
+/// // y = 2 + 3 t at t = 0, 1, 2, 3
+/// let design = Matrix::from_fn(4, 2, |row, column| if column == 0 { 1.0 } else { row as f64 });
+/// let reduction = Reduction::new(&design, &[2.0, 5.0, 8.0, 11.0])?;
+/// let solution = reduction.solve(&[0, 1], 0.0, RANK_TOLERANCE)?;
+/// assert!((solution.values[1] - 3.0).abs() < 1e-12);
+/// # Ok::<(), haptical_linalg::LinalgError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Reduction {
+    rows: usize,
+    /// min(m, n) x n, of the scaled columns, in the caller's column order.
+    factor: Matrix,
+    projected: Vec<f64>,
+    residual_square: f64,
+    column_norms: Vec<f64>,
+}
+
+/// A least-squares solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// One value per chosen column, in the units of the unscaled problem; zero where the rank cut.
+    pub values: Vec<f64>,
+    /// Numerical rank of the chosen (and, if damped, augmented) columns.
+    pub rank: usize,
+    /// |A x - b|^2 at the solution, without the damping term.
+    pub residual_square: f64,
+}
+
+impl Reduction {
+    /// Reduces `matrix` (m x n) and `rhs` (m).
+    ///
+    /// # Errors
+    /// [`LinalgError`] for an empty matrix, a length that does not fit or an entry that is not finite.
+    pub fn new(matrix: &Matrix, rhs: &[f64]) -> Result<Self, LinalgError> {
+        matrix.check()?;
+        if rhs.len() != matrix.rows() {
+            return Err(LinalgError::Shape {
+                what: "right-hand side",
+                expected: matrix.rows(),
+                found: rhs.len(),
+            });
+        }
+        if let Some(row) = rhs.iter().position(|entry| !entry.is_finite()) {
+            return Err(LinalgError::NotFinite {
+                row,
+                column: matrix.columns(),
+                value: rhs[row],
+            });
+        }
+        let mut scaled = matrix.clone();
+        let mut column_norms = Vec::with_capacity(matrix.columns());
+        for column in 0..matrix.columns() {
+            let norm = norm(matrix.column(column));
+            column_norms.push(norm);
+            if norm > 0.0 {
+                scaled
+                    .column_mut(column)
+                    .iter_mut()
+                    .for_each(|entry| *entry /= norm);
+            }
+        }
+        let qr = PivotedQr::new(&scaled, rhs);
+        let size = qr.factor.rows();
+        let mut factor = Matrix::zeros(size, matrix.columns());
+        for (position, &column) in qr.pivots.iter().enumerate() {
+            factor
+                .column_mut(column)
+                .copy_from_slice(qr.factor.column(position));
+        }
+        let residual_square = qr.projected[size..].iter().map(|entry| entry * entry).sum();
+        Ok(Self {
+            rows: matrix.rows(),
+            factor,
+            projected: qr.projected[..size].to_vec(),
+            residual_square,
+            column_norms,
+        })
+    }
+
+    /// Rows of the matrix that was reduced.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Columns of the matrix that was reduced.
+    pub fn columns(&self) -> usize {
+        self.factor.columns()
+    }
+
+    /// Euclidean norms of the unscaled columns.
+    pub fn column_norms(&self) -> &[f64] {
+        &self.column_norms
+    }
+
+    /// Minimises |A x - b|^2 + `damping` |D x|^2 over the chosen columns, the others being zero,
+    /// with D the diagonal of column norms (Marquardt's scaling; Moré 1978, section 5).
+    ///
+    /// The step comes from a pivoted QR of the triangle with sqrt(`damping`) rows below it, never
+    /// from the normal equations. Directions whose pivot is at most `tolerance` times the largest
+    /// are left at zero; [`Solution::rank`] says how many remained.
+    ///
+    /// # Errors
+    /// [`LinalgError::Column`] for a bad index.
+    pub fn solve(
+        &self,
+        columns: &[usize],
+        damping: f64,
+        tolerance: f64,
+    ) -> Result<Solution, LinalgError> {
+        let chosen = self.chosen(columns)?;
+        let (size, count) = (chosen.rows(), columns.len());
+        let extra = if damping > 0.0 { count } else { 0 };
+        let root = damping.max(0.0).sqrt();
+        let stacked = Matrix::from_fn(size + extra, count, |row, column| {
+            if row < size {
+                chosen[(row, column)]
+            } else if row - size == column {
+                root
+            } else {
+                0.0
+            }
+        });
+        let mut rhs = self.projected.clone();
+        rhs.resize(size + extra, 0.0);
+        let qr = PivotedQr::new(&stacked, &rhs);
+        let rank = qr.rank(tolerance);
+        let leading = qr.back_substitute(rank, &qr.projected);
+        let mut scaled = vec![0.0; count];
+        for (position, value) in leading.into_iter().enumerate() {
+            scaled[qr.pivots[position]] = value;
+        }
+        let fitted = chosen.times(&scaled)?;
+        let misfit: f64 = self
+            .projected
+            .iter()
+            .zip(&fitted)
+            .map(|(have, fit)| (have - fit).powi(2))
+            .sum();
+        let values = scaled
+            .iter()
+            .zip(columns)
+            .map(|(value, &column)| match self.column_norms[column] {
+                norm if norm > 0.0 => value / norm,
+                _ => 0.0,
+            })
+            .collect();
+        Ok(Solution {
+            values,
+            rank,
+            residual_square: self.residual_square + misfit,
+        })
+    }
+
+    /// Singular values (largest first) of the chosen columns scaled to unit norm, and the right
+    /// singular vectors as columns of a `columns.len()` x min(m, `columns.len()`) matrix.
+    ///
+    /// # Errors
+    /// [`LinalgError::Column`] for a bad index, [`LinalgError::Decomposition`] without convergence.
+    pub fn singular_values(&self, columns: &[usize]) -> Result<(Vec<f64>, Matrix), LinalgError> {
+        singular_values(&self.chosen(columns)?)
+    }
+
+    /// The inverse of A'A for the chosen columns: the covariance for unit noise.
+    ///
+    /// # Errors
+    /// [`LinalgError::RankDeficient`] instead of a number where the columns are dependent.
+    pub fn covariance(&self, columns: &[usize], tolerance: f64) -> Result<Matrix, LinalgError> {
+        let norms: Vec<f64> = columns
+            .iter()
+            .map(|&column| self.column_norms.get(column).copied().unwrap_or(0.0))
+            .collect();
+        covariance::covariance(&self.chosen(columns)?, &norms, tolerance)
+    }
+
+    /// Which columns are independent when they are taken in the given order of preference:
+    /// Khalil & Dombre's rule (first come, first kept), judged on unit-norm columns.
+    ///
+    /// # Errors
+    /// [`LinalgError::Column`] for a bad index.
+    pub fn ordered_rank(
+        &self,
+        order: &[usize],
+        tolerance: f64,
+    ) -> Result<OrderedRank, LinalgError> {
+        let chosen = self.chosen(order)?;
+        Ok(ordered::ordered_rank(
+            &chosen,
+            order,
+            &self.column_norms,
+            tolerance,
+        ))
+    }
+
+    /// The small factor of the chosen columns, each brought to the norm `norms[k]`.
+    ///
+    /// # Panics
+    /// If a column is out of range or `norms` is shorter than `columns`.
+    pub fn scaled_factor(&self, columns: &[usize], norms: &[f64]) -> Matrix {
+        Matrix::from_fn(self.factor.rows(), columns.len(), |row, position| {
+            self.factor[(row, columns[position])] * norms[position]
+        })
+    }
+
+    fn chosen(&self, columns: &[usize]) -> Result<Matrix, LinalgError> {
+        let available = self.factor.columns();
+        let mut seen = vec![false; available];
+        for &column in columns {
+            match seen.get_mut(column) {
+                Some(taken) if !*taken => *taken = true,
+                _ => {
+                    return Err(LinalgError::Column {
+                        column,
+                        columns: available,
+                    });
+                }
+            }
+        }
+        if columns.is_empty() {
+            return Err(LinalgError::Empty {
+                rows: self.rows,
+                columns: 0,
+            });
+        }
+        Ok(Matrix::from_fn(
+            self.factor.rows(),
+            columns.len(),
+            |row, position| self.factor[(row, columns[position])],
+        ))
+    }
+}
+
+/// Euclidean norm without overflow for entries of any size.
+fn norm(values: &[f64]) -> f64 {
+    let largest = values
+        .iter()
+        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    if largest == 0.0 {
+        return 0.0;
+    }
+    largest
+        * values
+            .iter()
+            .map(|value| (value / largest).powi(2))
+            .sum::<f64>()
+            .sqrt()
+}

@@ -1,0 +1,111 @@
+//! What can be wrong with a device file or with evaluating a device.
+
+use std::path::PathBuf;
+
+use haptical_kinematics::KinematicsError;
+use haptical_transmission::TransmissionError;
+
+/// A device file that cannot be used; each says where, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeviceFileError {
+    /// The file cannot be opened.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Unreadable {
+        /// File.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not TOML.
+    #[error("{file}:{line}:{column}: {message}")]
+    Syntax {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What the parser said.
+        message: String,
+    },
+    /// A key that must be there is not.
+    #[error("{file}:{line}:{column}: {place} has no `{key}`: {advice}")]
+    MissingKey {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Table, in words.
+        place: String,
+        /// Key.
+        key: String,
+        /// Next step.
+        advice: String,
+    },
+    /// A value of the wrong type or out of its range.
+    #[error("{file}:{line}:{column}: {place}: `{key}` is {found}, but {allowed}")]
+    Value {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Table, in words.
+        place: String,
+        /// Key.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        allowed: String,
+    },
+    /// Counts that do not fit each other.
+    #[error("{file}: {message}")]
+    Shape {
+        /// File.
+        file: String,
+        /// What does not fit.
+        message: String,
+    },
+}
+
+/// A device that cannot be evaluated at some reading.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// The device has no links, so it has no handle position.
+    #[error("the device `{device}` has no [[link]] rows: only its transmissions can be evaluated")]
+    NoLinks {
+        /// Device name.
+        device: String,
+    },
+    /// A vector of joint readings of the wrong length.
+    #[error("expected {expected} joint readings, found {found}")]
+    JointCount {
+        /// Joints of the device.
+        expected: usize,
+        /// Readings given.
+        found: usize,
+    },
+    /// The transmission of a joint.
+    #[error("joint {joint}: {source}")]
+    Transmission {
+        /// Joint, from 1.
+        joint: usize,
+        /// What is wrong.
+        source: TransmissionError,
+    },
+    /// The chain.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+    /// A parameter that the device does not have.
+    #[error("the device has no parameter `{name}`")]
+    NoParameter {
+        /// Name.
+        name: String,
+    },
+}

@@ -1,0 +1,163 @@
+//! One pose of a device, with every derivative that an identification needs, without allocation.
+
+use haptical_kinematics::{Chain, Convention, Link, LinkDerivatives, Motion, Pose, Twist};
+
+use crate::parameters::LinkParameter;
+use crate::{Device, ModelError, ParameterId};
+
+/// Evaluates a device at joint readings; made once, used for every row of a recording.
+#[derive(Debug, Clone)]
+pub struct Evaluation<'d> {
+    device: &'d Device,
+    convention: Convention,
+    links: Vec<Link>,
+    motions: Vec<Motion>,
+    variables: Vec<f64>,
+    errors: Vec<JointError>,
+    link_derivatives: Vec<LinkDerivatives>,
+    pose: Option<Pose>,
+}
+
+/// Transmission error of one joint at its reading.
+#[derive(Debug, Clone, Default)]
+struct JointError {
+    value: f64,
+    slope: f64,
+    derivatives: Vec<f64>,
+}
+
+impl<'d> Evaluation<'d> {
+    /// Prepares the evaluation of a device.
+    pub fn new(device: &'d Device) -> Self {
+        let errors = device
+            .joints
+            .iter()
+            .map(|joint| JointError {
+                derivatives: vec![0.0; joint.error_parameter_count()],
+                ..JointError::default()
+            })
+            .collect();
+        Self {
+            device,
+            convention: device.convention,
+            links: device.chain_links(),
+            motions: device.motions(),
+            variables: vec![0.0; device.joints.len()],
+            errors,
+            link_derivatives: vec![LinkDerivatives::default(); device.links.len()],
+            pose: None,
+        }
+    }
+
+    /// Moves to joint readings (one per joint): transmissions, and the chain if there are links.
+    ///
+    /// # Errors
+    /// [`ModelError`] where a transmission or the chain has no value.
+    pub fn move_to(&mut self, readings: &[f64]) -> Result<(), ModelError> {
+        let expected = self.device.joints.len();
+        if readings.len() != expected {
+            return Err(ModelError::JointCount {
+                expected,
+                found: readings.len(),
+            });
+        }
+        for (index, reading) in readings.iter().enumerate() {
+            self.move_joint(index, *reading)?;
+        }
+        if self.device.has_links() {
+            let chain = Chain::new(self.convention, &self.links, &self.motions)?;
+            self.pose = Some(chain.derivatives(&self.variables, &mut self.link_derivatives)?);
+        }
+        Ok(())
+    }
+
+    /// Evaluates one transmission alone (joint from 0).
+    ///
+    /// # Errors
+    /// [`ModelError::Transmission`].
+    pub fn move_joint(&mut self, joint: usize, reading: f64) -> Result<(), ModelError> {
+        let error = &mut self.errors[joint];
+        let (value, slope) = self.device.joints[joint]
+            .evaluate_error(reading, &mut error.derivatives)
+            .map_err(|source| ModelError::Transmission {
+                joint: joint + 1,
+                source,
+            })?;
+        error.value = value;
+        error.slope = slope;
+        self.variables[joint] = reading + value;
+        Ok(())
+    }
+
+    /// Handle pose in frame (-1).
+    ///
+    /// # Errors
+    /// [`ModelError::NoLinks`].
+    pub fn pose(&self) -> Result<&Pose, ModelError> {
+        self.pose.as_ref().ok_or_else(|| ModelError::NoLinks {
+            device: self.device.name.clone(),
+        })
+    }
+
+    /// What the external encoder of a joint (from 0) should read: reading + error.
+    pub fn output_rad(&self, joint: usize) -> f64 {
+        self.variables[joint]
+    }
+
+    /// Transmission error of a joint (from 0).
+    pub fn error_rad(&self, joint: usize) -> f64 {
+        self.errors[joint].value
+    }
+
+    /// d output / d reading of a joint (from 0).
+    pub fn output_slope(&self, joint: usize) -> f64 {
+        1.0 + self.errors[joint].slope
+    }
+
+    /// d output / d parameter for a transmission parameter of that joint, else 0.
+    pub fn output_derivative(&self, output_joint: usize, parameter: ParameterId) -> f64 {
+        match parameter {
+            ParameterId::Transmission { joint, index } if joint == output_joint => {
+                self.errors[joint].derivatives[index]
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Derivative of the handle's pose with respect to any parameter, as a twist in frame (-1).
+    pub fn pose_derivative(&self, parameter: ParameterId) -> Twist {
+        match parameter {
+            ParameterId::Link { row, parameter } => {
+                self.link_derivatives[row].get(parameter.kinematic())
+            }
+            ParameterId::Transmission { joint, index } => {
+                let factor = self.errors[joint].derivatives[index];
+                let twist = self.joint_twist(joint);
+                Twist {
+                    linear: twist.linear * factor,
+                    angular: twist.angular * factor,
+                }
+            }
+        }
+    }
+
+    /// Derivative of the handle's pose with respect to a joint's output angle (joint from 0).
+    pub fn joint_twist(&self, joint: usize) -> Twist {
+        let row = &self.link_derivatives[joint + 1];
+        let parameter = match self.motions[joint + 1] {
+            Motion::Prismatic => LinkParameter::D,
+            Motion::Revolute | Motion::Fixed => LinkParameter::Theta,
+        };
+        row.get(parameter.kinematic())
+    }
+
+    /// Derivative of the handle's pose with respect to a joint's motor-side reading.
+    pub fn reading_twist(&self, joint: usize) -> Twist {
+        let factor = self.output_slope(joint);
+        let twist = self.joint_twist(joint);
+        Twist {
+            linear: twist.linear * factor,
+            angular: twist.angular * factor,
+        }
+    }
+}

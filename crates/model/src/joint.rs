@@ -1,0 +1,221 @@
+//! A joint with its motor-side encoder, transmission and external encoder.
+
+use std::f64::consts::TAU;
+
+use haptical_kinematics::Motion;
+use haptical_transmission::{
+    Capstan, CapstanError, CapstanParallelogram, Parallelogram, TransmissionError as Reason,
+    chebyshev,
+};
+
+/// What the joint variable does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointType {
+    /// Rotation about z.
+    Revolute,
+    /// Translation along z.
+    Prismatic,
+}
+
+/// How the motor drives the joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TransmissionKind {
+    /// Cable drive between two drums.
+    Capstan,
+    /// Cable drive, then a parallelogram.
+    Parallelogram,
+    /// Motor on the joint.
+    Direct,
+}
+
+/// Error of the transmission: output = reading + error(reading).
+#[derive(Debug, Clone, PartialEq)]
+pub enum TransmissionError {
+    /// Equation (1). For a direct joint without drums the eccentricity's denominator is 1 m, so its
+    /// numbers are angles.
+    Capstan(CapstanError),
+    /// Chebyshev polynomial on a range of readings, with its tangents beyond.
+    Chebyshev {
+        /// Range of readings that the polynomial was fitted on.
+        range_rad: [f64; 2],
+        /// Coefficients of T_0, T_1, ...
+        coefficients: Vec<f64>,
+    },
+    /// Equations (1) and (2): a capstan followed by a parallelogram.
+    Parallelogram {
+        /// The capstan's error.
+        capstan: CapstanError,
+        /// Deviations of the four lengths \[m\].
+        length_deviations_m: [f64; 4],
+    },
+}
+
+impl Default for TransmissionError {
+    fn default() -> Self {
+        Self::Capstan(CapstanError::default())
+    }
+}
+
+/// A joint. Angles are \[rad\]; for a prismatic joint the same fields are \[m\].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name.
+    pub name: String,
+    /// Revolute or prismatic.
+    pub joint_type: JointType,
+    /// Joint variable at home.
+    pub home_rad: f64,
+    /// Lower limit, from home.
+    pub lower_rad: f64,
+    /// Upper limit, from home.
+    pub upper_rad: f64,
+    /// Standard deviation of random poses about home.
+    pub sampling_sd_rad: Option<f64>,
+    /// Kind of transmission.
+    pub transmission: TransmissionKind,
+    /// Nominal ratio, motor to joint.
+    pub transmission_ratio: f64,
+    /// Distance between the drums \[m\].
+    pub drum_distance_m: Option<f64>,
+    /// Denominator of the input drum's term \[m\]; the drum distance where absent.
+    pub input_drum_denominator_m: Option<f64>,
+    /// Counts per revolution of the motor-side encoder.
+    pub encoder_counts_per_rev: Option<f64>,
+    /// Counts per revolution of the external encoder.
+    pub external_encoder_counts_per_rev: Option<f64>,
+    /// Standard deviation of the external encoder.
+    pub external_encoder_sd_rad: Option<f64>,
+    /// Relative standard deviation of the torque's scale.
+    pub torque_scale_sd: f64,
+    /// Lengths of the parallelogram's bars \[m\].
+    pub parallelogram_lengths_m: Option<[f64; 4]>,
+    /// Error of the transmission.
+    pub transmission_error: TransmissionError,
+}
+
+impl Joint {
+    /// The kinematics' word for the joint type.
+    pub fn motion(&self) -> Motion {
+        match self.joint_type {
+            JointType::Revolute => Motion::Revolute,
+            JointType::Prismatic => Motion::Prismatic,
+        }
+    }
+
+    /// Unit of readings: `rad` or `m`.
+    pub fn unit(&self) -> &'static str {
+        match self.joint_type {
+            JointType::Revolute => "rad",
+            JointType::Prismatic => "m",
+        }
+    }
+
+    /// The capstan's fixed dimensions. A joint without drums has denominators of 1 m.
+    ///
+    /// # Errors
+    /// If ratio or distances are out of range.
+    pub fn capstan(&self) -> Result<Capstan, Reason> {
+        let distance = self.drum_distance_m.unwrap_or(1.0);
+        Capstan::new(
+            self.transmission_ratio,
+            distance,
+            self.input_drum_denominator_m.unwrap_or(distance),
+        )
+    }
+
+    /// Step of the joint reading: one count of the motor-side encoder over the ratio.
+    pub fn reading_quantum_rad(&self) -> Option<f64> {
+        self.encoder_counts_per_rev
+            .map(|counts| TAU / counts / self.transmission_ratio.abs())
+    }
+
+    /// Standard deviation of the external encoder: as stated, or 2 pi / counts / 3 (the paper).
+    pub fn output_sd_rad(&self) -> Option<f64> {
+        self.external_encoder_sd_rad.or_else(|| {
+            self.external_encoder_counts_per_rev
+                .map(|counts| TAU / counts / 3.0)
+        })
+    }
+
+    /// Number of parameters of the transmission error.
+    pub fn error_parameter_count(&self) -> usize {
+        match &self.transmission_error {
+            TransmissionError::Capstan(_) => 6,
+            TransmissionError::Chebyshev { coefficients, .. } => coefficients.len(),
+            TransmissionError::Parallelogram { .. } => 10,
+        }
+    }
+
+    /// Whether the reading lies where the transmission error is known (a polynomial has a range).
+    pub fn error_is_known_at(&self, reading_rad: f64) -> bool {
+        match &self.transmission_error {
+            TransmissionError::Chebyshev { range_rad, .. } => {
+                chebyshev::contains(*range_rad, reading_rad)
+            }
+            TransmissionError::Capstan(_) | TransmissionError::Parallelogram { .. } => true,
+        }
+    }
+
+    /// Transmission error at a reading: value, slope, and the derivatives with respect to the
+    /// error's parameters written to `derivatives` ([`Joint::error_parameter_count`] entries).
+    ///
+    /// # Errors
+    /// Whatever the transmission says of its numbers.
+    pub fn evaluate_error(
+        &self,
+        reading_rad: f64,
+        derivatives: &mut [f64],
+    ) -> Result<(f64, f64), Reason> {
+        match &self.transmission_error {
+            TransmissionError::Capstan(error) => {
+                let at = self.capstan()?.evaluate(error, reading_rad)?;
+                derivatives.copy_from_slice(&at.derivatives);
+                Ok((at.value_rad, at.slope))
+            }
+            TransmissionError::Chebyshev {
+                range_rad,
+                coefficients,
+            } => {
+                chebyshev::basis(*range_rad, reading_rad, derivatives);
+                Ok(chebyshev::evaluate(*range_rad, coefficients, reading_rad))
+            }
+            TransmissionError::Parallelogram {
+                capstan,
+                length_deviations_m,
+            } => {
+                let cascade = self.cascade()?;
+                let at = cascade.evaluate(capstan, length_deviations_m, reading_rad)?;
+                derivatives.copy_from_slice(&at.derivatives);
+                Ok((at.value_rad, at.slope))
+            }
+        }
+    }
+
+    /// Transmission error at a reading.
+    ///
+    /// # Errors
+    /// Whatever the transmission says of its numbers.
+    pub fn error_rad(&self, reading_rad: f64) -> Result<f64, Reason> {
+        match &self.transmission_error {
+            TransmissionError::Capstan(error) => self.capstan()?.error(error, reading_rad),
+            TransmissionError::Chebyshev {
+                range_rad,
+                coefficients,
+            } => Ok(chebyshev::evaluate(*range_rad, coefficients, reading_rad).0),
+            TransmissionError::Parallelogram {
+                capstan,
+                length_deviations_m,
+            } => self
+                .cascade()?
+                .error(capstan, length_deviations_m, reading_rad),
+        }
+    }
+
+    fn cascade(&self) -> Result<CapstanParallelogram, Reason> {
+        let lengths = self.parallelogram_lengths_m.unwrap_or([f64::NAN; 4]);
+        Ok(CapstanParallelogram {
+            capstan: self.capstan()?,
+            parallelogram: Parallelogram::new(lengths)?,
+        })
+    }
+}

@@ -1,0 +1,242 @@
+//! Every number of a device that a calibration may change, by a stable name.
+
+use haptical_kinematics::Parameter;
+use haptical_transmission::CapstanError;
+
+use crate::{Device, ModelError, TransmissionError};
+
+/// One parameter of a device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ParameterId {
+    /// A Denavit-Hartenberg parameter of a row (0 is the base row).
+    Link {
+        /// Row.
+        row: usize,
+        /// Which of the five.
+        parameter: LinkParameter,
+    },
+    /// A parameter of a joint's transmission error.
+    Transmission {
+        /// Joint, from 0.
+        joint: usize,
+        /// Position within the error's parameters.
+        index: usize,
+    },
+}
+
+/// The five numbers of a row. (The kinematics' [`Parameter`] with an order.)
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LinkParameter {
+    /// Length along x.
+    A,
+    /// Twist about x.
+    Alpha,
+    /// Offset along z.
+    D,
+    /// Angle about z: the joint offset.
+    Theta,
+    /// Hayati's rotation about y.
+    Beta,
+}
+
+impl LinkParameter {
+    /// All five.
+    pub const ALL: [Self; 5] = [Self::A, Self::Alpha, Self::D, Self::Theta, Self::Beta];
+
+    /// The kinematics' word for it.
+    pub fn kinematic(self) -> Parameter {
+        match self {
+            Self::A => Parameter::A,
+            Self::Alpha => Parameter::Alpha,
+            Self::D => Parameter::D,
+            Self::Theta => Parameter::Theta,
+            Self::Beta => Parameter::Beta,
+        }
+    }
+}
+
+/// Plausible size of a length deviation \[m\]: the largest of the paper's Table 5 is 4.2 mm.
+const PLAUSIBLE_LENGTH_M: f64 = 5e-3;
+/// Plausible size of an angle deviation \[rad\]: Table 5 has 27 mrad, once 52 mrad.
+const PLAUSIBLE_ANGLE_RAD: f64 = 2e-2;
+/// Plausible output drum eccentricity \[m\]: Table 4 reaches 1.5 mm.
+const PLAUSIBLE_OUTPUT_ECCENTRICITY_M: f64 = 1e-3;
+/// Plausible input drum eccentricity \[m\]: Table 4 reaches 0.02 mm; the drum is an eighth in size.
+const PLAUSIBLE_INPUT_ECCENTRICITY_M: f64 = 1e-4;
+/// Plausible ratio deviation as a share of the ratio: Table 4 reaches 4 % of 8.
+const PLAUSIBLE_RATIO_SHARE: f64 = 0.05;
+
+impl ParameterId {
+    /// Unit.
+    pub fn unit(self, device: &Device) -> &'static str {
+        match self {
+            Self::Link {
+                parameter: LinkParameter::A | LinkParameter::D,
+                ..
+            } => "m",
+            Self::Link { .. } => "rad",
+            Self::Transmission { joint, index } => {
+                let joint = &device.joints[joint];
+                match &joint.transmission_error {
+                    TransmissionError::Chebyshev { .. } => joint.unit(),
+                    _ if index == 0 => joint.unit(),
+                    _ if index == 1 => "1",
+                    _ => "m",
+                }
+            }
+        }
+    }
+
+    /// Short name, as in the paper's tables: `alpha4`, `d0`, `ratio_deviation2`.
+    pub fn name(self, device: &Device) -> String {
+        match self {
+            Self::Link { row, parameter } => format!("{}{row}", parameter.kinematic().name()),
+            Self::Transmission { joint, index } => {
+                let number = joint + 1;
+                match &device.joints[joint].transmission_error {
+                    TransmissionError::Chebyshev { .. } => format!("chebyshev{number}[{index}]"),
+                    _ => match CapstanError::PARAMETER_NAMES.get(index) {
+                        Some(name) => format!("{name}{number}"),
+                        None => format!("length_deviation{number}[{}]", index - 5),
+                    },
+                }
+            }
+        }
+    }
+
+    /// Key in the device file: `link[4].alpha_rad`, `joint[2].transmission_error.ratio_deviation`.
+    pub fn key(self, device: &Device) -> String {
+        match self {
+            Self::Link { row, parameter } => {
+                let key = match parameter {
+                    LinkParameter::A => "a_m",
+                    LinkParameter::Alpha => "alpha_rad",
+                    LinkParameter::D => "d_m",
+                    LinkParameter::Theta => "theta_offset_rad",
+                    LinkParameter::Beta => "beta_rad",
+                };
+                format!("link[{row}].{key}")
+            }
+            Self::Transmission { joint, index } => {
+                let number = joint + 1;
+                let key = match (&device.joints[joint].transmission_error, index) {
+                    (TransmissionError::Chebyshev { .. }, _) => format!("chebyshev[{index}]"),
+                    (_, 0) => "offset_rad".to_owned(),
+                    (_, 1) => "ratio_deviation".to_owned(),
+                    (_, 2 | 3) => format!("output_drum_xy_m[{}]", index - 2),
+                    (_, 4 | 5) => format!("input_drum_xy_m[{}]", index - 4),
+                    _ => format!("length_deviations_m[{}]", index - 6),
+                };
+                format!("joint[{number}].transmission_error.{key}")
+            }
+        }
+    }
+
+    /// Size that a deviation of this parameter may plausibly have, in its unit; the paper's Tables 4
+    /// and 5 are the source (docs/assumptions.md, "Plausible sizes").
+    pub fn plausible_size(self, device: &Device) -> f64 {
+        match self {
+            Self::Link {
+                parameter: LinkParameter::A | LinkParameter::D,
+                ..
+            } => PLAUSIBLE_LENGTH_M,
+            Self::Link { .. } => PLAUSIBLE_ANGLE_RAD,
+            Self::Transmission { joint, index } => {
+                let joint = &device.joints[joint];
+                let drum = joint.drum_distance_m.is_some();
+                match (&joint.transmission_error, index) {
+                    (TransmissionError::Chebyshev { .. }, _) | (_, 0) => PLAUSIBLE_ANGLE_RAD,
+                    (_, 1) => PLAUSIBLE_RATIO_SHARE * joint.transmission_ratio.abs(),
+                    (_, 2 | 3) if drum => PLAUSIBLE_OUTPUT_ECCENTRICITY_M,
+                    (_, 4 | 5) if drum => PLAUSIBLE_INPUT_ECCENTRICITY_M,
+                    (_, 2..=5) => PLAUSIBLE_ANGLE_RAD,
+                    _ => PLAUSIBLE_OUTPUT_ECCENTRICITY_M,
+                }
+            }
+        }
+    }
+
+    /// Value in a device.
+    pub fn value(self, device: &Device) -> f64 {
+        match self {
+            Self::Link { row, parameter } => device.links[row].get(parameter.kinematic()),
+            Self::Transmission { joint, index } => match &device.joints[joint].transmission_error {
+                TransmissionError::Capstan(error) => error.to_array()[index],
+                TransmissionError::Chebyshev { coefficients, .. } => coefficients[index],
+                TransmissionError::Parallelogram {
+                    capstan,
+                    length_deviations_m,
+                } => match index.checked_sub(6) {
+                    None => capstan.to_array()[index],
+                    Some(length) => length_deviations_m[length],
+                },
+            },
+        }
+    }
+
+    /// Sets the value in a device.
+    pub fn set(self, device: &mut Device, value: f64) {
+        match self {
+            Self::Link { row, parameter } => device.links[row].set(parameter.kinematic(), value),
+            Self::Transmission { joint, index } => {
+                match &mut device.joints[joint].transmission_error {
+                    TransmissionError::Capstan(error) => set_capstan(error, index, value),
+                    TransmissionError::Chebyshev { coefficients, .. } => {
+                        coefficients[index] = value;
+                    }
+                    TransmissionError::Parallelogram {
+                        capstan,
+                        length_deviations_m,
+                    } => match index.checked_sub(6) {
+                        None => set_capstan(capstan, index, value),
+                        Some(length) => length_deviations_m[length] = value,
+                    },
+                }
+            }
+        }
+    }
+}
+
+fn set_capstan(error: &mut CapstanError, index: usize, value: f64) {
+    let mut values = error.to_array();
+    values[index] = value;
+    *error = CapstanError::from_array(values);
+}
+
+impl Device {
+    /// The 4 (n + 1) Denavit-Hartenberg parameters, row by row; Hayati's angle only where
+    /// `with_beta`.
+    pub fn link_parameters(&self, with_beta: bool) -> Vec<ParameterId> {
+        (0..self.links.len())
+            .flat_map(|row| {
+                LinkParameter::ALL
+                    .into_iter()
+                    .filter(move |parameter| with_beta || *parameter != LinkParameter::Beta)
+                    .map(move |parameter| ParameterId::Link { row, parameter })
+            })
+            .collect()
+    }
+
+    /// The parameters of one joint's transmission error (joint from 0).
+    pub fn transmission_parameters(&self, joint: usize) -> Vec<ParameterId> {
+        (0..self.joints[joint].error_parameter_count())
+            .map(|index| ParameterId::Transmission { joint, index })
+            .collect()
+    }
+
+    /// Finds a link or transmission parameter by its short name.
+    ///
+    /// # Errors
+    /// [`ModelError::NoParameter`].
+    pub fn parameter(&self, name: &str) -> Result<ParameterId, ModelError> {
+        let transmissions =
+            (0..self.joints.len()).flat_map(|joint| self.transmission_parameters(joint));
+        self.link_parameters(true)
+            .into_iter()
+            .chain(transmissions)
+            .find(|id| id.name(self) == name)
+            .ok_or_else(|| ModelError::NoParameter {
+                name: name.to_owned(),
+            })
+    }
+}

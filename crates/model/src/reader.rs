@@ -1,0 +1,259 @@
+//! Reads a TOML document value by value, remembering where each stands and which keys were used.
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
+use toml::de::{DeTable, DeValue};
+
+use crate::DeviceFileError;
+
+/// A document with its name, for positions in errors.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Source<'s> {
+    pub(crate) file: &'s str,
+    pub(crate) text: &'s str,
+}
+
+impl Source<'_> {
+    /// Line and column (from 1) of a byte offset.
+    pub(crate) fn position(&self, offset: usize) -> (usize, usize) {
+        let before = &self.text[..offset.min(self.text.len())];
+        let line = before.matches('\n').count() + 1;
+        let column = before
+            .rsplit('\n')
+            .next()
+            .map_or(0, |text| text.chars().count())
+            + 1;
+        (line, column)
+    }
+}
+
+/// One table of the document.
+#[derive(Debug)]
+pub(crate) struct Section<'s, 't> {
+    source: Source<'s>,
+    table: &'t DeTable<'s>,
+    /// In words: `[[link]] row 3`.
+    pub(crate) place: String,
+    offset: usize,
+    used: RefCell<BTreeSet<String>>,
+}
+
+type Result<T> = std::result::Result<T, DeviceFileError>;
+
+impl<'s, 't> Section<'s, 't> {
+    pub(crate) fn new(
+        source: Source<'s>,
+        table: &'t DeTable<'s>,
+        place: impl Into<String>,
+        offset: usize,
+    ) -> Self {
+        Self {
+            source,
+            table,
+            place: place.into(),
+            offset,
+            used: RefCell::default(),
+        }
+    }
+
+    fn find(&self, key: &str) -> Option<(&'t DeValue<'s>, usize)> {
+        self.used.borrow_mut().insert(key.to_owned());
+        self.table
+            .iter()
+            .find(|(name, _)| name.get_ref().as_ref() == key)
+            .map(|(_, value)| (value.get_ref(), value.span().start))
+    }
+
+    pub(crate) fn missing(&self, key: &str, advice: &str) -> DeviceFileError {
+        let (line, column) = self.source.position(self.offset);
+        DeviceFileError::MissingKey {
+            file: self.source.file.to_owned(),
+            line,
+            column,
+            place: self.place.clone(),
+            key: key.to_owned(),
+            advice: advice.to_owned(),
+        }
+    }
+
+    /// An error about the value of a key.
+    pub(crate) fn refuse(&self, key: &str, found: String, allowed: &str) -> DeviceFileError {
+        let offset = self.find(key).map_or(self.offset, |(_, offset)| offset);
+        self.refuse_at(offset, key, found, allowed)
+    }
+
+    fn refuse_at(&self, offset: usize, key: &str, found: String, allowed: &str) -> DeviceFileError {
+        let (line, column) = self.source.position(offset);
+        DeviceFileError::Value {
+            file: self.source.file.to_owned(),
+            line,
+            column,
+            place: self.place.clone(),
+            key: key.to_owned(),
+            found,
+            allowed: allowed.to_owned(),
+        }
+    }
+
+    /// A finite number, if the key is there.
+    pub(crate) fn number(&self, key: &str) -> Result<Option<f64>> {
+        let Some((value, offset)) = self.find(key) else {
+            return Ok(None);
+        };
+        self.to_number(key, value, offset).map(Some)
+    }
+
+    /// A finite number above zero, if the key is there.
+    pub(crate) fn positive(&self, key: &str) -> Result<Option<f64>> {
+        match self.number(key)? {
+            Some(value) if value <= 0.0 => {
+                Err(self.refuse(key, value.to_string(), "it must be above zero"))
+            }
+            other => Ok(other),
+        }
+    }
+
+    /// A finite number that must be there.
+    pub(crate) fn required(&self, key: &str, advice: &str) -> Result<f64> {
+        self.number(key)?.ok_or_else(|| self.missing(key, advice))
+    }
+
+    pub(crate) fn text(&self, key: &str) -> Result<Option<&'t str>> {
+        match self.find(key) {
+            None => Ok(None),
+            Some((DeValue::String(text), _)) => Ok(Some(text.as_ref())),
+            Some((value, offset)) => {
+                let found = value.type_str().to_owned();
+                Err(self.refuse_at(offset, key, found, "text in quotes is expected"))
+            }
+        }
+    }
+
+    /// A list of finite numbers of any length.
+    pub(crate) fn numbers(&self, key: &str) -> Result<Option<Vec<f64>>> {
+        match self.find(key) {
+            None => Ok(None),
+            Some((DeValue::Array(items), _)) => items
+                .iter()
+                .map(|item| self.to_number(key, item.get_ref(), item.span().start))
+                .collect::<Result<Vec<f64>>>()
+                .map(Some),
+            Some((value, offset)) => {
+                let found = value.type_str().to_owned();
+                Err(self.refuse_at(offset, key, found, "a list of numbers is expected"))
+            }
+        }
+    }
+
+    /// A list of exactly `N` finite numbers.
+    pub(crate) fn vector<const N: usize>(&self, key: &str) -> Result<Option<[f64; N]>> {
+        let Some(values) = self.numbers(key)? else {
+            return Ok(None);
+        };
+        let found = values.len();
+        <[f64; N]>::try_from(values).map(Some).map_err(|_| {
+            self.refuse(
+                key,
+                format!("{found} numbers"),
+                &format!("{N} numbers are expected"),
+            )
+        })
+    }
+
+    /// One table below this one.
+    pub(crate) fn table(&self, key: &str) -> Result<Option<Section<'s, 't>>> {
+        match self.find(key) {
+            None => Ok(None),
+            Some((DeValue::Table(table), offset)) => {
+                let place = if self.place.is_empty() {
+                    format!("[{key}]")
+                } else {
+                    format!("[{key}] of {}", self.place)
+                };
+                Ok(Some(Section::new(self.source, table, place, offset)))
+            }
+            Some((value, offset)) => {
+                let found = value.type_str().to_owned();
+                Err(self.refuse_at(offset, key, found, "a table is expected"))
+            }
+        }
+    }
+
+    /// A list of tables; `number` names the first.
+    pub(crate) fn tables(&self, key: &str, first: usize) -> Result<Vec<Section<'s, 't>>> {
+        match self.find(key) {
+            None => Ok(Vec::new()),
+            Some((DeValue::Array(items), _)) => items
+                .iter()
+                .enumerate()
+                .map(|(index, item)| match item.get_ref() {
+                    DeValue::Table(table) => {
+                        let place = format!("[[{key}]] {}", index + first);
+                        Ok(Section::new(self.source, table, place, item.span().start))
+                    }
+                    other => {
+                        let found = other.type_str().to_owned();
+                        let expected = "a list of tables is expected";
+                        Err(self.refuse_at(item.span().start, key, found, expected))
+                    }
+                })
+                .collect(),
+            Some((value, offset)) => {
+                let found = value.type_str().to_owned();
+                let allowed = format!("write each as [[{key}]]");
+                Err(self.refuse_at(offset, key, found, &allowed))
+            }
+        }
+    }
+
+    /// Keys that nobody asked for, as warnings: probably misspelt.
+    pub(crate) fn unknown_keys(&self, warnings: &mut Vec<String>) {
+        let used = self.used.borrow();
+        for (name, _) in self
+            .table
+            .iter()
+            .filter(|(name, _)| !used.contains(name.get_ref().as_ref()))
+        {
+            let (line, _) = self.source.position(name.span().start);
+            let place = if self.place.is_empty() {
+                "the file"
+            } else {
+                &self.place
+            };
+            warnings.push(format!(
+                "{}:{line}: {place} has the key `{}`, which is not known and not used",
+                self.source.file,
+                name.get_ref()
+            ));
+        }
+    }
+
+    fn to_number(&self, key: &str, value: &DeValue<'_>, offset: usize) -> Result<f64> {
+        let number = match value {
+            DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().ok(),
+            DeValue::Integer(number) => {
+                i64::from_str_radix(&number.as_str().replace('_', ""), number.radix())
+                    .ok()
+                    .map(|integer| integer as f64)
+            }
+            _ => None,
+        };
+        match number {
+            Some(number) if number.is_finite() => Ok(number),
+            Some(number) => Err(self.refuse_at(
+                offset,
+                key,
+                number.to_string(),
+                "a finite number is expected",
+            )),
+            None => {
+                let found = match value {
+                    DeValue::String(text) => format!("the text \"{text}\""),
+                    other => other.type_str().to_owned(),
+                };
+                Err(self.refuse_at(offset, key, found, "a number is expected"))
+            }
+        }
+    }
+}
