@@ -1,1 +1,30 @@
-//! calibration
+#![doc = include_str!("../README.md")]
+
+mod calibration;
+mod candidates;
+mod channel;
+mod error;
+mod evidence;
+mod fit;
+mod held_out;
+mod joint_fit;
+mod problem;
+mod residuals;
+mod sufficiency;
+mod transmission_step;
+mod weights;
+
+pub use calibration::{Calibration, ChannelReport, calibrate};
+pub use candidates::{candidate_parameters, parameter_infos, preference_order};
+pub use channel::{Channel, channels};
+pub use error::CalibrationError;
+pub use evidence::{EvidenceEntry, TransmissionTerms};
+pub use fit::{
+    CalibrationMethod, Degree, Options, ParameterFit, Weighting, fit_parameters, identifiability_at,
+};
+pub use held_out::{HeldOut, Split, split};
+pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};
+pub use problem::DeviceProblem;
+pub use residuals::{ChannelResiduals, channel_residuals};
+pub use transmission_step::{TransmissionFit, fit_transmission, fit_transmissions};
+pub use weights::Weights;

@@ -1,1 +1,52 @@
-//! data
+//! Logs of calibration measurements: comma-separated text in and out, plain or gzip, with errors
+//! that name the line and the column.
+//!
+//! ```
+//! use haptical_data::{JointShape, LogShape, read_log_from, write_log_to};
+//!
+//! let shape = LogShape {
+//!     joints: vec![JointShape { name: "1".into(), prismatic: false, lower: -1.5, upper: 1.5 }],
+//!     cable_count: 1,
+//! };
+//! let text = "t_s,theta1_rad,cable_m\n0.00,0.1,0.25\n0.01,0.2,\n";
+//! let log = read_log_from(text.as_bytes(), "log.csv", &shape)?;
+//! assert_eq!(log.recording.joint[0], [0.1, 0.2]);
+//! assert!(log.recording.cable_m[0].as_ref().is_some_and(|cable| cable[1].is_nan()));
+//!
+//! let mut copy = Vec::new();
+//! write_log_to(&mut copy, &log.recording, &shape)?;
+//! assert_eq!(copy, b"t_s,theta1_rad,cable_m\n0,0.1,0.25\n0.01,0.2,\n");
+//! # Ok::<(), haptical_data::DataError>(())
+//! ```
+
+mod assemble;
+mod cell;
+mod column;
+mod error;
+mod groups;
+mod header;
+mod kind;
+mod limits;
+mod near_miss;
+mod order;
+mod orientation;
+mod place;
+mod read;
+mod rows;
+mod shape;
+mod source;
+mod write;
+mod write_column;
+mod write_file;
+
+pub use error::DataError;
+pub use near_miss::NearMiss;
+pub use place::Place;
+pub use read::{LoadedLog, read_log, read_log_from};
+pub use shape::{JointShape, LogShape};
+pub use write::LogWriter;
+pub use write_file::{write_log, write_log_to};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDoctests;

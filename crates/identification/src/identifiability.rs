@@ -249,10 +249,10 @@ pub(crate) fn plausible_scaling(
     reduction: &Reduction,
     columns: &[usize],
     parameters: &[ParameterInfo],
-) -> Matrix {
+) -> Result<Matrix, IdentificationError> {
     let sizes: Vec<f64> = columns
         .iter()
         .map(|&column| reduction.column_norms()[column] * parameters[column].plausible_size)
         .collect();
-    reduction.scaled_factor(columns, &sizes)
+    Ok(reduction.scaled_factor(columns, &sizes)?)
 }

@@ -28,7 +28,7 @@ impl Observability {
         columns: &[usize],
         parameters: &[ParameterInfo],
     ) -> Result<Option<Self>, IdentificationError> {
-        let values = singular_values(&plausible_scaling(reduction, columns, parameters))?;
+        let values = singular_values(&plausible_scaling(reduction, columns, parameters)?)?;
         Ok(Self::from_singular_values(&values, reduction.rows()))
     }
 

@@ -1,2 +1,46 @@
-//! kinematics
+//! Pose of a serial chain of Denavit-Hartenberg rows, and its derivatives with respect to every
+//! parameter and every joint.
+//!
+//! [`Chain`] joins [`Link`]s under a [`Convention`]; [`Chain::pose`], [`Chain::derivatives`] and
+//! [`Chain::geometric_jacobian`] evaluate it; [`distance_m`] and [`distance_derivative`] reduce the
+//! pose to what a measurement cable sees; [`joint_torques_nm`] maps a wrench to the joints. Lengths
+//! are in m, angles in rad, and every vector is expressed in frame (-1), the first row's frame.
+//!
+//! # Why every derivative is a unit twist
+//!
+//! A chain is a product of elementary motions `E_1(x_1) E_2(x_2) ... E_m(x_m)`, five per row, each a
+//! turn about or a slide along one axis of the frame reached so far. Split the product at motion
+//! `k` into `U E_k(x_k) V`. Changing `x_k` by `dx` moves everything after it, `V`, rigidly:
+//!
+//! - a slide along the axis `w` (a column of `U`'s rotation): `dP = w dx`, `dR = 0`;
+//! - a turn about the axis `w` through `U`'s origin `p`: `dP = w x (P - p) dx`, `dR = [w]x R dx`.
+//!
+//! `w` and `p` depend only on what comes before motion `k`, and the turn itself leaves both
+//! unchanged. One forward pass therefore stores `(p, w)` for every parameter; a second loop over
+//! the rows, which needs no sine or cosine, adds the end point `P`. Nothing is approximated.
+//!
+//! Sines and cosines come from `libm`, so the same input gives the same bits on every machine.
 #![no_std]
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDoctests;
+
+mod chain;
+mod derivatives;
+mod distance;
+mod error;
+mod frame;
+mod link;
+mod pose;
+mod statics;
+
+pub use nalgebra;
+
+pub use crate::chain::Chain;
+pub use crate::derivatives::LinkDerivatives;
+pub use crate::distance::{distance_derivative, distance_m};
+pub use crate::error::KinematicsError;
+pub use crate::link::{Convention, Link, Motion, Parameter};
+pub use crate::pose::{Pose, Twist};
+pub use crate::statics::joint_torques_nm;

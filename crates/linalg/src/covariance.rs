@@ -37,6 +37,9 @@ pub(crate) fn covariance(
             let sum: f64 = (0..count).map(|k| inverse[(i, k)] * inverse[(j, k)]).sum();
             let (a, b) = (qr.pivots[i], qr.pivots[j]);
             let value = sum / norms[a] / norms[b];
+            if !value.is_finite() {
+                return Err(LinalgError::Overflow { what: "a variance" });
+            }
             result[(a, b)] = value;
             result[(b, a)] = value;
         }

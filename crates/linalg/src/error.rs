@@ -40,10 +40,26 @@ pub enum LinalgError {
         /// Columns of the matrix.
         columns: usize,
     },
+    /// An argument outside its range.
+    #[error("{what} is {value}, allowed: {allowed}")]
+    OutOfRange {
+        /// Which argument.
+        what: &'static str,
+        /// Value given.
+        value: f64,
+        /// Range.
+        allowed: &'static str,
+    },
+    /// A result that no double-precision number can hold: change the units of the problem.
+    #[error("{what} overflows: the largest number here is 1.8e308, choose other units")]
+    Overflow {
+        /// Which result.
+        what: &'static str,
+    },
     /// The columns are not independent, so the question has no answer.
     #[error("the {columns} chosen columns have rank {rank}: leave out dependent columns first")]
     RankDeficient {
-        /// Rank found.
+        /// Rank found; from the sparse solver only an upper bound.
         rank: usize,
         /// Columns chosen.
         columns: usize,

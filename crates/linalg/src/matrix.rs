@@ -65,7 +65,8 @@ impl Matrix {
     /// The matrix times a vector of [`Matrix::columns`] entries.
     ///
     /// # Errors
-    /// [`LinalgError::Shape`] if the length does not fit.
+    /// [`LinalgError::Shape`] if the length does not fit, [`LinalgError::NotFinite`] for a product
+    /// that is not a finite number.
     pub fn times(&self, vector: &[f64]) -> Result<Vec<f64>, LinalgError> {
         if vector.len() != self.columns {
             return Err(LinalgError::Shape {
@@ -80,7 +81,14 @@ impl Matrix {
                 *sum += entry * factor;
             }
         }
-        Ok(product)
+        match product.iter().position(|entry| !entry.is_finite()) {
+            None => Ok(product),
+            Some(row) => Err(LinalgError::NotFinite {
+                row,
+                column: self.columns,
+                value: product[row],
+            }),
+        }
     }
 
     /// Refuses empty matrices and entries that are not finite.
@@ -110,12 +118,13 @@ impl std::ops::Index<(usize, usize)> for Matrix {
     type Output = f64;
 
     fn index(&self, (row, column): (usize, usize)) -> &f64 {
-        &self.data[column * self.rows + row]
+        // By way of the column: a row out of range must not reach into the next column.
+        &self.column(column)[row]
     }
 }
 
 impl std::ops::IndexMut<(usize, usize)> for Matrix {
     fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut f64 {
-        &mut self.data[column * self.rows + row]
+        &mut self.column_mut(column)[row]
     }
 }

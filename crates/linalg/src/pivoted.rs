@@ -87,7 +87,17 @@ impl PivotedQr {
 /// Singular values, largest first, and the right singular vectors as columns.
 pub(crate) fn singular_values(matrix: &Matrix) -> Result<(Vec<f64>, Matrix), LinalgError> {
     let (rows, columns) = (matrix.rows(), matrix.columns());
-    let svd = matrix
+    let count = rows.min(columns);
+    let largest = (0..columns)
+        .flat_map(|column| matrix.column(column))
+        .fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+    if largest == 0.0 {
+        let identity = |row, column| f64::from(u8::from(row == column));
+        return Ok((vec![0.0; count], Matrix::from_fn(columns, count, identity)));
+    }
+    // Entries of unit size: squares of 1e300 or 1e-300 inside the iteration would overflow or vanish.
+    let scaled = Matrix::from_fn(rows, columns, |row, column| matrix[(row, column)] / largest);
+    let svd = scaled
         .as_faer()
         .thin_svd()
         .map_err(|_| LinalgError::Decomposition {
@@ -95,8 +105,12 @@ pub(crate) fn singular_values(matrix: &Matrix) -> Result<(Vec<f64>, Matrix), Lin
             rows,
             columns,
         })?;
-    let count = rows.min(columns);
-    let values: Vec<f64> = (0..count).map(|index| svd.S()[index]).collect();
+    let values: Vec<f64> = (0..count).map(|index| svd.S()[index] * largest).collect();
+    if values.iter().any(|value| !value.is_finite()) {
+        return Err(LinalgError::Overflow {
+            what: "a singular value",
+        });
+    }
     let vectors = Matrix::from_fn(columns, count, |row, column| svd.V()[(row, column)]);
     Ok((values, vectors))
 }

@@ -44,7 +44,8 @@ impl Reduction {
     /// Reduces `matrix` (m x n) and `rhs` (m).
     ///
     /// # Errors
-    /// [`LinalgError`] for an empty matrix, a length that does not fit or an entry that is not finite.
+    /// [`LinalgError`] for an empty matrix, a length that does not fit, an entry that is not finite,
+    /// or a column norm or |b|^2 that overflows.
     pub fn new(matrix: &Matrix, rhs: &[f64]) -> Result<Self, LinalgError> {
         matrix.check()?;
         if rhs.len() != matrix.rows() {
@@ -65,6 +66,11 @@ impl Reduction {
         let mut column_norms = Vec::with_capacity(matrix.columns());
         for column in 0..matrix.columns() {
             let norm = norm(matrix.column(column));
+            if !norm.is_finite() {
+                return Err(LinalgError::Overflow {
+                    what: "a column norm",
+                });
+            }
             column_norms.push(norm);
             if norm > 0.0 {
                 scaled
@@ -81,7 +87,13 @@ impl Reduction {
                 .column_mut(column)
                 .copy_from_slice(qr.factor.column(position));
         }
-        let residual_square = qr.projected[size..].iter().map(|entry| entry * entry).sum();
+        let square = |part: &[f64]| part.iter().map(|entry| entry * entry).sum::<f64>();
+        let residual_square = square(&qr.projected[size..]);
+        if !(square(&qr.projected[..size]) + residual_square).is_finite() {
+            return Err(LinalgError::Overflow {
+                what: "the square of the right-hand side",
+            });
+        }
         Ok(Self {
             rows: matrix.rows(),
             factor,
@@ -114,17 +126,20 @@ impl Reduction {
     /// are left at zero; [`Solution::rank`] says how many remained.
     ///
     /// # Errors
-    /// [`LinalgError::Column`] for a bad index.
+    /// [`LinalgError::Column`] for a bad index, [`LinalgError::OutOfRange`] for a damping or a
+    /// tolerance that is negative or not finite, [`LinalgError::Overflow`] for a value beyond 1e308.
     pub fn solve(
         &self,
         columns: &[usize],
         damping: f64,
         tolerance: f64,
     ) -> Result<Solution, LinalgError> {
+        at_least_zero("damping", damping)?;
+        at_least_zero("tolerance", tolerance)?;
         let chosen = self.chosen(columns)?;
         let (size, count) = (chosen.rows(), columns.len());
         let extra = if damping > 0.0 { count } else { 0 };
-        let root = damping.max(0.0).sqrt();
+        let root = damping.sqrt();
         let stacked = Matrix::from_fn(size + extra, count, |row, column| {
             if row < size {
                 chosen[(row, column)]
@@ -150,7 +165,7 @@ impl Reduction {
             .zip(&fitted)
             .map(|(have, fit)| (have - fit).powi(2))
             .sum();
-        let values = scaled
+        let values: Vec<f64> = scaled
             .iter()
             .zip(columns)
             .map(|(value, &column)| match self.column_norms[column] {
@@ -158,10 +173,14 @@ impl Reduction {
                 _ => 0.0,
             })
             .collect();
+        let residual_square = self.residual_square + misfit;
+        if !residual_square.is_finite() || values.iter().any(|value| !value.is_finite()) {
+            return Err(LinalgError::Overflow { what: "a solution" });
+        }
         Ok(Solution {
             values,
             rank,
-            residual_square: self.residual_square + misfit,
+            residual_square,
         })
     }
 
@@ -177,8 +196,11 @@ impl Reduction {
     /// The inverse of A'A for the chosen columns: the covariance for unit noise.
     ///
     /// # Errors
-    /// [`LinalgError::RankDeficient`] instead of a number where the columns are dependent.
+    /// [`LinalgError::RankDeficient`] instead of a number where the columns are dependent,
+    /// [`LinalgError::OutOfRange`] for a bad tolerance, [`LinalgError::Overflow`] for a variance
+    /// beyond 1e308.
     pub fn covariance(&self, columns: &[usize], tolerance: f64) -> Result<Matrix, LinalgError> {
+        at_least_zero("tolerance", tolerance)?;
         let norms: Vec<f64> = columns
             .iter()
             .map(|&column| self.column_norms.get(column).copied().unwrap_or(0.0))
@@ -190,12 +212,13 @@ impl Reduction {
     /// Khalil & Dombre's rule (first come, first kept), judged on unit-norm columns.
     ///
     /// # Errors
-    /// [`LinalgError::Column`] for a bad index.
+    /// [`LinalgError::Column`] for a bad index, [`LinalgError::OutOfRange`] for a bad tolerance.
     pub fn ordered_rank(
         &self,
         order: &[usize],
         tolerance: f64,
     ) -> Result<OrderedRank, LinalgError> {
+        at_least_zero("tolerance", tolerance)?;
         let chosen = self.chosen(order)?;
         Ok(ordered::ordered_rank(
             &chosen,
@@ -207,12 +230,26 @@ impl Reduction {
 
     /// The small factor of the chosen columns, each brought to the norm `norms[k]`.
     ///
-    /// # Panics
-    /// If a column is out of range or `norms` is shorter than `columns`.
-    pub fn scaled_factor(&self, columns: &[usize], norms: &[f64]) -> Matrix {
-        Matrix::from_fn(self.factor.rows(), columns.len(), |row, position| {
-            self.factor[(row, columns[position])] * norms[position]
-        })
+    /// # Errors
+    /// [`LinalgError::Column`] for a bad index, [`LinalgError::Shape`] unless there is one norm per
+    /// column, [`LinalgError::NotFinite`] for an entry that is not finite.
+    pub fn scaled_factor(&self, columns: &[usize], norms: &[f64]) -> Result<Matrix, LinalgError> {
+        if norms.len() != columns.len() {
+            return Err(LinalgError::Shape {
+                what: "norms of the chosen columns",
+                expected: columns.len(),
+                found: norms.len(),
+            });
+        }
+        let mut factor = self.chosen(columns)?;
+        for (position, norm) in norms.iter().enumerate() {
+            factor
+                .column_mut(position)
+                .iter_mut()
+                .for_each(|entry| *entry *= norm);
+        }
+        factor.check()?;
+        Ok(factor)
     }
 
     fn chosen(&self, columns: &[usize]) -> Result<Matrix, LinalgError> {
@@ -243,8 +280,19 @@ impl Reduction {
     }
 }
 
-/// Euclidean norm without overflow for entries of any size.
-fn norm(values: &[f64]) -> f64 {
+fn at_least_zero(what: &'static str, value: f64) -> Result<(), LinalgError> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(LinalgError::OutOfRange {
+        what,
+        value,
+        allowed: "finite and at least 0",
+    })
+}
+
+/// Euclidean norm; entries of any size are squared without overflow or underflow.
+pub(crate) fn norm(values: &[f64]) -> f64 {
     let largest = values
         .iter()
         .fold(0.0_f64, |largest, value| largest.max(value.abs()));

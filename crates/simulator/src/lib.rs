@@ -1,1 +1,53 @@
-//! simulator
+//! Simulates recordings of a device whose every number is known, to try identification on.
+//!
+//! The truth is itself a [`model::Device`]: [`apply_deviations`] makes it out of a nominal one,
+//! [`simulate`] records random poses of it, [`simulate_transmission`] one transmission alone, and
+//! [`true_poses`] says where the handle is at given readings.
+//!
+//! # What a seed means
+//!
+//! The generator is ChaCha with 8 rounds, seeded by `SeedableRng::seed_from_u64`. Its stream number
+//! is kind times 2^32 plus the index of the joint or cable, from 0:
+//!
+//! | kind | random numbers of |
+//! |---|---|
+//! | 0 | poses; row k starts at word k 2^36 and draws its joints in order, again where rejected |
+//! | 1 | none: kept for random noise of motor-side readings |
+//! | 2 | external encoders, four words a row |
+//! | 3 | cable encoders, four words a row |
+//! | 4 | poses of [`simulate_transmission`], rows as for kind 0 |
+//! | 5 | external encoders of [`simulate_transmission`], four words a row |
+//!
+//! So one noise can be switched off, a cable added or the number of rows changed without any change
+//! to the other numbers, and one seed may serve every recording of a device.
+//!
+//! # What is guaranteed
+//!
+//! The same device, settings, rows and seed give the same bits on every machine whose `f64`
+//! arithmetic is IEEE 754 without excess precision (all Rust targets but 32-bit x86 without SSE2),
+//! whatever other crates are compiled: integers come from ChaCha, uniform numbers are multiples of
+//! 2^-53, and every function that IEEE 754 does not fix (logarithm, sine, cosine, arctangent,
+//! hypot) is `libm`'s, here and in the model. Normal numbers are Box & Muller's, not `rand_distr`'s:
+//! that crate calls the platform's `exp` and `ln` as soon as another crate of the build turns on
+//! `num-traits/std`, as faer, nalgebra and proptest do. The test `golden` compares with committed
+//! bits. A new minor version of this crate may change what a seed means; a patch may not.
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDoctests;
+
+mod error;
+mod poses;
+mod sampling;
+mod sensor;
+mod settings;
+mod simulate;
+mod streams;
+mod truth;
+
+pub use haptical_model as model;
+
+pub use error::{Part, SimulatorError};
+pub use settings::{CableSigma, Noise, Sampling, Settings};
+pub use simulate::{simulate, simulate_transmission};
+pub use truth::{apply_deviations, true_poses};

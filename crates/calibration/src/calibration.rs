@@ -1,0 +1,289 @@
+//! The whole calibration: look at the recording, fit, and check on rows that the fit did not see.
+
+use haptical_metrics::gap_reduction_percent;
+use haptical_model::{Device, Recording};
+use serde::Serialize;
+
+use crate::held_out::{SHORT_LOG, folds};
+use crate::{
+    CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut, Options,
+    Weights, channel_residuals, channels, fit_device, split, sufficiency,
+};
+
+/// A calibrated device, with what is known of its quality.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    /// The calibrated device.
+    pub device: Device,
+    /// The fits.
+    pub fitted: FittedDevice,
+    /// Before and after, on the rows of the fit.
+    pub fit_channels: Vec<ChannelReport>,
+    /// Before and after, on rows that the fit did not see.
+    pub held_out_channels: Vec<ChannelReport>,
+    /// What was held out, in words.
+    pub held_out: String,
+    /// Things that a user should know.
+    pub warnings: Vec<String>,
+}
+
+/// One channel before and after.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelReport {
+    /// Channel name: `out2`, `cable`.
+    pub channel: String,
+    /// Joint (from 1) of an external encoder.
+    pub joint: Option<usize>,
+    /// Unit.
+    pub unit: String,
+    /// Readings.
+    pub readings: usize,
+    /// Readings left out, because a polynomial was outside its range there.
+    pub outside_range: usize,
+    /// Root mean square of the nominal device's residuals.
+    pub rms_before: f64,
+    /// Standard deviation of the nominal device's residuals (their mean taken off).
+    pub sd_before: f64,
+    /// Root mean square of the calibrated device's residuals.
+    pub rms_after: f64,
+    /// Root mean square of the stated noise, quantization included.
+    pub noise_floor: f64,
+    /// Share of the gap that was closed, noise taken out; none where there was no gap.
+    pub reduction_percent: Option<f64>,
+    /// Residuals before, in the order of the rows.
+    #[serde(skip)]
+    pub before: Vec<f64>,
+    /// Residuals after.
+    #[serde(skip)]
+    pub after: Vec<f64>,
+    /// Rows of the recording.
+    #[serde(skip)]
+    pub rows: Vec<usize>,
+}
+
+/// Calibrates a device from a recording.
+///
+/// The fit sees the rows that [`crate::split`] leaves it; before and after are reported for them and
+/// for the others. A log of fewer than 100 rows is too short for blocks: the device is fitted to all
+/// rows and the held-out figures come from ten folds, each fitted without its own rows.
+///
+/// # Errors
+/// [`CalibrationError`]; [`CalibrationError::is_unidentifiable`] tells data that fix nothing from
+/// data that are wrong.
+pub fn calibrate(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+) -> Result<Calibration, CalibrationError> {
+    let channels = channels(device, recording)?;
+    sufficiency::check(device, recording, &channels)?;
+    let mut warnings = warnings(device, recording, &channels);
+    let stated = Weights::stated(device, &channels);
+    let short = recording.len() < SHORT_LOG;
+    let rows = match (options.held_out, short) {
+        (HeldOut::Share(share), true) if share > 0.0 => HeldOut::None,
+        (other, _) => other,
+    };
+    let split = split(recording, rows)?;
+    let seen = recording.select(&split.fit);
+    let fitted = fit_device(device, &seen, options)?;
+    let fit_channels = compare(device, &fitted.device, &seen, &channels, &stated)?;
+    let (held_out_channels, held_out) = match (options.held_out, short) {
+        (HeldOut::Share(share), true) if share > 0.0 => cross_validate(
+            device,
+            recording,
+            &channels,
+            &stated,
+            options,
+            &mut warnings,
+        )?,
+        _ if split.held_out.is_empty() => (Vec::new(), split.description.clone()),
+        _ => {
+            let unseen = recording.select(&split.held_out);
+            let reports = compare(device, &fitted.device, &unseen, &channels, &stated)?;
+            (reports, split.description.clone())
+        }
+    };
+    for report in held_out_channels
+        .iter()
+        .filter(|report| report.outside_range > 0)
+    {
+        warnings.push(format!(
+            "{}: {} held-out readings lie outside the range that a polynomial was fitted on and \
+             were left out",
+            report.channel, report.outside_range
+        ));
+    }
+    Ok(Calibration {
+        device: fitted.device.clone(),
+        fitted,
+        fit_channels,
+        held_out_channels,
+        held_out,
+        warnings,
+    })
+}
+
+fn warnings(device: &Device, recording: &Recording, channels: &[Channel]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let ignored = recording.position_m.is_some() || recording.cable_m.iter().any(Option::is_some);
+    if !device.has_links() && ignored {
+        warnings.push(
+            "the device has no [[link]] rows: positions and distances are ignored, only \
+             transmissions are calibrated"
+                .to_owned(),
+        );
+    }
+    let resting = sufficiency::resting_joints(recording);
+    if !resting.is_empty() {
+        let numbers: Vec<String> = resting
+            .iter()
+            .map(|joint| (joint + 1).to_string())
+            .collect();
+        warnings.push(format!(
+            "joint {} does not move in this recording: its parameters merge with its neighbours'",
+            numbers.join(", ")
+        ));
+    }
+    for (joint, description) in device.joints.iter().enumerate() {
+        let driven = description.transmission != haptical_model::TransmissionKind::Direct;
+        if driven && !channels.contains(&Channel::Output { joint }) {
+            warnings.push(format!(
+                "joint {} has a transmission but no out{} column: its error can only be seen \
+                 through the distances, as far as they show it",
+                joint + 1,
+                joint + 1
+            ));
+        }
+    }
+    warnings
+}
+
+/// Before and after on one recording.
+fn compare(
+    nominal: &Device,
+    fitted: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    stated: &Weights,
+) -> Result<Vec<ChannelReport>, CalibrationError> {
+    let before = channel_residuals(nominal, fitted, recording, channels, stated)?;
+    let after = channel_residuals(fitted, fitted, recording, channels, stated)?;
+    Ok(before
+        .into_iter()
+        .zip(after)
+        .filter(|(before, _)| !before.residuals.is_empty())
+        .map(|(before, after)| report(nominal, before, after))
+        .collect())
+}
+
+fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) -> ChannelReport {
+    let channel = before.channel;
+    let (rms_before, rms_after) = (before.rms().unwrap_or(0.0), after.rms().unwrap_or(0.0));
+    let mean = before.residuals.iter().sum::<f64>() / before.residuals.len() as f64;
+    ChannelReport {
+        channel: channel.name(),
+        joint: match channel {
+            Channel::Output { joint } => Some(joint + 1),
+            _ => None,
+        },
+        unit: channel.unit(device).to_owned(),
+        readings: before.residuals.len(),
+        outside_range: before.outside_range,
+        rms_before,
+        sd_before: (rms_before * rms_before - mean * mean).max(0.0).sqrt(),
+        rms_after,
+        noise_floor: after.noise_floor,
+        reduction_percent: gap_reduction_percent(rms_before, rms_after, after.noise_floor),
+        before: before.residuals,
+        after: after.residuals,
+        rows: before.rows,
+    }
+}
+
+/// Ten folds, each predicted by a device fitted without it. A fold whose fit fails (too few rows
+/// left for the terms) is left out, with a warning.
+fn cross_validate(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    stated: &Weights,
+    options: &Options,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<ChannelReport>, String), CalibrationError> {
+    let folds = folds(recording.len());
+    let count = folds.len();
+    let mut before: Vec<ChannelResiduals> = Vec::new();
+    let mut after: Vec<ChannelResiduals> = Vec::new();
+    for fold in folds {
+        let fitted = match fit_device(device, &recording.select(&fold.fit), options) {
+            Ok(fitted) => fitted,
+            Err(error) => {
+                warnings.push(format!("{} left out: {error}", fold.description));
+                continue;
+            }
+        };
+        let unseen = recording.select(&fold.held_out);
+        let range_free = without_ranges(&fitted.device);
+        for (device, kept) in [(device, &mut before), (&fitted.device, &mut after)] {
+            let part = channel_residuals(device, &range_free, &unseen, channels, stated)?;
+            append(kept, part, &fold.held_out);
+        }
+    }
+    let reports = before
+        .into_iter()
+        .zip(after)
+        .filter(|(before, _)| !before.residuals.is_empty())
+        .map(|(before, after)| report(device, before, after))
+        .collect();
+    Ok((
+        reports,
+        format!("{count} folds of a short log, each fitted without its own rows"),
+    ))
+}
+
+/// A device whose polynomials count as known everywhere: leaving out the extreme samples of a short
+/// log would flatter it, and beyond its range a polynomial continues on its tangent.
+fn without_ranges(device: &Device) -> Device {
+    let mut device = device.clone();
+    for joint in &mut device.joints {
+        joint.transmission_error = haptical_model::TransmissionError::default();
+    }
+    device
+}
+
+fn append(kept: &mut Vec<ChannelResiduals>, part: Vec<ChannelResiduals>, rows: &[usize]) {
+    for channel in part {
+        let original: Vec<usize> = channel.rows.iter().map(|&row| rows[row]).collect();
+        match kept
+            .iter_mut()
+            .find(|other| other.channel == channel.channel)
+        {
+            Some(sum) => {
+                let (have, more) = (sum.rows.len() as f64, channel.rows.len() as f64);
+                if have + more > 0.0 {
+                    let square =
+                        sum.noise_floor.powi(2) * have + channel.noise_floor.powi(2) * more;
+                    sum.noise_floor = (square / (have + more)).sqrt();
+                }
+                sum.rows.extend(original);
+                sum.residuals.extend(channel.residuals);
+                sum.outside_range += channel.outside_range;
+            }
+            None => kept.push(ChannelResiduals {
+                rows: original,
+                ..channel
+            }),
+        }
+    }
+}
+
+impl Calibration {
+    /// Whether the calibration followed the paper's two steps.
+    pub fn method_name(method: CalibrationMethod) -> &'static str {
+        match method {
+            CalibrationMethod::TwoStep => "two-step",
+            CalibrationMethod::Joint => "joint",
+        }
+    }
+}

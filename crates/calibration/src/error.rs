@@ -1,0 +1,114 @@
+//! Recordings that a device cannot be calibrated from.
+
+use haptical_identification::IdentificationError;
+use haptical_model::ModelError;
+
+/// Why a calibration was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// The recording has no column that a device can be calibrated with.
+    #[error(
+        "the recording has no measurement for this device: it needs external encoders (outN_rad), \
+         or [[link]] rows in the device and a distance (cable_m), position or orientation"
+    )]
+    NoChannel,
+    /// A tracker whose frame is not known.
+    #[error(
+        "[tracker] {which} = \"unknown\" is not supported yet: give positions in frame (-1) and of \
+         the handle frame itself"
+    )]
+    UnknownTracker {
+        /// `base` or `tool`.
+        which: &'static str,
+    },
+    /// No joint moves, so nothing can be told apart.
+    #[error(
+        "no joint moves in the recording ({rows} rows at one pose): record at many different poses"
+    )]
+    NoMotion {
+        /// Rows.
+        rows: usize,
+    },
+    /// Fewer readings than parameters.
+    #[error(
+        "{what}: {rows} readings cannot fix {parameters} parameters: record at least {advised} at \
+         different poses"
+    )]
+    TooFewRows {
+        /// Which fit.
+        what: String,
+        /// Readings.
+        rows: usize,
+        /// Parameters.
+        parameters: usize,
+        /// How many to record.
+        advised: usize,
+    },
+    /// Nothing at all is independent.
+    #[error("{what}: no parameter can be identified: {reason}")]
+    NothingIdentifiable {
+        /// Which fit.
+        what: String,
+        /// Why.
+        reason: String,
+    },
+    /// The search did not end at a minimum.
+    #[error("{what}: {reason}; the nominal device may be far from the real one")]
+    NotConverged {
+        /// Which fit.
+        what: String,
+        /// What the search said.
+        reason: String,
+    },
+    /// The model has no value at a row of the recording.
+    #[error("line {line} of the log: {source}")]
+    Row {
+        /// Line of the log.
+        line: u64,
+        /// What the model said.
+        source: ModelError,
+    },
+    /// A reading that no device can give.
+    #[error("line {line} of the log, {column}: {message}")]
+    Reading {
+        /// Line of the log.
+        line: u64,
+        /// Column.
+        column: String,
+        /// What is wrong.
+        message: String,
+    },
+    /// A refusal of the least squares.
+    #[error("{what}: {source}")]
+    Identification {
+        /// Which fit.
+        what: String,
+        /// What it said.
+        source: IdentificationError,
+    },
+    /// An option outside its range.
+    #[error("option {name} is {value}, allowed: {allowed}")]
+    Option {
+        /// Name.
+        name: &'static str,
+        /// Value.
+        value: String,
+        /// Range.
+        allowed: &'static str,
+    },
+}
+
+impl CalibrationError {
+    /// Whether the numbers are sound but fix nothing (exit status 3), as against bad input (2).
+    pub fn is_unidentifiable(&self) -> bool {
+        matches!(
+            self,
+            Self::NoMotion { .. }
+                | Self::TooFewRows { .. }
+                | Self::NothingIdentifiable { .. }
+                | Self::NotConverged { .. }
+                | Self::Identification { .. }
+        )
+    }
+}

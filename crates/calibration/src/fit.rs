@@ -1,0 +1,260 @@
+//! One fit of chosen parameters: prune what the data cannot fix, search, and judge again at the
+//! solution.
+
+use haptical_identification::{
+    Convergence, Estimate, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
+    Reduction, Settings, Status, Uncertainty, analyse, estimates, evaluate_jacobian, solve,
+    uncertainty,
+};
+use haptical_model::{Device, ParameterId, Recording};
+
+use crate::{
+    CalibrationError, Channel, DeviceProblem, HeldOut, Weights, parameter_infos, preference_order,
+};
+
+/// Order of the identification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CalibrationMethod {
+    /// The paper's: transmissions from external encoders, then kinematics.
+    TwoStep,
+    /// All at once.
+    Joint,
+}
+
+/// Degree of the polynomial that stands for a parallelogram.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Degree {
+    /// As given; the paper takes 10.
+    Fixed(usize),
+    /// The degree from 2 to this one that the evidence (BIC) favours.
+    UpTo(usize),
+}
+
+/// Where the sizes of the noise come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weighting {
+    /// The device file.
+    Stated,
+    /// The device file first, then each channel's residuals.
+    Estimated,
+}
+
+/// Options of a calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Two steps or all at once.
+    pub method: CalibrationMethod,
+    /// Polynomial degree.
+    pub degree: Degree,
+    /// Noise sizes.
+    pub weighting: Weighting,
+    /// Rows that the fit does not see.
+    pub held_out: HeldOut,
+    /// Search settings.
+    pub search: Settings,
+    /// Identifiability thresholds.
+    pub rules: IdentifiabilityRules,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            method: CalibrationMethod::Joint,
+            degree: Degree::UpTo(14),
+            weighting: Weighting::Estimated,
+            held_out: HeldOut::default(),
+            search: Settings::default(),
+            rules: IdentifiabilityRules::default(),
+        }
+    }
+}
+
+/// The outcome of one fit.
+#[derive(Debug, Clone)]
+pub struct ParameterFit {
+    /// The device with the fitted values.
+    pub device: Device,
+    /// All candidates.
+    pub parameters: Vec<ParameterId>,
+    /// Positions (within the candidates) that were fitted; the others keep their nominal values.
+    pub fitted: Vec<usize>,
+    /// Value, interval and status of every candidate.
+    pub estimates: Vec<Estimate>,
+    /// Covariance of the fitted candidates.
+    pub uncertainty: Uncertainty,
+    /// Judgement at the nominal device.
+    pub nominal_identifiability: Identifiability,
+    /// Judgement at the solution.
+    pub identifiability: Identifiability,
+    /// Why the search stopped.
+    pub convergence: Convergence,
+    /// Accepted steps, all rounds.
+    pub iterations: usize,
+    /// Sum of squared weighted residuals.
+    pub cost: f64,
+    /// Weighted residuals.
+    pub residuals: Vec<f64>,
+}
+
+/// Rounds of pruning at the solution before the smallest set is accepted.
+const MAX_ROUNDS: usize = 4;
+
+/// Fits `parameters` of `device` to chosen channels of a recording.
+///
+/// Parameters that are invisible, dependent or weak are held at the device's values and say so in
+/// their status. The set is decided at the nominal device and decided again at the solution, because
+/// a geometry that is special by design (parallel, intersecting) is not special once it deviates.
+///
+/// # Errors
+/// [`CalibrationError`] where nothing can be fitted or the search does not end at a minimum.
+pub fn fit_parameters(
+    what: &str,
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    parameters: &[ParameterId],
+    weights: &Weights,
+    options: &Options,
+) -> Result<ParameterFit, CalibrationError> {
+    let wrap = |source| wrap(what, source);
+    let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
+    let start = problem.start();
+    let judge = |values: &[f64]| -> Result<(Identifiability, Reduction), CalibrationError> {
+        let reduction = reduce(&problem, values).map_err(wrap)?;
+        let infos = parameter_infos(device, parameters);
+        let order = preference_order(parameters);
+        let judged = analyse(&reduction, &infos, &order, &options.rules).map_err(wrap)?;
+        Ok((judged, reduction))
+    };
+    let (nominal_identifiability, _) = judge(&start)?;
+    let mut free = worth_fitting(&nominal_identifiability);
+    let mut values = start.clone();
+    let mut iterations = 0;
+    let mut round = 0;
+    let (fit, identifiability) = loop {
+        round += 1;
+        enough(what, &problem, &free, &nominal_identifiability)?;
+        let fit = solve(&problem, &values, &free, &options.search).map_err(wrap)?;
+        iterations += fit.iterations;
+        let (judged, _) = judge(&fit.parameters)?;
+        let wanted = worth_fitting(&judged);
+        if wanted == free {
+            break (fit, judged);
+        }
+        if round == MAX_ROUNDS {
+            // No set is stable: keep the fitted one and let its statuses be those at the solution.
+            break (fit, judged);
+        }
+        values.clone_from(&fit.parameters);
+        free = if round + 1 == MAX_ROUNDS {
+            free.into_iter()
+                .filter(|index| wanted.contains(index))
+                .collect()
+        } else {
+            wanted
+        };
+        for index in (0..values.len()).filter(|index| !free.contains(index)) {
+            values[index] = start[index];
+        }
+    };
+    if !fit.convergence.was_successful() {
+        return Err(CalibrationError::NotConverged {
+            what: what.to_owned(),
+            reason: fit.convergence.to_string(),
+        });
+    }
+    let noise = match options.weighting {
+        Weighting::Stated => NoiseScale::Stated,
+        Weighting::Estimated => NoiseScale::Estimated,
+    };
+    let columns: Vec<usize> = (0..free.len()).collect();
+    let mut spread = uncertainty(&fit.reduction, &columns, fit.cost, noise).map_err(wrap)?;
+    spread.columns.clone_from(&free);
+    let infos = parameter_infos(device, parameters);
+    let estimates = estimates(&infos, &fit.parameters, &identifiability, &spread, noise);
+    Ok(ParameterFit {
+        device: problem.device_with(&fit.parameters),
+        parameters: parameters.to_vec(),
+        fitted: free,
+        estimates,
+        uncertainty: spread,
+        nominal_identifiability,
+        identifiability,
+        convergence: fit.convergence,
+        iterations,
+        cost: fit.cost,
+        residuals: fit.residuals,
+    })
+}
+
+/// Judges every candidate at one device, without fitting.
+///
+/// # Errors
+/// [`CalibrationError`] where the device has no value at a row.
+pub fn identifiability_at(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    parameters: &[ParameterId],
+    weights: &Weights,
+    rules: &IdentifiabilityRules,
+) -> Result<Identifiability, CalibrationError> {
+    let wrap = |source| wrap("identifiability", source);
+    let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
+    let reduction = reduce(&problem, &problem.start()).map_err(wrap)?;
+    let infos = parameter_infos(device, parameters);
+    analyse(&reduction, &infos, &preference_order(parameters), rules).map_err(wrap)
+}
+
+fn reduce(problem: &DeviceProblem<'_>, values: &[f64]) -> Result<Reduction, IdentificationError> {
+    let all: Vec<usize> = (0..values.len()).collect();
+    let (jacobian, residuals) = evaluate_jacobian(problem, values, &all)?;
+    Ok(Reduction::new(&jacobian, &residuals)?)
+}
+
+/// The identifiable parameters, ascending; weak ones would take the noise for their value.
+fn worth_fitting(judged: &Identifiability) -> Vec<usize> {
+    (0..judged.statuses.len())
+        .filter(|&index| matches!(judged.statuses[index], Status::Identifiable { .. }))
+        .collect()
+}
+
+fn enough(
+    what: &str,
+    problem: &DeviceProblem<'_>,
+    free: &[usize],
+    judged: &Identifiability,
+) -> Result<(), CalibrationError> {
+    use haptical_identification::Problem;
+    let rows = problem.residual_count();
+    // A rank equal to the number of rows says that the rows ran out, not the geometry.
+    let parameters = free
+        .len()
+        .max(if judged.rank >= rows { rows + 1 } else { 0 });
+    if rows <= parameters {
+        return Err(CalibrationError::TooFewRows {
+            what: what.to_owned(),
+            rows,
+            parameters: parameters.max(judged.names.len().min(judged.rank + 1)),
+            advised: 5 * judged.names.len(),
+        });
+    }
+    if free.is_empty() {
+        let reasons: Vec<String> = (0..judged.names.len())
+            .filter_map(|index| judged.reason(index))
+            .take(3)
+            .collect();
+        return Err(CalibrationError::NothingIdentifiable {
+            what: what.to_owned(),
+            reason: reasons.join("; "),
+        });
+    }
+    Ok(())
+}
+
+pub(crate) fn wrap(what: &str, source: IdentificationError) -> CalibrationError {
+    CalibrationError::Identification {
+        what: what.to_owned(),
+        source,
+    }
+}

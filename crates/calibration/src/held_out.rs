@@ -1,0 +1,128 @@
+//! Which rows a fit does not see: whole recordings, contiguous blocks, or folds of a short log.
+
+use haptical_model::Recording;
+
+use crate::CalibrationError;
+
+/// Rows kept back from the fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum HeldOut {
+    /// A share of the rows: whole runs where the recording has several, contiguous blocks
+    /// otherwise (docs/equations.md, "Held-out split").
+    Share(f64),
+    /// None: the fit sees every row.
+    None,
+}
+
+impl Default for HeldOut {
+    fn default() -> Self {
+        Self::Share(0.2)
+    }
+}
+
+/// Row indices of fit and check.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Split {
+    /// Rows that the fit sees, ascending.
+    pub fit: Vec<usize>,
+    /// Rows that it does not see, ascending.
+    pub held_out: Vec<usize>,
+    /// What was held out, in words.
+    pub description: String,
+}
+
+/// Below this many rows a block of them is too few to judge by: folds are used instead.
+pub(crate) const SHORT_LOG: usize = 100;
+/// Blocks that a recording is cut into; every k-th is held out.
+const BLOCKS: usize = 20;
+
+/// Splits a recording.
+///
+/// # Errors
+/// [`CalibrationError::Option`] for a share outside 0 to 0.5.
+pub fn split(recording: &Recording, held_out: HeldOut) -> Result<Split, CalibrationError> {
+    let rows = recording.len();
+    let share = match held_out {
+        HeldOut::None => 0.0,
+        HeldOut::Share(share) if (0.0..=0.5).contains(&share) => share,
+        HeldOut::Share(share) => {
+            return Err(CalibrationError::Option {
+                name: "held-out",
+                value: share.to_string(),
+                allowed: "from 0 to 0.5",
+            });
+        }
+    };
+    if share == 0.0 {
+        return Ok(Split {
+            fit: (0..rows).collect(),
+            held_out: Vec::new(),
+            description: "nothing held out".to_owned(),
+        });
+    }
+    Ok(by_runs(recording, share).unwrap_or_else(|| by_blocks(rows, share)))
+}
+
+/// Holds out whole runs, the last ones, while they are at most the share (at least one).
+fn by_runs(recording: &Recording, share: f64) -> Option<Split> {
+    let run = recording.run.as_ref()?;
+    let mut order: Vec<i64> = run.clone();
+    order.dedup();
+    if order.len() < 2 {
+        return None;
+    }
+    let size = |id: i64| run.iter().filter(|&&other| other == id).count();
+    let mut chosen = Vec::new();
+    let mut total = 0;
+    for &id in order.iter().rev() {
+        if !chosen.is_empty() && (total + size(id)) as f64 > share * run.len() as f64 {
+            break;
+        }
+        total += size(id);
+        chosen.push(id);
+    }
+    if total * 2 > run.len() {
+        return None;
+    }
+    chosen.sort_unstable();
+    let (held_out, fit) = (0..run.len()).partition(|&row| chosen.contains(&run[row]));
+    Some(Split {
+        fit,
+        held_out,
+        description: format!("whole runs held out: {chosen:?}"),
+    })
+}
+
+/// Holds out blocks spread evenly over the recording.
+fn by_blocks(rows: usize, share: f64) -> Split {
+    let blocks = BLOCKS.min(rows);
+    let period = (1.0 / share).round().max(2.0) as usize;
+    let is_held_out = |row: usize| (row * blocks / rows) % period == period / 2;
+    let (held_out, fit): (Vec<usize>, Vec<usize>) = (0..rows).partition(|&row| is_held_out(row));
+    let count = (0..blocks)
+        .filter(|block| block % period == period / 2)
+        .count();
+    Split {
+        description: format!(
+            "{count} of {blocks} contiguous blocks held out ({} of {rows} rows)",
+            held_out.len()
+        ),
+        fit,
+        held_out,
+    }
+}
+
+/// Folds of a short log: fold k holds out the rows k, k + folds, ...
+pub(crate) fn folds(rows: usize) -> Vec<Split> {
+    let count = 10.min(rows);
+    (0..count)
+        .map(|fold| {
+            let (held_out, fit) = (0..rows).partition(|row| row % count == fold);
+            Split {
+                fit,
+                held_out,
+                description: format!("fold {} of {count}", fold + 1),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,186 @@
+//! Fits a whole device to the rows that it may see: two steps as in the paper, or all at once.
+
+use std::collections::BTreeMap;
+
+use haptical_model::{Device, ParameterId, Recording};
+
+use crate::{
+    CalibrationError, CalibrationMethod, Channel, Options, ParameterFit, TransmissionFit,
+    TransmissionTerms, Weighting, Weights, candidate_parameters, channel_residuals, channels,
+    fit_parameters, fit_transmissions,
+};
+
+/// A fitted device with the fits that made it.
+#[derive(Debug, Clone)]
+pub struct FittedDevice {
+    /// The device.
+    pub device: Device,
+    /// Step 1.
+    pub transmissions: Vec<TransmissionFit>,
+    /// Step 2, or the joint fit; none for a device without links.
+    pub whole: Option<ParameterFit>,
+    /// Noise sizes that the last fit used.
+    pub weights: Weights,
+}
+
+/// Rounds of re-estimating the channels' noise.
+const WEIGHTING_ROUNDS: usize = 2;
+/// Relative change of a channel's noise that is worth another fit.
+const WEIGHTING_CHANGE: f64 = 0.1;
+
+/// Fits the device to all rows of a recording.
+///
+/// # Errors
+/// [`CalibrationError`].
+pub fn fit_device(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
+    let channels = channels(device, recording)?;
+    let mut weights = Weights::stated(device, &channels);
+    let mut fitted = fit_once(device, recording, &channels, &weights, options)?;
+    if options.weighting == Weighting::Estimated {
+        for _ in 0..WEIGHTING_ROUNDS {
+            let estimated = estimate_noise(&fitted, recording, &channels, &weights)?;
+            let change = estimated
+                .iter()
+                .map(|(channel, factor)| {
+                    let before = weights.factor.get(channel).copied().unwrap_or(1.0);
+                    (factor / before).ln().abs()
+                })
+                .fold(0.0, f64::max);
+            if change < WEIGHTING_CHANGE {
+                break;
+            }
+            weights.factor = estimated;
+            fitted = fit_once(device, recording, &channels, &weights, options)?;
+        }
+    }
+    fitted.weights = weights;
+    Ok(fitted)
+}
+
+fn fit_once(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
+    let (compensated, transmissions) =
+        fit_transmissions(device, recording, channels, weights, options)?;
+    let fitted = FittedDevice {
+        device: compensated,
+        transmissions,
+        whole: None,
+        weights: weights.clone(),
+    };
+    let distant: Vec<Channel> = channels
+        .iter()
+        .copied()
+        .filter(|channel| channel.sees_chain())
+        .collect();
+    if distant.is_empty() {
+        return Ok(fitted);
+    }
+    let kinematics = fit_kinematics(&fitted.device, recording, &distant, weights, options)?;
+    let whole = match options.method {
+        CalibrationMethod::TwoStep => kinematics,
+        CalibrationMethod::Joint => {
+            let parameters = joint_candidates(&kinematics.device, &fitted.transmissions);
+            let what = "joint identification";
+            let mut fit = fit_parameters(
+                what,
+                &kinematics.device,
+                recording,
+                channels,
+                &parameters,
+                weights,
+                options,
+            )?;
+            // The judgement of interest is at the nominal device, not where step 2 ended.
+            fit.nominal_identifiability = crate::identifiability_at(
+                &fitted.device,
+                recording,
+                channels,
+                &parameters,
+                weights,
+                &options.rules,
+            )?;
+            fit
+        }
+    };
+    Ok(FittedDevice {
+        device: whole.device.clone(),
+        whole: Some(whole),
+        ..fitted
+    })
+}
+
+/// Step 2: the kinematic parameters from distances (or positions) at corrected joint angles.
+///
+/// # Errors
+/// [`CalibrationError`].
+pub fn fit_kinematics(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+    options: &Options,
+) -> Result<ParameterFit, CalibrationError> {
+    let parameters = candidate_parameters(device);
+    let what = "kinematic parameters";
+    fit_parameters(
+        what,
+        device,
+        recording,
+        channels,
+        &parameters,
+        weights,
+        options,
+    )
+}
+
+/// Kinematics and every transmission: the terms that step 1 chose, and equation (1) of capstans
+/// without an external encoder, as far as the distances show it.
+fn joint_candidates(device: &Device, transmissions: &[TransmissionFit]) -> Vec<ParameterId> {
+    let mut parameters = candidate_parameters(device);
+    for (joint, description) in device.joints.iter().enumerate() {
+        let terms = match transmissions.iter().find(|fit| fit.joint == joint) {
+            Some(fit) => fit.terms,
+            None => match description.transmission {
+                haptical_model::TransmissionKind::Capstan => TransmissionTerms::Capstan,
+                _ => TransmissionTerms::None,
+            },
+        };
+        parameters.extend(
+            terms
+                .free_parameters()
+                .into_iter()
+                .filter(|&index| index < description.error_parameter_count())
+                .map(|index| ParameterId::Transmission { joint, index }),
+        );
+    }
+    parameters
+}
+
+/// Each channel's residual size over its stated noise.
+fn estimate_noise(
+    fitted: &FittedDevice,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+) -> Result<BTreeMap<Channel, f64>, CalibrationError> {
+    let residuals =
+        channel_residuals(&fitted.device, &fitted.device, recording, channels, weights)?;
+    Ok(residuals
+        .iter()
+        .filter_map(|channel| {
+            let rms = channel.rms()?;
+            // A channel that is fitted exactly keeps a little weight: its noise is not zero.
+            (channel.noise_floor > 0.0)
+                .then(|| (channel.channel, (rms / channel.noise_floor).max(1e-3)))
+        })
+        .collect())
+}

@@ -1,0 +1,100 @@
+//! Residuals of a device on a recording, channel by channel, in the channel's own unit.
+
+use haptical_identification::Problem;
+use haptical_model::{Device, Recording};
+
+use crate::{CalibrationError, Channel, DeviceProblem, Weights};
+
+/// Residuals of one channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelResiduals {
+    /// Channel.
+    pub channel: Channel,
+    /// Rows of the recording that the residuals belong to; a position or orientation row has three
+    /// successive residuals.
+    pub rows: Vec<usize>,
+    /// Model minus measurement, in the channel's unit.
+    pub residuals: Vec<f64>,
+    /// Rows with a reading that were left out, because a polynomial would have been evaluated
+    /// outside the range that it was fitted on.
+    pub outside_range: usize,
+    /// Root mean square of the stated noise, quantization included.
+    pub noise_floor: f64,
+}
+
+impl ChannelResiduals {
+    /// Root mean square of the residuals: per axis for positions and orientations.
+    pub fn rms(&self) -> Option<f64> {
+        if self.residuals.is_empty() {
+            return None;
+        }
+        let sum: f64 = self.residuals.iter().map(|value| value * value).sum();
+        Some((sum / self.residuals.len() as f64).sqrt())
+    }
+}
+
+/// Residuals of the given channels. Rows where a transmission polynomial is outside its range are
+/// left out and counted (`range_of` gives the polynomials' ranges: usually the fitted device).
+///
+/// # Errors
+/// [`CalibrationError::Row`] where the device has no value.
+pub fn channel_residuals(
+    device: &Device,
+    range_of: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+) -> Result<Vec<ChannelResiduals>, CalibrationError> {
+    channels
+        .iter()
+        .map(|&channel| {
+            let (known, unknown): (Vec<usize>, Vec<usize>) = (0..recording.len())
+                .filter(|&row| channel.has_reading(recording, row))
+                .partition(|&row| is_known(range_of, recording, channel, row));
+            let part = recording.select(&known);
+            let floor = Weights {
+                factor: Default::default(),
+                ..weights.clone()
+            };
+            let deviations = floor.residual_sd(device, &part, channel)?;
+            let problem =
+                DeviceProblem::new(device, &part, &[channel], &[], &unit_weights(channel))?;
+            let mut residuals = vec![0.0; problem.residual_count()];
+            problem
+                .evaluate(&[], &mut residuals, None)
+                .map_err(|source| CalibrationError::Identification {
+                    what: channel.name(),
+                    source,
+                })?;
+            // The problem divides by its own standard deviation; undo it exactly.
+            let unit = unit_weights(channel).residual_sd(device, &part, channel)?;
+            for (position, residual) in residuals.iter_mut().enumerate() {
+                *residual *= unit[position / channel.width()];
+            }
+            let mean_square: f64 =
+                deviations.iter().map(|sd| sd * sd).sum::<f64>() / deviations.len().max(1) as f64;
+            Ok(ChannelResiduals {
+                channel,
+                rows: known,
+                residuals,
+                outside_range: unknown.len(),
+                noise_floor: mean_square.sqrt(),
+            })
+        })
+        .collect()
+}
+
+fn unit_weights(channel: Channel) -> Weights {
+    Weights {
+        channel_sd: [(channel, 1.0)].into(),
+        factor: Default::default(),
+    }
+}
+
+fn is_known(device: &Device, recording: &Recording, channel: Channel, row: usize) -> bool {
+    let known = |joint: usize| device.joints[joint].error_is_known_at(recording.joint[joint][row]);
+    match channel {
+        Channel::Output { joint } => known(joint),
+        _ => (0..device.joints.len()).all(known),
+    }
+}

@@ -1,0 +1,130 @@
+//! What each name in the header means for a device.
+
+use crate::shape::LogShape;
+
+/// Names of the three parts of a position, four of an orientation, three of a force.
+pub(crate) const POSITION: [&str; 3] = ["x_m", "y_m", "z_m"];
+/// See [`POSITION`].
+pub(crate) const ORIENTATION: [&str; 4] = ["qw", "qx", "qy", "qz"];
+/// See [`POSITION`].
+pub(crate) const FORCE: [&str; 3] = ["fx_n", "fy_n", "fz_n"];
+
+/// What a column holds; indices count from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    Time,
+    Run,
+    Joint(usize),
+    Output(usize),
+    Cable(usize),
+    Position(usize),
+    Orientation(usize),
+    Contact,
+    Plane,
+    Torque(usize),
+    Force(usize),
+    Temperature,
+    Covariate,
+    Unnamed,
+    /// A joint column in metres that should be in radians or the reverse, with the joint's index.
+    WrongUnit(usize),
+}
+
+impl Role {
+    /// What `name` means for a device of this shape.
+    pub(crate) fn of(name: &str, shape: &LogShape) -> Self {
+        match name {
+            "" => Self::Unnamed,
+            "t_s" => Self::Time,
+            "run" => Self::Run,
+            "contact" => Self::Contact,
+            "plane" => Self::Plane,
+            "temp_degc" => Self::Temperature,
+            _ => Self::of_group(name)
+                .or_else(|| Self::of_cable(name, shape))
+                .or_else(|| Self::of_joint(name, shape))
+                .unwrap_or(Self::Covariate),
+        }
+    }
+
+    fn of_group(name: &str) -> Option<Self> {
+        let part = |names: &[&str]| names.iter().position(|&part| part == name);
+        part(&POSITION)
+            .map(Self::Position)
+            .or_else(|| part(&ORIENTATION).map(Self::Orientation))
+            .or_else(|| part(&FORCE).map(Self::Force))
+    }
+
+    fn of_cable(name: &str, shape: &LogShape) -> Option<Self> {
+        let cable = cable_index(name)?;
+        (cable < shape.cable_count).then_some(Self::Cable(cable))
+    }
+
+    fn of_joint(name: &str, shape: &LogShape) -> Option<Self> {
+        let (stem, joint, unit) = indexed(name)?;
+        let expected = shape.joints.get(joint)?.unit();
+        match (stem, unit) {
+            ("theta", unit) if unit == expected => Some(Self::Joint(joint)),
+            ("out", unit) if unit == expected => Some(Self::Output(joint)),
+            ("theta" | "out", "rad" | "m") => Some(Self::WrongUnit(joint)),
+            ("torque", "nm") => Some(Self::Torque(joint)),
+            _ => None,
+        }
+    }
+
+    /// Whether cells are text identifiers.
+    pub(crate) fn is_text(self) -> bool {
+        matches!(self, Self::Contact | Self::Plane)
+    }
+}
+
+/// Name of the motor-side column of joint `joint` (from 0).
+pub(crate) fn joint_name(shape: &LogShape, joint: usize) -> String {
+    indexed_name(shape, "theta", joint)
+}
+
+/// Name of the external encoder's column of joint `joint` (from 0).
+pub(crate) fn output_name(shape: &LogShape, joint: usize) -> String {
+    indexed_name(shape, "out", joint)
+}
+
+fn indexed_name(shape: &LogShape, stem: &str, joint: usize) -> String {
+    let unit = shape.joints.get(joint).map_or("rad", |joint| joint.unit());
+    format!("{stem}{}_{unit}", joint + 1)
+}
+
+/// Name of the torque column of joint `joint` (from 0).
+pub(crate) fn torque_name(joint: usize) -> String {
+    format!("torque{}_nm", joint + 1)
+}
+
+/// Name of the column of cable `cable` (from 0): `cable_m`, `cable2_m`, ...
+pub(crate) fn cable_name(cable: usize) -> String {
+    if cable == 0 {
+        "cable_m".to_owned()
+    } else {
+        format!("cable{}_m", cable + 1)
+    }
+}
+
+/// The index from 0 of `cable_m`, `cable2_m`, ...
+pub(crate) fn cable_index(name: &str) -> Option<usize> {
+    if name == "cable_m" {
+        return Some(0);
+    }
+    match indexed(name)? {
+        ("cable", cable, "m") if cable > 0 => Some(cable),
+        _ => None,
+    }
+}
+
+/// Splits `theta12_rad` into `theta`, 11 and `rad`; the number has no leading zero.
+pub(crate) fn indexed(name: &str) -> Option<(&str, usize, &str)> {
+    let (front, unit) = name.rsplit_once('_')?;
+    let stem = front.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    let digits = &front[stem.len()..];
+    if digits.starts_with('0') {
+        return None;
+    }
+    Some((stem, digits.parse::<usize>().ok()?.checked_sub(1)?, unit))
+}

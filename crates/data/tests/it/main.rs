@@ -1,0 +1,19 @@
+//! Integration tests of the log reader and writer, in one binary.
+
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "helpers of tests fail the test"
+)]
+
+mod cells;
+mod degrees;
+mod files;
+mod gap_set;
+mod gzip;
+mod headers;
+mod order;
+mod properties;
+mod reading;
+mod support;
+mod writing;

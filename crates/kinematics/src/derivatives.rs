@@ -1,0 +1,156 @@
+//! Differentiates the pose of a chain's end with respect to every parameter and every joint.
+
+use crate::chain::Chain;
+use crate::frame::complete_turn;
+use crate::{KinematicsError, Motion, Parameter, Pose, Twist};
+
+/// Derivatives of the end pose with respect to the five parameters of one row.
+///
+/// The frames and units are those of [`Twist`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LinkDerivatives {
+    /// With respect to `a_m`.
+    pub a: Twist,
+    /// With respect to `alpha_rad`.
+    pub alpha: Twist,
+    /// With respect to `d_m`.
+    pub d: Twist,
+    /// With respect to `theta_rad`.
+    pub theta: Twist,
+    /// With respect to `beta_rad`.
+    pub beta: Twist,
+}
+
+impl LinkDerivatives {
+    /// The derivative with respect to one parameter.
+    pub const fn get(&self, parameter: Parameter) -> Twist {
+        match parameter {
+            Parameter::A => self.a,
+            Parameter::Alpha => self.alpha,
+            Parameter::D => self.d,
+            Parameter::Theta => self.theta,
+            Parameter::Beta => self.beta,
+        }
+    }
+
+    /// The derivative with respect to the row's joint variable; `None` for a fixed row.
+    ///
+    /// The joint variable is added to `theta` or `d`, so its derivative is that parameter's.
+    pub fn joint(&self, motion: Motion) -> Option<Twist> {
+        motion.variable().map(|parameter| self.get(parameter))
+    }
+
+    fn get_mut(&mut self, parameter: Parameter) -> &mut Twist {
+        match parameter {
+            Parameter::A => &mut self.a,
+            Parameter::Alpha => &mut self.alpha,
+            Parameter::D => &mut self.d,
+            Parameter::Theta => &mut self.theta,
+            Parameter::Beta => &mut self.beta,
+        }
+    }
+}
+
+impl Chain<'_> {
+    /// Pose of the last frame, and its derivatives with respect to all parameters of all rows.
+    ///
+    /// `out` has one entry per row; `joints` is as in [`Chain::pose`]. For a turn about the axis
+    /// `w` through `p`: `linear = w x (P - p)`, `angular = w`; for a slide along `w`:
+    /// `linear = w`, `angular = 0`. The crate's first page derives this. One sine and one cosine
+    /// per turn, no allocation.
+    ///
+    /// ```
+    /// use haptical_kinematics::{Chain, Convention, Link, LinkDerivatives, Motion};
+    /// let links = [Link { a_m: 0.3, d_m: 0.1, ..Link::default() }];
+    /// let chain = Chain::new(Convention::Standard, &links, &[Motion::Revolute])?;
+    /// let mut out = [LinkDerivatives::default()];
+    /// chain.derivatives(&[0.0], &mut out)?;
+    /// // P = (a cos theta, a sin theta, d)
+    /// assert_eq!(out[0].a.linear.as_slice(), [1.0, 0.0, 0.0]);
+    /// assert_eq!(out[0].theta.linear.as_slice(), [0.0, 0.3, 0.0]);
+    /// assert_eq!(out[0].d.linear.as_slice(), [0.0, 0.0, 1.0]);
+    /// # Ok::<(), haptical_kinematics::KinematicsError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`KinematicsError::BufferLength`] if `out` has not one entry per row, otherwise as
+    /// [`Chain::pose`]. After an overflow error the entries of `out` have no meaning.
+    pub fn derivatives(
+        &self,
+        joints: &[f64],
+        out: &mut [LinkDerivatives],
+    ) -> Result<Pose, KinematicsError> {
+        check_length(
+            "the slice of link derivatives",
+            self.links().len(),
+            out.len(),
+        )?;
+        self.check_joints(joints)?;
+        let end = self.walk(joints, |row, _, parameter, frame| {
+            *out[row].get_mut(parameter) = frame.screw(parameter);
+        })?;
+        for row in out.iter_mut() {
+            complete_turn(&mut row.alpha, &end.origin);
+            complete_turn(&mut row.theta, &end.origin);
+            complete_turn(&mut row.beta, &end.origin);
+        }
+        Ok(end.pose())
+    }
+
+    /// Pose of the last frame, and its geometric Jacobian: one column per moving row.
+    ///
+    /// Column `j` is `[z x (P - p); z]` for a revolute joint (m/rad; rad/rad) and `[z; 0]` for a
+    /// prismatic one (m/m; rad/m), `z` being the joint's axis and `p` a point of it, so that
+    /// `[v; omega] = J qdot` is the velocity of the last frame's origin and the angular velocity
+    /// of the last frame, both expressed in frame (-1).
+    /// Source: Siciliano et al., *Robotics: Modelling, Planning and Control*, section 3.1.
+    ///
+    /// # Errors
+    ///
+    /// [`KinematicsError::BufferLength`] if `out` has not one entry per moving row, otherwise as
+    /// [`Chain::pose`]. After an overflow error the entries of `out` have no meaning.
+    pub fn geometric_jacobian(
+        &self,
+        joints: &[f64],
+        out: &mut [Twist],
+    ) -> Result<Pose, KinematicsError> {
+        check_length(
+            "the slice of Jacobian columns",
+            self.joint_count(),
+            out.len(),
+        )?;
+        self.check_joints(joints)?;
+        let end = self.walk(joints, |row, joint, parameter, frame| {
+            if self.motions()[row].variable() == Some(parameter) {
+                out[joint] = frame.screw(parameter);
+            }
+        })?;
+        let moving = self
+            .motions()
+            .iter()
+            .filter(|motion| **motion != Motion::Fixed);
+        for (column, motion) in out.iter_mut().zip(moving) {
+            if *motion == Motion::Revolute {
+                complete_turn(column, &end.origin);
+            }
+        }
+        Ok(end.pose())
+    }
+}
+
+pub(crate) fn check_length(
+    buffer: &'static str,
+    expected: usize,
+    got: usize,
+) -> Result<(), KinematicsError> {
+    if got == expected {
+        Ok(())
+    } else {
+        Err(KinematicsError::BufferLength {
+            buffer,
+            expected,
+            got,
+        })
+    }
+}

@@ -1,0 +1,152 @@
+//! Names and holds the five parameters of a chain's row, and says in which order they act.
+
+use core::fmt;
+
+/// The order in which the five elementary motions of a row act.
+///
+/// Each row's transform leads from the frame before it to its own frame; the chain is the product
+/// of its rows' transforms, the first row starting in frame (-1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Convention {
+    /// Distal (standard) convention, `A = Rz(theta) T(a, 0, d) Rx(alpha) Ry(beta)`:
+    /// Baser & Konukseven eq. (3), with Hayati's `beta`.
+    Standard,
+    /// Proximal (modified, Craig's) convention, `A = Tx(a) Rx(alpha) Ry(beta) Rz(theta) Tz(d)`:
+    /// Craig, *Introduction to Robotics*, chapter 3, with Hayati's `beta`.
+    Modified,
+}
+
+impl Convention {
+    /// The parameters in the order in which their elementary motions are multiplied, left to right.
+    ///
+    /// ```
+    /// use haptical_kinematics::{Convention, Parameter};
+    /// assert_eq!(Convention::Standard.order()[0], Parameter::Theta);
+    /// assert_eq!(Convention::Modified.order()[4], Parameter::D);
+    /// ```
+    pub const fn order(self) -> [Parameter; 5] {
+        use Parameter::{A, Alpha, Beta, D, Theta};
+        match self {
+            Self::Standard => [Theta, A, D, Alpha, Beta],
+            Self::Modified => [A, Alpha, Beta, Theta, D],
+        }
+    }
+}
+
+/// What the joint variable of a row does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Motion {
+    /// The row has no joint variable.
+    Fixed,
+    /// The joint variable, in rad, is added to the row's `theta_rad`.
+    Revolute,
+    /// The joint variable, in m, is added to the row's `d_m`.
+    Prismatic,
+}
+
+impl Motion {
+    /// The parameter to which the joint variable is added; `None` for a fixed row.
+    pub const fn variable(self) -> Option<Parameter> {
+        match self {
+            Self::Fixed => None,
+            Self::Revolute => Some(Parameter::Theta),
+            Self::Prismatic => Some(Parameter::D),
+        }
+    }
+}
+
+/// One row of a Denavit-Hartenberg table, with Hayati's `beta` as fifth parameter.
+///
+/// Every parameter is one elementary motion: `a` slides along x, `alpha` turns about x, `d` slides
+/// along z, `theta` turns about z, `beta` turns about y. Their order is the [`Convention`]'s.
+/// `beta` is meant for rows whose successive axes are (nearly) parallel, where `d` and `alpha`
+/// alone would have to jump for a small tilt; elsewhere it stays 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Link {
+    /// Length along the common normal, x.
+    pub a_m: f64,
+    /// Twist about x.
+    pub alpha_rad: f64,
+    /// Offset along the joint axis, z.
+    pub d_m: f64,
+    /// Angle about the joint axis, z.
+    pub theta_rad: f64,
+    /// Tilt about y (Hayati).
+    pub beta_rad: f64,
+}
+
+impl Link {
+    /// The value of one parameter, in the unit of [`Parameter::unit`].
+    pub const fn get(&self, parameter: Parameter) -> f64 {
+        match parameter {
+            Parameter::A => self.a_m,
+            Parameter::Alpha => self.alpha_rad,
+            Parameter::D => self.d_m,
+            Parameter::Theta => self.theta_rad,
+            Parameter::Beta => self.beta_rad,
+        }
+    }
+
+    /// Replaces the value of one parameter, in the unit of [`Parameter::unit`].
+    ///
+    /// ```
+    /// use haptical_kinematics::{Link, Parameter};
+    /// let mut link = Link { a_m: 0.2, ..Link::default() };
+    /// link.set(Parameter::Beta, 0.01);
+    /// assert_eq!((link.get(Parameter::A), link.beta_rad), (0.2, 0.01));
+    /// ```
+    pub const fn set(&mut self, parameter: Parameter, value: f64) {
+        match parameter {
+            Parameter::A => self.a_m = value,
+            Parameter::Alpha => self.alpha_rad = value,
+            Parameter::D => self.d_m = value,
+            Parameter::Theta => self.theta_rad = value,
+            Parameter::Beta => self.beta_rad = value,
+        }
+    }
+}
+
+/// Names one of the five parameters of a [`Link`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Parameter {
+    /// `a`: slide along x, in m.
+    A,
+    /// `alpha`: turn about x, in rad.
+    Alpha,
+    /// `d`: slide along z, in m.
+    D,
+    /// `theta`: turn about z, in rad.
+    Theta,
+    /// `beta`: turn about y, in rad.
+    Beta,
+}
+
+impl Parameter {
+    /// All five, in the order of [`Link`]'s fields.
+    pub const ALL: [Self; 5] = [Self::A, Self::Alpha, Self::D, Self::Theta, Self::Beta];
+
+    /// The parameter's name: `a`, `alpha`, `d`, `theta` or `beta`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::A => "a",
+            Self::Alpha => "alpha",
+            Self::D => "d",
+            Self::Theta => "theta",
+            Self::Beta => "beta",
+        }
+    }
+
+    /// The parameter's unit: `m` for the two slides, `rad` for the three turns.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::A | Self::D => "m",
+            Self::Alpha | Self::Theta | Self::Beta => "rad",
+        }
+    }
+}
+
+impl fmt::Display for Parameter {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}

@@ -1,0 +1,125 @@
+//! Draws the reading of a joint.
+
+use haptical_model::Joint;
+use rand_chacha::ChaCha8Rng;
+
+use crate::settings::{Sampling, Settings};
+use crate::streams::{normal, uniform};
+use crate::{Part, SimulatorError};
+
+/// Normal readings are cut at this many standard deviations.
+const CUT_SD: f64 = 3.0;
+
+/// Draws before an interval counts as having no room. An interval that holds a share of 1e-4 of the
+/// normal distribution is missed 1e5 times in a row with probability e^-10.
+const MAX_DRAWS: usize = 100_000;
+
+/// The distribution of one joint's reading.
+#[derive(Debug, Clone)]
+pub(crate) struct JointSampler {
+    part: Part,
+    /// Standard deviation where the reading is normal.
+    sd: Option<f64>,
+    low: f64,
+    high: f64,
+}
+
+impl JointSampler {
+    /// `joint` at `index`, from 0.
+    pub(crate) fn new(
+        joint: &Joint,
+        index: usize,
+        settings: &Settings,
+    ) -> Result<Self, SimulatorError> {
+        let part = joint_part(joint, index);
+        let (lower, upper) = (joint.lower_rad, joint.upper_rad);
+        let usable = |value: f64| match settings.sampling {
+            Sampling::Normal => !value.is_nan(),
+            Sampling::Uniform => value.is_finite(),
+        };
+        for (key, value) in [("lower_rad", lower), ("upper_rad", upper)] {
+            if !usable(value) {
+                return Err(SimulatorError::Value {
+                    part,
+                    key,
+                    value,
+                    allowed: "a finite limit",
+                });
+            }
+        }
+        let (sd, low, high) = match settings.sampling {
+            Sampling::Normal => {
+                let purpose = "normal sampling";
+                let sd = required(joint.sampling_sd_rad, &part, "sampling_sd_rad", purpose)?;
+                (Some(sd), lower.max(-CUT_SD * sd), upper.min(CUT_SD * sd))
+            }
+            Sampling::Uniform => {
+                let share = settings.uniform_share;
+                (None, share * lower, share * upper)
+            }
+        };
+        if low >= high {
+            return Err(SimulatorError::NoRoom {
+                part,
+                low,
+                high,
+                attempts: 0,
+            });
+        }
+        Ok(Self {
+            part,
+            sd,
+            low,
+            high,
+        })
+    }
+
+    /// The next reading.
+    pub(crate) fn draw(&self, generator: &mut ChaCha8Rng) -> Result<f64, SimulatorError> {
+        let Some(sd) = self.sd else {
+            // both products are finite where the difference of the limits might not be
+            let share = uniform(generator);
+            let reading = (1.0 - share) * self.low + share * self.high;
+            return Ok(reading.clamp(self.low, self.high));
+        };
+        (0..MAX_DRAWS)
+            .map(|_| sd * normal(generator))
+            .find(|reading| (self.low..=self.high).contains(reading))
+            .ok_or_else(|| SimulatorError::NoRoom {
+                part: self.part.clone(),
+                low: self.low,
+                high: self.high,
+                attempts: MAX_DRAWS,
+            })
+    }
+}
+
+pub(crate) fn joint_part(joint: &Joint, index: usize) -> Part {
+    Part::Joint {
+        number: index + 1,
+        name: joint.name.clone(),
+    }
+}
+
+/// A number of the device that must be there, finite and above zero.
+pub(crate) fn required(
+    value: Option<f64>,
+    part: &Part,
+    key: &'static str,
+    purpose: &'static str,
+) -> Result<f64, SimulatorError> {
+    match value {
+        Some(value) if value > 0.0 && value.is_finite() => Ok(value),
+        Some(value) => Err(SimulatorError::Value {
+            part: part.clone(),
+            key,
+            value,
+            allowed: "a finite number above zero",
+        }),
+        None => Err(SimulatorError::MissingKey {
+            part: part.clone(),
+            key,
+            purpose,
+        }),
+    }
+}

@@ -1,0 +1,128 @@
+//! An encoder: what it shows for a true value.
+
+use std::f64::consts::TAU;
+
+use haptical_model::{Cable, Joint};
+use rand_chacha::ChaCha8Rng;
+
+use crate::sampling::{joint_part, required};
+use crate::settings::{CableSigma, Noise, Settings};
+use crate::streams::{Stream, normal};
+use crate::{Part, SimulatorError};
+
+/// The paper takes a third of an encoder's largest quantization error as its standard deviation.
+const COUNTS_PER_SD: f64 = 3.0;
+
+/// One encoder with its own random numbers.
+#[derive(Debug, Clone)]
+pub(crate) struct Sensor {
+    /// Standard deviation and the numbers it scales.
+    gaussian: Option<(f64, ChaCha8Rng)>,
+    /// Length of a count.
+    count: Option<f64>,
+}
+
+impl Sensor {
+    /// The motor-side encoder of a joint (index from 0), in units of the joint reading.
+    pub(crate) fn motor(
+        joint: &Joint,
+        index: usize,
+        settings: &Settings,
+    ) -> Result<Self, SimulatorError> {
+        let count = if settings.motor_counts {
+            let (part, key) = (joint_part(joint, index), "encoder_counts_per_rev");
+            let purpose = "rounding of the motor-side readings";
+            let counts = required(joint.encoder_counts_per_rev, &part, key, purpose)?;
+            let turns = TAU / counts;
+            let ratio = joint.transmission_ratio.abs();
+            let ratio = required(Some(ratio), &part, "transmission_ratio", purpose)?;
+            Some(turns / ratio)
+        } else {
+            None
+        };
+        Ok(Self {
+            gaussian: None,
+            count,
+        })
+    }
+
+    /// The external encoder of a joint (index from 0).
+    pub(crate) fn output(
+        joint: &Joint,
+        index: usize,
+        noise: Noise,
+        generator: ChaCha8Rng,
+    ) -> Result<Self, SimulatorError> {
+        let part = joint_part(joint, index);
+        let counts = |purpose: &'static str| {
+            let key = "external_encoder_counts_per_rev";
+            required(joint.external_encoder_counts_per_rev, &part, key, purpose)
+        };
+        let gaussian = if noise.has_gaussian() {
+            let purpose = "normal noise of the external encoder";
+            let key = "external_encoder_sd_rad";
+            let sd = match joint.external_encoder_sd_rad {
+                None if joint.external_encoder_counts_per_rev.is_some() => {
+                    TAU / counts(purpose)? / COUNTS_PER_SD
+                }
+                stated => required(stated, &part, key, purpose)?,
+            };
+            Some((sd, generator))
+        } else {
+            None
+        };
+        let count = if noise.has_counts() {
+            Some(TAU / counts("rounding of the external encoder")?)
+        } else {
+            None
+        };
+        Ok(Self { gaussian, count })
+    }
+
+    /// A cable encoder (index from 0).
+    pub(crate) fn cable(
+        cable: &Cable,
+        index: usize,
+        settings: &Settings,
+        seed: u64,
+    ) -> Result<Self, SimulatorError> {
+        let part = Part::Cable { number: index + 1 };
+        let count = |purpose: &'static str| {
+            let radius = required(cable.drum_radius_m, &part, "drum_radius_m", purpose)?;
+            let counts = required(cable.counts_per_rev, &part, "counts_per_rev", purpose)?;
+            Ok::<f64, SimulatorError>(TAU * radius / counts)
+        };
+        let gaussian = if settings.cable_noise.has_gaussian() {
+            let purpose = "normal noise of the cable encoder";
+            let sd = match settings.cable_sigma {
+                CableSigma::Stated => {
+                    required(cable.distance_sd_m, &part, "distance_sd_m", purpose)?
+                }
+                // R_d sigma_e = R_d 2 pi / counts / 3 is a third of a count
+                CableSigma::Geometric => count(purpose)? / COUNTS_PER_SD,
+                CableSigma::Printed => TAU * (count(purpose)? / COUNTS_PER_SD),
+            };
+            Some((sd, Stream::Cable(index).open(seed)))
+        } else {
+            None
+        };
+        let count = if settings.cable_noise.has_counts() {
+            Some(count("rounding of the cable encoder")?)
+        } else {
+            None
+        };
+        Ok(Self { gaussian, count })
+    }
+
+    /// What the encoder shows for a true value.
+    pub(crate) fn read(&mut self, value: f64) -> f64 {
+        let noisy = match &mut self.gaussian {
+            Some((sd, generator)) => value + *sd * normal(generator),
+            None => value,
+        };
+        match self.count {
+            Some(count) => libm::round(noisy / count) * count,
+            None => noisy,
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Random numbers that mean the same on every machine: one ChaCha stream per purpose.
+//!
+//! Normal numbers are made here, not by `rand_distr`: its normal distribution calls `exp` and `ln`
+//! through `num-traits`, which takes the platform's instead of `libm`'s as soon as any crate of the
+//! build turns on `num-traits/std`, and faer, nalgebra and proptest do. What a seed means would then
+//! depend on what else is compiled. Box & Muller's method with `libm` does not, and it takes
+//! exactly two uniform numbers for a normal one, so row k's noise does not depend on other rows'.
+
+use rand::distr::OpenClosed01;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// What a stream of random numbers is for. The indices are joints or cables, from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stream {
+    /// Readings of a whole device.
+    Poses,
+    /// Noise of an external encoder.
+    Output(usize),
+    /// Noise of a cable encoder.
+    Cable(usize),
+    /// Readings of one transmission.
+    TransmissionPoses(usize),
+    /// Noise of the external encoder of one transmission recorded alone. Not [`Stream::Output`], so
+    /// that one seed may serve both recordings of a device.
+    TransmissionOutput(usize),
+}
+
+impl Stream {
+    /// ChaCha stream number: kind times 2^32 plus index. Kind 1 is kept for random noise of the
+    /// motor-side readings, which have none so far: rounding draws nothing.
+    fn number(self) -> u64 {
+        let (kind, index) = match self {
+            Self::Poses => (0_u64, 0),
+            Self::Output(joint) => (2, joint),
+            Self::Cable(cable) => (3, cable),
+            Self::TransmissionPoses(joint) => (4, joint),
+            Self::TransmissionOutput(joint) => (5, joint),
+        };
+        (kind << 32) + index as u64
+    }
+
+    pub(crate) fn open(self, seed: u64) -> ChaCha8Rng {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(self.number());
+        generator
+    }
+}
+
+/// Each row's section of a pose stream is 2^36 words long, more than the bounded draws of 170 joints
+/// use, so a rejected draw in one row does not shift the next row.
+const ROW_WORDS_LOG2: u32 = 36;
+
+/// Moves to the section of a row.
+pub(crate) fn seek_row(generator: &mut ChaCha8Rng, row: usize) {
+    generator.set_word_pos((row as u128) << ROW_WORDS_LOG2);
+}
+
+/// A number in (0, 1], a multiple of 2^-53.
+pub(crate) fn uniform(generator: &mut ChaCha8Rng) -> f64 {
+    generator.sample(OpenClosed01)
+}
+
+/// A normal number of mean 0 and standard deviation 1: sqrt(-2 ln u) cos(2 pi v), u and v uniform
+/// (Box & Muller, "A note on the generation of random normal deviates", 1958). The second number of
+/// the pair is not used, so that each call takes four words.
+pub(crate) fn normal(generator: &mut ChaCha8Rng) -> f64 {
+    let radius = libm::sqrt(-2.0 * libm::log(uniform(generator)));
+    radius * libm::cos(std::f64::consts::TAU * uniform(generator))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// libm's logarithm, sine and cosine are within an ulp, and numbers here are below 8 in size.
+    const NORMAL_TOLERANCE: f64 = 4e-15;
+
+    /// Uniform and normal numbers from an implementation of the documented streams in Python.
+    #[test]
+    fn streams_are_what_the_documentation_says() {
+        let text = include_str!("../tests/fixtures/streams.csv");
+        let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+        assert_eq!(lines.len(), 24);
+        for line in lines {
+            let cells: Vec<&str> = line.split(',').collect();
+            let whole = |cell: usize| cells[cell].parse::<u64>().expect("an integer");
+            let (seed, kind, index) = (whole(0), whole(1), whole(2) as usize);
+            let (row, position) = (whole(3) as usize, whole(4));
+            let stream = match kind {
+                0 => Stream::Poses,
+                2 => Stream::Output(index),
+                3 => Stream::Cable(index),
+                4 => Stream::TransmissionPoses(index),
+                _ => Stream::TransmissionOutput(index),
+            };
+            let mut generator = stream.open(seed);
+            seek_row(&mut generator, row);
+            let mut again = generator.clone();
+            (0..position).for_each(|_| _ = normal(&mut generator));
+            (0..2 * position).for_each(|_| _ = uniform(&mut again));
+            let bits = u64::from_str_radix(cells[5], 16).expect("the bits of a number");
+            assert_eq!(uniform(&mut again).to_bits(), bits, "uniform of {line}");
+            let want: f64 = cells[6].parse().expect("a number");
+            let got = normal(&mut generator);
+            assert!((got - want).abs() <= NORMAL_TOLERANCE, "{got} for {line}");
+        }
+    }
+
+    #[test]
+    fn no_two_streams_share_a_number() {
+        let mut numbers: Vec<u64> = (0..4)
+            .flat_map(|index| {
+                [
+                    Stream::Output(index),
+                    Stream::Cable(index),
+                    Stream::TransmissionPoses(index),
+                    Stream::TransmissionOutput(index),
+                ]
+            })
+            .chain([Stream::Poses])
+            .map(Stream::number)
+            .collect();
+        let count = numbers.len();
+        numbers.sort_unstable();
+        numbers.dedup();
+        assert_eq!(numbers.len(), count);
+    }
+}
