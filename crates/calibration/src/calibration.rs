@@ -46,6 +46,8 @@ pub struct ChannelReport {
     pub sd_before: f64,
     /// Root mean square of the calibrated device's residuals.
     pub rms_after: f64,
+    /// Standard deviation of the calibrated device's residuals.
+    pub sd_after: f64,
     /// Root mean square of the stated noise, quantization included.
     pub noise_floor: f64,
     /// Share of the gap that was closed, noise taken out; none where there was no gap.
@@ -180,7 +182,10 @@ fn compare(
 fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) -> ChannelReport {
     let channel = before.channel;
     let (rms_before, rms_after) = (before.rms().unwrap_or(0.0), after.rms().unwrap_or(0.0));
-    let mean = before.residuals.iter().sum::<f64>() / before.residuals.len() as f64;
+    let spread = |residuals: &[f64], rms: f64| {
+        let mean = residuals.iter().sum::<f64>() / residuals.len() as f64;
+        (rms * rms - mean * mean).max(0.0).sqrt()
+    };
     ChannelReport {
         channel: channel.name(),
         joint: match channel {
@@ -191,8 +196,9 @@ fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) ->
         readings: before.residuals.len(),
         outside_range: before.outside_range,
         rms_before,
-        sd_before: (rms_before * rms_before - mean * mean).max(0.0).sqrt(),
+        sd_before: spread(&before.residuals, rms_before),
         rms_after,
+        sd_after: spread(&after.residuals, rms_after),
         noise_floor: after.noise_floor,
         reduction_percent: gap_reduction_percent(rms_before, rms_after, after.noise_floor),
         before: before.residuals,

@@ -94,18 +94,16 @@ pub fn fit_transmission(
         .into_iter()
         .map(|index| ParameterId::Transmission { joint, index })
         .collect();
+    // Terms that the evidence chose are supported, however large their scatter is against a
+    // plausible size: on a worn arm both can be tens of milliradians.
+    let mut options = *options;
+    if !evidence.is_empty() {
+        options.rules.weak_share = f64::MAX;
+    }
     let fit = if parameters.is_empty() {
         None
     } else {
-        Some(fit_parameters(
-            &what,
-            &start,
-            &part,
-            &[channel],
-            &parameters,
-            weights,
-            options,
-        )?)
+        Some(fit_parameters(&what, &start, &part, &[channel], &parameters, weights, &options)?)
     };
     Ok(TransmissionFit {
         joint,

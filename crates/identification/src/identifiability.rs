@@ -1,6 +1,6 @@
 //! Which parameters the data can fix: invisible, combinations of others, weak, or identifiable.
 
-use haptical_linalg::{Matrix, RANK_TOLERANCE, Reduction};
+use haptical_linalg::{LinalgError, Matrix, RANK_TOLERANCE, Reduction};
 use serde::Serialize;
 
 use crate::{IdentificationError, Observability};
@@ -37,6 +37,39 @@ impl Default for IdentifiabilityRules {
             weak_share: 0.5,
         }
     }
+}
+
+impl IdentifiabilityRules {
+    /// Refuses thresholds outside their range.
+    ///
+    /// # Errors
+    /// [`IdentificationError::Setting`].
+    pub fn check(&self) -> Result<(), IdentificationError> {
+        for (name, value) in [
+            ("zero_tolerance", self.zero_tolerance),
+            ("rank_tolerance", self.rank_tolerance),
+        ] {
+            if !(0.0..1.0).contains(&value) {
+                return Err(IdentificationError::Setting {
+                    name,
+                    value,
+                    allowed: "from 0 to below 1",
+                });
+            }
+        }
+        positive("weak_share", self.weak_share)
+    }
+}
+
+fn positive(name: &'static str, value: f64) -> Result<(), IdentificationError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(IdentificationError::Setting {
+        name,
+        value,
+        allowed: "finite and above 0",
+    })
 }
 
 /// One term of a combination.
@@ -111,7 +144,7 @@ impl Identifiability {
         self.rank == self.singular_rank
     }
 
-    /// A sentence for a dependent or invisible parameter; none where it is independent.
+    /// A sentence for a parameter that is not identifiable; none for one that is.
     pub fn reason(&self, parameter: usize) -> Option<String> {
         let name = self.names.get(parameter)?;
         match self.statuses.get(parameter)? {
@@ -123,7 +156,10 @@ impl Identifiability {
                     .collect();
                 Some(format!("{name} acts like {}", terms.join(" ")))
             }
-            Status::Weak { .. } | Status::Identifiable { .. } => None,
+            Status::Weak { standard_deviation } => Some(format!(
+                "{name} is fixed no better than it is plausibly large (sd {standard_deviation:.3e})"
+            )),
+            Status::Identifiable { .. } => None,
         }
     }
 }
@@ -135,7 +171,9 @@ impl Identifiability {
 /// weighted by the noise, so that standard deviations are those of the stated noise.
 ///
 /// # Errors
-/// [`IdentificationError::Shape`] if lengths do not fit; refusals of the linear algebra.
+/// [`IdentificationError::Shape`] if lengths do not fit, [`IdentificationError::Setting`] for a
+/// threshold or a plausible size outside its range; refusals of the linear algebra, among them an
+/// order that is not a permutation.
 pub fn analyse(
     reduction: &Reduction,
     parameters: &[ParameterInfo],
@@ -155,6 +193,20 @@ pub fn analyse(
             });
         }
     }
+    rules.check()?;
+    let mut seen = vec![false; count];
+    for &column in order {
+        match seen.get_mut(column) {
+            Some(taken) if !*taken => *taken = true,
+            _ => {
+                let columns = count;
+                return Err(LinalgError::Column { column, columns }.into());
+            }
+        }
+    }
+    for parameter in parameters {
+        positive("plausible_size", parameter.plausible_size)?;
+    }
     let effects: Vec<f64> = reduction
         .column_norms()
         .iter()
@@ -164,6 +216,12 @@ pub fn analyse(
     let largest = effects
         .iter()
         .fold(0.0_f64, |largest, effect| largest.max(*effect));
+    if !largest.is_finite() {
+        return Err(LinalgError::Overflow {
+            what: "a column norm times a plausible size",
+        }
+        .into());
+    }
     let visible: Vec<usize> = order
         .iter()
         .copied()
