@@ -54,7 +54,7 @@ pub(crate) fn check(
             continue;
         };
         if let Some((previous_line, previous_s)) = previous.replace((line, time_s))
-            && time_s < previous_s
+            && time_s <= previous_s
         {
             let at = cell_of(columns, Role::Time, file, line);
             return Err(DataError::TimeOrder {

@@ -29,7 +29,11 @@ pub(crate) struct PoseSampler<'d> {
 }
 
 impl<'d> PoseSampler<'d> {
-    pub(crate) fn new(truth: &'d Device, settings: &Settings, seed: u64) -> Result<Self, SimulatorError> {
+    pub(crate) fn new(
+        truth: &'d Device,
+        settings: &Settings,
+        seed: u64,
+    ) -> Result<Self, SimulatorError> {
         let joints = truth
             .joints
             .iter()

@@ -109,6 +109,16 @@ fn a_few_outliers_make_no_degrees() {
 }
 
 #[test]
+fn a_joint_that_turns_somewhat_farther_than_its_limits_is_a_warning() {
+    // 30 readings are not trimmed. Below twice the limit; below 1.2 pi, which no reading in radians of a wrapped angle exceeds.
+    for (limit, reached) in [(4.0, 6.0), (4.0, 7.9), (1.0, 1.5), (1.0, 3.7)] {
+        warns(&log(sweep(-reached, reached, 30)), &shape(-limit, limit));
+    }
+    is_degrees(read(&log(sweep(-8.1, 8.1, 30)), &shape(-4.0, 4.0)));
+    is_degrees(read(&log(sweep(-3.8, 3.8, 30)), &shape(-1.0, 1.0)));
+}
+
+#[test]
 fn readings_that_fit_in_no_unit_are_a_warning() {
     warns(&log(sweep(-500.0, 500.0, 100)), &shape(-1.0, 1.0));
 }
