@@ -1,7 +1,5 @@
 //! Drawing primitives in px on the SVG backend of plotters.
 
-use std::fmt::Display;
-
 use plotters::backend::DrawingBackend;
 use plotters::prelude::{RGBAColor, SVGBackend, ShapeStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -34,7 +32,10 @@ impl Colour {
     pub(crate) const GRID: Self = Self::opaque(0xe2, 0xe2, 0xe2);
 
     const fn opaque(red: u8, green: u8, blue: u8) -> Self {
-        Self { rgb: (red, green, blue), opacity: 1.0 }
+        Self {
+            rgb: (red, green, blue),
+            opacity: 1.0,
+        }
     }
 
     /// Colour of the palette by Okabe and Ito, Color Universal Design, 2008; the yellow, which is
@@ -95,11 +96,32 @@ impl Rectangle {
     }
 }
 
-/// A picture in the making. The first failure of the backend is kept and returned at the end.
+/// One thing drawn.
+#[derive(Debug, Clone, PartialEq)]
+enum Element {
+    Path(Vec<Point>, Stroke),
+    Polygon(Vec<Point>, Colour),
+    Fill(Rectangle, Colour),
+    Circle(Point, f64, Colour),
+    Text(Lettering),
+}
+
+/// A text with its place and face.
+#[derive(Debug, Clone, PartialEq)]
+struct Lettering {
+    text: String,
+    at: Point,
+    size_px: f64,
+    anchor: Anchor,
+    bold: bool,
+    upward: bool,
+}
+
+/// A picture in the making: elements in drawing order.
+#[derive(Debug, Clone)]
 pub(crate) struct Canvas {
-    body: String,
+    elements: Vec<Element>,
     size_px: (u32, u32),
-    failure: Option<ReportError>,
 }
 
 impl Canvas {
@@ -108,9 +130,16 @@ impl Canvas {
         let sides = 1..=LARGEST_SIDE_PX;
         if !sides.contains(&width_px) || !sides.contains(&height_px) {
             let largest_px = LARGEST_SIDE_PX;
-            return Err(ReportError::PictureSize { width_px, height_px, largest_px });
+            return Err(ReportError::PictureSize {
+                width_px,
+                height_px,
+                largest_px,
+            });
         }
-        let mut canvas = Self { body: String::new(), size_px: (width_px, height_px), failure: None };
+        let mut canvas = Self {
+            elements: Vec::new(),
+            size_px: (width_px, height_px),
+        };
         let page = canvas.page();
         canvas.fill(page, Colour::WHITE);
         Ok(canvas)
@@ -119,112 +148,161 @@ impl Canvas {
     /// The whole picture.
     pub(crate) fn page(&self) -> Rectangle {
         let (width, height) = self.size_px;
-        Rectangle { left: 0.0, top: 0.0, right: f64::from(width), bottom: f64::from(height) }
-    }
-
-    /// The SVG text, with `title` as the name that screen readers and tool tips give it.
-    pub(crate) fn finish(self, title: &str) -> Result<String, ReportError> {
-        if let Some(failure) = self.failure {
-            return Err(failure);
+        Rectangle {
+            left: 0.0,
+            top: 0.0,
+            right: f64::from(width),
+            bottom: f64::from(height),
         }
-        let (width, height) = self.size_px;
-        let (units_wide, units_high) = (units(f64::from(width)), units(f64::from(height)));
-        Ok(format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {units_wide} {units_high}\" role=\"img\">\n<title>{}</title>\n{}</svg>\n",
-            maud::html! { (clean(title)) }.into_string(),
-            self.body
-        ))
     }
 
     /// Straight segments through the points.
     pub(crate) fn path(&mut self, points: &[Point], stroke: Stroke) {
-        let style = ShapeStyle {
-            color: stroke.colour.plotters(),
-            filled: false,
-            stroke_width: units(stroke.width_px).max(1).unsigned_abs(),
-        };
-        self.draw(|backend| backend.draw_path(points.iter().map(backend_point), &style));
+        self.elements.push(Element::Path(points.to_vec(), stroke));
     }
 
     /// A filled polygon.
     pub(crate) fn polygon(&mut self, points: &[Point], colour: Colour) {
-        let style = fill_style(colour);
-        self.draw(|backend| backend.fill_polygon(points.iter().map(backend_point), &style));
+        self.elements
+            .push(Element::Polygon(points.to_vec(), colour));
     }
 
     /// A filled rectangle.
     pub(crate) fn fill(&mut self, area: Rectangle, colour: Colour) {
-        let style = fill_style(colour);
-        let corners =
-            (backend_point(&(area.left, area.top)), backend_point(&(area.right, area.bottom)));
-        self.draw(|backend| backend.draw_rect(corners.0, corners.1, &style, true));
+        self.elements.push(Element::Fill(area, colour));
     }
 
     /// A filled circle.
     pub(crate) fn circle(&mut self, centre: Point, radius_px: f64, colour: Colour) {
-        let style = fill_style(colour);
-        let radius = units(radius_px).max(1).unsigned_abs();
-        self.draw(|backend| backend.draw_circle(backend_point(&centre), radius, &style, true));
+        self.elements
+            .push(Element::Circle(centre, radius_px, colour));
     }
 
     /// A text whose vertical centre is at the point.
     pub(crate) fn text(&mut self, text: &str, at: Point, size_px: f64, anchor: Anchor) {
-        self.write(text, at, size_px, (anchor, VPos::Center), (FontStyle::Normal, false));
+        self.letter(text, at, size_px, anchor, (false, false));
     }
 
     /// A text that reads upwards; `anchor` refers to its reading direction.
     pub(crate) fn upward_text(&mut self, text: &str, at: Point, size_px: f64, anchor: Anchor) {
-        self.write(text, at, size_px, (anchor, VPos::Center), (FontStyle::Normal, true));
+        self.letter(text, at, size_px, anchor, (false, true));
     }
 
-    /// A bold text that starts at the point, which is on the foot of its line.
+    /// A bold text that starts at the point.
     pub(crate) fn heading(&mut self, text: &str, at: Point, size_px: f64) {
-        let place = (Anchor::Start, VPos::Bottom);
-        self.write(text, at, size_px, place, (FontStyle::Bold, false));
+        self.letter(text, at, size_px, Anchor::Start, (true, false));
     }
 
-    fn write(
+    fn letter(
         &mut self,
         text: &str,
         at: Point,
         size_px: f64,
-        (anchor, vertical): (Anchor, VPos),
-        (face, upward): (FontStyle, bool),
+        anchor: Anchor,
+        (bold, upward): (bool, bool),
     ) {
-        let horizontal = match anchor {
+        let text = clean(text);
+        self.elements.push(Element::Text(Lettering {
+            text,
+            at,
+            size_px,
+            anchor,
+            bold,
+            upward,
+        }));
+    }
+
+    /// The SVG text, with `title` as the name that screen readers and tool tips give it.
+    pub(crate) fn finish(&self, title: &str) -> Result<String, ReportError> {
+        let (width, height) = self.size_px;
+        let (wide, high) = (units(f64::from(width)), units(f64::from(height)));
+        let failure = |message: String| ReportError::Drawing { message };
+        let mut drawn = String::new();
+        let mut backend = SVGBackend::with_string(&mut drawn, (1, 1));
+        for element in &self.elements {
+            element
+                .draw(&mut backend)
+                .map_err(|error| failure(error.to_string()))?;
+        }
+        backend
+            .present()
+            .map_err(|error| failure(error.to_string()))?;
+        drop(backend);
+        // The opening tag of the backend knows one size only; ours has px outside, units inside.
+        let (_, body) = drawn
+            .split_once(">\n")
+            .ok_or_else(|| failure("no opening tag".to_owned()))?;
+        Ok(format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+             viewBox=\"0 0 {wide} {high}\" role=\"img\">\n<title>{}</title>\n{body}",
+            maud::html! { (clean(title)) }.into_string(),
+        ))
+    }
+}
+
+impl Element {
+    fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Result<(), String> {
+        let outcome = match self {
+            Self::Path(points, stroke) => {
+                let style = ShapeStyle {
+                    color: stroke.colour.plotters(),
+                    filled: false,
+                    stroke_width: units(stroke.width_px).max(1).unsigned_abs(),
+                };
+                backend.draw_path(points.iter().map(backend_point), &style)
+            }
+            Self::Polygon(points, colour) => {
+                backend.fill_polygon(points.iter().map(backend_point), &fill_style(*colour))
+            }
+            Self::Fill(area, colour) => {
+                let upper_left = backend_point(&(area.left, area.top));
+                let lower_right = backend_point(&(area.right, area.bottom));
+                backend.draw_rect(upper_left, lower_right, &fill_style(*colour), true)
+            }
+            Self::Circle(centre, radius_px, colour) => {
+                let radius = units(*radius_px).max(1).unsigned_abs();
+                backend.draw_circle(backend_point(centre), radius, &fill_style(*colour), true)
+            }
+            Self::Text(lettering) => return lettering.draw(backend),
+        };
+        outcome.map_err(|error| error.to_string())
+    }
+}
+
+impl Lettering {
+    fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Result<(), String> {
+        let horizontal = match self.anchor {
             Anchor::Start => HPos::Left,
             Anchor::Middle => HPos::Center,
             Anchor::End => HPos::Right,
         };
-        let size = size_px * UNITS_PER_PX * BACKEND_FONT_FACTOR;
-        let turn = if upward { FontTransform::Rotate270 } else { FontTransform::None };
+        let face = if self.bold {
+            FontStyle::Bold
+        } else {
+            FontStyle::Normal
+        };
+        let turn = if self.upward {
+            FontTransform::Rotate270
+        } else {
+            FontTransform::None
+        };
+        let size = self.size_px * UNITS_PER_PX * BACKEND_FONT_FACTOR;
         let font = FontDesc::new(FontFamily::SansSerif, size, face).transform(turn);
         let colour = Colour::INK.plotters();
-        let style = TextStyle::from(font).color(&colour).pos(Pos::new(horizontal, vertical));
-        let text = clean(text);
-        self.draw(|backend| backend.draw_text(&text, &style, backend_point(&at)));
-    }
-
-    /// Runs one drawing call of the backend and appends what it wrote, without its frame.
-    fn draw<E: Display>(
-        &mut self,
-        call: impl FnOnce(&mut SVGBackend<'_>) -> Result<(), E>,
-    ) {
-        if self.failure.is_some() {
-            return;
-        }
-        let mut element = String::new();
-        let outcome = call(&mut SVGBackend::with_string(&mut element, (1, 1)));
-        if let Err(error) = outcome {
-            self.failure = Some(ReportError::Drawing { message: error.to_string() });
-        }
-        self.body.push_str(&element);
+        let style = TextStyle::from(font)
+            .color(&colour)
+            .pos(Pos::new(horizontal, VPos::Center));
+        let outcome = backend.draw_text(&self.text, &style, backend_point(&self.at));
+        outcome.map_err(|error| error.to_string())
     }
 }
 
 fn fill_style(colour: Colour) -> ShapeStyle {
-    ShapeStyle { color: colour.plotters(), filled: true, stroke_width: 0 }
+    ShapeStyle {
+        color: colour.plotters(),
+        filled: true,
+        stroke_width: 0,
+    }
 }
 
 fn units(px: f64) -> i32 {

@@ -17,7 +17,10 @@ pub struct Column {
 impl Column {
     /// A column; `unit` is empty for text and for numbers without a unit.
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { name: name.into(), unit: unit.into() }
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+        }
     }
 
     /// Name and unit on one line: `position error [mm]`.
@@ -87,7 +90,11 @@ impl Cell {
 
     /// An interval shown with `decimals` digits after the point.
     pub fn interval(low: f64, high: f64, decimals: usize) -> Self {
-        Self::Interval { low, high, decimals }
+        Self::Interval {
+            low,
+            high,
+            decimals,
+        }
     }
 
     /// The number when there is one and `None` when the value is not known.
@@ -101,7 +108,11 @@ impl Cell {
             Self::Text(text) => text.clone(),
             Self::Number { value, decimals } => fixed(*value, *decimals),
             Self::Scientific { value, digits } => scientific(*value, *digits),
-            Self::Interval { low, high, decimals } => {
+            Self::Interval {
+                low,
+                high,
+                decimals,
+            } => {
                 format!("{} to {}", fixed(*low, *decimals), fixed(*high, *decimals))
             }
             Self::Missing => MISSING.to_owned(),
@@ -110,7 +121,10 @@ impl Cell {
 
     /// True for cells that stand at the right edge of their column.
     pub(crate) fn is_numeric(&self) -> bool {
-        matches!(self, Self::Number { .. } | Self::Scientific { .. } | Self::Interval { .. })
+        matches!(
+            self,
+            Self::Number { .. } | Self::Scientific { .. } | Self::Interval { .. }
+        )
     }
 
     /// The numbers in the cell.
@@ -133,7 +147,9 @@ fn fixed(value: f64, decimals: usize) -> String {
     }
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
-        Some(digits) if digits.bytes().all(|byte| byte == b'0' || byte == b'.') => digits.to_owned(),
+        Some(digits) if digits.bytes().all(|byte| byte == b'0' || byte == b'.') => {
+            digits.to_owned()
+        }
         _ => text,
     }
 }

@@ -85,7 +85,9 @@ pub enum ReportError {
         needed_height_px: f64,
     },
     /// The size asked of a picture is outside what the drawing library can address.
-    #[error("a picture of {width_px} by {height_px} px is asked for, each side may be 1 to {largest_px}")]
+    #[error(
+        "a picture of {width_px} by {height_px} px is asked for, each side may be 1 to {largest_px}"
+    )]
     PictureSize {
         /// Width asked for, in px.
         width_px: u32,

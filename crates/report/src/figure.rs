@@ -1,11 +1,11 @@
 //! Figures and grids of figures: what is drawn, apart from how.
 
-use crate::canvas::{Canvas, Colour, Rectangle, Stroke};
+use crate::canvas::{Canvas, Rectangle};
 use crate::error::ReportError;
-use crate::layout::{PAGE_TITLE_PX, TITLE_LINE_PX};
+use crate::layout::{MARGIN_PX, PAGE_TITLE_PX, TITLE_LINE_PX};
 use crate::panel::draw_panel;
 use crate::series::Series;
-use crate::text::{bold_width_px, wrap};
+use crate::text::{BOLD_FACTOR, wrap};
 
 /// A plot with two axes.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -86,7 +86,11 @@ pub struct FigureGrid {
 impl FigureGrid {
     /// A grid of figures.
     pub fn new(title: impl Into<String>, columns: usize, figures: Vec<Figure>) -> Self {
-        Self { title: title.into(), columns, figures }
+        Self {
+            title: title.into(),
+            columns,
+            figures,
+        }
     }
 
     /// The grid as one SVG picture of the given size; the same grid gives the same bytes.
@@ -95,26 +99,32 @@ impl FigureGrid {
     /// As [`Figure::to_svg`]; [`ReportError::Empty`] for a grid without figures.
     pub fn to_svg(&self, width_px: u32, height_px: u32) -> Result<String, ReportError> {
         if self.figures.is_empty() {
-            return Err(ReportError::Empty { figure: self.title.clone(), missing: "panels" });
+            return Err(ReportError::Empty {
+                figure: self.title.clone(),
+                missing: "panels",
+            });
         }
         let mut canvas = Canvas::new(width_px, height_px)?;
         let page = canvas.page();
-        let factor = bold_width_px("n", 1.0);
-        let size = PAGE_TITLE_PX * factor / crate::text::width_px("n", 1.0);
         let mut top = page.top;
-        for line in wrap(&self.title, size, page.width() - 24.0) {
-            top += TITLE_LINE_PX + 2.0;
-            canvas.heading(&line, (page.left + 12.0, top - 4.0), PAGE_TITLE_PX);
+        for line in wrap(
+            &self.title,
+            PAGE_TITLE_PX * BOLD_FACTOR,
+            page.width() - 2.0 * MARGIN_PX,
+        ) {
+            let at = (page.left + MARGIN_PX, top + MARGIN_PX + 0.5 * TITLE_LINE_PX);
+            canvas.heading(&line, at, PAGE_TITLE_PX);
+            top += TITLE_LINE_PX;
         }
         if top > page.top {
-            top += 8.0;
-            let rule = Stroke { colour: Colour::GRID, width_px: 1.0 };
-            canvas.path(&[(page.left + 12.0, top), (page.right - 12.0, top)], rule);
-            top += 4.0;
+            top += MARGIN_PX;
         }
         let columns = self.columns.clamp(1, self.figures.len());
         let rows = self.figures.len().div_ceil(columns);
-        let (width, height) = (page.width() / columns as f64, (page.bottom - top) / rows as f64);
+        let (width, height) = (
+            page.width() / columns as f64,
+            (page.bottom - top) / rows as f64,
+        );
         for (index, figure) in self.figures.iter().enumerate() {
             let (row, column) = ((index / columns) as f64, (index % columns) as f64);
             let area = Rectangle {

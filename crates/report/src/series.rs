@@ -46,7 +46,12 @@ impl Series {
         colour: usize,
         points: Vec<(f64, f64)>,
     ) -> Self {
-        Self { label: label.into(), mark, colour, points }
+        Self {
+            label: label.into(),
+            mark,
+            colour,
+            points,
+        }
     }
 
     /// A shaded band between two curves given as `(x, low, high)`.
@@ -66,7 +71,9 @@ impl Series {
         colour: usize,
         intervals: &[(f64, f64, f64, f64)],
     ) -> Self {
-        let points = intervals.iter().flat_map(|&(x, low, mid, high)| [(x, low), (x, mid), (x, high)]);
+        let points = intervals
+            .iter()
+            .flat_map(|&(x, low, mid, high)| [(x, low), (x, mid), (x, high)]);
         Self::new(label, Mark::Intervals, colour, points.collect())
     }
 
@@ -91,7 +98,11 @@ impl Series {
 /// assert_eq!(counts, [(0.25, 3.0), (0.75, 1.0)]);
 /// ```
 pub fn histogram(values: &[f64], bins: usize) -> Vec<(f64, f64)> {
-    let finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    let finite: Vec<f64> = values
+        .iter()
+        .copied()
+        .filter(|value| value.is_finite())
+        .collect();
     if finite.is_empty() || bins == 0 {
         return Vec::new();
     }
@@ -109,5 +120,9 @@ pub fn histogram(values: &[f64], bins: usize) -> Vec<(f64, f64)> {
         counts[bin.min(bins - 1)] += 1.0;
     }
     let centre = |bin: usize| low + (bin as f64 + 0.5) * width;
-    counts.into_iter().enumerate().map(|(bin, count)| (centre(bin), count)).collect()
+    counts
+        .into_iter()
+        .enumerate()
+        .map(|(bin, count)| (centre(bin), count))
+        .collect()
 }

@@ -1,11 +1,21 @@
 //! A table of cells under columns with units, and its form for the terminal.
 
-use comfy_table::presets;
-use comfy_table::{Cell as TerminalCell, CellAlignment, ContentArrangement, Table as TerminalTable};
+use comfy_table::{
+    Cell as TerminalCell, CellAlignment, ContentArrangement, ContentLineStyle, LineStyle,
+    Table as TerminalTable, TableStyle,
+};
 
 use crate::cell::{Cell, Column};
 use crate::error::ReportError;
 use crate::text::clean;
+
+/// Light lines around the table, between the columns and under the head.
+const LIGHT_BORDERS: TableStyle = TableStyle::new()
+    .top_border(LineStyle::new('┌', '─', '┬', '┐'))
+    .header_lines(ContentLineStyle::new('│', '│', '│'))
+    .header_separator(LineStyle::new('├', '─', '┼', '┤'))
+    .content_lines(ContentLineStyle::new('│', '│', '│'))
+    .bottom_border(LineStyle::new('└', '─', '┴', '┘'));
 
 /// Rows of cells under columns that carry their units.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -34,7 +44,12 @@ impl Table {
     /// # Ok::<(), haptical_report::ReportError>(())
     /// ```
     pub fn new(title: impl Into<String>, columns: Vec<Column>) -> Self {
-        Self { title: title.into(), columns, rows: Vec::new(), notes: Vec::new() }
+        Self {
+            title: title.into(),
+            columns,
+            rows: Vec::new(),
+            notes: Vec::new(),
+        }
     }
 
     /// Adds a row.
@@ -54,7 +69,7 @@ impl Table {
     /// line end after the last line.
     pub fn to_terminal(&self) -> String {
         let mut table = TerminalTable::new();
-        table.load_style(presets::UTF8_FULL_CONDENSED.with_solid_inner_borders());
+        table.load_style(LIGHT_BORDERS);
         table.set_content_arrangement(ContentArrangement::Disabled);
         table.set_header(self.columns.iter().enumerate().map(|(index, column)| {
             TerminalCell::new(clean(&column.heading())).set_alignment(self.alignment(index))
@@ -77,8 +92,11 @@ impl Table {
 
     /// True when the column holds numbers only, apart from missing cells.
     pub(crate) fn is_numeric_column(&self, index: usize) -> bool {
-        let mut cells =
-            self.rows.iter().filter_map(|row| row.get(index)).filter(|cell| **cell != Cell::Missing);
+        let mut cells = self
+            .rows
+            .iter()
+            .filter_map(|row| row.get(index))
+            .filter(|cell| **cell != Cell::Missing);
         let mut any = false;
         cells.all(|cell| {
             any = true;
@@ -88,7 +106,10 @@ impl Table {
 
     /// Refuses rows that were not added through [`Table::push`] and do not fit.
     pub(crate) fn check(&self) -> Result<(), ReportError> {
-        self.rows.iter().enumerate().try_for_each(|(index, row)| self.check_row(index, row))
+        self.rows
+            .iter()
+            .enumerate()
+            .try_for_each(|(index, row)| self.check_row(index, row))
     }
 
     fn check_row(&self, index: usize, row: &[Cell]) -> Result<(), ReportError> {
@@ -102,13 +123,21 @@ impl Table {
         for (cell, column) in row.iter().zip(&self.columns) {
             if let Some(value) = cell.numbers().into_iter().find(|value| !value.is_finite()) {
                 let place = format!("table \"{}\", column \"{}\"", self.title, column.name);
-                return Err(ReportError::NonFinite { place, index, value });
+                return Err(ReportError::NonFinite {
+                    place,
+                    index,
+                    value,
+                });
             }
         }
         Ok(())
     }
 
     fn alignment(&self, index: usize) -> CellAlignment {
-        if self.is_numeric_column(index) { CellAlignment::Right } else { CellAlignment::Left }
+        if self.is_numeric_column(index) {
+            CellAlignment::Right
+        } else {
+            CellAlignment::Left
+        }
     }
 }

@@ -19,9 +19,24 @@ impl Table {
         if !self.title.is_empty() {
             text.push_str(&format!("**{}**\n\n", markdown(&self.title)));
         }
-        text.push_str(&line(self.columns.iter().map(|c| markdown(&c.heading())).collect()));
-        let rule = |index| if self.is_numeric_column(index) { "---:" } else { ":---" };
-        text.push_str(&line((0..self.columns.len()).map(|i| rule(i).to_owned()).collect()));
+        text.push_str(&line(
+            self.columns
+                .iter()
+                .map(|c| markdown(&c.heading()))
+                .collect(),
+        ));
+        let rule = |index| {
+            if self.is_numeric_column(index) {
+                "---:"
+            } else {
+                ":---"
+            }
+        };
+        text.push_str(&line(
+            (0..self.columns.len())
+                .map(|i| rule(i).to_owned())
+                .collect(),
+        ));
         for row in &self.rows {
             let cell = |index: usize| markdown(&self.cell(row, index).display());
             text.push_str(&line((0..self.columns.len()).map(cell).collect()));
@@ -42,27 +57,41 @@ impl Table {
     /// [`Table::push`], [`ReportError::Csv`] when the CSV library refuses.
     pub fn to_csv(&self) -> Result<String, ReportError> {
         self.check()?;
-        let failure = |message: String| ReportError::Csv { table: self.title.clone(), message };
-        let split: Vec<bool> = (0..self.columns.len()).map(|i| self.has_intervals(i)).collect();
+        let failure = |message: String| ReportError::Csv {
+            table: self.title.clone(),
+            message,
+        };
+        let split: Vec<bool> = (0..self.columns.len())
+            .map(|i| self.has_intervals(i))
+            .collect();
         let mut writer = csv::Writer::from_writer(Vec::new());
         let mut head = Vec::new();
         for (column, &split) in self.columns.iter().zip(&split) {
             let ends: &[&str] = if split { &[" low", " high"] } else { &[""] };
             for end in ends {
-                let unit =
-                    if column.unit.is_empty() { String::new() } else { format!(" [{}]", column.unit) };
+                let unit = if column.unit.is_empty() {
+                    String::new()
+                } else {
+                    format!(" [{}]", column.unit)
+                };
                 head.push(format!("{}{end}{unit}", column.name));
             }
         }
-        writer.write_record(&head).map_err(|error| failure(error.to_string()))?;
+        writer
+            .write_record(&head)
+            .map_err(|error| failure(error.to_string()))?;
         for row in &self.rows {
             let mut record = Vec::new();
             for (cell, &split) in row.iter().zip(&split) {
                 record.extend(csv_fields(cell, split));
             }
-            writer.write_record(&record).map_err(|error| failure(error.to_string()))?;
+            writer
+                .write_record(&record)
+                .map_err(|error| failure(error.to_string()))?;
         }
-        let bytes = writer.into_inner().map_err(|error| failure(error.to_string()))?;
+        let bytes = writer
+            .into_inner()
+            .map_err(|error| failure(error.to_string()))?;
         String::from_utf8(bytes).map_err(|error| failure(error.to_string()))
     }
 
@@ -70,8 +99,14 @@ impl Table {
     ///
     /// Numbers are raw, an interval is `[low, high]`, a missing or non-finite value is `null`.
     pub fn to_json(&self) -> Value {
-        let columns = self.columns.iter().map(|c| json!({ "name": c.name, "unit": c.unit }));
-        let rows = self.rows.iter().map(|row| row.iter().map(json_cell).collect::<Value>());
+        let columns = self
+            .columns
+            .iter()
+            .map(|c| json!({ "name": c.name, "unit": c.unit }));
+        let rows = self
+            .rows
+            .iter()
+            .map(|row| row.iter().map(json_cell).collect::<Value>());
         json!({
             "title": self.title,
             "columns": columns.collect::<Value>(),
@@ -82,7 +117,13 @@ impl Table {
 
     /// The table as HTML, in a box of its own that scrolls sideways.
     pub fn to_html(&self) -> Markup {
-        let class = |index| if self.is_numeric_column(index) { "number" } else { "text" };
+        let class = |index| {
+            if self.is_numeric_column(index) {
+                "number"
+            } else {
+                "text"
+            }
+        };
         html! {
             figure.table {
                 @if !self.title.is_empty() { figcaption { (clean(&self.title)) } }
@@ -117,7 +158,9 @@ impl Table {
     }
 
     fn has_intervals(&self, index: usize) -> bool {
-        self.rows.iter().any(|row| matches!(row.get(index), Some(Cell::Interval { .. })))
+        self.rows
+            .iter()
+            .any(|row| matches!(row.get(index), Some(Cell::Interval { .. })))
     }
 }
 
@@ -148,7 +191,11 @@ fn csv_fields(cell: &Cell, split: bool) -> Vec<String> {
     if !split {
         return vec![first];
     }
-    let second = if cell.is_numeric() { first.clone() } else { String::new() };
+    let second = if cell.is_numeric() {
+        first.clone()
+    } else {
+        String::new()
+    };
     vec![first, second]
 }
 

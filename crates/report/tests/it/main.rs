@@ -1,0 +1,13 @@
+//! Integration tests of haptical-report.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "helpers of tests may stop a test; clippy exempts only the tests themselves"
+)]
+
+mod document;
+mod figure;
+mod figure_geometry;
+mod file;
+mod picture;
+mod table;
