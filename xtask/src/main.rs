@@ -1,2 +1,31 @@
-//! xtask
-fn main() {}
+//! The project's own jobs. `cargo xtask reproduce-tables` is the main one.
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a command talks to its terminal"
+)]
+
+mod progress;
+mod tables;
+
+use clap::{Parser, Subcommand};
+
+/// Jobs of the Haptical project.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    job: Job,
+}
+
+#[derive(Debug, Subcommand)]
+enum Job {
+    /// Reproduces the paper's simulation: Tables 1 to 3, Figures 7 and 8, and what they rest on.
+    ReproduceTables(tables::Arguments),
+}
+
+fn main() -> anyhow::Result<()> {
+    match Cli::parse().job {
+        Job::ReproduceTables(arguments) => tables::reproduce(&arguments),
+    }
+}

@@ -89,7 +89,8 @@ pub fn calibrate(
     let split = split(recording, rows)?;
     let seen = recording.select(&split.fit);
     let fitted = fit_device(device, &seen, options)?;
-    let fit_channels = compare(device, &fitted.device, &seen, &channels, &stated)?;
+    let mut fit_channels = compare(device, &fitted.device, &seen, &channels, &stated)?;
+    in_recording(&mut fit_channels, &split.fit);
     let (held_out_channels, held_out) = match (options.held_out, short) {
         (HeldOut::Share(share), true) if share > 0.0 => cross_validate(
             device,
@@ -102,7 +103,8 @@ pub fn calibrate(
         _ if split.held_out.is_empty() => (Vec::new(), split.description.clone()),
         _ => {
             let unseen = recording.select(&split.held_out);
-            let reports = compare(device, &fitted.device, &unseen, &channels, &stated)?;
+            let mut reports = compare(device, &fitted.device, &unseen, &channels, &stated)?;
+            in_recording(&mut reports, &split.held_out);
             (reports, split.description.clone())
         }
     };
@@ -177,6 +179,13 @@ fn compare(
         .filter(|(before, _)| !before.residuals.is_empty())
         .map(|(before, after)| report(nominal, before, after))
         .collect())
+}
+
+/// Turns rows of a part into rows of the recording that it was taken from.
+fn in_recording(reports: &mut [ChannelReport], part: &[usize]) {
+    for row in reports.iter_mut().flat_map(|report| &mut report.rows) {
+        *row = part[*row];
+    }
 }
 
 fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) -> ChannelReport {

@@ -23,6 +23,8 @@ pub enum TransmissionTerms {
     OffsetRatioEccentricity,
     /// All of equation (1).
     Capstan,
+    /// Equation (1) with the offset c held at zero: the encoder was zeroed at home.
+    ZeroedCapstan,
     /// Polynomial of a degree.
     Polynomial(usize),
 }
@@ -54,6 +56,7 @@ impl TransmissionTerms {
             Self::OffsetEccentricity => vec![0, 2, 3],
             Self::OffsetRatioEccentricity => vec![0, 1, 2, 3],
             Self::Capstan => vec![0, 1, 2, 3, 4, 5],
+            Self::ZeroedCapstan => vec![1, 2, 3, 4, 5],
             Self::Polynomial(degree) => (0..=degree).collect(),
         }
     }

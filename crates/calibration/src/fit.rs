@@ -46,6 +46,9 @@ pub struct Options {
     pub method: CalibrationMethod,
     /// Polynomial degree.
     pub degree: Degree,
+    /// Hold the constant offset of equation (1) at zero, as the paper's tables do: the encoders
+    /// were zeroed at home.
+    pub zeroed_at_home: bool,
     /// Noise sizes.
     pub weighting: Weighting,
     /// Rows that the fit does not see.
@@ -61,6 +64,7 @@ impl Default for Options {
         Self {
             method: CalibrationMethod::Joint,
             degree: Degree::UpTo(14),
+            zeroed_at_home: false,
             weighting: Weighting::Estimated,
             held_out: HeldOut::default(),
             search: Settings::default(),

@@ -127,7 +127,12 @@ fn choose(
     let plenty = rows >= SAMPLES_PER_PARAMETER * 6;
     let forms: Vec<TransmissionTerms> = match (kind, options.degree) {
         (TransmissionKind::Capstan, _) if plenty => {
-            return Ok((TransmissionTerms::Capstan, vec![]));
+            let terms = if options.zeroed_at_home {
+                TransmissionTerms::ZeroedCapstan
+            } else {
+                TransmissionTerms::Capstan
+            };
+            return Ok((terms, vec![]));
         }
         (TransmissionKind::Parallelogram, Degree::Fixed(degree)) => {
             return Ok((TransmissionTerms::Polynomial(degree), vec![]));

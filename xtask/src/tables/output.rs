@@ -1,0 +1,108 @@
+//! Collects tables, figures and words, and writes them: terminal, Markdown, CSV, JSON, SVG, HTML.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use haptical_report::{Block, Document, Figure, FigureGrid, Section, Table, write_atomically};
+use serde_json::{Value, json};
+
+/// A report that grows section by section.
+#[derive(Debug, Default)]
+pub(crate) struct Output {
+    sections: Vec<Section>,
+    markdown: String,
+    files: Vec<(String, Vec<u8>)>,
+    json: Vec<(String, Value)>,
+    /// Tables that a terminal shows.
+    terminal: Vec<String>,
+}
+
+impl Output {
+    /// Starts a section.
+    pub(crate) fn section(&mut self, heading: &str) {
+        self.sections.push(Section::new(heading, Vec::new()));
+        self.markdown.push_str(&format!("## {heading}\n\n"));
+    }
+
+    fn block(&mut self, block: Block) {
+        if self.sections.is_empty() {
+            self.section("Summary");
+        }
+        if let Some(section) = self.sections.last_mut() {
+            section.blocks.push(block);
+        }
+    }
+
+    /// A paragraph.
+    pub(crate) fn words(&mut self, text: impl Into<String>) {
+        let text = text.into();
+        self.markdown.push_str(&format!("{text}\n\n"));
+        self.block(Block::Paragraph(text));
+    }
+
+    /// A sentence that is true or false of this run.
+    pub(crate) fn verdict(&mut self, good: bool, text: impl Into<String>) {
+        let text = text.into();
+        let mark = if good { "yes" } else { "NO" };
+        self.markdown.push_str(&format!("- **{mark}**: {text}\n\n"));
+        self.terminal.push(format!("{mark:>3}: {text}"));
+        self.block(Block::Verdict { good, text });
+    }
+
+    /// A table under a file name without extension; `on_terminal` shows it there too.
+    pub(crate) fn table(&mut self, file: &str, table: Table, on_terminal: bool) -> Result<()> {
+        self.markdown.push_str(&table.to_markdown());
+        self.markdown.push('\n');
+        self.files.push((format!("tables/{file}.csv"), table.to_csv()?.into_bytes()));
+        self.json.push((file.to_owned(), table.to_json()));
+        if on_terminal {
+            self.terminal.push(table.to_terminal());
+        }
+        self.block(Block::Table(table));
+        Ok(())
+    }
+
+    /// A figure under a file name without extension.
+    pub(crate) fn figure(&mut self, file: &str, caption: &str, figure: &Figure) -> Result<()> {
+        let wide = figure.categories.as_ref().is_some_and(|names| names.len() > 8);
+        let svg = figure.to_svg(if wide { 1100 } else { 860 }, 460).context(file.to_owned())?;
+        self.svg(file, caption, svg);
+        Ok(())
+    }
+
+    /// A grid of figures under a file name without extension.
+    pub(crate) fn grid(&mut self, file: &str, caption: &str, grid: &FigureGrid) -> Result<()> {
+        let svg = grid.to_svg(960, 820).context(file.to_owned())?;
+        self.svg(file, caption, svg);
+        Ok(())
+    }
+
+    fn svg(&mut self, file: &str, caption: &str, svg: String) {
+        self.markdown.push_str(&format!("![{caption}](figures/{file}.svg)\n\n"));
+        self.files.push((format!("figures/{file}.svg"), svg.clone().into_bytes()));
+        self.block(Block::Svg { caption: caption.to_owned(), svg });
+    }
+
+    /// A figure of JSON only.
+    pub(crate) fn value(&mut self, name: &str, value: Value) {
+        self.json.push((name.to_owned(), value));
+    }
+
+    /// Writes everything below `directory`; nothing in it depends on time or place.
+    pub(crate) fn write(self, directory: &Path, title: &str, lead: &str) -> Result<Vec<String>> {
+        let document = Document::new(title, lead, self.sections);
+        let mut files = self.files;
+        files.push(("report.html".to_owned(), document.to_html().into_bytes()));
+        let markdown = format!("# {title}\n\n{lead}\n\n{}", self.markdown);
+        files.push(("tables.md".to_owned(), markdown.into_bytes()));
+        let mut all = json!({ "title": title, "lead": lead });
+        for (name, value) in self.json {
+            all[name] = value;
+        }
+        files.push(("tables.json".to_owned(), serde_json::to_vec_pretty(&all)?));
+        for (name, bytes) in &files {
+            write_atomically(&directory.join(name), bytes)?;
+        }
+        Ok(self.terminal)
+    }
+}
