@@ -120,6 +120,8 @@ impl Table {
         let class = |index| {
             if self.is_numeric_column(index) {
                 "number"
+            } else if self.is_short_column(index) {
+                "text short"
             } else {
                 "text"
             }
@@ -131,7 +133,7 @@ impl Table {
                     table {
                         thead { tr {
                             @for (index, column) in self.columns.iter().enumerate() {
-                                th.(class(index)) scope="col" {
+                                th class=(class(index)) scope="col" {
                                     (clean(&column.name))
                                     @if !column.unit.is_empty() {
                                         " " span.unit { "[" (clean(&column.unit)) "]" }
@@ -142,7 +144,7 @@ impl Table {
                         tbody {
                             @for row in &self.rows { tr {
                                 @for index in 0..self.columns.len() {
-                                    td.(class(index)) { (html_cell(self.cell(row, index))) }
+                                    td class=(class(index)) { (html_cell(self.cell(row, index))) }
                                 }
                             } }
                         }
@@ -155,6 +157,14 @@ impl Table {
 
     fn cell<'a>(&self, row: &'a [Cell], index: usize) -> &'a Cell {
         row.get(index).unwrap_or(&Cell::Missing)
+    }
+
+    /// Whether every cell of the column is short enough to stay on one line.
+    fn is_short_column(&self, index: usize) -> bool {
+        const SHORT: usize = 32;
+        self.rows
+            .iter()
+            .all(|row| self.cell(row, index).display().chars().count() <= SHORT)
     }
 
     fn has_intervals(&self, index: usize) -> bool {

@@ -2,12 +2,12 @@
 
 use anyhow::{Result, bail};
 use haptical_identification::Reduction;
-use haptical_metrics::{median, percentile_interval, rms};
+use haptical_metrics::{median, percentile_interval, rms, spearman};
 use haptical_model::Device;
 use rayon::prelude::*;
 
 use super::pose_error::PoseErrors;
-use super::run::{CapstanEstimate, run, step_two};
+use super::run::{CapstanEstimate, evaluation_readings, run, step_two};
 use super::scenario::Scenario;
 use crate::progress::Progress;
 
@@ -24,6 +24,57 @@ pub(crate) struct Sample {
     pub(crate) information: Reduction,
     pub(crate) capstans: Vec<CapstanEstimate>,
     pub(crate) pose: PoseSummary,
+    /// Orientation RMS without the unobservable part where the transmissions are known exactly.
+    pub(crate) orientation_observable_known_rad: f64,
+    pub(crate) from_home: FarFromHome,
+}
+
+/// How the errors before calibration depend on the distance from home, in one run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FarFromHome {
+    /// Rank correlation of the position error with the norm of all joint readings.
+    pub(crate) position_all: f64,
+    /// The same with the norm of the cable-driven joints' readings.
+    pub(crate) position_driven: f64,
+    /// The same of the orientation error.
+    pub(crate) orientation_all: f64,
+    pub(crate) orientation_driven: f64,
+    /// Shares of poses beyond 8 mm and 0.03 rad.
+    pub(crate) beyond_8_mm: f64,
+    pub(crate) beyond_30_mrad: f64,
+    /// Mean rank (0 to 1) of the distance from home of the poses beyond 8 mm, where there are any.
+    pub(crate) rank_beyond_8_mm: Option<f64>,
+}
+
+impl FarFromHome {
+    pub(crate) fn new(errors: &PoseErrors) -> Result<Self> {
+        let share = |values: &[f64], limit: f64| {
+            values.iter().filter(|value| **value > limit).count() as f64 / values.len() as f64
+        };
+        let far: Vec<f64> = errors
+            .position_before_m
+            .iter()
+            .zip(&errors.driven_from_home_rad)
+            .filter(|(error, _)| **error > 8e-3)
+            .map(|(_, from)| {
+                let nearer = errors.driven_from_home_rad.iter().filter(|other| *other < from);
+                nearer.count() as f64 / errors.driven_from_home_rad.len() as f64
+            })
+            .collect();
+        Ok(Self {
+            position_all: spearman(&errors.from_home_rad, &errors.position_before_m)?,
+            position_driven: spearman(&errors.driven_from_home_rad, &errors.position_before_m)?,
+            orientation_all: spearman(&errors.from_home_rad, &errors.orientation_before_rad)?,
+            orientation_driven: spearman(
+                &errors.driven_from_home_rad,
+                &errors.orientation_before_rad,
+            )?,
+            beyond_8_mm: share(&errors.position_before_m, 8e-3),
+            beyond_30_mrad: share(&errors.orientation_before_rad, 0.03),
+            rank_beyond_8_mm: (!far.is_empty())
+                .then(|| far.iter().sum::<f64>() / far.len() as f64),
+        })
+    }
 }
 
 /// Root mean squares of one run's check.
@@ -138,6 +189,9 @@ impl Sample {
             errors_known_angles.push(absolute - parameter.value(&scenario.nominal) - value);
             bounds.push(sd);
         }
+        let readings = evaluation_readings(scenario, seed)?;
+        let known_pose =
+            PoseErrors::new(&scenario.truth, &scenario.nominal, &known.device, &readings)?;
         let capstans = (0..3).filter_map(|joint| outcome.capstan(joint)).collect();
         Ok(Self {
             errors,
@@ -146,6 +200,8 @@ impl Sample {
             information: information(&known, assigned)?,
             capstans,
             pose: PoseSummary::new(&outcome.pose)?,
+            orientation_observable_known_rad: rms(&known_pose.orientation_observable_rad)?,
+            from_home: FarFromHome::new(&outcome.pose)?,
         })
     }
 }

@@ -49,15 +49,27 @@ impl Output {
         self.block(Block::Verdict { good, text });
     }
 
-    /// A table under a file name without extension; `on_terminal` shows it there too.
-    pub(crate) fn table(&mut self, file: &str, table: Table, on_terminal: bool) -> Result<()> {
+    /// Some columns of a table, for the terminal: all of them would be wider than it.
+    pub(crate) fn terminal_table(&mut self, table: &Table, columns: &[usize]) {
+        let narrow = Table {
+            title: table.title.clone(),
+            columns: columns.iter().map(|&column| table.columns[column].clone()).collect(),
+            rows: table
+                .rows
+                .iter()
+                .map(|row| columns.iter().map(|&column| row[column].clone()).collect())
+                .collect(),
+            notes: Vec::new(),
+        };
+        self.terminal.push(narrow.to_terminal());
+    }
+
+    /// A table under a file name without extension.
+    pub(crate) fn table(&mut self, file: &str, table: Table) -> Result<()> {
         self.markdown.push_str(&table.to_markdown());
         self.markdown.push('\n');
         self.files.push((format!("tables/{file}.csv"), table.to_csv()?.into_bytes()));
         self.json.push((file.to_owned(), table.to_json()));
-        if on_terminal {
-            self.terminal.push(table.to_terminal());
-        }
         self.block(Block::Table(table));
         Ok(())
     }

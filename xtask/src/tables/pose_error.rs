@@ -1,7 +1,7 @@
 //! Errors of the handle's pose before and after, as they are and without what no distance shows.
 
 use anyhow::Result;
-use haptical_metrics::{best_rotation, orientation_angle_rad, position_errors_m, rms};
+use haptical_metrics::{best_rotation, orientation_angle_rad, position_errors_m};
 use haptical_model::kinematics::Pose;
 use haptical_model::{Device, Recording};
 use haptical_simulator::true_poses;
@@ -20,8 +20,10 @@ pub(crate) struct PoseErrors {
     pub(crate) orientation_observable_rad: Vec<f64>,
     pub(crate) distance_before_m: Vec<f64>,
     pub(crate) distance_after_m: Vec<f64>,
-    /// Euclidean norm of the joint readings: how far the pose is from home.
+    /// Euclidean norm of all joint readings: how far the pose is from home.
     pub(crate) from_home_rad: Vec<f64>,
+    /// The same of the cable-driven joints 1 to 4 alone, whose errors grow with their readings.
+    pub(crate) driven_from_home_rad: Vec<f64>,
 }
 
 type Rows = [[f64; 3]; 3];
@@ -53,11 +55,14 @@ impl PoseErrors {
                 .map(|(pose, actual)| pose.position_m.norm() - actual.position_m.norm())
                 .collect()
         };
-        let from_home_rad = (0..readings.len())
-            .map(|row| {
-                readings.joint.iter().map(|column| column[row].powi(2)).sum::<f64>().sqrt()
-            })
-            .collect();
+        let norms = |joints: usize| -> Vec<f64> {
+            (0..readings.len())
+                .map(|row| {
+                    let columns = readings.joint.iter().take(joints);
+                    columns.map(|column| column[row].powi(2)).sum::<f64>().sqrt()
+                })
+                .collect()
+        };
         Ok(Self {
             position_before_m: position_errors_m(&points(&before), &points(&actual))?,
             position_after_m: position_errors_m(&points(&after), &points(&actual))?,
@@ -67,13 +72,9 @@ impl PoseErrors {
             orientation_observable_rad: angles(&observable)?,
             distance_before_m: distances(&before),
             distance_after_m: distances(&after),
-            from_home_rad,
+            from_home_rad: norms(readings.joint.len()),
+            driven_from_home_rad: norms(4),
         })
-    }
-
-    /// RMS improvement (eq. (9)) of two lists of errors in percent; negative where it got worse.
-    pub(crate) fn improvement_percent(before: &[f64], after: &[f64]) -> Result<f64> {
-        Ok(100.0 * (1.0 - rms(after)? / rms(before)?))
     }
 }
 
