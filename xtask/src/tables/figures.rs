@@ -13,20 +13,34 @@ use super::scenario::Scenario;
 pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(Figure, Table)> {
     let joint = 3;
     let data = &run.transmission_data[joint];
-    let output = data.output[joint].as_ref().context("joint 4 has no output")?;
+    let output = data.output[joint]
+        .as_ref()
+        .context("joint 4 has no output")?;
     let measured: Vec<(f64, f64)> = data.joint[joint]
         .iter()
         .zip(output)
         .map(|(reading, out)| (reading.to_degrees(), (out - reading) * 1e3))
         .collect();
-    let fit = run.transmissions[joint].fit.as_ref().context("joint 4 was not fitted")?;
+    let fit = run.transmissions[joint]
+        .fit
+        .as_ref()
+        .context("joint 4 was not fitted")?;
     let [low, high] = run.transmissions[joint].range_rad;
-    let grid: Vec<f64> = (0..=180).map(|step| low + (high - low) * f64::from(step) / 180.0).collect();
+    let grid: Vec<f64> = (0..=180)
+        .map(|step| low + (high - low) * f64::from(step) / 180.0)
+        .collect();
     let curve = |error: &dyn Fn(f64) -> Result<f64>| -> Result<Vec<(f64, f64)>> {
-        grid.iter().map(|&theta| Ok((theta.to_degrees(), error(theta)? * 1e3))).collect()
+        grid.iter()
+            .map(|&theta| Ok((theta.to_degrees(), error(theta)? * 1e3)))
+            .collect()
     };
     let printed = |theta: f64| -> f64 {
-        paper.table2.k0_to_k10.iter().rev().fold(0.0, |sum, k| sum * theta + k)
+        paper
+            .table2
+            .k0_to_k10
+            .iter()
+            .rev()
+            .fold(0.0, |sum, k| sum * theta + k)
     };
     let identified = curve(&|theta| Ok(fit.device.joints[joint].error_rad(theta)?))?;
     let truth = curve(&|theta| Ok(scenario.truth.joints[joint].error_rad(theta)?))?;
@@ -38,20 +52,42 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
             .filter(|(point, _)| point.0.abs() <= 40.0)
             .map(|(point, other)| point.1 - other.1)
             .collect();
-        Ok((rms(&errors)?, errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()))))
+        Ok((
+            rms(&errors)?,
+            errors
+                .iter()
+                .fold(0.0_f64, |most, error| most.max(error.abs())),
+        ))
     };
     let mut table = Table::new(
         "Figure 7: curves of the parallelogram's error within +-40 deg",
-        [("curves", ""), ("rms difference", "mrad"), ("largest", "mrad")]
-            .map(|(name, unit)| Column::new(name, unit))
-            .to_vec(),
+        [
+            ("curves", ""),
+            ("rms difference", "mrad"),
+            ("largest", "mrad"),
+        ]
+        .map(|(name, unit)| Column::new(name, unit))
+        .to_vec(),
     );
     for (name, (mean, most)) in [
-        ("ours identified, against the assigned truth", inner(&identified, &truth)?),
-        ("paper's printed polynomial, against the assigned truth", inner(&published, &truth)?),
-        ("ours identified, against the paper's printed polynomial", inner(&identified, &published)?),
+        (
+            "ours identified, against the assigned truth",
+            inner(&identified, &truth)?,
+        ),
+        (
+            "paper's printed polynomial, against the assigned truth",
+            inner(&published, &truth)?,
+        ),
+        (
+            "ours identified, against the paper's printed polynomial",
+            inner(&identified, &published)?,
+        ),
     ] {
-        table.push(vec![name.into(), Cell::number(mean, 4), Cell::number(most, 4)])?;
+        table.push(vec![
+            name.into(),
+            Cell::number(mean, 4),
+            Cell::number(most, 4),
+        ])?;
     }
     let mut figure = Figure::new(
         "Figure 7: parallelogram transmission error",
@@ -69,23 +105,29 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
 
 /// Figure 8: position and orientation errors at 200 other poses, before and after.
 pub(crate) fn figure8(run: &Run) -> FigureGrid {
-    let panel = |title: &str, unit: &str, scale: f64, before: &[f64], after: &[f64], rest: &[f64]| {
-        let points = |values: &[f64]| -> Vec<(f64, f64)> {
-            values
-                .iter()
-                .enumerate()
-                .map(|(index, value)| (index as f64 + 1.0, (value * scale).max(1e-6)))
-                .collect()
+    let panel =
+        |title: &str, unit: &str, scale: f64, before: &[f64], after: &[f64], rest: &[f64]| {
+            let points = |values: &[f64]| -> Vec<(f64, f64)> {
+                values
+                    .iter()
+                    .enumerate()
+                    .map(|(index, value)| (index as f64 + 1.0, (value * scale).max(1e-6)))
+                    .collect()
+            };
+            let mut figure = Figure::new(title, "pose [-]", format!("error [{unit}]"));
+            figure.y_log = true;
+            figure.series = vec![
+                Series::new("before", Mark::Points, 1, points(before)),
+                Series::new("after", Mark::Points, 0, points(after)),
+                Series::new(
+                    "after, unobservable part off",
+                    Mark::Points,
+                    2,
+                    points(rest),
+                ),
+            ];
+            figure
         };
-        let mut figure = Figure::new(title, "pose [-]", format!("error [{unit}]"));
-        figure.y_log = true;
-        figure.series = vec![
-            Series::new("before", Mark::Points, 1, points(before)),
-            Series::new("after", Mark::Points, 0, points(after)),
-            Series::new("after, unobservable part off", Mark::Points, 2, points(rest)),
-        ];
-        figure
-    };
     let pose = &run.pose;
     FigureGrid::new(
         "Figure 8: pose errors before and after",
@@ -115,7 +157,11 @@ pub(crate) fn figure8(run: &Run) -> FigureGrid {
 pub(crate) fn far_from_home(run: &Run) -> Figure {
     let pose = &run.pose;
     let points = |values: &[f64]| -> Vec<(f64, f64)> {
-        pose.from_home_rad.iter().zip(values).map(|(from, error)| (*from, error * 1e3)).collect()
+        pose.from_home_rad
+            .iter()
+            .zip(values)
+            .map(|(from, error)| (*from, error * 1e3))
+            .collect()
     };
     let mut figure = Figure::new(
         "Position error against the distance from home",
@@ -151,15 +197,30 @@ pub(crate) fn pose_table(run: &Run, runs: &MonteCarlo) -> Result<Table> {
     );
     type Pick = fn(&PoseSummary) -> f64;
     let rows: [(&str, &str, Pick, Pick); 5] = [
-        ("distance", "mm", |p| p.distance_before_m, |p| p.distance_after_m),
-        ("position", "mm", |p| p.position_before_m, |p| p.position_after_m),
+        (
+            "distance",
+            "mm",
+            |p| p.distance_before_m,
+            |p| p.distance_after_m,
+        ),
+        (
+            "position",
+            "mm",
+            |p| p.position_before_m,
+            |p| p.position_after_m,
+        ),
         (
             "position, unobservable rotation taken off",
             "mm",
             |p| p.position_before_m,
             |p| p.position_observable_m,
         ),
-        ("orientation", "mrad", |p| p.orientation_before_rad, |p| p.orientation_after_rad),
+        (
+            "orientation",
+            "mrad",
+            |p| p.orientation_before_rad,
+            |p| p.orientation_after_rad,
+        ),
         (
             "orientation, unobservable rotation and alpha7 taken off",
             "mrad",
@@ -210,10 +271,34 @@ pub(crate) fn far_from_home_table(runs: &MonteCarlo) -> Result<(Table, bool, f64
     );
     type Pick = fn(&FarFromHome) -> f64;
     let rows: [(&str, &str, Pick, &str, Pick); 4] = [
-        ("position", "all joints", |f| f.position_all, "8 mm", |f| f.beyond_8_mm),
-        ("position", "joints 1 to 4", |f| f.position_driven, "8 mm", |f| f.beyond_8_mm),
-        ("orientation", "all joints", |f| f.orientation_all, "30 mrad", |f| f.beyond_30_mrad),
-        ("orientation", "joints 1 to 4", |f| f.orientation_driven, "30 mrad", |f| f.beyond_30_mrad),
+        (
+            "position",
+            "all joints",
+            |f| f.position_all,
+            "8 mm",
+            |f| f.beyond_8_mm,
+        ),
+        (
+            "position",
+            "joints 1 to 4",
+            |f| f.position_driven,
+            "8 mm",
+            |f| f.beyond_8_mm,
+        ),
+        (
+            "orientation",
+            "all joints",
+            |f| f.orientation_all,
+            "30 mrad",
+            |f| f.beyond_30_mrad,
+        ),
+        (
+            "orientation",
+            "joints 1 to 4",
+            |f| f.orientation_driven,
+            "30 mrad",
+            |f| f.beyond_30_mrad,
+        ),
     ];
     let mut positive = true;
     for (error, joints, correlation, limit, beyond) in rows {
@@ -225,7 +310,10 @@ pub(crate) fn far_from_home_table(runs: &MonteCarlo) -> Result<(Table, bool, f64
             Cell::number(spread.median, 2),
             Cell::interval(spread.low, spread.high, 2),
             limit.into(),
-            Cell::number(100.0 * runs.spread(|sample| beyond(&sample.from_home))?.median, 1),
+            Cell::number(
+                100.0 * runs.spread(|sample| beyond(&sample.from_home))?.median,
+                1,
+            ),
         ])?;
     }
     table.notes.push(
@@ -233,9 +321,16 @@ pub(crate) fn far_from_home_table(runs: &MonteCarlo) -> Result<(Table, bool, f64
          and 0.03 rad at the farthest poses; no pose of ours reaches 0.03 rad with these lengths."
             .to_owned(),
     );
-    let ranks: Vec<f64> =
-        runs.samples.iter().filter_map(|sample| sample.from_home.rank_beyond_8_mm).collect();
-    let rank = if ranks.is_empty() { 0.5 } else { haptical_metrics::median(&ranks)? };
+    let ranks: Vec<f64> = runs
+        .samples
+        .iter()
+        .filter_map(|sample| sample.from_home.rank_beyond_8_mm)
+        .collect();
+    let rank = if ranks.is_empty() {
+        0.5
+    } else {
+        haptical_metrics::median(&ranks)?
+    };
     let share = runs.spread(|sample| sample.from_home.beyond_8_mm)?.median;
     Ok((table, positive, 100.0 * share, 100.0 * rank))
 }
@@ -245,9 +340,7 @@ pub(crate) fn improvement_histogram(runs: &MonteCarlo) -> Figure {
     let values: Vec<f64> = runs
         .samples
         .iter()
-        .map(|sample| {
-            100.0 * (1.0 - sample.pose.distance_after_m / sample.pose.distance_before_m)
-        })
+        .map(|sample| 100.0 * (1.0 - sample.pose.distance_after_m / sample.pose.distance_before_m))
         .collect();
     let mut figure = Figure::new(
         "Improvement of the distance over all runs",

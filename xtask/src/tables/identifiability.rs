@@ -1,9 +1,7 @@
 //! Which parameters distances can show: the paper's list, found from all 32, and special cases.
 
 use anyhow::Result;
-use haptical_calibration::{
-    Channel, Weights, candidate_parameters, identifiability_at,
-};
+use haptical_calibration::{Channel, Weights, candidate_parameters, identifiability_at};
 use haptical_identification::{Identifiability, IdentifiabilityRules, Status};
 use haptical_model::{Device, LinkParameter, ParameterId, Recording, TransmissionError};
 use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
@@ -28,13 +26,20 @@ pub(crate) fn judge(scenario: &Scenario, solution: &Device, seed: u64) -> Result
     hooked_on_axis.links[7].a_m = 0.0;
     let without_offset = at(&hooked_on_axis, &recording)?;
     let mut locked = recording.clone();
-    locked.joint[2].iter_mut().for_each(|reading| *reading = 0.0);
+    locked.joint[2]
+        .iter_mut()
+        .for_each(|reading| *reading = 0.0);
     let six_joints = at(&scenario.nominal, &locked)?;
     let mut cases = Table::new(
         "What distances can show",
-        [("case", ""), ("rank", ""), ("of", ""), ("not identifiable, with the reason", "")]
-            .map(|(name, unit)| Column::new(name, unit))
-            .to_vec(),
+        [
+            ("case", ""),
+            ("rank", ""),
+            ("of", ""),
+            ("not identifiable, with the reason", ""),
+        ]
+        .map(|(name, unit)| Column::new(name, unit))
+        .to_vec(),
     );
     for (name, judged) in [
         ("nominal device", &nominal),
@@ -63,23 +68,45 @@ fn at(device: &Device, recording: &Recording) -> Result<Identifiability> {
     let weights = Weights::stated(device, &channels);
     let parameters: Vec<ParameterId> = candidate_parameters(device)
         .into_iter()
-        .filter(|id| !matches!(id, ParameterId::Link { parameter: LinkParameter::Beta, .. }))
+        .filter(|id| {
+            !matches!(
+                id,
+                ParameterId::Link {
+                    parameter: LinkParameter::Beta,
+                    ..
+                }
+            )
+        })
         .collect();
     let rules = IdentifiabilityRules::default();
-    Ok(identifiability_at(device, recording, &channels, &parameters, &weights, &rules)?)
+    Ok(identifiability_at(
+        device,
+        recording,
+        &channels,
+        &parameters,
+        &weights,
+        &rules,
+    )?)
 }
 
 fn reasons(judged: &Identifiability) -> Vec<String> {
-    (0..judged.names.len()).filter_map(|index| judged.reason(index)).collect()
+    (0..judged.names.len())
+        .filter_map(|index| judged.reason(index))
+        .collect()
 }
 
 /// All 32 parameters with status and standard deviation.
 fn list(judged: &Identifiability) -> Result<Table> {
     let mut table = Table::new(
         "All 32 Denavit-Hartenberg parameters at the nominal device",
-        [("parameter", ""), ("status", ""), ("sd of 200 poses", "mm or mrad"), ("reason", "")]
-            .map(|(name, unit)| Column::new(name, unit))
-            .to_vec(),
+        [
+            ("parameter", ""),
+            ("status", ""),
+            ("sd of 200 poses", "mm or mrad"),
+            ("reason", ""),
+        ]
+        .map(|(name, unit)| Column::new(name, unit))
+        .to_vec(),
     );
     for (index, name) in judged.names.iter().enumerate() {
         let (status, sd) = match &judged.statuses[index] {
@@ -200,5 +227,10 @@ fn sweep(device: &Device, half_range_rad: f64, rows: usize) -> Recording {
         .collect();
     let mut output = vec![None; device.joints.len()];
     output[3] = Some(joint[3].clone());
-    Recording { line: (0..rows as u64).collect(), joint, output, ..Recording::default() }
+    Recording {
+        line: (0..rows as u64).collect(),
+        joint,
+        output,
+        ..Recording::default()
+    }
 }

@@ -13,6 +13,8 @@ mod sensitivity;
 mod sweeps;
 mod table2;
 mod table3;
+#[cfg(test)]
+mod tests;
 mod verdict;
 
 use std::path::PathBuf;
@@ -65,14 +67,24 @@ struct Results {
 
 /// Runs the main job.
 pub(crate) fn reproduce(arguments: &Arguments) -> Result<()> {
-    ensure!(arguments.runs >= 20 || arguments.quick, "--runs must be at least 20");
-    let (runs, sweep_seeds) = if arguments.quick { (40, 6) } else { (arguments.runs, 40) };
+    ensure!(
+        arguments.runs >= 20 || arguments.quick,
+        "--runs must be at least 20"
+    );
+    let (runs, sweep_seeds) = if arguments.quick {
+        (40, 6)
+    } else {
+        (arguments.runs, 40)
+    };
     let paper = Paper::load()?;
     let nominal = nominal_device(arguments.device.as_deref())?;
     let scenario = Scenario::paper(nominal.clone(), &paper, arguments.paper_preset)?;
     let preset = Scenario::paper(nominal.clone(), &paper, true)?;
-    let assigned: Vec<(String, f64)> =
-        paper.table3.iter().map(|row| (row.name.clone(), row.assigned)).collect();
+    let assigned: Vec<(String, f64)> = paper
+        .table3
+        .iter()
+        .map(|row| (row.name.clone(), row.assigned))
+        .collect();
     let monte_carlo = |name: &str, scenario: &Scenario, runs: usize| {
         let progress = Progress::new(name, runs);
         MonteCarlo::new(scenario, &assigned, arguments.seed, runs, &progress)
@@ -82,7 +94,10 @@ pub(crate) fn reproduce(arguments: &Arguments) -> Result<()> {
         runs: monte_carlo("both steps, eq. (1) as printed", &scenario, runs)?,
         preset_run: run::run(&preset, arguments.seed)?,
         preset_runs: monte_carlo("both steps, --paper-preset", &preset, runs)?,
-        seeds: Seeds { first: arguments.seed, count: sweep_seeds },
+        seeds: Seeds {
+            first: arguments.seed,
+            count: sweep_seeds,
+        },
         paper,
         scenario,
     };
@@ -99,7 +114,11 @@ pub(crate) fn reproduce(arguments: &Arguments) -> Result<()> {
         "cargo xtask reproduce-tables --seed {} --runs {runs}{}{}",
         arguments.seed,
         if arguments.quick { " --quick" } else { "" },
-        if arguments.paper_preset { " --paper-preset" } else { "" },
+        if arguments.paper_preset {
+            " --paper-preset"
+        } else {
+            ""
+        },
     );
     let lead = format!(
         "Simulated calibration of the paper's 7-DOF device ({} runs; made by `{command}`, version {}). \

@@ -57,7 +57,10 @@ impl FarFromHome {
             .zip(&errors.driven_from_home_rad)
             .filter(|(error, _)| **error > 8e-3)
             .map(|(_, from)| {
-                let nearer = errors.driven_from_home_rad.iter().filter(|other| *other < from);
+                let nearer = errors
+                    .driven_from_home_rad
+                    .iter()
+                    .filter(|other| *other < from);
                 nearer.count() as f64 / errors.driven_from_home_rad.len() as f64
             })
             .collect();
@@ -71,8 +74,7 @@ impl FarFromHome {
             )?,
             beyond_8_mm: share(&errors.position_before_m, 8e-3),
             beyond_30_mrad: share(&errors.orientation_before_rad, 0.03),
-            rank_beyond_8_mm: (!far.is_empty())
-                .then(|| far.iter().sum::<f64>() / far.len() as f64),
+            rank_beyond_8_mm: (!far.is_empty()).then(|| far.iter().sum::<f64>() / far.len() as f64),
         })
     }
 }
@@ -124,7 +126,11 @@ pub(crate) struct Spread {
 impl Spread {
     pub(crate) fn new(values: &[f64]) -> Result<Self> {
         let interval = percentile_interval(values, 0.95)?;
-        Ok(Self { median: median(values)?, low: interval.low, high: interval.high })
+        Ok(Self {
+            median: median(values)?,
+            low: interval.low,
+            high: interval.high,
+        })
     }
 }
 
@@ -155,7 +161,10 @@ impl MonteCarlo {
             }
         }
         if samples.len() * 2 < runs {
-            bail!("more than half of the runs failed, the first with: {:?}", failures.first());
+            bail!(
+                "more than half of the runs failed, the first with: {:?}",
+                failures.first()
+            );
         }
         Ok(Self { samples, failures })
     }
@@ -176,7 +185,10 @@ impl Sample {
         for (name, value) in assigned {
             let (Some((found, _)), Some(position)) = (
                 outcome.deviation(&scenario.nominal, name),
-                known.estimates.iter().position(|estimate| estimate.name == *name),
+                known
+                    .estimates
+                    .iter()
+                    .position(|estimate| estimate.name == *name),
             ) else {
                 bail!("seed {seed}: {name} was not identified");
             };
@@ -223,7 +235,10 @@ fn information(
     let positions: Vec<usize> = assigned
         .iter()
         .filter_map(|(name, _)| {
-            let index = fit.estimates.iter().position(|estimate| estimate.name == *name)?;
+            let index = fit
+                .estimates
+                .iter()
+                .position(|estimate| estimate.name == *name)?;
             fit.fitted.iter().position(|&fitted| fitted == index)
         })
         .collect();
@@ -231,8 +246,12 @@ fn information(
     let covariance = nalgebra::DMatrix::from_fn(size, size, |i, j| {
         fit.uncertainty.covariance[(positions[i], positions[j])]
     });
-    let Some(factor) = covariance.cholesky() else { bail!("the covariance is not positive") };
-    let Some(inverse) = factor.l().try_inverse() else { bail!("the covariance is singular") };
+    let Some(factor) = covariance.cholesky() else {
+        bail!("the covariance is not positive")
+    };
+    let Some(inverse) = factor.l().try_inverse() else {
+        bail!("the covariance is singular")
+    };
     let matrix = haptical_linalg::Matrix::from_fn(size, size, |i, j| inverse[(i, j)]);
     Ok(Reduction::new(&matrix, &vec![0.0; size])?)
 }

@@ -53,7 +53,10 @@ impl Output {
     pub(crate) fn terminal_table(&mut self, table: &Table, columns: &[usize]) {
         let narrow = Table {
             title: table.title.clone(),
-            columns: columns.iter().map(|&column| table.columns[column].clone()).collect(),
+            columns: columns
+                .iter()
+                .map(|&column| table.columns[column].clone())
+                .collect(),
             rows: table
                 .rows
                 .iter()
@@ -68,7 +71,8 @@ impl Output {
     pub(crate) fn table(&mut self, file: &str, table: Table) -> Result<()> {
         self.markdown.push_str(&table.to_markdown());
         self.markdown.push('\n');
-        self.files.push((format!("tables/{file}.csv"), table.to_csv()?.into_bytes()));
+        self.files
+            .push((format!("tables/{file}.csv"), table.to_csv()?.into_bytes()));
         self.json.push((file.to_owned(), table.to_json()));
         self.block(Block::Table(table));
         Ok(())
@@ -76,8 +80,13 @@ impl Output {
 
     /// A figure under a file name without extension.
     pub(crate) fn figure(&mut self, file: &str, caption: &str, figure: &Figure) -> Result<()> {
-        let wide = figure.categories.as_ref().is_some_and(|names| names.len() > 8);
-        let svg = figure.to_svg(if wide { 1100 } else { 860 }, 460).context(file.to_owned())?;
+        let wide = figure
+            .categories
+            .as_ref()
+            .is_some_and(|names| names.len() > 8);
+        let svg = figure
+            .to_svg(if wide { 1100 } else { 860 }, 460)
+            .context(file.to_owned())?;
         self.svg(file, caption, svg);
         Ok(())
     }
@@ -90,9 +99,14 @@ impl Output {
     }
 
     fn svg(&mut self, file: &str, caption: &str, svg: String) {
-        self.markdown.push_str(&format!("![{caption}](figures/{file}.svg)\n\n"));
-        self.files.push((format!("figures/{file}.svg"), svg.clone().into_bytes()));
-        self.block(Block::Svg { caption: caption.to_owned(), svg });
+        self.markdown
+            .push_str(&format!("![{caption}](figures/{file}.svg)\n\n"));
+        self.files
+            .push((format!("figures/{file}.svg"), svg.clone().into_bytes()));
+        self.block(Block::Svg {
+            caption: caption.to_owned(),
+            svg,
+        });
     }
 
     /// A figure of JSON only.

@@ -106,7 +106,11 @@ impl Paper {
                 });
             }
         }
-        ensure!(table3.len() == 28, "Table 3 has 28 rows, the fixture {}", table3.len());
+        ensure!(
+            table3.len() == 28,
+            "Table 3 has 28 rows, the fixture {}",
+            table3.len()
+        );
         Ok(Self {
             twists_over_pi: file.table1.alpha_rad_over_pi,
             table2: file.table2,

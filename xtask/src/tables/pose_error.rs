@@ -44,7 +44,10 @@ impl PoseErrors {
                 .iter()
                 .zip(&actual)
                 .map(|(pose, actual)| {
-                    Ok(orientation_angle_rad(&rows(&pose.rotation), &rows(&actual.rotation))?)
+                    Ok(orientation_angle_rad(
+                        &rows(&pose.rotation),
+                        &rows(&actual.rotation),
+                    )?)
                 })
                 .collect()
         };
@@ -59,7 +62,10 @@ impl PoseErrors {
             (0..readings.len())
                 .map(|row| {
                     let columns = readings.joint.iter().take(joints);
-                    columns.map(|column| column[row].powi(2)).sum::<f64>().sqrt()
+                    columns
+                        .map(|column| column[row].powi(2))
+                        .sum::<f64>()
+                        .sqrt()
                 })
                 .collect()
         };
@@ -84,7 +90,10 @@ fn take_off_unobservable(actual: &[Pose], calibrated: &[Pose]) -> Result<Vec<Pos
     let turn = matrix(&best_rotation(&points(calibrated), &points(actual))?);
     let turned: Vec<Pose> = calibrated
         .iter()
-        .map(|pose| Pose { position_m: turn * pose.position_m, rotation: turn * pose.rotation })
+        .map(|pose| Pose {
+            position_m: turn * pose.position_m,
+            rotation: turn * pose.rotation,
+        })
         .collect();
     let twist: f64 = turned
         .iter()
@@ -100,7 +109,10 @@ fn take_off_unobservable(actual: &[Pose], calibrated: &[Pose]) -> Result<Vec<Pos
     let twist = Rotation3::from_axis_angle(&Vector3::x_axis(), twist).into_inner();
     Ok(turned
         .into_iter()
-        .map(|pose| Pose { rotation: pose.rotation * twist, ..pose })
+        .map(|pose| Pose {
+            rotation: pose.rotation * twist,
+            ..pose
+        })
         .collect())
 }
 

@@ -51,7 +51,9 @@ pub(crate) fn step_one(
         let weights = Weights::stated(&scenario.nominal, &[Channel::Output { joint }]);
         let options = scenario.options();
         let fit = fit_transmission(&scenario.nominal, joint, &recording, &weights, &options)?;
-        let Some(fitted) = &fit.fit else { bail!("joint {}: nothing fitted", joint + 1) };
+        let Some(fitted) = &fit.fit else {
+            bail!("joint {}: nothing fitted", joint + 1)
+        };
         device.joints[joint].transmission_error =
             fitted.device.joints[joint].transmission_error.clone();
         fits.push(fit);
@@ -61,17 +63,32 @@ pub(crate) fn step_one(
 }
 
 /// Step 2 at the joint angles that step 1 corrects.
-pub(crate) fn step_two(scenario: &Scenario, compensated: &Device, seed: u64) -> Result<ParameterFit> {
+pub(crate) fn step_two(
+    scenario: &Scenario,
+    compensated: &Device,
+    seed: u64,
+) -> Result<ParameterFit> {
     let recording = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
     let channels = [Channel::Cable { index: 0 }];
     let weights = Weights::stated(compensated, &channels);
-    Ok(fit_kinematics(compensated, &recording, &channels, &weights, &scenario.options())?)
+    Ok(fit_kinematics(
+        compensated,
+        &recording,
+        &channels,
+        &weights,
+        &scenario.options(),
+    )?)
 }
 
 /// Joint readings of the poses that a run is checked on.
 pub(crate) fn evaluation_readings(scenario: &Scenario, seed: u64) -> Result<Recording> {
     let seed = seed.wrapping_add(EVALUATION_STREAM);
-    Ok(simulate(&scenario.truth, &scenario.settings, scenario.evaluation_poses, seed)?)
+    Ok(simulate(
+        &scenario.truth,
+        &scenario.settings,
+        scenario.evaluation_poses,
+        seed,
+    )?)
 }
 
 /// Both steps and the check.
@@ -80,18 +97,34 @@ pub(crate) fn run(scenario: &Scenario, seed: u64) -> Result<Run> {
     let kinematics =
         step_two(scenario, &compensated, seed).with_context(|| format!("seed {seed}"))?;
     let readings = evaluation_readings(scenario, seed)?;
-    let pose =
-        PoseErrors::new(&scenario.truth, &scenario.nominal, &kinematics.device, &readings)?;
-    Ok(Run { transmissions, transmission_data, kinematics, pose })
+    let pose = PoseErrors::new(
+        &scenario.truth,
+        &scenario.nominal,
+        &kinematics.device,
+        &readings,
+    )?;
+    Ok(Run {
+        transmissions,
+        transmission_data,
+        kinematics,
+        pose,
+    })
 }
 
 impl Run {
     /// Fitted deviation of a kinematic parameter from its nominal value, and its standard deviation;
     /// none where it was not identified.
     pub(crate) fn deviation(&self, nominal: &Device, name: &str) -> Option<(f64, f64)> {
-        let estimate = self.kinematics.estimates.iter().find(|estimate| estimate.name == name)?;
+        let estimate = self
+            .kinematics
+            .estimates
+            .iter()
+            .find(|estimate| estimate.name == name)?;
         let parameter = nominal.parameter(name).ok()?;
-        Some((estimate.value? - parameter.value(nominal), estimate.standard_deviation?))
+        Some((
+            estimate.value? - parameter.value(nominal),
+            estimate.standard_deviation?,
+        ))
     }
 
     /// The estimate of capstan `joint` (0 to 2) in polar form.
@@ -124,9 +157,8 @@ impl Run {
             for (b, entry) in row.iter_mut().enumerate() {
                 for i in 0..5 {
                     for j in 0..5 {
-                        *entry += gradient[a][i]
-                            * fit.uncertainty.covariance[(i, j)]
-                            * gradient[b][j];
+                        *entry +=
+                            gradient[a][i] * fit.uncertainty.covariance[(i, j)] * gradient[b][j];
                     }
                 }
             }
@@ -136,7 +168,13 @@ impl Run {
             *sd = covariance[index][index].sqrt();
         }
         Some(CapstanEstimate {
-            values: [error.ratio_deviation, output_radius, input_radius, output_phase, input_phase],
+            values: [
+                error.ratio_deviation,
+                output_radius,
+                input_radius,
+                output_phase,
+                input_phase,
+            ],
             standard_deviations,
             covariance,
         })

@@ -43,10 +43,16 @@ pub(crate) fn nominal_device(path: Option<&std::path::Path>) -> Result<Device> {
         device.name,
         device.joints.len()
     );
-    let kinds: Vec<TransmissionKind> =
-        device.joints.iter().take(4).map(|joint| joint.transmission).collect();
+    let kinds: Vec<TransmissionKind> = device
+        .joints
+        .iter()
+        .take(4)
+        .map(|joint| joint.transmission)
+        .collect();
     ensure!(
-        kinds[..3].iter().all(|kind| *kind == TransmissionKind::Capstan)
+        kinds[..3]
+            .iter()
+            .all(|kind| *kind == TransmissionKind::Capstan)
             && kinds[3] == TransmissionKind::Parallelogram,
         "joints 1 to 3 must be capstans and joint 4 a parallelogram, as in the paper"
     );
@@ -98,19 +104,25 @@ pub(crate) fn true_device(nominal: &Device, paper: &Paper, scale: f64) -> Result
         .table3
         .iter()
         .map(|row| (row.name.as_str(), scale * row.assigned))
-        .chain(paper.unidentified.iter().map(|(name, value)| (name.as_str(), scale * value)))
+        .chain(
+            paper
+                .unidentified
+                .iter()
+                .map(|(name, value)| (name.as_str(), scale * value)),
+        )
         .collect();
     let mut truth = apply_deviations(nominal, &deviations).context("assigning Table 3")?;
     let table = &paper.table2;
     for joint in 0..3 {
-        truth.joints[joint].transmission_error = TransmissionError::Capstan(CapstanError::from_polar(
-            0.0,
-            table.ratio_deviation.assigned[joint],
-            table.ro_mm.assigned[joint] * 1e-3,
-            table.beta_o_deg.assigned[joint].to_radians(),
-            table.ri_mm.assigned[joint] * 1e-3,
-            table.beta_i_deg.assigned[joint].to_radians(),
-        ));
+        truth.joints[joint].transmission_error =
+            TransmissionError::Capstan(CapstanError::from_polar(
+                0.0,
+                table.ratio_deviation.assigned[joint],
+                table.ro_mm.assigned[joint] * 1e-3,
+                table.beta_o_deg.assigned[joint].to_radians(),
+                table.ri_mm.assigned[joint] * 1e-3,
+                table.beta_i_deg.assigned[joint].to_radians(),
+            ));
     }
     let fourth = &table.parallelogram_assigned;
     let [first, second] = paper.length_deviations_m;

@@ -55,11 +55,20 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
     );
     let before = runs.spread(|s| s.pose.orientation_before_rad)?;
     let after = runs.spread(|s| s.pose.orientation_after_rad)?;
-    let turn = runs.spread(|s| gain(s.pose.orientation_before_rad, s.pose.orientation_after_rad))?;
-    let rest =
-        runs.spread(|s| gain(s.pose.orientation_before_rad, s.pose.orientation_observable_rad))?;
-    let known = runs
-        .spread(|s| gain(s.pose.orientation_before_rad, s.orientation_observable_known_rad))?;
+    let turn =
+        runs.spread(|s| gain(s.pose.orientation_before_rad, s.pose.orientation_after_rad))?;
+    let rest = runs.spread(|s| {
+        gain(
+            s.pose.orientation_before_rad,
+            s.pose.orientation_observable_rad,
+        )
+    })?;
+    let known = runs.spread(|s| {
+        gain(
+            s.pose.orientation_before_rad,
+            s.orientation_observable_known_rad,
+        )
+    })?;
     output.verdict(
         rest.median > 99.0,
         format!(
@@ -75,8 +84,16 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
         ),
     );
     let failed = runs.failures.len() + results.preset_runs.failures.len();
-    output.verdict(failed == 0, format!("{failed} of the runs did not end at a minimum"));
-    for (seed, reason) in runs.failures.iter().chain(&results.preset_runs.failures).take(5) {
+    output.verdict(
+        failed == 0,
+        format!("{failed} of the runs did not end at a minimum"),
+    );
+    for (seed, reason) in runs
+        .failures
+        .iter()
+        .chain(&results.preset_runs.failures)
+        .take(5)
+    {
         output.words(format!("Seed {seed}: {reason}"));
     }
     Ok(())
@@ -106,7 +123,9 @@ pub(crate) fn table1(output: &mut Output, results: &Results) -> Result<()> {
     for (row, link) in nominal.links.iter().enumerate() {
         let printed = results.paper.twists_over_pi[row] * 180.0;
         agree &= (printed - link.alpha_rad.to_degrees()).abs() < 1e-9;
-        let home = row.checked_sub(1).map_or(0.0, |joint| nominal.joints[joint].home_rad);
+        let home = row
+            .checked_sub(1)
+            .map_or(0.0, |joint| nominal.joints[joint].home_rad);
         table.push(vec![
             Cell::number(row as f64, 0),
             Cell::number(link.a_m * 1e3, 1),
@@ -128,17 +147,14 @@ pub(crate) fn table1(output: &mut Output, results: &Results) -> Result<()> {
 
 pub(crate) fn identifiability(output: &mut Output, results: &Results, seed: u64) -> Result<()> {
     output.section("Identifiability");
-    let judged = identifiability::judge(
-        &results.scenario,
-        &results.run.kinematics.device,
-        seed,
-    )?;
+    let judged = identifiability::judge(&results.scenario, &results.run.kinematics.device, seed)?;
     output.words(
         "All 32 deviations of the eight rows are offered; the list below is found from the \
          derivatives of 200 distances, by QR in an order of preference and by singular values.",
     );
-    let dependent: Vec<String> =
-        (0..judged.nominal.names.len()).filter_map(|index| judged.nominal.reason(index)).collect();
+    let dependent: Vec<String> = (0..judged.nominal.names.len())
+        .filter_map(|index| judged.nominal.reason(index))
+        .collect();
     output.verdict(
         judged.nominal.rank == 28 && judged.nominal.is_clear(),
         format!("28 of 32 are identifiable; {}", dependent.join("; ")),
@@ -199,7 +215,10 @@ pub(crate) fn table2(output: &mut Output, results: &Results) -> Result<()> {
         output.figure(file, title, &made.figure)?;
         output.verdict(
             made.possible == made.rows,
-            format!("{title}: {} of {} published values are possible", made.possible, made.rows),
+            format!(
+                "{title}: {} of {} published values are possible",
+                made.possible, made.rows
+            ),
         );
         output.verdict(
             (JOINTLY_IMPOSSIBLE..=1.0 - JOINTLY_IMPOSSIBLE).contains(&larger),
@@ -247,7 +266,11 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
     );
     output.terminal_table(&made.table, &[0, 1, 2, 3, 4, 6, 7, 8, 10, 13, 14]);
     output.table("table3", made.table)?;
-    output.figure("table3", "Improvement of each kinematic parameter.", &made.figure)?;
+    output.figure(
+        "table3",
+        "Improvement of each kinematic parameter.",
+        &made.figure,
+    )?;
     let chi = made.chi_square;
     let effective = chi_square_p_value(chi.median, EFFECTIVE_DEGREES_OF_FREEDOM)?;
     output.verdict(
@@ -266,11 +289,18 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
          9.1 um, the paper states 9.87 um.",
         chi.median, chi.low, chi.high, made.p_value, effective
     ));
-    let weak: Vec<&(String, f64, f64)> =
-        made.medians.iter().filter(|(_, known, _)| *known < 97.0).collect();
-    let names: Vec<String> =
-        weak.iter().map(|(name, known, both)| format!("{name} {known:.0} ({both:.0})")).collect();
-    let expected = ["alpha4", "alpha5", "alpha6", "theta3", "theta4", "theta5", "theta6", "theta7"];
+    let weak: Vec<&(String, f64, f64)> = made
+        .medians
+        .iter()
+        .filter(|(_, known, _)| *known < 97.0)
+        .collect();
+    let names: Vec<String> = weak
+        .iter()
+        .map(|(name, known, both)| format!("{name} {known:.0} ({both:.0})"))
+        .collect();
+    let expected = [
+        "alpha4", "alpha5", "alpha6", "theta3", "theta4", "theta5", "theta6", "theta7",
+    ];
     output.verdict(
         weak.iter().map(|(name, ..)| name.as_str()).eq(expected),
         format!(
@@ -293,7 +323,11 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
 pub(crate) fn figures(output: &mut Output, results: &Results) -> Result<()> {
     output.section("Figure 7: parallelogram");
     let (figure, table) = figures::figure7(&results.scenario, &results.paper, &results.run)?;
-    output.figure("figure7", "Literal eq. (1): the ripple of the input drum is invisible.", &figure)?;
+    output.figure(
+        "figure7",
+        "Literal eq. (1): the ripple of the input drum is invisible.",
+        &figure,
+    )?;
     output.table("figure7", table)?;
     let mut preset = results.scenario.clone();
     preset.truth.joints[3].input_drum_denominator_m =
@@ -306,7 +340,11 @@ pub(crate) fn figures(output: &mut Output, results: &Results) -> Result<()> {
     )?;
     output.table("figure7_preset", table)?;
     output.section("Figure 8: pose errors");
-    output.grid("figure8", "200 poses that the fit did not see.", &figures::figure8(&results.run))?;
+    output.grid(
+        "figure8",
+        "200 poses that the fit did not see.",
+        &figures::figure8(&results.run),
+    )?;
     let table = figures::pose_table(&results.run, &results.runs)?;
     output.terminal_table(&table, &[0, 1, 2, 3, 4, 7]);
     output.table("figure8", table)?;
@@ -338,18 +376,29 @@ pub(crate) fn choices(output: &mut Output, results: &Results) -> Result<()> {
     let (table, figure) =
         sweeps::degrees(scenario, seeds, &Progress::new("polynomial degrees", 11))?;
     output.table("degrees", table)?;
-    output.figure("degrees", "Degree of the polynomial, medians over seeds.", &figure)?;
+    output.figure(
+        "degrees",
+        "Degree of the polynomial, medians over seeds.",
+        &figure,
+    )?;
     let (table, figure) =
         sweeps::poses(scenario, paper, seeds, &Progress::new("number of poses", 6))?;
     output.table("poses", table)?;
     output.figure("poses", "Number of poses, medians over seeds.", &figure)?;
     let table = sweeps::methods(scenario, paper, seeds, &Progress::new("search methods", 5))?;
     output.table("methods", table)?;
-    let (table, figure) =
-        sweeps::ladder(scenario, seeds, &Progress::new("what each correction buys", 6))?;
+    let (table, figure) = sweeps::ladder(
+        scenario,
+        seeds,
+        &Progress::new("what each correction buys", 6),
+    )?;
     output.terminal_table(&table, &[0, 1, 2, 4, 5, 6, 7]);
     output.table("ladder", table)?;
-    output.figure("ladder", "Offsets alone are what the vendors' software calibrates.", &figure)
+    output.figure(
+        "ladder",
+        "Offsets alone are what the vendors' software calibrates.",
+        &figure,
+    )
 }
 
 pub(crate) fn sensitivity(output: &mut Output, results: &Results, nominal: &Device) -> Result<()> {

@@ -15,34 +15,55 @@ type Change = fn(&mut Scenario);
 /// One assumption at a time, changed.
 const VARIATIONS: [(&str, Change); 15] = [
     ("as assumed", |_| {}),
-    ("home of joint 7: 0 instead of -30 deg", |s| s.nominal.joints[6].home_rad = 0.0),
+    ("home of joint 7: 0 instead of -30 deg", |s| {
+        s.nominal.joints[6].home_rad = 0.0;
+    }),
     ("home of joint 1: -120 instead of -150 deg", |s| {
         s.nominal.joints[0].home_rad = -120.0_f64.to_radians();
     }),
-    ("a0: 180 mm instead of 250 mm", |s| s.nominal.links[0].a_m = 0.180),
+    ("a0: 180 mm instead of 250 mm", |s| {
+        s.nominal.links[0].a_m = 0.180;
+    }),
     ("a0: 330 mm", |s| s.nominal.links[0].a_m = 0.330),
-    ("d1: 260 mm instead of 350 mm", |s| s.nominal.links[1].d_m = 0.260),
-    ("d3, d5: 215, 170 mm (Phantom) instead of 180, 280 mm", |s| {
-        s.nominal.links[3].d_m = 0.215;
-        s.nominal.links[5].d_m = 0.170;
+    ("d1: 260 mm instead of 350 mm", |s| {
+        s.nominal.links[1].d_m = 0.260;
     }),
-    ("a7: 10 mm instead of 20 mm", |s| s.nominal.links[7].a_m = 0.010),
-    ("R of joints 1 to 3: 5, D 40 mm instead of 8, 67.5 mm", |s| {
-        for joint in &mut s.nominal.joints[..3] {
-            joint.transmission_ratio = 5.0;
-            joint.drum_distance_m = Some(0.040);
-        }
+    (
+        "d3, d5: 215, 170 mm (Phantom) instead of 180, 280 mm",
+        |s| {
+            s.nominal.links[3].d_m = 0.215;
+            s.nominal.links[5].d_m = 0.170;
+        },
+    ),
+    ("a7: 10 mm instead of 20 mm", |s| {
+        s.nominal.links[7].a_m = 0.010;
     }),
-    ("R of joint 4: 13 instead of 12", |s| s.nominal.joints[3].transmission_ratio = 13.0),
+    (
+        "R of joints 1 to 3: 5, D 40 mm instead of 8, 67.5 mm",
+        |s| {
+            for joint in &mut s.nominal.joints[..3] {
+                joint.transmission_ratio = 5.0;
+                joint.drum_distance_m = Some(0.040);
+            }
+        },
+    ),
+    ("R of joint 4: 13 instead of 12", |s| {
+        s.nominal.joints[3].transmission_ratio = 13.0;
+    }),
     ("crank L2 = L4: 82 mm instead of 76 mm", |s| {
         s.nominal.joints[3].parallelogram_lengths_m = Some([0.18, 0.082, 0.18, 0.082]);
     }),
-    ("input drum denominators 2.9 and 2.6 mm (--paper-preset)", |s| {
-        for (joint, denominator) in s.nominal.joints.iter_mut().zip(PRESET_DENOMINATORS_M) {
-            joint.input_drum_denominator_m = Some(denominator);
-        }
+    (
+        "input drum denominators 2.9 and 2.6 mm (--paper-preset)",
+        |s| {
+            for (joint, denominator) in s.nominal.joints.iter_mut().zip(PRESET_DENOMINATORS_M) {
+                joint.input_drum_denominator_m = Some(denominator);
+            }
+        },
+    ),
+    ("poses uniform within 2/3 of the limits", |s| {
+        s.settings.sampling = Sampling::Uniform;
     }),
-    ("poses uniform within 2/3 of the limits", |s| s.settings.sampling = Sampling::Uniform),
     ("sigma_m without the extra 2 pi (1.57 um)", |s| {
         s.settings.cable_sigma = CableSigma::Geometric;
         for cable in &mut s.nominal.cables {
@@ -53,13 +74,16 @@ const VARIATIONS: [(&str, Change); 15] = [
                 .map(|(radius, counts)| radius * std::f64::consts::TAU / counts / 3.0);
         }
     }),
-    ("motor encoders with 20000 counts, external ones with counts", |s| {
-        s.settings.motor_counts = true;
-        s.settings.output_noise = Noise::Counts;
-        for joint in &mut s.nominal.joints {
-            joint.encoder_counts_per_rev = Some(20000.0);
-        }
-    }),
+    (
+        "motor encoders with 20000 counts, external ones with counts",
+        |s| {
+            s.settings.motor_counts = true;
+            s.settings.output_noise = Noise::Counts;
+            for joint in &mut s.nominal.joints {
+                joint.encoder_counts_per_rev = Some(20000.0);
+            }
+        },
+    ),
 ];
 
 /// Number of variations, for a progress bar.
@@ -104,7 +128,11 @@ pub(crate) fn table(
             Cell::number(summary.lowest.1, 1),
             summary.lowest.0.into(),
             Cell::number(summary.good as f64, 0),
-            if summary.lost.is_empty() { "none".into() } else { summary.lost.join(", ").into() },
+            if summary.lost.is_empty() {
+                "none".into()
+            } else {
+                summary.lost.join(", ").into()
+            },
         ])?;
     }
     Ok(table)

@@ -3,8 +3,8 @@
 
 use anyhow::Result;
 use haptical_calibration::{
-    CalibrationMethod, Channel, Degree, Options, TransmissionTerms, Weights, channels,
-    fit_device, fit_kinematics, fit_parameters, fit_transmission,
+    CalibrationMethod, Channel, Degree, Options, TransmissionTerms, Weights, channels, fit_device,
+    fit_kinematics, fit_parameters, fit_transmission,
 };
 use haptical_identification::{Method, Settings as Search};
 use haptical_metrics::{median, rms};
@@ -38,7 +38,10 @@ impl Seeds {
 }
 
 fn columns(names: &[(&str, &str)]) -> Vec<Column> {
-    names.iter().map(|(name, unit)| Column::new(*name, *unit)).collect()
+    names
+        .iter()
+        .map(|(name, unit)| Column::new(*name, *unit))
+        .collect()
 }
 
 /// Polynomial degrees 4 to 14: error of the identified curve against the true one.
@@ -60,12 +63,14 @@ pub(crate) fn degrees(
     let chosen = seeds.map(|seed| chosen_degree(scenario, seed))?;
     let (mut inner, mut outer) = (Vec::new(), Vec::new());
     for degree in 4..=14 {
-        let scenario = Scenario { degree, ..scenario.clone() };
+        let scenario = Scenario {
+            degree,
+            ..scenario.clone()
+        };
         let errors = seeds.map(|seed| curve_errors(&scenario, seed))?;
         progress.step();
-        let part = |pick: fn(&[f64; 3]) -> f64| {
-            median(&errors.iter().map(pick).collect::<Vec<f64>>())
-        };
+        let part =
+            |pick: fn(&[f64; 3]) -> f64| median(&errors.iter().map(pick).collect::<Vec<f64>>());
         let (within_40, within_45) = (part(|e| e[0])?, part(|e| e[1])?);
         let share = chosen.iter().filter(|&&best| best == degree).count() as f64;
         inner.push((degree as f64, within_40 * 1e6));
@@ -102,12 +107,20 @@ pub(crate) fn degrees(
 }
 
 fn fourth_options(scenario: &Scenario, degree: Degree) -> Options {
-    Options { degree, ..scenario.options() }
+    Options {
+        degree,
+        ..scenario.options()
+    }
 }
 
 fn chosen_degree(scenario: &Scenario, seed: u64) -> Result<usize> {
-    let recording =
-        simulate_transmission(&scenario.truth, &scenario.settings, 3, scenario.samples, seed)?;
+    let recording = simulate_transmission(
+        &scenario.truth,
+        &scenario.settings,
+        3,
+        scenario.samples,
+        seed,
+    )?;
     let weights = Weights::stated(&scenario.nominal, &[Channel::Output { joint: 3 }]);
     let options = fourth_options(scenario, Degree::UpTo(14));
     let fit = fit_transmission(&scenario.nominal, 3, &recording, &weights, &options)?;
@@ -120,12 +133,19 @@ fn chosen_degree(scenario: &Scenario, seed: u64) -> Result<usize> {
 /// RMS of identified minus true curve within 40 and 45 degrees, and the condition number of the
 /// same fit in the paper's raw monomials.
 fn curve_errors(scenario: &Scenario, seed: u64) -> Result<[f64; 3]> {
-    let recording =
-        simulate_transmission(&scenario.truth, &scenario.settings, 3, scenario.samples, seed)?;
+    let recording = simulate_transmission(
+        &scenario.truth,
+        &scenario.settings,
+        3,
+        scenario.samples,
+        seed,
+    )?;
     let weights = Weights::stated(&scenario.nominal, &[Channel::Output { joint: 3 }]);
     let options = fourth_options(scenario, Degree::Fixed(scenario.degree));
     let fit = fit_transmission(&scenario.nominal, 3, &recording, &weights, &options)?;
-    let Some(fit) = fit.fit else { anyhow::bail!("nothing fitted for joint 4") };
+    let Some(fit) = fit.fit else {
+        anyhow::bail!("nothing fitted for joint 4")
+    };
     let error = |half_range_deg: f64| -> Result<f64> {
         let mut errors = Vec::new();
         for step in -90..=90 {
@@ -136,9 +156,10 @@ fn curve_errors(scenario: &Scenario, seed: u64) -> Result<[f64; 3]> {
         Ok(rms(&errors)?)
     };
     let readings = &recording.joint[3];
-    let raw = haptical_linalg::Matrix::from_fn(readings.len(), scenario.degree + 1, |row, power| {
-        readings[row].powi(power as i32)
-    });
+    let raw =
+        haptical_linalg::Matrix::from_fn(readings.len(), scenario.degree + 1, |row, power| {
+            readings[row].powi(power as i32)
+        });
     let values = haptical_linalg::singular_values(&raw)?;
     let condition = values[0] / values[values.len() - 1];
     Ok([error(40.0)?, error(45.0)?, condition])
@@ -164,7 +185,10 @@ pub(crate) fn poses(
     );
     let (mut weakest, mut distances) = (Vec::new(), Vec::new());
     for poses in [50, 100, 200, 300, 500, 1000] {
-        let scenario = Scenario { poses, ..scenario.clone() };
+        let scenario = Scenario {
+            poses,
+            ..scenario.clone()
+        };
         let summary = summarise(&scenario, paper, seeds)?;
         progress.step();
         weakest.push((poses as f64, summary.lowest.1));
@@ -203,11 +227,12 @@ pub(crate) struct Summary {
 
 pub(crate) fn summarise(scenario: &Scenario, paper: &Paper, seeds: Seeds) -> Result<Summary> {
     let runs = seeds.map(|seed| super::run::run(scenario, seed))?;
-    let poses: Vec<PoseSummary> =
-        runs.iter().map(|run| PoseSummary::new(&run.pose)).collect::<Result<_>>()?;
-    let middle = |pick: &dyn Fn(&PoseSummary) -> f64| {
-        median(&poses.iter().map(pick).collect::<Vec<f64>>())
-    };
+    let poses: Vec<PoseSummary> = runs
+        .iter()
+        .map(|run| PoseSummary::new(&run.pose))
+        .collect::<Result<_>>()?;
+    let middle =
+        |pick: &dyn Fn(&PoseSummary) -> f64| median(&poses.iter().map(pick).collect::<Vec<f64>>());
     let mut lowest = (String::new(), f64::INFINITY);
     let mut good = 0;
     let mut lost = Vec::new();
@@ -267,13 +292,22 @@ pub(crate) fn methods(
         for method in [Method::GaussNewton, Method::LevenbergMarquardt] {
             let scenario = Scenario {
                 truth: true_device(&scenario.nominal, paper, scale)?,
-                search: Search { method, ..scenario.search },
+                search: Search {
+                    method,
+                    ..scenario.search
+                },
                 ..scenario.clone()
             };
             let outcomes = seeds.map(|seed| search_outcome(&scenario, seed))?;
             let steps: Vec<f64> = outcomes.iter().filter_map(|(steps, _)| *steps).collect();
-            largest = outcomes.iter().map(|(_, error)| *error).fold(largest, f64::max);
-            cells.push(Cell::number(100.0 * steps.len() as f64 / outcomes.len() as f64, 0));
+            largest = outcomes
+                .iter()
+                .map(|(_, error)| *error)
+                .fold(largest, f64::max);
+            cells.push(Cell::number(
+                100.0 * steps.len() as f64 / outcomes.len() as f64,
+                0,
+            ));
             cells.push(if steps.is_empty() {
                 Cell::Missing
             } else {
@@ -300,7 +334,10 @@ fn search_outcome(scenario: &Scenario, seed: u64) -> Result<(Option<f64>, f64)> 
     let weights = Weights::stated(&device, &channel);
     let before =
         haptical_calibration::channel_residuals(&device, &device, &recording, &channel, &weights)?;
-    let largest = before[0].residuals.iter().fold(0.0_f64, |most, error| most.max(error.abs()));
+    let largest = before[0]
+        .residuals
+        .iter()
+        .fold(0.0_f64, |most, error| most.max(error.abs()));
     let fit = fit_kinematics(&device, &recording, &channel, &weights, &scenario.options());
     let steps = fit.ok().and_then(|fit| {
         let scatter = (fit.cost / (scenario.poses - fit.fitted.len()) as f64).sqrt();
@@ -358,8 +395,11 @@ pub(crate) fn ladder(
             Cell::number(turn.median, 1),
         ])?;
     }
-    let mut figure =
-        Figure::new("Improvement of the distance", "calibration", "improvement of the RMS [%]");
+    let mut figure = Figure::new(
+        "Improvement of the distance",
+        "calibration",
+        "improvement of the RMS [%]",
+    );
     figure.categories = Some(categories);
     figure.legend = false;
     figure.series = vec![Series::new("distance", Mark::Bars, 0, bars)];
@@ -401,11 +441,15 @@ impl Kind {
         Ok(match self {
             Self::None => scenario.nominal.clone(),
             Self::Offsets => {
-                let recording = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
+                let recording =
+                    simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
                 let channel = [Channel::Cable { index: 0 }];
                 let weights = Weights::stated(&scenario.nominal, &channel);
                 let offsets: Vec<ParameterId> = (1..=7)
-                    .map(|row| ParameterId::Link { row, parameter: LinkParameter::Theta })
+                    .map(|row| ParameterId::Link {
+                        row,
+                        parameter: LinkParameter::Theta,
+                    })
                     .collect();
                 fit_parameters(
                     "joint offsets",
@@ -433,6 +477,9 @@ impl Kind {
 fn joint_fit(scenario: &Scenario, seed: u64) -> Result<Device> {
     let recording = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
     channels(&scenario.nominal, &recording)?;
-    let options = Options { method: CalibrationMethod::Joint, ..scenario.options() };
+    let options = Options {
+        method: CalibrationMethod::Joint,
+        ..scenario.options()
+    };
     Ok(fit_device(&scenario.nominal, &recording, &options)?.device)
 }

@@ -29,8 +29,20 @@ fn rows(paper: &Paper) -> [Row<'_>; 5] {
             half_digit: 5e-7,
             published: &table.ratio_deviation,
         },
-        Row { symbol: "r_o", unit: "mm", per_si: 1e3, half_digit: 5e-7, published: &table.ro_mm },
-        Row { symbol: "r_i", unit: "mm", per_si: 1e3, half_digit: 5e-7, published: &table.ri_mm },
+        Row {
+            symbol: "r_o",
+            unit: "mm",
+            per_si: 1e3,
+            half_digit: 5e-7,
+            published: &table.ro_mm,
+        },
+        Row {
+            symbol: "r_i",
+            unit: "mm",
+            per_si: 1e3,
+            half_digit: 5e-7,
+            published: &table.ri_mm,
+        },
         Row {
             symbol: "beta_o",
             unit: "deg",
@@ -58,12 +70,7 @@ pub(crate) struct Table2 {
     pub(crate) chi_squares: Vec<f64>,
 }
 
-pub(crate) fn table2(
-    paper: &Paper,
-    run: &Run,
-    runs: &MonteCarlo,
-    title: &str,
-) -> Result<Table2> {
+pub(crate) fn table2(paper: &Paper, run: &Run, runs: &MonteCarlo, title: &str) -> Result<Table2> {
     let mut table = Table::new(
         title,
         [
@@ -90,15 +97,25 @@ pub(crate) fn table2(
         for joint in 0..3 {
             let assigned = row.published.assigned[joint];
             let published = row.published.identified[joint];
-            let one = run.capstan(joint).context("the capstan was not fitted in full")?;
-            let wrap = |error: f64| if row.unit == "deg" { turn(error) } else { error };
+            let one = run
+                .capstan(joint)
+                .context("the capstan was not fitted in full")?;
+            let wrap = |error: f64| {
+                if row.unit == "deg" {
+                    turn(error)
+                } else {
+                    error
+                }
+            };
             let errors: Vec<f64> = runs
                 .samples
                 .iter()
                 .map(|sample| wrap(sample.capstans[joint].values[index] * row.per_si - assigned))
                 .collect();
-            let improvements: Vec<f64> =
-                errors.iter().map(|error| 100.0 * (1.0 - (error / assigned).abs())).collect();
+            let improvements: Vec<f64> = errors
+                .iter()
+                .map(|error| 100.0 * (1.0 - (error / assigned).abs()))
+                .collect();
             let spread = Spread::new(&improvements)?;
             let found = assigned + wrap(one.values[index] * row.per_si - assigned);
             let verdict = Verdict::new(published - assigned, row.half_digit, &errors)?;
@@ -135,11 +152,21 @@ pub(crate) fn table2(
     figure.categories = Some(categories);
     figure.y_range = Some((FLOOR, 101.0));
     figure.series = vec![
-        Series::intervals("ours: median and 95 % of runs (cut at the axis)", 0, &clipped(&ours)),
+        Series::intervals(
+            "ours: median and 95 % of runs (cut at the axis)",
+            0,
+            &clipped(&ours),
+        ),
         Series::new("paper", Mark::Points, 1, theirs),
     ];
     let rows = rows(paper).len() * 3;
-    Ok(Table2 { table, figure, possible, rows, chi_squares: chi_squares(paper, runs)? })
+    Ok(Table2 {
+        table,
+        figure,
+        possible,
+        rows,
+        chi_squares: chi_squares(paper, runs)?,
+    })
 }
 
 /// Foot of the improvement axis: a worse figure is drawn at it.
@@ -175,15 +202,15 @@ fn chi_squares(paper: &Paper, runs: &MonteCarlo) -> Result<Vec<f64>> {
                     let matrix = nalgebra::SMatrix::<f64, 5, 5>::from_fn(|i, j| covariance[i][j]);
                     let vector = nalgebra::SVector::<f64, 5>::from_column_slice(&errors);
                     // Scaled to unit diagonal: R_e and r_i differ by six orders of magnitude.
-                    let scale = nalgebra::SVector::<f64, 5>::from_fn(|i, _| {
-                        1.0 / covariance[i][i].sqrt()
-                    });
+                    let scale =
+                        nalgebra::SVector::<f64, 5>::from_fn(|i, _| 1.0 / covariance[i][i].sqrt());
                     let scaled = nalgebra::SMatrix::<f64, 5, 5>::from_fn(|i, j| {
                         matrix[(i, j)] * scale[i] * scale[j]
                     });
-                    let whitened = scaled.cholesky()?.l().solve_lower_triangular(
-                        &vector.component_mul(&scale),
-                    )?;
+                    let whitened = scaled
+                        .cholesky()?
+                        .l()
+                        .solve_lower_triangular(&vector.component_mul(&scale))?;
                     Some(whitened.norm_squared())
                 })
                 .collect();

@@ -40,7 +40,9 @@ mod tests {
 
     /// A standard normal sample by its quantiles: no luck involved.
     fn normal(sd: f64) -> Vec<f64> {
-        (0..200).map(|index| sd * if index % 2 == 0 { 1.0 } else { -1.0 }).collect()
+        (0..200)
+            .map(|index| sd * if index % 2 == 0 { 1.0 } else { -1.0 })
+            .collect()
     }
 
     #[test]
@@ -51,7 +53,10 @@ mod tests {
 
     #[test]
     fn four_standard_deviations_are_not() {
-        assert_eq!(Verdict::new(-8.0, 0.01, &normal(2.0)).unwrap().words, "no: too far off");
+        assert_eq!(
+            Verdict::new(-8.0, 0.01, &normal(2.0)).unwrap().words,
+            "no: too far off"
+        );
     }
 
     #[test]
