@@ -1,2 +1,54 @@
-//! cli
-fn main() {}
+//! The `haptical` command: flags, texts, exit status and progress; all numbers come from the libraries.
+
+mod arguments;
+mod check;
+mod check_text;
+mod failure;
+mod identified;
+mod identify;
+mod init;
+mod inputs;
+mod method;
+mod output_files;
+mod report;
+mod summary;
+mod terminal;
+mod transmissions;
+mod units;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+
+use crate::arguments::{Arguments, Command};
+use crate::failure::Failure;
+
+/// Exit status of bad arguments or input.
+const STATUS_BAD_INPUT: u8 = 2;
+
+fn main() -> ExitCode {
+    // Clap does not run where an argument is wrong, yet the answer depends on this flag.
+    let wants_json = std::env::args_os().any(|argument| argument == "--json");
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return arguments::explain(&error, wants_json),
+    };
+    match run(arguments.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(wants_json),
+    }
+}
+
+fn run(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Identify(arguments) => identify::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Init(arguments) => init::run(&arguments),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            let mut command = Arguments::command();
+            clap_complete::generate(shell, &mut command, "haptical", &mut script);
+            terminal::write_output(&script)
+        }
+    }
+}

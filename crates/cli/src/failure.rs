@@ -1,0 +1,303 @@
+//! What went wrong, as three lines for people (what, where, next step) or as JSON for programs.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use haptical_calibration::CalibrationError;
+use haptical_data::DataError;
+use haptical_model::DeviceFileError;
+use haptical_report::ReportError;
+use serde_json::json;
+
+use crate::{STATUS_BAD_INPUT, terminal};
+
+/// Exit status where the numbers are sound but fix nothing.
+const STATUS_UNIDENTIFIABLE: u8 = 3;
+
+/// A refusal.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Failure {
+    /// Name of the kind, for programs.
+    kind: &'static str,
+    what: String,
+    place: Box<Place>,
+    next: String,
+    status: u8,
+}
+
+/// Where it is; `file` may also be words such as "the command line".
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Place {
+    file: String,
+    line: Option<u64>,
+    /// Column of the cell in a log, of the character in a device file; from 1.
+    column: Option<u64>,
+    /// Header of a log's column.
+    column_name: Option<String>,
+}
+
+impl Failure {
+    /// Bad input at a place given in words or as a path.
+    pub(crate) fn bad_input(
+        kind: &'static str,
+        what: impl Into<String>,
+        place: impl Into<String>,
+        next: impl Into<String>,
+    ) -> Self {
+        Self {
+            kind,
+            what: what.into(),
+            place: Place::in_file(place),
+            next: next.into(),
+            status: STATUS_BAD_INPUT,
+        }
+    }
+
+    /// Bad input in a line of a log.
+    pub(crate) fn log_line(
+        kind: &'static str,
+        what: impl Into<String>,
+        log: &Path,
+        line: Option<u64>,
+        next: impl Into<String>,
+    ) -> Self {
+        let mut failure = Self::bad_input(kind, what, log.display().to_string(), next);
+        failure.place.line = line;
+        failure
+    }
+
+    /// Bad arguments.
+    pub(crate) fn command_line(
+        kind: &'static str,
+        what: impl Into<String>,
+        next: impl Into<String>,
+    ) -> Self {
+        Self::bad_input(kind, what, "the command line", next)
+    }
+
+    /// A failure of the program itself; no input should lead here.
+    pub(crate) fn internal(what: impl std::fmt::Display) -> Self {
+        let next = "please report it with the device file and the log";
+        Self::bad_input("internal", what.to_string(), "haptical itself", next)
+    }
+
+    /// A refused calibration of a device from a log.
+    pub(crate) fn calibration(error: &CalibrationError, device: &Path, log: &Path) -> Self {
+        let (kind, what, next) = describe(error);
+        let mut place = Place::in_file(log.display().to_string());
+        match error {
+            CalibrationError::Row { line, .. } => place.line = Some(*line),
+            CalibrationError::Reading { line, column, .. } => {
+                place.line = Some(*line);
+                place.column_name = Some(column.clone());
+            }
+            CalibrationError::UnknownTracker { .. } => place.file = device.display().to_string(),
+            CalibrationError::Option { .. } => "the command line".clone_into(&mut place.file),
+            _ => {}
+        }
+        let status = if error.is_unidentifiable() {
+            STATUS_UNIDENTIFIABLE
+        } else {
+            STATUS_BAD_INPUT
+        };
+        Self {
+            kind,
+            what,
+            place,
+            next,
+            status,
+        }
+    }
+
+    /// Says it, and gives the exit status.
+    pub(crate) fn report(&self, as_json: bool) -> ExitCode {
+        if as_json {
+            let object = json!({"error": {
+                "kind": self.kind,
+                "what": self.what,
+                "where": self.place.to_string(),
+                "file": self.place.file,
+                "line": self.place.line,
+                "column": self.place.column,
+                "column_name": self.place.column_name,
+                "next": self.next,
+            }});
+            // Where standard output fails too, the text below still says what happened.
+            let _ = terminal::write_output(format!("{object:#}\n").as_bytes());
+        }
+        terminal::write_message(&format!(
+            "error: {}\n  where: {}\n  next: {}\n",
+            one_line(&self.what),
+            one_line(&self.place.to_string()),
+            one_line(&self.next)
+        ));
+        ExitCode::from(self.status)
+    }
+}
+
+impl Place {
+    /// Boxed, so that a `Result` with a failure stays small.
+    fn in_file(file: impl Into<String>) -> Box<Self> {
+        Box::new(Self {
+            file: file.into(),
+            ..Self::default()
+        })
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(&self.file)?;
+        if let Some(line) = self.line {
+            write!(formatter, ":{line}")?;
+            if let Some(column) = self.column {
+                write!(formatter, ":{column}")?;
+            }
+        }
+        match &self.column_name {
+            Some(name) => write!(formatter, ", column `{name}`"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Kind, what and next step of a refused calibration.
+fn describe(error: &CalibrationError) -> (&'static str, String, String) {
+    let more = "record at many different poses that move every joint".to_owned();
+    match error {
+        CalibrationError::NoMotion { rows } => (
+            "no-motion",
+            format!(
+                "no joint moves in the log ({rows} rows at one pose), so nothing can be told apart"
+            ),
+            more,
+        ),
+        CalibrationError::TooFewRows {
+            what,
+            rows,
+            parameters,
+            advised,
+        } => (
+            "too-few-rows",
+            format!("{what}: {rows} readings cannot fix {parameters} parameters"),
+            format!("record at least {advised} readings at different poses"),
+        ),
+        CalibrationError::NothingIdentifiable { .. } => {
+            ("nothing-identifiable", error.to_string(), more)
+        }
+        CalibrationError::NotConverged { what, reason } => (
+            "not-converged",
+            format!("{what}: {reason}"),
+            "the nominal device may be far from the real one: check its lengths, twists, home and \
+             ratios against the device"
+                .to_owned(),
+        ),
+        CalibrationError::Identification { .. } => (
+            "identification",
+            error.to_string(),
+            "check the device's lengths and home, and leave out the rows that are named".to_owned(),
+        ),
+        CalibrationError::Row { source, .. } => (
+            "row",
+            source.to_string(),
+            "leave this row out of the log, or correct the device file".to_owned(),
+        ),
+        CalibrationError::Reading { message, .. } => {
+            let (what, next) = split_advice(message);
+            ("reading", what, next)
+        }
+        CalibrationError::NoChannel => (
+            "no-channel",
+            "the log has no measurement that this device can be identified from".to_owned(),
+            "add external encoders (outN_rad), or [[link]] rows to the device and a distance \
+             (cable_m) or position (x_m, y_m, z_m) to the log"
+                .to_owned(),
+        ),
+        other => {
+            let (what, next) = split_advice(&other.to_string().replacen(": ", "; ", 1));
+            ("calibration", what, next)
+        }
+    }
+}
+
+impl From<DataError> for Failure {
+    fn from(error: DataError) -> Self {
+        let at = error.place();
+        let text = error.to_string();
+        let text = text.strip_prefix(&format!("{at}: ")).unwrap_or(&text);
+        let (what, next) = split_advice(text);
+        Self {
+            kind: error.kind(),
+            what,
+            place: Box::new(Place {
+                file: at.file.clone(),
+                line: at.line,
+                column: at.column_number.map(|column| column as u64),
+                column_name: at.column.clone(),
+            }),
+            next,
+            status: STATUS_BAD_INPUT,
+        }
+    }
+}
+
+impl Failure {
+    /// A refused device file.
+    pub(crate) fn device_file(error: &DeviceFileError, path: &Path) -> Self {
+        let mut place = Place::in_file(path.display().to_string());
+        let text = error.to_string();
+        let mut what = text
+            .strip_prefix(&format!("{}: ", place.file))
+            .unwrap_or(&text);
+        if let Some(at) = error.position() {
+            place.line = Some(at.line as u64);
+            place.column = Some(at.column as u64);
+            what = text.strip_prefix(&format!("{at}: ")).unwrap_or(&text);
+        }
+        let (kind, next) = match error {
+            DeviceFileError::Unreadable { .. } => (
+                "unreadable",
+                "check the path and its permissions".to_owned(),
+            ),
+            DeviceFileError::Syntax { .. } => {
+                ("syntax", "correct the TOML at this place".to_owned())
+            }
+            DeviceFileError::MissingKey { key, advice, .. } => {
+                ("missing-key", format!("add `{key}`: {advice}"))
+            }
+            DeviceFileError::Value { key, .. } => ("value", format!("correct `{key}` there")),
+            _ => (
+                "shape",
+                "correct the file; `haptical init` writes a template to compare with".to_owned(),
+            ),
+        };
+        Self {
+            kind,
+            what: what.to_owned(),
+            place,
+            next,
+            status: STATUS_BAD_INPUT,
+        }
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
+        Self::internal(error)
+    }
+}
+
+/// A message of the form "what; what to do".
+fn split_advice(text: &str) -> (String, String) {
+    match text.split_once("; ") {
+        Some((what, next)) => (what.to_owned(), next.to_owned()),
+        None => (text.to_owned(), "correct the input".to_owned()),
+    }
+}
+
+/// The three lines stay three, whatever a file name or a cell holds.
+fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect()
+}

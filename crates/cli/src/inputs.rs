@@ -1,0 +1,132 @@
+//! Reads the device file and the log that a command was given.
+
+use std::path::Path;
+
+use haptical_data::{JointShape, LogShape, read_log};
+use haptical_model::{Device, JointType, Recording};
+use toml_edit::{DocumentMut, Item, value};
+
+use crate::failure::Failure;
+
+/// A device with the text it came from.
+pub(crate) struct DeviceInput {
+    pub(crate) device: Device,
+    /// Text of the file, overrides applied: identified.toml is written from it.
+    pub(crate) text: String,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Input drum denominators that replace the device file's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum InputDrumDenominators {
+    /// The file's.
+    Stated,
+    /// One for all joints with drums.
+    Same(f64),
+    /// 2.9 mm, joint 4: 2.6 mm, as the paper's tables imply.
+    Paper,
+}
+
+impl InputDrumDenominators {
+    fn of_joint(self, joint: usize) -> Option<f64> {
+        match (self, joint) {
+            (Self::Stated, _) => None,
+            (Self::Same(length_m), _) => Some(length_m),
+            (Self::Paper, 3) => Some(2.6e-3),
+            (Self::Paper, _) => Some(2.9e-3),
+        }
+    }
+}
+
+/// Reads a device file.
+pub(crate) fn read_device(
+    path: &Path,
+    denominators: InputDrumDenominators,
+) -> Result<DeviceInput, Failure> {
+    let name = path.display().to_string();
+    let is_urdf = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("urdf"));
+    if is_urdf {
+        return Err(Failure::bad_input(
+            "not-supported",
+            "a .urdf device is not supported yet",
+            name,
+            "write the device as TOML; `haptical init` writes a template",
+        ));
+    }
+    let refuse = |error: &_| Failure::device_file(error, path);
+    let text = std::fs::read_to_string(path).map_err(|source| {
+        let path = path.to_owned();
+        refuse(&haptical_model::DeviceFileError::Unreadable { path, source })
+    })?;
+    let loaded = Device::from_toml(&text, &name).map_err(|error| refuse(&error))?;
+    let (device, text) = if denominators == InputDrumDenominators::Stated {
+        (loaded.device, text)
+    } else {
+        let text = with_denominators(&text, &loaded.device, denominators, &name)?;
+        let changed = Device::from_toml(&text, &name).map_err(|error| refuse(&error))?;
+        (changed.device, text)
+    };
+    Ok(DeviceInput {
+        device,
+        text,
+        warnings: loaded.warnings,
+    })
+}
+
+/// The device text with the denominators in it, so that identified.toml means the same device.
+fn with_denominators(
+    text: &str,
+    device: &Device,
+    denominators: InputDrumDenominators,
+    name: &str,
+) -> Result<String, Failure> {
+    let mut document: DocumentMut = text.parse().map_err(Failure::internal)?;
+    let rows = document
+        .get_mut("joint")
+        .and_then(Item::as_array_of_tables_mut)
+        .ok_or_else(|| {
+            Failure::bad_input(
+                "not-supported",
+                "input drum denominators can only be put into [[joint]] tables",
+                name,
+                "write each joint as a [[joint]] table, or give input_drum_denominator_m there",
+            )
+        })?;
+    for (index, (row, joint)) in rows.iter_mut().zip(&device.joints).enumerate() {
+        if let Some(length_m) = denominators.of_joint(index)
+            && joint.drum_distance_m.is_some()
+        {
+            row.insert("input_drum_denominator_m", value(length_m));
+        }
+    }
+    Ok(document.to_string())
+}
+
+/// Reads a log of a device; returns what is odd about it too.
+pub(crate) fn read_recording(
+    path: &Path,
+    device: &Device,
+) -> Result<(Recording, Vec<String>), Failure> {
+    let log = read_log(path, &log_shape(device))?;
+    Ok((log.recording, log.warnings))
+}
+
+/// What a device says of its logs.
+pub(crate) fn log_shape(device: &Device) -> LogShape {
+    let joints = device
+        .joints
+        .iter()
+        .map(|joint| JointShape {
+            name: joint.name.clone(),
+            prismatic: joint.joint_type == JointType::Prismatic,
+            lower: joint.lower_rad,
+            upper: joint.upper_rad,
+        })
+        .collect();
+    LogShape {
+        joints,
+        cable_count: device.cables.len(),
+    }
+}

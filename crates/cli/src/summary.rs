@@ -1,0 +1,87 @@
+//! What `haptical identify` says on the terminal.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use haptical_calibration::ChannelReport;
+use haptical_report::{Cell, Column, Table};
+
+use crate::failure::Failure;
+use crate::identified::Identified;
+use crate::units::Shown;
+
+/// Parameters that are listed one by one; identified.json has all.
+const LISTED: usize = 10;
+/// Longest line of a reason, in characters.
+const LONGEST_REASON: usize = 110;
+
+/// The summary: channels, what was not identified, files.
+pub(crate) fn text(result: &Identified, written: &[PathBuf]) -> Result<String, Failure> {
+    let mut text = String::new();
+    let fixed = result.parameters.len() - result.not_identified.len();
+    let _ = writeln!(
+        text,
+        "{} rows, {} method: {fixed} of {} parameters identified",
+        result.rows,
+        result.method,
+        result.parameters.len()
+    );
+    let title = format!("Residuals, root mean square; {}", result.held_out);
+    let _ = writeln!(
+        text,
+        "{}",
+        channel_table(&title, &result.channels)?.to_terminal()
+    );
+    if !result.not_identified.is_empty() {
+        let _ = writeln!(text, "\nNot identified, kept at the nominal value:");
+        for refused in result.not_identified.iter().take(LISTED) {
+            let reason = shorten(&refused.reason);
+            let _ = writeln!(text, "  {:<10} {reason}", refused.status);
+        }
+        let more = result.not_identified.len().saturating_sub(LISTED);
+        if more > 0 {
+            let _ = writeln!(text, "  and {more} more, see identified.json");
+        }
+    }
+    let _ = writeln!(text, "\nWritten:");
+    for path in written {
+        let _ = writeln!(text, "  {}", path.display());
+    }
+    Ok(text)
+}
+
+/// Before, after and floor of each channel.
+pub(crate) fn channel_table(title: &str, channels: &[ChannelReport]) -> Result<Table, Failure> {
+    let columns = [
+        ("channel", ""),
+        ("unit", ""),
+        ("readings", ""),
+        ("before", ""),
+        ("after", ""),
+        ("noise floor", ""),
+        ("reduction", "%"),
+    ];
+    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
+    let mut table = Table::new(title, columns);
+    for channel in channels {
+        let shown = Shown::fine(&channel.unit);
+        table.push(vec![
+            channel.channel.as_str().into(),
+            shown.name.into(),
+            Cell::number(channel.readings as f64, 0),
+            shown.cell(channel.rms_before),
+            shown.cell(channel.rms_after),
+            shown.cell(channel.noise_floor),
+            Cell::number_or_missing(channel.reduction_percent, 2),
+        ])?;
+    }
+    Ok(table)
+}
+
+fn shorten(reason: &str) -> String {
+    if reason.chars().count() <= LONGEST_REASON {
+        return reason.to_owned();
+    }
+    let kept: String = reason.chars().take(LONGEST_REASON - 1).collect();
+    format!("{kept}…")
+}

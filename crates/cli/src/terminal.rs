@@ -1,0 +1,65 @@
+//! Standard output and error: a reader that goes away is no failure, and progress is for terminals.
+
+use std::io::{ErrorKind, Write};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::failure::Failure;
+
+/// Writes to standard output. A closed pipe ends the output silently, as `head` expects.
+pub(crate) fn write_output(bytes: &[u8]) -> Result<(), Failure> {
+    let mut output = std::io::stdout().lock();
+    match output.write_all(bytes).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::bad_input(
+            "output",
+            format!("cannot write: {error}"),
+            "standard output",
+            "check where the output goes",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a text to standard error; there is nobody to tell if that fails.
+pub(crate) fn write_message(text: &str) {
+    let mut output = std::io::stderr().lock();
+    let _ = output.write_all(text.as_bytes());
+    if !text.ends_with('\n') {
+        let _ = output.write_all(b"\n");
+    }
+}
+
+/// Writes warnings to standard error.
+pub(crate) fn warn(warnings: &[String]) {
+    for warning in warnings {
+        write_message(&format!("warning: {warning}"));
+    }
+}
+
+/// Shows that work goes on, on a terminal's standard error only; it disappears when dropped.
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    pub(crate) fn start(message: impl Into<String>) -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
+            bar.set_style(style);
+        }
+        bar.set_message(message.into());
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(Duration::from_millis(120));
+        }
+        Self(bar)
+    }
+
+    pub(crate) fn say(&self, message: impl Into<String>) {
+        self.0.set_message(message.into());
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,190 @@
+//! init, check, completions, help and version.
+
+use std::process::{Command, Stdio};
+
+use crate::{Sandbox, haptical, names_in, text};
+
+const MANIFEST: &str = env!("CARGO_MANIFEST_DIR");
+
+#[test]
+fn the_template_is_the_device_of_the_fixtures() {
+    let read = |path: &str| std::fs::read_to_string(format!("{MANIFEST}/{path}")).unwrap();
+    let fixture = read("../../fixtures/devices/haptic7.toml");
+    assert_eq!(read("assets/haptic7.toml"), fixture);
+    assert_eq!(Sandbox::new().device_text(), fixture);
+}
+
+#[test]
+fn the_sample_log_is_the_one_of_the_fixtures() {
+    let bytes =
+        std::fs::read(format!("{MANIFEST}/../../fixtures/logs/haptic7-sample.csv")).unwrap();
+    assert!(Sandbox::new().log_text() == text(&bytes));
+}
+
+#[test]
+fn init_does_not_overwrite() {
+    let sandbox = Sandbox::new();
+    sandbox.write("device.toml", "mine");
+    let folder = sandbox.folder.path();
+    haptical()
+        .arg("init")
+        .arg(folder)
+        .assert()
+        .code(2)
+        .stderr(predicates::str::contains("--force"));
+    assert_eq!(sandbox.device_text(), "mine");
+    haptical()
+        .arg("init")
+        .arg(folder)
+        .arg("--force")
+        .assert()
+        .success();
+    assert_ne!(sandbox.device_text(), "mine");
+    assert_eq!(names_in(folder), ["device.toml", "log.csv"]);
+}
+
+#[test]
+fn the_command_that_init_prints_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = haptical().arg("init").arg(folder.path()).output().unwrap();
+    let said = text(&output.stdout);
+    let line = said.lines().last().unwrap();
+    let words: Vec<&str> = line.split_whitespace().collect();
+    assert_eq!(words[0], "haptical");
+    haptical().args(&words[1..]).assert().success();
+    assert_eq!(names_in(&folder.path().join("result")).len(), 3);
+}
+
+#[test]
+fn check_says_what_the_log_could_identify() {
+    let sandbox = Sandbox::new();
+    let check = |further: &[&str]| {
+        let output = haptical()
+            .current_dir(sandbox.folder.path())
+            .args(["check", "device.toml"])
+            .args(further)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    assert!(check(&[]).contains("The device file is valid."));
+    let said = check(&["log.csv"]);
+    for wanted in [
+        "400 rows",
+        "cable (400)",
+        "ratio_deviation3",
+        "alpha7 has no effect",
+    ] {
+        assert!(said.contains(wanted), "{wanted}: {said}");
+    }
+    let found: serde_json::Value = serde_json::from_str(&check(&["log.csv", "--json"])).unwrap();
+    assert_eq!(found["log"]["rows"], 400);
+    assert_eq!(
+        found["device"]["joints"][3]["transmission"],
+        "parallelogram"
+    );
+    let judged = &found["log"]["identifiability"];
+    let identifiable = found["log"]["identifiable"].as_array().unwrap().len();
+    let refused = found["log"]["not_identified"].as_array().unwrap();
+    assert_eq!(judged["candidates"], identifiable + refused.len());
+    let names: Vec<&str> = refused
+        .iter()
+        .map(|entry| entry["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["alpha0", "d0", "theta0", "alpha7"]);
+    // Row 0 is 0.25 m long and theta1 turns about an axis across it: 1 / 0.25 rad for each metre.
+    assert_eq!(refused[1]["reason"], "d0 acts like +4.000000 theta1");
+}
+
+#[test]
+fn check_without_external_encoders_says_which_offsets_merge() {
+    let sandbox = Sandbox::new();
+    let mut cells = sandbox.cells();
+    for joint in 1..=4 {
+        let gone = crate::column(&cells, &format!("out{joint}_rad"));
+        cells.iter_mut().for_each(|row| drop(row.remove(gone)));
+    }
+    sandbox.write_log(&cells);
+    let output = haptical()
+        .current_dir(sandbox.folder.path())
+        .args(["check", "device.toml", "log.csv"])
+        .output()
+        .unwrap();
+    let said = text(&output.stdout);
+    for joint in 1..=3 {
+        let wanted = format!("offset{joint} acts like +1.000000 theta{joint}");
+        assert!(said.contains(&wanted), "{wanted}: {said}");
+    }
+}
+
+#[test]
+fn check_refuses_what_identify_refuses() {
+    let sandbox = Sandbox::new();
+    sandbox.write("log.csv", "theta1_rad\n0\n1\n");
+    haptical()
+        .current_dir(sandbox.folder.path())
+        .args(["check", "device.toml", "log.csv"])
+        .assert()
+        .code(2)
+        .stderr(predicates::str::contains("missing `theta2_rad`"));
+}
+
+#[test]
+fn every_help_has_an_example() {
+    for words in [
+        &[][..],
+        &["identify"],
+        &["check"],
+        &["init"],
+        &["completions"],
+    ] {
+        let output = haptical().args(words).arg("--help").output().unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        assert!(
+            text(&output.stdout).contains("Example:\n  haptical"),
+            "{words:?}"
+        );
+        assert!(output.stderr.is_empty());
+    }
+}
+
+#[test]
+fn the_version_is_the_package_version() {
+    let said = text(&haptical().arg("--version").output().unwrap().stdout);
+    assert_eq!(said, format!("haptical {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn without_a_command_the_help_is_shown_and_the_status_is_2() {
+    let output = haptical().output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("Usage:"));
+}
+
+#[test]
+fn completions_know_the_commands() {
+    for shell in ["bash", "zsh", "fish"] {
+        let output = haptical().args(["completions", shell]).output().unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        let script = text(&output.stdout);
+        assert!(
+            script.contains("identify") && script.contains("held-out"),
+            "{shell}"
+        );
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_haptical"))
+        .args(["completions", "zsh"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(text(&output.stderr), "");
+}
