@@ -1,9 +1,6 @@
 //! Checks a problem's analytic derivatives against central differences.
 
-use haptical_linalg::Matrix;
-
-use crate::problem::check_free;
-use crate::{IdentificationError, Problem};
+use crate::{IdentificationError, Problem, evaluate_jacobian};
 
 /// The entry where analytic and numeric derivative differ most.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,18 +22,25 @@ pub struct DerivativeMismatch {
 /// A well-written derivative agrees to about `step`^2 plus 1e-16 / `step`, relative.
 ///
 /// # Errors
-/// Whatever the problem says, and [`IdentificationError::Shape`].
+/// Whatever the problem says, [`IdentificationError::Shape`], [`IdentificationError::Setting`] for a
+/// step that is not above 0 and [`IdentificationError::NotFinite`] for a value or derivative that is
+/// not finite.
 pub fn worst_derivative<P: Problem + ?Sized>(
     problem: &P,
     parameters: &[f64],
     step: f64,
 ) -> Result<DerivativeMismatch, IdentificationError> {
+    if !(step.is_finite() && step > 0.0) {
+        return Err(IdentificationError::Setting {
+            name: "step",
+            value: step,
+            allowed: "above 0",
+        });
+    }
     let free: Vec<usize> = (0..problem.parameter_count()).collect();
-    check_free(problem, parameters, &free)?;
-    let rows = problem.residual_count();
-    let mut jacobian = Matrix::zeros(rows, free.len());
-    let (mut above, mut below) = (vec![0.0; rows], vec![0.0; rows]);
-    problem.evaluate(parameters, &mut above, Some((&free, &mut jacobian)))?;
+    let (jacobian, mut above) = evaluate_jacobian(problem, parameters, &free)?;
+    let rows = above.len();
+    let mut below = vec![0.0; rows];
     let mut worst = DerivativeMismatch {
         row: 0,
         parameter: 0,
@@ -46,9 +50,10 @@ pub fn worst_derivative<P: Problem + ?Sized>(
     };
     let mut moved = parameters.to_vec();
     for parameter in free {
-        moved[parameter] = parameters[parameter] + step;
+        let (right, left) = (parameters[parameter] + step, parameters[parameter] - step);
+        moved[parameter] = right;
         problem.evaluate(&moved, &mut above, None)?;
-        moved[parameter] = parameters[parameter] - step;
+        moved[parameter] = left;
         problem.evaluate(&moved, &mut below, None)?;
         moved[parameter] = parameters[parameter];
         let column = jacobian.column(parameter);
@@ -56,7 +61,15 @@ pub fn worst_derivative<P: Problem + ?Sized>(
             .iter()
             .fold(f64::MIN_POSITIVE, |l, value| l.max(value.abs()));
         for row in 0..rows {
-            let numeric = (above[row] - below[row]) / (2.0 * step);
+            // The distance that was moved in floating point, not the one that was meant.
+            let numeric = (above[row] - below[row]) / (right - left);
+            if !numeric.is_finite() {
+                return Err(IdentificationError::NotFinite {
+                    row,
+                    column: parameter,
+                    value: numeric,
+                });
+            }
             let relative = (numeric - column[row]).abs() / largest.max(numeric.abs());
             if relative > worst.relative {
                 worst = DerivativeMismatch {

@@ -26,7 +26,13 @@ pub struct Uncertainty {
     pub degrees_of_freedom: usize,
     /// Factor that the stated noise was multiplied by.
     pub noise_factor: f64,
+    /// Correlations, which exist even where the estimated noise is zero.
+    correlations: Matrix,
 }
+
+/// Pivot of unit-norm columns below which a variance would be rounding: [`uncertainty`] has no
+/// opinion on weak directions, which [`crate::analyse`] has judged before.
+const ROUNDING_PIVOT: f64 = 1e-13;
 
 impl Uncertainty {
     /// Standard deviation of the parameter at a position of [`Uncertainty::columns`].
@@ -36,7 +42,7 @@ impl Uncertainty {
 
     /// Correlation of two parameters by position.
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
-        self.covariance[(a, b)] / (self.standard_deviation(a) * self.standard_deviation(b))
+        self.correlations[(a, b)]
     }
 
     /// Half width of the 95 % interval in standard deviations: Student's t with the fit's degrees
@@ -54,15 +60,33 @@ impl Uncertainty {
 /// Covariance of the chosen columns at a solution of cost `cost`.
 ///
 /// # Errors
-/// [`IdentificationError::RankDeficient`] where the data do not fix the columns, and
-/// [`IdentificationError::TooFewRows`] where noise is to be estimated without degrees of freedom.
+/// [`IdentificationError::RankDeficient`] where the data do not fix the columns,
+/// [`IdentificationError::TooFewRows`] where noise is to be estimated without degrees of freedom and
+/// [`IdentificationError::Setting`] for a cost that is negative or not finite.
 pub fn uncertainty(
     reduction: &Reduction,
     columns: &[usize],
     cost: f64,
     noise: NoiseScale,
 ) -> Result<Uncertainty, IdentificationError> {
-    let mut covariance = reduction.covariance(columns, f64::EPSILON)?;
+    if !(cost.is_finite() && cost >= 0.0) {
+        return Err(IdentificationError::Setting {
+            name: "cost",
+            value: cost,
+            allowed: "finite and at least 0",
+        });
+    }
+    let mut covariance = reduction.covariance(columns, ROUNDING_PIVOT)?;
+    let deviations: Vec<f64> = (0..columns.len())
+        .map(|position| covariance[(position, position)].sqrt())
+        .collect();
+    let correlations = Matrix::from_fn(columns.len(), columns.len(), |a, b| {
+        if a == b {
+            1.0
+        } else {
+            (covariance[(a, b)] / deviations[a] / deviations[b]).clamp(-1.0, 1.0)
+        }
+    });
     let degrees_of_freedom = reduction.rows().saturating_sub(columns.len());
     let noise_factor = match noise {
         NoiseScale::Stated => 1.0,
@@ -86,6 +110,7 @@ pub fn uncertainty(
         covariance,
         degrees_of_freedom,
         noise_factor,
+        correlations,
     })
 }
 

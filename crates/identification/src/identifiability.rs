@@ -181,32 +181,7 @@ pub fn analyse(
     rules: &IdentifiabilityRules,
 ) -> Result<Identifiability, IdentificationError> {
     let count = reduction.columns();
-    for (what, found) in [
-        ("parameter names", parameters.len()),
-        ("preference order", order.len()),
-    ] {
-        if found != count {
-            return Err(IdentificationError::Shape {
-                what,
-                expected: count,
-                found,
-            });
-        }
-    }
-    rules.check()?;
-    let mut seen = vec![false; count];
-    for &column in order {
-        match seen.get_mut(column) {
-            Some(taken) if !*taken => *taken = true,
-            _ => {
-                let columns = count;
-                return Err(LinalgError::Column { column, columns }.into());
-            }
-        }
-    }
-    for parameter in parameters {
-        positive("plausible_size", parameter.plausible_size)?;
-    }
+    check(count, parameters, order, rules)?;
     let effects: Vec<f64> = reduction
         .column_norms()
         .iter()
@@ -289,6 +264,41 @@ pub fn analyse(
         statuses,
         independent,
     })
+}
+
+fn check(
+    count: usize,
+    parameters: &[ParameterInfo],
+    order: &[usize],
+    rules: &IdentifiabilityRules,
+) -> Result<(), IdentificationError> {
+    for (what, found) in [
+        ("parameter names", parameters.len()),
+        ("preference order", order.len()),
+    ] {
+        if found != count {
+            return Err(IdentificationError::Shape {
+                what,
+                expected: count,
+                found,
+            });
+        }
+    }
+    rules.check()?;
+    let mut seen = vec![false; count];
+    for &column in order {
+        match seen.get_mut(column) {
+            Some(taken) if !*taken => *taken = true,
+            _ => {
+                let columns = count;
+                return Err(LinalgError::Column { column, columns }.into());
+            }
+        }
+    }
+    for parameter in parameters {
+        positive("plausible_size", parameter.plausible_size)?;
+    }
+    Ok(())
 }
 
 impl ParameterInfo {

@@ -6,6 +6,7 @@ mod estimate;
 mod identifiability;
 mod observability;
 mod problem;
+mod search;
 mod settings;
 mod solver;
 mod sparse;

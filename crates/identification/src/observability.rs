@@ -33,7 +33,7 @@ impl Observability {
     }
 
     /// The indices of given singular values (largest first) for `rows` measurements; none unless
-    /// all values are positive.
+    /// all values are finite, positive and in that order.
     ///
     /// ```
     /// use haptical_identification::Observability;
@@ -42,7 +42,9 @@ impl Observability {
     /// ```
     pub fn from_singular_values(values: &[f64], rows: usize) -> Option<Self> {
         let (&largest, &smallest) = (values.first()?, values.last()?);
-        if smallest <= 0.0 || rows == 0 {
+        let sound = values.iter().all(|value| value.is_finite() && *value > 0.0)
+            && values.windows(2).all(|pair| pair[0] >= pair[1]);
+        if !sound || rows == 0 {
             return None;
         }
         let logarithms: f64 = values.iter().map(|value| value.ln()).sum();
@@ -50,7 +52,7 @@ impl Observability {
             o1: (logarithms / values.len() as f64).exp() / (rows as f64).sqrt(),
             o2: smallest / largest,
             o3: smallest,
-            o4: smallest * smallest / largest,
+            o4: smallest / largest * smallest,
             o5: 1.0 / values.iter().map(|value| 1.0 / value).sum::<f64>(),
         })
     }

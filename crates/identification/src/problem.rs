@@ -1,6 +1,6 @@
 //! What a least-squares problem is: weighted residuals and their analytic derivatives.
 
-use haptical_linalg::{Matrix, Triplet};
+use haptical_linalg::{LinalgError, Matrix, Triplet};
 
 use crate::IdentificationError;
 
@@ -47,7 +47,8 @@ pub trait SparseProblem: Problem {
 /// The derivative matrix (residuals x `free`) and the residuals at one point.
 ///
 /// # Errors
-/// Whatever the problem says, and [`IdentificationError::Shape`].
+/// Whatever the problem says, [`IdentificationError::Shape`], and
+/// [`IdentificationError::NotFinite`] for an entry that is not finite.
 pub fn evaluate_jacobian<P: Problem + ?Sized>(
     problem: &P,
     parameters: &[f64],
@@ -57,7 +58,34 @@ pub fn evaluate_jacobian<P: Problem + ?Sized>(
     let mut residuals = vec![0.0; problem.residual_count()];
     let mut jacobian = Matrix::zeros(problem.residual_count(), free.len());
     problem.evaluate(parameters, &mut residuals, Some((free, &mut jacobian)))?;
+    let columns = (0..free.len()).map(|column| jacobian.column(column));
+    for (column, values) in columns.chain([residuals.as_slice()]).enumerate() {
+        if let Some(row) = values.iter().position(|value| !value.is_finite()) {
+            let value = values[row];
+            let error = IdentificationError::NotFinite { row, column, value };
+            return Err(by_parameter(error, problem, free));
+        }
+    }
     Ok((jacobian, residuals))
+}
+
+/// Turns a column among the free parameters into a parameter's index.
+pub(crate) fn by_parameter<P: Problem + ?Sized>(
+    error: IdentificationError,
+    problem: &P,
+    free: &[usize],
+) -> IdentificationError {
+    match error {
+        IdentificationError::NotFinite { row, column, value } => IdentificationError::NotFinite {
+            row,
+            column: free
+                .get(column)
+                .copied()
+                .unwrap_or(problem.parameter_count()),
+            value,
+        },
+        other => other,
+    }
 }
 
 pub(crate) fn check_free<P: Problem + ?Sized>(
@@ -89,6 +117,13 @@ pub(crate) fn check_free<P: Problem + ?Sized>(
             expected,
             found: index,
         });
+    }
+    let mut seen = vec![false; expected];
+    for &column in free {
+        if std::mem::replace(&mut seen[column], true) {
+            let columns = expected;
+            return Err(LinalgError::Column { column, columns }.into());
+        }
     }
     Ok(())
 }

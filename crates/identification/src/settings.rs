@@ -10,7 +10,8 @@ use crate::IdentificationError;
 pub enum Method {
     /// Full steps of the linearised problem, halved where the cost would rise.
     GaussNewton,
-    /// Damped steps (Levenberg 1944, Marquardt 1963) with Nielsen's update of the damping.
+    /// Damped steps (Levenberg 1944, Marquardt 1963) with Nielsen's update of the damping and Moré's
+    /// scaling.
     LevenbergMarquardt,
 }
 
@@ -21,9 +22,10 @@ pub struct Settings {
     pub method: Method,
     /// Most accepted steps before giving up.
     pub max_iterations: usize,
-    /// Stop when the predicted fall of the cost is below this share of it.
+    /// Stop when the fall of the cost that the undamped step promises is below this share of it: the
+    /// square of Bates & Watts' (1981) relative offset, the cosine between residual and derivatives.
     pub cost_tolerance: f64,
-    /// Stop when each parameter's step is below this share of its size (plus 1e-3 in its unit).
+    /// Stop when each parameter's undamped step is below this share of its size (plus 1e-3 in its unit).
     pub step_tolerance: f64,
     /// Relative pivot below which a direction is left out of a step.
     pub rank_tolerance: f64,
@@ -35,8 +37,8 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             method: Method::LevenbergMarquardt,
-            max_iterations: 100,
-            cost_tolerance: 1e-13,
+            max_iterations: 1000,
+            cost_tolerance: 1e-16,
             step_tolerance: 1e-13,
             rank_tolerance: 1e-12,
             initial_damping: 1e-6,
@@ -97,7 +99,7 @@ pub enum Convergence {
     NoFurtherDescent,
     /// The iteration limit was reached.
     IterationLimit,
-    /// The free parameters became dependent on the way.
+    /// The free parameters are or became dependent: the cost may be least, the parameters are not fixed.
     RankLost,
 }
 

@@ -1,8 +1,9 @@
 //! Gauss-Newton and Levenberg-Marquardt on one QR reduction per iterate.
 
-use haptical_linalg::{Matrix, Reduction};
+use haptical_linalg::{Reduction, Solution};
 
 use crate::problem::check_free;
+use crate::search::Search;
 use crate::{Convergence, IdentificationError, Method, Problem, Settings};
 
 /// The outcome of a fit.
@@ -25,13 +26,26 @@ pub struct Fit {
 }
 
 /// Shortest Gauss-Newton step, and strongest damping steps, that are tried before giving up.
-const MAX_HALVINGS: usize = 30;
+pub(crate) const MAX_HALVINGS: usize = 30;
+
+/// Share of an earlier column norm that still weighs in the damping one step later. Without memory a
+/// parameter that loses its effect leaps away (NIST's BoxBOD, MGH17); with an endless one a wild start
+/// slows every later step.
+const FORGETTING: f64 = 0.8;
+
+/// Above zero, so that the damping can grow again.
+const WEAKEST_DAMPING: f64 = 1e-30;
+
+/// Keeps a parameter that has lost its effect on the way finite in the damped problem.
+const HEAVIEST_WEIGHT: f64 = 1e100;
 
 /// Minimises the problem over the parameters `free`, from `start`.
 ///
 /// Steps come from a pivoted QR of the scaled derivative matrix, never from normal equations.
 /// Gauss-Newton halves a step that raises the cost; Levenberg-Marquardt adapts its damping by
-/// Nielsen's rule (Madsen, Nielsen & Tingleff 2004, section 3.2).
+/// Nielsen's rule (Madsen, Nielsen & Tingleff 2004, section 3.2) and scales it by the largest
+/// column norms met lately (Moré 1978, section 6, keeps the largest of all). Both stop where the
+/// undamped step promises nothing more: a short step is no sign of a minimum.
 ///
 /// # Errors
 /// [`IdentificationError`] for shapes, settings, fewer residuals than free parameters or a model
@@ -55,23 +69,26 @@ pub fn solve<P: Problem + ?Sized>(
     let mut damping = Damping {
         value: settings.initial_damping,
         growth: 2.0,
+        norms: vec![0.0; free.len()],
     };
     let mut iterations = 0;
     let convergence = loop {
-        if search.cost <= search.exact_cost {
-            break Convergence::ExactFit;
+        let newton = search.newton()?;
+        if let Some(reason) = search.converged(&newton) {
+            break reason;
         }
         if iterations == settings.max_iterations {
             break Convergence::IterationLimit;
         }
-        let outcome = match settings.method {
-            Method::GaussNewton => search.gauss_newton()?,
-            Method::LevenbergMarquardt => search.levenberg_marquardt(&mut damping)?,
+        let moved = match settings.method {
+            Method::GaussNewton if newton.rank < free.len() => break Convergence::RankLost,
+            Method::GaussNewton => search.gauss_newton(&newton)?,
+            Method::LevenbergMarquardt => search.levenberg_marquardt(&newton, &mut damping)?,
         };
-        match outcome {
-            Outcome::Moved => iterations += 1,
-            Outcome::Stop(reason) => break reason,
+        if !moved {
+            break search.stuck(&newton);
         }
+        iterations += 1;
     };
     Ok(Fit {
         parameters: search.parameters,
@@ -84,186 +101,64 @@ pub fn solve<P: Problem + ?Sized>(
     })
 }
 
-enum Outcome {
-    Moved,
-    Stop(Convergence),
-}
-
 struct Damping {
     value: f64,
     growth: f64,
+    /// Largest norm of each column, fading.
+    norms: Vec<f64>,
 }
 
-struct Search<'a, P: ?Sized> {
-    problem: &'a P,
-    free: &'a [usize],
-    columns: Vec<usize>,
-    settings: &'a Settings,
-    parameters: Vec<f64>,
-    residuals: Vec<f64>,
-    jacobian: Matrix,
-    reduction: Reduction,
-    cost: f64,
-    exact_cost: f64,
-    evaluations: usize,
-    trial_residuals: Vec<f64>,
-}
-
-impl<'a, P: Problem + ?Sized> Search<'a, P> {
-    fn new(
-        problem: &'a P,
-        start: &[f64],
-        free: &'a [usize],
-        settings: &'a Settings,
-    ) -> Result<Self, IdentificationError> {
-        let rows = problem.residual_count();
-        let mut residuals = vec![0.0; rows];
-        let mut jacobian = Matrix::zeros(rows, free.len());
-        problem.evaluate(start, &mut residuals, Some((free, &mut jacobian)))?;
-        let reduction = Reduction::new(&jacobian, &residuals)?;
-        let cost = sum_of_squares(&residuals);
-        Ok(Self {
-            problem,
-            free,
-            columns: (0..free.len()).collect(),
-            settings,
-            parameters: start.to_vec(),
-            trial_residuals: vec![0.0; rows],
-            residuals,
-            jacobian,
-            reduction,
-            cost,
-            // Below this the residuals are rounding of the first ones.
-            exact_cost: cost * 1e-28,
-            evaluations: 1,
-        })
-    }
-
-    fn gauss_newton(&mut self) -> Result<Outcome, IdentificationError> {
-        let step = self
-            .reduction
-            .solve(&self.columns, 0.0, self.settings.rank_tolerance)?;
-        if step.rank < self.free.len() {
-            return Ok(Outcome::Stop(Convergence::RankLost));
-        }
-        let promised = self.cost - step.residual_square;
-        let last = promised <= self.settings.cost_tolerance * self.cost;
+impl<P: Problem + ?Sized> Search<'_, P> {
+    fn gauss_newton(&mut self, newton: &Solution) -> Result<bool, IdentificationError> {
         let mut factor = 1.0;
         for _ in 0..MAX_HALVINGS {
-            let trial = self.trial(&step.values, factor);
-            if let Some(cost) = self.trial_cost(&trial)
-                && cost < self.cost
-            {
-                let small = self.is_small(&step.values, factor);
-                self.accept(trial, cost)?;
-                return Ok(match (last, small) {
-                    (true, _) => Outcome::Stop(Convergence::SmallCostChange),
-                    (_, true) => Outcome::Stop(Convergence::SmallStep),
-                    _ => Outcome::Moved,
-                });
-            }
-            if last {
-                return Ok(Outcome::Stop(Convergence::SmallCostChange));
+            let trial = self.trial(&newton.values, factor);
+            if self.try_move(trial, newton)? {
+                return Ok(true);
             }
             factor *= 0.5;
         }
-        Ok(Outcome::Stop(self.stuck(promised)))
+        Ok(false)
     }
 
     fn levenberg_marquardt(
         &mut self,
+        newton: &Solution,
         damping: &mut Damping,
-    ) -> Result<Outcome, IdentificationError> {
-        for _ in 0..MAX_HALVINGS {
-            let step =
-                self.reduction
-                    .solve(&self.columns, damping.value, self.settings.rank_tolerance)?;
-            let promised = self.cost - step.residual_square;
-            let last = promised <= self.settings.cost_tolerance * self.cost;
-            let trial = self.trial(&step.values, 1.0);
-            if let Some(cost) = self.trial_cost(&trial)
-                && cost < self.cost
-            {
-                let gain = (self.cost - cost) / promised;
-                damping.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
-                damping.value = damping.value.max(1e-15);
-                damping.growth = 2.0;
-                let small = self.is_small(&step.values, 1.0);
-                self.accept(trial, cost)?;
-                return Ok(match (last, small) {
-                    (true, _) => Outcome::Stop(Convergence::SmallCostChange),
-                    (_, true) => Outcome::Stop(Convergence::SmallStep),
-                    _ => Outcome::Moved,
-                });
+    ) -> Result<bool, IdentificationError> {
+        let norms = self.reduction.column_norms();
+        let mut weights = vec![1.0; norms.len()];
+        for ((largest, norm), weight) in damping.norms.iter_mut().zip(norms).zip(&mut weights) {
+            *largest = (FORGETTING * *largest).max(*norm);
+            if *norm > 0.0 {
+                *weight = (*largest / norm).min(HEAVIEST_WEIGHT);
             }
-            // A heavily damped step promises little in any case: only an undamped promise counts.
-            let undamped =
-                self.reduction
-                    .solve(&self.columns, 0.0, self.settings.rank_tolerance)?;
-            if self.cost - undamped.residual_square <= self.settings.cost_tolerance * self.cost {
-                return Ok(Outcome::Stop(Convergence::SmallCostChange));
+        }
+        for _ in 0..MAX_HALVINGS {
+            let step = self.reduction.solve_weighted(
+                &self.columns,
+                damping.value,
+                &weights,
+                self.settings.rank_tolerance,
+            )?;
+            let before = self.cost;
+            let trial = self.trial(&step.values, 1.0);
+            if self.try_move(trial, newton)? {
+                let gain = (before - self.cost) / step.explained_square;
+                // Near the minimum the fall is rounding, and so would the gain be.
+                let gain = if gain.is_finite() {
+                    gain.clamp(0.0, 1.0)
+                } else {
+                    1.0
+                };
+                damping.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+                damping.value = damping.value.max(WEAKEST_DAMPING);
+                damping.growth = 2.0;
+                return Ok(true);
             }
             damping.value *= damping.growth;
             damping.growth *= 2.0;
         }
-        let undamped = self
-            .reduction
-            .solve(&self.columns, 0.0, self.settings.rank_tolerance)?;
-        let promised = self.cost - undamped.residual_square;
-        Ok(Outcome::Stop(self.stuck(promised)))
+        Ok(false)
     }
-
-    /// No trial lowered the cost: at a minimum the promise itself is only rounding.
-    fn stuck(&self, promised: f64) -> Convergence {
-        const ROUNDING: f64 = 1e-9;
-        if promised <= ROUNDING * self.cost {
-            Convergence::SmallCostChange
-        } else {
-            Convergence::NoFurtherDescent
-        }
-    }
-
-    /// Residuals are model minus measurement, so the step is subtracted.
-    fn trial(&self, step: &[f64], factor: f64) -> Vec<f64> {
-        let mut trial = self.parameters.clone();
-        for (&index, change) in self.free.iter().zip(step) {
-            trial[index] -= factor * change;
-        }
-        trial
-    }
-
-    /// The cost at a trial point; none where the model has no finite value.
-    fn trial_cost(&mut self, trial: &[f64]) -> Option<f64> {
-        self.evaluations += 1;
-        self.problem
-            .evaluate(trial, &mut self.trial_residuals, None)
-            .ok()?;
-        let cost = sum_of_squares(&self.trial_residuals);
-        cost.is_finite().then_some(cost)
-    }
-
-    fn is_small(&self, step: &[f64], factor: f64) -> bool {
-        // 1e-3: a millimetre or a milliradian, so that parameters near zero can converge too.
-        self.free.iter().zip(step).all(|(&index, change)| {
-            (factor * change).abs()
-                <= self.settings.step_tolerance * (self.parameters[index].abs() + 1e-3)
-        })
-    }
-
-    fn accept(&mut self, trial: Vec<f64>, cost: f64) -> Result<(), IdentificationError> {
-        self.problem.evaluate(
-            &trial,
-            &mut self.residuals,
-            Some((self.free, &mut self.jacobian)),
-        )?;
-        self.evaluations += 1;
-        self.reduction = Reduction::new(&self.jacobian, &self.residuals)?;
-        self.parameters = trial;
-        self.cost = cost;
-        Ok(())
-    }
-}
-
-pub(crate) fn sum_of_squares(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum()
 }

@@ -1,9 +1,10 @@
 //! Gauss-Newton on faer's sparse QR, for problems whose derivative matrix is mostly zero.
 
-use haptical_linalg::SparseLeastSquares;
+use haptical_linalg::{LinalgError, SparseLeastSquares};
 
-use crate::problem::check_free;
-use crate::solver::sum_of_squares;
+use crate::problem::{by_parameter, check_free};
+use crate::search::{SMALLEST_SCALE, UNSEEN_FALL, UNSEEN_STEP, sum_of_squares};
+use crate::solver::MAX_HALVINGS;
 use crate::{Convergence, IdentificationError, Settings, SparseProblem};
 
 /// The outcome of a sparse fit.
@@ -40,6 +41,7 @@ pub fn solve_sparse<P: SparseProblem + ?Sized>(
             parameters: free.len(),
         });
     }
+    let named = |error: LinalgError| by_parameter(error.into(), problem, free);
     let mut parameters = start.to_vec();
     let mut residuals = vec![0.0; rows];
     let mut trial_residuals = vec![0.0; rows];
@@ -47,40 +49,49 @@ pub fn solve_sparse<P: SparseProblem + ?Sized>(
     problem.evaluate_sparse(&parameters, free, &mut residuals, &mut entries)?;
     let solver = SparseLeastSquares::new(rows, free.len(), &entries)?;
     let mut cost = sum_of_squares(&residuals);
-    let exact_cost = cost * 1e-28;
     let mut iterations = 0;
     let convergence = loop {
-        if cost <= exact_cost {
+        let step = solver.solve(&entries, &residuals).map_err(named)?;
+        let promised = explained(&entries, &residuals, &step);
+        if cost == 0.0 {
             break Convergence::ExactFit;
+        }
+        if promised <= settings.cost_tolerance * cost {
+            break Convergence::SmallCostChange;
+        }
+        let small = |tolerance: f64| {
+            free.iter().zip(&step).all(|(&index, change)| {
+                change.abs() <= tolerance * (parameters[index].abs() + SMALLEST_SCALE)
+            })
+        };
+        if small(settings.step_tolerance) {
+            break Convergence::SmallStep;
         }
         if iterations == settings.max_iterations {
             break Convergence::IterationLimit;
         }
-        let step = solver.solve(&entries, &residuals)?;
-        let promised = cost - residual_after(&entries, &residuals, &step);
-        let last = promised <= settings.cost_tolerance * cost;
         let mut factor = 1.0;
         let mut accepted = None;
-        for _ in 0..30 {
+        for _ in 0..MAX_HALVINGS {
             let mut trial = parameters.clone();
             for (&index, change) in free.iter().zip(&step) {
                 trial[index] -= factor * change;
             }
             if problem.evaluate(&trial, &mut trial_residuals, None).is_ok() {
                 let trial_cost = sum_of_squares(&trial_residuals);
-                if trial_cost.is_finite() && trial_cost < cost {
+                // A NaN is refused.
+                if trial_cost < cost {
                     accepted = Some((trial, trial_cost));
                     break;
                 }
             }
-            if last {
-                break;
-            }
             factor *= 0.5;
         }
         let Some((trial, trial_cost)) = accepted else {
-            break if promised <= 1e-9 * cost {
+            break if promised <= UNSEEN_FALL * cost {
                 Convergence::SmallCostChange
+            } else if small(UNSEEN_STEP) {
+                Convergence::SmallStep
             } else {
                 Convergence::NoFurtherDescent
             };
@@ -88,9 +99,6 @@ pub fn solve_sparse<P: SparseProblem + ?Sized>(
         parameters = trial;
         cost = trial_cost;
         iterations += 1;
-        if last {
-            break Convergence::SmallCostChange;
-        }
         problem.evaluate_sparse(&parameters, free, &mut residuals, &mut entries)?;
     };
     Ok(SparseFit {
@@ -101,11 +109,15 @@ pub fn solve_sparse<P: SparseProblem + ?Sized>(
     })
 }
 
-/// |r - A x|^2.
-fn residual_after(entries: &[crate::Triplet], residuals: &[f64], step: &[f64]) -> f64 {
-    let mut rest = residuals.to_vec();
+/// |r|^2 - |r - A x|^2 without the cancellation of that subtraction.
+fn explained(entries: &[crate::Triplet], residuals: &[f64], step: &[f64]) -> f64 {
+    let mut fitted = vec![0.0; residuals.len()];
     for entry in entries {
-        rest[entry.row] -= entry.value * step[entry.column];
+        fitted[entry.row] += entry.value * step[entry.column];
     }
-    sum_of_squares(&rest)
+    fitted
+        .iter()
+        .zip(residuals)
+        .map(|(fit, have)| fit * (2.0 * have - fit))
+        .sum()
 }

@@ -7,12 +7,14 @@ mod ordered;
 mod pivoted;
 mod reduction;
 mod sparse;
+mod step;
 
 pub use error::LinalgError;
 pub use matrix::Matrix;
 pub use ordered::{Dependence, OrderedRank};
-pub use reduction::{Reduction, Solution};
+pub use reduction::Reduction;
 pub use sparse::{SparseLeastSquares, Triplet};
+pub use step::Solution;
 
 /// Singular values of any finite matrix, largest first.
 ///

@@ -75,8 +75,8 @@ impl PivotedQr {
         let mut solution = rhs[..rank].to_vec();
         for row in (0..rank).rev() {
             let mut value = solution[row];
-            for column in row + 1..rank {
-                value -= self.factor[(row, column)] * solution[column];
+            for (column, known) in solution.iter().enumerate().skip(row + 1) {
+                value -= self.factor[(row, column)] * known;
             }
             solution[row] = value / self.factor[(row, row)];
         }

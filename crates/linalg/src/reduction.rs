@@ -21,23 +21,12 @@ use crate::{LinalgError, Matrix, OrderedRank, covariance, ordered};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Reduction {
-    rows: usize,
+    pub(crate) rows: usize,
     /// min(m, n) x n, of the scaled columns, in the caller's column order.
-    factor: Matrix,
-    projected: Vec<f64>,
-    residual_square: f64,
-    column_norms: Vec<f64>,
-}
-
-/// A least-squares solution.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Solution {
-    /// One value per chosen column, in the units of the unscaled problem; zero where the rank cut.
-    pub values: Vec<f64>,
-    /// Numerical rank of the chosen (and, if damped, augmented) columns.
-    pub rank: usize,
-    /// |A x - b|^2 at the solution, without the damping term.
-    pub residual_square: f64,
+    pub(crate) factor: Matrix,
+    pub(crate) projected: Vec<f64>,
+    pub(crate) residual_square: f64,
+    pub(crate) column_norms: Vec<f64>,
 }
 
 impl Reduction {
@@ -118,72 +107,6 @@ impl Reduction {
         &self.column_norms
     }
 
-    /// Minimises |A x - b|^2 + `damping` |D x|^2 over the chosen columns, the others being zero,
-    /// with D the diagonal of column norms (Marquardt's scaling; Moré 1978, section 5).
-    ///
-    /// The step comes from a pivoted QR of the triangle with sqrt(`damping`) rows below it, never
-    /// from the normal equations. Directions whose pivot is at most `tolerance` times the largest
-    /// are left at zero; [`Solution::rank`] says how many remained.
-    ///
-    /// # Errors
-    /// [`LinalgError::Column`] for a bad index, [`LinalgError::OutOfRange`] for a damping or a
-    /// tolerance that is negative or not finite, [`LinalgError::Overflow`] for a value beyond 1e308.
-    pub fn solve(
-        &self,
-        columns: &[usize],
-        damping: f64,
-        tolerance: f64,
-    ) -> Result<Solution, LinalgError> {
-        at_least_zero("damping", damping)?;
-        at_least_zero("tolerance", tolerance)?;
-        let chosen = self.chosen(columns)?;
-        let (size, count) = (chosen.rows(), columns.len());
-        let extra = if damping > 0.0 { count } else { 0 };
-        let root = damping.sqrt();
-        let stacked = Matrix::from_fn(size + extra, count, |row, column| {
-            if row < size {
-                chosen[(row, column)]
-            } else if row - size == column {
-                root
-            } else {
-                0.0
-            }
-        });
-        let mut rhs = self.projected.clone();
-        rhs.resize(size + extra, 0.0);
-        let qr = PivotedQr::new(&stacked, &rhs);
-        let rank = qr.rank(tolerance);
-        let leading = qr.back_substitute(rank, &qr.projected);
-        let mut scaled = vec![0.0; count];
-        for (position, value) in leading.into_iter().enumerate() {
-            scaled[qr.pivots[position]] = value;
-        }
-        let fitted = chosen.times(&scaled)?;
-        let misfit: f64 = self
-            .projected
-            .iter()
-            .zip(&fitted)
-            .map(|(have, fit)| (have - fit).powi(2))
-            .sum();
-        let values: Vec<f64> = scaled
-            .iter()
-            .zip(columns)
-            .map(|(value, &column)| match self.column_norms[column] {
-                norm if norm > 0.0 => value / norm,
-                _ => 0.0,
-            })
-            .collect();
-        let residual_square = self.residual_square + misfit;
-        if !residual_square.is_finite() || values.iter().any(|value| !value.is_finite()) {
-            return Err(LinalgError::Overflow { what: "a solution" });
-        }
-        Ok(Solution {
-            values,
-            rank,
-            residual_square,
-        })
-    }
-
     /// Singular values (largest first) of the chosen columns scaled to unit norm, and the right
     /// singular vectors as columns of a `columns.len()` x min(m, `columns.len()`) matrix.
     ///
@@ -212,7 +135,8 @@ impl Reduction {
     /// Khalil & Dombre's rule (first come, first kept), judged on unit-norm columns.
     ///
     /// # Errors
-    /// [`LinalgError::Column`] for a bad index, [`LinalgError::OutOfRange`] for a bad tolerance.
+    /// [`LinalgError::Column`] for a bad index, [`LinalgError::OutOfRange`] for a bad tolerance,
+    /// [`LinalgError::Overflow`] for a coefficient beyond 1e308.
     pub fn ordered_rank(
         &self,
         order: &[usize],
@@ -220,12 +144,14 @@ impl Reduction {
     ) -> Result<OrderedRank, LinalgError> {
         at_least_zero("tolerance", tolerance)?;
         let chosen = self.chosen(order)?;
-        Ok(ordered::ordered_rank(
-            &chosen,
-            order,
-            &self.column_norms,
-            tolerance,
-        ))
+        let rank = ordered::ordered_rank(&chosen, order, &self.column_norms, tolerance);
+        let mut coefficients = rank.dependent.iter().flat_map(|found| &found.combination);
+        if coefficients.any(|(_, value)| !value.is_finite()) {
+            return Err(LinalgError::Overflow {
+                what: "the coefficient of a dependence",
+            });
+        }
+        Ok(rank)
     }
 
     /// The small factor of the chosen columns, each brought to the norm `norms[k]`.
@@ -252,7 +178,7 @@ impl Reduction {
         Ok(factor)
     }
 
-    fn chosen(&self, columns: &[usize]) -> Result<Matrix, LinalgError> {
+    pub(crate) fn chosen(&self, columns: &[usize]) -> Result<Matrix, LinalgError> {
         let available = self.factor.columns();
         let mut seen = vec![false; available];
         for &column in columns {
@@ -280,7 +206,7 @@ impl Reduction {
     }
 }
 
-fn at_least_zero(what: &'static str, value: f64) -> Result<(), LinalgError> {
+pub(crate) fn at_least_zero(what: &'static str, value: f64) -> Result<(), LinalgError> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }

@@ -7,4 +7,14 @@
     reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
 )]
 
+mod cramer_rao;
+mod derivative_check;
+mod identifiability;
+mod intervals;
+mod invariance;
 mod nist;
+mod observability;
+mod refusals;
+mod search;
+mod sparse;
+mod support;

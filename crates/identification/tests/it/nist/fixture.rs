@@ -69,7 +69,11 @@ fn read(name: &'static str, model: Model, text: &str) -> Certified {
         .map(numbers)
         .filter(|row| row.len() >= 2)
         .collect();
-    assert_eq!(rows.len() as f64, labelled("Number of Observations:"), "{name}");
+    assert_eq!(
+        rows.len() as f64,
+        labelled("Number of Observations:"),
+        "{name}"
+    );
     Certified {
         name,
         starts: [column(0), column(1)],
@@ -79,7 +83,13 @@ fn read(name: &'static str, model: Model, text: &str) -> Certified {
         model,
         responses: rows
             .iter()
-            .map(|row| if name == "Nelson" { row[0].ln() } else { row[0] })
+            .map(|row| {
+                if name == "Nelson" {
+                    row[0].ln()
+                } else {
+                    row[0]
+                }
+            })
             .collect(),
         predictors: rows.iter().map(|row| row[1..].to_vec()).collect(),
     }

@@ -1,7 +1,8 @@
-//! Scores the solver in certified digits.
+//! Scores the solver in certified digits, with its default settings.
 
 use haptical_identification::{
-    Fit, Method, NoiseScale, Settings, solve, uncertainty,
+    Convergence, DerivativeMismatch, Fit, IdentificationError, Matrix, Method, NoiseScale, Problem,
+    Settings, solve, uncertainty, worst_derivative,
 };
 
 use super::fixture::{Certified, all};
@@ -9,16 +10,42 @@ use super::fixture::{Certified, all};
 /// Certified values carry 11 digits: more cannot be shown.
 const CERTIFIED_DIGITS: f64 = 11.0;
 
+/// From the near start (2) every parameter must agree to this many digits.
+const DIGITS_NEAR: f64 = 6.0;
+/// Standard deviations lose up to one digit against the parameters.
+const DEVIATION_DIGITS_NEAR: f64 = 6.0;
+/// The residual sum of squares is flat at the minimum, so its digits exceed the parameters'.
+const COST_DIGITS_NEAR: f64 = 9.5;
+/// From the far start (1).
+const DIGITS_FAR: f64 = 4.0;
+const SOLVED_FAR: usize = 24;
+
+/// Lanczos1 is an exact fit but for the 14th digit of its data: residuals of 1e-13 are differences of
+/// numbers near 2, which doubles hold to 2e-16. Three digits of each residual remain, and so of the
+/// sum of their squares (certified 1.43e-25) and of the standard deviations that come from it.
+const LANCZOS1_DIGITS: f64 = 2.0;
+
+/// Problems that resist from the far start with default settings, with their digits then. MGH10:
+/// b1 exp(b2/(x + b3)) starts with b3 72 times too large, where the three parameters act almost alike;
+/// the search follows a curved valley along which b1 falls to 1e-47 before it turns. The limit of 1000
+/// iterations stops it there, reported as not converged; `PATIENCE` iterations reach the minimum (it
+/// takes about 5700).
+const RESIST_FAR: [(&str, f64); 1] = [("MGH10", 0.0)];
+const PATIENCE: usize = 20_000;
+
 /// Log relative error: -log10 |x - c| / |c|, between 0 and 11.
 fn digits(value: f64, certified: f64) -> f64 {
     let relative = ((value - certified) / certified).abs();
     if relative.is_nan() {
         return 0.0;
     }
-    (-relative.log10()).clamp(0.0, CERTIFIED_DIGITS)
+    -relative
+        .clamp(10.0_f64.powf(-CERTIFIED_DIGITS), 1.0)
+        .log10()
 }
 
 fn worst(values: &[f64], certified: &[f64]) -> f64 {
+    assert_eq!(values.len(), certified.len());
     values
         .iter()
         .zip(certified)
@@ -27,53 +54,198 @@ fn worst(values: &[f64], certified: &[f64]) -> f64 {
 }
 
 struct Score {
+    name: &'static str,
     fit: Fit,
     parameters: f64,
     standard_deviations: f64,
-    residual_sum_of_squares: f64,
+    cost: f64,
 }
 
-fn run(problem: &Certified, start: usize, settings: &Settings) -> Score {
+fn run(problem: &Certified, start: usize, method: Method) -> Score {
     let free: Vec<usize> = (0..problem.parameters.len()).collect();
-    let fit = solve(problem, &problem.starts[start], &free, settings).unwrap();
+    let settings = Settings {
+        method,
+        ..Settings::default()
+    };
+    let fit = solve(problem, &problem.starts[start], &free, &settings).unwrap();
     let deviations: Vec<f64> =
         match uncertainty(&fit.reduction, &free, fit.cost, NoiseScale::Estimated) {
             Ok(answer) => free.iter().map(|&p| answer.standard_deviation(p)).collect(),
             Err(_) => vec![f64::NAN; free.len()],
         };
     Score {
+        name: problem.name,
         parameters: worst(&fit.parameters, &problem.parameters),
         standard_deviations: worst(&deviations, &problem.standard_deviations),
-        residual_sum_of_squares: digits(fit.cost, problem.residual_sum_of_squares),
+        cost: digits(fit.cost, problem.residual_sum_of_squares),
         fit,
     }
 }
 
+fn run_all(problems: &[Certified], start: usize, method: Method) -> Vec<Score> {
+    println!(
+        "{method:?}, start {}: certified digits of parameters, standard deviations, residual sum \
+         of squares; iterations; evaluations",
+        start + 1
+    );
+    let scores: Vec<Score> = problems
+        .iter()
+        .map(|problem| run(problem, start, method))
+        .collect();
+    for score in &scores {
+        println!(
+            "{:10} {:5.1} {:5.1} {:5.1} {:5} {:5}  {}",
+            score.name,
+            score.parameters,
+            score.standard_deviations,
+            score.cost,
+            score.fit.iterations,
+            score.fit.evaluations,
+            score.fit.convergence
+        );
+    }
+    scores
+}
+
 #[test]
-fn print_all() {
+fn near_start_reaches_the_certified_values() {
     let Some(problems) = all() else { return };
-    for method in [Method::LevenbergMarquardt, Method::GaussNewton] {
-        for start in [0, 1] {
-            for problem in &problems {
-                let settings = Settings {
-                    method,
-                    max_iterations: 1000,
-                    ..Settings::default()
-                };
-                let score = run(problem, start, &settings);
-                println!(
-                    "{:?} start {} {:10} p {:5.1} sd {:5.1} rss {:5.1} it {:4} ev {:4} {:?}",
-                    method,
-                    start + 1,
-                    problem.name,
-                    score.parameters,
-                    score.standard_deviations,
-                    score.residual_sum_of_squares,
-                    score.fit.iterations,
-                    score.fit.evaluations,
-                    score.fit.convergence
-                );
+    for score in run_all(&problems, 1, Method::LevenbergMarquardt) {
+        let (deviation_digits, cost_digits) = match score.name {
+            "Lanczos1" => (LANCZOS1_DIGITS, LANCZOS1_DIGITS),
+            _ => (DEVIATION_DIGITS_NEAR, COST_DIGITS_NEAR),
+        };
+        let name = score.name;
+        assert!(score.fit.convergence.was_successful(), "{name}");
+        assert!(score.parameters >= DIGITS_NEAR, "{name}");
+        assert!(score.standard_deviations >= deviation_digits, "{name}");
+        assert!(score.cost >= cost_digits, "{name}");
+    }
+}
+
+#[test]
+fn far_start_reaches_the_certified_values_but_for_the_stated_exceptions() {
+    let Some(problems) = all() else { return };
+    let scores = run_all(&problems, 0, Method::LevenbergMarquardt);
+    let solved = scores
+        .iter()
+        .filter(|score| score.parameters >= DIGITS_FAR)
+        .count();
+    println!("solved {solved} of {}", scores.len());
+    assert!(solved >= SOLVED_FAR);
+    for score in &scores {
+        let resists = RESIST_FAR.iter().find(|(name, _)| *name == score.name);
+        match resists {
+            // The table above is a claim too: it must be corrected once the solver does better.
+            Some((name, digits)) => {
+                assert!((score.parameters - digits).abs() < 0.5, "{name}");
+                assert_eq!(score.fit.convergence, Convergence::IterationLimit, "{name}");
             }
+            None => {
+                assert!(score.parameters >= DIGITS_FAR, "{}", score.name);
+                assert!(score.fit.convergence.was_successful(), "{}", score.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn those_that_resist_are_solved_with_more_iterations() {
+    let Some(problems) = all() else { return };
+    for problem in &problems {
+        if RESIST_FAR.iter().any(|(name, _)| *name == problem.name) {
+            let free: Vec<usize> = (0..problem.parameters.len()).collect();
+            let patient = Settings {
+                max_iterations: PATIENCE,
+                ..Settings::default()
+            };
+            let fit = solve(problem, &problem.starts[0], &free, &patient).unwrap();
+            println!("{}: {} iterations", problem.name, fit.iterations);
+            assert!(fit.convergence.was_successful(), "{}", problem.name);
+            assert!(worst(&fit.parameters, &problem.parameters) >= DIGITS_NEAR);
+        }
+    }
+}
+
+#[test]
+fn gauss_newton_is_right_wherever_it_says_converged() {
+    let Some(problems) = all() else { return };
+    for (start, at_least) in [(0, 20), (1, 27)] {
+        let scores = run_all(&problems, start, Method::GaussNewton);
+        let converged: Vec<&Score> = scores
+            .iter()
+            .filter(|score| score.fit.convergence.was_successful())
+            .collect();
+        assert!(converged.len() >= at_least, "start {}", start + 1);
+        for score in converged {
+            assert!(score.parameters >= DIGITS_NEAR, "{}", score.name);
+        }
+    }
+}
+
+/// The same problem in parameters divided by their size, so that one step suits all.
+struct Relative<'a> {
+    problem: &'a Certified,
+    sizes: Vec<f64>,
+}
+
+impl Problem for Relative<'_> {
+    fn parameter_count(&self) -> usize {
+        self.problem.parameter_count()
+    }
+
+    fn residual_count(&self) -> usize {
+        self.problem.residual_count()
+    }
+
+    fn evaluate(
+        &self,
+        parameters: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<(&[usize], &mut Matrix)>,
+    ) -> Result<(), IdentificationError> {
+        let scaled: Vec<f64> = parameters
+            .iter()
+            .zip(&self.sizes)
+            .map(|(parameter, size)| parameter * size)
+            .collect();
+        match jacobian {
+            None => self.problem.evaluate(&scaled, residuals, None),
+            Some((free, matrix)) => {
+                self.problem
+                    .evaluate(&scaled, residuals, Some((free, &mut *matrix)))?;
+                for (column, &parameter) in free.iter().enumerate() {
+                    for entry in matrix.column_mut(column) {
+                        *entry *= self.sizes[parameter];
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_the_models_agree_with_central_differences() {
+    /// Truncation is step^2 times the curvature in relative parameters (up to 1e3 for the cycles of
+    /// ENSO and the exponent of MGH10), rounding 1e-16 / step times |model| / |slope|.
+    const STEP: f64 = 1e-6;
+    const DERIVATIVE_TOLERANCE: f64 = 1e-6;
+    let Some(problems) = all() else { return };
+    for problem in &problems {
+        for point in [&problem.starts[1], &problem.parameters] {
+            let relative = Relative {
+                problem,
+                sizes: point.clone(),
+            };
+            let ones = vec![1.0; point.len()];
+            let worst: DerivativeMismatch = worst_derivative(&relative, &ones, STEP).unwrap();
+            println!("{:10} {:.1e}", problem.name, worst.relative);
+            assert!(
+                worst.relative < DERIVATIVE_TOLERANCE,
+                "{}: {worst:?}",
+                problem.name
+            );
         }
     }
 }

@@ -1,0 +1,197 @@
+//! The state of a search: where it is, whether that is a minimum, and whether a trial is better.
+
+use haptical_linalg::{Matrix, Reduction, Solution};
+
+use crate::problem::by_parameter;
+use crate::{Convergence, IdentificationError, Problem, Settings};
+
+/// Promised fall, as a share of the cost, that the rounding of the cost can hide.
+pub(crate) const UNSEEN_FALL: f64 = 1e-9;
+
+/// Share of the parameters below which a step cannot be told from rounding in the residuals.
+pub(crate) const UNSEEN_STEP: f64 = 1e-8;
+
+/// A millimetre or a milliradian, so that parameters near zero can converge too.
+pub(crate) const SMALLEST_SCALE: f64 = 1e-3;
+
+/// A step after which a parameter has lost all but this share of its effect is refused: on such a
+/// plateau no derivative leads back (NIST's BoxBOD, where a rate leaps to where all has decayed).
+const COLLAPSE: f64 = 1e-6;
+
+pub(crate) struct Search<'a, P: ?Sized> {
+    pub(crate) problem: &'a P,
+    pub(crate) free: &'a [usize],
+    pub(crate) columns: Vec<usize>,
+    pub(crate) settings: &'a Settings,
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) residuals: Vec<f64>,
+    /// Room for the derivatives; their reduction is what is kept.
+    jacobian: Matrix,
+    pub(crate) reduction: Reduction,
+    pub(crate) cost: f64,
+    pub(crate) evaluations: usize,
+    trial_residuals: Vec<f64>,
+}
+
+impl<'a, P: Problem + ?Sized> Search<'a, P> {
+    pub(crate) fn new(
+        problem: &'a P,
+        start: &[f64],
+        free: &'a [usize],
+        settings: &'a Settings,
+    ) -> Result<Self, IdentificationError> {
+        let rows = problem.residual_count();
+        let mut residuals = vec![0.0; rows];
+        let mut jacobian = Matrix::zeros(rows, free.len());
+        problem.evaluate(start, &mut residuals, Some((free, &mut jacobian)))?;
+        let reduction = reduce(problem, &jacobian, &residuals, free)?;
+        Ok(Self {
+            problem,
+            free,
+            columns: (0..free.len()).collect(),
+            settings,
+            parameters: start.to_vec(),
+            trial_residuals: vec![0.0; rows],
+            cost: sum_of_squares(&residuals),
+            residuals,
+            jacobian,
+            reduction,
+            evaluations: 1,
+        })
+    }
+
+    /// The undamped step of the linearised problem, which measures convergence for both methods.
+    pub(crate) fn newton(&self) -> Result<Solution, IdentificationError> {
+        let tolerance = self.settings.rank_tolerance;
+        Ok(self.reduction.solve(&self.columns, 0.0, tolerance)?)
+    }
+
+    /// Whether the parameters are a minimum, judged by the undamped step.
+    pub(crate) fn converged(&self, newton: &Solution) -> Option<Convergence> {
+        // No residual is known better than the parameters' own rounding allows.
+        let rounding = self.rounding();
+        let reason = if self.cost <= rounding {
+            Convergence::ExactFit
+        } else if newton.explained_square <= self.settings.cost_tolerance * self.cost {
+            Convergence::SmallCostChange
+        } else if newton.explained_square <= rounding
+            || self.is_small(newton, self.settings.step_tolerance)
+        {
+            Convergence::SmallStep
+        } else {
+            return None;
+        };
+        Some(self.unless_rank_lost(newton, reason))
+    }
+
+    /// No trial lowered the cost: at a minimum the promise itself is only rounding.
+    pub(crate) fn stuck(&self, newton: &Solution) -> Convergence {
+        let reason = if newton.explained_square <= UNSEEN_FALL * self.cost {
+            Convergence::SmallCostChange
+        } else if self.is_small(newton, UNSEEN_STEP) {
+            Convergence::SmallStep
+        } else {
+            Convergence::NoFurtherDescent
+        };
+        self.unless_rank_lost(newton, reason)
+    }
+
+    /// A minimum along a valley of dependent parameters is no estimate of them.
+    pub(crate) fn unless_rank_lost(&self, newton: &Solution, reason: Convergence) -> Convergence {
+        if newton.rank < self.free.len() && reason.was_successful() {
+            Convergence::RankLost
+        } else {
+            reason
+        }
+    }
+
+    /// Square of what rounding the parameters alone does to the residuals.
+    pub(crate) fn rounding(&self) -> f64 {
+        let effects = self.free.iter().zip(self.reduction.column_norms());
+        effects
+            .map(|(&index, norm)| (2.0 * f64::EPSILON * norm * self.parameters[index]).powi(2))
+            .sum()
+    }
+
+    /// Residuals are model minus measurement, so the step is subtracted.
+    pub(crate) fn trial(&self, step: &[f64], factor: f64) -> Vec<f64> {
+        let mut trial = self.parameters.clone();
+        for (&index, change) in self.free.iter().zip(step) {
+            trial[index] -= factor * change;
+        }
+        trial
+    }
+
+    /// Goes to the trial point if that is an improvement.
+    ///
+    /// Near the minimum the fall of the cost drowns in rounding; there a step counts that leaves the
+    /// cost as it is and halves the promise of the linearised problem.
+    pub(crate) fn try_move(
+        &mut self,
+        trial: Vec<f64>,
+        newton: &Solution,
+    ) -> Result<bool, IdentificationError> {
+        self.evaluations += 1;
+        let cost = match self
+            .problem
+            .evaluate(&trial, &mut self.trial_residuals, None)
+        {
+            Ok(()) => sum_of_squares(&self.trial_residuals),
+            Err(_) => return Ok(false),
+        };
+        let unseen = newton.explained_square <= UNSEEN_FALL * self.cost
+            && cost <= (1.0 + UNSEEN_FALL) * self.cost;
+        // Written so that a NaN is refused.
+        if !(cost < self.cost || unseen) {
+            return Ok(false);
+        }
+        self.problem.evaluate(
+            &trial,
+            &mut self.trial_residuals,
+            Some((self.free, &mut self.jacobian)),
+        )?;
+        self.evaluations += 1;
+        let reduction = reduce(
+            self.problem,
+            &self.jacobian,
+            &self.trial_residuals,
+            self.free,
+        )?;
+        let vanished = |(after, before): (&f64, &f64)| *after < COLLAPSE * before;
+        let norms = reduction.column_norms().iter();
+        if norms.zip(self.reduction.column_norms()).any(vanished) {
+            return Ok(false);
+        }
+        if cost >= self.cost {
+            let after = reduction.solve(&self.columns, 0.0, self.settings.rank_tolerance)?;
+            if after.explained_square > 0.5 * newton.explained_square {
+                return Ok(false);
+            }
+        }
+        std::mem::swap(&mut self.residuals, &mut self.trial_residuals);
+        self.reduction = reduction;
+        self.parameters = trial;
+        self.cost = cost;
+        Ok(true)
+    }
+
+    pub(crate) fn is_small(&self, step: &Solution, tolerance: f64) -> bool {
+        self.free.iter().zip(&step.values).all(|(&index, change)| {
+            change.abs() <= tolerance * (self.parameters[index].abs() + SMALLEST_SCALE)
+        })
+    }
+}
+
+/// Reduces the linearised problem; an entry that is not finite is named by parameter, not by column.
+fn reduce<P: Problem + ?Sized>(
+    problem: &P,
+    jacobian: &Matrix,
+    residuals: &[f64],
+    free: &[usize],
+) -> Result<Reduction, IdentificationError> {
+    Reduction::new(jacobian, residuals).map_err(|error| by_parameter(error.into(), problem, free))
+}
+
+pub(crate) fn sum_of_squares(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum()
+}

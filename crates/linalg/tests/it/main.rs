@@ -1,0 +1,15 @@
+//! Integration tests of `haptical-linalg`, in one binary.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
+)]
+
+mod covariance_and_damping;
+mod extremes;
+mod faer_traps;
+mod nalgebra_oracle;
+mod planted;
+mod refusals;
+mod sparse;
+mod support;
