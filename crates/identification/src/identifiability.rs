@@ -120,7 +120,7 @@ pub struct Identifiability {
     pub names: Vec<String>,
     /// One status per parameter.
     pub statuses: Vec<Status>,
-    /// Indices of the independent parameters, ascending.
+    /// Indices of the independent parameters, ascending, weak ones included.
     pub independent: Vec<usize>,
     /// Rank by the order of preference.
     pub rank: usize,
@@ -132,9 +132,9 @@ pub struct Identifiability {
     /// Remainder of the least independent parameter that was kept, and the largest that was not:
     /// the gap in which the tolerance lies.
     pub gap: [f64; 2],
-    /// Condition number of the kept columns at unit norm.
+    /// Condition number of the independent columns at unit norm.
     pub condition_unit_norm: f64,
-    /// Indices of the kept columns, scaled by the plausible sizes.
+    /// Observability of the independent columns, scaled by the plausible sizes.
     pub observability: Option<Observability>,
 }
 
@@ -221,49 +221,84 @@ pub fn analyse(
         });
     }
     let ordered = reduction.ordered_rank(&visible, rules.rank_tolerance)?;
-    for dependence in &ordered.dependent {
-        let combination = dependence
-            .combination
-            .iter()
-            .map(|&(parameter, coefficient)| Term {
-                parameter,
-                name: parameters[parameter].name.clone(),
-                coefficient,
-            })
-            .collect();
-        statuses[dependence.column] = Status::Dependent { combination };
-    }
     let mut independent = ordered.independent.clone();
     independent.sort_unstable();
-    // The covariance has no tolerance of its own: the rank was decided above.
-    let covariance = reduction.covariance(&independent, f64::EPSILON)?;
-    for (position, &index) in independent.iter().enumerate() {
-        let standard_deviation = covariance[(position, position)].sqrt();
-        let limit = rules.weak_share * parameters[index].plausible_size;
-        statuses[index] = if standard_deviation > limit {
-            Status::Weak { standard_deviation }
-        } else {
-            Status::Identifiable { standard_deviation }
-        };
-    }
+    keep_strong(reduction, parameters, &visible, rules, &mut statuses)?;
     let (singular_values, _) = reduction.singular_values(&visible)?;
     let cut = rules.rank_tolerance * singular_values[0];
     let singular_rank = singular_values
         .iter()
         .position(|value| *value <= cut)
         .unwrap_or(singular_values.len());
-    let (kept, _) = reduction.singular_values(&independent)?;
+    let (independent_values, _) = reduction.singular_values(&independent)?;
     Ok(Identifiability {
         names,
         rank: independent.len(),
         singular_rank,
         gap: [ordered.smallest_kept, ordered.largest_dropped],
-        condition_unit_norm: kept[0] / kept[kept.len() - 1],
+        condition_unit_norm: independent_values[0]
+            / independent_values[independent_values.len() - 1],
         observability: Observability::new(reduction, &independent, parameters)?,
         singular_values,
         statuses,
         independent,
     })
+}
+
+/// Takes weak parameters out one at a time, the least preferred first, until every kept one is
+/// fixed to a useful size; writes the statuses of all visible parameters.
+///
+/// One at a time, because a single bad direction makes all of its members weak: two offsets along
+/// nearly parallel axes are each unknown, but with one of them held the other is known well, and
+/// what depended on them may come back (docs/equations.md, "Column scaling and the order of
+/// preference").
+fn keep_strong(
+    reduction: &Reduction,
+    parameters: &[ParameterInfo],
+    visible: &[usize],
+    rules: &IdentifiabilityRules,
+    statuses: &mut [Status],
+) -> Result<(), IdentificationError> {
+    let mut candidates = visible.to_vec();
+    loop {
+        if candidates.is_empty() {
+            return Ok(());
+        }
+        let ordered = reduction.ordered_rank(&candidates, rules.rank_tolerance)?;
+        // The covariance has no tolerance of its own: the rank was decided above.
+        let covariance = reduction.covariance(&ordered.independent, f64::EPSILON)?;
+        let deviation = |position: usize| covariance[(position, position)].sqrt();
+        let weak = (0..ordered.independent.len()).rev().find(|&position| {
+            let size = parameters[ordered.independent[position]].plausible_size;
+            deviation(position) > rules.weak_share * size
+        });
+        if let Some(position) = weak {
+            let index = ordered.independent[position];
+            statuses[index] = Status::Weak {
+                standard_deviation: deviation(position),
+            };
+            candidates.retain(|&candidate| candidate != index);
+            continue;
+        }
+        for (position, &index) in ordered.independent.iter().enumerate() {
+            statuses[index] = Status::Identifiable {
+                standard_deviation: deviation(position),
+            };
+        }
+        for dependence in &ordered.dependent {
+            let combination = dependence
+                .combination
+                .iter()
+                .map(|&(parameter, coefficient)| Term {
+                    parameter,
+                    name: parameters[parameter].name.clone(),
+                    coefficient,
+                })
+                .collect();
+            statuses[dependence.column] = Status::Dependent { combination };
+        }
+        return Ok(());
+    }
 }
 
 fn check(
