@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use haptical_kinematics::{Convention, Link};
-use haptical_transmission::CapstanError;
 use toml::de::DeTable;
 
 use crate::DeviceFileError;
-use crate::device::{Body, Cable, ContactPair, Device, Tracker};
-use crate::joint::{Joint, JointType, TransmissionError, TransmissionKind};
+use crate::device::{Body, Device};
+use crate::joint::Joint;
+use crate::joint_file::{LARGEST_ANGLE_RAD, angle, read_joint};
 use crate::reader::{Section, Source};
+use crate::sensor_file::{read_cables, read_contact_pairs, read_tracker};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -21,11 +22,6 @@ pub struct LoadedDevice {
     /// Unknown keys and the like.
     pub warnings: Vec<String>,
 }
-
-/// Largest angle that a single turn needs; an angle beyond it is taken for degrees.
-const LARGEST_ANGLE_RAD: f64 = std::f64::consts::TAU + 1e-6;
-/// Largest joint limit taken for radians: nearly five turns. Thirty and more are degrees.
-const LARGEST_LIMIT_RAD: f64 = 29.0;
 
 impl Device {
     /// Reads a device file.
@@ -46,26 +42,23 @@ impl Device {
     /// [`DeviceFileError`] with line and column.
     pub fn from_toml(text: &str, file: &str) -> Result<LoadedDevice> {
         let source = Source { file, text };
-        let document = DeTable::parse(text).map_err(|error| {
-            let (line, column) = source.position(error.span().map_or(0, |span| span.start));
-            DeviceFileError::Syntax {
-                file: file.to_owned(),
-                line,
-                column,
-                message: error.message().to_owned(),
-            }
+        let document = DeTable::parse(text).map_err(|error| DeviceFileError::Syntax {
+            at: source.position(error.span().map_or(0, |span| span.start)),
+            message: error.message().to_owned(),
         })?;
         let mut warnings = Vec::new();
-        let root = Section::new(source, document.get_ref(), "", 0);
+        let root = Section::root(source, document.get_ref());
         let device = read_device(&root, file, &mut warnings)?;
         root.unknown_keys(&mut warnings);
+        // what is calibrated for minutes must not turn out to be unwritable afterwards
+        source.editable()?;
         Ok(LoadedDevice { device, warnings })
     }
 }
 
 fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -> Result<Device> {
     let head = root.table("device")?;
-    let (mut name, mut convention, mut dof) = (file.to_owned(), Convention::Standard, None);
+    let (mut name, mut convention) = (file.to_owned(), Convention::Standard);
     if let Some(head) = &head {
         name = head.text("name")?.unwrap_or(file).to_owned();
         convention = match head.text("convention")? {
@@ -76,8 +69,6 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
                 return Err(head.refuse("convention", format!("\"{other}\""), allowed));
             }
         };
-        dof = head.number("dof")?;
-        head.unknown_keys(warnings);
     }
     let joints = root
         .tables("joint", 1)?
@@ -85,6 +76,46 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
         .enumerate()
         .map(|(index, section)| read_joint(section, index, warnings))
         .collect::<Result<Vec<Joint>>>()?;
+    if joints.is_empty() {
+        return Err(DeviceFileError::Shape {
+            file: file.to_owned(),
+            message: "there is no [[joint]]: add one table for each joint".to_owned(),
+        });
+    }
+    if let Some(head) = &head {
+        check_dof(head, joints.len())?;
+        head.unknown_keys(warnings);
+    }
+    let (links, bodies) = read_links(root, joints.len(), warnings)?;
+    Ok(Device {
+        name,
+        convention,
+        nominal_links: read_nominal(root, links.len(), warnings)?,
+        links,
+        bodies,
+        joints,
+        cables: read_cables(root, warnings)?,
+        tracker: read_tracker(root, warnings)?,
+        contact_pairs: read_contact_pairs(root, warnings)?,
+        gravity_mps2: read_gravity(root, warnings)?,
+    })
+}
+
+fn check_dof(head: &Section<'_, '_>, joints: usize) -> Result<()> {
+    match head.number("dof")? {
+        Some(dof) if dof != joints as f64 => {
+            let allowed = format!("there are {joints} [[joint]] tables: make them agree");
+            Err(head.refuse("dof", dof.to_string(), &allowed))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn read_links(
+    root: &Section<'_, '_>,
+    joints: usize,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Link>, Vec<Option<Body>>)> {
     let rows = root.tables("link", 0)?;
     let links = rows.iter().map(read_link).collect::<Result<Vec<Link>>>()?;
     let bodies = rows
@@ -92,82 +123,46 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
         .map(read_body)
         .collect::<Result<Vec<Option<Body>>>>()?;
     rows.iter().for_each(|row| row.unknown_keys(warnings));
-    let nominal_links = match root.table("nominal")? {
-        None => None,
-        Some(nominal) => Some(
-            nominal
-                .tables("link", 0)?
-                .iter()
-                .map(read_link)
-                .collect::<Result<Vec<Link>>>()?,
-        ),
-    };
-    let device = Device {
-        name,
-        convention,
-        links,
-        bodies,
-        joints,
-        cables: read_cables(root, warnings)?,
-        tracker: read_tracker(root, warnings)?,
-        contact_pairs: read_contact_pairs(root, warnings)?,
-        gravity_mps2: match root.table("gravity")? {
-            Some(gravity) => gravity.vector("vector_mps2")?,
-            None => None,
-        },
-        nominal_links,
-    };
-    check_counts(&device, dof, file)?;
-    Ok(device)
-}
-
-fn check_counts(device: &Device, dof: Option<f64>, file: &str) -> Result<()> {
-    let shape = |message: String| {
-        Err(DeviceFileError::Shape {
-            file: file.to_owned(),
-            message,
-        })
-    };
-    let joints = device.joints.len();
-    if joints == 0 {
-        return shape("there is no [[joint]]: add one table for each joint".to_owned());
-    }
-    if let Some(dof) = dof
-        && dof != joints as f64
-    {
-        return shape(format!(
-            "[device] dof is {dof}, but there are {joints} [[joint]] tables: make them agree"
-        ));
-    }
-    let links = device.links.len();
-    if links != 0 && links != joints + 1 {
-        return shape(format!(
-            "{joints} joints need {} [[link]] rows (row 0 carries frame (-1) to the base), \
-             but there are {links}",
+    if !links.is_empty() && links.len() != joints + 1 {
+        let found = format!("a list of {} rows", links.len());
+        let allowed = format!(
+            "{joints} joints need {} [[link]] rows: row 0 carries frame (-1) to the base",
             joints + 1
-        ));
+        );
+        return Err(root.refuse("link", found, &allowed));
     }
-    match &device.nominal_links {
-        Some(nominal) if nominal.len() != links => shape(format!(
-            "[nominal] has {} link rows, but the device has {links}",
-            nominal.len()
-        )),
-        _ => Ok(()),
-    }
+    Ok((links, bodies))
 }
 
-/// An angle of the geometry: refused where it can only be degrees.
-fn angle(section: &Section<'_, '_>, key: &str, largest: f64) -> Result<Option<f64>> {
-    match section.number(key)? {
-        Some(value) if value.abs() > largest => Err(section.refuse(
-            key,
-            value.to_string(),
-            &format!(
-                "an angle in rad is expected; this looks like degrees ({value} deg is {:.6} rad)",
-                value / 180.0 * std::f64::consts::PI
-            ),
-        )),
-        other => Ok(other),
+fn read_nominal(
+    root: &Section<'_, '_>,
+    links: usize,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Vec<Link>>> {
+    let Some(nominal) = root.table("nominal")? else {
+        return Ok(None);
+    };
+    let rows = nominal.tables("link", 0)?;
+    let nominal_links = rows.iter().map(read_link).collect::<Result<Vec<Link>>>()?;
+    rows.iter().for_each(|row| row.unknown_keys(warnings));
+    nominal.unknown_keys(warnings);
+    if nominal_links.len() != links {
+        let found = format!("a list of {} rows", nominal_links.len());
+        let allowed = format!("the device has {links} [[link]] rows");
+        return Err(nominal.refuse("link", found, &allowed));
+    }
+    Ok(Some(nominal_links))
+}
+
+fn read_gravity(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Option<[f64; 3]>> {
+    let Some(gravity) = root.table("gravity")? else {
+        return Ok(None);
+    };
+    let vector = gravity.vector("vector_mps2")?;
+    gravity.unknown_keys(warnings);
+    match vector {
+        Some(vector) => Ok(Some(vector)),
+        None => Err(gravity.missing("vector_mps2", "give gravity in frame (-1) in m/s^2")),
     }
 }
 
@@ -196,213 +191,4 @@ fn read_body(section: &Section<'_, '_>) -> Result<Option<Body>> {
         })),
         None => Ok(None),
     }
-}
-
-fn read_joint(
-    section: &Section<'_, '_>,
-    index: usize,
-    warnings: &mut Vec<String>,
-) -> Result<Joint> {
-    let joint_type = match section.text("type")? {
-        None | Some("revolute") => JointType::Revolute,
-        Some("prismatic") => JointType::Prismatic,
-        Some(other) => {
-            let allowed = "it must be \"revolute\" or \"prismatic\"";
-            return Err(section.refuse("type", format!("\"{other}\""), allowed));
-        }
-    };
-    let transmission = match section.text("transmission")? {
-        None | Some("direct") => TransmissionKind::Direct,
-        Some("capstan") => TransmissionKind::Capstan,
-        Some("parallelogram") => TransmissionKind::Parallelogram,
-        Some(other) => {
-            let allowed = "it must be \"capstan\", \"parallelogram\" or \"direct\"";
-            return Err(section.refuse("transmission", format!("\"{other}\""), allowed));
-        }
-    };
-    let [home, lower, upper] = match joint_type {
-        JointType::Revolute => [
-            angle(section, "home_rad", LARGEST_ANGLE_RAD)?,
-            angle(section, "lower_rad", LARGEST_LIMIT_RAD)?,
-            angle(section, "upper_rad", LARGEST_LIMIT_RAD)?,
-        ],
-        JointType::Prismatic => [
-            section.number("home_m")?.or(section.number("home_rad")?),
-            section.number("lower_m")?.or(section.number("lower_rad")?),
-            section.number("upper_m")?.or(section.number("upper_rad")?),
-        ],
-    };
-    let (lower, upper) = (
-        lower.unwrap_or(f64::NEG_INFINITY),
-        upper.unwrap_or(f64::INFINITY),
-    );
-    if lower >= upper {
-        let allowed = format!("it must be below the upper limit {upper}");
-        return Err(section.refuse("lower_rad", lower.to_string(), &allowed));
-    }
-    let transmission_ratio = match section.number("transmission_ratio")? {
-        Some(0.0) => {
-            let allowed = "the ratio of motor to joint angle cannot be zero";
-            return Err(section.refuse("transmission_ratio", "0".to_owned(), allowed));
-        }
-        Some(ratio) => ratio,
-        None if transmission == TransmissionKind::Direct => 1.0,
-        None => {
-            let advice = "give the ratio of motor to joint angle";
-            return Err(section.missing("transmission_ratio", advice));
-        }
-    };
-    let drum_distance_m = section.positive("drum_distance_m")?;
-    if transmission == TransmissionKind::Capstan && drum_distance_m.is_none() {
-        let advice = "give the distance between the drums' centres";
-        return Err(section.missing("drum_distance_m", advice));
-    }
-    let mut joint = Joint {
-        name: section
-            .text("name")?
-            .map_or_else(|| (index + 1).to_string(), str::to_owned),
-        joint_type,
-        home_rad: home.unwrap_or(0.0),
-        lower_rad: lower,
-        upper_rad: upper,
-        sampling_sd_rad: section.positive("sampling_sd_rad")?,
-        transmission,
-        transmission_ratio,
-        drum_distance_m,
-        input_drum_denominator_m: section.positive("input_drum_denominator_m")?,
-        encoder_counts_per_rev: section.positive("encoder_counts_per_rev")?,
-        external_encoder_counts_per_rev: section.positive("external_encoder_counts_per_rev")?,
-        external_encoder_sd_rad: section.positive("external_encoder_sd_rad")?,
-        torque_scale_sd: section.positive("torque_scale_sd")?.unwrap_or(0.03),
-        parallelogram_lengths_m: section.vector("parallelogram_lengths_m")?,
-        transmission_error: TransmissionError::default(),
-    };
-    if let Some(error) = section.table("transmission_error")? {
-        joint.transmission_error = read_transmission_error(&error)?;
-        error.unknown_keys(warnings);
-        if let Err(reason) = joint.error_rad(0.0) {
-            return Err(section.refuse(
-                "transmission_error",
-                "not usable".to_owned(),
-                &format!("{reason}"),
-            ));
-        }
-    }
-    section.unknown_keys(warnings);
-    Ok(joint)
-}
-
-fn read_transmission_error(section: &Section<'_, '_>) -> Result<TransmissionError> {
-    if let Some(coefficients) = section.numbers("chebyshev")? {
-        let range_rad: [f64; 2] = section.vector("range_rad")?.ok_or_else(|| {
-            section.missing("range_rad", "give the range [low, high] of `chebyshev`")
-        })?;
-        if range_rad[0] >= range_rad[1] {
-            let found = format!("{range_rad:?}");
-            return Err(section.refuse("range_rad", found, "the first must be below the second"));
-        }
-        if coefficients.is_empty() {
-            let allowed = "at least one coefficient is needed";
-            return Err(section.refuse("chebyshev", "empty".to_owned(), allowed));
-        }
-        return Ok(TransmissionError::Chebyshev {
-            range_rad,
-            coefficients,
-        });
-    }
-    let capstan = CapstanError {
-        offset_rad: section
-            .number("offset_rad")?
-            .or(section.number("offset_m")?)
-            .unwrap_or(0.0),
-        ratio_deviation: section.number("ratio_deviation")?.unwrap_or(0.0),
-        output_drum_xy_m: section.vector("output_drum_xy_m")?.unwrap_or([0.0; 2]),
-        input_drum_xy_m: section.vector("input_drum_xy_m")?.unwrap_or([0.0; 2]),
-    };
-    match section.vector("length_deviations_m")? {
-        Some(length_deviations_m) => Ok(TransmissionError::Parallelogram {
-            capstan,
-            length_deviations_m,
-        }),
-        None => Ok(TransmissionError::Capstan(capstan)),
-    }
-}
-
-fn read_cables(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Vec<Cable>> {
-    let mut sections = Vec::new();
-    sections.extend(root.table("cable_encoder")?);
-    let further = root.tables("cable", 2)?;
-    if sections.is_empty() && !further.is_empty() {
-        let advice = "the first cable is [cable_encoder]; further ones are [[cable]]";
-        return Err(root.missing("cable_encoder", advice));
-    }
-    sections.extend(further);
-    sections
-        .iter()
-        .enumerate()
-        .map(|(index, section)| {
-            let anchor = section.vector("anchor_m")?;
-            if index > 0 && anchor.is_none() {
-                let advice = "give the point in frame (-1) where this cable leaves its guide";
-                return Err(section.missing("anchor_m", advice));
-            }
-            let cable = Cable {
-                anchor_m: anchor.unwrap_or([0.0; 3]),
-                drum_radius_m: section.positive("drum_radius_m")?,
-                counts_per_rev: section.positive("counts_per_rev")?,
-                distance_sd_m: section.positive("distance_sd_m")?,
-                exit_axis: section.vector("exit_axis")?,
-            };
-            section.unknown_keys(warnings);
-            Ok(cable)
-        })
-        .collect()
-}
-
-fn read_tracker(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Option<Tracker>> {
-    let Some(section) = root.table("tracker")? else {
-        return Ok(None);
-    };
-    let known = |key: &str| match section.text(key)? {
-        None | Some("known") => Ok(true),
-        Some("unknown") => Ok(false),
-        Some(other) => {
-            let allowed = "it must be \"known\" or \"unknown\"";
-            Err(section.refuse(key, format!("\"{other}\""), allowed))
-        }
-    };
-    let tracker = Tracker {
-        base_known: known("base")?,
-        tool_known: known("tool")?,
-        position_sd_m: section.positive("position_sd_m")?,
-        rotation_sd_rad: section.positive("rotation_sd_rad")?,
-    };
-    section.unknown_keys(warnings);
-    Ok(Some(tracker))
-}
-
-fn read_contact_pairs(
-    root: &Section<'_, '_>,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<ContactPair>> {
-    root.tables("contact_pair", 1)?
-        .iter()
-        .map(|section| {
-            let id = |key: &str| match section.text(key)? {
-                Some(text) => Ok(text.to_owned()),
-                None => Err(section.missing(key, "give the contact's id")),
-            };
-            let missing = |key: &str| section.missing(key, "give it in m");
-            let pair = ContactPair {
-                a: id("a")?,
-                b: id("b")?,
-                distance_m: section
-                    .positive("distance_m")?
-                    .ok_or_else(|| missing("distance_m"))?,
-                sd_m: section.positive("sd_m")?.ok_or_else(|| missing("sd_m"))?,
-            };
-            section.unknown_keys(warnings);
-            Ok(pair)
-        })
-        .collect()
 }

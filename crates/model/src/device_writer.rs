@@ -1,72 +1,106 @@
 //! Writes a calibrated device back into the text of its file, comments and unknown keys kept.
 
 use haptical_kinematics::Link;
-use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value, value};
 
+use crate::reader::Source;
 use crate::{Device, DeviceFileError, TransmissionError};
+
+/// Every key that may hold a number of a transmission error.
+const ERROR_KEYS: [&str; 8] = [
+    "offset_rad",
+    "offset_m",
+    "ratio_deviation",
+    "output_drum_xy_m",
+    "input_drum_xy_m",
+    "length_deviations_m",
+    "range_rad",
+    "chebyshev",
+];
 
 impl Device {
     /// The text of the device file `original` with this device's link values and transmission errors
     /// in place, and the original link values under `[nominal]` (unless it has a `[nominal]`
-    /// already, which is kept).
+    /// already, which is kept). Reading the text gives the same numbers, bit by bit.
     ///
     /// # Errors
-    /// [`DeviceFileError`] if `original` is not a device file with the same rows and joints.
+    /// [`DeviceFileError`] if `original` is not a device file with the same rows and joints, or if
+    /// a number of this device is not finite.
     pub fn to_toml(&self, original: &str, file: &str) -> Result<String, DeviceFileError> {
         let before = Self::from_toml(original, file)?.device;
+        let shape = |message: String| DeviceFileError::Shape {
+            file: file.to_owned(),
+            message,
+        };
         if before.links.len() != self.links.len() || before.joints.len() != self.joints.len() {
-            return Err(DeviceFileError::Shape {
-                file: file.to_owned(),
-                message: "the calibrated device has other links or joints than this file"
-                    .to_owned(),
-            });
+            let message = "the calibrated device has other links or joints than this file";
+            return Err(shape(message.to_owned()));
         }
-        let mut document: DocumentMut =
-            original
-                .parse()
-                .map_err(|error: toml_edit::TomlError| DeviceFileError::Syntax {
-                    file: file.to_owned(),
-                    line: 1,
-                    column: 1,
-                    message: error.message().to_owned(),
-                })?;
-        if let Some(rows) = document
-            .get_mut("link")
-            .and_then(Item::as_array_of_tables_mut)
-        {
-            for ((row, now), was) in rows.iter_mut().zip(&self.links).zip(&before.links) {
-                set_row(row, now, was);
-            }
-            if !document.contains_key("nominal") {
-                let mut nominal_rows = ArrayOfTables::new();
-                for link in &before.links {
-                    nominal_rows.push(row_table(link));
-                }
-                let mut nominal = Table::new();
-                nominal.set_implicit(true);
-                nominal.insert("link", Item::ArrayOfTables(nominal_rows));
-                document.insert("nominal", Item::Table(nominal));
-            }
+        if let Some(name) = self.not_finite() {
+            return Err(shape(format!("the calibrated `{name}` is not finite")));
         }
-        if let Some(rows) = document
-            .get_mut("joint")
-            .and_then(Item::as_array_of_tables_mut)
+        let text = original;
+        let mut document = Source { file, text }.editable()?;
+        for ((row, now), was) in rows(&mut document, "link")
+            .into_iter()
+            .zip(&self.links)
+            .zip(&before.links)
         {
-            for (row, joint) in rows.iter_mut().zip(&self.joints) {
-                let zero = joint.transmission_error == TransmissionError::default();
-                if zero && !row.contains_key("transmission_error") {
-                    continue;
-                }
-                let table = error_table(&joint.transmission_error, joint.unit());
-                row.insert("transmission_error", Item::Table(table));
-            }
+            set_link(row, now, was);
+        }
+        if !before.links.is_empty() && !document.contains_key("nominal") {
+            document.insert("nominal", Item::Table(nominal(&before.links)));
+        }
+        for (row, joint) in rows(&mut document, "joint").into_iter().zip(&self.joints) {
+            set_error(row, &joint.transmission_error, joint.unit());
         }
         Ok(document.to_string())
+    }
+
+    /// Name of the first parameter that is not finite.
+    fn not_finite(&self) -> Option<String> {
+        let transmissions =
+            (0..self.joints.len()).flat_map(|joint| self.transmission_parameters(joint));
+        self.link_parameters(true)
+            .into_iter()
+            .chain(transmissions)
+            .find(|id| !id.value(self).is_finite())
+            .map(|id| id.name(self))
+    }
+}
+
+/// The tables of a list, whether each is written as `[[key]]` or all as `key = [{ .. }, ..]`.
+fn rows<'d>(document: &'d mut DocumentMut, key: &str) -> Vec<&'d mut dyn TableLike> {
+    match document.get_mut(key) {
+        Some(Item::ArrayOfTables(tables)) => tables
+            .iter_mut()
+            .map(|table| table as &mut dyn TableLike)
+            .collect(),
+        Some(Item::Value(Value::Array(items))) => items
+            .iter_mut()
+            .filter_map(Value::as_inline_table_mut)
+            .map(|table| table as &mut dyn TableLike)
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Sets a value; where there was one, the comments around it stay.
+fn set(row: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
+    let mut new = new.into();
+    match row.get_mut(key).and_then(Item::as_value_mut) {
+        Some(old) => {
+            *new.decor_mut() = old.decor().clone();
+            *old = new;
+        }
+        None => {
+            row.insert(key, Item::Value(new));
+        }
     }
 }
 
 /// Replaces the numbers that changed and leaves the others as they are written.
-fn set_row(row: &mut Table, now: &Link, was: &Link) {
+fn set_link(row: &mut dyn TableLike, now: &Link, was: &Link) {
     for (key, new, old) in [
         ("a_m", now.a_m, was.a_m),
         ("alpha_rad", now.alpha_rad, was.alpha_rad),
@@ -75,47 +109,84 @@ fn set_row(row: &mut Table, now: &Link, was: &Link) {
         ("beta_rad", now.beta_rad, was.beta_rad),
     ] {
         if new.to_bits() != old.to_bits() {
-            row.insert(key, value(new));
+            set(row, key, new);
         }
     }
 }
 
-fn row_table(link: &Link) -> Table {
-    let mut table = Table::new();
-    table.insert("a_m", value(link.a_m));
-    table.insert("alpha_rad", value(link.alpha_rad));
-    table.insert("d_m", value(link.d_m));
-    table.insert("theta_offset_rad", value(link.theta_rad));
-    if link.beta_rad != 0.0 {
-        table.insert("beta_rad", value(link.beta_rad));
+fn nominal(links: &[Link]) -> Table {
+    let mut nominal_rows = ArrayOfTables::new();
+    for link in links {
+        let mut row = Table::new();
+        row.insert("a_m", value(link.a_m));
+        row.insert("alpha_rad", value(link.alpha_rad));
+        row.insert("d_m", value(link.d_m));
+        row.insert("theta_offset_rad", value(link.theta_rad));
+        if link.beta_rad != 0.0 {
+            row.insert("beta_rad", value(link.beta_rad));
+        }
+        nominal_rows.push(row);
     }
-    table
+    let mut nominal = Table::new();
+    nominal.set_implicit(true);
+    nominal.insert("link", Item::ArrayOfTables(nominal_rows));
+    nominal
 }
 
-fn error_table(error: &TransmissionError, unit: &str) -> Table {
-    let list = |numbers: &[f64]| value(numbers.iter().copied().collect::<Array>());
-    let mut table = Table::new();
+/// Writes `[joint.transmission_error]`; a joint without one gets none for an error of zero.
+fn set_error(row: &mut dyn TableLike, error: &TransmissionError, unit: &str) {
+    const KEY: &str = "transmission_error";
+    if !row.contains_key(KEY) {
+        if *error == TransmissionError::default() {
+            return;
+        }
+        row.insert(KEY, Item::Table(Table::new()));
+    }
+    let Some(table) = row.get_mut(KEY).and_then(Item::as_table_like_mut) else {
+        return;
+    };
+    let values = error_values(error, unit);
+    for key in ERROR_KEYS {
+        if !values.iter().any(|(kept, _)| kept == key) {
+            table.remove(key);
+        }
+    }
+    for (key, new) in values {
+        set(table, &key, new);
+    }
+}
+
+fn error_values(error: &TransmissionError, unit: &str) -> Vec<(String, Value)> {
+    let list = |numbers: &[f64]| Value::Array(numbers.iter().copied().collect::<Array>());
     let capstan = match error {
         TransmissionError::Chebyshev {
             range_rad,
             coefficients,
         } => {
-            table.insert("range_rad", list(range_rad));
-            table.insert("chebyshev", list(coefficients));
-            return table;
+            return vec![
+                ("range_rad".to_owned(), list(range_rad)),
+                ("chebyshev".to_owned(), list(coefficients)),
+            ];
         }
-        TransmissionError::Parallelogram {
-            capstan,
-            length_deviations_m,
-        } => {
-            table.insert("length_deviations_m", list(length_deviations_m));
+        TransmissionError::Parallelogram { capstan, .. } | TransmissionError::Capstan(capstan) => {
             capstan
         }
-        TransmissionError::Capstan(capstan) => capstan,
     };
-    table.insert(&format!("offset_{unit}"), value(capstan.offset_rad));
-    table.insert("ratio_deviation", value(capstan.ratio_deviation));
-    table.insert("output_drum_xy_m", list(&capstan.output_drum_xy_m));
-    table.insert("input_drum_xy_m", list(&capstan.input_drum_xy_m));
-    table
+    let mut values = vec![
+        (format!("offset_{unit}"), capstan.offset_rad.into()),
+        ("ratio_deviation".to_owned(), capstan.ratio_deviation.into()),
+        (
+            "output_drum_xy_m".to_owned(),
+            list(&capstan.output_drum_xy_m),
+        ),
+        ("input_drum_xy_m".to_owned(), list(&capstan.input_drum_xy_m)),
+    ];
+    if let TransmissionError::Parallelogram {
+        length_deviations_m,
+        ..
+    } = error
+    {
+        values.push(("length_deviations_m".to_owned(), list(length_deviations_m)));
+    }
+    values
 }

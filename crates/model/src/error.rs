@@ -18,26 +18,18 @@ pub enum DeviceFileError {
         source: std::io::Error,
     },
     /// Not TOML.
-    #[error("{file}:{line}:{column}: {message}")]
+    #[error("{at}: {message}")]
     Syntax {
-        /// File.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Column, from 1.
-        column: usize,
+        /// Where.
+        at: Box<Position>,
         /// What the parser said.
         message: String,
     },
     /// A key that must be there is not.
-    #[error("{file}:{line}:{column}: {place} has no `{key}`: {advice}")]
+    #[error("{at}: {place} has no `{key}`: {advice}")]
     MissingKey {
-        /// File.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Column, from 1.
-        column: usize,
+        /// Where.
+        at: Box<Position>,
         /// Table, in words.
         place: String,
         /// Key.
@@ -46,14 +38,10 @@ pub enum DeviceFileError {
         advice: String,
     },
     /// A value of the wrong type or out of its range.
-    #[error("{file}:{line}:{column}: {place}: `{key}` is {found}, but {allowed}")]
+    #[error("{at}: {place}: `{key}` is {found}, but {allowed}")]
     Value {
-        /// File.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Column, from 1.
-        column: usize,
+        /// Where.
+        at: Box<Position>,
         /// Table, in words.
         place: String,
         /// Key.
@@ -71,6 +59,35 @@ pub enum DeviceFileError {
         /// What does not fit.
         message: String,
     },
+}
+
+/// A place in a device file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Position {
+    /// File.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column, from 1.
+    pub column: usize,
+}
+
+impl std::fmt::Display for Position {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{}:{}:{}", self.file, self.line, self.column)
+    }
+}
+
+impl DeviceFileError {
+    /// The place in the file, where there is one.
+    pub fn position(&self) -> Option<&Position> {
+        match self {
+            Self::Syntax { at, .. } | Self::MissingKey { at, .. } | Self::Value { at, .. } => {
+                Some(at)
+            }
+            Self::Unreadable { .. } | Self::Shape { .. } => None,
+        }
+    }
 }
 
 /// A device that cannot be evaluated at some reading.

@@ -6,6 +6,9 @@ use crate::parameters::LinkParameter;
 use crate::{Device, ModelError, ParameterId};
 
 /// Evaluates a device at joint readings; made once, used for every row of a recording.
+///
+/// Joints and parameters are those of the device: methods that take one panic with the index where the
+/// device does not have it. Before the first [`Evaluation::move_to`] outputs and errors are zero.
 #[derive(Debug, Clone)]
 pub struct Evaluation<'d> {
     device: &'d Device,
@@ -61,6 +64,8 @@ impl<'d> Evaluation<'d> {
                 found: readings.len(),
             });
         }
+        // a pose of earlier readings must not outlive a failure below
+        self.pose = None;
         for (index, reading) in readings.iter().enumerate() {
             self.move_joint(index, *reading)?;
         }

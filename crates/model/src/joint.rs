@@ -176,8 +176,9 @@ impl Joint {
                 range_rad,
                 coefficients,
             } => {
+                let result = checked_chebyshev(*range_rad, coefficients, reading_rad)?;
                 chebyshev::basis(*range_rad, reading_rad, derivatives);
-                Ok(chebyshev::evaluate(*range_rad, coefficients, reading_rad))
+                Ok(result)
             }
             TransmissionError::Parallelogram {
                 capstan,
@@ -201,7 +202,7 @@ impl Joint {
             TransmissionError::Chebyshev {
                 range_rad,
                 coefficients,
-            } => Ok(chebyshev::evaluate(*range_rad, coefficients, reading_rad).0),
+            } => checked_chebyshev(*range_rad, coefficients, reading_rad).map(|(value, _)| value),
             TransmissionError::Parallelogram {
                 capstan,
                 length_deviations_m,
@@ -218,4 +219,27 @@ impl Joint {
             parallelogram: Parallelogram::new(lengths)?,
         })
     }
+}
+
+/// Value and slope, or why there are none: the polynomial itself does not check its arguments.
+fn checked_chebyshev(
+    range_rad: [f64; 2],
+    coefficients: &[f64],
+    reading_rad: f64,
+) -> Result<(f64, f64), Reason> {
+    chebyshev::check(range_rad, coefficients)?;
+    let (value, slope) = chebyshev::evaluate(range_rad, coefficients, reading_rad);
+    for (quantity, number) in [
+        ("joint reading", reading_rad),
+        ("Chebyshev series", value),
+        ("slope of the Chebyshev series", slope),
+    ] {
+        if !number.is_finite() {
+            return Err(Reason::NonFinite {
+                quantity,
+                value: number,
+            });
+        }
+    }
+    Ok((value, slope))
 }

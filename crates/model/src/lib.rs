@@ -6,13 +6,15 @@ mod device_writer;
 mod error;
 mod evaluation;
 mod joint;
+mod joint_file;
 mod parameters;
 mod reader;
 mod recording;
+mod sensor_file;
 
 pub use device::{Body, Cable, ContactPair, Device, Tracker};
 pub use device_file::LoadedDevice;
-pub use error::{DeviceFileError, ModelError};
+pub use error::{DeviceFileError, ModelError, Position};
 pub use evaluation::Evaluation;
 pub use haptical_kinematics as kinematics;
 pub use haptical_transmission as transmission;

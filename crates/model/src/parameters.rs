@@ -6,6 +6,10 @@ use haptical_transmission::CapstanError;
 use crate::{Device, ModelError, TransmissionError};
 
 /// One parameter of a device.
+///
+/// Its methods take the device that it belongs to ([`Device::link_parameters`],
+/// [`Device::transmission_parameters`] and [`Device::parameter`] make only such): they panic with the
+/// index where that device has no such row, joint or coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ParameterId {
     /// A Denavit-Hartenberg parameter of a row (0 is the base row).
@@ -121,7 +125,7 @@ impl ParameterId {
                 let number = joint + 1;
                 let key = match (&device.joints[joint].transmission_error, index) {
                     (TransmissionError::Chebyshev { .. }, _) => format!("chebyshev[{index}]"),
-                    (_, 0) => "offset_rad".to_owned(),
+                    (_, 0) => format!("offset_{}", device.joints[joint].unit()),
                     (_, 1) => "ratio_deviation".to_owned(),
                     (_, 2 | 3) => format!("output_drum_xy_m[{}]", index - 2),
                     (_, 4 | 5) => format!("input_drum_xy_m[{}]", index - 4),

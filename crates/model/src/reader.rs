@@ -4,8 +4,12 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 use toml::de::{DeTable, DeValue};
+use toml_edit::DocumentMut;
 
 use crate::DeviceFileError;
+use crate::error::Position;
+
+type Result<T> = std::result::Result<T, DeviceFileError>;
 
 /// A document with its name, for positions in errors.
 #[derive(Debug, Clone, Copy)]
@@ -16,17 +20,39 @@ pub(crate) struct Source<'s> {
 
 impl Source<'_> {
     /// Line and column (from 1) of a byte offset.
-    pub(crate) fn position(&self, offset: usize) -> (usize, usize) {
-        let before = &self.text[..offset.min(self.text.len())];
+    pub(crate) fn position(&self, offset: usize) -> Box<Position> {
+        let mut end = offset.min(self.text.len());
+        while !self.text.is_char_boundary(end) {
+            end -= 1;
+        }
+        let before = &self.text[..end];
         let line = before.matches('\n').count() + 1;
         let column = before
             .rsplit('\n')
             .next()
             .map_or(0, |text| text.chars().count())
             + 1;
-        (line, column)
+        Box::new(Position {
+            file: self.file.to_owned(),
+            line,
+            column,
+        })
+    }
+
+    /// The document in the form that is written back. It is stricter than the form that is read: it
+    /// looks at the numbers of unknown keys too.
+    pub(crate) fn editable(&self) -> Result<DocumentMut> {
+        self.text
+            .parse()
+            .map_err(|error: toml_edit::TomlError| DeviceFileError::Syntax {
+                at: self.position(error.span().map_or(0, |span| span.start)),
+                message: error.message().to_owned(),
+            })
     }
 }
+
+/// What the document's outermost table is called.
+const ROOT: &str = "the file";
 
 /// One table of the document.
 #[derive(Debug)]
@@ -39,10 +65,13 @@ pub(crate) struct Section<'s, 't> {
     used: RefCell<BTreeSet<String>>,
 }
 
-type Result<T> = std::result::Result<T, DeviceFileError>;
-
 impl<'s, 't> Section<'s, 't> {
-    pub(crate) fn new(
+    /// The outermost table.
+    pub(crate) fn root(source: Source<'s>, table: &'t DeTable<'s>) -> Self {
+        Self::new(source, table, ROOT, 0)
+    }
+
+    fn new(
         source: Source<'s>,
         table: &'t DeTable<'s>,
         place: impl Into<String>,
@@ -65,12 +94,22 @@ impl<'s, 't> Section<'s, 't> {
             .map(|(_, value)| (value.get_ref(), value.span().start))
     }
 
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.find(key).is_some()
+    }
+
     pub(crate) fn missing(&self, key: &str, advice: &str) -> DeviceFileError {
-        let (line, column) = self.source.position(self.offset);
+        self.missing_at(self.offset, key, advice)
+    }
+
+    /// An error about a key that `other` asks this table to have, at `other`'s place.
+    pub(crate) fn missing_for(&self, other: &Self, key: &str, advice: &str) -> DeviceFileError {
+        self.missing_at(other.offset, key, advice)
+    }
+
+    fn missing_at(&self, offset: usize, key: &str, advice: &str) -> DeviceFileError {
         DeviceFileError::MissingKey {
-            file: self.source.file.to_owned(),
-            line,
-            column,
+            at: self.source.position(offset),
             place: self.place.clone(),
             key: key.to_owned(),
             advice: advice.to_owned(),
@@ -84,11 +123,8 @@ impl<'s, 't> Section<'s, 't> {
     }
 
     fn refuse_at(&self, offset: usize, key: &str, found: String, allowed: &str) -> DeviceFileError {
-        let (line, column) = self.source.position(offset);
         DeviceFileError::Value {
-            file: self.source.file.to_owned(),
-            line,
-            column,
+            at: self.source.position(offset),
             place: self.place.clone(),
             key: key.to_owned(),
             found,
@@ -166,7 +202,7 @@ impl<'s, 't> Section<'s, 't> {
         match self.find(key) {
             None => Ok(None),
             Some((DeValue::Table(table), offset)) => {
-                let place = if self.place.is_empty() {
+                let place = if self.place == ROOT {
                     format!("[{key}]")
                 } else {
                     format!("[{key}] of {}", self.place)
@@ -215,15 +251,11 @@ impl<'s, 't> Section<'s, 't> {
             .iter()
             .filter(|(name, _)| !used.contains(name.get_ref().as_ref()))
         {
-            let (line, _) = self.source.position(name.span().start);
-            let place = if self.place.is_empty() {
-                "the file"
-            } else {
-                &self.place
-            };
+            let line = self.source.position(name.span().start).line;
             warnings.push(format!(
-                "{}:{line}: {place} has the key `{}`, which is not known and not used",
+                "{}:{line}: {} has the key `{}`, which is not known and not used",
                 self.source.file,
+                self.place,
                 name.get_ref()
             ));
         }

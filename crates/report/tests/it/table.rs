@@ -125,7 +125,10 @@ fn html_escapes_and_marks_number_columns() {
         "{html}"
     );
     assert!(html.contains("<td class=\"number\">-0.200</td>"), "{html}");
-    assert!(html.contains("<td class=\"text\">inner</td>"), "{html}");
+    assert!(
+        html.contains("<td class=\"text short\">inner</td>"),
+        "{html}"
+    );
     assert!(html.contains("10<sup>\u{2212}9</sup>"), "{html}");
     assert!(html.contains("<span class=\"unit\">[mm]</span>"), "{html}");
 }

@@ -1,0 +1,92 @@
+//! Reads the sensors of a device file: cable encoders, tracker, contact pairs.
+
+use crate::DeviceFileError;
+use crate::device::{Cable, ContactPair, Tracker};
+use crate::reader::Section;
+
+type Result<T> = std::result::Result<T, DeviceFileError>;
+
+pub(crate) fn read_cables(
+    root: &Section<'_, '_>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Cable>> {
+    let mut sections = Vec::new();
+    sections.extend(root.table("cable_encoder")?);
+    let further = root.tables("cable", 2)?;
+    if let (true, Some(first)) = (sections.is_empty(), further.first()) {
+        let advice = "the first cable is [cable_encoder]; further ones are [[cable]]";
+        return Err(root.missing_for(first, "cable_encoder", advice));
+    }
+    sections.extend(further);
+    sections
+        .iter()
+        .enumerate()
+        .map(|(index, section)| {
+            let anchor = section.vector("anchor_m")?;
+            if index > 0 && anchor.is_none() {
+                let advice = "give the point in frame (-1) where this cable leaves its guide";
+                return Err(section.missing("anchor_m", advice));
+            }
+            let cable = Cable {
+                anchor_m: anchor.unwrap_or([0.0; 3]),
+                drum_radius_m: section.positive("drum_radius_m")?,
+                counts_per_rev: section.positive("counts_per_rev")?,
+                distance_sd_m: section.positive("distance_sd_m")?,
+                exit_axis: section.vector("exit_axis")?,
+            };
+            section.unknown_keys(warnings);
+            Ok(cable)
+        })
+        .collect()
+}
+
+pub(crate) fn read_tracker(
+    root: &Section<'_, '_>,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Tracker>> {
+    let Some(section) = root.table("tracker")? else {
+        return Ok(None);
+    };
+    let known = |key: &str| match section.text(key)? {
+        None | Some("known") => Ok(true),
+        Some("unknown") => Ok(false),
+        Some(other) => {
+            let allowed = "it must be \"known\" or \"unknown\"";
+            Err(section.refuse(key, format!("\"{other}\""), allowed))
+        }
+    };
+    let tracker = Tracker {
+        base_known: known("base")?,
+        tool_known: known("tool")?,
+        position_sd_m: section.positive("position_sd_m")?,
+        rotation_sd_rad: section.positive("rotation_sd_rad")?,
+    };
+    section.unknown_keys(warnings);
+    Ok(Some(tracker))
+}
+
+pub(crate) fn read_contact_pairs(
+    root: &Section<'_, '_>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<ContactPair>> {
+    root.tables("contact_pair", 1)?
+        .iter()
+        .map(|section| {
+            let id = |key: &str| match section.text(key)? {
+                Some(text) => Ok(text.to_owned()),
+                None => Err(section.missing(key, "give the contact's id")),
+            };
+            let missing = |key: &str| section.missing(key, "give it in m");
+            let pair = ContactPair {
+                a: id("a")?,
+                b: id("b")?,
+                distance_m: section
+                    .positive("distance_m")?
+                    .ok_or_else(|| missing("distance_m"))?,
+                sd_m: section.positive("sd_m")?.ok_or_else(|| missing("sd_m"))?,
+            };
+            section.unknown_keys(warnings);
+            Ok(pair)
+        })
+        .collect()
+}

@@ -1,0 +1,18 @@
+//! Tests of the device model: file, parameters, predictions.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
+)]
+
+mod contract;
+mod evaluation;
+mod haptic7;
+mod joint;
+mod parameters;
+mod properties;
+mod recording;
+mod refusals;
+mod support;
+mod warnings;
+mod writer;
