@@ -6,19 +6,31 @@ use crate::{Sandbox, haptical, names_in, text};
 
 const MANIFEST: &str = env!("CARGO_MANIFEST_DIR");
 
+/// A file of the project's fixtures; a packaged crate has none, and says that it skips.
+fn fixture(path: &str) -> Option<String> {
+    let read = std::fs::read_to_string(format!("{MANIFEST}/../../fixtures/{path}"));
+    if read.is_err() {
+        println!("skipped: fixtures/{path} is not here");
+    }
+    read.ok()
+}
+
 #[test]
 fn the_template_is_the_device_of_the_fixtures() {
-    let read = |path: &str| std::fs::read_to_string(format!("{MANIFEST}/{path}")).unwrap();
-    let fixture = read("../../fixtures/devices/haptic7.toml");
-    assert_eq!(read("assets/haptic7.toml"), fixture);
+    let Some(fixture) = fixture("devices/haptic7.toml") else {
+        return;
+    };
+    let asset = std::fs::read_to_string(format!("{MANIFEST}/assets/haptic7.toml")).unwrap();
+    assert_eq!(asset, fixture);
     assert_eq!(Sandbox::new().device_text(), fixture);
 }
 
 #[test]
 fn the_sample_log_is_the_one_of_the_fixtures() {
-    let bytes =
-        std::fs::read(format!("{MANIFEST}/../../fixtures/logs/haptic7-sample.csv")).unwrap();
-    assert!(Sandbox::new().log_text() == text(&bytes));
+    let Some(fixture) = fixture("logs/haptic7-sample.csv") else {
+        return;
+    };
+    assert!(Sandbox::new().log_text() == fixture);
 }
 
 #[test]
