@@ -4,7 +4,7 @@ use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 use serde::Serialize;
 
-use crate::held_out::{SHORT_LOG, folds};
+use crate::held_out::{SHORT_LOG, check_share, folds};
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut, Options,
     Weights, channel_residuals, channels, fit_device, split, sufficiency,
@@ -81,6 +81,7 @@ pub fn calibrate(
     sufficiency::check(device, recording, &channels)?;
     let mut warnings = warnings(device, recording, &channels);
     let stated = Weights::stated(device, &channels);
+    check_share(options.held_out)?;
     let short = recording.len() < SHORT_LOG;
     let rows = match (options.held_out, short) {
         (HeldOut::Share(share), true) if share > 0.0 => HeldOut::None,

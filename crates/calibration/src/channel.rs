@@ -62,7 +62,7 @@ impl Channel {
         let finite =
             |column: Option<&Vec<f64>>| column.is_some_and(|column| column[row].is_finite());
         match self {
-            Self::Output { joint } => finite(recording.output[joint].as_ref()),
+            Self::Output { joint } => finite(recording.output.get(joint).and_then(Option::as_ref)),
             Self::Cable { index } => finite(recording.cable_m.get(index).and_then(Option::as_ref)),
             Self::Position => recording
                 .position_m

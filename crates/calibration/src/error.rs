@@ -102,13 +102,17 @@ pub enum CalibrationError {
 impl CalibrationError {
     /// Whether the numbers are sound but fix nothing (exit status 3), as against bad input (2).
     pub fn is_unidentifiable(&self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::NoMotion { .. }
-                | Self::TooFewRows { .. }
-                | Self::NothingIdentifiable { .. }
-                | Self::NotConverged { .. }
-                | Self::Identification { .. }
-        )
+            | Self::TooFewRows { .. }
+            | Self::NothingIdentifiable { .. }
+            | Self::NotConverged { .. } => true,
+            // A model without a value at some row is a reading that cannot be true.
+            Self::Identification { source, .. } => !matches!(
+                source,
+                IdentificationError::Evaluation { .. } | IdentificationError::NotFinite { .. }
+            ),
+            _ => false,
+        }
     }
 }

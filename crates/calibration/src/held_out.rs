@@ -33,7 +33,8 @@ pub struct Split {
 
 /// Below this many rows a block of them is too few to judge by: folds are used instead.
 pub(crate) const SHORT_LOG: usize = 100;
-/// Blocks that a recording is cut into; every k-th is held out.
+/// Blocks that a recording is cut into, more for a share of less than one of them; every k-th is
+/// held out.
 const BLOCKS: usize = 20;
 
 /// Splits a recording.
@@ -42,17 +43,7 @@ const BLOCKS: usize = 20;
 /// [`CalibrationError::Option`] for a share outside 0 to 0.5.
 pub fn split(recording: &Recording, held_out: HeldOut) -> Result<Split, CalibrationError> {
     let rows = recording.len();
-    let share = match held_out {
-        HeldOut::None => 0.0,
-        HeldOut::Share(share) if (0.0..=0.5).contains(&share) => share,
-        HeldOut::Share(share) => {
-            return Err(CalibrationError::Option {
-                name: "held-out",
-                value: share.to_string(),
-                allowed: "from 0 to 0.5",
-            });
-        }
-    };
+    let share = check_share(held_out)?;
     if share == 0.0 {
         return Ok(Split {
             fit: (0..rows).collect(),
@@ -61,6 +52,19 @@ pub fn split(recording: &Recording, held_out: HeldOut) -> Result<Split, Calibrat
         });
     }
     Ok(by_runs(recording, share).unwrap_or_else(|| by_blocks(rows, share)))
+}
+
+/// The share to hold out, if it is one that leaves most rows to the fit.
+pub(crate) fn check_share(held_out: HeldOut) -> Result<f64, CalibrationError> {
+    match held_out {
+        HeldOut::None => Ok(0.0),
+        HeldOut::Share(share) if (0.0..=0.5).contains(&share) => Ok(share),
+        HeldOut::Share(share) => Err(CalibrationError::Option {
+            name: "held-out",
+            value: share.to_string(),
+            allowed: "from 0 to 0.5",
+        }),
+    }
 }
 
 /// Holds out whole runs, the last ones, while they are at most the share (at least one).
@@ -95,8 +99,9 @@ fn by_runs(recording: &Recording, share: f64) -> Option<Split> {
 
 /// Holds out blocks spread evenly over the recording.
 fn by_blocks(rows: usize, share: f64) -> Split {
-    let blocks = BLOCKS.min(rows);
-    let period = (1.0 / share).round().max(2.0) as usize;
+    let wanted = (1.0 / share).round().max(2.0) as usize;
+    let blocks = BLOCKS.max(wanted).min(rows);
+    let period = wanted.min(blocks);
     let is_held_out = |row: usize| (row * blocks / rows) % period == period / 2;
     let (held_out, fit): (Vec<usize>, Vec<usize>) = (0..rows).partition(|&row| is_held_out(row));
     let count = (0..blocks)

@@ -165,7 +165,9 @@ fn joint_candidates(device: &Device, transmissions: &[TransmissionFit]) -> Vec<P
     parameters
 }
 
-/// Each channel's residual size over its stated noise.
+/// Each channel's residual size over its stated noise: sqrt(RSS / (m - p)) over the stated rms, with
+/// m its readings and p the parameters that they pay for ([`ParameterFit::channel_parameters`]). A
+/// channel with less than one degree of freedom keeps the size that it had.
 fn estimate_noise(
     fitted: &FittedDevice,
     recording: &Recording,
@@ -177,10 +179,30 @@ fn estimate_noise(
     Ok(residuals
         .iter()
         .filter_map(|channel| {
-            let rms = channel.rms()?;
+            let readings = channel.residuals.len() as f64;
+            let freedom = readings - parameters_paid_by(fitted, channel.channel);
+            if freedom < 1.0 || channel.noise_floor == 0.0 {
+                let factor = weights.factor.get(&channel.channel)?;
+                return Some((channel.channel, *factor));
+            }
+            let deviation = channel.rms()? * (readings / freedom).sqrt();
             // A channel that is fitted exactly keeps a little weight: its noise is not zero.
-            (channel.noise_floor > 0.0)
-                .then(|| (channel.channel, (rms / channel.noise_floor).max(1e-3)))
+            Some((channel.channel, (deviation / channel.noise_floor).max(1e-3)))
         })
         .collect())
+}
+
+/// The last fit that saw the channel decides: the joint one, or in two steps the transmission's own.
+fn parameters_paid_by(fitted: &FittedDevice, channel: Channel) -> f64 {
+    let of = |fit: &ParameterFit| fit.channel_parameters.get(&channel).copied();
+    let own = || {
+        let fits = fitted.transmissions.iter();
+        fits.filter_map(|fit| fit.fit.as_ref()).find_map(of)
+    };
+    fitted
+        .whole
+        .as_ref()
+        .and_then(of)
+        .or_else(own)
+        .unwrap_or(0.0)
 }

@@ -9,7 +9,10 @@ mod fit;
 mod held_out;
 mod joint_fit;
 mod problem;
+mod reduced;
 mod residuals;
+mod rotation;
+mod sink;
 mod sufficiency;
 mod transmission_step;
 mod weights;
@@ -25,6 +28,7 @@ pub use fit::{
 pub use held_out::{HeldOut, Split, split};
 pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};
 pub use problem::DeviceProblem;
+pub use reduced::ReducedProblem;
 pub use residuals::{ChannelResiduals, channel_residuals};
 pub use transmission_step::{TransmissionFit, fit_transmission, fit_transmissions};
 pub use weights::Weights;

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{IdentificationError, Matrix, Problem, SparseProblem, Triplet};
-use haptical_model::kinematics::nalgebra::{
-    Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3,
-};
-use haptical_model::kinematics::{Twist, distance_derivative, distance_m};
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::kinematics::{Twist, distance_m};
 use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};
 
+use crate::rotation::{inverse_left_jacobian, measured_rotation, rotation_vector};
+use crate::sink::{Place, Sink};
 use crate::{CalibrationError, Channel, Weights};
 
 /// Residuals (model minus measurement, over standard deviation) of chosen channels as functions of
@@ -32,13 +32,6 @@ struct Block {
     /// One over the standard deviation, per entry of `rows`.
     weights: Vec<f64>,
     first: usize,
-}
-
-/// Where the derivatives go.
-enum Sink<'s> {
-    None,
-    Dense(&'s [usize], &'s mut Matrix),
-    Sparse(&'s [usize], &'s mut Vec<Triplet>),
 }
 
 impl<'a> DeviceProblem<'a> {
@@ -98,6 +91,14 @@ impl<'a> DeviceProblem<'a> {
         device
     }
 
+    pub(crate) fn channels(&self) -> impl Iterator<Item = Channel> {
+        self.blocks.iter().map(|block| block.channel)
+    }
+
+    pub(crate) fn parameters(&self) -> &[ParameterId] {
+        self.parameters
+    }
+
     /// Where each channel's residuals stand: channel, first residual, count.
     pub fn layout(&self) -> BTreeMap<Channel, (usize, usize)> {
         self.blocks
@@ -111,7 +112,7 @@ impl<'a> DeviceProblem<'a> {
             .collect()
     }
 
-    fn run(
+    pub(crate) fn run(
         &self,
         values: &[f64],
         residuals: &mut [f64],
@@ -130,7 +131,7 @@ impl<'a> DeviceProblem<'a> {
                     .move_to(&readings)
                     .map_err(|error| self.at_row(row, &error))?;
             }
-            for (block, cursor) in self.blocks.iter().zip(&mut cursors) {
+            for (position, (block, cursor)) in self.blocks.iter().zip(&mut cursors).enumerate() {
                 if block.rows.get(*cursor) != Some(&row) {
                     continue;
                 }
@@ -142,19 +143,14 @@ impl<'a> DeviceProblem<'a> {
                         .map_err(|error| self.at_row(row, &error))?;
                 }
                 let place = Place {
+                    block: position,
+                    channel: block.channel,
                     index: block.first + *cursor * block.channel.width(),
                     weight: block.weights[*cursor],
                     row,
                 };
-                self.residual(
-                    block.channel,
-                    &place,
-                    &device,
-                    &evaluation,
-                    residuals,
-                    &mut sink,
-                )
-                .map_err(|error| self.at_row(row, &error))?;
+                self.residual(&place, &device, &evaluation, residuals, &mut sink)
+                    .map_err(|error| self.at_row(row, &error))?;
                 *cursor += 1;
             }
         }
@@ -163,7 +159,6 @@ impl<'a> DeviceProblem<'a> {
 
     fn residual(
         &self,
-        channel: Channel,
         place: &Place,
         device: &Device,
         evaluation: &Evaluation<'_>,
@@ -171,11 +166,11 @@ impl<'a> DeviceProblem<'a> {
         sink: &mut Sink<'_>,
     ) -> Result<(), ModelError> {
         let (index, weight, row) = (place.index, place.weight, place.row);
-        match channel {
+        match place.channel {
             Channel::Output { joint } => {
                 let measured = column(&self.recording.output[joint], row);
                 residuals[index] = weight * (evaluation.output_rad(joint) - measured);
-                sink.put(self.parameters, channel, index, |parameter| {
+                sink.put(self.parameters, place, residuals, |parameter| {
                     Ok([
                         weight * evaluation.output_derivative(joint, parameter),
                         0.0,
@@ -190,13 +185,11 @@ impl<'a> DeviceProblem<'a> {
                 let distance = distance_m(&pose.position_m, &anchor)?;
                 let measured = column(&self.recording.cable_m[cable], row);
                 residuals[index] = weight * (distance - measured);
-                sink.put(self.parameters, channel, index, |parameter| {
-                    let twist = evaluation.pose_derivative(parameter);
-                    Ok([
-                        weight * distance_derivative(pose, &anchor, &twist)?,
-                        0.0,
-                        0.0,
-                    ])
+                // docs/equations.md, "Distance derivative": the direction once for all parameters.
+                let direction = (pose.position_m - anchor) * (weight / distance);
+                sink.put(self.parameters, place, residuals, |parameter| {
+                    let along = direction.dot(&evaluation.pose_derivative(parameter).linear);
+                    Ok([along, 0.0, 0.0])
                 })
             }
             Channel::Position => {
@@ -207,7 +200,7 @@ impl<'a> DeviceProblem<'a> {
                             weight * (pose.position_m[axis] - axes[axis][row]);
                     }
                 }
-                sink.put(self.parameters, channel, index, |parameter| {
+                sink.put(self.parameters, place, residuals, |parameter| {
                     Ok((evaluation.pose_derivative(parameter).linear * weight).into())
                 })
             }
@@ -218,7 +211,7 @@ impl<'a> DeviceProblem<'a> {
                     residuals[index + axis] = weight * rest[axis];
                 }
                 let inverse = inverse_left_jacobian(&rest);
-                sink.put(self.parameters, channel, index, |parameter| {
+                sink.put(self.parameters, place, residuals, |parameter| {
                     let Twist { angular, .. } = evaluation.pose_derivative(parameter);
                     Ok((inverse * angular * weight).into())
                 })
@@ -230,66 +223,6 @@ impl<'a> DeviceProblem<'a> {
         IdentificationError::Evaluation {
             reason: format!("line {} of the log: {error}", self.recording.line[row]),
         }
-    }
-}
-
-struct Place {
-    index: usize,
-    weight: f64,
-    row: usize,
-}
-
-impl Sink<'_> {
-    /// Writes the derivatives of one channel's residuals at one row.
-    fn put(
-        &mut self,
-        parameters: &[ParameterId],
-        channel: Channel,
-        index: usize,
-        mut derivative: impl FnMut(ParameterId) -> Result<[f64; 3], ModelError>,
-    ) -> Result<(), ModelError> {
-        let width = channel.width();
-        match self {
-            Sink::None => {}
-            Sink::Dense(free, matrix) => {
-                for (position, &parameter) in free.iter().enumerate() {
-                    let values = if can_see(channel, parameters[parameter]) {
-                        derivative(parameters[parameter])?
-                    } else {
-                        [0.0; 3]
-                    };
-                    matrix.column_mut(position)[index..index + width]
-                        .copy_from_slice(&values[..width]);
-                }
-            }
-            Sink::Sparse(free, entries) => {
-                for (position, &parameter) in free.iter().enumerate() {
-                    if can_see(channel, parameters[parameter]) {
-                        let values = derivative(parameters[parameter])?;
-                        for (axis, &value) in values[..width].iter().enumerate() {
-                            entries.push(Triplet {
-                                row: index + axis,
-                                column: position,
-                                value,
-                            });
-                        }
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Whether a channel can depend on a parameter at all: an external encoder sees its own
-/// transmission, everything else sees the whole chain.
-fn can_see(channel: Channel, parameter: ParameterId) -> bool {
-    match (channel, parameter) {
-        (Channel::Output { joint: output }, ParameterId::Transmission { joint, .. }) => {
-            output == joint
-        }
-        (Channel::Output { .. }, ParameterId::Link { .. }) => false,
-        _ => true,
     }
 }
 
@@ -332,36 +265,4 @@ impl SparseProblem for DeviceProblem<'_> {
 /// A reading; channels are only asked for rows that have one.
 fn column(column: &Option<Vec<f64>>, row: usize) -> f64 {
     column.as_ref().map_or(f64::NAN, |column| column[row])
-}
-
-/// The tracker's orientation at a row, as a rotation matrix.
-pub(crate) fn measured_rotation(recording: &Recording, row: usize) -> Matrix3<f64> {
-    match &recording.orientation_wxyz {
-        Some([w, x, y, z]) => {
-            let quaternion = Quaternion::new(w[row], x[row], y[row], z[row]);
-            UnitQuaternion::from_quaternion(quaternion)
-                .to_rotation_matrix()
-                .into_inner()
-        }
-        None => Matrix3::from_element(f64::NAN),
-    }
-}
-
-/// Rotation vector of a rotation matrix.
-pub(crate) fn rotation_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)).scaled_axis()
-}
-
-/// Inverse of the left Jacobian of SO(3): d log(exp([w]) R) / d w at w = 0, for log R = v
-/// (Chirikjian 2012, section 10.6): 1 - [v]/2 + (1/|v|^2 - cot(|v|/2)/(2|v|)) [v]^2.
-fn inverse_left_jacobian(v: &Vector3<f64>) -> Matrix3<f64> {
-    let angle = v.norm();
-    let cross = v.cross_matrix();
-    let factor = if angle < 1e-4 {
-        // Series: the closed form loses all digits near zero.
-        1.0 / 12.0 + angle * angle / 720.0
-    } else {
-        1.0 / (angle * angle) - 0.5 / (angle * (0.5 * angle).tan())
-    };
-    Matrix3::identity() - cross * 0.5 + cross * cross * factor
 }

@@ -103,7 +103,15 @@ pub fn fit_transmission(
     let fit = if parameters.is_empty() {
         None
     } else {
-        Some(fit_parameters(&what, &start, &part, &[channel], &parameters, weights, &options)?)
+        Some(fit_parameters(
+            &what,
+            &start,
+            &part,
+            &[channel],
+            &parameters,
+            weights,
+            &options,
+        )?)
     };
     Ok(TransmissionFit {
         joint,
@@ -176,7 +184,8 @@ fn choose(
         None => Err(CalibrationError::TooFewRows {
             what: what.to_owned(),
             rows,
-            parameters: 1,
+            // an offset and the size of the noise
+            parameters: 2,
             advised: SAMPLES_PER_PARAMETER * 6,
         }),
     }

@@ -1,6 +1,6 @@
 //! Which parameters the data can fix: invisible, combinations of others, weak, or identifiable.
 
-use haptical_linalg::{LinalgError, Matrix, RANK_TOLERANCE, Reduction};
+use haptical_linalg::{LinalgError, Matrix, OrderedRank, RANK_TOLERANCE, Reduction};
 use serde::Serialize;
 
 use crate::{IdentificationError, Observability};
@@ -220,7 +220,7 @@ pub fn analyse(
             observability: None,
         });
     }
-    let ordered = reduction.ordered_rank(&visible, rules.rank_tolerance)?;
+    let (ordered, _) = independent_columns(reduction, &visible, rules)?;
     let mut independent = ordered.independent.clone();
     independent.sort_unstable();
     keep_strong(reduction, parameters, &visible, rules, &mut statuses)?;
@@ -264,9 +264,7 @@ fn keep_strong(
         if candidates.is_empty() {
             return Ok(());
         }
-        let ordered = reduction.ordered_rank(&candidates, rules.rank_tolerance)?;
-        // The covariance has no tolerance of its own: the rank was decided above.
-        let covariance = reduction.covariance(&ordered.independent, f64::EPSILON)?;
+        let (ordered, covariance) = independent_columns(reduction, &candidates, rules)?;
         let deviation = |position: usize| covariance[(position, position)].sqrt();
         let weak = (0..ordered.independent.len()).rev().find(|&position| {
             let size = parameters[ordered.independent[position]].plausible_size;
@@ -300,6 +298,35 @@ fn keep_strong(
         return Ok(());
     }
 }
+
+/// Independent columns in the order given, and the covariance that proves them independent.
+///
+/// A column that depends on nearly dependent ones leaves a remainder of rounding times their
+/// condition number, which can exceed the tolerance. Then the kept set has no covariance; the
+/// tolerance is raised until it has one.
+fn independent_columns(
+    reduction: &Reduction,
+    candidates: &[usize],
+    rules: &IdentifiabilityRules,
+) -> Result<(OrderedRank, Matrix), IdentificationError> {
+    let mut tolerance = rules.rank_tolerance;
+    loop {
+        let ordered = reduction.ordered_rank(candidates, tolerance)?;
+        match reduction.covariance(&ordered.independent, SMALLEST_PIVOT) {
+            Ok(covariance) => return Ok((ordered, covariance)),
+            Err(LinalgError::RankDeficient { .. }) if tolerance < LARGEST_REMAINDER => {
+                tolerance *= 10.0;
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+}
+
+/// Relative pivot below which a set of unit-norm columns is dependent to rounding.
+const SMALLEST_PIVOT: f64 = 1e-13;
+/// Remainder that no dependent column of finite rounding reaches: far above 1e-16 times the square
+/// of any condition number whose columns are still told apart.
+const LARGEST_REMAINDER: f64 = 1e-4;
 
 fn check(
     count: usize,
