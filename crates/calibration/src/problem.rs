@@ -21,6 +21,9 @@ pub struct DeviceProblem<'a> {
     blocks: Vec<Block>,
     residual_count: usize,
     sees_chain: bool,
+    /// Output angles, row by row, where no transmission parameter can change them: a fit of the chain
+    /// alone then evaluates each transmission once, not at every step.
+    outputs: Option<Vec<f64>>,
 }
 
 /// The residuals of one channel: consecutive, in row order.
@@ -71,6 +74,7 @@ impl<'a> DeviceProblem<'a> {
             blocks,
             residual_count: first,
             sees_chain,
+            outputs: fixed_outputs(device, recording, parameters, sees_chain)?,
         })
     }
 
@@ -127,9 +131,14 @@ impl<'a> DeviceProblem<'a> {
                 *reading = column[row];
             }
             if self.sees_chain {
-                evaluation
-                    .move_to(&readings)
-                    .map_err(|error| self.at_row(row, &error))?;
+                match &self.outputs {
+                    Some(outputs) => {
+                        let first = row * readings.len();
+                        evaluation.move_outputs(&outputs[first..first + readings.len()])
+                    }
+                    None => evaluation.move_to(&readings),
+                }
+                .map_err(|error| self.at_row(row, &error))?;
             }
             for (position, (block, cursor)) in self.blocks.iter().zip(&mut cursors).enumerate() {
                 if block.rows.get(*cursor) != Some(&row) {
@@ -260,6 +269,36 @@ impl SparseProblem for DeviceProblem<'_> {
         entries.clear();
         self.run(parameters, residuals, Sink::Sparse(free, entries))
     }
+}
+
+/// Every row's output angles, unless a parameter can change them or nothing asks for the chain.
+fn fixed_outputs(
+    device: &Device,
+    recording: &Recording,
+    parameters: &[ParameterId],
+    sees_chain: bool,
+) -> Result<Option<Vec<f64>>, CalibrationError> {
+    let is_transmission =
+        |parameter: &ParameterId| matches!(parameter, ParameterId::Transmission { .. });
+    if !sees_chain || parameters.iter().any(is_transmission) {
+        return Ok(None);
+    }
+    let mut outputs = Vec::with_capacity(recording.len() * device.joints.len());
+    for row in 0..recording.len() {
+        for (index, (joint, column)) in device.joints.iter().zip(&recording.joint).enumerate() {
+            let error = joint
+                .error_rad(column[row])
+                .map_err(|source| CalibrationError::Row {
+                    line: recording.line[row],
+                    source: ModelError::Transmission {
+                        joint: index + 1,
+                        source,
+                    },
+                })?;
+            outputs.push(column[row] + error);
+        }
+    }
+    Ok(Some(outputs))
 }
 
 /// A reading; channels are only asked for rows that have one.

@@ -220,17 +220,20 @@ pub fn analyse(
             observability: None,
         });
     }
-    let (ordered, _) = independent_columns(reduction, &visible, rules)?;
+    let ordered = keep_strong(reduction, parameters, &visible, rules, &mut statuses)?;
     let mut independent = ordered.independent.clone();
     independent.sort_unstable();
-    keep_strong(reduction, parameters, &visible, rules, &mut statuses)?;
     let (singular_values, _) = reduction.singular_values(&visible)?;
     let cut = rules.rank_tolerance * singular_values[0];
     let singular_rank = singular_values
         .iter()
         .position(|value| *value <= cut)
         .unwrap_or(singular_values.len());
-    let (independent_values, _) = reduction.singular_values(&independent)?;
+    let independent_values = if independent.len() == visible.len() {
+        singular_values.clone()
+    } else {
+        reduction.singular_values(&independent)?.0
+    };
     Ok(Identifiability {
         names,
         rank: independent.len(),
@@ -246,7 +249,8 @@ pub fn analyse(
 }
 
 /// Takes weak parameters out one at a time, the least preferred first, until every kept one is
-/// fixed to a useful size; writes the statuses of all visible parameters.
+/// fixed to a useful size; writes the statuses of all visible parameters and
+/// returns the structural verdict, weak parameters included.
 ///
 /// One at a time, because a single bad direction makes all of its members weak: two offsets along
 /// nearly parallel axes are each unknown, but with one of them held the other is known well, and
@@ -258,13 +262,11 @@ fn keep_strong(
     visible: &[usize],
     rules: &IdentifiabilityRules,
     statuses: &mut [Status],
-) -> Result<(), IdentificationError> {
+) -> Result<OrderedRank, IdentificationError> {
     let mut candidates = visible.to_vec();
+    let (mut ordered, mut covariance) = independent_columns(reduction, &candidates, rules)?;
+    let structural = ordered.clone();
     loop {
-        if candidates.is_empty() {
-            return Ok(());
-        }
-        let (ordered, covariance) = independent_columns(reduction, &candidates, rules)?;
         let deviation = |position: usize| covariance[(position, position)].sqrt();
         let weak = (0..ordered.independent.len()).rev().find(|&position| {
             let size = parameters[ordered.independent[position]].plausible_size;
@@ -276,6 +278,10 @@ fn keep_strong(
                 standard_deviation: deviation(position),
             };
             candidates.retain(|&candidate| candidate != index);
+            if candidates.is_empty() {
+                return Ok(structural);
+            }
+            (ordered, covariance) = independent_columns(reduction, &candidates, rules)?;
             continue;
         }
         for (position, &index) in ordered.independent.iter().enumerate() {
@@ -295,7 +301,7 @@ fn keep_strong(
                 .collect();
             statuses[dependence.column] = Status::Dependent { combination };
         }
-        return Ok(());
+        return Ok(structural);
     }
 }
 

@@ -69,6 +69,29 @@ impl<'d> Evaluation<'d> {
         for (index, reading) in readings.iter().enumerate() {
             self.move_joint(index, *reading)?;
         }
+        self.move_chain()
+    }
+
+    /// Moves the chain to output angles (one per joint) that were worked out before. Transmissions
+    /// are not evaluated: what is asked of them afterwards is that of the last reading.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the chain has no value.
+    pub fn move_outputs(&mut self, outputs: &[f64]) -> Result<(), ModelError> {
+        let expected = self.device.joints.len();
+        if outputs.len() != expected {
+            return Err(ModelError::JointCount {
+                expected,
+                found: outputs.len(),
+            });
+        }
+        self.variables.copy_from_slice(outputs);
+        self.move_chain()
+    }
+
+    fn move_chain(&mut self) -> Result<(), ModelError> {
+        // a pose of earlier readings must not outlive a failure below
+        self.pose = None;
         if self.device.has_links() {
             let chain = Chain::new(self.convention, &self.links, &self.motions)?;
             self.pose = Some(chain.derivatives(&self.variables, &mut self.link_derivatives)?);

@@ -261,3 +261,29 @@ fn a_parameter_of_another_joint_does_not_move_an_output() {
     assert_eq!(at.output_derivative(0, offset(0)), 1.0);
     assert_eq!(at.output_derivative(0, offset(1)), 0.0);
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(CASES))]
+
+    /// Outputs that were worked out before place the chain exactly where the readings do.
+    #[test]
+    fn outputs_place_the_chain_as_their_readings_do((device, readings) in device_and_readings()) {
+        let (pose, outputs) = moved(&device, &readings);
+        let mut at = Evaluation::new(&device);
+        at.move_outputs(&outputs).unwrap();
+        prop_assert_eq!(at.pose().unwrap(), &pose);
+        for parameter in device.link_parameters(true) {
+            let mut by_readings = Evaluation::new(&device);
+            by_readings.move_to(&readings).unwrap();
+            prop_assert_eq!(
+                at.pose_derivative(parameter),
+                by_readings.pose_derivative(parameter)
+            );
+        }
+        let too_few = at.move_outputs(&outputs[1..]);
+        prop_assert_eq!(
+            too_few,
+            Err(ModelError::JointCount { expected: outputs.len(), found: outputs.len() - 1 })
+        );
+    }
+}
