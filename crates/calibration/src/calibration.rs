@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::held_out::{SHORT_LOG, check_share, folds};
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut, Options,
-    Weights, channel_residuals, channels, fit_device, split, sufficiency,
+    Weights, channel_residuals, channels, fit_device, split, sufficiency, warnings,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -79,7 +79,7 @@ pub fn calibrate(
 ) -> Result<Calibration, CalibrationError> {
     let channels = channels(device, recording)?;
     sufficiency::check(device, recording, &channels)?;
-    let mut warnings = warnings(device, recording, &channels);
+    let mut warnings = warnings::of_recording(device, recording, &channels);
     let stated = Weights::stated(device, &channels);
     check_share(options.held_out)?;
     let short = recording.len() < SHORT_LOG;
@@ -109,16 +109,12 @@ pub fn calibrate(
             (reports, split.description.clone())
         }
     };
-    for report in held_out_channels
-        .iter()
-        .filter(|report| report.outside_range > 0)
-    {
-        warnings.push(format!(
-            "{}: {} held-out readings lie outside the range that a polynomial was fitted on and \
-             were left out",
-            report.channel, report.outside_range
-        ));
-    }
+    let judged = if held_out_channels.is_empty() {
+        &fit_channels
+    } else {
+        &held_out_channels
+    };
+    warnings.extend(warnings::of_result(device, &fitted, judged, options.method));
     Ok(Calibration {
         device: fitted.device.clone(),
         fitted,
@@ -127,41 +123,6 @@ pub fn calibrate(
         held_out,
         warnings,
     })
-}
-
-fn warnings(device: &Device, recording: &Recording, channels: &[Channel]) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let ignored = recording.position_m.is_some() || recording.cable_m.iter().any(Option::is_some);
-    if !device.has_links() && ignored {
-        warnings.push(
-            "the device has no [[link]] rows: positions and distances are ignored, only \
-             transmissions are calibrated"
-                .to_owned(),
-        );
-    }
-    let resting = sufficiency::resting_joints(recording);
-    if !resting.is_empty() {
-        let numbers: Vec<String> = resting
-            .iter()
-            .map(|joint| (joint + 1).to_string())
-            .collect();
-        warnings.push(format!(
-            "joint {} does not move in this recording: its parameters merge with its neighbours'",
-            numbers.join(", ")
-        ));
-    }
-    for (joint, description) in device.joints.iter().enumerate() {
-        let driven = description.transmission != haptical_model::TransmissionKind::Direct;
-        if driven && !channels.contains(&Channel::Output { joint }) {
-            warnings.push(format!(
-                "joint {} has a transmission but no out{} column: its error can only be seen \
-                 through the distances, as far as they show it",
-                joint + 1,
-                joint + 1
-            ));
-        }
-    }
-    warnings
 }
 
 /// Before and after on one recording.

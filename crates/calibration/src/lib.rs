@@ -15,6 +15,7 @@ mod rotation;
 mod sink;
 mod sufficiency;
 mod transmission_step;
+mod warnings;
 mod weights;
 
 pub use calibration::{Calibration, ChannelReport, calibrate};

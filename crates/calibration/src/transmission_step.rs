@@ -24,7 +24,9 @@ pub struct TransmissionFit {
 }
 
 /// Below this many samples for each parameter of equation (1) the evidence decides the form.
-const SAMPLES_PER_PARAMETER: usize = 20;
+const SAMPLES_PER_PARAMETER: usize = 8;
+/// Samples of one transmission that errors advise: twenty for each parameter of equation (1).
+const ADVISED_SAMPLES: usize = 120;
 /// Difference of a criterion below which the form with fewer parameters is taken
 /// (Burnham & Anderson 2002, section 2.6: models within 2 have substantial support).
 const SUBSTANTIAL_SUPPORT: f64 = 2.0;
@@ -186,7 +188,7 @@ fn choose(
             rows,
             // an offset and the size of the noise
             parameters: 2,
-            advised: SAMPLES_PER_PARAMETER * 6,
+            advised: ADVISED_SAMPLES,
         }),
     }
 }

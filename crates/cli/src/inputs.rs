@@ -127,6 +127,7 @@ pub(crate) fn log_shape(device: &Device) -> LogShape {
         .collect();
     LogShape {
         joints,
-        cable_count: device.cables.len(),
+        // a chain without a [cable_encoder] still has the distance from frame (-1)'s origin
+        cable_count: device.cables.len().max(usize::from(device.has_links())),
     }
 }

@@ -85,6 +85,8 @@ impl ParameterId {
                     TransmissionError::Chebyshev { .. } => joint.unit(),
                     _ if index == 0 => joint.unit(),
                     _ if index == 1 => "1",
+                    // Without drums the eccentricity's denominator is 1 m: the number is an angle.
+                    _ if index < 6 && joint.drum_distance_m.is_none() => "rad",
                     _ => "m",
                 }
             }

@@ -25,7 +25,7 @@ fn chosen(
     let channels = [Channel::Output { joint }];
     let weights = Weights::stated(device, &channels);
     let fit = fit_transmission(device, joint, &recording, &weights, &Options::default()).unwrap();
-    if rows < 120 {
+    if rows < 48 {
         assert!(fit.evidence.iter().any(|entry| entry.terms == fit.terms));
         assert!(
             fit.evidence
@@ -69,7 +69,7 @@ fn few_samples_carry_the_planted_terms() {
                 named.iter().map(|(n, x)| (n.as_str(), *x)).collect();
             let truth = apply_deviations(&nominal, &deviations).unwrap();
             let found: Vec<TransmissionTerms> = (0..SEEDS)
-                .map(|seed| chosen(&nominal, &truth, joint, 60, 40 + seed))
+                .map(|seed| chosen(&nominal, &truth, joint, 40, 40 + seed))
                 .collect();
             let right = found.iter().filter(|terms| *terms == expected).count();
             assert!(

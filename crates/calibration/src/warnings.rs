@@ -1,0 +1,157 @@
+//! Things that a user should know of a recording and of a result, in sentences.
+
+use haptical_model::{Device, Recording};
+
+use crate::{CalibrationMethod, Channel, ChannelReport, FittedDevice, ParameterFit, sufficiency};
+
+/// What a recording lacks for this device.
+pub(crate) fn of_recording(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let ignored = recording.position_m.is_some() || recording.cable_m.iter().any(Option::is_some);
+    if !device.has_links() && ignored {
+        warnings.push(
+            "the device has no [[link]] rows: positions and distances are ignored, only \
+             transmissions are calibrated"
+                .to_owned(),
+        );
+    }
+    if recording.contact.is_some() || recording.plane.is_some() {
+        warnings.push(
+            "the columns `contact` and `plane` are not used: identification from touched points and \
+             planes is not supported yet"
+                .to_owned(),
+        );
+    }
+    if device.has_links()
+        && device.cables.is_empty()
+        && recording.cable_m.iter().any(Option::is_some)
+    {
+        warnings.push(
+            "the device has no [cable_encoder]: cable_m is taken as the distance from frame (-1)'s \
+             origin, with noise of 0.1 mm until the residuals show it; add [cable_encoder] with \
+             distance_sd_m"
+                .to_owned(),
+        );
+    }
+    let resting = sufficiency::resting_joints(recording);
+    if !resting.is_empty() {
+        let numbers: Vec<String> = resting
+            .iter()
+            .map(|joint| (joint + 1).to_string())
+            .collect();
+        warnings.push(format!(
+            "joint {} does not move in this recording: its parameters merge with its neighbours'",
+            numbers.join(", ")
+        ));
+    }
+    for (joint, description) in device.joints.iter().enumerate() {
+        let driven = description.transmission != haptical_model::TransmissionKind::Direct;
+        if driven && !channels.contains(&Channel::Output { joint }) {
+            warnings.push(format!(
+                "joint {} has a transmission but no out{} column: its error can only be seen \
+                 through the distances, as far as they show it",
+                joint + 1,
+                joint + 1
+            ));
+        }
+    }
+    warnings
+}
+
+/// Deviation, in plausible sizes, beyond which a value is more likely a wrong unit, a swapped column
+/// or a mirror image of the device than the device: half a decimetre, a fifth of a radian.
+const IMPLAUSIBLE: f64 = 10.0;
+/// Residual over noise floor beyond which more than noise is left; too short a log to extrapolate
+/// from stays below.
+const ABOVE_FLOOR: f64 = 1.5;
+
+/// What a result has that no good result has.
+pub(crate) fn of_result(
+    nominal: &Device,
+    fitted: &FittedDevice,
+    channels: &[ChannelReport],
+    method: CalibrationMethod,
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for report in channels.iter().filter(|report| report.outside_range > 0) {
+        warnings.push(format!(
+            "{}: {} held-out readings lie outside the range that a polynomial was fitted on and \
+             were left out",
+            report.channel, report.outside_range
+        ));
+    }
+    let fits: Vec<&ParameterFit> = match &fitted.whole {
+        Some(whole) if method == CalibrationMethod::Joint => vec![whole],
+        whole => {
+            let steps = fitted
+                .transmissions
+                .iter()
+                .filter_map(|step| step.fit.as_ref());
+            whole.iter().chain(steps).collect()
+        }
+    };
+    let implausible: Vec<String> = fits
+        .iter()
+        .flat_map(|fit| implausible(nominal, fit))
+        .collect();
+    if !implausible.is_empty() {
+        warnings.push(format!(
+            "implausible deviations, over {IMPLAUSIBLE} times what devices show: {}; check units, \
+             signs and order of the columns, and that the device file describes this device (the fit \
+             may have found a mirror image of it)",
+            implausible.join(", ")
+        ));
+    }
+    for report in channels {
+        if report.rms_after > ABOVE_FLOOR * report.noise_floor {
+            warnings.push(format!(
+                "{}: the residual left, {:.3e} {}, is {:.1} times the noise floor: the model lacks \
+                 an effect, rows are disturbed, or the stated noise is too small; look at the \
+                 residual figures for what it depends on",
+                report.channel,
+                report.rms_after,
+                report.unit,
+                report.rms_after / report.noise_floor
+            ));
+        }
+    }
+    if method == CalibrationMethod::TwoStep
+        && fitted.whole.is_some()
+        && !fitted.transmissions.is_empty()
+    {
+        warnings.push(
+            "the intervals of the kinematic parameters take step 1 as exact and are too short for \
+             it; those of the joint method are not"
+                .to_owned(),
+        );
+    }
+    warnings
+}
+
+/// Fitted parameters that moved by more than is plausible, with the move.
+fn implausible(nominal: &Device, fit: &ParameterFit) -> Vec<String> {
+    fit.fitted
+        .iter()
+        .filter_map(|&position| {
+            let parameter = fit.parameters[position];
+            let before = match parameter {
+                haptical_model::ParameterId::Link { .. } => parameter.value(nominal),
+                // a transmission's nominal error is zero, whatever form it now has
+                haptical_model::ParameterId::Transmission { .. } => 0.0,
+            };
+            let moved = parameter.value(&fit.device) - before;
+            let device = &fit.device;
+            (moved.abs() > IMPLAUSIBLE * parameter.plausible_size(device)).then(|| {
+                format!(
+                    "{} by {moved:.3} {}",
+                    parameter.name(device),
+                    parameter.unit(device)
+                )
+            })
+        })
+        .collect()
+}
