@@ -8,6 +8,8 @@
 mod progress;
 mod tables;
 
+use std::process::ExitCode;
+
 use clap::{Parser, Subcommand};
 
 /// Jobs of the Haptical project.
@@ -24,8 +26,15 @@ enum Job {
     ReproduceTables(tables::Arguments),
 }
 
-fn main() -> anyhow::Result<()> {
-    match Cli::parse().job {
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().job {
         Job::ReproduceTables(arguments) => tables::reproduce(&arguments),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
     }
 }

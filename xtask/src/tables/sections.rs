@@ -7,7 +7,7 @@ use haptical_report::{Cell, Column, Table};
 use serde_json::json;
 
 use super::output::Output;
-use super::{Results, figures, identifiability, sensitivity, sweeps, table2, table3};
+use super::{Results, figures, identifiability, ladder, sensitivity, sweeps, table2, table3};
 use crate::progress::Progress;
 
 /// Numbers of the paper's effective degrees of freedom: geometry and home pose were inferred from the
@@ -240,14 +240,30 @@ pub(crate) fn table2(output: &mut Output, results: &Results) -> Result<()> {
             }),
         );
     }
-    output.words(
+    let samples = &results.runs.samples;
+    let fixed: Vec<f64> = samples
+        .iter()
+        .flat_map(|sample| &sample.capstans)
+        .map(|capstan| capstan.standard_deviations[2] * 1e6)
+        .collect();
+    let published = &results.paper.table2.ri_mm;
+    let errors: Vec<f64> = published
+        .identified
+        .iter()
+        .zip(&published.assigned)
+        .map(|(found, assigned)| (found - assigned) * 1e3)
+        .collect();
+    output.words(format!(
         "The r_i puzzle. With eq. (1) as printed the input drum's eccentricity acts through r_i / D: \
          5 um over 67.5 mm is 0.07 mrad, below the 0.105 mrad of the encoder's noise, so 200 samples \
-         fix r_i to about 0.7 um, not to the 0.03 um of the published errors. The published precision \
-         of r_i and the ripple of the published polynomial both ask for a denominator of 2.6 to \
-         3.3 mm instead of the drum distance. No reading of the printed equation gives that: it is an \
-         inconsistency of the paper, kept visible here by showing both.",
-    );
+         fix r_i to {:.2} um (median Cramer-Rao sd), while the published errors are {:.3} um rms. Each \
+         alone is possible, all of them together are not: see the joint verdict. The published \
+         precision of r_i and the ripple of the published polynomial both ask for a denominator of \
+         about 3 mm instead of the drum distance (docs/assumptions.md, A9). No reading of the printed \
+         equation gives that: it is an inconsistency of the paper, kept visible here by showing both.",
+        haptical_metrics::median(&fixed)?,
+        haptical_metrics::rms(&errors)?,
+    ));
     Ok(())
 }
 
@@ -262,7 +278,8 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
     output.words(
         "\"Two steps\" is the procedure of Figure 6: what step 1 gets wrong leaks into step 2. \
          \"Angles known\" leaves that leak out; the published errors are compared with it, because \
-         their size (9.1 um of cable noise explains them, 9.87 um was stated) shows no leak.",
+         their size shows no leak: 9.1 um of cable noise explains them best (docs/assumptions.md, A24), \
+         9.87 um was stated.",
     );
     output.terminal_table(&made.table, &[0, 1, 2, 3, 4, 6, 7, 8, 10, 13, 14]);
     output.table("table3", made.table)?;
@@ -285,8 +302,8 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
         "Chi-square of the paper's 28 errors under our covariance: {:.1} (95 % of designs {:.1} to \
          {:.1}); p {:.2} for 28 degrees of freedom. This is no independent test: lengths and home \
          pose were inferred from those same errors. With about 13 effective degrees of freedom p is \
-         {:.2}. The one figure that was not fitted is the cable's noise: the errors themselves give \
-         9.1 um, the paper states 9.87 um.",
+         {:.2}. The one figure that was not fitted is the cable's noise: the likelihood of the errors \
+         over all geometries is largest at 9.1 um (docs/assumptions.md, A24), the paper states 9.87 um.",
         chi.median, chi.low, chi.high, made.p_value, effective
     ));
     let weak: Vec<&(String, f64, f64)> = made
@@ -335,7 +352,8 @@ pub(crate) fn figures(output: &mut Output, results: &Results) -> Result<()> {
     let (figure, table) = figures::figure7(&preset, &results.paper, &results.preset_run)?;
     output.figure(
         "figure7_preset",
-        "Input drum over 2.6 mm: the ripple of the printed polynomial appears.",
+        "Input drum over 2.6 mm: a ripple of the printed size appears, but with the assigned phase of -120 \
+         deg; the printed polynomial's is -50 deg (docs/assumptions.md, A10).",
         &figure,
     )?;
     output.table("figure7_preset", table)?;
@@ -387,7 +405,7 @@ pub(crate) fn choices(output: &mut Output, results: &Results) -> Result<()> {
     output.figure("poses", "Number of poses, medians over seeds.", &figure)?;
     let table = sweeps::methods(scenario, paper, seeds, &Progress::new("search methods", 5))?;
     output.table("methods", table)?;
-    let (table, figure) = sweeps::ladder(
+    let (table, figure) = ladder::ladder(
         scenario,
         seeds,
         &Progress::new("what each correction buys", 6),

@@ -1,22 +1,17 @@
-//! What the authors chose without showing: polynomial degree, number of poses, method, and how far a
-//! calibration of less gets.
+//! What the authors chose without showing: polynomial degree, number of poses, search method.
 
 use anyhow::Result;
 use haptical_calibration::{
-    CalibrationMethod, Channel, Degree, Options, TransmissionTerms, Weights, channels, fit_device,
-    fit_kinematics, fit_parameters, fit_transmission,
+    Channel, Degree, Options, TransmissionTerms, Weights, fit_kinematics, fit_transmission,
 };
 use haptical_identification::{Method, Settings as Search};
 use haptical_metrics::{median, rms};
-use haptical_model::{Device, LinkParameter, ParameterId};
 use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
 use haptical_simulator::{simulate, simulate_transmission};
 use rayon::prelude::*;
 
-use super::monte_carlo::{PoseSummary, Spread, known_angles};
+use super::monte_carlo::{PoseSummary, known_angles};
 use super::paper::Paper;
-use super::pose_error::PoseErrors;
-use super::run::{evaluation_readings, step_one, step_two};
 use super::scenario::{Scenario, true_device};
 use crate::progress::Progress;
 
@@ -29,7 +24,7 @@ pub(crate) struct Seeds {
 
 impl Seeds {
     /// Runs a job for every seed, in parallel, with results in the order of the seeds.
-    fn map<T: Send>(self, job: impl Fn(u64) -> Result<T> + Sync) -> Result<Vec<T>> {
+    pub(crate) fn map<T: Send>(self, job: impl Fn(u64) -> Result<T> + Sync) -> Result<Vec<T>> {
         (0..self.count as u64)
             .into_par_iter()
             .map(|index| job(self.first.wrapping_add(index)))
@@ -37,7 +32,7 @@ impl Seeds {
     }
 }
 
-fn columns(names: &[(&str, &str)]) -> Vec<Column> {
+pub(crate) fn columns(names: &[(&str, &str)]) -> Vec<Column> {
     names
         .iter()
         .map(|(name, unit)| Column::new(*name, *unit))
@@ -344,142 +339,4 @@ fn search_outcome(scenario: &Scenario, seed: u64) -> Result<(Option<f64>, f64)> 
         (scatter < 1.25).then_some(fit.iterations as f64)
     });
     Ok((steps, largest))
-}
-
-/// What each kind of calibration buys, offsets alone (the vendors' way) included.
-pub(crate) fn ladder(
-    scenario: &Scenario,
-    seeds: Seeds,
-    progress: &Progress,
-) -> Result<(Table, Figure)> {
-    let mut table = Table::new(
-        "What each correction buys, on 200 other poses",
-        columns(&[
-            ("calibration", ""),
-            ("distance", "mm rms"),
-            ("improvement", "%"),
-            ("95 % of runs", "%"),
-            ("position", "mm rms"),
-            ("improvement", "%"),
-            ("orientation", "mrad rms"),
-            ("improvement", "%"),
-        ]),
-    );
-    let mut bars = Vec::new();
-    let mut categories = Vec::new();
-    for kind in Kind::ALL {
-        let runs = seeds.map(|seed| {
-            let device = kind.calibrate(scenario, seed)?;
-            let readings = evaluation_readings(scenario, seed)?;
-            let errors = PoseErrors::new(&scenario.truth, &scenario.nominal, &device, &readings)?;
-            PoseSummary::new(&errors)
-        })?;
-        progress.step();
-        let spread = |pick: &dyn Fn(&PoseSummary) -> f64| {
-            Spread::new(&runs.iter().map(pick).collect::<Vec<f64>>())
-        };
-        let gain = |before: f64, after: f64| 100.0 * (1.0 - after / before);
-        let distance = spread(&|run| gain(run.distance_before_m, run.distance_after_m))?;
-        let position = spread(&|run| gain(run.position_before_m, run.position_after_m))?;
-        let turn = spread(&|run| gain(run.orientation_before_rad, run.orientation_after_rad))?;
-        bars.push((categories.len() as f64, distance.median));
-        categories.push(kind.words().to_owned());
-        table.push(vec![
-            kind.words().into(),
-            Cell::number(spread(&|run| run.distance_after_m)?.median * 1e3, 4),
-            Cell::number(distance.median, 2),
-            Cell::interval(distance.low, distance.high, 2),
-            Cell::number(spread(&|run| run.position_after_m)?.median * 1e3, 3),
-            Cell::number(position.median, 1),
-            Cell::number(spread(&|run| run.orientation_after_rad)?.median * 1e3, 3),
-            Cell::number(turn.median, 1),
-        ])?;
-    }
-    let mut figure = Figure::new(
-        "Improvement of the distance",
-        "calibration",
-        "improvement of the RMS [%]",
-    );
-    figure.categories = Some(categories);
-    figure.legend = false;
-    figure.series = vec![Series::new("distance", Mark::Bars, 0, bars)];
-    Ok((table, figure))
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Kind {
-    None,
-    Offsets,
-    Transmissions,
-    Kinematics,
-    TwoSteps,
-    Joint,
-}
-
-impl Kind {
-    const ALL: [Self; 6] = [
-        Self::None,
-        Self::Offsets,
-        Self::Transmissions,
-        Self::Kinematics,
-        Self::TwoSteps,
-        Self::Joint,
-    ];
-
-    fn words(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Offsets => "joint offsets alone",
-            Self::Transmissions => "step 1 alone",
-            Self::Kinematics => "step 2 alone",
-            Self::TwoSteps => "both steps (the paper)",
-            Self::Joint => "joint fit of both",
-        }
-    }
-
-    fn calibrate(self, scenario: &Scenario, seed: u64) -> Result<Device> {
-        Ok(match self {
-            Self::None => scenario.nominal.clone(),
-            Self::Offsets => {
-                let recording =
-                    simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
-                let channel = [Channel::Cable { index: 0 }];
-                let weights = Weights::stated(&scenario.nominal, &channel);
-                let offsets: Vec<ParameterId> = (1..=7)
-                    .map(|row| ParameterId::Link {
-                        row,
-                        parameter: LinkParameter::Theta,
-                    })
-                    .collect();
-                fit_parameters(
-                    "joint offsets",
-                    &scenario.nominal,
-                    &recording,
-                    &channel,
-                    &offsets,
-                    &weights,
-                    &scenario.options(),
-                )?
-                .device
-            }
-            Self::Transmissions => step_one(scenario, seed)?.0,
-            Self::Kinematics => step_two(scenario, &scenario.nominal, seed)?.device,
-            Self::TwoSteps => {
-                let (compensated, ..) = step_one(scenario, seed)?;
-                step_two(scenario, &compensated, seed)?.device
-            }
-            Self::Joint => joint_fit(scenario, seed)?,
-        })
-    }
-}
-
-/// The joint fit on the same number of readings: 200 rows with all channels at once.
-fn joint_fit(scenario: &Scenario, seed: u64) -> Result<Device> {
-    let recording = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
-    channels(&scenario.nominal, &recording)?;
-    let options = Options {
-        method: CalibrationMethod::Joint,
-        ..scenario.options()
-    };
-    Ok(fit_device(&scenario.nominal, &recording, &options)?.device)
 }

@@ -148,6 +148,11 @@ pub(crate) fn table2(paper: &Paper, run: &Run, runs: &MonteCarlo, title: &str) -
             ])?;
         }
     }
+    table.notes.push(
+        "\"possible here?\" judges each published error alone; whether all of them together can be this \
+         small is the joint verdict below."
+            .to_owned(),
+    );
     let mut figure = Figure::new(title, "parameter", "improvement I [%]");
     figure.categories = Some(categories);
     figure.y_range = Some((FLOOR, 101.0));

@@ -20,3 +20,4 @@ mod planted;
 mod recovery;
 mod refusals;
 mod statistics;
+mod warnings;
