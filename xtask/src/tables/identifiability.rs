@@ -178,7 +178,7 @@ fn schroer(scenario: &Scenario) -> Result<Table> {
         ("those and the capstan's ratio", vec![0, 1, 6, 7, 8, 9]),
         ("all ten (with both drums)", (0..10).collect()),
     ] {
-        for half_range_deg in [15.0_f64, 45.0] {
+        for half_range_deg in [15.0_f64, 30.0, 45.0] {
             let recording = sweep(&device, half_range_deg.to_radians(), scenario.samples);
             let channels = [Channel::Output { joint: 3 }];
             let weights = Weights::stated(&device, &channels);

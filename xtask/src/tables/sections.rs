@@ -178,9 +178,11 @@ pub(crate) fn identifiability(output: &mut Output, results: &Results, seed: u64)
         "Schroer's claim, checked the same way: of a planar parallelogram's five parameters (four \
          lengths and an angle) only one length is identifiable. At the nominal, perfect \
          parallelogram the four lengths act only through L3 - L1 and L2 - L4, so an external encoder \
-         sees two lengths and the angle; with the ratio and the drums of the capstan before it free \
-         too, both lengths weaken to the point where a small range of motion shows none of them \
-         usefully. The claim holds in that sense, and is the reason for the polynomial.",
+         sees at most two lengths and the angle. With the ratio and both drums of the capstan before it \
+         free too, how many lengths are fixed to a useful size depends on the range of motion: none \
+         within +-30 degrees, two within the paper's +-45 (table below; docs/equations.md, Parallelogram \
+         error, has one in between). Four lengths are never fixed, and a polynomial stands for their \
+         joint effect.",
     );
     output.table("parallelogram_identifiability", judged.schroer)
 }
