@@ -1,3 +1,5 @@
+//! Calibration of a cable-driven device from a recording: two steps or all at once, checked on rows not seen.
+//!
 #![doc = include_str!("../README.md")]
 
 mod calibration;

@@ -1,3 +1,5 @@
+//! Nonlinear least squares that asks first which parameters the data can fix.
+//!
 #![doc = include_str!("../README.md")]
 
 mod derivative_check;

@@ -1,3 +1,5 @@
+//! Least squares on guarded QR: rank, truncated solutions and covariance, or a typed refusal.
+//!
 #![doc = include_str!("../README.md")]
 
 mod covariance;

@@ -1,3 +1,5 @@
+//! Devices with cable drives: their files, parameters by name, and predictions with derivatives.
+//!
 #![doc = include_str!("../README.md")]
 
 mod device;
