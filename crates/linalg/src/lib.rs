@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod basis;
 mod covariance;
 mod error;
 mod matrix;
@@ -11,6 +12,7 @@ mod reduction;
 mod sparse;
 mod step;
 
+pub use basis::orthonormal_basis;
 pub use error::LinalgError;
 pub use matrix::Matrix;
 pub use ordered::{Dependence, OrderedRank};

@@ -84,6 +84,24 @@ impl PivotedQr {
     }
 }
 
+/// The leading columns of Q of a checked matrix, as many as its rank.
+pub(crate) fn thin_basis(matrix: &Matrix, tolerance: f64) -> Matrix {
+    let (rows, columns) = (matrix.rows(), matrix.columns());
+    if (0..columns).all(|column| matrix.column(column).iter().all(|entry| *entry == 0.0)) {
+        return Matrix::zeros(rows, 0);
+    }
+    let qr = matrix.as_faer().col_piv_qr();
+    let r = qr.R();
+    let size = rows.min(columns);
+    let largest = r[(0, 0)].abs();
+    // the first pivot below the tolerance, as in PivotedQr::rank
+    let rank = (0..size)
+        .find(|&index| r[(index, index)].abs() <= tolerance * largest)
+        .unwrap_or(size);
+    let q = qr.compute_thin_Q();
+    Matrix::from_fn(rows, rank, |row, column| q[(row, column)])
+}
+
 /// Singular values, largest first, and the right singular vectors as columns.
 pub(crate) fn singular_values(matrix: &Matrix) -> Result<(Vec<f64>, Matrix), LinalgError> {
     let (rows, columns) = (matrix.rows(), matrix.columns());

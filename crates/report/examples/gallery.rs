@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 
 use haptical_report::{
-    Block, Cell, Column, Document, Figure, FigureGrid, Mark, ReportError, Section, Series, Table,
-    histogram, write_atomically,
+    BarRow, BarRows, Block, Cell, Column, Document, Figure, FigureGrid, HeatCell, HeatMap, Mark,
+    ReportError, Section, Series, Table, Tone, histogram, write_atomically,
 };
 
 /// Numbers that look random and are the same on every machine: fractions of multiples of a root.
@@ -162,6 +162,46 @@ fn band() -> Figure {
     figure
 }
 
+fn waterfall() -> BarRows {
+    let mut bars = BarRows::new("Waterfall of a gap", "root mean square residual [mrad]");
+    bars.connected = true;
+    for (name, from, to, colour) in [
+        ("before", 0.0, 1.2, 1),
+        ("capstan-compliance, joint 2", 1.2, 0.35, 0),
+        ("backlash, joint 3", 0.35, 0.13, 5),
+        ("left unexplained", 0.13, 0.105, 4),
+        ("noise floor", 0.105, 0.0, 2),
+    ] {
+        bars.rows.push(BarRow {
+            name: name.to_owned(),
+            from,
+            to,
+            colour,
+            value: format!("{:.3}", from.max(to)),
+        });
+    }
+    bars
+}
+
+fn heat() -> HeatMap {
+    let columns = (1..=4).map(|joint| format!("joint {joint}")).collect();
+    let mut map = HeatMap::new("Candidates by place", columns);
+    for (row, name) in ["capstan-compliance", "joint-compliance", "backlash"]
+        .into_iter()
+        .enumerate()
+    {
+        let cell = |column: usize| {
+            let shade = (scatter(column as i32, 2.0 + row as f64) + 0.5).powi(2);
+            (shade > 0.05).then(|| HeatCell {
+                shade,
+                text: format!("{:.0} %", 100.0 * shade),
+            })
+        };
+        map.rows.push((name.to_owned(), (0..4).map(cell).collect()));
+    }
+    map
+}
+
 fn table() -> Result<Table, ReportError> {
     let columns = vec![
         Column::new("parameter", ""),
@@ -225,6 +265,8 @@ fn main() -> Result<(), ReportError> {
             "Error bars side by side.",
             intervals().to_svg(640, 420)?,
         ),
+        ("waterfall", "Bars in rows.", waterfall().to_svg(860)?),
+        ("heat", "Shaded cells.", heat().to_svg(860)?),
     ];
     let mut blocks = Vec::new();
     for (name, caption, svg) in drawings {
@@ -245,7 +287,16 @@ fn main() -> Result<(), ReportError> {
             good: false,
             text: "A condition that does not hold.".to_owned(),
         },
+        Block::Notice {
+            tone: Tone::Neutral,
+            label: "note".to_owned(),
+            text: "A sentence that stands out.".to_owned(),
+        },
         Block::Table(table),
+        Block::Folded {
+            summary: "What is folded away".to_owned(),
+            blocks: vec![Block::Paragraph("Opened by a click.".to_owned())],
+        },
         Block::List(vec![
             "First remark".to_owned(),
             "Second remark, with a < b".to_owned(),

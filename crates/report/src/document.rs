@@ -57,6 +57,34 @@ pub enum Block {
         /// The sentence.
         text: String,
     },
+    /// A sentence that stands out, behind a word or two that say what kind it is.
+    Notice {
+        /// How it is coloured.
+        tone: Tone,
+        /// The word or two.
+        label: String,
+        /// The sentence.
+        text: String,
+    },
+    /// Blocks that are folded away until the reader opens them; in print they are open, where the
+    /// browser can.
+    Folded {
+        /// The line that stays visible.
+        summary: String,
+        /// What is folded away.
+        blocks: Vec<Block>,
+    },
+}
+
+/// Colour of a [`Block::Notice`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// All is well.
+    Good,
+    /// Something is wrong.
+    Bad,
+    /// Neither.
+    Neutral,
 }
 
 impl Section {
@@ -155,6 +183,18 @@ impl Block {
                 p.verdict.good[*good].bad[!*good] {
                     b { (if *good { "✓ met" } else { "✗ not met" }) }
                     (clean(text))
+                }
+            },
+            Self::Notice { tone, label, text } => html! {
+                p.verdict.good[*tone == Tone::Good].bad[*tone == Tone::Bad] {
+                    b { (clean(label)) }
+                    (clean(text))
+                }
+            },
+            Self::Folded { summary, blocks } => html! {
+                details {
+                    summary { (clean(summary)) }
+                    @for block in blocks { (block.to_html()) }
                 }
             },
         }

@@ -1,6 +1,6 @@
 //! Documents: self-contained, escaped, with a table of contents.
 
-use haptical_report::{Block, Cell, Column, Document, Figure, Mark, Section, Series, Table};
+use haptical_report::{Block, Cell, Column, Document, Figure, Mark, Section, Series, Table, Tone};
 
 fn svg() -> String {
     let mut figure = Figure::new("Error on <joint> = 1", "x [m]", "y [m]");
@@ -47,6 +47,15 @@ fn every_block_appears_escaped() {
             good: false,
             text: "<no>".to_owned(),
         },
+        Block::Notice {
+            tone: Tone::Neutral,
+            label: "<label>".to_owned(),
+            text: "<notice>".to_owned(),
+        },
+        Block::Folded {
+            summary: "<fold>".to_owned(),
+            blocks: vec![Block::Paragraph("<folded>".to_owned())],
+        },
     ]);
     for text in [
         "A <title>",
@@ -59,6 +68,10 @@ fn every_block_appears_escaped() {
         "<item>",
         "<yes>",
         "<no>",
+        "<label>",
+        "<notice>",
+        "<fold>",
+        "<folded>",
     ] {
         let escaped = text.replace('<', "&lt;").replace('>', "&gt;");
         assert!(html.contains(&escaped) && !html.contains(text), "{text}");
@@ -129,4 +142,23 @@ fn a_figure_that_is_more_than_a_drawing_is_left_out() {
 fn the_page_is_the_same_twice_and_its_drawing_survives() {
     assert_eq!(page(vec![drawing(&svg())]), page(vec![drawing(&svg())]));
     assert!(page(vec![drawing(&svg())]).contains(svg().trim_end()));
+}
+
+#[test]
+fn a_notice_has_the_colour_of_its_tone_and_a_fold_is_closed() {
+    let notice = |tone| {
+        page(vec![Block::Notice {
+            tone,
+            label: "next".to_owned(),
+            text: "record again".to_owned(),
+        }])
+    };
+    assert!(notice(Tone::Good).contains("class=\"verdict good\""));
+    assert!(notice(Tone::Bad).contains("class=\"verdict bad\""));
+    assert!(notice(Tone::Neutral).contains("class=\"verdict\""));
+    let folded = page(vec![Block::Folded {
+        summary: "more".to_owned(),
+        blocks: vec![Block::List(vec!["inside".to_owned()])],
+    }]);
+    assert!(folded.contains("<details><summary>more</summary><ul><li>inside</li></ul></details>"));
 }

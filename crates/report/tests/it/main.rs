@@ -5,9 +5,11 @@
     reason = "helpers of tests may stop a test; clippy exempts only the tests themselves"
 )]
 
+mod bar_rows;
 mod document;
 mod figure;
 mod figure_geometry;
 mod file;
+mod heat_map;
 mod picture;
 mod table;

@@ -1,0 +1,45 @@
+//! Blind trials of a diagnosis: recordings with a hidden effect, sealed truths, scores.
+//!
+#![doc = include_str!("../README.md")]
+
+mod devices;
+mod drive;
+mod dynamics;
+mod effects;
+mod error;
+mod files;
+mod gap;
+mod geometry;
+mod laws;
+mod motion;
+mod noise;
+mod random;
+mod readings;
+mod scene;
+mod score;
+mod seal;
+mod suites;
+mod surroundings;
+mod trial;
+mod truth;
+
+pub use devices::{NOMINALS, Nominal, perturbed, torque_scales};
+pub use dynamics::Dynamics;
+pub use effects::{Draw, Effect, Facts, Group, Info, KINDS, Kind, kind};
+pub use error::BlindError;
+pub use files::{log_shape, write_trial};
+pub use gap::ChannelGapTruth;
+pub use geometry::{Chain, Flex, HandlePose};
+pub use motion::{Motion, MotionPlan};
+pub use noise::{ChannelNoise, NoisePlan};
+pub use random::Random;
+pub use scene::{CablePath, CleanChannels, Recorded, Scene};
+pub use score::{
+    Answer, Calibration, Cause, ChannelGap, Coverage, Gap, HeldOut, ParameterAnswer, Prediction,
+    Rate, ShrinkScore, Summary, TrialScore, TrueReduction, Verdict, Where, judge, summarise,
+    true_reductions,
+};
+pub use seal::{Sealed, seal, sha256_hex};
+pub use suites::Suite;
+pub use trial::Trial;
+pub use truth::{EffectTruth, Event, Truth};

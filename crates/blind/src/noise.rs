@@ -1,0 +1,86 @@
+//! Noise of the external encoders and of the cable: size, colour, outliers, rounding.
+
+use crate::random::Random;
+
+/// Noise of one channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChannelNoise {
+    /// Standard deviation relative to the stated one.
+    pub factor: f64,
+    /// Correlation of neighbouring samples (AR(1)).
+    pub autoregression: f64,
+    /// Share of readings that are outliers.
+    pub outlier_share: f64,
+    /// Standard deviation of outliers relative to the channel's.
+    pub outlier_factor: f64,
+    /// Ratio of the standard deviation in motion, at the channel's root-mean-square speed and above,
+    /// to that at rest; 1 for noise that does not depend on speed.
+    pub speed_ratio: f64,
+    /// Whether the reading is rounded to the encoder's counts.
+    pub rounded: bool,
+}
+
+impl Default for ChannelNoise {
+    fn default() -> Self {
+        Self {
+            factor: 1.0,
+            autoregression: 0.0,
+            outlier_share: 0.0,
+            outlier_factor: 8.0,
+            speed_ratio: 1.0,
+            rounded: false,
+        }
+    }
+}
+
+/// Noise of all channels: one entry per joint (used where it has an external encoder), then the cable.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct NoisePlan {
+    /// External encoders.
+    pub output: Vec<ChannelNoise>,
+    /// The cable.
+    pub cable: ChannelNoise,
+}
+
+impl NoisePlan {
+    /// White noise of the stated size on every channel of a device with `joints` joints.
+    pub fn white(joints: usize) -> Self {
+        Self {
+            output: vec![ChannelNoise::default(); joints],
+            cable: ChannelNoise::default(),
+        }
+    }
+}
+
+impl ChannelNoise {
+    /// `clean` with noise of this kind; `speed` is the channel's, in any unit; `count` the encoder's.
+    pub(crate) fn add(
+        &self,
+        clean: &[f64],
+        speed: &[f64],
+        sd: f64,
+        count: Option<f64>,
+        random: &mut Random,
+    ) -> Vec<f64> {
+        let speed_rms = crate::laws::rms(speed).max(f64::MIN_POSITIVE);
+        let fresh = libm::sqrt(1.0 - self.autoregression * self.autoregression);
+        let mut state = random.normal();
+        clean
+            .iter()
+            .zip(speed)
+            .map(|(value, speed)| {
+                state = self.autoregression * state + fresh * random.normal();
+                let moving = (speed / speed_rms).abs().min(1.0);
+                let size = sd * self.factor * (1.0 + (self.speed_ratio - 1.0) * moving);
+                let mut reading = value + size * state;
+                if self.outlier_share > 0.0 && random.unit() <= self.outlier_share {
+                    reading += size * self.outlier_factor * random.normal();
+                }
+                match count {
+                    Some(count) if self.rounded => libm::round(reading / count) * count,
+                    _ => reading,
+                }
+            })
+            .collect()
+    }
+}

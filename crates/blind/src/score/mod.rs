@@ -1,0 +1,13 @@
+//! Scores of a diagnosis against the truth: one trial at a time, then over a batch.
+
+mod answer;
+mod interval;
+mod judge;
+mod reduction;
+mod summary;
+
+pub use answer::{Answer, Cause, ChannelGap, Gap, HeldOut, ParameterAnswer, Verdict, Where};
+pub use interval::Rate;
+pub use judge::{Coverage, ShrinkScore, TrialScore, judge};
+pub use reduction::{Prediction, TrueReduction, true_reductions};
+pub use summary::{Calibration, Summary, summarise};

@@ -1,0 +1,11 @@
+//! Tests of haptical-blind.
+
+mod dynamics;
+mod effects;
+mod files;
+mod geometry;
+mod motion;
+mod noise;
+mod score;
+mod seal;
+mod suites;

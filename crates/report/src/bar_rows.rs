@@ -1,0 +1,258 @@
+//! Rows of horizontal bars with a name before and a value behind each: waterfalls and shares.
+
+use crate::axis::{Axis, MOST_TICKS, Tick};
+use crate::canvas::{Anchor, Canvas, Colour, Rectangle, Stroke};
+use crate::error::ReportError;
+use crate::layout::{LINE_PX, MARGIN_PX, TEXT_PX, TICK_PX, TITLE_LINE_PX, TITLE_PX};
+use crate::text::{BOLD_FACTOR, width_px, wrap};
+
+/// Height of a row whose name has one line.
+const ROW_PX: f64 = 32.0;
+/// Share of a row's height that its bar takes.
+const BAR_SHARE: f64 = 0.62;
+/// Largest share of the picture's width for the names.
+const NAME_SHARE: f64 = 0.4;
+/// Space between a name or a value and the bar.
+const GAP_PX: f64 = 7.0;
+/// Free space beyond the longest bar, as a share of the range.
+const X_MARGIN: f64 = 0.03;
+/// Smallest width of the plot.
+const SMALLEST_PLOT_PX: f64 = 80.0;
+
+/// One bar with its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BarRow {
+    /// What stands before the bar.
+    pub name: String,
+    /// Where the bar begins, in the unit of the axis.
+    pub from: f64,
+    /// Where it ends; may lie below `from`.
+    pub to: f64,
+    /// Index into the palette, as [`crate::Series::colour`].
+    pub colour: usize,
+    /// What stands behind the bar; may be empty.
+    pub value: String,
+}
+
+/// Bars under each other on one axis that begins at zero.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BarRows {
+    /// What the picture shows.
+    pub title: String,
+    /// Name of the axis with its unit: `residual [mrad]`.
+    pub x_label: String,
+    /// The bars, from the top.
+    pub rows: Vec<BarRow>,
+    /// Draws a thin line from the end of each bar to the next one, as in a waterfall.
+    pub connected: bool,
+}
+
+/// Places of the parts.
+struct Layout {
+    title: Vec<String>,
+    names: Vec<Vec<String>>,
+    /// Upper edge of each row, and the lower edge of the last one.
+    edges: Vec<f64>,
+    plot: Rectangle,
+    height: f64,
+}
+
+impl BarRows {
+    /// A picture without bars.
+    ///
+    /// # Examples
+    /// ```
+    /// use haptical_report::{BarRow, BarRows};
+    /// let mut gap = BarRows::new("Gap", "residual [mrad]");
+    /// let row = |name: &str, from, to| BarRow {
+    ///     name: name.to_owned(),
+    ///     from,
+    ///     to,
+    ///     colour: 0,
+    ///     value: format!("{:.1}", to - from),
+    /// };
+    /// gap.rows = vec![row("before", 0.0, 1.2), row("backlash", 1.2, 0.2)];
+    /// gap.connected = true;
+    /// assert!(gap.to_svg(640)?.contains("backlash"));
+    /// # Ok::<(), haptical_report::ReportError>(())
+    /// ```
+    pub fn new(title: impl Into<String>, x_label: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            x_label: x_label.into(),
+            ..Self::default()
+        }
+    }
+
+    /// The picture as SVG on white, as high as its rows need; the same rows give the same bytes.
+    ///
+    /// # Errors
+    /// [`ReportError::NonFinite`] for a NaN or infinite end of a bar, [`ReportError::Empty`] without
+    /// rows, [`ReportError::TooSmall`] when names and values leave no room for the bars, and
+    /// [`ReportError::PictureSize`].
+    pub fn to_svg(&self, width_px: u32) -> Result<String, ReportError> {
+        for (index, row) in self.rows.iter().enumerate() {
+            if let Some(value) = [row.from, row.to].into_iter().find(|end| !end.is_finite()) {
+                return Err(ReportError::NonFinite {
+                    place: format!("figure \"{}\", bar \"{}\"", self.title, row.name),
+                    index,
+                    value,
+                });
+            }
+        }
+        let ends: Vec<f64> = self
+            .rows
+            .iter()
+            .flat_map(|row| [row.from, row.to])
+            .collect();
+        let empty = || ReportError::Empty {
+            figure: self.title.clone(),
+            missing: "bars",
+        };
+        if self.rows.is_empty() {
+            return Err(empty());
+        }
+        let axis = Axis::around(&ends, false, X_MARGIN, Some(0.0)).ok_or_else(empty)?;
+        let layout = self.layout(f64::from(width_px))?;
+        let mut canvas = Canvas::new(width_px, layout.height.ceil() as u32)?;
+        self.draw(&mut canvas, &layout, &axis);
+        canvas.finish(&self.title)
+    }
+
+    fn layout(&self, width: f64) -> Result<Layout, ReportError> {
+        let inner = width - 2.0 * MARGIN_PX;
+        let title = wrap(&self.title, TITLE_PX * BOLD_FACTOR, inner);
+        let names: Vec<Vec<String>> = self
+            .rows
+            .iter()
+            .map(|row| wrap(&row.name, TEXT_PX, NAME_SHARE * width))
+            .collect();
+        let widest = |texts: &mut dyn Iterator<Item = &str>| {
+            texts
+                .map(|text| width_px(text, TEXT_PX))
+                .fold(0.0, f64::max)
+        };
+        let name_px = widest(&mut names.iter().flatten().map(String::as_str));
+        let value_px = widest(&mut self.rows.iter().map(|row| row.value.as_str()));
+        let top = MARGIN_PX + title.len() as f64 * TITLE_LINE_PX + 4.0;
+        let mut edges = vec![top];
+        let mut edge = top;
+        for lines in &names {
+            edge += ROW_PX.max(lines.len() as f64 * LINE_PX + 8.0);
+            edges.push(edge);
+        }
+        let plot = Rectangle {
+            left: MARGIN_PX + name_px + GAP_PX,
+            top,
+            right: width - MARGIN_PX - value_px - GAP_PX,
+            bottom: edge,
+        };
+        if plot.width() < SMALLEST_PLOT_PX {
+            return Err(ReportError::TooSmall {
+                figure: self.title.clone(),
+                width_px: plot.width().max(0.0),
+                height_px: plot.height(),
+                needed_width_px: SMALLEST_PLOT_PX,
+                needed_height_px: ROW_PX,
+            });
+        }
+        let label_px = if self.x_label.is_empty() {
+            0.0
+        } else {
+            LINE_PX + 4.0
+        };
+        let height = edge + TICK_PX + 3.0 + LINE_PX + label_px + MARGIN_PX;
+        Ok(Layout {
+            title,
+            names,
+            edges,
+            plot,
+            height,
+        })
+    }
+
+    fn draw(&self, canvas: &mut Canvas, layout: &Layout, axis: &Axis) {
+        let plot = layout.plot;
+        for (index, line) in layout.title.iter().enumerate() {
+            let y = MARGIN_PX + (index as f64 + 0.5) * TITLE_LINE_PX;
+            canvas.heading(line, (MARGIN_PX, y), TITLE_PX);
+        }
+        let x_px = |value: f64| plot.left + axis.share(value) * plot.width();
+        let line = |colour| Stroke {
+            colour,
+            width_px: 1.0,
+        };
+        let ticks = level_ticks(axis, &plot);
+        for tick in &ticks {
+            let x = x_px(tick.value);
+            canvas.path(&[(x, plot.top), (x, plot.bottom)], line(Colour::GRID));
+        }
+        for (index, row) in self.rows.iter().enumerate() {
+            let (top, bottom) = (layout.edges[index], layout.edges[index + 1]);
+            let middle = 0.5 * (top + bottom);
+            let half = 0.5 * BAR_SHARE * ROW_PX;
+            let (left, right) = (x_px(row.from.min(row.to)), x_px(row.from.max(row.to)));
+            let bar = Rectangle {
+                left,
+                top: middle - half,
+                // a bar of no length still shows where it stands
+                right: right.max(left + 1.0),
+                bottom: middle + half,
+            };
+            canvas.fill(bar, Colour::palette(row.colour));
+            if self.connected && index + 1 < self.rows.len() {
+                let x = x_px(row.to);
+                let next = 0.5 * (bottom + layout.edges[index + 2]) - half;
+                canvas.path(&[(x, middle + half), (x, next)], line(Colour::AXIS));
+            }
+            if !row.value.is_empty() {
+                let behind = (bar.right + GAP_PX, middle);
+                canvas.text(&row.value, behind, TEXT_PX, Anchor::Start);
+            }
+            let lines = &layout.names[index];
+            for (place, name) in lines.iter().enumerate() {
+                let y = middle + (place as f64 - 0.5 * (lines.len() as f64 - 1.0)) * LINE_PX;
+                canvas.text(name, (plot.left - GAP_PX, y), TEXT_PX, Anchor::End);
+            }
+        }
+        let corner = (plot.left, plot.bottom);
+        canvas.path(
+            &[(plot.left, plot.top), corner, (plot.right, plot.bottom)],
+            line(Colour::AXIS),
+        );
+        let under = plot.bottom + TICK_PX + 3.0;
+        for tick in &ticks {
+            let x = x_px(tick.value);
+            canvas.path(
+                &[(x, plot.bottom), (x, plot.bottom + TICK_PX)],
+                line(Colour::AXIS),
+            );
+            canvas.text(
+                &tick.label,
+                (x, under + 0.5 * LINE_PX),
+                TEXT_PX,
+                Anchor::Middle,
+            );
+        }
+        let at = (0.5 * (plot.left + plot.right), under + 1.5 * LINE_PX + 4.0);
+        if !self.x_label.is_empty() {
+            canvas.text(&self.x_label, at, TEXT_PX, Anchor::Middle);
+        }
+    }
+}
+
+/// As many labelled ticks as stand side by side.
+fn level_ticks(axis: &Axis, plot: &Rectangle) -> Vec<Tick> {
+    let mut most = MOST_TICKS;
+    loop {
+        let ticks = axis.ticks(most);
+        let widest = ticks
+            .iter()
+            .map(|tick| width_px(&tick.label, TEXT_PX))
+            .fold(0.0, f64::max);
+        if most <= 2 || ticks.len() as f64 * (widest + 2.0 * GAP_PX) <= plot.width() {
+            return ticks;
+        }
+        most -= 1;
+    }
+}
