@@ -1,10 +1,11 @@
-//! The project's own jobs. `cargo xtask reproduce-tables` is the main one.
+//! The project's own jobs: `cargo xtask reproduce-tables` and `cargo xtask blind-check`.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
     reason = "a command talks to its terminal"
 )]
 
+mod blind;
 mod progress;
 mod tables;
 
@@ -24,11 +25,14 @@ struct Cli {
 enum Job {
     /// Reproduces the paper's simulation: Tables 1 to 3, Figures 7 and 8, and what they rest on.
     ReproduceTables(tables::Arguments),
+    /// Tries the diagnosis on recordings with sealed truths, then opens and scores them.
+    BlindCheck(blind::Arguments),
 }
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().job {
         Job::ReproduceTables(arguments) => tables::reproduce(&arguments),
+        Job::BlindCheck(arguments) => blind::check(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

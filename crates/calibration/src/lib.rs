@@ -33,5 +33,6 @@ pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};
 pub use problem::DeviceProblem;
 pub use reduced::ReducedProblem;
 pub use residuals::{ChannelResiduals, channel_residuals};
+pub use sufficiency::check as check_recording;
 pub use transmission_step::{TransmissionFit, fit_transmission, fit_transmissions};
 pub use weights::Weights;

@@ -24,7 +24,11 @@ pub(crate) fn resting_joints(recording: &Recording) -> Vec<usize> {
 }
 
 /// Refuses recordings without motion and distances that no cable can have.
-pub(crate) fn check(
+///
+/// # Errors
+/// [`CalibrationError::NoMotion`] where no joint moves by 5 mrad (or mm), [`CalibrationError::Reading`]
+/// naming line and column of a distance that no cable can have.
+pub fn check(
     device: &Device,
     recording: &Recording,
     channels: &[Channel],

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::error::{ContextKind, ErrorKind};
+use clap::builder::PossibleValuesParser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use haptical_calibration::Degree;
+use haptical_diagnosis::effect_names;
 
 use crate::failure::Failure;
 use crate::{STATUS_BAD_INPUT, terminal};
@@ -20,6 +22,7 @@ use crate::{STATUS_BAD_INPUT, terminal};
 Example:
   haptical init demo
   haptical identify --device demo/device.toml --log demo/log.csv --out demo/result
+  haptical diagnose --device demo/device.toml --log demo/log.csv --out demo/gap
 
 Exit status: 0 done; 2 bad arguments or input; 3 nothing can be identified from these numbers."
 )]
@@ -38,6 +41,9 @@ Example:
 Writes result/identified.toml (a device file again), result/identified.json and
 result/report.html: all three or none.")]
     Identify(IdentifyArguments),
+    /// Identify, then say which effect causes what is left between model and measurement
+    #[command(after_help = diagnose_help())]
+    Diagnose(DiagnoseArguments),
     /// Check a device file and a log, and say what the log could identify
     #[command(after_help = "\
 Example:
@@ -94,6 +100,39 @@ pub(crate) struct IdentifyArguments {
     /// Input drum denominators that the paper's tables imply: 2.9 mm, joint 4: 2.6 mm
     #[arg(long)]
     pub(crate) paper_preset: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DiagnoseArguments {
+    /// Device file (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) device: PathBuf,
+    /// Log (CSV, plain or gzip)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: PathBuf,
+    /// Folder for the result files; made if it is missing
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Diagnose against a model identified earlier: what the device deviates from it is part of
+    /// the gap
+    #[arg(long, value_name = "FILE")]
+    pub(crate) model: Option<PathBuf>,
+    /// Second log of the same device, on which the shrink is measured; without it contiguous blocks
+    /// of the log are held out
+    #[arg(long, value_name = "FILE")]
+    pub(crate) validate: Option<PathBuf>,
+    /// Effects to leave out of the catalogue, separated by commas
+    #[arg(
+        long,
+        value_name = "EFFECT",
+        value_delimiter = ',',
+        value_parser = PossibleValuesParser::new(effect_names()),
+        hide_possible_values = true
+    )]
+    pub(crate) without: Vec<String>,
+    /// Print gap.json instead of the summary
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -180,16 +219,8 @@ pub(crate) fn explain(error: &clap::Error, wants_json: bool) -> ExitCode {
 }
 
 fn failure_of(error: &clap::Error) -> Failure {
-    let diagnose = error
-        .get(ContextKind::InvalidSubcommand)
-        .is_some_and(|word| word.to_string() == "diagnose");
-    if diagnose {
-        return Failure::command_line(
-            "not-supported",
-            "`diagnose` is not supported yet",
-            "`haptical identify` writes the residuals before and after identification; see \
-             `haptical --help`",
-        );
+    if let Some(failure) = unknown_effect(error) {
+        return failure;
     }
     let text = error.render().to_string();
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -211,4 +242,54 @@ fn failure_of(error: &clap::Error) -> Failure {
         next.push("see `haptical --help`");
     }
     Failure::command_line("arguments", what, next.join("; "))
+}
+
+/// A name that `--without` does not know.
+fn unknown_effect(error: &clap::Error) -> Option<Failure> {
+    let argument = error.get(ContextKind::InvalidArg)?.to_string();
+    let is_name = error.kind() == ErrorKind::InvalidValue && argument.starts_with("--without");
+    let name = error.get(ContextKind::InvalidValue)?.to_string();
+    if !is_name {
+        return None;
+    }
+    let nearest = match error.get(ContextKind::SuggestedValue) {
+        Some(ContextValue::String(name)) => Some(name),
+        Some(ContextValue::Strings(names)) => names.last(),
+        _ => None,
+    };
+    let next = match nearest {
+        Some(nearest) => format!("did you mean `{nearest}`?"),
+        None => format!("the names are: {}", effect_names().join(", ")),
+    };
+    let what = format!("there is no effect `{name}` in the catalogue");
+    Some(Failure::command_line("unknown-effect", what, next))
+}
+
+/// Width of a line of the list of names, in characters.
+const NAMES_WIDTH: usize = 90;
+
+/// Example, files and the names that `--without` takes.
+fn diagnose_help() -> String {
+    let mut text = "\
+Example:
+  haptical diagnose --device device.toml --log log.csv.gz --validate log2.csv.gz --out gap
+
+Writes gap/gap.json and gap/report.html, with --validate gap/predictions.csv too: all or none.
+
+Names of effects:
+"
+    .to_owned();
+    let mut line = String::new();
+    for name in effect_names() {
+        if !line.is_empty() && line.len() + name.len() + 1 > NAMES_WIDTH {
+            text.push_str(&format!("  {line}\n"));
+            line.clear();
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line.push_str(name);
+    }
+    text.push_str(&format!("  {line}"));
+    text
 }

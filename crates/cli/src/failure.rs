@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use haptical_calibration::CalibrationError;
 use haptical_data::DataError;
+use haptical_diagnosis::DiagnosisError;
 use haptical_model::DeviceFileError;
 use haptical_report::ReportError;
 use serde_json::json;
@@ -106,6 +107,48 @@ impl Failure {
             place,
             next,
             status,
+        }
+    }
+
+    /// A refused diagnosis of a device from a log.
+    pub(crate) fn diagnosis(error: &DiagnosisError, device: &Path, log: &Path) -> Self {
+        if let DiagnosisError::Calibration(error) = error {
+            return Self::calibration(error, device, log);
+        }
+        let log_place = log.display().to_string();
+        let text = error.to_string();
+        match error {
+            DiagnosisError::Row { line, source } => {
+                let next = "leave this row out of the log, or correct the device file";
+                Self::log_line("row", source.to_string(), log, Some(*line), next)
+            }
+            DiagnosisError::UnknownEffect { .. } => {
+                let (what, next) = split_advice(&text);
+                Self::command_line("unknown-effect", what, next)
+            }
+            DiagnosisError::TooFewReadings { .. } => {
+                let (what, next) = text.split_once(": ").unwrap_or((&text, "record more rows"));
+                Self {
+                    status: STATUS_UNIDENTIFIABLE,
+                    ..Self::bad_input("too-few-rows", what, log_place, next)
+                }
+            }
+            DiagnosisError::Identification(_) => Self::bad_input(
+                "identification",
+                text,
+                log_place,
+                "check the device's lengths and home, and leave out the rows that are named",
+            ),
+            other if other.is_unidentifiable() => Self {
+                status: STATUS_UNIDENTIFIABLE,
+                ..Self::bad_input(
+                    "nothing-identifiable",
+                    text,
+                    log_place,
+                    "record slow motion of every joint through its whole range",
+                )
+            },
+            _ => Self::internal(text),
         }
     }
 
@@ -300,4 +343,45 @@ fn one_line(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { ' ' } else { c })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_diagnosis_has_what_where_next_and_its_status() {
+        let refused = |error: DiagnosisError| {
+            Failure::diagnosis(&error, Path::new("device.toml"), Path::new("log.csv"))
+        };
+        let few = refused(DiagnosisError::TooFewReadings {
+            readings: 12,
+            parameters: 57,
+            advised: 1140,
+        });
+        assert_eq!(
+            (few.status, few.place.file.as_str()),
+            (STATUS_UNIDENTIFIABLE, "log.csv")
+        );
+        assert!(few.what.starts_with("12 usable readings") && few.what.ends_with("57 parameters"));
+        assert!(
+            few.next.starts_with("record at least 1140 rows"),
+            "{}",
+            few.next
+        );
+        let name = refused(DiagnosisError::UnknownEffect {
+            name: "backlsh".to_owned(),
+            nearest: Some("backlash".to_owned()),
+        });
+        assert_eq!(
+            (name.status, name.kind),
+            (STATUS_BAD_INPUT, "unknown-effect")
+        );
+        assert_eq!(name.next, "did you mean `backlash`?");
+        let still = refused(CalibrationError::NoMotion { rows: 400 }.into());
+        assert_eq!(
+            (still.status, still.kind),
+            (STATUS_UNIDENTIFIABLE, "no-motion")
+        );
+    }
 }

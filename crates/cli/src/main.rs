@@ -3,13 +3,22 @@
 mod arguments;
 mod check;
 mod check_text;
+mod diagnose;
+mod diagnosis_words;
+mod effect_words;
+#[cfg(test)]
+mod example_diagnosis;
 mod failure;
+mod gap_file;
+mod gap_report;
+mod gap_summary;
 mod identified;
 mod identify;
 mod init;
 mod inputs;
 mod method;
 mod output_files;
+mod quantity;
 mod report;
 mod summary;
 mod terminal;
@@ -42,6 +51,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Init(arguments) => init::run(&arguments),
         Command::Completions { shell } => {

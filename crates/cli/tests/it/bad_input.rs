@@ -320,15 +320,6 @@ fn a_share_above_one_half_is_refused() {
 }
 
 #[test]
-fn diagnose_is_not_supported_yet() {
-    haptical()
-        .args(["diagnose", "--device", "d.toml"])
-        .assert()
-        .code(2)
-        .stderr(predicate_contains("`diagnose` is not supported yet"));
-}
-
-#[test]
 fn a_file_in_the_way_of_the_folder_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.write("blocked", "a file");

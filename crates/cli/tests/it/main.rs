@@ -7,7 +7,10 @@
 )]
 
 mod bad_input;
+mod diagnose;
+mod diagnose_refusals;
 mod happy_path;
+mod moving_log;
 mod other_commands;
 mod shared_data;
 
@@ -64,9 +67,18 @@ impl Sandbox {
 
     /// `haptical identify` in the sandbox, with further arguments.
     fn identify(&self, further: &[&str]) -> Output {
+        self.run("identify", further)
+    }
+
+    /// `haptical diagnose` in the sandbox, with further arguments.
+    fn diagnose(&self, further: &[&str]) -> Output {
+        self.run("diagnose", further)
+    }
+
+    fn run(&self, command: &str, further: &[&str]) -> Output {
         haptical()
             .current_dir(self.folder.path())
-            .args(["identify", "--device", "device.toml", "--log", "log.csv"])
+            .args([command, "--device", "device.toml", "--log", "log.csv"])
             .args(["--out", "result"])
             .args(further)
             .output()

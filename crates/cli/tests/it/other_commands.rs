@@ -147,6 +147,7 @@ fn every_help_has_an_example() {
     for words in [
         &[][..],
         &["identify"],
+        &["diagnose"],
         &["check"],
         &["init"],
         &["completions"],
@@ -180,10 +181,16 @@ fn completions_know_the_commands() {
         let output = haptical().args(["completions", shell]).output().unwrap();
         assert_eq!(output.status.code(), Some(0));
         let script = text(&output.stdout);
-        assert!(
-            script.contains("identify") && script.contains("held-out"),
-            "{shell}"
-        );
+        // A name of an effect is a completion of --without.
+        for word in [
+            "identify",
+            "held-out",
+            "diagnose",
+            "without",
+            "capstan-compliance",
+        ] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
     }
 }
 

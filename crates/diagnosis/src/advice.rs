@@ -1,0 +1,134 @@
+//! What to record next, so that what is confused can be told apart.
+
+use crate::answer::Verdict;
+use crate::catalogue::{Effect, Family};
+use crate::generic::Covariate;
+use crate::place::Located;
+
+/// The next experiment in words; none where there is no gap.
+pub(crate) fn next_experiment(
+    verdict: Verdict,
+    first: Option<&dyn Effect>,
+    confused_with: &[String],
+    place: Option<&Located>,
+) -> Option<String> {
+    match verdict {
+        Verdict::NoGap => None,
+        Verdict::Named => first.map(confirm),
+        Verdict::Ambiguous => Some(separate(first, confused_with)),
+        Verdict::Unknown => Some(explore(place)),
+    }
+}
+
+/// A recording that would contradict a wrong name.
+fn confirm(effect: &dyn Effect) -> String {
+    let joint = effect.joint().map_or(0, |joint| joint + 1);
+    match effect.family() {
+        Family::Load if effect.joint().is_some() => format!(
+            "to confirm: hold joint {joint} still and load it both ways with a known weight; the error must \
+             follow the torque and vanish with it"
+        ),
+        Family::Load | Family::Tool => {
+            "to confirm: hold the device still and push the handle in each direction with known force".to_owned()
+        }
+        Family::Loop => format!(
+            "to confirm: move slowly to and fro over one place{}, at two speeds; the width of the loop must not \
+             depend on the speed",
+            at(joint)
+        ),
+        Family::Lag => {
+            "to confirm: repeat the motion at a third of the speed; the error must fall to a third".to_owned()
+        }
+        Family::Step => {
+            "to confirm: return to home now and then and look whether the reading comes back; check the encoder's \
+             cable and supply, then home the device again"
+                .to_owned()
+        }
+        Family::Drift => {
+            "to confirm: record through a cycle of warming and cooling; what follows the temperature returns, a \
+             drift in time does not"
+                .to_owned()
+        }
+        Family::Shape | Family::Coupling => format!(
+            "to confirm: sweep{} slowly through its whole range without load, with all other joints at rest",
+            at(joint)
+        ),
+        Family::Exit => {
+            "to confirm: move the cable encoder to a second known place; an error of the exit turns with the \
+             cable's angle, one of the device does not"
+                .to_owned()
+        }
+        Family::Wobble => format!(
+            "to confirm: turn joint {joint} alone through its range with a dial gauge on the next link"
+        ),
+    }
+}
+
+fn at(joint: usize) -> String {
+    if joint == 0 {
+        String::new()
+    } else {
+        format!(" at joint {joint}")
+    }
+}
+
+/// The cheapest experiment that separates what is confused.
+fn separate(first: Option<&dyn Effect>, confused_with: &[String]) -> String {
+    let names = confused_with.join(", ");
+    let Some(first) = first else {
+        return "repeat the recording with a wider range and different speeds".to_owned();
+    };
+    let has = |part: &str| confused_with.iter().any(|name| name.contains(part));
+    let how = match first.family() {
+        Family::Drift => "record a cycle of warming and cooling, and home the device in between",
+        Family::Step if has("drift") || has("creep") => {
+            "record longer, returning to home every ten seconds: a step stays, a drift goes on"
+        }
+        Family::Step => {
+            "repeat under a light and a heavy load: a cable slips at peaks of torque, an encoder does not"
+        }
+        Family::Loop => {
+            "move to and fro at two speeds, with stops: a play keeps its width, a lag does not"
+        }
+        Family::Lag => "repeat the motion at a third and at three times the speed",
+        Family::Load => "repeat the motion with a known weight on the handle, and without",
+        Family::Exit => {
+            "put the cable encoder in a second known place, or measure one distance with a gauge"
+        }
+        Family::Shape | Family::Coupling | Family::Wobble => {
+            "widen the range of that joint as far as it goes, and move it alone"
+        }
+        Family::Tool => "push the handle with known forces while the device stands still",
+    };
+    let joint = first
+        .joint()
+        .map_or(String::new(), |joint| format!("@{}", joint + 1));
+    format!("to tell {}{joint} from {names}: {how}", first.name())
+}
+
+/// An experiment that takes the covariates of an unknown effect apart.
+fn explore(place: Option<&Located>) -> String {
+    let Some(place) = place else {
+        return "repeat the same motion twice: what repeats is the device, what does not is the recording"
+            .to_owned();
+    };
+    match place.covariate {
+        Covariate::Angle(own) => format!(
+            "move joint {} alone, slowly, to and fro over the place where the error is largest, once without and once \
+             with load; then look at the drums and cables there",
+            own + 1
+        ),
+        Covariate::Speed(_) | Covariate::CableSpeed => {
+            "repeat the same path at a third of the speed, and stop now and then".to_owned()
+        }
+        Covariate::Torque(_) | Covariate::Force => {
+            "hold the device still and load it step by step both ways, then repeat the motion without load".to_owned()
+        }
+        Covariate::Time | Covariate::Temperature => {
+            "repeat the motion after half an hour at rest, and again warm; home the device in between".to_owned()
+        }
+        Covariate::Length | Covariate::ExitAngle => {
+            "put the cable encoder in a second known place and repeat the motion".to_owned()
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! The calibrated model without any effect: its fit, and its residuals and derivatives at every row.
+
+use haptical_calibration::{
+    Channel, Degree, DeviceProblem, HeldOut, Options, Weighting, Weights, channels, fit_device,
+};
+use haptical_identification::{Matrix, Problem};
+use haptical_model::{Device, ParameterId, Recording};
+
+use crate::DiagnosisError;
+use crate::context::Stream;
+
+/// Rows from which the base fit starts; the search that follows uses all of them.
+const START_ROWS: usize = 1500;
+
+/// Degree of the polynomial of a parallelogram (the paper's); one that the evidence chose on few rows
+/// leaves more than the noise of many.
+const POLYNOMIAL_DEGREE: usize = 10;
+/// Rows that carry such a polynomial.
+const ROWS_FOR_A_POLYNOMIAL: usize = 300;
+
+/// A fitted base model.
+#[derive(Debug, Clone)]
+pub(crate) struct Base {
+    pub(crate) device: Device,
+    pub(crate) channels: Vec<Channel>,
+    /// Everything that the base model could adjust: what an effect can hide in.
+    pub(crate) parameters: Vec<ParameterId>,
+    /// Positions (within `parameters`) of those that the recording fixes.
+    pub(crate) free: Vec<usize>,
+}
+
+impl Base {
+    /// Fits the device jointly to evenly spread rows.
+    pub(crate) fn fit(device: &Device, recording: &Recording) -> Result<Self, DiagnosisError> {
+        let part = recording.select(&spread_rows(recording));
+        let rows = part.len();
+        let options = Options {
+            degree: if rows >= ROWS_FOR_A_POLYNOMIAL {
+                Degree::Fixed(POLYNOMIAL_DEGREE)
+            } else {
+                Options::default().degree
+            },
+            held_out: HeldOut::None,
+            weighting: Weighting::Stated,
+            ..Options::default()
+        };
+        let fitted = fit_device(device, &part, &options)?;
+        let channels = channels(device, recording)?;
+        let mut parameters = Vec::new();
+        let mut free = Vec::new();
+        match &fitted.whole {
+            Some(whole) => {
+                parameters.clone_from(&whole.parameters);
+                free.clone_from(&whole.fitted);
+            }
+            None => {
+                for fit in fitted
+                    .transmissions
+                    .iter()
+                    .filter_map(|fit| fit.fit.as_ref())
+                {
+                    let first = parameters.len();
+                    parameters.extend(&fit.parameters);
+                    free.extend(fit.fitted.iter().map(|index| first + index));
+                }
+            }
+        }
+        Ok(Self {
+            device: fitted.device,
+            channels,
+            parameters,
+            free,
+        })
+    }
+}
+
+/// Every k-th row, and the extreme rows of each joint: a polynomial's range is that of the log.
+fn spread_rows(recording: &Recording) -> Vec<usize> {
+    let rows = recording.len();
+    let step = rows.div_ceil(START_ROWS).max(1);
+    let mut chosen: Vec<usize> = (0..rows).step_by(step).collect();
+    for column in &recording.joint {
+        let by_reading = |a: &usize, b: &usize| column[*a].total_cmp(&column[*b]);
+        chosen.extend((0..rows).min_by(by_reading));
+        chosen.extend((0..rows).max_by(by_reading));
+    }
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen
+}
+
+/// Residuals (measured minus model) and derivatives of the base model on one recording.
+#[derive(Debug)]
+pub(crate) struct BaseProblem<'a> {
+    problem: DeviceProblem<'a>,
+    /// Per stream and row: place among the problem's residuals; `usize::MAX` without a reading.
+    place: Vec<Vec<usize>>,
+    /// Per stream and row: stated standard deviation, quantization included.
+    pub(crate) sd: Vec<Vec<f64>>,
+    parameters: usize,
+}
+
+impl<'a> BaseProblem<'a> {
+    pub(crate) fn new(
+        base: &'a Base,
+        recording: &'a Recording,
+        streams: &[Stream],
+        weights: &Weights,
+    ) -> Result<Self, DiagnosisError> {
+        let problem = DeviceProblem::new(
+            &base.device,
+            recording,
+            &base.channels,
+            &base.parameters,
+            weights,
+        )?;
+        let layout = problem.layout();
+        let mut deviations = std::collections::BTreeMap::new();
+        for &channel in &base.channels {
+            deviations.insert(
+                channel,
+                weights.residual_sd(&base.device, recording, channel)?,
+            );
+        }
+        let mut place = Vec::new();
+        let mut sd = Vec::new();
+        for stream in streams {
+            let mut places = vec![usize::MAX; recording.len()];
+            let width = stream.channel.width();
+            if let Some(&(first, _)) = layout.get(&stream.channel) {
+                let with_reading =
+                    (0..recording.len()).filter(|&row| stream.channel.has_reading(recording, row));
+                for (index, row) in with_reading.enumerate() {
+                    places[row] = first + index * width + stream.axis;
+                }
+            }
+            place.push(places);
+            sd.push(deviations.get(&stream.channel).cloned().unwrap_or_default());
+        }
+        Ok(Self {
+            parameters: base.parameters.len(),
+            problem,
+            place,
+            sd,
+        })
+    }
+
+    pub(crate) fn start(&self) -> Vec<f64> {
+        self.problem.start()
+    }
+
+    pub(crate) fn device_with(&self, values: &[f64]) -> Device {
+        self.problem.device_with(values)
+    }
+
+    /// Measured minus model per stream and row, in the stream's unit; NaN without a reading. With
+    /// `derivatives`, those of all parameters too.
+    pub(crate) fn evaluate(
+        &self,
+        values: &[f64],
+        derivatives: bool,
+    ) -> Result<Evaluated, DiagnosisError> {
+        let count = self.problem.residual_count();
+        let mut residuals = vec![0.0; count];
+        let matrix = if derivatives && self.parameters > 0 {
+            let all: Vec<usize> = (0..self.parameters).collect();
+            let mut matrix = Matrix::zeros(count, self.parameters);
+            self.problem
+                .evaluate(values, &mut residuals, Some((&all, &mut matrix)))?;
+            Some(matrix)
+        } else {
+            self.problem.evaluate(values, &mut residuals, None)?;
+            None
+        };
+        let residual = self
+            .place
+            .iter()
+            .zip(&self.sd)
+            .map(|(places, sd)| {
+                places
+                    .iter()
+                    .zip(sd)
+                    .map(|(&place, sd)| match residuals.get(place) {
+                        Some(scaled) => -scaled * sd,
+                        None => f64::NAN,
+                    })
+                    .collect()
+            })
+            .collect();
+        Ok(Evaluated { residual, matrix })
+    }
+
+    /// One parameter's derivative on one stream, at a row that has a reading, in the stream's unit.
+    pub(crate) fn derivative(
+        &self,
+        matrix: &Matrix,
+        stream: usize,
+        row: usize,
+        parameter: usize,
+    ) -> f64 {
+        match self.place[stream][row] {
+            usize::MAX => 0.0,
+            place => matrix.column(parameter)[place] * self.sd[stream][row],
+        }
+    }
+}
+
+/// Outcome of [`BaseProblem::evaluate`].
+#[derive(Debug)]
+pub(crate) struct Evaluated {
+    pub(crate) residual: Vec<Vec<f64>>,
+    /// Over the standard deviations, in the problem's order of residuals.
+    pub(crate) matrix: Option<Matrix>,
+}

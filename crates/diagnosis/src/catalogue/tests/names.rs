@@ -1,0 +1,123 @@
+//! Names of the catalogue against those of the contract.
+
+use super::rig::rigs;
+use crate::catalogue::{catalogue, names};
+
+/// Effects of the contract with the parameters that gap.json gives for them. Those that the scan does not
+/// test, and terms of the base model, have none here.
+const CONTRACT: [(&str, &[&str]); 54] = [
+    ("capstan-compliance", &["stiffness_nm_per_rad"]),
+    ("capstan-creep", &["creep_per_nm"]),
+    ("capstan-slip", &["slip_rad", "time_s"]),
+    ("backlash", &["width_rad"]),
+    ("hysteresis", &["amplitude_rad", "transition_rad"]),
+    ("viscous-lag", &["delay_s"]),
+    ("drum-out-of-round", &["amplitude_rad", "phase_rad"]),
+    ("cable-pitch", &["quadratic_per_rad"]),
+    ("encoder-count-loss", &["counts", "time_s"]),
+    (
+        "input-drum-harmonic",
+        &["amplitude_rad", "phase_rad", "order"],
+    ),
+    (
+        "device-encoder-eccentricity",
+        &["amplitude_rad", "phase_rad"],
+    ),
+    ("cross-coupling", &["gain", "from_joint"]),
+    ("joint-drift", &[]),
+    ("ratio-error", &[]),
+    ("drum-eccentricity", &[]),
+    ("parallelogram-error", &[]),
+    ("joint-offset", &[]),
+    ("link-geometry", &[]),
+    (
+        "external-encoder-eccentricity",
+        &["amplitude_rad", "phase_rad"],
+    ),
+    ("external-encoder-windup", &["amplitude_rad"]),
+    ("external-encoder-count-loss", &["counts", "time_s"]),
+    ("external-encoder-drift", &["rad_per_s"]),
+    ("external-encoder-latency", &["delay_s"]),
+    ("noise-level", &[]),
+    ("encoder-latency", &["delay_s"]),
+    ("cable-scale", &["scale"]),
+    ("cable-stretch", &["scale"]),
+    ("cable-zero-offset", &["offset_m"]),
+    ("cable-sag", &["weight_n_per_m_over_tension"]),
+    ("cable-twist", &["twist_m_per_rad2"]),
+    ("cable-exit-geometry", &["radius_m"]),
+    ("cable-drum-eccentricity", &["amplitude_m", "phase_rad"]),
+    ("cable-hysteresis", &["amplitude_m"]),
+    ("thermal-drift", &["m_per_degc"]),
+    ("cable-drift", &["m_per_s"]),
+    ("cable-count-loss", &["counts", "time_s"]),
+    ("cable-latency", &["delay_s"]),
+    ("joint-compliance", &["stiffness_nm_per_rad"]),
+    ("axis-wobble", &["amplitude_rad", "phase_rad", "order"]),
+    ("base-compliance", &["rad_per_nm"]),
+    ("tool-compliance", &["m_per_n"]),
+    ("tool-changed", &["shift_m"]),
+    ("outliers", &[]),
+    ("force-bias", &[]),
+    ("force-gain", &[]),
+    ("force-crosstalk", &[]),
+    ("force-hysteresis", &[]),
+    ("joint-friction", &[]),
+    ("motor-cogging", &[]),
+    ("torque-gain", &[]),
+    ("unbalanced-gravity", &[]),
+    ("grip-force", &[]),
+    // additions of the same kind
+    ("channel-sign", &[]),
+    ("channel-unit", &[]),
+];
+
+#[test]
+fn every_name_of_the_contract_is_in_the_catalogue_and_no_other() {
+    let mut contract: Vec<&str> = CONTRACT.iter().map(|(name, _)| *name).collect();
+    let mut have = names();
+    contract.sort_unstable();
+    have.sort_unstable();
+    assert_eq!(have, contract);
+}
+
+#[test]
+fn every_effect_at_a_place_has_a_name_and_the_parameters_of_the_contract() {
+    for rig in rigs() {
+        for effect in catalogue(&rig.device) {
+            let entry = CONTRACT.iter().find(|(name, _)| *name == effect.name());
+            let (_, parameters) = entry.unwrap_or_else(|| panic!("{}", effect.name()));
+            let have: Vec<&str> = effect.parameters().iter().map(|spec| spec.name).collect();
+            // a finer one may be added behind
+            assert!(have.starts_with(parameters), "{}: {have:?}", effect.label());
+            assert!(!have.is_empty(), "{}", effect.label());
+        }
+    }
+}
+
+#[test]
+fn every_kind_of_effect_stands_at_some_place() {
+    let [seven, _] = rigs();
+    let at_places: Vec<&str> = catalogue(&seven.device)
+        .iter()
+        .map(|effect| effect.name())
+        .collect();
+    let scanned = CONTRACT
+        .iter()
+        .filter(|(_, parameters)| !parameters.is_empty());
+    for (name, _) in scanned {
+        assert!(at_places.contains(name), "{name}");
+    }
+}
+
+#[test]
+fn a_drift_in_time_and_one_with_temperature_have_parameters_of_their_own() {
+    let [seven, _] = rigs();
+    let effects = catalogue(&seven.device);
+    let drifts = effects
+        .iter()
+        .filter(|effect| effect.name() == "joint-drift" && effect.joint() == Some(0));
+    let mut parameters: Vec<&str> = drifts.map(|effect| effect.parameters()[0].name).collect();
+    parameters.sort_unstable();
+    assert_eq!(parameters, ["rad_per_degc", "rad_per_s"]);
+}

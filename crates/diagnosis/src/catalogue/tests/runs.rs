@@ -1,0 +1,145 @@
+//! Effects that remember the motion, over separate runs.
+
+use haptical_model::Recording;
+
+use super::rig::{AnyEffect, RUN, Rig, amplitudes, context, rigs};
+use crate::catalogue::catalogue;
+use crate::context::Context;
+use crate::signal::Signal;
+
+/// The two runs in the other order.
+fn exchanged(recording: &Recording) -> Recording {
+    let rows: Vec<usize> = (RUN..2 * RUN).chain(0..RUN).collect();
+    recording.select(&rows)
+}
+
+fn contribution(
+    effect: &AnyEffect,
+    context: &Context<'_>,
+    amplitudes: &[f64],
+    shape: f64,
+) -> Signal {
+    effect.contribution(context, amplitudes, shape)
+}
+
+#[test]
+fn the_order_of_the_runs_changes_nothing_within_them() {
+    // the mean temperature is summed in another order
+    const ROUNDING: f64 = 1e-12;
+    for Rig {
+        device, recording, ..
+    } in rigs()
+    {
+        let swapped = exchanged(&recording);
+        let (here, there) = (context(&device, &recording), context(&device, &swapped));
+        for effect in catalogue(&device) {
+            // this one is about the order
+            if effect.name() == "tool-changed" || effect.untestable(&here).is_some() {
+                continue;
+            }
+            let (amplitudes, shape) = amplitudes(effect.as_ref(), &here);
+            let one = contribution(effect.as_ref(), &here, &amplitudes, shape);
+            let other = contribution(effect.as_ref(), &there, &amplitudes, shape);
+            for (stream, values) in &one.parts {
+                let swapped = other.on(*stream).unwrap();
+                for row in 0..2 * RUN {
+                    let error = (values[row] - swapped[(row + RUN) % (2 * RUN)]).abs();
+                    assert!(error <= ROUNDING, "{} row {row}: {error:e}", effect.label());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_does_not_remember_the_one_before_it() {
+    // what is evaluated with a time or a temperature is measured from the whole recording
+    for Rig {
+        device, recording, ..
+    } in rigs()
+    {
+        let second: Vec<usize> = (RUN..2 * RUN).collect();
+        let alone = recording.select(&second);
+        let (both, alone) = (context(&device, &recording), context(&device, &alone));
+        let remembering = [
+            "backlash",
+            "hysteresis",
+            "external-encoder-windup",
+            "capstan-creep",
+            "viscous-lag",
+        ];
+        for effect in catalogue(&device) {
+            if !remembering.contains(&effect.name()) || effect.untestable(&both).is_some() {
+                continue;
+            }
+            let (amplitudes, shape) = amplitudes(effect.as_ref(), &both);
+            let whole = contribution(effect.as_ref(), &both, &amplitudes, shape);
+            let part = contribution(effect.as_ref(), &alone, &amplitudes, shape);
+            for (stream, values) in &part.parts {
+                assert_eq!(
+                    values,
+                    &whole.on(*stream).unwrap()[RUN..],
+                    "{}",
+                    effect.label()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_step_ends_with_its_run() {
+    // a new recording starts from an index or from home again
+    for Rig {
+        device, recording, ..
+    } in rigs()
+    {
+        let context = context(&device, &recording);
+        for effect in catalogue(&device).iter().filter(|effect| effect.is_event()) {
+            if effect.untestable(&context).is_some() {
+                continue;
+            }
+            let signal = effect.contribution(&context, &[1.0], 1.0);
+            let (_, values) = signal.parts.last().unwrap();
+            let first = values.iter().position(|value| *value != 0.0);
+            let last = values.iter().rposition(|value| *value != 0.0);
+            assert_eq!(
+                (first, last),
+                (Some(100), Some(RUN - 1)),
+                "{}",
+                effect.label()
+            );
+        }
+    }
+}
+
+#[test]
+#[ignore = "a step in a later run is put into the first one where each run's time starts at zero"]
+fn a_step_is_found_again_where_every_run_starts_at_zero() {
+    for Rig {
+        device,
+        mut recording,
+        ..
+    } in rigs()
+    {
+        let restarted = (0..2 * RUN).map(|row| 0.01 * (row % RUN) as f64).collect();
+        recording.time_s = Some(restarted);
+        let context = context(&device, &recording);
+        assert_eq!(context.runs, [0..RUN, RUN..2 * RUN]);
+        for effect in catalogue(&device).iter().filter(|effect| effect.is_event()) {
+            if effect.untestable(&context).is_some() {
+                continue;
+            }
+            // a step must be possible in either run: some shape has to put it into the second one
+            let into_second = |shape: f64| {
+                let signal = effect.contribution(&context, &[1.0], shape);
+                signal
+                    .parts
+                    .iter()
+                    .any(|(_, values)| values[RUN..].iter().any(|value| *value != 0.0))
+            };
+            let times = context.recording.time_s.iter().flatten();
+            assert!(times.copied().any(into_second), "{}", effect.label());
+        }
+    }
+}

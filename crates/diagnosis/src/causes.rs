@@ -1,0 +1,240 @@
+//! Causes as they are answered: names, probabilities, parameters with intervals, shrink.
+
+use std::collections::BTreeMap;
+
+use crate::adequacy::Adequacy;
+use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer};
+use crate::catalogue::{Effect, Family, Hook};
+use crate::earlier::BaseTerm;
+use crate::engine::{Cause, Refit};
+use crate::rivals::Rival;
+use crate::select::{Selection, Selector, misfit, values_are_plausible};
+use crate::shrink::{Shrink, Unseen};
+
+/// One cause of a selection.
+pub(crate) fn cause_answer(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    index: usize,
+    rivals: &[Rival],
+    adequacy: &Adequacy,
+    total: f64,
+    shrink: &Shrink,
+) -> CauseAnswer {
+    let cause = &selection.refit.model.causes[index];
+    let effect = selector.effects[cause.effect].as_ref();
+    let (amplitudes, shape) = reported(cause);
+    let values = effect.values(&selector.engine.context, &amplitudes, shape);
+    let own = rivals.first().map_or(1.0, |rival| rival.probability);
+    let mut probability = own * (1.0 - adequacy.doubt());
+    // a drift that settles has no law of its own: many things settle
+    if effect.family() == Family::Drift && cause.shape != 0.0 {
+        probability *= SETTLING;
+    }
+    CauseAnswer {
+        effect: effect.name().to_owned(),
+        joint: effect.joint().map(|joint| joint + 1),
+        probability,
+        confusable_with: confusable(selector, rivals),
+        parameters: parameters(selector, selection, index),
+        plausible: values_are_plausible(effect, &values),
+        implausible: !values_are_plausible(effect, &values),
+        share: selection.explained[index] / total.max(1e-300),
+        held_out: held_out(shrink, effect.hook(), effect.joint()),
+    }
+}
+
+/// Probability of a settling drift's name when everything else speaks for it.
+const SETTLING: f64 = 0.75;
+
+/// A term of the base model that an earlier model lacks.
+pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAnswer {
+    let hook = if term.in_drive {
+        Hook::Transmission
+    } else {
+        Hook::Structure
+    };
+    CauseAnswer {
+        effect: term.name.to_owned(),
+        joint: term.joint.map(|joint| joint + 1),
+        probability: 0.98,
+        confusable_with: Vec::new(),
+        parameters: term.parameters.clone(),
+        plausible: true,
+        implausible: false,
+        share: term.explained / total.max(1e-300),
+        held_out: held_out(shrink, hook, term.joint),
+    }
+}
+
+/// The channel in which an effect at this place shows: its external encoder where it has one, else
+/// the one whose residual the causes reduce most.
+fn held_out(shrink: &Shrink, hook: Hook, joint: Option<usize>) -> Option<HeldOutAnswer> {
+    let own = |unseen: &&Unseen| matches!(unseen.channel, haptical_calibration::Channel::Output { joint: of } if Some(of) == joint);
+    let in_encoder = matches!(hook, Hook::Transmission | Hook::ExternalEncoder);
+    let by_encoder = shrink
+        .channels
+        .iter()
+        .find(own)
+        .filter(|unseen| in_encoder && unseen.gap() > 1.02);
+    let by_gain = || {
+        let candidates = shrink
+            .channels
+            .iter()
+            .filter(|unseen| in_encoder || unseen.channel.sees_chain());
+        candidates.max_by(|a, b| a.gained().total_cmp(&b.gained()))
+    };
+    by_encoder.or_else(by_gain).map(Unseen::answer)
+}
+
+fn confusable(selector: &Selector<'_, '_>, rivals: &[Rival]) -> Vec<String> {
+    let Some(first) = rivals.first() else {
+        return vec![];
+    };
+    let mut names: Vec<String> = Vec::new();
+    for rival in &rivals[1..] {
+        if rival.nats_behind <= selector.thresholds.confusable_nats
+            && rival.name != first.name
+            && !names.iter().any(|name| name == rival.name)
+        {
+            names.push(rival.name.to_owned());
+        }
+    }
+    names
+}
+
+/// The step of an event that is reported: its largest.
+fn largest_step(cause: &Cause) -> usize {
+    let size = |index: &usize| cause.amplitudes[*index].abs();
+    (0..cause.times.len())
+        .max_by(|a, b| size(a).total_cmp(&size(b)))
+        .unwrap_or(0)
+}
+
+/// Amplitudes and shape as [`Effect::values`] takes them.
+fn reported(cause: &Cause) -> (Vec<f64>, f64) {
+    if cause.times.is_empty() {
+        return (cause.amplitudes.clone(), cause.shape);
+    }
+    let largest = largest_step(cause);
+    (vec![cause.amplitudes[largest]], cause.times[largest])
+}
+
+/// Variances and covariances of one cause's numbers within a refit.
+struct Spread<'r> {
+    refit: &'r Refit,
+    first: usize,
+    count: usize,
+    /// What misfit adds to the variances.
+    inflation: f64,
+}
+
+impl Spread<'_> {
+    fn entry(&self, a: usize, b: usize) -> f64 {
+        let covariance = self.refit.covariance.as_ref();
+        covariance.map_or(0.0, |c| {
+            self.inflation * c[(self.first + a, self.first + b)]
+        })
+    }
+}
+
+/// Intervals by the delta method, the covariate's scale and the misfit allowed for.
+fn parameters(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    index: usize,
+) -> BTreeMap<String, ParameterAnswer> {
+    let context = &selector.engine.context;
+    let causes = &selection.refit.model.causes;
+    let cause = &causes[index];
+    let effect = selector.effects[cause.effect].as_ref();
+    let continuous =
+        |cause: &Cause| usize::from(selector.effects[cause.effect].shape_is_continuous());
+    let before: usize = causes[..index]
+        .iter()
+        .map(|cause| cause.amplitudes.len() + continuous(cause))
+        .sum();
+    let (amplitudes, shape) = reported(cause);
+    let values = effect.values(context, &amplitudes, shape);
+    let spread = Spread {
+        refit: &selection.refit,
+        first: before + largest_step(cause),
+        count: amplitudes.len() + continuous(cause),
+        inflation: misfit(&selection.after),
+    };
+    let slopes = slopes(selector, effect, &amplitudes, shape, &spread);
+    let mut answers = BTreeMap::new();
+    for (position, (spec, &value)) in effect.parameters().iter().zip(&values).enumerate() {
+        let mut variance = 0.0;
+        for a in 0..spread.count {
+            for b in 0..spread.count {
+                variance += slopes[position][a] * spread.entry(a, b) * slopes[position][b];
+            }
+        }
+        if position == 0 {
+            variance += (value * effect.scale_uncertainty(context)).powi(2);
+        }
+        let mut half = 1.96 * variance.max(0.0).sqrt();
+        if spec.name == "time_s" {
+            half = half.max(instant_uncertainty_s(selector, shape));
+        }
+        answers.insert(
+            spec.name.to_owned(),
+            ParameterAnswer {
+                value,
+                ci95: [value - half, value + half],
+            },
+        );
+    }
+    answers
+}
+
+/// An instant is known to a few blocks of rows.
+fn instant_uncertainty_s(selector: &Selector<'_, '_>, time_s: f64) -> f64 {
+    let context = &selector.engine.context;
+    let Some(times) = &context.recording.time_s else {
+        return 0.0;
+    };
+    let row = times
+        .partition_point(|&time| time < time_s)
+        .min(times.len() - 1);
+    let reach = 2 * selector.engine.system.blocks.size;
+    let (first, last) = (
+        row.saturating_sub(reach),
+        (row + reach).min(times.len() - 1),
+    );
+    (times[last] - times[first]) / 2.0
+}
+
+/// Derivative of every reported value with respect to amplitudes and logarithm of the shape.
+fn slopes(
+    selector: &Selector<'_, '_>,
+    effect: &dyn Effect,
+    amplitudes: &[f64],
+    shape: f64,
+    spread: &Spread<'_>,
+) -> Vec<Vec<f64>> {
+    let context = &selector.engine.context;
+    let values = effect.values(context, amplitudes, shape);
+    let mut slopes = vec![vec![0.0; spread.count]; values.len()];
+    for number in 0..spread.count {
+        let sd = spread.entry(number, number).max(0.0).sqrt();
+        let (mut amplitudes, mut shape) = (amplitudes.to_vec(), shape);
+        let step = match amplitudes.get_mut(number) {
+            Some(amplitude) => {
+                let step = (1e-3 * sd).max(1e-9 * amplitude.abs()).max(1e-300);
+                *amplitude += step;
+                step
+            }
+            None => {
+                shape *= 1e-4_f64.exp();
+                1e-4
+            }
+        };
+        let moved = effect.values(context, &amplitudes, shape);
+        for (row, (after, before)) in slopes.iter_mut().zip(moved.iter().zip(&values)) {
+            row[number] = (after - before) / step;
+        }
+    }
+    slopes
+}

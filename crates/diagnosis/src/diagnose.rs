@@ -1,0 +1,142 @@
+//! The whole diagnosis, from a device and a recording to an answer.
+
+use haptical_calibration::{channels, check_recording};
+use haptical_model::{Device, ParameterId, Recording};
+
+use crate::answer::Diagnosis;
+use crate::assemble::{Inputs, assemble};
+use crate::base::Base;
+use crate::catalogue::{Effect, catalogue};
+use crate::engine::{Engine, outlying_rows, without_readings};
+use crate::select::Selector;
+use crate::thresholds::Thresholds;
+use crate::{DiagnosisError, Options};
+
+/// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
+/// effect of the catalogue causes it, or that none does.
+///
+/// # Errors
+/// [`DiagnosisError`]; [`DiagnosisError::is_unidentifiable`] tells recordings that fix nothing from
+/// input that is wrong.
+pub fn diagnose(
+    device: &Device,
+    recording: &Recording,
+    options: &Options<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let thresholds = Thresholds::frozen()?;
+    let effects = catalogue_without(device, &options.without)?;
+    check_recording(device, recording, &channels(device, recording)?)?;
+    let base = Base::fit(device, recording)?;
+    let seen = |_: usize| true;
+    let first = Engine::new(&base, recording, &seen, None)?;
+    let gone = outlying_rows(
+        &first.context,
+        &first.problem,
+        &first.start.residual,
+        thresholds.outlier_sd,
+    );
+    let cleaned = without_readings(recording, &gone);
+    let engine = if gone.is_empty() {
+        first
+    } else {
+        Engine::new(&base, &cleaned, &seen, None)?
+    };
+    let (in_base, rest): (Vec<usize>, Vec<usize>) =
+        (0..effects.len()).partition(|&index| is_in_base(effects[index].as_ref(), &base));
+    let tested: Vec<usize> = rest
+        .into_iter()
+        .filter(|&index| effects[index].untestable(&engine.context).is_none())
+        .collect();
+    let earlier = options.model.map(|model| Base {
+        device: model.clone(),
+        channels: base.channels.clone(),
+        parameters: Vec::new(),
+        free: Vec::new(),
+    });
+    let inputs = Inputs {
+        nominal: device,
+        recording: &cleaned,
+        gone: &gone,
+        in_base: &in_base,
+        earlier: earlier.as_ref(),
+        options,
+    };
+    let mut selector = Selector::new(&engine, &effects, &tested, &thresholds);
+    let mut selection = selector.select()?;
+    let moved = engine.moved(&selection.refit.model.values)?;
+    if moved < MOVED_FAR {
+        return assemble(&mut selector, &mut selection, &inputs);
+    }
+    // The gap had pushed the base model far from where it belongs, and the effects' geometry with it:
+    // once more from the base model as it is with the causes.
+    let nearer = Base {
+        device: engine.problem.device_with(&selection.refit.model.values),
+        ..base.clone()
+    };
+    let engine = Engine::new(&nearer, &cleaned, &seen, None)?;
+    let mut selector = Selector::new(&engine, &effects, &tested, &thresholds);
+    let mut selection = selector.select()?;
+    assemble(&mut selector, &mut selection, &inputs)
+}
+
+/// Change of the base model's predictions by the causes, in noise deviations (root mean square), from
+/// which effects are computed anew.
+const MOVED_FAR: f64 = 8.0;
+
+/// Whether the base model has the effect already, or swallows it by its form.
+fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {
+    let fitted = |joint: usize| {
+        base.parameters
+            .iter()
+            .any(|parameter| matches!(parameter, ParameterId::Transmission { joint: of, .. } if *of == joint))
+    };
+    match effect.name() {
+        "ratio-error" | "drum-eccentricity" | "device-encoder-eccentricity" => {
+            effect.joint().is_some_and(fitted)
+        }
+        _ => false,
+    }
+}
+
+/// Names of the catalogue, each once.
+pub fn effect_names() -> Vec<&'static str> {
+    crate::catalogue::names()
+}
+
+fn catalogue_without(
+    device: &Device,
+    without: &[String],
+) -> Result<Vec<Box<dyn Effect>>, DiagnosisError> {
+    let names = effect_names();
+    for name in without {
+        if !names.contains(&name.as_str()) {
+            return Err(DiagnosisError::UnknownEffect {
+                name: name.clone(),
+                nearest: nearest(name, &names),
+            });
+        }
+    }
+    let mut effects = catalogue(device);
+    effects.retain(|effect| !without.iter().any(|name| name == effect.name()));
+    Ok(effects)
+}
+
+/// The name that shares the most pairs of letters, if any are shared by half.
+fn nearest(name: &str, names: &[&str]) -> Option<String> {
+    let pairs = |text: &str| -> Vec<[char; 2]> {
+        let letters: Vec<char> = text.to_lowercase().chars().collect();
+        letters.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+    };
+    let wanted = pairs(name);
+    names
+        .iter()
+        .map(|other| {
+            let have = pairs(other);
+            let shared = wanted.iter().filter(|pair| have.contains(pair)).count();
+            let share = 2.0 * shared as f64 / (wanted.len() + have.len()).max(1) as f64;
+            (share, *other)
+        })
+        .filter(|(share, _)| *share > 0.4)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, other)| other.to_owned())
+}

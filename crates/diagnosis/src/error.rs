@@ -1,0 +1,78 @@
+//! What stops a diagnosis.
+
+use haptical_calibration::CalibrationError;
+use haptical_identification::IdentificationError;
+use haptical_linalg::LinalgError;
+use haptical_metrics::MetricsError;
+use haptical_model::ModelError;
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DiagnosisError {
+    /// The base model could not be fitted.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// The device has no value at a row.
+    #[error("line {line} of the log: {source}")]
+    Row {
+        /// Line of the log.
+        line: u64,
+        /// Reason.
+        source: ModelError,
+    },
+    /// The base model's equations have no value at a step of the refit.
+    #[error("refit of the model with its effects: {0}")]
+    Identification(#[from] IdentificationError),
+    /// A decomposition was refused.
+    #[error("diagnosis: {0}")]
+    LinearAlgebra(#[from] LinalgError),
+    /// A statistic was refused.
+    #[error("diagnosis: {0}")]
+    Metrics(#[from] MetricsError),
+    /// A name that is not in the catalogue.
+    #[error("there is no effect `{name}` in the catalogue{}", hint(.nearest))]
+    UnknownEffect {
+        /// As given.
+        name: String,
+        /// The name that it resembles most.
+        nearest: Option<String>,
+    },
+    /// Too few readings are left for a test of anything.
+    #[error(
+        "{readings} usable readings cannot be tested against a model of {parameters} parameters: \
+         record at least {advised} rows of slow motion through the whole range"
+    )]
+    TooFewReadings {
+        /// Usable readings.
+        readings: usize,
+        /// Parameters of the base model.
+        parameters: usize,
+        /// Advised rows.
+        advised: usize,
+    },
+    /// The frozen thresholds do not parse; only a changed build can meet it.
+    #[error("the thresholds of this build are not readable: {reason}")]
+    Thresholds {
+        /// Reason.
+        reason: String,
+    },
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    nearest
+        .as_ref()
+        .map(|name| format!("; did you mean `{name}`?"))
+        .unwrap_or_default()
+}
+
+impl DiagnosisError {
+    /// Whether the numbers are in order but fix nothing (exit status 3 of the command).
+    pub fn is_unidentifiable(&self) -> bool {
+        match self {
+            Self::Calibration(error) => error.is_unidentifiable(),
+            Self::TooFewReadings { .. } => true,
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! The chain along a recording, block by block: columns of the inertial parameters, of forces at the
+//! handle, of the geometry and of a delay.
+
+use haptical_model::kinematics::Parameter;
+use nalgebra::{Matrix3, Vector3};
+
+use super::posture::{PER_LINK, Posture, Rows};
+use super::recorded::{Besides, Recorded};
+use super::weights::Weights;
+
+/// What a calibrated length may still be wrong by \[m\].
+const LENGTH_SD_M: f64 = 2e-3;
+/// What a calibrated angle may still be wrong by \[rad\].
+const ANGLE_SD_RAD: f64 = 1e-2;
+/// One over the variance of a force of which nothing is known \[1/N^2\].
+const FORCE_PRIOR: f64 = 1e-6;
+/// Part of the largest inertial column below which one is rounding alone.
+const ROUNDING: f64 = 1e-9;
+
+/// Half a block: the chain is taken for its mean posture.
+#[derive(Debug)]
+struct Half {
+    joints: [Vec<f64>; 3],
+    /// Transposed Jacobian, per channel, in the handle's frame.
+    hand: Vec<Vector3<f64>>,
+}
+
+/// The chain along a recording, block by block.
+#[derive(Debug)]
+pub(super) struct Along<'a> {
+    pub(super) recorded: &'a Recorded<'a>,
+    rows: Rows,
+    /// Two per block.
+    halves: Vec<Half>,
+    /// Mean recorded force of the hand, per half block.
+    pub(super) force_n: Vec<Vector3<f64>>,
+    /// Means of the transposed Jacobian, per block and channel.
+    pub(super) hand: Vec<Vec<Vector3<f64>>>,
+    /// Columns of the inertial parameters, and which ones they are.
+    pub(super) inertia: Vec<Vec<f64>>,
+    pub(super) parameters: Vec<usize>,
+    /// Torques of drives and hand together, channel after channel.
+    pub(super) reading: Vec<f64>,
+}
+
+impl<'a> Along<'a> {
+    pub(super) fn new(recorded: &'a Recorded<'a>) -> Self {
+        let context = recorded.context;
+        let rows = Rows::new(context.device, recorded.gravity_mps2);
+        let joints = context.device.joints.len();
+        let blocks = recorded.blocks.len();
+        let mut along = Self {
+            recorded,
+            rows,
+            halves: Vec::with_capacity(2 * blocks),
+            force_n: Vec::with_capacity(2 * blocks),
+            hand: Vec::with_capacity(blocks),
+            inertia: vec![vec![0.0; recorded.len()]; PER_LINK * joints],
+            parameters: Vec::new(),
+            reading: Vec::with_capacity(recorded.len()),
+        };
+        for values in &recorded.torque_nm {
+            along.reading.extend(recorded.means(|row| values[row]));
+        }
+        let place = along.places();
+        let mut posture = Posture::default();
+        for block in 0..blocks {
+            let rows = recorded.blocks[block].rows.clone();
+            let middle = rows.start + rows.len() / 2;
+            let halves = if rows.len() < 2 {
+                [rows.clone(), rows]
+            } else {
+                [rows.start..middle, middle..rows.end]
+            };
+            for half in halves {
+                let joints = along.mean_joints(&half);
+                along
+                    .rows
+                    .place([&joints[0], &joints[1], &joints[2]], &mut posture);
+                let (inertia, gravity) = (&mut along.inertia, &along.rows.gravity_mps2);
+                posture.regressor(gravity, |joint, parameter, torque| {
+                    if let Some(channel) = place[joint] {
+                        inertia[parameter][channel * blocks + block] += 0.5 * torque;
+                    }
+                });
+                let hand = recorded
+                    .channels
+                    .iter()
+                    .map(|&joint| posture.hand(joint))
+                    .collect();
+                along.force_n.push(mean_force(recorded, block, &half));
+                along.halves.push(Half { joints, hand });
+            }
+            let [.., first, second] = along.halves.as_slice() else {
+                continue;
+            };
+            let both = first.hand.iter().zip(&second.hand);
+            along.hand.push(both.map(|(a, b)| (a + b) * 0.5).collect());
+        }
+        along.drop_empty();
+        along
+    }
+
+    /// Channel of each joint.
+    fn places(&self) -> Vec<Option<usize>> {
+        (0..self.recorded.context.device.joints.len())
+            .map(|joint| self.recorded.channels.iter().position(|&own| own == joint))
+            .collect()
+    }
+
+    /// Parameters that no torque depends on but for rounding have no column.
+    fn drop_empty(&mut self) {
+        let sizes: Vec<f64> = self
+            .inertia
+            .iter()
+            .map(|column| column.iter().map(|entry| entry * entry).sum::<f64>())
+            .collect();
+        let largest = sizes.iter().copied().fold(0.0, f64::max);
+        let columns = std::mem::take(&mut self.inertia);
+        for (parameter, column) in columns.into_iter().enumerate() {
+            if sizes[parameter] > ROUNDING * ROUNDING * largest {
+                self.parameters.push(parameter);
+                self.inertia.push(column);
+            }
+        }
+    }
+
+    fn mean_joints(&self, half: &std::ops::Range<usize>) -> [Vec<f64>; 3] {
+        let context = self.recorded.context;
+        let count = half.len().max(1) as f64;
+        let mut joints = [Vec::new(), Vec::new(), Vec::new()];
+        for (joint, motion) in self.recorded.motion.iter().enumerate() {
+            let output = &context.output[joint];
+            let reading = &context.recording.joint[joint];
+            let (mut position, mut rate, mut acceleration) = (0.0, 0.0, 0.0);
+            for row in half.clone() {
+                // the smoothed reading through the transmission, whose slope is nearly 1
+                position += output[row] + motion.value[row] - reading[row];
+                rate += motion.velocity[row];
+                acceleration += motion.acceleration[row];
+            }
+            joints[0].push(position / count);
+            joints[1].push(rate / count);
+            joints[2].push(acceleration / count);
+        }
+        joints
+    }
+
+    pub(super) fn weights(&self, besides: Besides) -> Option<Weights> {
+        let covariances = (0..self.recorded.blocks.len())
+            .map(|block| self.recorded.covariance(block, &self.hand[block], besides))
+            .collect();
+        Weights::new(self.recorded.channels.len(), covariances)
+    }
+
+    /// Column of a force in the handle's frame, per half block (its index and the recorded force given).
+    pub(super) fn hand_column(
+        &self,
+        force: impl Fn(usize, &Vector3<f64>) -> Vector3<f64>,
+    ) -> Vec<f64> {
+        let blocks = self.recorded.blocks.len();
+        let mut column = vec![0.0; self.recorded.len()];
+        for (index, half) in self.halves.iter().enumerate() {
+            let force = force(index, &self.force_n[index]);
+            for (channel, arm) in half.hand.iter().enumerate() {
+                column[channel * blocks + index / 2] += 0.5 * arm.dot(&force);
+            }
+        }
+        column
+    }
+
+    /// Means over half blocks of a value per row.
+    pub(super) fn half_means(&self, values: &[f64]) -> Vec<f64> {
+        let mean = |rows: std::ops::Range<usize>| {
+            let count = rows.len().max(1) as f64;
+            values[rows].iter().sum::<f64>() / count
+        };
+        let mut means = Vec::with_capacity(self.halves.len());
+        for block in &self.recorded.blocks {
+            let rows = block.rows.clone();
+            let middle = rows.start + rows.len() / 2;
+            if rows.len() < 2 {
+                means.extend([mean(rows.clone()), mean(rows)]);
+            } else {
+                means.extend([mean(rows.start..middle), mean(middle..rows.end)]);
+            }
+        }
+        means
+    }
+
+    /// The force of each block whose torques are nearest to `rest`, with its covariance.
+    pub(super) fn hand_force(
+        &self,
+        weights: &Weights,
+        rest: &[f64],
+    ) -> Vec<(Vector3<f64>, Matrix3<f64>)> {
+        let blocks = self.recorded.blocks.len();
+        let weighed = weights.weigh(rest);
+        let force = |(block, hand): (usize, &Vec<Vector3<f64>>)| {
+            // a direction in which the handle cannot be pushed has no force
+            let mut information = Matrix3::identity() * FORCE_PRIOR;
+            let mut right = Vector3::zeros();
+            for (a, arm) in hand.iter().enumerate() {
+                right += arm * weighed[a * blocks + block];
+                for (b, other) in hand.iter().enumerate() {
+                    information += arm * other.transpose() * weights.entry(a, b, block);
+                }
+            }
+            let covariance = information.try_inverse().unwrap_or_else(Matrix3::zeros);
+            (covariance * right, covariance)
+        };
+        self.hand.iter().enumerate().map(force).collect()
+    }
+    /// Torque of links with these inertial parameters.
+    pub(super) fn link_torques(&self, inertia: &[f64]) -> Vec<f64> {
+        let mut torque = vec![0.0; self.recorded.len()];
+        for (&parameter, column) in self.parameters.iter().zip(&self.inertia) {
+            let value = inertia[parameter];
+            for (sum, entry) in torque.iter_mut().zip(column) {
+                *sum += value * entry;
+            }
+        }
+        torque
+    }
+    /// One column for each row parameter of the chain, with what it may be wrong by.
+    pub(super) fn geometry(
+        &self,
+        inertia: &[f64],
+        force_n: &[Vector3<f64>],
+    ) -> Vec<(Vec<f64>, f64)> {
+        let place = self.places();
+        let blocks = self.recorded.blocks.len();
+        let mut columns: Vec<(Vec<f64>, f64)> = Vec::new();
+        let mut posture = Posture::default();
+        let mut torque = vec![0.0; place.len()];
+        for (index, half) in self.halves.iter().enumerate() {
+            let joints = &half.joints;
+            self.rows
+                .place([&joints[0], &joints[1], &joints[2]], &mut posture);
+            let carried = posture.carried(inertia);
+            for (number, step) in posture.steps.iter().enumerate() {
+                if columns.len() <= number {
+                    let sd = match step.parameter {
+                        Parameter::A | Parameter::D => LENGTH_SD_M,
+                        _ => ANGLE_SD_RAD,
+                    };
+                    columns.push((vec![0.0; self.recorded.len()], 1.0 / (sd * sd)));
+                }
+                let gravity = &self.rows.gravity_mps2;
+                posture.geometry(step, &carried, gravity, &force_n[index], &mut torque);
+                for (torque, place) in torque.iter().zip(&place) {
+                    if let Some(channel) = place {
+                        columns[number].0[channel * blocks + index / 2] += 0.5 * torque;
+                    }
+                }
+            }
+        }
+        columns
+    }
+
+    /// Change of the model's torques with time, the hand's force held: what late encoders add.
+    pub(super) fn delayed(&self, inertia: &[f64], force_n: &[Vector3<f64>]) -> Vec<f64> {
+        let links = self.link_torques(inertia);
+        let blocks = &self.recorded.blocks;
+        let mut column = vec![0.0; links.len()];
+        for block in 0..blocks.len() {
+            let before = if blocks[block].follows {
+                block - 1
+            } else {
+                block
+            };
+            let has_next = blocks.get(block + 1).is_some_and(|next| next.follows);
+            let after = if has_next { block + 1 } else { block };
+            if after == before {
+                continue;
+            }
+            let middle =
+                |index: usize| 0.5 * (blocks[index].rows.start + blocks[index].rows.end) as f64;
+            let time_s = (middle(after) - middle(before)) * self.recorded.step_s;
+            let force = (force_n[2 * block] + force_n[2 * block + 1]) * 0.5;
+            for channel in 0..self.recorded.channels.len() {
+                let first = channel * blocks.len();
+                let arm = self.hand[after][channel] - self.hand[before][channel];
+                let change = links[first + after] - links[first + before] - arm.dot(&force);
+                column[first + block] = change / time_s;
+            }
+        }
+        column
+    }
+
+    /// Torques of the drives for a unit acceleration of one joint, half block by half block: the
+    /// joint's column of the mass matrix.
+    pub(super) fn mass_column(&self, joint: usize, inertia: &[f64]) -> Vec<Vec<f64>> {
+        let place = self.places();
+        let count = place.len();
+        let still = vec![0.0; count];
+        let mut unit = still.clone();
+        unit[joint] = 1.0;
+        let mut posture = Posture::default();
+        self.halves
+            .iter()
+            .map(|half| {
+                self.rows
+                    .place([&half.joints[0], &still, &unit], &mut posture);
+                let mut torque = vec![0.0; self.recorded.channels.len()];
+                posture.regressor(&Vector3::zeros(), |joint, parameter, value| {
+                    if let Some(channel) = place[joint] {
+                        torque[channel] += value * inertia[parameter];
+                    }
+                });
+                torque
+            })
+            .collect()
+    }
+}
+
+fn mean_force(
+    recorded: &Recorded<'_>,
+    block: usize,
+    half: &std::ops::Range<usize>,
+) -> Vector3<f64> {
+    let Some(force) = &recorded.force_n else {
+        return Vector3::zeros();
+    };
+    let usable = &recorded.blocks[block].usable;
+    let mean = |rows: Vec<usize>| {
+        let sum: Vector3<f64> = rows.iter().map(|&row| force[row]).sum();
+        sum / rows.len().max(1) as f64
+    };
+    let own: Vec<usize> = usable
+        .iter()
+        .copied()
+        .filter(|row| half.contains(row))
+        .collect();
+    if own.is_empty() {
+        mean(usable.clone())
+    } else {
+        mean(own)
+    }
+}

@@ -1,0 +1,397 @@
+//! From a selection to findings with values, intervals and shares.
+
+use super::NAMES;
+use super::base::Base;
+use super::effects::Kind;
+use super::fast;
+use super::gravity::{self, Unbalanced};
+use super::grip::{self, Grip};
+use super::recorded::column;
+use super::select::{Pick, Selection, Selector};
+use super::trust;
+use super::values::{is_plausible, parameters};
+use crate::DiagnosisError;
+
+/// Slow energy beyond noise, in its standard deviations, that is a gap.
+const OMNIBUS_DEVIATIONS: f64 = 6.0;
+/// Least structure that is a gap: its mean square over that of a row's noise, all channels together.
+/// Angles and lengths that other effects falsify leave less.
+const LEAST_STRUCTURE: f64 = 0.2;
+/// Part of the structure that named effects may leave.
+const UNEXPLAINED_SHARE: f64 = 0.1;
+/// Slow energy that named effects may leave in any case.
+const NOISE_DEVIATIONS: f64 = 4.0;
+/// Of the normal distribution.
+const QUANTILE_975: f64 = 1.959_963_984_540_054;
+
+/// Torques of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TorqueGap {
+    /// Joint, from 0.
+    pub(crate) joint: usize,
+    /// Root mean square that the base model leaves of a row \[N m\].
+    pub(crate) rms_before: f64,
+    /// The same with the findings in the model.
+    pub(crate) rms_after: f64,
+    /// Root mean square of a row's noise, of torque and hand force together.
+    pub(crate) noise_floor: f64,
+}
+
+/// An effect on torques or forces.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ForceFinding {
+    pub(crate) effect: &'static str,
+    /// Joint, from 0.
+    pub(crate) joint: Option<usize>,
+    /// Probability among the effects of this group, given that it is one of them.
+    pub(crate) probability: f64,
+    /// Effects (`name`, or `name@joint` from 1 where the joint differs) that refit within ln 100.
+    pub(crate) confusable_with: Vec<String>,
+    /// Name, value, 95 % interval.
+    pub(crate) parameters: Vec<(String, f64, [f64; 2])>,
+    /// Share of the torques' structured energy.
+    pub(crate) share: f64,
+    /// False where a value lies beyond what a sound device can show.
+    pub(crate) plausible: bool,
+}
+
+/// What the torques say.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct ForceAnswer {
+    pub(crate) channels: Vec<TorqueGap>,
+    /// Strongest first.
+    pub(crate) findings: Vec<ForceFinding>,
+    /// Effects that the recording cannot test, and why.
+    pub(crate) untestable: Vec<(&'static str, String)>,
+    /// Share of the torques' structured energy that the findings leave; 1 without findings where there
+    /// is a gap, 0 without a gap.
+    pub(crate) unexplained_share: f64,
+    /// Whether the torques show more than noise, whether or not that has a name.
+    pub(crate) significant: bool,
+}
+
+impl ForceAnswer {
+    /// Nothing can be said.
+    pub(super) fn untestable(why: &str) -> Self {
+        Self {
+            untestable: NAMES.iter().map(|&name| (name, why.to_owned())).collect(),
+            ..Self::default()
+        }
+    }
+}
+
+/// Puts the answer together.
+pub(super) fn answer(
+    selector: &Selector<'_, '_, '_>,
+    base: &Base<'_>,
+    selection: &Selection,
+    fitted_before: &[f64],
+) -> Result<ForceAnswer, DiagnosisError> {
+    let recorded = selector.recorded;
+    let along = selector.effects.along;
+    let rows = selector.rows();
+    let row_sd: Vec<f64> = (0..recorded.channels.len())
+        .map(|channel| recorded.row_sd(channel, &along.hand))
+        .collect();
+    let mut channels = channels(selector, base, selection, fitted_before);
+    let fast: f64 = selection
+        .picks
+        .iter()
+        .map(|pick| base.normal.fast_explained(pick.first, pick.count))
+        .sum();
+    let total = selection.before.excess().max(0.0) + fast;
+    let is_noise = selection.after.deviations() < NOISE_DEVIATIONS;
+    let left = if is_noise {
+        0.0
+    } else {
+        selection.after.excess()
+    };
+    let is_adequate = left <= UNEXPLAINED_SHARE * total;
+    let is_structured = selection.before.deviations() > OMNIBUS_DEVIATIONS
+        && selection.before.excess() > LEAST_STRUCTURE * rows;
+    let is_falsified = trust::is_falsified(recorded.context, base);
+    let named = !selection.picks.is_empty() && is_adequate;
+    let mut findings = Vec::new();
+    let mut unexplained_share = 0.0;
+    let mut significant = !selection.picks.is_empty() || is_structured;
+    if named {
+        let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
+        let explained = (1.0 - left / total.max(scores).max(1.0)).clamp(0.0, 1.0);
+        for pick in &selection.picks {
+            let share = explained * pick.score / scores.max(1e-300);
+            findings.push(finding(
+                selector,
+                base,
+                pick,
+                selection.after.dispersion(),
+                share,
+            ));
+        }
+        unexplained_share = 1.0 - explained;
+    } else if significant && is_falsified {
+        significant = false;
+    } else if significant {
+        unexplained_share = 1.0;
+        let excess = selection.before.excess();
+        let before = &selection.rest_before;
+        if is_structured && let Some(grip) = grip::grip(along, selector.weights, before, excess) {
+            unexplained_share = grip.left;
+            findings.push(of_grip(&grip));
+            for gap in &mut channels {
+                gap.rms_after = gap.rms_after.min(gap.noise_floor);
+            }
+        }
+    }
+    if (named || !significant)
+        && trust::weighs(base)
+        && let Some(found) = gravity::unbalanced(along, base, &row_sd)?
+    {
+        add_torque(&mut channels, selector, &found.torque_nm);
+        findings.push(of_gravity(&found, selector, total));
+        significant = true;
+    }
+    for finding in findings
+        .iter()
+        .filter(|finding| finding.effect == Kind::Scale.name())
+    {
+        scale_before(&mut channels, selector, base, finding);
+    }
+    findings.sort_by(|a, b| b.share.total_cmp(&a.share));
+    Ok(ForceAnswer {
+        channels,
+        findings,
+        untestable: untestable(selector, is_falsified && !named),
+        unexplained_share,
+        significant,
+    })
+}
+
+/// Effects that need what this recording lacks, though others can be tested.
+fn untestable(selector: &Selector<'_, '_, '_>, is_falsified: bool) -> Vec<(&'static str, String)> {
+    let recorded = selector.recorded;
+    let context = recorded.context;
+    if is_falsified {
+        let why = "an effect on positions that is not in the model falsifies the geometry";
+        return NAMES.iter().map(|&name| (name, why.to_owned())).collect();
+    }
+    let mut untestable = Vec::new();
+    let of_force = [Kind::Bias, Kind::Gain, Kind::Crosstalk, Kind::Hysteresis];
+    if recorded.force_n.is_none() {
+        let why = "no columns fx_n, fy_n, fz_n: a free force of the hand is allowed for";
+        untestable.extend(of_force.iter().map(|kind| (kind.name(), why.to_owned())));
+        untestable.push(("grip-force", why.to_owned()));
+    } else {
+        if !selector.effects.force_varies {
+            let why = "the hand's force is constant";
+            untestable.extend(
+                of_force[1..]
+                    .iter()
+                    .map(|kind| (kind.name(), why.to_owned())),
+            );
+        }
+        if !grip::is_testable(recorded.channels.len()) {
+            untestable.push(("grip-force", "fewer than five torques".to_owned()));
+        }
+    }
+    let missing: Vec<String> = (0..context.device.joints.len())
+        .filter(|&joint| column(context, joint).is_none())
+        .map(|joint| format!("torque{}_nm", joint + 1))
+        .collect();
+    if !missing.is_empty() {
+        let columns = if missing.len() == 1 {
+            "column"
+        } else {
+            "columns"
+        };
+        let why = format!("no {columns} {}", missing.join(", "));
+        let of_torque = [Kind::Friction, Kind::Cogging, Kind::Scale];
+        untestable.extend(of_torque.iter().map(|kind| (kind.name(), why.clone())));
+    }
+    if gravity::assumed(selector.effects.along)
+        .iter()
+        .all(Option::is_none)
+    {
+        let why = "no mass_kg and centre_of_mass_m in the device file";
+        untestable.push(("unbalanced-gravity", why.to_owned()));
+    }
+    untestable
+}
+
+/// Root mean squares of every channel.
+fn channels(
+    selector: &Selector<'_, '_, '_>,
+    base: &Base<'_>,
+    selection: &Selection,
+    fitted_before: &[f64],
+) -> Vec<TorqueGap> {
+    let recorded = selector.recorded;
+    let along = selector.effects.along;
+    let blocks = recorded.blocks.len();
+    let mean_square = |values: &[f64]| {
+        values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
+    };
+    recorded
+        .channels
+        .iter()
+        .enumerate()
+        .map(|(channel, &joint)| {
+            let range = channel * blocks..(channel + 1) * blocks;
+            let within: Vec<f64> = fast::deviations(along, channel, fitted_before)
+                .into_iter()
+                .map(|(_, value)| value)
+                .collect();
+            let row_sd = recorded.row_sd(channel, &along.hand);
+            let size = selector.rows() / blocks.max(1) as f64;
+            let (fast_before, fast_after) = if within.is_empty() {
+                let noise = row_sd * row_sd * (1.0 - 1.0 / size);
+                (noise, noise)
+            } else {
+                let explained: f64 = selection
+                    .picks
+                    .iter()
+                    .filter(|pick| pick.place.channel == Some(channel))
+                    .map(|pick| base.normal.fast_explained(pick.first, pick.count))
+                    .sum();
+                let before = mean_square(&within);
+                let taken = explained * row_sd * row_sd / within.len() as f64;
+                (before, (before - taken).max(0.0))
+            };
+            // what varies within blocks is noise but for what was named
+            let noise = fast_after / (1.0 - 1.0 / size).max(1.0 / size);
+            TorqueGap {
+                joint,
+                rms_before: (mean_square(&selection.rest_before[range.clone()]) + fast_before)
+                    .sqrt(),
+                rms_after: (mean_square(&selection.rest_after[range]) + fast_after).sqrt(),
+                noise_floor: noise.sqrt().min(row_sd),
+            }
+        })
+        .collect()
+}
+
+/// Adds a torque that the base model's freedom took to what there was before.
+fn add_torque(channels: &mut [TorqueGap], selector: &Selector<'_, '_, '_>, torque_nm: &[f64]) {
+    let blocks = selector.recorded.blocks.len();
+    for (channel, gap) in channels.iter_mut().enumerate() {
+        let own = &torque_nm[channel * blocks..(channel + 1) * blocks];
+        let square = own.iter().map(|torque| torque * torque).sum::<f64>() / blocks.max(1) as f64;
+        gap.rms_before = (gap.rms_before * gap.rms_before + square).sqrt();
+    }
+}
+
+fn scale_before(
+    channels: &mut [TorqueGap],
+    selector: &Selector<'_, '_, '_>,
+    base: &Base<'_>,
+    finding: &ForceFinding,
+) {
+    let gain = finding
+        .parameters
+        .first()
+        .map_or(0.0, |parameter| parameter.1);
+    let blocks = selector.recorded.blocks.len();
+    let mut torque = vec![0.0; base.torque_nm.len()];
+    for (channel, joint) in selector.recorded.channels.iter().enumerate() {
+        if Some(*joint) == finding.joint {
+            let range = channel * blocks..(channel + 1) * blocks;
+            let own = &base.torque_nm[range.clone()];
+            for (entry, value) in torque[range].iter_mut().zip(own) {
+                *entry = gain * value;
+            }
+        }
+    }
+    add_torque(channels, selector, &torque);
+}
+
+fn finding(
+    selector: &Selector<'_, '_, '_>,
+    base: &Base<'_>,
+    pick: &Pick,
+    dispersion: f64,
+    share: f64,
+) -> ForceFinding {
+    let joint_of = |channel: usize| selector.recorded.channels[channel];
+    let confusable_with = pick
+        .rivals
+        .iter()
+        .map(|(kind, channel)| match channel {
+            Some(channel) if pick.place.channel != Some(*channel) => {
+                format!("{}@{}", kind.name(), joint_of(*channel) + 1)
+            }
+            _ => kind.name().to_owned(),
+        })
+        .collect();
+    let parameters = parameters(base, pick, dispersion);
+    let plausible = is_plausible(&pick.place, selector, &parameters);
+    ForceFinding {
+        effect: pick.place.kind.name(),
+        joint: pick.place.channel.map(joint_of),
+        probability: pick.probability,
+        confusable_with,
+        parameters: parameters
+            .into_iter()
+            .map(|(name, value, sd)| {
+                let half = QUANTILE_975 * sd;
+                (name.to_owned(), value, [value - half, value + half])
+            })
+            .collect(),
+        share,
+        plausible,
+    }
+}
+
+fn of_grip(grip: &Grip) -> ForceFinding {
+    let half = QUANTILE_975 * grip.force_sd_n;
+    ForceFinding {
+        effect: "grip-force",
+        joint: None,
+        probability: 1.0,
+        confusable_with: Vec::new(),
+        parameters: vec![(
+            "rms_n".to_owned(),
+            grip.force_n,
+            [(grip.force_n - half).max(0.0), grip.force_n + half],
+        )],
+        share: 1.0 - grip.left,
+        plausible: grip.force_n < 30.0,
+    }
+}
+
+fn of_gravity(found: &Unbalanced, selector: &Selector<'_, '_, '_>, total: f64) -> ForceFinding {
+    let half = QUANTILE_975 * found.moment_sd_nm;
+    let square = found.deviations * found.deviations;
+    let rows = selector.rows();
+    let mut parameters = vec![
+        (
+            "moment_nm".to_owned(),
+            found.moment_nm,
+            [found.moment_nm - half, found.moment_nm + half],
+        ),
+        (
+            "deviations".to_owned(),
+            found.deviations,
+            [found.deviations; 2],
+        ),
+    ];
+    if let Some((mass, sd)) = found.mass_kg {
+        let half = QUANTILE_975 * sd;
+        parameters.push(("mass_kg".to_owned(), mass, [mass - half, mass + half]));
+    }
+    let names = found
+        .rivals
+        .iter()
+        .map(|joint| format!("unbalanced-gravity@{}", joint + 1));
+    ForceFinding {
+        effect: "unbalanced-gravity",
+        joint: Some(found.joint),
+        probability: found.probability,
+        confusable_with: names.collect(),
+        parameters,
+        share: if total > LEAST_STRUCTURE * rows {
+            square / (square + total)
+        } else {
+            1.0
+        },
+        plausible: true,
+    }
+}

@@ -1,0 +1,156 @@
+//! What changes within blocks: a motor's cogging at speed, which block means average away.
+
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+
+use super::along::Along;
+use super::columns::FastTable;
+use crate::system::dot;
+
+/// Highest order of cogging that is tried.
+pub(super) const ORDERS: usize = 12;
+
+/// Cosines and sines of multiples of a channel's motor angle, row by row: orders 1, 2, ... one after
+/// the other, then as many controls half an order below.
+pub(super) fn harmonics(along: &Along<'_>, channel: usize) -> Vec<Vec<f64>> {
+    let recorded = along.recorded;
+    let joint = recorded.channels[channel];
+    let ratio = recorded.context.device.joints[joint].transmission_ratio;
+    let angle = &recorded.motion[joint].value;
+    let mut columns = vec![vec![0.0; angle.len()]; 4 * ORDERS];
+    for (row, angle) in angle.iter().enumerate() {
+        let (sin, cos) = (0.5 * ratio * angle).sin_cos();
+        let (mut real, mut imaginary) = (1.0, 0.0);
+        for half in 1..=2 * ORDERS {
+            (real, imaginary) = (real * cos - imaginary * sin, imaginary * cos + real * sin);
+            let order = (half - 1) / 2;
+            let first = if half % 2 == 0 {
+                2 * order
+            } else {
+                2 * (ORDERS + order)
+            };
+            columns[first][row] = real;
+            columns[first + 1][row] = imaginary;
+        }
+    }
+    columns
+}
+
+/// Products of the harmonics' deviations from block means, with each other and with those of the
+/// torques less the base model's, over the noise of a row. Adds up to the products of the block means.
+pub(super) fn table(along: &Along<'_>, harmonics: &[Vec<Vec<f64>>], fitted: &[f64]) -> FastTable {
+    let recorded = along.recorded;
+    let mut table = FastTable::default();
+    for (channel, columns) in harmonics.iter().enumerate() {
+        let variance = recorded.row_sd(channel, &along.hand).powi(2).max(1e-300);
+        let rest = deviations(along, channel, fitted);
+        let rows: Vec<usize> = rest.iter().map(|(row, _)| *row).collect();
+        let values: Vec<f64> = rest.iter().map(|(_, value)| *value).collect();
+        let sizes = lengths(along, &rows);
+        let own: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|column| {
+                let mut part: Vec<f64> = rows.iter().map(|&row| column[row]).collect();
+                centre(&mut part, &sizes);
+                part
+            })
+            .collect();
+        let (orders, controls) = own.split_at(2 * ORDERS);
+        let variance = variance * colour(controls, &values, variance);
+        let mut gram = DMatrix::zeros(orders.len(), orders.len());
+        for a in 0..orders.len() {
+            for b in 0..=a {
+                let product = dot(&orders[a], &orders[b]) / variance;
+                gram[(a, b)] = product;
+                gram[(b, a)] = product;
+            }
+        }
+        let right = orders.iter().map(|column| dot(column, &values) / variance);
+        table
+            .right
+            .push(DVector::from_iterator(orders.len(), right));
+        table.gram.push(gram);
+    }
+    table
+}
+
+/// What the noise's colour adds to scores: the median of those of the controls, orders between the whole
+/// ones, over that of chi-square with two degrees of freedom.
+fn colour(controls: &[Vec<f64>], values: &[f64], variance: f64) -> f64 {
+    let mut scores: Vec<f64> = controls
+        .chunks_exact(2)
+        .filter_map(|pair| {
+            let [a, b] = [&pair[0], &pair[1]];
+            let across = dot(a, b);
+            let own = Matrix2::new(dot(a, a), across, across, dot(b, b));
+            let along = Vector2::new(dot(a, values), dot(b, values));
+            Some(along.dot(&(own.try_inverse()? * along)) / variance)
+        })
+        .filter(|score| score.is_finite())
+        .collect();
+    if scores.is_empty() {
+        return 1.0;
+    }
+    scores.sort_by(f64::total_cmp);
+    (scores[scores.len() / 2] / (2.0 * std::f64::consts::LN_2)).max(1.0)
+}
+
+/// What a channel's torque does within blocks beside the base model: rows with their deviations from
+/// the block's mean. Within a block the model is the quartic that has its means there and in the two
+/// blocks on each side.
+pub(super) fn deviations(along: &Along<'_>, channel: usize, fitted: &[f64]) -> Vec<(usize, f64)> {
+    let recorded = along.recorded;
+    let count = recorded.blocks.len();
+    let fitted = &fitted[channel * count..(channel + 1) * count];
+    let mut rest = Vec::new();
+    for block in 2..count.saturating_sub(2) {
+        let joined = (block - 1..=block + 2).all(|block| recorded.blocks[block].follows);
+        let own = &recorded.blocks[block];
+        if !joined || own.rows.len() < 2 {
+            continue;
+        }
+        let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|k| fitted[block + k - 2]);
+        // slope, curvature and third derivative, per block, of the quartic with these block means
+        let slope = (5.0 * a - 34.0 * b + 34.0 * d - 5.0 * e) / 48.0;
+        let curvature = (-a + 12.0 * b - 22.0 * c + 12.0 * d - e) / 8.0;
+        let third = (e - 2.0 * d + 2.0 * b - a) / 2.0;
+        let length = own.rows.len() as f64;
+        let first = rest.len();
+        for &row in &own.usable {
+            let place = ((row - own.rows.start) as f64 + 0.5) / length - 0.5;
+            let smooth = place * (slope + place * (0.5 * curvature + place * third / 6.0));
+            rest.push((row, recorded.torque_nm[channel][row] - smooth));
+        }
+        let mean = rest[first..].iter().map(|(_, value)| value).sum::<f64>()
+            / (rest.len() - first).max(1) as f64;
+        rest[first..]
+            .iter_mut()
+            .for_each(|(_, value)| *value -= mean);
+    }
+    rest
+}
+
+/// Rows of each block among `rows`.
+fn lengths(along: &Along<'_>, rows: &[usize]) -> Vec<usize> {
+    let mut lengths = Vec::new();
+    let mut at = 0;
+    for block in &along.recorded.blocks {
+        let start = at;
+        while at < rows.len() && block.rows.contains(&rows[at]) {
+            at += 1;
+        }
+        if at > start {
+            lengths.push(at - start);
+        }
+    }
+    lengths
+}
+
+fn centre(values: &mut [f64], lengths: &[usize]) {
+    let mut first = 0;
+    for &length in lengths {
+        let part = &mut values[first..first + length];
+        let mean = part.iter().sum::<f64>() / length as f64;
+        part.iter_mut().for_each(|value| *value -= mean);
+        first += length;
+    }
+}

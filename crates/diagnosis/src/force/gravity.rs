@@ -1,0 +1,182 @@
+//! Unbalanced gravity: a mass or its centre that is not where the device file assumes it.
+
+use std::ops::Range;
+
+use haptical_metrics::chi_square_p_value;
+use nalgebra::Cholesky;
+
+use super::along::Along;
+use super::base::Base;
+use super::posture::PER_LINK;
+use crate::DiagnosisError;
+
+/// What an assumed mass may be wrong by: relative, and at least \[kg\].
+const MASS_SD: f64 = 0.1;
+const LEAST_MASS_SD_KG: f64 = 5e-3;
+/// What an assumed centre of mass may be wrong by along each axis \[m\].
+const CENTRE_SD_M: f64 = 2e-3;
+/// Chance of naming any link whose file is right.
+const FAMILY_WISE_P: f64 = 1e-3;
+/// Least torque of it, over a row's noise.
+const LEAST_TORQUE: f64 = 0.2;
+
+/// A link whose weight is not the assumed one.
+#[derive(Debug, Clone)]
+pub(super) struct Unbalanced {
+    /// Joint that carries it, from 0.
+    pub(super) joint: usize,
+    /// Largest torque of the difference on any channel \[N m\], with its standard deviation.
+    pub(super) moment_nm: f64,
+    pub(super) moment_sd_nm: f64,
+    /// Difference of the mass \[kg\] and its standard deviation, where the torques fix it.
+    pub(super) mass_kg: Option<(f64, f64)>,
+    /// How far beyond the file's tolerance, in standard deviations.
+    pub(super) deviations: f64,
+    pub(super) probability: f64,
+    /// Other links that would explain it as well, from 0.
+    pub(super) rivals: Vec<usize>,
+    /// Torque of the difference, channel after channel.
+    pub(super) torque_nm: Vec<f64>,
+}
+
+/// Links whose masses the file gives.
+pub(super) fn assumed(along: &Along<'_>) -> Vec<Option<[f64; 4]>> {
+    let device = along.recorded.context.device;
+    (0..device.joints.len())
+        .map(|joint| {
+            let body = device.bodies.get(joint + 1).copied().flatten()?;
+            let [x, y, z] = body.centre_of_mass_m.map(|place| place * body.mass_kg);
+            Some([body.mass_kg, x, y, z])
+        })
+        .collect()
+}
+
+/// Tests each link's assumed mass and centre against what the torques imply.
+pub(super) fn unbalanced(
+    along: &Along<'_>,
+    base: &Base<'_>,
+    row_sd: &[f64],
+) -> Result<Option<Unbalanced>, DiagnosisError> {
+    let assumed = assumed(along);
+    let mut known = Vec::new();
+    let mut groups = Vec::new();
+    let mut links = Vec::new();
+    for (joint, values) in assumed.iter().enumerate() {
+        let Some(values) = values else {
+            continue;
+        };
+        let start = known.len();
+        for (place, &value) in values.iter().enumerate() {
+            let parameter = PER_LINK * joint + place;
+            let Some(column) = along.parameters.iter().position(|&own| own == parameter) else {
+                continue;
+            };
+            let sd = if place == 0 {
+                (MASS_SD * values[0]).max(LEAST_MASS_SD_KG)
+            } else {
+                (CENTRE_SD_M * values[0]).hypot(MASS_SD * value).max(1e-6)
+            };
+            known.push((column, value, sd));
+        }
+        if known.len() > start {
+            groups.push(start..known.len());
+            links.push(joint);
+        }
+    }
+    if groups.is_empty() {
+        return Ok(None);
+    }
+    let Some(whole) = Solved::without(base, &known, &(0..0)) else {
+        return Ok(None);
+    };
+    let released: Option<Vec<Solved>> = groups
+        .iter()
+        .map(|group| Solved::without(base, &known, group))
+        .collect();
+    let Some(released) = released else {
+        return Ok(None);
+    };
+    let saved = |index: usize| (whole.cost - released[index].cost).max(0.0);
+    let Some(best) = (0..released.len()).max_by(|&a, &b| saved(a).total_cmp(&saved(b))) else {
+        return Ok(None);
+    };
+    let score = saved(best);
+    let p = chi_square_p_value(score, groups[best].len() as f64)?;
+    let mut change = vec![0.0; PER_LINK * assumed.len()];
+    for &(column, value, _) in &known[groups[best].clone()] {
+        change[along.parameters[column]] = released[best].solution[column] - value;
+    }
+    let torque_nm = along.link_torques(&change);
+    let blocks = along.recorded.blocks.len();
+    let is_large = (0..row_sd.len()).any(|channel| {
+        let own = &torque_nm[channel * blocks..(channel + 1) * blocks];
+        let square = own.iter().map(|torque| torque * torque).sum::<f64>();
+        square > (LEAST_TORQUE * row_sd[channel]).powi(2) * blocks as f64
+    });
+    if p * groups.len() as f64 >= FAMILY_WISE_P || !is_large {
+        return Ok(None);
+    }
+    let moment_nm = torque_nm
+        .iter()
+        .fold(0.0, |most: f64, torque| most.max(torque.abs()));
+    let deviations = score.sqrt();
+    let behind = |index: usize| 0.5 * (score - saved(index));
+    let mass = known[groups[best].clone()]
+        .iter()
+        .find(|(column, _, _)| along.parameters[*column] == PER_LINK * links[best])
+        .map(|(column, value, _)| {
+            (
+                released[best].solution[*column] - value,
+                released[best].variance[*column].sqrt(),
+            )
+        });
+    let others = (0..released.len()).filter(|&index| index != best);
+    let sum: f64 = others.clone().map(|index| (-behind(index)).exp()).sum();
+    Ok(Some(Unbalanced {
+        joint: links[best],
+        moment_nm,
+        moment_sd_nm: moment_nm / deviations.max(1.0),
+        mass_kg: mass.filter(|(mass, sd)| *sd < 0.3 * mass.abs()),
+        deviations,
+        probability: 1.0 / (1.0 + sum),
+        rivals: others
+            .filter(|&index| behind(index) < 100.0_f64.ln())
+            .map(|index| links[index])
+            .collect(),
+        torque_nm,
+    }))
+}
+
+/// The base model with what the file assumes of masses.
+#[derive(Debug)]
+struct Solved {
+    /// Least weighted squares, less those of the readings alone.
+    cost: f64,
+    solution: Vec<f64>,
+    variance: Vec<f64>,
+}
+
+impl Solved {
+    /// With everything that is known but one group.
+    fn without(base: &Base<'_>, known: &[(usize, f64, f64)], group: &Range<usize>) -> Option<Self> {
+        let kept: Vec<&(usize, f64, f64)> = known
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| !group.contains(index))
+            .map(|(_, entry)| entry)
+            .collect();
+        let (gram, right, scale) = base.normal.with_knowledge(&kept);
+        let factor = Cholesky::new(gram)?;
+        let scaled = factor.solve(&right);
+        // min |b - A x|^2 + sum ((x - a) / s)^2 = |b|^2 + sum (a / s)^2 - right . solution
+        let own: f64 = kept.iter().map(|(_, value, sd)| (value / sd).powi(2)).sum();
+        let inverse = factor.inverse();
+        Some(Self {
+            cost: own - right.dot(&scaled),
+            solution: scaled.component_mul(scale).iter().copied().collect(),
+            variance: (0..scale.len())
+                .map(|k| (inverse[(k, k)] * scale[k] * scale[k]).max(0.0))
+                .collect(),
+        })
+    }
+}

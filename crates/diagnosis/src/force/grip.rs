@@ -1,0 +1,114 @@
+//! A force of the hand that the sensor does not see: whether any force at the handle, changing as it
+//! likes, accounts for what is left.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::along::Along;
+use super::energy::Energy;
+use super::recorded::{Besides, UNKNOWN_FORCE_SD_N};
+use super::trust;
+use super::weights::Weights;
+
+/// Part of the structure that a free force may leave.
+const LEFT: f64 = 0.1;
+/// Deviations of slow energy that are noise.
+const NOISE_DEVIATIONS: f64 = 4.0;
+/// Torques beside the force's three directions that the test needs.
+const SPARE_CHANNELS: usize = 2;
+
+/// A force of the hand that accounts for what is left.
+#[derive(Debug, Clone)]
+pub(super) struct Grip {
+    /// Root mean square of the force \[N\], and its standard deviation.
+    pub(super) force_n: f64,
+    pub(super) force_sd_n: f64,
+    /// Part of the structure that it leaves.
+    pub(super) left: f64,
+}
+
+/// Whether there are torques enough for the test.
+pub(super) fn is_testable(channels: usize) -> bool {
+    channels >= 3 + SPARE_CHANNELS
+}
+
+/// Fits the base model with any force of the hand allowed for. `before` is what it leaves otherwise,
+/// `excess` the structured energy of that.
+pub(super) fn grip(
+    along: &Along<'_>,
+    ordinary: &Weights,
+    before: &[f64],
+    excess: f64,
+) -> Option<Grip> {
+    let recorded = along.recorded;
+    let channels = recorded.channels.len();
+    if recorded.force_n.is_none() || !is_testable(channels) {
+        return None;
+    }
+    let anything = Besides::Hand(UNKNOWN_FORCE_SD_N);
+    let (rest, left) = left_beside(along, anything, 3, excess)?;
+    let left = left?;
+    // a torque on one joint alone is simpler than a hand that leaves all others as they are
+    for channel in loudest(along, before) {
+        if left_beside(along, Besides::Channel(channel), 1, excess)?
+            .1
+            .is_some()
+        {
+            return None;
+        }
+    }
+    // with a force of about the right size allowed for, the base model takes less of it
+    let size = rms(&along.hand_force(ordinary, &rest)).max(1e-3);
+    let weights = along.weights(Besides::Hand(size))?;
+    let base = along.fit(&weights, Besides::Hand(size));
+    let force_n = rms(&along.hand_force(ordinary, &along.rest(&base.normal)));
+    // a force holds over a few blocks, so that about a quarter of them are independent
+    let independent = 0.25 * along.recorded.blocks.len() as f64;
+    Some(Grip {
+        force_n,
+        force_sd_n: force_n / (2.0 * independent).sqrt(),
+        left: left.min(1.0),
+    })
+}
+
+/// Root mean square of a force, its noise taken out.
+fn rms(forces: &[(Vector3<f64>, Matrix3<f64>)]) -> f64 {
+    let square: f64 = forces
+        .iter()
+        .map(|(force, covariance)| force.norm_squared() - covariance.trace())
+        .sum();
+    (square.max(0.0) / forces.len().max(1) as f64).sqrt()
+}
+
+/// What the base model leaves when something is allowed for beside it, and the part of the structure
+/// in that, if that is small.
+fn left_beside(
+    along: &Along<'_>,
+    besides: Besides,
+    free: usize,
+    excess: f64,
+) -> Option<(Vec<f64>, Option<f64>)> {
+    let weights = along.weights(besides)?;
+    let base = along.fit(&weights, besides);
+    if !trust::is_within_tolerance(&base) {
+        return Some((Vec::new(), None));
+    }
+    let rest = along.rest(&base.normal);
+    let energy = Energy::of(along.recorded, &weights, &base.normal, &rest, free);
+    let left = energy.excess().max(0.0) / excess.max(1.0);
+    let is_small = left <= LEFT || energy.deviations() < NOISE_DEVIATIONS;
+    Some((rest, is_small.then_some(left)))
+}
+
+/// The two channels that show most of what the base model leaves.
+fn loudest(along: &Along<'_>, rest: &[f64]) -> Vec<usize> {
+    let blocks = along.recorded.blocks.len();
+    let channels = along.recorded.channels.len();
+    let square = |channel: &usize| {
+        let own = &rest[channel * blocks..(channel + 1) * blocks];
+        own.iter().map(|value| value * value).sum::<f64>()
+    };
+    let mut order: Vec<usize> = (0..channels).collect();
+    order.sort_by(|a, b| square(b).total_cmp(&square(a)));
+    order.truncate(2);
+    order
+}

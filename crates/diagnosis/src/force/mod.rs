@@ -1,0 +1,72 @@
+//! Effects on torques and forces (E1 to E10): what inverse dynamics and the hand's force leave of the
+//! drives' torques.
+//!
+//! docs/diagnosis-force.md derives the model. The torques are of use only where they are recorded with
+//! time, and the test says nothing of positions: errors of angles and lengths are allowed for as what
+//! is not exactly known.
+
+mod along;
+pub(crate) mod answer;
+mod base;
+mod columns;
+mod effects;
+mod energy;
+mod fast;
+mod gravity;
+mod grip;
+mod normal;
+mod posture;
+mod recorded;
+mod score;
+mod select;
+#[cfg(test)]
+mod tests;
+mod trust;
+mod values;
+mod weights;
+
+use self::along::Along;
+use self::answer::ForceAnswer;
+use self::effects::Effects;
+use self::recorded::{Besides, Recorded};
+use self::select::Selector;
+use crate::DiagnosisError;
+use crate::context::Context;
+
+/// Names of the effects on torques and forces.
+pub(crate) const NAMES: [&str; 9] = [
+    "force-bias",
+    "force-gain",
+    "force-crosstalk",
+    "force-hysteresis",
+    "joint-friction",
+    "motor-cogging",
+    "torque-gain",
+    "unbalanced-gravity",
+    "grip-force",
+];
+
+/// Tests the recorded torques and forces for effects of their own.
+///
+/// # Errors
+/// [`DiagnosisError`] for a statistic that is not a number.
+pub(crate) fn examine(context: &Context<'_>) -> Result<ForceAnswer, DiagnosisError> {
+    let recorded = match Recorded::new(context) {
+        Ok(recorded) => recorded,
+        Err(why) => return Ok(ForceAnswer::untestable(&why)),
+    };
+    let along = Along::new(&recorded);
+    let Some(weights) = along.weights(Besides::Nothing) else {
+        return Ok(ForceAnswer::untestable("the torques have no noise at all"));
+    };
+    let mut base = along.fit(&weights, Besides::Nothing);
+    let harmonics: Vec<_> = (0..recorded.channels.len())
+        .map(|channel| fast::harmonics(&along, channel))
+        .collect();
+    base.normal.fast = fast::table(&along, &harmonics, &base.normal.fitted());
+    let effects = Effects::new(&along, base.scales, &harmonics);
+    let selector = Selector::new(&recorded, &weights, &effects, &along.reading);
+    let fitted_before = base.normal.fitted();
+    let selection = selector.select(&mut base)?;
+    answer::answer(&selector, &base, &selection, &fitted_before)
+}

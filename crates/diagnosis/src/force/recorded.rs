@@ -1,0 +1,301 @@
+//! What a recording says of the drives' torques: blocks of rows, the torque that is not the hand's, the
+//! noise of both, or why nothing can be said.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, Vector3};
+
+use crate::context::Context;
+use crate::noise;
+use crate::signal::LocalMotion;
+
+/// Time that one block averages \[s\]: short against a motion, long against the sampling.
+const BLOCK_S: f64 = 0.1;
+/// Most rows of a block.
+const LONGEST_BLOCK: usize = 400;
+/// Readings per parameter of the base model that are enough.
+const ENOUGH: usize = 8;
+/// What the base model itself may be wrong by, over a torque's root mean square: postures are averaged
+/// over half blocks.
+const MODEL_SD: f64 = 1e-3;
+/// Standard deviation of the hand's force where nothing is known of it \[N\].
+pub(super) const UNKNOWN_FORCE_SD_N: f64 = 30.0;
+/// Standard deviation of a torque of which nothing is known \[N m\].
+const UNKNOWN_TORQUE_SD_NM: f64 = 10.0;
+
+/// What may act on the chain beside what was recorded, changing as it likes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Besides {
+    Nothing,
+    /// A force at the handle of this standard deviation \[N\].
+    Hand(f64),
+    /// A torque on one channel.
+    Channel(usize),
+}
+
+/// Successive rows that are averaged.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    pub(super) rows: Range<usize>,
+    /// Those with a reading of every torque and force.
+    pub(super) usable: Vec<usize>,
+    /// The block before it in the list is the one before it in time.
+    pub(super) follows: bool,
+}
+
+/// Torques of a recording in blocks.
+#[derive(Debug)]
+pub(super) struct Recorded<'a> {
+    pub(super) context: &'a Context<'a>,
+    pub(super) motion: &'a [LocalMotion],
+    /// Joints whose torque is recorded.
+    pub(super) channels: Vec<usize>,
+    pub(super) blocks: Vec<Block>,
+    pub(super) gravity_mps2: Vector3<f64>,
+    /// Time of a row \[s\].
+    pub(super) step_s: f64,
+    /// Force of the hand in the handle's frame, row by row; none where it is not recorded.
+    pub(super) force_n: Option<Vec<Vector3<f64>>>,
+    /// Per channel and row: torque of the drive plus that of the hand.
+    pub(super) torque_nm: Vec<Vec<f64>>,
+    /// Standard deviation of a row's torque reading per channel, and what its colour adds to a mean.
+    pub(super) torque_sd: Vec<f64>,
+    torque_inflation: Vec<f64>,
+    force_sd: [f64; 3],
+    force_inflation: [f64; 3],
+}
+
+impl<'a> Recorded<'a> {
+    /// Gathers the channels, or says what is missing.
+    pub(super) fn new(context: &'a Context<'a>) -> Result<Self, String> {
+        let device = context.device;
+        let recording = context.recording;
+        let motion = needed(context)?;
+        let channels: Vec<usize> = (0..device.joints.len())
+            .filter(|&joint| column(context, joint).is_some())
+            .collect();
+        if channels.is_empty() {
+            return Err("no column torque1_nm, torque2_nm, ...".to_owned());
+        }
+        let gravity = device.gravity_mps2.map(Vector3::from);
+        let gravity_mps2 = gravity.ok_or_else(|| "no [gravity] in the device file".to_owned())?;
+        let force_n = recording.force_n.as_ref().map(|axes| {
+            let at = |row: usize| Vector3::new(axes[0][row], axes[1][row], axes[2][row]);
+            (0..context.rows()).map(at).collect::<Vec<_>>()
+        });
+        if force_n.is_none() && channels.len() < 5 {
+            return Err(
+                "no columns fx_n, fy_n, fz_n, and too few torques to do without".to_owned(),
+            );
+        }
+        let mut torque_nm = Vec::new();
+        for &joint in &channels {
+            let own = column(context, joint).unwrap_or_default();
+            let twists = &context.twist[joint];
+            torque_nm.push(
+                (0..context.rows())
+                    .map(|row| {
+                        let hand = force_n.as_ref().map_or(0.0, |force| {
+                            let arm = context.rotation[row].tr_mul(&twists[row].linear);
+                            arm.dot(&force[row])
+                        });
+                        own[row] + hand
+                    })
+                    .collect::<Vec<f64>>(),
+            );
+        }
+        let step_s = step(context);
+        let blocks = blocks(context, &torque_nm, step_s);
+        let parameters = 10 * device.joints.len();
+        if blocks.len() * channels.len() < ENOUGH * parameters {
+            let rows = (ENOUGH * parameters).div_ceil(channels.len()) as f64 * BLOCK_S;
+            return Err(format!(
+                "too little motion with torques: record at least {rows:.0} s of it"
+            ));
+        }
+        let size = blocks.iter().map(|block| block.usable.len()).sum::<usize>() as f64
+            / blocks.len().max(1) as f64;
+        let of_torque: Option<Vec<(f64, f64)>> = channels
+            .iter()
+            .map(|&joint| {
+                let values = column(context, joint)?;
+                let (sd, inflation) = noise_of(context, values, size)?;
+                let usable = values.iter().filter(|value| value.is_finite());
+                let square = usable.clone().map(|value| value * value).sum::<f64>();
+                let rms = (square / usable.count().max(1) as f64).sqrt();
+                Some((sd.hypot(MODEL_SD * rms), inflation))
+            })
+            .collect();
+        let mut of_force = [(UNKNOWN_FORCE_SD_N, size); 3];
+        if let Some(axes) = &recording.force_n {
+            for (noise, values) in of_force.iter_mut().zip(axes) {
+                *noise = noise_of(context, values, size).unwrap_or(*noise);
+            }
+        }
+        let of_torque = of_torque.ok_or_else(|| "too few rows in a run".to_owned())?;
+        Ok(Self {
+            context,
+            motion,
+            channels,
+            blocks,
+            gravity_mps2,
+            step_s,
+            force_n,
+            torque_nm,
+            torque_sd: of_torque.iter().map(|noise| noise.0).collect(),
+            torque_inflation: of_torque.iter().map(|noise| noise.1).collect(),
+            force_sd: of_force.map(|noise| noise.0),
+            force_inflation: of_force.map(|noise| noise.1),
+        })
+    }
+
+    /// Readings of all channels in blocks.
+    pub(super) fn len(&self) -> usize {
+        self.channels.len() * self.blocks.len()
+    }
+
+    /// Means over blocks of a value per row.
+    pub(super) fn means(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
+        self.blocks
+            .iter()
+            .map(|block| {
+                let sum: f64 = block.usable.iter().map(|&row| value(row)).sum();
+                sum / block.usable.len() as f64
+            })
+            .collect()
+    }
+
+    /// Covariance of a block's mean torques, its transposed Jacobian (channel by axis of the handle's
+    /// frame) given, and what may act besides.
+    pub(super) fn covariance(
+        &self,
+        block: usize,
+        jacobian: &[Vector3<f64>],
+        besides: Besides,
+    ) -> DMatrix<f64> {
+        let (unknown_n, unknown) = match besides {
+            Besides::Nothing => (0.0, None),
+            Besides::Hand(sd_n) => (sd_n, None),
+            Besides::Channel(channel) => (0.0, Some(channel)),
+        };
+        let rows = self.blocks[block].usable.len() as f64;
+        let force: [f64; 3] = std::array::from_fn(|axis| {
+            self.force_sd[axis].powi(2) * self.force_inflation[axis] / rows + unknown_n * unknown_n
+        });
+        let count = self.channels.len();
+        DMatrix::from_fn(count, count, |a, b| {
+            let hand: f64 = (0..3)
+                .map(|k| jacobian[a][k] * force[k] * jacobian[b][k])
+                .sum();
+            if a == b {
+                let free = if unknown == Some(a) {
+                    UNKNOWN_TORQUE_SD_NM
+                } else {
+                    0.0
+                };
+                hand + self.torque_sd[a].powi(2) * self.torque_inflation[a] / rows + free * free
+            } else {
+                hand
+            }
+        })
+    }
+
+    /// Standard deviation of a row of a channel: its torque's noise and the hand force's.
+    pub(super) fn row_sd(&self, channel: usize, jacobian: &[Vec<Vector3<f64>>]) -> f64 {
+        let mut hand = 0.0;
+        if self.force_n.is_some() {
+            for arms in jacobian {
+                let arm = &arms[channel];
+                hand += (0..3)
+                    .map(|k| (arm[k] * self.force_sd[k]).powi(2))
+                    .sum::<f64>();
+            }
+            hand /= jacobian.len().max(1) as f64;
+        }
+        (self.torque_sd[channel].powi(2) + hand).sqrt()
+    }
+}
+
+/// Standard deviation of a column's noise, and what its colour adds to the variance of a mean of `size`
+/// rows; none where no rows follow each other.
+fn noise_of(context: &Context<'_>, values: &[f64], size: f64) -> Option<(f64, f64)> {
+    let noise = noise::estimate(values, &context.runs, true, 0.0, false);
+    let colour = 1.0 + noise.coloured_share * (inflation(noise.colour, size) - 1.0);
+    noise.from_motion.then_some((noise.ratio, colour))
+}
+
+/// What nothing can be said without.
+fn needed<'a>(context: &'a Context<'a>) -> Result<&'a [LocalMotion], String> {
+    if !context.device.has_links() || context.twist.is_empty() {
+        return Err("the device file has no [[link]]".to_owned());
+    }
+    if !context.ordered {
+        return Err("the rows are single postures, not a motion".to_owned());
+    }
+    context
+        .motion
+        .as_deref()
+        .ok_or_else(|| "no column t_s".to_owned())
+}
+
+/// A joint's torque readings, where there are any.
+pub(super) fn column<'a>(context: &'a Context<'_>, joint: usize) -> Option<&'a [f64]> {
+    let values = context.recording.torque_nm.get(joint)?.as_ref()?;
+    values
+        .iter()
+        .any(|value| value.is_finite())
+        .then_some(values.as_slice())
+}
+
+fn step(context: &Context<'_>) -> f64 {
+    let Some(time_s) = &context.recording.time_s else {
+        return 1.0;
+    };
+    let mut steps: Vec<f64> = Vec::new();
+    for run in &context.runs {
+        steps.extend(time_s[run.clone()].windows(2).map(|pair| pair[1] - pair[0]));
+    }
+    if steps.is_empty() {
+        return 1.0;
+    }
+    let middle = steps.len() / 2;
+    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    median.max(1e-9)
+}
+
+fn blocks(context: &Context<'_>, torque_nm: &[Vec<f64>], step_s: f64) -> Vec<Block> {
+    let size = ((BLOCK_S / step_s).round() as usize).clamp(1, LONGEST_BLOCK);
+    let usable = |row: usize| torque_nm.iter().all(|values| values[row].is_finite());
+    let mut blocks = Vec::new();
+    for run in &context.runs {
+        let mut start = run.start;
+        let mut follows = false;
+        while start + size <= run.end {
+            let rows = start..start + size;
+            let usable: Vec<usize> = rows.clone().filter(|&row| usable(row)).collect();
+            let enough = 2 * usable.len() >= size;
+            if enough {
+                blocks.push(Block {
+                    rows,
+                    usable,
+                    follows,
+                });
+            }
+            follows = enough;
+            start += size;
+        }
+    }
+    blocks
+}
+
+/// Variance of a mean of `size` successive rows of a first-order autoregression, over that of white
+/// noise.
+fn inflation(colour: f64, size: f64) -> f64 {
+    let mut sum = 1.0;
+    let mut power = 1.0;
+    for lag in 1..(size.round() as usize).max(1) {
+        power *= colour;
+        sum += 2.0 * (1.0 - lag as f64 / size) * power;
+    }
+    sum.max(0.05)
+}

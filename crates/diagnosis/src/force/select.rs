@@ -1,0 +1,355 @@
+//! Stepwise selection of effects on the torques, with the rivals of each.
+
+use haptical_metrics::chi_square_p_value;
+
+use super::base::Base;
+use super::columns::{Term, Values};
+use super::effects::{Effects, Kind, Place};
+use super::energy::Energy;
+use super::recorded::Recorded;
+use super::score::{Products, Score};
+use super::weights::Weights;
+use crate::DiagnosisError;
+
+/// Chance of any name on torques without an effect.
+const FAMILY_WISE_P: f64 = 1e-3;
+/// Least size of an effect: its mean square over that of a row's noise. Errors of the angles and of the
+/// geometry that are no effects on torques leave less than this.
+const LEAST_SHARE_OF_NOISE: f64 = 0.04;
+/// Least share of its columns that the base model must leave.
+const RETAINED: f64 = 0.05;
+/// Least part of what is left that a further effect must explain.
+const SHARE_OF_REST: f64 = 0.1;
+/// Effects that are named at most.
+const MOST: usize = 3;
+/// Harmonic errors of angles that are allowed for beside them.
+const MOST_RIPPLES: usize = 4;
+/// Steps of the search for a transition, and the factor that it goes to each side.
+const STEPS: usize = 8;
+const REACH: f64 = 3.2;
+/// Step of its derivative, of its logarithm.
+const SHAPE_STEP: f64 = 0.05;
+/// Orders of cogging that one joint may have: more of them would follow any function of its angle.
+const MOST_ORDERS: usize = 2;
+
+/// A chosen effect.
+#[derive(Debug, Clone)]
+pub(super) struct Pick {
+    pub(super) place: Place,
+    /// Its columns in the normal equations.
+    pub(super) first: usize,
+    /// The last of them is the derivative by the logarithm of a continuous shape.
+    pub(super) count: usize,
+    /// Chi-square that it saves beside the others.
+    pub(super) score: f64,
+    pub(super) probability: f64,
+    /// Names and channels of effects that would do nearly as well.
+    pub(super) rivals: Vec<(Kind, Option<usize>)>,
+}
+
+/// What the selection came to.
+#[derive(Debug)]
+pub(super) struct Selection {
+    pub(super) picks: Vec<Pick>,
+    pub(super) before: Energy,
+    pub(super) after: Energy,
+    pub(super) rest_before: Vec<f64>,
+    pub(super) rest_after: Vec<f64>,
+}
+
+/// An effect with its products and what it explains.
+#[derive(Debug)]
+struct Candidate {
+    place: Place,
+    products: Products,
+}
+
+/// Everything that a selection works on.
+#[derive(Debug)]
+pub(super) struct Selector<'s, 'w, 'a> {
+    pub(super) recorded: &'s Recorded<'a>,
+    pub(super) weights: &'w Weights,
+    pub(super) effects: &'s Effects<'s, 'a>,
+    pub(super) reading: &'s [f64],
+    rows: f64,
+}
+
+impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
+    pub(super) fn new(
+        recorded: &'s Recorded<'a>,
+        weights: &'w Weights,
+        effects: &'s Effects<'s, 'a>,
+        reading: &'s [f64],
+    ) -> Self {
+        let rows: usize = recorded.blocks.iter().map(|block| block.usable.len()).sum();
+        Self {
+            recorded,
+            weights,
+            effects,
+            reading,
+            rows: rows as f64,
+        }
+    }
+
+    /// Usable rows of a channel.
+    pub(super) fn rows(&self) -> f64 {
+        self.rows
+    }
+
+    fn rest(&self, base: &Base<'_>) -> Vec<f64> {
+        let fitted = base.normal.fitted();
+        self.reading
+            .iter()
+            .zip(&fitted)
+            .map(|(read, fitted)| read - fitted)
+            .collect()
+    }
+
+    pub(super) fn energy(&self, base: &Base<'_>, rest: &[f64]) -> Energy {
+        let free = if self.recorded.force_n.is_none() {
+            3
+        } else {
+            0
+        };
+        Energy::of(self.recorded, self.weights, &base.normal, rest, free)
+    }
+
+    /// Chooses effects one after the other; they become base columns of `base`.
+    pub(super) fn select(&self, base: &mut Base<'w>) -> Result<Selection, DiagnosisError> {
+        let mut candidates: Vec<Candidate> = self
+            .effects
+            .places()
+            .into_iter()
+            .map(|place| Candidate {
+                place,
+                products: base.normal.products(self.effects.terms(&place)),
+            })
+            .collect();
+        let rest_before = self.rest(base);
+        let before = self.energy(base, &rest_before);
+        let mut after = before.clone();
+        let mut picks: Vec<Pick> = Vec::new();
+        let mut ripples: Vec<Place> = Vec::new();
+        while picks.len() < MOST {
+            let taken = |place: &Place| {
+                let is_same = |other: &Place| {
+                    let shape = place.kind != Kind::Cogging || place.shape == other.shape;
+                    place.kind == other.kind && place.channel == other.channel && shape
+                };
+                let orders = picks.iter().filter(|pick| {
+                    pick.place.kind == Kind::Cogging && pick.place.channel == place.channel
+                });
+                let is_many = place.kind == Kind::Cogging && orders.count() >= MOST_ORDERS;
+                is_many
+                    || picks.iter().any(|pick| is_same(&pick.place))
+                    || ripples.iter().any(is_same)
+            };
+            let scored = self.scores(base, &mut candidates);
+            let Some((place, score)) = scored
+                .into_iter()
+                .filter(|(place, _)| !taken(place))
+                .max_by(|a, b| self.merit(&a.0, &a.1).total_cmp(&self.merit(&b.0, &b.1)))
+            else {
+                break;
+            };
+            let fresh = place.kind == Kind::Scale || picks.is_empty();
+            let rest = after.excess().max(0.0);
+            let is_part =
+                fresh || place.kind == Kind::Cogging || score.score >= SHARE_OF_REST * rest;
+            if !self.is_found(&place, &score, candidates.len())? || !is_part {
+                break;
+            }
+            if place.kind == Kind::Cogging && ripples.len() < MOST_RIPPLES {
+                let terms = self.effects.ripple(&place, &base.inertia);
+                let products = base.normal.products(terms.clone());
+                let rival = base.normal.score(&products);
+                if rival.rank > 0 && self.merit(&place, &rival) > self.merit(&place, &score) {
+                    base.normal.adopt(&terms);
+                    ripples.push(place);
+                    continue;
+                }
+            }
+            let (place, terms) = self.refined(base, &place);
+            picks.push(Pick {
+                place,
+                first: base.normal.columns(),
+                count: terms.len(),
+                score: score.score,
+                probability: 1.0,
+                rivals: Vec::new(),
+            });
+            base.normal.adopt(&terms);
+            let left = self.rest(base);
+            after = self.energy(base, &left);
+        }
+        let rest_after = self.rest(base);
+        if !picks.is_empty() {
+            self.compare(base, &mut candidates, &mut picks, &after)?;
+        }
+        Ok(Selection {
+            picks,
+            before,
+            after,
+            rest_before,
+            rest_after,
+        })
+    }
+
+    /// Scores of the candidates that are possible.
+    fn scores(&self, base: &Base<'_>, candidates: &mut [Candidate]) -> Vec<(Place, Score)> {
+        candidates
+            .iter_mut()
+            .filter_map(|candidate| {
+                base.normal.extend(&mut candidate.products);
+                let score = base.normal.score(&candidate.products);
+                let possible = score.rank > 0
+                    && self
+                        .effects
+                        .is_possible(&candidate.place, &score.amplitudes);
+                possible.then_some((candidate.place, score))
+            })
+            .collect()
+    }
+
+    /// Bayes' criterion: the score less what as many free numbers explain of nothing.
+    fn merit(&self, place: &Place, score: &Score) -> f64 {
+        score.score - score.rank as f64 * self.rows.ln() - 2.0 * (place.shapes as f64).ln()
+    }
+
+    fn is_found(
+        &self,
+        place: &Place,
+        score: &Score,
+        tested: usize,
+    ) -> Result<bool, DiagnosisError> {
+        let p = chi_square_p_value(score.score, score.rank as f64)?;
+        let is_large = place.kind == Kind::Scale || score.score >= LEAST_SHARE_OF_NOISE * self.rows;
+        Ok(p * (tested as f64) < FAMILY_WISE_P && is_large && score.retained > RETAINED)
+    }
+
+    /// The place with its transition searched between those of the grid (golden section), and its
+    /// columns with the derivative by the transition's logarithm.
+    fn refined(&self, base: &Base<'_>, place: &Place) -> (Place, Vec<Term>) {
+        if !place.is_continuous() {
+            return (*place, self.effects.terms(place));
+        }
+        let placed = |log: f64| Place {
+            shape: place.shape * log.exp(),
+            ..*place
+        };
+        let score = |place: &Place| {
+            let products = base.normal.products(self.effects.terms(place));
+            base.normal.score(&products)
+        };
+        let at = |log: f64| score(&placed(log)).score;
+        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+        let (mut low, mut high) = (-REACH.ln(), REACH.ln());
+        let (mut left, mut right) = (high - golden * (high - low), low + golden * (high - low));
+        let (mut of_left, mut of_right) = (at(left), at(right));
+        for _ in 0..STEPS {
+            if of_left > of_right {
+                (high, right, of_right) = (right, left, of_left);
+                left = high - golden * (high - low);
+                of_left = at(left);
+            } else {
+                (low, left, of_left) = (left, right, of_right);
+                right = low + golden * (high - low);
+                of_right = at(right);
+            }
+        }
+        let best = 0.5 * (low + high);
+        let place = placed(best);
+        let amplitudes = score(&place).amplitudes;
+        let mut terms = self.effects.terms(&place);
+        let mut slope = vec![0.0; self.reading.len()];
+        for (side, log) in [(1.0, best + SHAPE_STEP), (-1.0, best - SHAPE_STEP)] {
+            let beside = self.effects.terms(&placed(log));
+            for (term, amplitude) in beside.iter().zip(&amplitudes) {
+                let factor = side * amplitude / (2.0 * SHAPE_STEP);
+                let values = base.normal.dense(&term.values);
+                for (sum, value) in slope.iter_mut().zip(&values) {
+                    *sum += factor * value;
+                }
+            }
+        }
+        terms.push(Values::All(slope).into());
+        (place, terms)
+    }
+
+    /// For each pick: what it saves beside the others, and who would do as well in its place.
+    fn compare(
+        &self,
+        base: &mut Base<'w>,
+        candidates: &mut [Candidate],
+        picks: &mut Vec<Pick>,
+        after: &Energy,
+    ) -> Result<(), DiagnosisError> {
+        let first = picks.iter().map(|pick| pick.first).min().unwrap_or(0);
+        let end = base.normal.columns();
+        let dispersion = after.dispersion();
+        let tested = candidates.len();
+        // whatever stands between picks (ripples) stays where it is
+        let order: Vec<(usize, usize)> =
+            picks.iter().map(|pick| (pick.first, pick.count)).collect();
+        let columns: Vec<_> = (first..end).map(|index| base.normal.term(index)).collect();
+        let mut kept = vec![true; picks.len()];
+        for (index, pick) in picks.iter_mut().enumerate() {
+            base.normal.truncate(first);
+            let (own, count) = order[index];
+            let others: Vec<_> = (first..end)
+                .filter(|column| !(own..own + count).contains(column))
+                .map(|column| columns[column - first].clone())
+                .collect();
+            base.normal.adopt(&others);
+            for candidate in candidates.iter_mut() {
+                candidate.products.forget(first);
+            }
+            let products = base
+                .normal
+                .products(columns[own - first..own - first + count].to_vec());
+            let score = base.normal.score(&products);
+            pick.score = score.score;
+            kept[index] = self.is_found(&pick.place, &score, tested)?;
+            let own = self.merit(&pick.place, &score);
+            let mut best: Vec<(Kind, Option<usize>, f64)> = Vec::new();
+            for (place, score) in self.scores(base, candidates) {
+                let nats = 0.5 * (own - self.merit(&place, &score)) / dispersion;
+                let is_own = place.kind == pick.place.kind && place.channel == pick.place.channel;
+                if is_own || score.retained < RETAINED {
+                    continue;
+                }
+                match best
+                    .iter_mut()
+                    .find(|b| b.0 == place.kind && b.1 == place.channel)
+                {
+                    Some(known) => known.2 = known.2.min(nats),
+                    None => best.push((place.kind, place.channel, nats)),
+                }
+            }
+            if pick.place.kind == Kind::Cogging {
+                let terms = self.effects.ripple(&pick.place, &base.inertia);
+                let products = base.normal.products(terms);
+                let rival = self.merit(&pick.place, &base.normal.score(&products));
+                let nats = 0.5 * (own - rival) / dispersion;
+                best.push((Kind::Ripple, pick.place.channel, nats));
+            }
+            let sum: f64 = best.iter().map(|rival| (-rival.2).min(50.0).exp()).sum();
+            pick.probability = 1.0 / (1.0 + sum);
+            pick.rivals = best
+                .into_iter()
+                .filter(|rival| rival.2 < 100.0_f64.ln())
+                .map(|(kind, channel, _)| (kind, channel))
+                .collect();
+            // a second effect that does worse than another shape of the first makes up for its misfit
+            kept[index] &= index == 0 || pick.probability > 0.5;
+        }
+        base.normal.truncate(first);
+        base.normal.adopt(&columns);
+        let mut index = 0;
+        picks.retain(|_| {
+            index += 1;
+            kept[index - 1]
+        });
+        Ok(())
+    }
+}

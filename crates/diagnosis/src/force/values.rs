@@ -1,0 +1,138 @@
+//! The numbers of a chosen effect, in its own units.
+
+use super::base::Base;
+use super::effects::{Kind, Place};
+use super::select::{Pick, Selector};
+
+/// What a law that is not quite the catalogue's changes of a torque's size, relative.
+const LAW_SD: f64 = 0.01;
+/// The same of a loop: a play and Dahl's state of equal energy differ so much in amplitude.
+const LOOP_SD: f64 = 0.05;
+/// Names, values and standard deviations.
+pub(super) fn parameters(
+    base: &Base<'_>,
+    pick: &Pick,
+    dispersion: f64,
+) -> Vec<(&'static str, f64, f64)> {
+    let normal = &base.normal;
+    let amplitudes: Vec<f64> = (0..pick.count)
+        .map(|k| normal.solution[pick.first + k])
+        .collect();
+    let covariance = normal.covariance(pick.first, pick.count) * dispersion;
+    let sd = |k: usize| covariance[(k, k)].max(0.0).sqrt();
+    let listed = |names: &[&'static str]| -> Vec<(&'static str, f64, f64)> {
+        names
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| *k < amplitudes.len())
+            .map(|(k, name)| (*name, amplitudes[k], sd(k)))
+            .collect()
+    };
+    // a torque of the joint, read through a scale that is known as well as the fit says
+    let scale = pick.place.channel.map(|channel| base.scales + channel);
+    let (gain, gain_sd) = scale.map_or((0.0, 0.0), |column| {
+        let variance = normal.covariance(column, 1)[(0, 0)] * dispersion;
+        (normal.solution[column], variance.max(0.0).sqrt())
+    });
+    let true_torque = |value: f64, sd: f64| {
+        let value = value / (1.0 + gain);
+        (
+            value,
+            (sd / (1.0 + gain)).hypot(value * gain_sd.hypot(LAW_SD)),
+        )
+    };
+    match pick.place.kind {
+        Kind::Bias => listed(&["x_n", "y_n", "z_n", "x_n_per_k", "y_n_per_k", "z_n_per_k"]),
+        Kind::Gain => {
+            // the column is what the sensor read, not the force: a = e / (1 + e)
+            let true_gain = |(name, a, sd): (&'static str, f64, f64)| {
+                let rest = (1.0 - a).max(0.01);
+                (name, a / rest, sd / (rest * rest))
+            };
+            listed(&["x", "y", "z"])
+                .into_iter()
+                .map(true_gain)
+                .collect()
+        }
+        Kind::Crosstalk => listed(&["xy", "xz", "yx", "yz", "zx", "zy"]),
+        Kind::Hysteresis => {
+            let mut parameters = listed(&["x_n", "y_n", "z_n"]);
+            for (_, value, sd) in &mut parameters {
+                *sd = sd.hypot(*value * LOOP_SD);
+            }
+            parameters.push(("transition_n", pick.place.shape, pick.place.shape * sd(3)));
+            parameters
+        }
+        Kind::Friction => {
+            let (coulomb, coulomb_sd) = true_torque(amplitudes[0], sd(0));
+            let (viscous, viscous_sd) = true_torque(amplitudes[1], sd(1));
+            let (stribeck, stribeck_sd) = true_torque(amplitudes[2], sd(2));
+            let mut parameters = vec![
+                ("coulomb_nm", coulomb, coulomb_sd),
+                ("viscous_nm_s_per_rad", viscous, viscous_sd),
+                ("stribeck_nm", stribeck, stribeck_sd),
+            ];
+            let shape = pick.place.shape.abs();
+            let shape_sd = sd(pick.count - 1);
+            let name = if pick.place.shape > 0.0 {
+                "transition_rad"
+            } else {
+                "transition_rad_per_s"
+            };
+            parameters.push((name, shape, shape * shape_sd));
+            parameters
+        }
+        Kind::Cogging => {
+            let (a, b) = (amplitudes[0], amplitudes[1]);
+            let size = a.hypot(b).max(1e-300);
+            let (along, across) = ([a / size, b / size], [-b / size, a / size]);
+            let spread = |u: [f64; 2]| {
+                let mut sum = 0.0;
+                for row in 0..2 {
+                    for column in 0..2 {
+                        sum += u[row] * covariance[(row, column)] * u[column];
+                    }
+                }
+                sum.max(0.0).sqrt()
+            };
+            let (amplitude, amplitude_sd) = true_torque(size, spread(along));
+            vec![
+                ("amplitude_nm", amplitude, amplitude_sd),
+                ("phase_rad", b.atan2(a), spread(across) / size),
+                ("order", pick.place.shape, 0.0),
+            ]
+        }
+        Kind::Scale | Kind::Ripple => vec![("gain", gain, gain_sd)],
+    }
+}
+
+/// Whether a sound device can show it: the ranges of docs/diagnosis-force.md, ten times wider.
+pub(super) fn is_plausible(
+    place: &Place,
+    selector: &Selector<'_, '_, '_>,
+    parameters: &[(&'static str, f64, f64)],
+) -> bool {
+    let ratio = place.channel.map_or(1.0, |channel| {
+        let joint = selector.recorded.channels[channel];
+        selector.recorded.context.device.joints[joint]
+            .transmission_ratio
+            .abs()
+    });
+    let most = match place.kind {
+        Kind::Bias => 5.0,
+        Kind::Gain | Kind::Crosstalk => 0.2,
+        Kind::Hysteresis => 2.0,
+        Kind::Friction => 0.3 * ratio.max(1.0),
+        Kind::Cogging => 0.3 * ratio.max(1.0),
+        Kind::Scale | Kind::Ripple => 1.0,
+    };
+    let sizes: usize = match place.kind {
+        Kind::Friction | Kind::Cogging | Kind::Scale | Kind::Ripple => 1,
+        Kind::Crosstalk => 6,
+        _ => 3,
+    };
+    parameters
+        .iter()
+        .take(sizes)
+        .all(|(_, value, _)| value.abs() <= most)
+}

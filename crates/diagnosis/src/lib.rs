@@ -1,0 +1,38 @@
+//! Names the unmodelled effect behind what a calibration leaves, or declines.
+
+mod adequacy;
+mod advice;
+mod answer;
+mod assemble;
+mod base;
+mod blocks;
+mod catalogue;
+mod causes;
+mod context;
+mod diagnose;
+mod earlier;
+mod engine;
+mod error;
+mod frames;
+mod generic;
+mod noise;
+mod options;
+mod place;
+mod rivals;
+mod scan;
+mod select;
+mod shrink;
+mod signal;
+mod system;
+mod thresholds;
+mod unseen;
+
+pub use answer::{
+    CandidateAnswer, CauseAnswer, ChannelGap, Detectable, Diagnosis, Gap, HeldOutAnswer, Hint,
+    Invisible, NoiseAnswer, ParameterAnswer, Place, Prediction, Provenance, Trace, Untestable,
+    Verdict,
+};
+pub use catalogue::Hook;
+pub use diagnose::{diagnose, effect_names};
+pub use error::DiagnosisError;
+pub use options::Options;

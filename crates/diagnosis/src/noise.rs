@@ -1,0 +1,377 @@
+//! The noise of each stream, before anything is called a gap: its size and colour from what successive
+//! rows do not share, and the rows that are outliers.
+//!
+//! docs/diagnosis.md, "Noise", derives the formulas.
+
+use std::ops::Range;
+
+/// Noise of one stream.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Noise {
+    /// Standard deviation over the stated one.
+    pub(crate) ratio: f64,
+    /// Correlation of successive rows of its coloured part (first-order autoregression).
+    pub(crate) colour: f64,
+    /// Share of the variance that is coloured; the rest is white (rounding, say).
+    pub(crate) coloured_share: f64,
+    /// Relative standard deviation of the estimated variance.
+    pub(crate) uncertainty: f64,
+    /// Estimated from differences within a motion; otherwise from all that the model leaves.
+    pub(crate) from_motion: bool,
+    /// Increase of the standard deviation at the highest tenth of speeds over that at the lowest.
+    pub(crate) speed_ratio: f64,
+}
+
+/// Relative uncertainty of the variance that a device file states.
+const STATED_UNCERTAINTY: f64 = 0.3;
+/// Rows of a segment within which a signal is taken for a cubic.
+pub(crate) const SEGMENT: usize = 16;
+/// Segments that are enough for an estimate.
+const ENOUGH_SEGMENTS: usize = 8;
+/// Rows on each side of the median that an outlier is compared with.
+const MEDIAN_REACH: usize = 3;
+
+/// Estimates one stream's noise from its residuals over the stated standard deviation (NaN where
+/// there is none), `lost` of which the model's parameters have taken.
+pub(crate) fn estimate(
+    scaled: &[f64],
+    runs: &[Range<usize>],
+    ordered: bool,
+    lost: f64,
+    stated: bool,
+) -> Noise {
+    let series: Vec<Vec<f64>> = runs
+        .iter()
+        .map(|run| {
+            let values = scaled[run.clone()].iter();
+            values.copied().filter(|value| value.is_finite()).collect()
+        })
+        .collect();
+    if ordered {
+        let mut moments: Vec<[f64; LAGS]> = Vec::new();
+        let basis = segment_basis();
+        for run in &series {
+            moments.extend(
+                run.chunks_exact(SEGMENT)
+                    .map(|part| segment_moments(part, &basis)),
+            );
+        }
+        if moments.len() >= ENOUGH_SEGMENTS {
+            return from_segments(&mut moments);
+        }
+    }
+    let values: Vec<f64> = series.concat();
+    if stated {
+        // single postures cannot tell noise from a gap: the device file's figure is what there is
+        return Noise {
+            ratio: 1.0,
+            colour: 0.0,
+            coloured_share: 0.0,
+            uncertainty: STATED_UNCERTAINTY,
+            from_motion: false,
+            speed_ratio: 1.0,
+        };
+    }
+    let freedom = (values.len() as f64 - lost).max(1.0);
+    let sum: f64 = values.iter().map(|value| value * value).sum();
+    Noise {
+        ratio: (sum / freedom).sqrt().max(1e-6),
+        colour: 0.0,
+        coloured_share: 0.0,
+        uncertainty: (2.0 / freedom).sqrt(),
+        from_motion: false,
+        speed_ratio: 1.0,
+    }
+}
+
+/// Orthonormal polynomials up to the third degree on a segment.
+fn segment_basis() -> [[f64; SEGMENT]; 4] {
+    let mut basis = [[0.0; SEGMENT]; 4];
+    for degree in 0..4 {
+        let mut vector = [0.0; SEGMENT];
+        for (index, entry) in vector.iter_mut().enumerate() {
+            let place = (index as f64 - 7.5) / 7.5;
+            *entry = place.powi(degree as i32);
+        }
+        for earlier in basis.iter().take(degree) {
+            let shared: f64 = vector.iter().zip(earlier).map(|(a, b)| a * b).sum();
+            for (entry, other) in vector.iter_mut().zip(earlier) {
+                *entry -= shared * other;
+            }
+        }
+        let norm = vector.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        vector.iter_mut().for_each(|entry| *entry /= norm);
+        basis[degree] = vector;
+    }
+    basis
+}
+
+fn without_cubic(part: &mut [f64; SEGMENT], basis: &[[f64; SEGMENT]; 4]) {
+    for polynomial in basis {
+        let shared: f64 = part.iter().zip(polynomial).map(|(a, b)| a * b).sum();
+        for (entry, other) in part.iter_mut().zip(polynomial) {
+            *entry -= shared * other;
+        }
+    }
+}
+
+/// Highest lag at which products of rows are compared.
+const LAGS: usize = 4;
+
+/// Sums of products of rows at lags 0, 1, ... of what a cubic leaves.
+fn segment_moments(part: &[f64], basis: &[[f64; SEGMENT]; 4]) -> [f64; LAGS] {
+    let mut rest = [0.0; SEGMENT];
+    rest.copy_from_slice(part);
+    without_cubic(&mut rest, basis);
+    let mut moments = [0.0; LAGS];
+    for (lag, moment) in moments.iter_mut().enumerate() {
+        *moment = (lag..SEGMENT).map(|row| rest[row] * rest[row - lag]).sum();
+    }
+    moments
+}
+
+/// Expected moments of a segment of a first-order autoregression of unit variance.
+fn expected_moments(colour: f64, basis: &[[f64; SEGMENT]; 4]) -> [f64; LAGS] {
+    // M C M, M the projection that takes the cubic out: columns first, then rows
+    let mut projected = [[0.0; SEGMENT]; SEGMENT];
+    for (column, entries) in projected.iter_mut().enumerate() {
+        for (row, entry) in entries.iter_mut().enumerate() {
+            *entry = colour.powi((row as i32 - column as i32).abs());
+        }
+        without_cubic(entries, basis);
+    }
+    let mut both = [[0.0; SEGMENT]; SEGMENT];
+    for row in 0..SEGMENT {
+        for column in 0..SEGMENT {
+            both[row][column] = projected[column][row];
+        }
+        without_cubic(&mut both[row], basis);
+    }
+    let mut moments = [0.0; LAGS];
+    for (lag, moment) in moments.iter_mut().enumerate() {
+        *moment = (lag..SEGMENT).map(|index| both[index - lag][index]).sum();
+    }
+    moments
+}
+
+/// A segment this many times louder than the median one shows more than noise: a jump, a dent, fast
+/// motion. Of white noise one in 10^5 is; leaving out more would prefer the less coloured ones.
+const DISTURBED: f64 = 4.0;
+
+/// Solves for a white and a coloured part by the moments of the segments that nothing disturbs.
+fn from_segments(moments: &mut [[f64; LAGS]]) -> Noise {
+    let basis = segment_basis();
+    moments.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let median = moments[moments.len() / 2][0];
+    let kept: Vec<&[f64; LAGS]> = moments
+        .iter()
+        .filter(|segment| segment[0] <= DISTURBED * median)
+        .collect();
+    let count = kept.len();
+    let mut seen = [0.0; LAGS];
+    for segment in &kept {
+        for (sum, moment) in seen.iter_mut().zip(segment.iter()) {
+            *sum += moment / count as f64;
+        }
+    }
+    let white = expected_moments(0.0, &basis);
+    let scatter = 1.0 / ((count * (SEGMENT - 4)) as f64).sqrt();
+    // white alone, unless the products of neighbours say otherwise
+    let mut best = (0.0, 0.0, (seen[0] / white[0]).max(1e-12));
+    let neighbours = (seen[1] - best.2 * white[1]) / seen[0].max(1e-300);
+    if neighbours.abs() > 3.0 * scatter {
+        let mut least = f64::INFINITY;
+        for step in 1..=64 {
+            for sign in [1.0, -1.0] {
+                let colour = sign * 0.015 * f64::from(step);
+                let coloured = expected_moments(colour, &basis);
+                let (own, rest) = two_parts(&seen, &coloured, &white);
+                let misfit: f64 = (0..LAGS)
+                    .map(|lag| (seen[lag] - own * coloured[lag] - rest * white[lag]).powi(2))
+                    .sum();
+                if misfit < least {
+                    least = misfit;
+                    best = (colour, own, rest);
+                }
+            }
+        }
+    }
+    let (colour, own, rest) = best;
+    let variance = (own + rest).max(1e-12);
+    let freedom = (SEGMENT - 4) as f64 * (1.0 - colour * colour) / (1.0 + colour * colour);
+    // the level at low frequency, (1 + c) / (1 - c), inherits the colour's scatter too
+    let slope = if own > 0.0 {
+        4.0 * scatter / (1.0 - colour * colour)
+    } else {
+        0.0
+    };
+    Noise {
+        ratio: variance.sqrt(),
+        colour: if own > 0.0 { colour } else { 0.0 },
+        coloured_share: own / variance,
+        uncertainty: (2.0 / (count as f64 * freedom)).sqrt().hypot(slope),
+        from_motion: true,
+        speed_ratio: 1.0,
+    }
+}
+
+/// Least squares of two amounts that cannot be negative.
+fn two_parts(seen: &[f64; LAGS], first: &[f64; LAGS], second: &[f64; LAGS]) -> (f64, f64) {
+    let product =
+        |a: &[f64; LAGS], b: &[f64; LAGS]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
+    let (aa, ab, bb) = (
+        product(first, first),
+        product(first, second),
+        product(second, second),
+    );
+    let (ay, by) = (product(first, seen), product(second, seen));
+    let determinant = aa * bb - ab * ab;
+    if determinant > 1e-9 * aa * bb {
+        let (x, y) = (
+            (bb * ay - ab * by) / determinant,
+            (aa * by - ab * ay) / determinant,
+        );
+        if x >= 0.0 && y >= 0.0 {
+            return (x, y);
+        }
+    }
+    let (only_first, only_second) = ((ay / aa).max(0.0), (by / bb).max(0.0));
+    // whichever explains more of the two alone
+    if ay * only_first >= by * only_second {
+        (only_first, 0.0)
+    } else {
+        (0.0, only_second)
+    }
+}
+
+/// Rows whose value stands alone: further than `limit` noise deviations from the median of the seven
+/// rows around, which follow a motion, a jump or a drift.
+pub(crate) fn outliers(
+    scaled: &[f64],
+    runs: &[Range<usize>],
+    ordered: bool,
+    ratio: f64,
+    limit: f64,
+) -> Vec<usize> {
+    let mut found = Vec::new();
+    for run in runs {
+        let rows: Vec<usize> = run.clone().filter(|&row| scaled[row].is_finite()).collect();
+        for (index, &row) in rows.iter().enumerate() {
+            let centre = if ordered {
+                let first = index.saturating_sub(MEDIAN_REACH);
+                let end = (index + MEDIAN_REACH + 1).min(rows.len());
+                let mut around: Vec<f64> = rows[first..end].iter().map(|&r| scaled[r]).collect();
+                around.sort_by(f64::total_cmp);
+                around[around.len() / 2]
+            } else {
+                0.0
+            };
+            if (scaled[row] - centre).abs() > limit * ratio {
+                found.push(row);
+            }
+        }
+    }
+    found
+}
+
+/// Median of the absolute differences of neighbours, as a standard deviation: a size of the noise
+/// that outliers and gaps cannot move.
+pub(crate) fn difference_sd(scaled: &[f64], runs: &[Range<usize>]) -> Option<f64> {
+    let mut steps: Vec<f64> = Vec::new();
+    for run in runs {
+        let values: Vec<f64> = scaled[run.clone()]
+            .iter()
+            .copied()
+            .filter(|value| value.is_finite())
+            .collect();
+        // second differences: a slope is not noise
+        steps.extend(
+            values
+                .windows(3)
+                .map(|w| (w[0] - 2.0 * w[1] + w[2]).abs() / 6.0_f64.sqrt()),
+        );
+    }
+    if steps.is_empty() {
+        return None;
+    }
+    let middle = steps.len() / 2;
+    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*median / 0.674_489_750_196_081_7)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A linear congruential sequence made normal by the sum of twelve uniforms.
+    fn normal(count: usize, seed: u64) -> Vec<f64> {
+        let mut state = seed;
+        let mut uniform = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..count)
+            .map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0)
+            .collect()
+    }
+
+    #[test]
+    fn white_noise_on_a_slow_signal_is_measured() {
+        let values: Vec<f64> = normal(6000, 1)
+            .into_iter()
+            .enumerate()
+            .map(|(k, e)| 1.3 * e + 20.0 * (k as f64 * 0.01).sin())
+            .collect();
+        let noise = estimate(&values, &[0..6000], true, 0.0, true);
+        assert!((noise.ratio - 1.3).abs() < 0.06, "{noise:?}");
+        assert!(noise.colour.abs() < 0.05);
+    }
+
+    #[test]
+    fn coloured_noise_is_measured() {
+        let mut value = 0.0;
+        let values: Vec<f64> = normal(6000, 2)
+            .into_iter()
+            .map(|e| {
+                value = 0.5 * value + 0.75_f64.sqrt() * e;
+                value
+            })
+            .collect();
+        let noise = estimate(&values, &[0..6000], true, 0.0, true);
+        assert!((noise.colour - 0.5).abs() < 0.03, "{noise:?}");
+        assert!((noise.ratio - 1.0).abs() < 0.08, "{noise:?}");
+    }
+
+    #[test]
+    fn a_white_part_is_told_from_a_coloured_one() {
+        let mut value = 0.0;
+        let values: Vec<f64> = normal(12_000, 7)
+            .chunks_exact(2)
+            .map(|pair| {
+                value = 0.6 * value + 0.8 * pair[0];
+                value + 0.7 * pair[1]
+            })
+            .collect();
+        let noise = estimate(&values, &[0..6000], true, 0.0, true);
+        let low = noise.ratio.powi(2)
+            * (1.0 + noise.coloured_share * 2.0 * noise.colour / (1.0 - noise.colour));
+        // low-frequency level: 4 of the coloured part, 0.49 of the white one
+        assert!((low - 4.49).abs() < 0.5, "{noise:?} {low}");
+    }
+
+    #[test]
+    fn single_disturbed_rows_are_outliers_and_a_jump_is_not() {
+        let mut values = normal(1000, 3);
+        for row in 500..1000 {
+            values[row] += 30.0;
+        }
+        values[100] += 12.0;
+        values[700] -= 12.0;
+        assert_eq!(
+            outliers(&values, &[0..1000], true, 1.0, 6.0),
+            vec![100, 700]
+        );
+    }
+}

@@ -1,0 +1,304 @@
+//! Where a gap lies: channel, joint, covariates and region, in words.
+
+use crate::answer::Place as Answer;
+use crate::catalogue::{Effect, Family, Hook};
+use crate::context::Context;
+use crate::engine::Engine;
+use crate::generic::{Covariate, Place, inner_range, score};
+use crate::select::{Selection, Selector};
+
+/// Where it lies, with the covariate that a picture should show.
+#[derive(Debug, Clone)]
+pub(crate) struct Located {
+    pub(crate) answer: Answer,
+    pub(crate) stream: usize,
+    pub(crate) covariate: Covariate,
+}
+
+/// By the first cause, or by free functions of every covariate where there is none.
+pub(crate) fn locate(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    named: bool,
+) -> Option<Located> {
+    match selection.refit.model.causes.first() {
+        Some(cause) if named => by_cause(selector, selection, cause.effect),
+        _ => by_free_functions(selector, selection),
+    }
+}
+
+fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) -> Option<Located> {
+    let context = &selector.engine.context;
+    let effect = selector.effects[index].as_ref();
+    let cause = selection.refit.model.causes.first()?;
+    let stream = stream_of(context, selection, effect.hook(), effect.joint())?;
+    let joint = effect.joint();
+    let covariate = law_covariate(effect, cause.shape);
+    let mut depends_on = vec![covariate.column(context)];
+    if effect.name() == "cross-coupling"
+        && let Some(joint) = joint
+    {
+        depends_on.push(Covariate::Angle(joint).column(context));
+    }
+    let place = Place {
+        hook: effect.hook(),
+        joint,
+    };
+    Some(Located {
+        answer: Answer {
+            channel: context.streams[stream].channel.name(),
+            joint: joint.map(|joint| joint + 1),
+            explained: vec![1.0; depends_on.len()],
+            depends_on,
+            region: format!("{}; it follows {}", hook_words(place), covariate.words()),
+        },
+        stream,
+        covariate,
+    })
+}
+
+/// The covariate that an effect's law speaks of.
+fn law_covariate(effect: &dyn Effect, shape: f64) -> Covariate {
+    let joint = effect.joint();
+    match (effect.family(), joint) {
+        (Family::Load, Some(joint)) => Covariate::Torque(joint),
+        (Family::Load | Family::Tool, None) => {
+            if effect.name() == "tool-changed" {
+                Covariate::Time
+            } else {
+                Covariate::Force
+            }
+        }
+        (Family::Lag, Some(joint)) => Covariate::Speed(joint),
+        (Family::Lag, None) if effect.hook() == Hook::CableSensor => Covariate::CableSpeed,
+        (Family::Coupling, _) => Covariate::Angle((shape as usize).saturating_sub(1)),
+        (Family::Drift, _) if effect.parameters()[0].name.ends_with("degc") => {
+            Covariate::Temperature
+        }
+        (Family::Step | Family::Drift, _) => Covariate::Time,
+        (Family::Exit, _) => Covariate::ExitAngle,
+        (Family::Loop, None) => Covariate::CableSpeed,
+        (_, Some(joint)) => Covariate::Angle(joint),
+        (Family::Lag, None) => Covariate::Speed(0),
+        (_, None) => Covariate::Length,
+    }
+}
+
+/// The stream in which an effect at a place shows most plainly.
+fn stream_of(
+    context: &Context<'_>,
+    selection: &Selection,
+    hook: Hook,
+    joint: Option<usize>,
+) -> Option<usize> {
+    if matches!(hook, Hook::Transmission | Hook::ExternalEncoder)
+        && let Some(stream) = joint.and_then(|joint| context.output_stream(joint))
+    {
+        return Some(stream);
+    }
+    let chain = |stream: &usize| context.streams[*stream].channel.sees_chain();
+    let by_excess = |a: &usize, b: &usize| {
+        selection.before[*a]
+            .excess()
+            .total_cmp(&selection.before[*b].excess())
+    };
+    (0..context.streams.len())
+        .filter(chain)
+        .max_by(by_excess)
+        .or_else(|| (0..context.streams.len()).max_by(by_excess))
+}
+
+fn hook_words(place: Place) -> String {
+    match (place.hook, place.joint) {
+        (Hook::Transmission, Some(joint)) => {
+            format!(
+                "in the drive of joint {}, in front of its external encoder",
+                joint + 1
+            )
+        }
+        (Hook::ExternalEncoder, Some(joint)) => {
+            format!("in the external encoder of joint {} alone", joint + 1)
+        }
+        (Hook::Joint, Some(joint)) => format!("at joint {}, behind its encoders", joint + 1),
+        (Hook::CableSensor, _) => "in the measuring cable or its encoder".to_owned(),
+        (Hook::Timing, _) => "in the timing of the motor encoders".to_owned(),
+        (_, Some(joint)) => format!("in the structure at joint {}", joint + 1),
+        _ => "in the structure: base, links or handle".to_owned(),
+    }
+}
+
+/// Share of the best covariate's explanation from which another one is named too.
+const ALSO: f64 = 0.4;
+/// Intervals of the functions with which places are compared.
+const KNOTS: usize = 12;
+
+fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Option<Located> {
+    let engine = selector.engine;
+    let context = &engine.context;
+    let mut tried: Vec<(Place, Covariate, f64)> = Vec::new();
+    for place in places(context) {
+        for covariate in covariates(place) {
+            if let Some(found) = score(&engine.system, context, place, covariate, KNOTS) {
+                let evidence = found.score - 8.0 * found.rank as f64;
+                tried.push((place, covariate, evidence));
+            }
+        }
+    }
+    tried.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let &(place, covariate, best) = tried.first()?;
+    let stream = stream_of(context, selection, place.hook, place.joint)?;
+    let total: f64 = selection.before.iter().map(|s| s.excess().max(0.0)).sum();
+    let mut others: Vec<(Covariate, f64)> = tried
+        .iter()
+        .filter(|(other, _, _)| *other == place)
+        .map(|(_, covariate, evidence)| (*covariate, *evidence))
+        .collect();
+    for joint in (0..context.device.joints.len()).filter(|&joint| Some(joint) != place.joint) {
+        if let Some(found) = score(
+            &engine.system,
+            context,
+            place,
+            Covariate::Angle(joint),
+            KNOTS,
+        ) {
+            let evidence = found.score - 8.0 * found.rank as f64;
+            others.push((Covariate::Angle(joint), evidence));
+        }
+    }
+    others.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut depends_on: Vec<String> = Vec::new();
+    let mut explained = Vec::new();
+    for (other, evidence) in others
+        .iter()
+        .filter(|(_, evidence)| *evidence >= ALSO * best)
+    {
+        let column = other.column(context);
+        if !depends_on.contains(&column) {
+            depends_on.push(column);
+            explained.push((evidence / total.max(1e-300)).clamp(0.0, 1.0));
+        }
+    }
+    let covariate = others.first().map_or(covariate, |(first, _)| *first);
+    let region = match peak(engine, stream, covariate) {
+        Some(peak) => format!(
+            "{}; depends on {}, most near {}",
+            hook_words(place),
+            covariate.words(),
+            in_unit(covariate, peak)
+        ),
+        None => format!("{}; depends on {}", hook_words(place), covariate.words()),
+    };
+    Some(Located {
+        answer: Answer {
+            channel: context.streams[stream].channel.name(),
+            joint: place.joint.map(|joint| joint + 1),
+            depends_on,
+            region,
+            explained,
+        },
+        stream,
+        covariate,
+    })
+}
+
+fn places(context: &Context<'_>) -> Vec<Place> {
+    let mut places = Vec::new();
+    let chain = context.streams.iter().any(|s| s.channel.sees_chain());
+    for joint in 0..context.device.joints.len() {
+        let measured = context.output_stream(joint).is_some();
+        let hooks = [
+            (Hook::Transmission, measured || chain),
+            (Hook::ExternalEncoder, measured && chain),
+            (Hook::Joint, measured && chain),
+        ];
+        for (hook, exists) in hooks {
+            if exists {
+                places.push(Place {
+                    hook,
+                    joint: Some(joint),
+                });
+            }
+        }
+    }
+    if context.cable.is_some() {
+        places.push(Place {
+            hook: Hook::CableSensor,
+            joint: None,
+        });
+    }
+    places
+}
+
+fn covariates(place: Place) -> Vec<Covariate> {
+    match place.joint {
+        Some(joint) => vec![
+            Covariate::Angle(joint),
+            Covariate::Speed(joint),
+            Covariate::Torque(joint),
+            Covariate::Time,
+            Covariate::Temperature,
+        ],
+        None => vec![
+            Covariate::Length,
+            Covariate::CableSpeed,
+            Covariate::ExitAngle,
+            Covariate::Time,
+            Covariate::Temperature,
+            Covariate::Force,
+        ],
+    }
+}
+
+/// Intervals in which the residual's mean is compared.
+const BINS: usize = 40;
+
+/// Where along a covariate the base model's residual is largest: the centre of the interval around
+/// its largest mean, if that stands out from the others.
+fn peak(engine: &Engine<'_>, stream: usize, covariate: Covariate) -> Option<f64> {
+    let values = covariate.values(&engine.context)?;
+    let (low, high) = inner_range(&values)?;
+    let width = (high - low) / BINS as f64;
+    let (mut sums, mut counts) = (vec![0.0; BINS], vec![0.0; BINS]);
+    let residual = &engine.start.residual[stream];
+    for ((value, residual), usable) in values.iter().zip(residual).zip(&engine.usable[stream]) {
+        if *usable && (low..=high).contains(value) {
+            let bin = (((value - low) / width) as usize).min(BINS - 1);
+            sums[bin] += residual;
+            counts[bin] += 1.0;
+        }
+    }
+    let means: Vec<f64> = sums
+        .iter()
+        .zip(&counts)
+        .map(|(sum, count)| if *count >= 4.0 { sum / count } else { 0.0 })
+        .collect();
+    let size = (means.iter().map(|m| m * m).sum::<f64>() / BINS as f64).sqrt();
+    let by_size = |a: &usize, b: &usize| means[*a].abs().total_cmp(&means[*b].abs());
+    let top = (0..BINS).max_by(by_size)?;
+    if means[top].abs() < 2.0 * size {
+        return None;
+    }
+    let (mut weight, mut moment) = (0.0, 0.0);
+    for bin in top.saturating_sub(2)..(top + 3).min(BINS) {
+        let share = (means[bin] / means[top]).max(0.0);
+        if share > 0.3 {
+            weight += share;
+            moment += share * (low + width * (bin as f64 + 0.5));
+        }
+    }
+    Some(moment / weight)
+}
+
+fn in_unit(covariate: Covariate, value: f64) -> String {
+    let unit = match covariate {
+        Covariate::Angle(_) | Covariate::ExitAngle => "rad",
+        Covariate::Speed(_) => "rad/s",
+        Covariate::Torque(_) => "N m",
+        Covariate::Time => "s",
+        Covariate::Temperature => "K from its mean",
+        Covariate::Length => "m",
+        Covariate::CableSpeed => "m/s",
+        Covariate::Force => "N",
+    };
+    format!("{value:.2} {unit}")
+}

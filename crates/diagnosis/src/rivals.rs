@@ -1,0 +1,217 @@
+//! Which other effects could stand in a cause's place, and how far behind they are.
+
+use crate::DiagnosisError;
+use crate::catalogue::Family;
+use crate::context::Context;
+use crate::engine::{Cause, Model};
+use crate::select::{Selection, Selector, misfit};
+
+/// An effect in a cause's place.
+#[derive(Debug, Clone)]
+pub(crate) struct Rival {
+    /// Position in the catalogue, and its fit, where it was refitted.
+    pub(crate) cause: Option<Cause>,
+    pub(crate) name: &'static str,
+    pub(crate) joint: Option<usize>,
+    /// Share of the squared residual that it explains of what the cause explains.
+    pub(crate) share: f64,
+    /// Nats behind the best, misfit allowed for.
+    pub(crate) nats_behind: f64,
+    pub(crate) probability: f64,
+}
+
+/// Exchanges of causes at most.
+const EXCHANGES: usize = 2;
+/// Nats by which a rival must lead to take a cause's place.
+const LEAD: f64 = 2.0;
+
+/// Every cause's rivals, after causes that others have overtaken were exchanged.
+pub(crate) fn settle(
+    selector: &mut Selector<'_, '_>,
+    selection: &mut Selection,
+) -> Result<Vec<Vec<Rival>>, DiagnosisError> {
+    let mut lists: Vec<Vec<Rival>> = Vec::new();
+    for round in 0..=EXCHANGES {
+        lists.clear();
+        let mut changed = false;
+        for cause in 0..selection.refit.model.causes.len() {
+            let list = rivals(selector, selection, cause)?;
+            let by_lead = |a: &&Rival, b: &&Rival| a.nats_behind.total_cmp(&b.nats_behind);
+            let behind = list.first().map_or(0.0, |own| own.nats_behind);
+            let leader = list.iter().skip(1).min_by(by_lead);
+            if round < EXCHANGES
+                && behind > LEAD
+                && let Some(leader) = leader.and_then(|rival| rival.cause.clone())
+                && selector.replace(selection, cause, leader)?
+            {
+                changed = true;
+            }
+            lists.push(list);
+        }
+        if !changed {
+            break;
+        }
+    }
+    Ok(lists)
+}
+
+/// Rivals that are refitted at most.
+const REFITTED: usize = 3;
+/// Share of a drift's energy that its law may get wrong.
+const DRIFT_LAW: f64 = 0.15;
+/// Share from which a drift in time and one with temperature are look-alikes, where the
+/// temperature only rises.
+const LOOK_ALIKE: f64 = 0.6;
+/// Nats within which the linear score calls for a refit.
+const NEAR_NATS: f64 = 60.0;
+
+/// The cause itself and its rivals, best first.
+pub(crate) fn rivals(
+    selector: &mut Selector<'_, '_>,
+    selection: &Selection,
+    cause: usize,
+) -> Result<Vec<Rival>, DiagnosisError> {
+    let causes = &selection.refit.model.causes;
+    let (without, system, scan) = if causes.len() == 1 {
+        (
+            selector.engine.start.clone(),
+            selector.engine.system.clone(),
+            selection.first_scan.clone(),
+        )
+    } else {
+        let mut model = selection.refit.model.clone();
+        model.causes.remove(cause);
+        let refit = selector.engine.refit(selector.effects, &model)?;
+        let system = selector.system_of(&refit);
+        let scan = selector.scan(&system, &refit.model);
+        (refit, system, scan)
+    };
+    let misfit = misfit(&selection.after);
+    let empty = selector.cost(&without);
+    let own_cost = selector.cost(&selection.refit);
+    let gained = (empty - own_cost).max(1e-9);
+    let mut evidence: Vec<(usize, f64, f64, Option<Cause>)> = Vec::new();
+    let own = causes[cause].effect;
+    let own_rank = causes[cause].amplitudes.len();
+    let template = scan.iter().find(|score| score.effect == own).cloned();
+    let criterion = |score: f64, of: &crate::scan::Score| {
+        selector.criterion(&crate::scan::Score {
+            score: score / misfit,
+            ..of.clone()
+        })
+    };
+    if let Some(template) = &template {
+        evidence.push((own, criterion(gained, template), 1.0, None));
+    } else {
+        let score = crate::scan::Score {
+            effect: own,
+            shape: causes[cause].shape,
+            score: gained,
+            rank: own_rank,
+            amplitudes: causes[cause].amplitudes.clone(),
+            times: causes[cause].times.clone(),
+            retained: 1.0,
+            unit_amplitude: 1.0,
+        };
+        evidence.push((own, criterion(gained, &score), 1.0, None));
+    }
+    let best = evidence[0].1;
+    let mut refitted = 0;
+    for score in scan.iter().filter(|score| score.effect != own).take(30) {
+        let mut explained = score.score;
+        let mut fit = None;
+        let near = best - criterion(explained, score) < NEAR_NATS || score.score > 0.93 * gained;
+        if near && refitted < REFITTED {
+            refitted += 1;
+            let mut model: Model = without.model.clone();
+            model
+                .causes
+                .push(Cause::of(&selector.sharpened(&system, score)));
+            let fitted = selector.engine.refit(selector.effects, &model)?;
+            explained = explained.max(empty - selector.cost(&fitted));
+            fit = fitted.model.causes.last().cloned();
+        }
+        evidence.push((
+            score.effect,
+            criterion(explained, score),
+            explained / gained,
+            fit,
+        ));
+    }
+    // The course of a drift is a matter of its law (a sensor lags behind the part that warms): its kin
+    // counts as near while it explains almost as much.
+    let own_effect = selector.effects[own].as_ref();
+    for (effect, value, share, _) in &mut evidence {
+        let other = selector.effects[*effect].as_ref();
+        let is_kin = *effect != own
+            && own_effect.family() == Family::Drift
+            && other.is_kin_of(own_effect)
+            && other.name() != own_effect.name();
+        if is_kin && *share > LOOK_ALIKE && warms_with_time(&selector.engine.context) {
+            let behind = 1.0 + 3.0 * (1.0 - *share).max(0.0) / (1.0 - LOOK_ALIKE);
+            *value = value.max(best - behind);
+        } else if is_kin && *share > 1.0 - DRIFT_LAW {
+            let behind = selector.thresholds.confusable_nats * (1.0 - *share).max(0.0) / DRIFT_LAW;
+            *value = value.max(best - behind);
+        }
+    }
+    evidence.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let top = evidence[0].1;
+    let sum: f64 = evidence
+        .iter()
+        .map(|(_, value, _, _)| (value - top).exp())
+        .sum();
+    let mut found: Vec<Rival> = evidence
+        .into_iter()
+        .map(|(effect, value, share, cause)| Rival {
+            cause,
+            name: selector.effects[effect].name(),
+            joint: selector.effects[effect].joint(),
+            share,
+            nats_behind: top - value,
+            probability: (value - top).exp() / sum,
+        })
+        .collect();
+    merge(&mut found);
+    // the cause that was picked stands first
+    if let Some(position) = found.iter().position(|rival| {
+        rival.name == selector.effects[own].name() && rival.joint == selector.effects[own].joint()
+    }) {
+        let own = found.remove(position);
+        found.insert(0, own);
+    }
+    Ok(found)
+}
+
+/// One entry for each name at a place.
+fn merge(found: &mut Vec<Rival>) {
+    let mut index = 0;
+    while index < found.len() {
+        let (name, joint) = (found[index].name, found[index].joint);
+        let mut other = index + 1;
+        while other < found.len() {
+            if found[other].name == name && found[other].joint == joint {
+                found[index].probability += found.remove(other).probability;
+            } else {
+                other += 1;
+            }
+        }
+        index += 1;
+    }
+}
+
+/// Whether the temperature is a settling function of time within the recording: what follows the one
+/// then follows the other.
+fn warms_with_time(context: &Context<'_>) -> bool {
+    let (Some(warming), Some(elapsed)) = (&context.warming_k, context.elapsed_s()) else {
+        return false;
+    };
+    let whole = elapsed.iter().copied().fold(0.0, f64::max).max(1e-9);
+    [0.1, 0.3, 1.0, 10.0].iter().any(|share| {
+        let course: Vec<f64> = elapsed
+            .iter()
+            .map(|time| 1.0 - (-time / (share * whole)).exp())
+            .collect();
+        haptical_metrics::correlation(&course, warming).is_ok_and(|r| r.abs() > 0.95)
+    })
+}

@@ -1,0 +1,363 @@
+//! The score scan: how much each effect of the catalogue would explain, the base model's freedom and the
+//! causes found so far projected out (docs/diagnosis.md, "Score scan").
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::catalogue::Effect;
+use crate::context::Context;
+use crate::signal::Signal;
+use crate::system::{Column, System, dot};
+
+/// An effect at one shape, with its whitened columns.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidate {
+    /// Position in the catalogue.
+    pub(crate) effect: usize,
+    pub(crate) shape: f64,
+    pub(crate) columns: Vec<Column>,
+    /// Products with the system's basis, per column.
+    coefficients: Vec<Vec<f64>>,
+    /// Products of the columns with each other.
+    own: DMatrix<f64>,
+}
+
+/// What a candidate explains.
+#[derive(Debug, Clone)]
+pub(crate) struct Score {
+    /// Position in the catalogue.
+    pub(crate) effect: usize,
+    pub(crate) shape: f64,
+    /// Explained part of the squared residual; chi-square with `rank` under noise.
+    pub(crate) score: f64,
+    pub(crate) rank: usize,
+    pub(crate) amplitudes: Vec<f64>,
+    /// Of an event: one instant for each amplitude.
+    pub(crate) times: Vec<f64>,
+    /// Share of the column that the base model does not swallow.
+    pub(crate) retained: f64,
+    /// Amplitude at which the score's expectation is 1 (largest direction).
+    pub(crate) unit_amplitude: f64,
+}
+
+/// Squared share of a direction that must survive the projection.
+const SURVIVING: f64 = 1e-9;
+
+impl Candidate {
+    pub(crate) fn new(
+        system: &System,
+        context: &Context<'_>,
+        effect: &dyn Effect,
+        index: usize,
+        amplitudes: &[f64],
+        shape: f64,
+    ) -> Self {
+        let signals = effect.derivative(context, amplitudes, shape);
+        Self::of_signals(system, &signals, index, shape)
+    }
+
+    pub(crate) fn of_signals(
+        system: &System,
+        signals: &[Signal],
+        index: usize,
+        shape: f64,
+    ) -> Self {
+        let columns: Vec<Column> = signals.iter().map(|signal| system.column(signal)).collect();
+        let count = columns.len();
+        let own = DMatrix::from_fn(count, count, |a, b| product(&columns[a], &columns[b]));
+        let coefficients = columns
+            .iter()
+            .map(|column| system.basis.iter().map(|q| system.dot(column, q)).collect())
+            .collect();
+        Self {
+            effect: index,
+            shape,
+            columns,
+            coefficients,
+            own,
+        }
+    }
+
+    /// Catches up with directions that were added to the basis.
+    pub(crate) fn extend(&mut self, system: &System) {
+        for (column, coefficients) in self.columns.iter().zip(&mut self.coefficients) {
+            let known = coefficients.len();
+            coefficients.extend(system.basis[known..].iter().map(|q| system.dot(column, q)));
+        }
+    }
+
+    /// The score with nothing but the base model projected out, whatever was taken up since.
+    pub(crate) fn score_at_base(&self, system: &System) -> Score {
+        let mut candidate = self.clone();
+        candidate.reset(system, system.basis.len());
+        candidate.score(system)
+    }
+
+    pub(crate) fn score(&self, system: &System) -> Score {
+        let count = self.columns.len();
+        let mut result = Score {
+            effect: self.effect,
+            shape: self.shape,
+            score: 0.0,
+            rank: 0,
+            amplitudes: vec![0.0; count],
+            times: Vec::new(),
+            retained: 0.0,
+            unit_amplitude: f64::INFINITY,
+        };
+        let norms: Vec<f64> = (0..count).map(|k| self.own[(k, k)].sqrt()).collect();
+        if count == 0 || norms.iter().any(|norm| !norm.is_finite()) {
+            return result;
+        }
+        let scale = |k: usize| if norms[k] > 0.0 { 1.0 / norms[k] } else { 0.0 };
+        let gram = DMatrix::from_fn(count, count, |a, b| {
+            let taken = dot(&self.coefficients[a], &self.coefficients[b]);
+            (self.own[(a, b)] - taken) * scale(a) * scale(b)
+        });
+        let right = DVector::from_fn(count, |k, _| {
+            system.dot(&self.columns[k], &system.residual) * scale(k)
+        });
+        let eigen = gram.symmetric_eigen();
+        let mut amplitudes = DVector::zeros(count);
+        for k in 0..count {
+            let value = eigen.eigenvalues[k];
+            result.retained = result.retained.max(value.max(0.0).sqrt());
+            if value <= SURVIVING {
+                continue;
+            }
+            let direction = eigen.eigenvectors.column(k);
+            let along = direction.dot(&right);
+            result.score += along * along / value;
+            result.rank += 1;
+            amplitudes += direction * (along / value);
+        }
+        for k in 0..count {
+            result.amplitudes[k] = amplitudes[k] * scale(k);
+            if norms[k] > 0.0 && result.retained > 0.0 {
+                let unit = 1.0 / (norms[k] * result.retained);
+                result.unit_amplitude = result.unit_amplitude.min(unit);
+            }
+        }
+        result
+    }
+
+    /// The residual without what the candidate explains at these amplitudes.
+    pub(crate) fn residual_without(&self, system: &System, amplitudes: &[f64]) -> Vec<f64> {
+        let mut rest = system.residual.clone();
+        for (column, &amplitude) in self.columns.iter().zip(amplitudes) {
+            for (stream, values) in &column.parts {
+                let range = system.blocks.range(*stream);
+                for (entry, value) in rest[range].iter_mut().zip(values) {
+                    *entry -= amplitude * value;
+                }
+            }
+        }
+        for (k, direction) in system.basis.iter().enumerate() {
+            let shared: f64 = self
+                .coefficients
+                .iter()
+                .zip(amplitudes)
+                .map(|(coefficients, amplitude)| coefficients[k] * amplitude)
+                .sum();
+            for (entry, other) in rest.iter_mut().zip(direction) {
+                *entry += shared * other;
+            }
+        }
+        rest
+    }
+}
+
+fn product(a: &Column, b: &Column) -> f64 {
+    a.parts
+        .iter()
+        .filter_map(|(stream, values)| {
+            let (_, others) = b.parts.iter().find(|(other, _)| other == stream)?;
+            Some(dot(values, others))
+        })
+        .sum()
+}
+
+/// All effects but events, at every shape of their grids.
+pub(crate) fn candidates(
+    system: &System,
+    context: &Context<'_>,
+    effects: &[Box<dyn Effect>],
+    tested: &[usize],
+) -> Vec<Candidate> {
+    tested
+        .par_iter()
+        .filter(|&&index| !effects[index].is_event())
+        .flat_map_iter(|&index| {
+            let effect = effects[index].as_ref();
+            let zero = vec![0.0; effect.amplitude_count()];
+            effect
+                .shapes(context)
+                .into_iter()
+                .map(move |shape| Candidate::new(system, context, effect, index, &zero, shape))
+        })
+        .collect()
+}
+
+/// The best instant of an event, searched at every block.
+pub(crate) fn event_score(
+    system: &System,
+    context: &Context<'_>,
+    effect: &dyn Effect,
+    index: usize,
+) -> Option<Score> {
+    let time_s = context.recording.time_s.as_ref()?;
+    let mut best: Option<Score> = None;
+    for run in context.runs.iter().filter(|run| run.len() > 1) {
+        let margin = margin_rows(context, run);
+        let signal = effect.derivative(context, &[0.0], time_s[run.start]);
+        let column = system.column(signal.first()?);
+        // entries of all streams, latest first
+        let mut entries: Vec<(usize, usize, f64)> = Vec::new();
+        for (stream, values) in &column.parts {
+            let first = system.blocks.range(*stream).start;
+            for (block, &value) in values.iter().enumerate() {
+                let row = system.blocks.row(*stream, block);
+                if run.contains(&row) {
+                    entries.push((row, first + block, value));
+                }
+            }
+        }
+        entries.sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut taken = vec![0.0; system.basis.len()];
+        let (mut along, mut own) = (0.0, 0.0);
+        for (position, &(row, place, value)) in entries.iter().enumerate() {
+            along += value * system.residual[place];
+            own += value * value;
+            for (sum, direction) in taken.iter_mut().zip(&system.basis) {
+                *sum += value * direction[place];
+            }
+            let last_of_row = entries.get(position + 1).is_none_or(|next| next.0 != row);
+            if !last_of_row || row < run.start + margin || row + margin >= run.end {
+                continue;
+            }
+            let rest = own - dot(&taken, &taken);
+            if rest <= 1e-6 * own || rest <= 0.0 {
+                continue;
+            }
+            let score = along * along / rest;
+            if best.as_ref().is_none_or(|best| score > best.score) {
+                best = Some(Score {
+                    effect: index,
+                    shape: time_s[row],
+                    score,
+                    rank: 1,
+                    amplitudes: vec![along / rest],
+                    times: vec![time_s[row]],
+                    retained: (rest / own).sqrt(),
+                    unit_amplitude: 1.0 / rest.sqrt(),
+                });
+            }
+        }
+    }
+    best
+}
+
+impl Candidate {
+    /// Forgets products beyond the first `known` directions, and takes those of `system`.
+    pub(crate) fn reset(&mut self, system: &System, known: usize) {
+        for coefficients in &mut self.coefficients {
+            coefficients.truncate(known);
+        }
+        self.extend(system);
+    }
+}
+
+/// Rows at either end of a run within which a step cannot be told from the zero that the base model
+/// adjusts: a thirtieth of the run, and at the start as long as the device rests.
+fn margin_rows(context: &Context<'_>, run: &std::ops::Range<usize>) -> usize {
+    let columns = &context.recording.joint;
+    let moves = |row: &usize| {
+        columns
+            .iter()
+            .filter(|column| (column[*row] - column[run.start]).abs() > RESTING_RAD)
+            .count()
+            > 0
+    };
+    let rest = run.clone().find(moves).map_or(0, |row| row - run.start);
+    rest + run.len().div_ceil(30)
+}
+
+/// A joint that is this near to its start still rests there.
+const RESTING_RAD: f64 = 0.05;
+
+/// Further steps of an event are looked for while each explains this share of what the first did, and
+/// this much by itself.
+const STEP_SHARE: f64 = 0.02;
+const STEP_SCORE: f64 = 40.0;
+/// Steps of one event at most.
+const STEPS: usize = 5;
+
+/// An event's further steps (counts are lost more than once): greedily, each at its best instant.
+pub(crate) fn with_more_steps(
+    system: &System,
+    context: &Context<'_>,
+    effect: &dyn Effect,
+    first: Score,
+) -> Score {
+    let mut all = first;
+    let mut rest = system.clone();
+    let one = all.score;
+    while all.times.len() < STEPS {
+        let Some(&time) = all.times.last() else {
+            break;
+        };
+        for signal in effect.derivative(context, &[0.0], time) {
+            let column = rest.column(&signal);
+            rest.project_out(&column);
+        }
+        match event_score(&rest, context, effect, all.effect) {
+            Some(next) if next.score > STEP_SCORE && next.score > STEP_SHARE * one => {
+                all.score += next.score;
+                all.rank += 1;
+                all.amplitudes.extend(&next.amplitudes);
+                all.times.extend(&next.times);
+            }
+            _ => break,
+        }
+    }
+    all
+}
+
+/// Moves each instant of an event to the row, within a block's reach, that explains most.
+pub(crate) fn sharpen(
+    system: &System,
+    context: &Context<'_>,
+    effect: &dyn Effect,
+    mut event: Score,
+) -> Score {
+    let Some(time_s) = &context.recording.time_s else {
+        return event;
+    };
+    let reach = (system.blocks.size + 1).min(12);
+    for index in 0..event.times.len() {
+        let mut rest = system.clone();
+        for (other, &time) in event.times.iter().enumerate() {
+            if other != index {
+                for signal in effect.derivative(context, &[0.0], time) {
+                    let column = rest.column(&signal);
+                    rest.project_out(&column);
+                }
+            }
+        }
+        let row = time_s.partition_point(|&time| time < event.times[index]);
+        let mut best: Option<Score> = None;
+        let first = row.saturating_sub(reach);
+        for time in time_s.iter().skip(first).take(2 * reach + 1) {
+            let candidate = Candidate::new(&rest, context, effect, event.effect, &[0.0], *time);
+            let score = candidate.score(&rest);
+            if best.as_ref().is_none_or(|best| score.score > best.score) {
+                best = Some(score);
+            }
+        }
+        if let Some(best) = best {
+            event.times[index] = best.shape;
+            event.amplitudes[index] = best.amplitudes[0];
+        }
+    }
+    event
+}

@@ -1,0 +1,438 @@
+//! Stepwise selection of causes: scan, refit of the best, and a stop where chance or misfit begins.
+
+use haptical_metrics::chi_square_p_value;
+
+use crate::DiagnosisError;
+use crate::catalogue::{Effect, under_load};
+use crate::engine::{Cause, Engine, Model, Refit};
+use crate::generic::{self, own_covariates};
+use crate::noise::Noise;
+use crate::scan::{Candidate, Score, candidates, event_score, sharpen, with_more_steps};
+use crate::system::{SlowEnergy, System};
+use crate::thresholds::Thresholds;
+
+/// The causes that were found, and what they leave.
+#[derive(Debug)]
+pub(crate) struct Selection {
+    pub(crate) refit: Refit,
+    /// Slow energy per stream of the base model, and of the causes' model.
+    pub(crate) before: Vec<SlowEnergy>,
+    pub(crate) after: Vec<SlowEnergy>,
+    /// Explained squared residual of each cause when it was added.
+    pub(crate) explained: Vec<f64>,
+    /// System with the causes projected out.
+    pub(crate) system: System,
+    /// Scan of the base model's residuals, best first.
+    pub(crate) first_scan: Vec<Score>,
+    /// Scan of what is left, best first.
+    pub(crate) last_scan: Vec<Score>,
+    /// The best pick that was refused, if any.
+    pub(crate) refused: Option<Score>,
+}
+
+/// Scans and picks.
+#[derive(Debug)]
+pub(crate) struct Selector<'e, 'a> {
+    pub(crate) engine: &'e Engine<'a>,
+    pub(crate) effects: &'e [Box<dyn Effect>],
+    /// Effects that the recording can test.
+    pub(crate) tested: &'e [usize],
+    pub(crate) thresholds: &'e Thresholds,
+    candidates: Vec<Candidate>,
+}
+
+/// Two steps so near to each other are one event, seen by more than one channel \[s\].
+const COINCIDENT_S: f64 = 0.8;
+/// Probability above which a rest that follows an effect's own covariate is chance.
+const LAW_P: f64 = 1e-3;
+/// Picks that are tried and refused before the search ends.
+const REFUSALS: usize = 2;
+/// Score from which an event may have further steps.
+const WORTH_MORE_STEPS: f64 = 60.0;
+/// Contenders that are refitted at most when a pick is close.
+const CONTENDERS: usize = 3;
+/// A contender explains at least this share of what the best explains.
+const CONTENDING: f64 = 0.93;
+
+impl<'e, 'a> Selector<'e, 'a> {
+    pub(crate) fn new(
+        engine: &'e Engine<'a>,
+        effects: &'e [Box<dyn Effect>],
+        tested: &'e [usize],
+        thresholds: &'e Thresholds,
+    ) -> Self {
+        Self {
+            engine,
+            effects,
+            tested,
+            thresholds,
+            candidates: candidates(&engine.system, &engine.context, effects, tested),
+        }
+    }
+
+    /// Picks causes until what is left is chance or no effect of the catalogue.
+    pub(crate) fn select(&mut self) -> Result<Selection, DiagnosisError> {
+        let mut refit = self.engine.start.clone();
+        let mut system = self.engine.system.clone();
+        let before = system.slow_energy(&system.residual);
+        let mut after = before.clone();
+        let mut explained = Vec::new();
+        let mut first_scan = Vec::new();
+        let mut refused = None;
+        let mut last_scan;
+        let mut shut = Vec::new();
+        loop {
+            last_scan = self.scan(&system, &refit.model);
+            last_scan.retain(|score| !shut.contains(&score.effect));
+            if refit.model.causes.is_empty() {
+                first_scan.clone_from(&last_scan);
+            }
+            if refit.model.causes.len() >= self.thresholds.causes || shut.len() > REFUSALS {
+                break;
+            }
+            let Some((next, score)) = self.best(&system, &refit, &last_scan)? else {
+                break;
+            };
+            let next_system = self.system_of(&next);
+            let next_after = next_system.slow_energy(&next_system.residual);
+            if !self.is_more_than_chance(&score, &next_after)? {
+                break;
+            }
+            let is_first = refit.model.causes.is_empty();
+            let effect = self.effects[score.effect].as_ref();
+            let keeps_its_law =
+                || law_is_kept(effect, self.broken_law(&next_system, effect, score.score));
+            if !self.explains_enough(&score, &after, &next_after) || !(is_first || keeps_its_law())
+            {
+                refused.get_or_insert(score.clone());
+                if is_first {
+                    break;
+                }
+                shut.push(score.effect);
+                continue;
+            }
+            explained.push(score.score);
+            refit = next;
+            system = next_system;
+            after = next_after;
+        }
+        Ok(Selection {
+            refit,
+            before,
+            after,
+            explained,
+            system,
+            first_scan,
+            last_scan,
+            refused,
+        })
+    }
+
+    /// Every effect but events at every shape.
+    pub(crate) fn base_candidates(&self) -> impl Iterator<Item = &Candidate> {
+        self.candidates.iter()
+    }
+
+    /// The same selection with another effect in a cause's place, if that refits better.
+    pub(crate) fn replace(
+        &self,
+        selection: &mut Selection,
+        cause: usize,
+        by: Cause,
+    ) -> Result<bool, DiagnosisError> {
+        let mut model = selection.refit.model.clone();
+        model.causes[cause] = by;
+        let fitted = self.engine.refit(self.effects, &model)?;
+        if !self.is_possible(&fitted.model)
+            || self.cost(&fitted) > self.cost(&selection.refit) + 9.0
+        {
+            return Ok(false);
+        }
+        selection.system = self.system_of(&fitted);
+        selection.after = selection.system.slow_energy(&selection.system.residual);
+        selection.refit = fitted;
+        Ok(true)
+    }
+
+    /// The system of a model: its causes projected out, its residuals in place.
+    pub(crate) fn system_of(&self, refit: &Refit) -> System {
+        let mut system = self.engine.system.clone();
+        for cause in &refit.model.causes {
+            for signal in cause.derivative(self.effects, &self.engine.context) {
+                let column = system.column(&signal);
+                system.project_out(&column);
+            }
+        }
+        system.set_residual(&refit.residual);
+        system
+    }
+
+    /// Every effect's best score, best first by [`Selector::criterion`].
+    pub(crate) fn scan(&mut self, system: &System, model: &Model) -> Vec<Score> {
+        let known = self.engine.system.basis.len();
+        let mut scores: Vec<Score> = Vec::new();
+        for candidate in &mut self.candidates {
+            candidate.reset(system, known);
+            scores.push(candidate.score(system));
+        }
+        let largest = scores.iter().map(|score| score.score).fold(0.0, f64::max);
+        for &index in self.tested {
+            let effect = self.effects[index].as_ref();
+            if !effect.is_event() {
+                continue;
+            }
+            let context = &self.engine.context;
+            if let Some(score) = event_score(system, context, effect, index) {
+                let several = score.score > WORTH_MORE_STEPS && score.score > 0.3 * largest;
+                scores.push(if several {
+                    with_more_steps(system, context, effect, score)
+                } else {
+                    score
+                });
+            }
+        }
+        scores.retain(|score| self.is_eligible(score, model));
+        scores.sort_by(|a, b| self.criterion(b).total_cmp(&self.criterion(a)));
+        let mut seen = vec![false; self.effects.len()];
+        scores.retain(|score| !std::mem::replace(&mut seen[score.effect], true));
+        scores
+    }
+
+    fn is_eligible(&self, score: &Score, model: &Model) -> bool {
+        let effect = self.effects[score.effect].as_ref();
+        let context = &self.engine.context;
+        let used = |cause: &Cause| {
+            cause.effect == score.effect || effect.is_kin_of(self.effects[cause.effect].as_ref())
+        };
+        let believable =
+            score.retained >= self.thresholds.retained || self.is_plausible(effect, score);
+        let loaded = effect.name() != "capstan-slip"
+            || effect.joint().is_some_and(|joint| {
+                score
+                    .times
+                    .iter()
+                    .any(|&time| under_load(context, joint, time))
+            });
+        let coincides = |cause: &Cause| {
+            let times = cause.times.iter();
+            times.clone().any(|time| {
+                score
+                    .times
+                    .iter()
+                    .any(|other| (time - other).abs() < COINCIDENT_S)
+            })
+        };
+        score.rank > 0
+            && !model.causes.iter().any(coincides)
+            && score.score.is_finite()
+            && effect.is_possible(&score.amplitudes)
+            && !model.causes.iter().any(used)
+            && believable
+            && loaded
+    }
+
+    fn is_plausible(&self, effect: &dyn Effect, score: &Score) -> bool {
+        values_are_plausible(
+            effect,
+            &effect.values(
+                &self.engine.context,
+                &score.amplitudes[..effect.amplitude_count()],
+                score.shape,
+            ),
+        )
+    }
+
+    /// Evidence of a score in nats: half the explained square, less what its freedom costs.
+    pub(crate) fn criterion(&self, score: &Score) -> f64 {
+        let effect = self.effects[score.effect].as_ref();
+        let readings = self.engine.system.blocks.count().max(2) as f64;
+        let shapes = if effect.is_event() {
+            let instants = readings / self.engine.context.streams.len().max(1) as f64;
+            instants.max(1.0).ln() * score.times.len() as f64
+        } else {
+            (effect.shapes(&self.engine.context).len().max(1) as f64).ln()
+        };
+        let mut criterion = 0.5 * score.score - 0.5 * score.rank as f64 * readings.ln() - shapes
+            + effect.log_prior();
+        if !self.is_plausible(effect, score) {
+            criterion -= self.thresholds.implausible_nats;
+        }
+        criterion
+    }
+
+    /// The best effect with its refit; close contenders are refitted too and the costs decide.
+    fn best(
+        &self,
+        system: &System,
+        refit: &Refit,
+        scan: &[Score],
+    ) -> Result<Option<(Refit, Score)>, DiagnosisError> {
+        let Some(first) = scan.first() else {
+            return Ok(None);
+        };
+        let near = scan
+            .iter()
+            .take_while(|score| {
+                score.score >= CONTENDING * first.score - 20.0 || score.effect == first.effect
+            })
+            .take(if self.is_worth_a_refit(first)? {
+                CONTENDERS
+            } else {
+                0
+            });
+        let mut best: Option<(Refit, Score, f64)> = None;
+        for score in near {
+            let mut model = refit.model.clone();
+            model.causes.push(Cause::of(&self.sharpened(system, score)));
+            let fitted = self.engine.refit(self.effects, &model)?;
+            if !self.is_possible(&fitted.model) {
+                continue;
+            }
+            let cost = self.cost(&fitted);
+            let mut score = score.clone();
+            let gained: f64 = system
+                .residual
+                .iter()
+                .map(|value| value * value)
+                .sum::<f64>()
+                - cost;
+            score.score = score.score.max(gained);
+            let criterion = self.criterion(&Score {
+                score: gained,
+                ..score.clone()
+            });
+            if best.as_ref().is_none_or(|(_, _, other)| criterion > *other) {
+                best = Some((fitted, score, criterion));
+            }
+        }
+        Ok(best.map(|(fitted, score, _)| (fitted, score)))
+    }
+
+    /// An event with its instants at rows instead of blocks.
+    pub(crate) fn sharpened(&self, system: &System, score: &Score) -> Score {
+        if score.times.is_empty() {
+            return score.clone();
+        }
+        let effect = self.effects[score.effect].as_ref();
+        sharpen(system, &self.engine.context, effect, score.clone())
+    }
+
+    fn is_possible(&self, model: &Model) -> bool {
+        model
+            .causes
+            .iter()
+            .all(|cause| self.effects[cause.effect].is_possible(&cause.amplitudes))
+    }
+
+    /// Whitened square of a refit's residuals, across the base model's directions.
+    pub(crate) fn cost(&self, refit: &Refit) -> f64 {
+        let mut system = self.engine.system.clone();
+        system.set_residual(&refit.residual);
+        system.residual.iter().map(|value| value * value).sum()
+    }
+
+    fn is_worth_a_refit(&self, score: &Score) -> Result<bool, DiagnosisError> {
+        Ok(self.family_wise_p(score, 1.0)? < self.thresholds.family_wise_p)
+    }
+
+    /// Probability that chance gives any effect of the catalogue a score like this, misfit allowed for
+    /// as more noise (Bonferroni over effects, shapes and instants).
+    pub(crate) fn family_wise_p(&self, score: &Score, misfit: f64) -> Result<f64, DiagnosisError> {
+        let effect = self.effects[score.effect].as_ref();
+        let tries = if effect.is_event() {
+            let instants = 0.15 * self.engine.system.blocks.count() as f64
+                / self.engine.context.streams.len().max(1) as f64;
+            instants.max(1.0).powi(score.times.len().max(1) as i32)
+        } else {
+            effect.shapes(&self.engine.context).len() as f64
+        };
+        let p = chi_square_p_value(score.score / misfit, score.rank as f64)?;
+        Ok((p * tries.max(1.0) * self.tested.len() as f64).min(1.0))
+    }
+
+    fn is_more_than_chance(
+        &self,
+        score: &Score,
+        after: &[SlowEnergy],
+    ) -> Result<bool, DiagnosisError> {
+        let p = self.family_wise_p(score, misfit(after))?;
+        Ok(p < self.thresholds.family_wise_p)
+    }
+
+    /// What a free function of an effect's own covariates explains after the effect: share of the
+    /// effect's energy, and its probability by chance.
+    pub(crate) fn broken_law(
+        &self,
+        system: &System,
+        effect: &dyn Effect,
+        explained: f64,
+    ) -> (f64, f64) {
+        let mut worst = (0.0, 1.0);
+        for (place, covariate, knots) in own_covariates(effect) {
+            let context = &self.engine.context;
+            let Some(score) = generic::score(system, context, place, covariate, knots) else {
+                continue;
+            };
+            let freedom = score.rank.max(1) as f64;
+            let p = chi_square_p_value(score.score, freedom).unwrap_or(1.0);
+            if p < worst.1 {
+                worst = ((score.score - freedom).max(0.0) / explained.max(1e-300), p);
+            }
+        }
+        worst
+    }
+
+    /// Whether a pick explains enough of what was left: a wrong effect nibbles at a gap.
+    fn explains_enough(&self, score: &Score, before: &[SlowEnergy], after: &[SlowEnergy]) -> bool {
+        let (rest, uncertain) = excess(before);
+        let (left, _) = excess(after);
+        let share = self.thresholds.share_of_rest;
+        score.score >= share * (rest - 2.0 * uncertain) || rest - left >= share * rest
+    }
+}
+
+/// Slow residuals over what noise gives, at least 1.
+pub(crate) fn misfit(energy: &[SlowEnergy]) -> f64 {
+    let (sum, freedom) = energy.iter().fold((0.0, 0.0), |(sum, freedom), stream| {
+        (sum + stream.energy, freedom + stream.freedom)
+    });
+    if freedom > 0.0 {
+        (sum / freedom).max(1.0)
+    } else {
+        1.0
+    }
+}
+
+/// Structured energy over all streams, and its standard deviation under noise.
+/// Largest excess of a stream in standard deviations, the noise's own uncertainty allowed for.
+pub(crate) fn worst_excess(energy: &[SlowEnergy], noise: &[Noise]) -> f64 {
+    energy
+        .iter()
+        .zip(noise)
+        .map(|(stream, noise)| {
+            let spread = (2.0 * stream.freedom)
+                .sqrt()
+                .hypot(stream.freedom * noise.uncertainty);
+            stream.excess() / spread.max(1.0)
+        })
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+pub(crate) fn excess(energy: &[SlowEnergy]) -> (f64, f64) {
+    let sum = energy.iter().map(|stream| stream.excess()).sum();
+    let variance: f64 = energy.iter().map(|stream| 2.0 * stream.freedom).sum();
+    (sum, variance.sqrt())
+}
+
+/// Whether what a free function still explains is chance, or within what the law may get wrong.
+pub(crate) fn law_is_kept(effect: &dyn Effect, (share, p): (f64, f64)) -> bool {
+    share <= effect.family().law_error() || p > LAW_P
+}
+
+pub(crate) fn values_are_plausible(effect: &dyn Effect, values: &[f64]) -> bool {
+    effect
+        .parameters()
+        .iter()
+        .zip(values)
+        .all(|(spec, value)| value.abs() <= spec.plausible[1] && value.abs() >= spec.plausible[0])
+}

@@ -1,0 +1,254 @@
+//! Whitened residuals with everything that the base model can adjust projected out.
+
+use haptical_linalg::{Matrix, orthonormal_basis};
+
+use crate::DiagnosisError;
+use crate::base::BaseProblem;
+use crate::blocks::Blocks;
+use crate::context::Context;
+use crate::signal::Signal;
+
+/// Relative pivot below which a direction of the base model is taken for absent.
+const BASE_TOLERANCE: f64 = 1e-8;
+/// Time within which what is left of a gap hardly changes \[s\].
+const WINDOW_S: f64 = 0.25;
+
+/// A signal averaged and whitened, stream by stream.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Column {
+    pub(crate) parts: Vec<(usize, Vec<f64>)>,
+}
+
+/// Residuals and directions that are no longer news.
+#[derive(Debug, Clone)]
+pub(crate) struct System {
+    pub(crate) blocks: Blocks,
+    /// Orthonormal; the base model's first, then those of the causes found.
+    pub(crate) basis: Vec<Vec<f64>>,
+    /// Across the basis.
+    pub(crate) residual: Vec<f64>,
+    /// Windows per stream, as ranges of all blocks.
+    windows: Vec<Vec<std::ops::Range<usize>>>,
+}
+
+impl System {
+    /// The base model's directions and residuals.
+    pub(crate) fn new(
+        context: &Context<'_>,
+        problem: &BaseProblem<'_>,
+        blocks: Blocks,
+        matrix: Option<&Matrix>,
+        residual: &[Vec<f64>],
+    ) -> Result<Self, DiagnosisError> {
+        let mut basis = Vec::new();
+        if let Some(matrix) = matrix {
+            let compressed = compress_matrix(context, problem, &blocks, matrix);
+            let orthonormal = orthonormal_basis(&compressed, BASE_TOLERANCE)?;
+            basis = (0..orthonormal.columns())
+                .map(|column| orthonormal.column(column).to_vec())
+                .collect();
+        }
+        let windows = windows(context, &blocks);
+        let mut system = Self {
+            residual: Vec::new(),
+            blocks,
+            basis,
+            windows,
+        };
+        system.set_residual(residual);
+        Ok(system)
+    }
+
+    /// Takes physical residuals per stream and row, and projects them.
+    pub(crate) fn set_residual(&mut self, residual: &[Vec<f64>]) {
+        self.residual = compress_rows(&self.blocks, residual);
+        self.project_residual();
+    }
+
+    fn project_residual(&mut self) {
+        // twice: one pass leaves the rounding of large coefficients
+        for _ in 0..2 {
+            for direction in &self.basis {
+                let shared = dot(direction, &self.residual);
+                for (entry, other) in self.residual.iter_mut().zip(direction) {
+                    *entry -= shared * other;
+                }
+            }
+        }
+    }
+
+    pub(crate) fn column(&self, signal: &Signal) -> Column {
+        let parts = signal
+            .parts
+            .iter()
+            .map(|(stream, values)| (*stream, self.blocks.compress(*stream, |row| values[row])))
+            .collect();
+        Column { parts }
+    }
+
+    /// Product of a column with a vector over all blocks.
+    pub(crate) fn dot(&self, column: &Column, vector: &[f64]) -> f64 {
+        column
+            .parts
+            .iter()
+            .map(|(stream, values)| dot(values, &vector[self.blocks.range(*stream)]))
+            .sum()
+    }
+
+    /// Removes a column from the residual and from everything later.
+    pub(crate) fn project_out(&mut self, column: &Column) {
+        let mut dense = vec![0.0; self.blocks.count()];
+        for (stream, values) in &column.parts {
+            dense[self.blocks.range(*stream)].copy_from_slice(values);
+        }
+        let norm = dot(&dense, &dense).sqrt();
+        for _ in 0..2 {
+            for direction in &self.basis {
+                let shared = dot(direction, &dense);
+                for (entry, other) in dense.iter_mut().zip(direction) {
+                    *entry -= shared * other;
+                }
+            }
+        }
+        let rest = dot(&dense, &dense).sqrt();
+        if rest <= 1e-7 * norm || rest == 0.0 {
+            return;
+        }
+        dense.iter_mut().for_each(|entry| *entry /= rest);
+        let shared = dot(&dense, &self.residual);
+        for (entry, other) in self.residual.iter_mut().zip(&dense) {
+            *entry -= shared * other;
+        }
+        self.basis.push(dense);
+    }
+
+    /// Slow energy of a residual per stream, with the degrees of freedom that it has under noise:
+    /// sums over windows of a quarter of a second, over the root of their number of blocks.
+    pub(crate) fn slow_energy(&self, residual: &[f64]) -> Vec<SlowEnergy> {
+        self.windows
+            .iter()
+            .map(|windows| {
+                let sum = |vector: &[f64], window: &std::ops::Range<usize>| {
+                    vector[window.clone()].iter().sum::<f64>() / (window.len() as f64).sqrt()
+                };
+                let energy = windows.iter().map(|w| sum(residual, w).powi(2)).sum();
+                let taken: f64 = self
+                    .basis
+                    .iter()
+                    .map(|direction| {
+                        windows
+                            .iter()
+                            .map(|w| sum(direction, w).powi(2))
+                            .sum::<f64>()
+                    })
+                    .sum();
+                SlowEnergy {
+                    energy,
+                    freedom: (windows.len() as f64 - taken).max(0.0),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Slow energy of one stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SlowEnergy {
+    pub(crate) energy: f64,
+    pub(crate) freedom: f64,
+}
+
+impl SlowEnergy {
+    /// What noise does not account for.
+    pub(crate) fn excess(self) -> f64 {
+        self.energy - self.freedom
+    }
+}
+
+pub(crate) fn compress_rows(blocks: &Blocks, rows: &[Vec<f64>]) -> Vec<f64> {
+    let mut all = Vec::with_capacity(blocks.count());
+    for (stream, values) in rows.iter().enumerate() {
+        all.extend(blocks.compress(stream, |row| values[row]));
+    }
+    all
+}
+
+pub(crate) fn compress_matrix(
+    context: &Context<'_>,
+    problem: &BaseProblem<'_>,
+    blocks: &Blocks,
+    matrix: &Matrix,
+) -> Matrix {
+    let mut compressed = Matrix::zeros(blocks.count(), matrix.columns());
+    for parameter in 0..matrix.columns() {
+        let column = compressed.column_mut(parameter);
+        for stream in 0..context.streams.len() {
+            let values = blocks.compress(stream, |row| {
+                problem.derivative(matrix, stream, row, parameter)
+            });
+            column[blocks.range(stream)].copy_from_slice(&values);
+        }
+    }
+    compressed
+}
+
+fn windows(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<std::ops::Range<usize>>> {
+    let length = window_blocks(context, blocks);
+    (0..context.streams.len())
+        .map(|stream| {
+            let range = blocks.range(stream);
+            let mut windows = Vec::new();
+            let mut start = range.start;
+            for block in range.clone() {
+                let next = block + 1;
+                let ends = next == range.end
+                    || next - start == length
+                    || blocks.begins(stream, next - range.start);
+                if ends {
+                    windows.push(start..next);
+                    start = next;
+                }
+            }
+            windows
+        })
+        .collect()
+}
+
+fn window_blocks(context: &Context<'_>, blocks: &Blocks) -> usize {
+    if !context.ordered {
+        return 1;
+    }
+    let Some(time_s) = &context.recording.time_s else {
+        return 4;
+    };
+    let moving: f64 = context
+        .runs
+        .iter()
+        .filter(|run| run.len() > 1)
+        .map(|run| time_s[run.end - 1] - time_s[run.start])
+        .sum();
+    let block_s = moving / context.rows().max(1) as f64 * blocks.size as f64;
+    if block_s > 0.0 {
+        ((WINDOW_S / block_s).round() as usize).clamp(2, 64)
+    } else {
+        4
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // four sums: the compiler may keep them in one register of lanes
+    let mut sums = [0.0; 8];
+    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = chunks_a
+        .remainder()
+        .iter()
+        .zip(chunks_b.remainder())
+        .map(|(x, y)| x * y)
+        .sum();
+    for (x, y) in chunks_a.zip(chunks_b) {
+        for lane in 0..8 {
+            sums[lane] += x[lane] * y[lane];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}

@@ -1,0 +1,17 @@
+//! Integration tests of `haptical-diagnosis`, in one binary.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
+)]
+
+mod arm;
+mod clean;
+mod columns;
+mod dependencies;
+mod determinism;
+mod gap_sets;
+mod named;
+mod normal;
+mod refusals;
