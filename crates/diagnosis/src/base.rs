@@ -10,7 +10,7 @@ use crate::DiagnosisError;
 use crate::context::Stream;
 
 /// Rows from which the base fit starts; the search that follows uses all of them.
-const START_ROWS: usize = 1500;
+const START_ROWS: usize = 900;
 
 /// Degree of the polynomial of a parallelogram (the paper's); one that the evidence chose on few rows
 /// leaves more than the noise of many.
@@ -190,18 +190,16 @@ impl<'a> BaseProblem<'a> {
         Ok(Evaluated { residual, matrix })
     }
 
-    /// One parameter's derivative on one stream, at a row that has a reading, in the stream's unit.
-    pub(crate) fn derivative(
-        &self,
-        matrix: &Matrix,
+    /// One parameter's derivative on one stream, by row, in the stream's unit; 0 without a reading.
+    pub(crate) fn derivative<'m>(
+        &'m self,
+        matrix: &'m Matrix,
         stream: usize,
-        row: usize,
         parameter: usize,
-    ) -> f64 {
-        match self.place[stream][row] {
-            usize::MAX => 0.0,
-            place => matrix.column(parameter)[place] * self.sd[stream][row],
-        }
+    ) -> impl Fn(usize) -> f64 + 'm {
+        let column = matrix.column(parameter);
+        let (place, sd) = (&self.place[stream], &self.sd[stream]);
+        move |row| column.get(place[row]).map_or(0.0, |entry| entry * sd[row])
     }
 }
 

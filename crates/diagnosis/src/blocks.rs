@@ -7,7 +7,7 @@ use crate::context::Context;
 use crate::noise::Noise;
 
 /// Blocks that a long recording is averaged into, about.
-const BLOCKS: usize = 2000;
+const BLOCKS: usize = 1200;
 /// Longest time within one block at rest \[s\].
 const LONGEST_REST_ROWS: usize = 400;
 

@@ -92,21 +92,12 @@ impl<'a> Context<'a> {
     pub(crate) fn new(
         device: &'a Device,
         recording: &'a Recording,
-        channels: &[Channel],
+        streams: &[Stream],
     ) -> Result<Self, DiagnosisError> {
         let rows = recording.len();
         let runs = runs_of(recording);
         let ordered = is_ordered(recording, &runs);
-        let streams: Vec<Stream> = channels
-            .iter()
-            .flat_map(|&channel| {
-                (0..channel.width()).map(move |axis| Stream {
-                    channel,
-                    axis,
-                    unit: channel.unit(device),
-                })
-            })
-            .collect();
+        let streams = streams.to_vec();
         let joints = device.joints.len();
         let mut output = vec![Vec::with_capacity(rows); joints];
         let has_links = device.has_links();
@@ -319,6 +310,20 @@ impl<'a> Context<'a> {
         let origin = self.origin.get(joint)?.get(row)?;
         Some((axis, self.position[row] - origin))
     }
+}
+
+/// The streams of channels, axis by axis.
+pub(crate) fn streams(device: &Device, channels: &[Channel]) -> Vec<Stream> {
+    channels
+        .iter()
+        .flat_map(|&channel| {
+            (0..channel.width()).map(move |axis| Stream {
+                channel,
+                axis,
+                unit: channel.unit(device),
+            })
+        })
+        .collect()
 }
 
 fn cable_geometry(

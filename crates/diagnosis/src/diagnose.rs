@@ -27,8 +27,7 @@ pub fn diagnose(
     let effects = catalogue_without(device, &options.without)?;
     check_recording(device, recording, &channels(device, recording)?)?;
     let base = Base::fit(device, recording)?;
-    let seen = |_: usize| true;
-    let first = Engine::new(&base, recording, &seen, None)?;
+    let first = Engine::new(&base, recording, None)?;
     let gone = outlying_rows(
         &first.context,
         &first.problem,
@@ -39,7 +38,7 @@ pub fn diagnose(
     let engine = if gone.is_empty() {
         first
     } else {
-        Engine::new(&base, &cleaned, &seen, None)?
+        Engine::new(&base, &cleaned, None)?
     };
     let (in_base, rest): (Vec<usize>, Vec<usize>) =
         (0..effects.len()).partition(|&index| is_in_base(effects[index].as_ref(), &base));
@@ -73,7 +72,7 @@ pub fn diagnose(
         device: engine.problem.device_with(&selection.refit.model.values),
         ..base.clone()
     };
-    let engine = Engine::new(&nearer, &cleaned, &seen, None)?;
+    let engine = Engine::new(&nearer, &cleaned, Some(&engine.noise))?;
     let mut selector = Selector::new(&engine, &effects, &tested, &thresholds);
     let mut selection = selector.select()?;
     assemble(&mut selector, &mut selection, &inputs)
@@ -81,7 +80,7 @@ pub fn diagnose(
 
 /// Change of the base model's predictions by the causes, in noise deviations (root mean square), from
 /// which effects are computed anew.
-const MOVED_FAR: f64 = 8.0;
+const MOVED_FAR: f64 = 25.0;
 
 /// Whether the base model has the effect already, or swallows it by its form.
 fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {

@@ -2,18 +2,18 @@
 
 use haptical_calibration::{Channel, Weights};
 use haptical_identification::{Matrix, Reduction};
-use haptical_linalg::RANK_TOLERANCE;
+use haptical_linalg::{OrthonormalBasis, RANK_TOLERANCE};
 use haptical_model::{Device, Recording};
 
 use crate::DiagnosisError;
 use crate::base::{Base, BaseProblem};
 use crate::blocks::Blocks;
 use crate::catalogue::Effect;
-use crate::context::Context;
+use crate::context::{Context, streams};
 use crate::noise::{self, Noise};
 use crate::scan::Score;
 use crate::signal::Signal;
-use crate::system::{System, compress_matrix, compress_rows};
+use crate::system::{System, compress_matrix, compress_rows, dot};
 
 /// A cause with its fitted numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,10 +103,24 @@ pub(crate) struct Engine<'a> {
     /// Rows with a usable reading, per stream.
     pub(crate) usable: Vec<Vec<bool>>,
     pub(crate) system: System,
-    /// Compressed derivatives of the free parameters.
-    free: Matrix,
+    /// The sensors' own stated deviations, per stream.
+    own: Vec<f64>,
+    /// Derivatives of all parameters at every row.
+    matrix: Option<Matrix>,
+    /// What refits are made with.
+    whole: Part,
     /// The base model alone.
     pub(crate) start: Refit,
+}
+
+/// Rows that a fit sees: their blocks, and the base model's derivatives on them.
+#[derive(Debug, Clone)]
+pub(crate) struct Part {
+    blocks: Blocks,
+    /// Compressed derivatives of the free parameters.
+    free: Matrix,
+    /// Their decomposition; none without parameters.
+    basis: Option<OrthonormalBasis>,
 }
 
 /// Passes of the base model's own refit.
@@ -119,85 +133,83 @@ const PASSES: usize = 7;
 const HALVINGS: usize = 5;
 
 impl<'a> Engine<'a> {
-    /// Prepares a recording. `rows` says which rows the fit may see.
+    /// Prepares a recording.
     pub(crate) fn new(
         base: &'a Base,
         recording: &'a Recording,
-        seen: &dyn Fn(usize) -> bool,
         known_noise: Option<&[Noise]>,
     ) -> Result<Self, DiagnosisError> {
         let weights = Weights::stated(&base.device, &base.channels);
-        let context = Context::new(&base.device, recording, &base.channels)?;
-        let problem = BaseProblem::new(base, recording, &context.streams, &weights)?;
-        let own: Vec<f64> = context
-            .streams
+        let streams = streams(&base.device, &base.channels);
+        let (context, evaluated) = rayon::join(
+            || Context::new(&base.device, recording, &streams),
+            || {
+                let problem = BaseProblem::new(base, recording, &streams, &weights)?;
+                let first = problem.evaluate(&problem.start(), true)?;
+                Ok::<_, DiagnosisError>((problem, first))
+            },
+        );
+        let context = context?;
+        let (problem, first) = evaluated?;
+        let own: Vec<f64> = streams
             .iter()
-            .map(|stream| {
-                weights
-                    .channel_sd
-                    .get(&stream.channel)
-                    .copied()
-                    .unwrap_or(1e-4)
-            })
+            .map(|stream| weights.channel_sd.get(&stream.channel).copied().unwrap_or(1e-4))
             .collect();
-        let mut values = problem.start();
-        let first = problem.evaluate(&values, true)?;
-        let matrix = first.matrix;
         let usable: Vec<Vec<bool>> = first
             .residual
             .iter()
-            .map(|rows| {
-                rows.iter()
-                    .enumerate()
-                    .map(|(row, value)| value.is_finite() && seen(row))
-                    .collect()
-            })
+            .map(|rows| rows.iter().map(|value| value.is_finite()).collect())
             .collect();
         let readings: usize = usable.iter().flatten().filter(|usable| **usable).count();
+        let too_few = DiagnosisError::TooFewReadings {
+            readings,
+            parameters: base.free.len(),
+            advised: 20 * base.free.len().max(5),
+        };
         if readings <= base.free.len() + 4 {
-            return Err(DiagnosisError::TooFewReadings {
-                readings,
-                parameters: base.free.len(),
-                advised: 20 * base.free.len().max(5),
-            });
+            return Err(too_few);
         }
+        let matrix = first.matrix;
+        let mut values = problem.start();
         let mut residual = first.residual;
-        let mut noise = Vec::new();
         let mut prepared = None;
-        for _ in 0..BASE_PASSES {
-            noise = match known_noise {
+        for pass in 0..BASE_PASSES {
+            let noise = match known_noise {
                 Some(known) => known.to_vec(),
                 None => estimate_noise(&context, &problem, &residual, &usable, base.free.len()),
             };
             let blocks = Blocks::new(&context, &usable, &problem.sd, &own, &noise);
-            let free = free_columns(&context, &problem, &blocks, matrix.as_ref(), &base.free);
-            let step = if free.columns() == 0 {
-                0.0
-            } else {
-                let target = compress_rows(&blocks, &residual);
-                let step = base_step(&free, &target)?;
+            let part = Part::new(&context, &problem, blocks, matrix.as_ref(), &base.free)?;
+            let mut size: f64 = 0.0;
+            // several steps with one decomposition
+            for _ in 0..BASE_PASSES {
+                let Some(basis) = &part.basis else {
+                    break;
+                };
+                let step = basis.solve(&compress_rows(&part.blocks, &residual))?;
                 for (&parameter, change) in base.free.iter().zip(&step) {
                     values[parameter] += change;
                 }
-                let moved = free.times(&step)?;
-                let size = moved.iter().map(|m| m * m).sum::<f64>() / moved.len().max(1) as f64;
+                size = root_mean_square(&part.free.times(&step)?);
                 residual = problem.evaluate(&values, false)?.residual;
-                size.sqrt()
-            };
-            prepared = Some((blocks, free, step));
-            if step < SMALL_STEP {
+                if size < SMALL_STEP {
+                    break;
+                }
+            }
+            prepared = Some((noise, part, size));
+            // a start far away has shown noise that is partly the step's
+            if pass > 0 || size < 10.0 * SMALL_STEP {
                 break;
             }
         }
-        let Some((blocks, free, last_step)) = prepared else {
-            return Err(DiagnosisError::TooFewReadings {
-                readings,
-                parameters: base.free.len(),
-                advised: 100,
-            });
+        let Some((noise, whole, last_step)) = prepared else {
+            return Err(too_few);
         };
         let floor = floors(&problem, &noise, &usable);
-        let system = System::new(&context, &problem, blocks, matrix.as_ref(), &residual)?;
+        let everything = matrix
+            .as_ref()
+            .map(|matrix| compress_matrix(&context, &problem, &whole.blocks, matrix, None));
+        let system = System::new(&context, whole.blocks.clone(), everything.as_ref(), &residual)?;
         Ok(Self {
             context,
             problem,
@@ -206,7 +218,9 @@ impl<'a> Engine<'a> {
             floor,
             usable,
             system,
-            free,
+            own,
+            matrix,
+            whole,
             start: Refit {
                 model: Model {
                     values,
@@ -219,9 +233,24 @@ impl<'a> Engine<'a> {
         })
     }
 
+    /// The rows of this recording that `seen` picks.
+    pub(crate) fn part(&self, seen: &dyn Fn(usize) -> bool) -> Result<Part, DiagnosisError> {
+        let usable: Vec<Vec<bool>> = self
+            .usable
+            .iter()
+            .map(|rows| {
+                let rows = rows.iter().enumerate();
+                rows.map(|(row, usable)| *usable && seen(row)).collect()
+            })
+            .collect();
+        let blocks = Blocks::new(&self.context, &usable, &self.problem.sd, &self.own, &self.noise);
+        let matrix = self.matrix.as_ref();
+        Part::new(&self.context, &self.problem, blocks, matrix, &self.base.free)
+    }
+
     /// Whitened derivatives of the base model's free parameters.
     pub(crate) fn free(&self) -> &Matrix {
-        &self.free
+        &self.whole.free
     }
 
     /// Root mean square change of the base model's predictions from its own fit to other values, in
@@ -262,61 +291,57 @@ impl<'a> Engine<'a> {
         Ok(residual)
     }
 
-    /// Refits base model and causes together by Gauss-Newton from `model`, with shorter steps where a
-    /// whole one overshoots. The base model's derivatives are those of its own fit until a step calls
-    /// for new ones.
+    /// Refits base model and causes together on all rows.
     pub(crate) fn refit(
         &self,
         effects: &[Box<dyn Effect>],
         model: &Model,
     ) -> Result<Refit, DiagnosisError> {
+        self.refit_on(&self.whole, effects, model)
+    }
+
+    /// Refits base model and causes together by Gauss-Newton from `model`, with shorter steps where a
+    /// whole one overshoots. The base model's derivatives are those of its own fit until a step calls
+    /// for new ones. The causes' columns are projected across the base model's directions, which gives
+    /// their steps and covariance; what they leave gives the base model's step.
+    pub(crate) fn refit_on(
+        &self,
+        part: &Part,
+        effects: &[Box<dyn Effect>],
+        model: &Model,
+    ) -> Result<Refit, DiagnosisError> {
         let mut model = model.clone();
         let mut residual = self.residual_of(effects, &model)?;
-        let mut cost = self.square(&residual);
+        let mut cost = square(part, &residual);
         let mut covariance = None;
         let mut last_step = f64::INFINITY;
-        let mut refreshed: Option<Matrix> = None;
+        let mut refreshed: Option<Part> = None;
         for pass in 0..PASSES {
-            let free = refreshed.as_ref().unwrap_or(&self.free);
-            let (matrix, owners) = self.stacked(effects, &model, free);
-            let target = compress_rows(&self.system.blocks, &residual);
-            let reduction = Reduction::new(&matrix, &target)?;
-            let all: Vec<usize> = (0..matrix.columns()).collect();
-            let solution = reduction.solve(&all, 0.0, RANK_TOLERANCE)?;
-            covariance = reduction
-                .covariance(&all, RANK_TOLERANCE)
-                .ok()
-                .or(covariance);
-            let moved = matrix.times(&solution.values)?;
-            last_step =
-                (moved.iter().map(|m| m * m).sum::<f64>() / moved.len().max(1) as f64).sqrt();
+            let current = refreshed.as_ref().unwrap_or(part);
+            let (columns, owners) = self.cause_columns(current, effects, &model);
+            let target = compress_rows(&current.blocks, &residual);
+            let step = current.step(&columns, &target)?;
+            covariance = step.covariance.or(covariance);
+            last_step = step.size;
             if last_step < SMALL_STEP {
                 break;
             }
-            let taken = self.shortened(effects, &model, &owners, &solution.values, cost);
+            let taken = self.shortened(current, effects, &model, &owners, &step.values, cost);
             let is_slow = match taken {
                 Some((next, rest, less)) => {
                     let gain = cost - less;
-                    model = next;
-                    residual = rest;
-                    let is_slow = gain < 0.5 * solution.explained_square.max(0.0);
-                    cost = less;
-                    is_slow
+                    (model, residual, cost) = (next, rest, less);
+                    gain < 0.5 * step.explained
                 }
                 None => true,
             };
-            if is_slow || pass == 1 {
-                if refreshed.is_some() && is_slow && pass > 2 {
+            if is_slow {
+                if refreshed.is_some() && pass > 2 {
                     break;
                 }
-                refreshed = Some(self.free_at(&model.values)?);
+                refreshed = Some(self.part_at(current, &model.values)?);
             }
         }
-        let first = self.free.columns();
-        let covariance = covariance.map(|full| {
-            let size = full.columns() - first;
-            Matrix::from_fn(size, size, |a, b| full[(first + a, first + b)])
-        });
         Ok(Refit {
             model,
             residual,
@@ -325,14 +350,17 @@ impl<'a> Engine<'a> {
         })
     }
 
-    fn square(&self, rows: &[Vec<f64>]) -> f64 {
-        let whitened = compress_rows(&self.system.blocks, rows);
-        whitened.iter().map(|value| value * value).sum()
+    /// The base model with the causes' columns at other values.
+    fn part_at(&self, part: &Part, values: &[f64]) -> Result<Part, DiagnosisError> {
+        let matrix = self.problem.evaluate(values, true)?.matrix;
+        let blocks = part.blocks.clone();
+        Part::new(&self.context, &self.problem, blocks, matrix.as_ref(), &self.base.free)
     }
 
     /// The model after a step, halved until the cost falls; none where it never does.
     fn shortened(
         &self,
+        part: &Part,
         effects: &[Box<dyn Effect>],
         model: &Model,
         owners: &[Owner],
@@ -349,7 +377,7 @@ impl<'a> Engine<'a> {
                 apply(&mut next.causes, *owner, share * change);
             }
             if let Ok(residual) = self.residual_of(effects, &next) {
-                let square = self.square(&residual);
+                let square = square(part, &residual);
                 if square < cost {
                     return Some((next, residual, square));
                 }
@@ -359,44 +387,10 @@ impl<'a> Engine<'a> {
         None
     }
 
-    /// The base model's free derivatives at other values.
-    fn free_at(&self, values: &[f64]) -> Result<Matrix, DiagnosisError> {
-        let matrix = self.problem.evaluate(values, true)?.matrix;
-        Ok(free_columns(
-            &self.context,
-            &self.problem,
-            &self.system.blocks,
-            matrix.as_ref(),
-            &self.base.free,
-        ))
-    }
-
-    /// Derivatives of base model and causes side by side.
-    fn stacked(
-        &self,
-        effects: &[Box<dyn Effect>],
-        model: &Model,
-        free: &Matrix,
-    ) -> (Matrix, Vec<Owner>) {
-        let (columns, owners) = self.cause_columns(effects, model);
-        let width = free.columns() + columns.len();
-        let mut matrix = Matrix::zeros(self.system.blocks.count(), width);
-        for column in 0..free.columns() {
-            matrix
-                .column_mut(column)
-                .copy_from_slice(free.column(column));
-        }
-        for (index, column) in columns.iter().enumerate() {
-            matrix
-                .column_mut(free.columns() + index)
-                .copy_from_slice(column);
-        }
-        (matrix, owners)
-    }
-
     /// Whitened derivatives of all causes' numbers, with whose they are.
     fn cause_columns(
         &self,
+        part: &Part,
         effects: &[Box<dyn Effect>],
         model: &Model,
     ) -> (Vec<Vec<f64>>, Vec<Owner>) {
@@ -406,7 +400,7 @@ impl<'a> Engine<'a> {
             let effect = &effects[cause.effect];
             let signals = cause.derivative(effects, &self.context);
             for (amplitude, signal) in signals.iter().enumerate() {
-                columns.push(self.dense(signal));
+                columns.push(dense(part, signal));
                 owners.push(Owner::Amplitude(index, amplitude));
             }
             if effect.shape_is_continuous() {
@@ -414,7 +408,7 @@ impl<'a> Engine<'a> {
                 let at = |shape: f64| effect.contribution(&self.context, &cause.amplitudes, shape);
                 let mut slope = at(cause.shape * (1.0 + step));
                 slope.add(&at(cause.shape * (1.0 - step)), -1.0);
-                let mut dense = self.dense(&slope);
+                let mut dense = dense(part, &slope);
                 dense.iter_mut().for_each(|entry| *entry /= 2.0 * step);
                 columns.push(dense);
                 owners.push(Owner::LogShape(index));
@@ -422,14 +416,116 @@ impl<'a> Engine<'a> {
         }
         (columns, owners)
     }
+}
 
-    fn dense(&self, signal: &Signal) -> Vec<f64> {
-        let mut dense = vec![0.0; self.system.blocks.count()];
-        for (stream, values) in &self.system.column(signal).parts {
-            dense[self.system.blocks.range(*stream)].copy_from_slice(values);
-        }
-        dense
+/// A Gauss-Newton step of base model and causes.
+struct Step {
+    /// Free parameters, then the causes' numbers.
+    values: Vec<f64>,
+    /// Root mean square change of the predictions, in noise deviations.
+    size: f64,
+    /// Squared residual that the linear model loses.
+    explained: f64,
+    /// Of the causes' numbers.
+    covariance: Option<Matrix>,
+}
+
+impl Part {
+    fn new(
+        context: &Context<'_>,
+        problem: &BaseProblem<'_>,
+        blocks: Blocks,
+        matrix: Option<&Matrix>,
+        free: &[usize],
+    ) -> Result<Self, DiagnosisError> {
+        let Some(matrix) = matrix.filter(|_| !free.is_empty()) else {
+            return Ok(Self {
+                free: Matrix::zeros(blocks.count(), 0),
+                basis: None,
+                blocks,
+            });
+        };
+        let free = compress_matrix(context, problem, &blocks, matrix, Some(free));
+        let basis = Some(OrthonormalBasis::new(&free, RANK_TOLERANCE)?);
+        Ok(Self {
+            blocks,
+            free,
+            basis,
+        })
     }
+
+    fn step(&self, columns: &[Vec<f64>], target: &[f64]) -> Result<Step, DiagnosisError> {
+        let across = |vector: &[f64]| {
+            let mut rest = vector.to_vec();
+            if let Some(basis) = &self.basis {
+                let directions = basis.directions();
+                for _ in 0..2 {
+                    for k in 0..directions.columns() {
+                        let direction = directions.column(k);
+                        let shared = dot(direction, &rest);
+                        for (entry, other) in rest.iter_mut().zip(direction) {
+                            *entry -= shared * other;
+                        }
+                    }
+                }
+            }
+            rest
+        };
+        let mut left = target.to_vec();
+        let mut numbers = Vec::new();
+        let mut covariance = None;
+        if !columns.is_empty() {
+            let projected: Vec<Vec<f64>> = columns.iter().map(|column| across(column)).collect();
+            let matrix = Matrix::from_fn(target.len(), columns.len(), |row, column| {
+                projected[column][row]
+            });
+            let reduction = Reduction::new(&matrix, target)?;
+            let all: Vec<usize> = (0..columns.len()).collect();
+            numbers = reduction.solve(&all, 0.0, RANK_TOLERANCE)?.values;
+            covariance = reduction.covariance(&all, RANK_TOLERANCE).ok();
+            for (column, number) in columns.iter().zip(&numbers) {
+                for (entry, value) in left.iter_mut().zip(column) {
+                    *entry -= number * value;
+                }
+            }
+        }
+        let mut values = match &self.basis {
+            Some(basis) => basis.solve(&left)?,
+            None => Vec::new(),
+        };
+        if !values.is_empty() {
+            let moved = self.free.times(&values)?;
+            for (entry, value) in left.iter_mut().zip(&moved) {
+                *entry -= value;
+            }
+        }
+        let moved: Vec<f64> = target.iter().zip(&left).map(|(a, b)| a - b).collect();
+        values.extend(&numbers);
+        Ok(Step {
+            values,
+            size: root_mean_square(&moved),
+            explained: dot(target, target) - dot(&left, &left),
+            covariance,
+        })
+    }
+}
+
+fn square(part: &Part, rows: &[Vec<f64>]) -> f64 {
+    let whitened = compress_rows(&part.blocks, rows);
+    dot(&whitened, &whitened)
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (dot(values, values) / values.len().max(1) as f64).sqrt()
+}
+
+fn dense(part: &Part, signal: &Signal) -> Vec<f64> {
+    let mut dense = vec![0.0; part.blocks.count()];
+    for (stream, values) in &signal.parts {
+        let compressed = part.blocks.compress(*stream, |row| values[row]);
+        dense[part.blocks.range(*stream)].copy_from_slice(&compressed);
+    }
+    dense
 }
 
 /// Whose number a column of a refit is.
@@ -444,28 +540,6 @@ fn apply(causes: &mut [Cause], owner: Owner, change: f64) {
         Owner::Amplitude(cause, amplitude) => causes[cause].amplitudes[amplitude] += change,
         Owner::LogShape(cause) => causes[cause].shape *= change.clamp(-0.7, 0.7).exp(),
     }
-}
-
-fn free_columns(
-    context: &Context<'_>,
-    problem: &BaseProblem<'_>,
-    blocks: &Blocks,
-    matrix: Option<&Matrix>,
-    free: &[usize],
-) -> Matrix {
-    let Some(matrix) = matrix else {
-        return Matrix::zeros(blocks.count(), 0);
-    };
-    let chosen = Matrix::from_fn(matrix.rows(), free.len(), |row, column| {
-        matrix.column(free[column])[row]
-    });
-    compress_matrix(context, problem, blocks, &chosen)
-}
-
-fn base_step(free: &Matrix, target: &[f64]) -> Result<Vec<f64>, DiagnosisError> {
-    let reduction = Reduction::new(free, target)?;
-    let all: Vec<usize> = (0..free.columns()).collect();
-    Ok(reduction.solve(&all, 0.0, RANK_TOLERANCE)?.values)
 }
 
 fn estimate_noise(

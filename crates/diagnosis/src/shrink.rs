@@ -55,9 +55,10 @@ pub(crate) fn on_held_back(
         held[row] = true;
     }
     let seen = |row: usize| !held[row];
-    let part = Engine::new(engine.base, recording, &seen, Some(&engine.noise))?;
-    let with = part.refit(selector.effects, &restart(&part, &selection.refit.model))?;
-    let before = earlier.unwrap_or(&part.start.residual);
+    let part = engine.part(&seen)?;
+    let plain = engine.refit_on(&part, selector.effects, &engine.start.model)?;
+    let with = engine.refit_on(&part, selector.effects, &selection.refit.model)?;
+    let before = earlier.unwrap_or(&plain.residual);
     let after = &with.residual;
     let rows = |stream: usize, row: usize| held[row] && engine.usable[stream][row];
     Ok(Shrink {
@@ -66,14 +67,6 @@ pub(crate) fn on_held_back(
         description: split.description,
         warnings: Vec::new(),
     })
-}
-
-/// The causes' numbers on the base values of another fit.
-fn restart(part: &Engine<'_>, model: &Model) -> Model {
-    Model {
-        values: part.start.model.values.clone(),
-        causes: model.causes.clone(),
-    }
 }
 
 /// Predicts a second recording with the models of the first. Events belong to one recording: their
@@ -86,8 +79,7 @@ pub(crate) fn on_second(
     earlier: Option<&Base>,
 ) -> Result<Shrink, DiagnosisError> {
     let base = selector.engine.base;
-    let everything = |_: usize| true;
-    let first = Engine::new(base, validation, &everything, None)?;
+    let first = Engine::new(base, validation, None)?;
     let gone = outlying_rows(
         &first.context,
         &first.problem,
@@ -98,7 +90,7 @@ pub(crate) fn on_second(
     let second = if gone.is_empty() {
         first
     } else {
-        Engine::new(base, &cleaned, &everything, None)?
+        Engine::new(base, &cleaned, None)?
     };
     let mut warnings = Vec::new();
     let causes: Vec<Cause> = selection

@@ -1,6 +1,8 @@
 //! Whitened residuals with everything that the base model can adjust projected out.
 
-use haptical_linalg::{Matrix, orthonormal_basis};
+use haptical_linalg::{Matrix, OrthonormalBasis};
+
+use rayon::prelude::*;
 
 use crate::DiagnosisError;
 use crate::base::BaseProblem;
@@ -35,17 +37,16 @@ impl System {
     /// The base model's directions and residuals.
     pub(crate) fn new(
         context: &Context<'_>,
-        problem: &BaseProblem<'_>,
         blocks: Blocks,
-        matrix: Option<&Matrix>,
+        derivatives: Option<&Matrix>,
         residual: &[Vec<f64>],
     ) -> Result<Self, DiagnosisError> {
         let mut basis = Vec::new();
-        if let Some(matrix) = matrix {
-            let compressed = compress_matrix(context, problem, &blocks, matrix);
-            let orthonormal = orthonormal_basis(&compressed, BASE_TOLERANCE)?;
-            basis = (0..orthonormal.columns())
-                .map(|column| orthonormal.column(column).to_vec())
+        if let Some(derivatives) = derivatives {
+            let found = OrthonormalBasis::new(derivatives, BASE_TOLERANCE)?;
+            let directions = found.directions();
+            basis = (0..directions.columns())
+                .map(|column| directions.column(column).to_vec())
                 .collect();
         }
         let windows = windows(context, &blocks);
@@ -173,21 +174,30 @@ pub(crate) fn compress_rows(blocks: &Blocks, rows: &[Vec<f64>]) -> Vec<f64> {
     all
 }
 
+/// Compresses the derivatives of `chosen` parameters, or of all.
 pub(crate) fn compress_matrix(
     context: &Context<'_>,
     problem: &BaseProblem<'_>,
     blocks: &Blocks,
     matrix: &Matrix,
+    chosen: Option<&[usize]>,
 ) -> Matrix {
-    let mut compressed = Matrix::zeros(blocks.count(), matrix.columns());
-    for parameter in 0..matrix.columns() {
-        let column = compressed.column_mut(parameter);
-        for stream in 0..context.streams.len() {
-            let values = blocks.compress(stream, |row| {
-                problem.derivative(matrix, stream, row, parameter)
-            });
-            column[blocks.range(stream)].copy_from_slice(&values);
-        }
+    let all: Vec<usize> = (0..matrix.columns()).collect();
+    let chosen = chosen.unwrap_or(&all);
+    let columns: Vec<Vec<f64>> = chosen
+        .par_iter()
+        .map(|&parameter| {
+            let mut column = Vec::with_capacity(blocks.count());
+            for stream in 0..context.streams.len() {
+                let derivative = problem.derivative(matrix, stream, parameter);
+                column.extend(blocks.compress(stream, derivative));
+            }
+            column
+        })
+        .collect();
+    let mut compressed = Matrix::zeros(blocks.count(), chosen.len());
+    for (index, column) in columns.iter().enumerate() {
+        compressed.column_mut(index).copy_from_slice(column);
     }
     compressed
 }

@@ -1,43 +1,108 @@
-//! An orthonormal basis of the span of a matrix's columns.
+//! A decomposition that keeps its orthonormal basis: projections and many right-hand sides.
 
-use crate::pivoted::thin_basis;
+use crate::pivoted::{ThinFactors, thin_factors};
+use crate::reduction::{at_least_zero, norm};
 use crate::{LinalgError, Matrix};
 
-/// Orthonormal columns (m x rank) that span the columns of `matrix` (m x n).
-///
-/// Columns are scaled to unit norm first; directions whose pivot is at most `tolerance` times the
-/// largest are left out, so a matrix of zeros gives a basis without columns.
+/// A = Q R of a tall matrix with its basis Q (m x rank), for projections and for right-hand sides that are
+/// not known yet. [`crate::Reduction`] needs less memory where there is one right-hand side.
 ///
 /// ```
-/// use haptical_linalg::{Matrix, orthonormal_basis};
+/// use haptical_linalg::{Matrix, OrthonormalBasis};
 /// // the third column is the sum of the others
 /// let matrix = Matrix::from_fn(4, 3, |row, column| match column {
 ///     0 => 1.0,
 ///     1 => row as f64,
 ///     _ => 1.0 + row as f64,
 /// });
-/// assert_eq!(orthonormal_basis(&matrix, 1e-9)?.columns(), 2);
+/// let basis = OrthonormalBasis::new(&matrix, 1e-9)?;
+/// assert_eq!(basis.directions().columns(), 2);
+/// let x = basis.solve(&[1.0, 3.0, 5.0, 7.0])?;
+/// assert!((x[0] + x[2] - 1.0).abs() < 1e-12 && (x[1] + x[2] - 2.0).abs() < 1e-12);
 /// # Ok::<(), haptical_linalg::LinalgError>(())
 /// ```
-///
-/// # Errors
-/// [`LinalgError`] for an empty matrix, an entry that is not finite, or a column norm that
-/// overflows; [`LinalgError::OutOfRange`] for a bad tolerance.
-pub fn orthonormal_basis(matrix: &Matrix, tolerance: f64) -> Result<Matrix, LinalgError> {
-    crate::reduction::at_least_zero("tolerance", tolerance)?;
-    matrix.check()?;
-    let mut scaled = matrix.clone();
-    for column in 0..matrix.columns() {
-        let norm = crate::reduction::norm(matrix.column(column));
-        if !norm.is_finite() {
-            return Err(LinalgError::Overflow {
-                what: "a column norm",
+#[derive(Debug, Clone)]
+pub struct OrthonormalBasis {
+    factors: ThinFactors,
+    norms: Vec<f64>,
+}
+
+impl OrthonormalBasis {
+    /// Decomposes `matrix` (m x n). Columns are scaled to unit norm first; directions whose pivot is at
+    /// most `tolerance` times the largest are left out, so a matrix of zeros has no directions.
+    ///
+    /// # Errors
+    /// [`LinalgError`] for an empty matrix, an entry that is not finite, or a column norm that
+    /// overflows; [`LinalgError::OutOfRange`] for a bad tolerance.
+    pub fn new(matrix: &Matrix, tolerance: f64) -> Result<Self, LinalgError> {
+        at_least_zero("tolerance", tolerance)?;
+        matrix.check()?;
+        let mut scaled = matrix.clone();
+        let mut norms = Vec::with_capacity(matrix.columns());
+        for column in 0..matrix.columns() {
+            let size = norm(matrix.column(column));
+            if !size.is_finite() {
+                return Err(LinalgError::Overflow {
+                    what: "a column norm",
+                });
+            }
+            norms.push(size);
+            if size > 0.0 {
+                let entries = scaled.column_mut(column).iter_mut();
+                entries.for_each(|entry| *entry /= size);
+            }
+        }
+        Ok(Self {
+            factors: thin_factors(&scaled, tolerance),
+            norms,
+        })
+    }
+
+    /// Orthonormal columns (m x rank) that span the matrix's.
+    pub fn directions(&self) -> &Matrix {
+        &self.factors.basis
+    }
+
+    /// The x of least |A x - b|, zero for columns that the rank cut.
+    ///
+    /// # Errors
+    /// [`LinalgError::Shape`] for another length, [`LinalgError::NotFinite`] for an entry that is not
+    /// finite, [`LinalgError::Overflow`] for a value beyond 1e308.
+    pub fn solve(&self, rhs: &[f64]) -> Result<Vec<f64>, LinalgError> {
+        let basis = &self.factors.basis;
+        if rhs.len() != basis.rows() {
+            return Err(LinalgError::Shape {
+                what: "right-hand side",
+                expected: basis.rows(),
+                found: rhs.len(),
             });
         }
-        if norm > 0.0 {
-            let entries = scaled.column_mut(column).iter_mut();
-            entries.for_each(|entry| *entry /= norm);
+        if let Some(row) = rhs.iter().position(|entry| !entry.is_finite()) {
+            return Err(LinalgError::NotFinite {
+                row,
+                column: self.norms.len(),
+                value: rhs[row],
+            });
         }
+        let rank = basis.columns();
+        let mut known: Vec<f64> = (0..rank)
+            .map(|k| basis.column(k).iter().zip(rhs).map(|(q, b)| q * b).sum())
+            .collect();
+        let r = &self.factors.factor;
+        for row in (0..rank).rev() {
+            let mut value: f64 = known[row];
+            for column in row + 1..rank {
+                value -= r[(row, column)] * known[column];
+            }
+            known[row] = value / r[(row, row)];
+        }
+        let mut solution = vec![0.0; self.norms.len()];
+        for (value, &column) in known.iter().zip(&self.factors.pivots) {
+            solution[column] = value / self.norms[column];
+        }
+        if solution.iter().any(|value| !value.is_finite()) {
+            return Err(LinalgError::Overflow { what: "a solution" });
+        }
+        Ok(solution)
     }
-    Ok(thin_basis(&scaled, tolerance))
 }

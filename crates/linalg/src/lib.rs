@@ -12,7 +12,7 @@ mod reduction;
 mod sparse;
 mod step;
 
-pub use basis::orthonormal_basis;
+pub use basis::OrthonormalBasis;
 pub use error::LinalgError;
 pub use matrix::Matrix;
 pub use ordered::{Dependence, OrderedRank};

@@ -84,11 +84,25 @@ impl PivotedQr {
     }
 }
 
-/// The leading columns of Q of a checked matrix, as many as its rank.
-pub(crate) fn thin_basis(matrix: &Matrix, tolerance: f64) -> Matrix {
+/// Leading columns of Q, the leading triangle of R and the pivots of a checked matrix, as many as its rank.
+#[derive(Debug, Clone)]
+pub(crate) struct ThinFactors {
+    /// rows x rank.
+    pub(crate) basis: Matrix,
+    /// rank x rank.
+    pub(crate) factor: Matrix,
+    /// Original column at each pivot position.
+    pub(crate) pivots: Vec<usize>,
+}
+
+pub(crate) fn thin_factors(matrix: &Matrix, tolerance: f64) -> ThinFactors {
     let (rows, columns) = (matrix.rows(), matrix.columns());
     if (0..columns).all(|column| matrix.column(column).iter().all(|entry| *entry == 0.0)) {
-        return Matrix::zeros(rows, 0);
+        return ThinFactors {
+            basis: Matrix::zeros(rows, 0),
+            factor: Matrix::zeros(0, 0),
+            pivots: Vec::new(),
+        };
     }
     let qr = matrix.as_faer().col_piv_qr();
     let r = qr.R();
@@ -99,7 +113,13 @@ pub(crate) fn thin_basis(matrix: &Matrix, tolerance: f64) -> Matrix {
         .find(|&index| r[(index, index)].abs() <= tolerance * largest)
         .unwrap_or(size);
     let q = qr.compute_thin_Q();
-    Matrix::from_fn(rows, rank, |row, column| q[(row, column)])
+    ThinFactors {
+        basis: Matrix::from_fn(rows, rank, |row, column| q[(row, column)]),
+        factor: Matrix::from_fn(rank, rank, |row, column| {
+            if row <= column { r[(row, column)] } else { 0.0 }
+        }),
+        pivots: qr.P().arrays().0.to_vec(),
+    }
 }
 
 /// Singular values, largest first, and the right singular vectors as columns.

@@ -7,7 +7,7 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use haptical_model::{Device, Evaluation, Recording};
 
 use crate::catalogue::Effect;
-use crate::context::Context;
+use crate::context::{Context, streams};
 
 /// An effect of the registry.
 pub(super) type AnyEffect = dyn Effect + 'static;
@@ -36,7 +36,7 @@ impl Rig {
 /// What effects are computed from on a recording.
 pub(super) fn context<'a>(device: &'a Device, recording: &'a Recording) -> Context<'a> {
     let channels = channels(device, recording).unwrap();
-    Context::new(device, recording, &channels).unwrap()
+    Context::new(device, recording, &streams(device, &channels)).unwrap()
 }
 
 /// Both rigs.

@@ -1,0 +1,225 @@
+//! Each effect is found with its size, clean torques are not, and what is in no list has no name.
+
+use super::arm::{Noise, Scene, arm, examined, examined_as};
+use crate::force::answer::{ForceAnswer, ForceFinding};
+
+const ROWS: usize = 3000;
+
+/// The one finding of an answer.
+fn only<'a>(answer: &'a ForceAnswer, effect: &str, joint: Option<usize>) -> &'a ForceFinding {
+    assert!(answer.significant);
+    assert_eq!(answer.findings.len(), 1, "{effect}: {answer:?}");
+    let found = &answer.findings[0];
+    assert_eq!((found.effect, found.joint), (effect, joint), "{answer:?}");
+    assert!(
+        found.share > 0.9 && answer.unexplained_share < 0.1,
+        "{answer:?}"
+    );
+    found
+}
+
+/// Asserts that a parameter's interval holds the truth, and is no wider than `most`.
+fn holds(found: &ForceFinding, name: &str, truth: f64, most: f64) {
+    let (_, value, [low, high]) = found
+        .parameters
+        .iter()
+        .find(|(own, _, _)| own == name)
+        .unwrap();
+    // one in twenty intervals is missed by chance: widened to one in a thousand
+    let half = 0.5 * (high - low) * 1.7;
+    assert!(
+        (value - truth).abs() < half,
+        "{name} {value} [{low}, {high}], truth {truth}"
+    );
+    assert!(high - low < most, "{name} [{low}, {high}]");
+}
+
+#[test]
+fn clean_torques_are_silent() {
+    for seed in 1..=8 {
+        let answer = examined(&Scene::new(seed, ROWS).record());
+        assert!(
+            !answer.significant && answer.findings.is_empty(),
+            "{seed}: {answer:?}"
+        );
+        assert_eq!(answer.unexplained_share, 0.0);
+        for gap in &answer.channels {
+            assert!(gap.rms_before < 1.3 * gap.noise_floor, "{seed}: {gap:?}");
+            assert_eq!(gap.rms_before, gap.rms_after);
+        }
+    }
+}
+
+#[test]
+fn friction_is_found_with_its_size() {
+    let mut scene = Scene::new(11, ROWS);
+    let scale = scene.scales[2];
+    for row in 0..ROWS {
+        let rate = scene.rate(2, row);
+        scene.torque_nm[2][row] += 0.03 * (rate / 0.01).tanh() + 0.02 * rate;
+    }
+    let answer = examined(&scene.record());
+    let found = only(&answer, "joint-friction", Some(2));
+    // what is rubbed off is read through the torque's scale too
+    holds(found, "coulomb_nm", 0.03 / scale, 0.004);
+    holds(found, "viscous_nm_s_per_rad", 0.02 / scale, 0.004);
+    assert!(found.plausible);
+    let gap = &answer.channels[2];
+    assert!(gap.rms_before > 1.5 * gap.noise_floor, "{gap:?}");
+    assert!(gap.rms_after < 1.15 * gap.noise_floor, "{gap:?}");
+}
+
+#[test]
+fn a_bias_of_the_force_is_found() {
+    let mut scene = Scene::new(12, ROWS);
+    scene.force_n[1].iter_mut().for_each(|force| *force += 0.12);
+    let answer = examined(&scene.record());
+    let found = only(&answer, "force-bias", None);
+    holds(found, "x_n", 0.0, 0.02);
+    holds(found, "y_n", 0.12, 0.02);
+    holds(found, "z_n", 0.0, 0.02);
+}
+
+#[test]
+fn a_gain_and_a_crosstalk_are_told_apart() {
+    let mut scene = Scene::new(13, ROWS);
+    scene.force_n[0].iter_mut().for_each(|force| *force *= 1.1);
+    let answer = examined(&scene.record());
+    holds(only(&answer, "force-gain", None), "x", 0.1, 0.1);
+
+    let mut scene = Scene::new(13, ROWS);
+    let from = scene.force_n[2].clone();
+    for (to, from) in scene.force_n[0].iter_mut().zip(from) {
+        *to += 0.08 * from;
+    }
+    let answer = examined(&scene.record());
+    holds(only(&answer, "force-crosstalk", None), "xz", 0.08, 0.06);
+}
+
+#[test]
+fn a_loop_of_the_sensor_is_found() {
+    let mut scene = Scene::new(14, ROWS);
+    // a play of 0.1 N each way: another law than Dahl's
+    let mut output = scene.force_n[2][0];
+    for force in &mut scene.force_n[2] {
+        output = output.clamp(*force - 0.1, *force + 0.1);
+        *force = output;
+    }
+    let answer = examined(&scene.record());
+    only(&answer, "force-hysteresis", None);
+}
+
+#[test]
+fn cogging_is_found_with_its_order_fast_or_slow() {
+    // order 12 at a ratio of 9 is far too fast for block means; order 2 at 6 is not
+    for (joint, ratio, order) in [(1, 9.0, 12.0), (0, 6.0, 2.0)] {
+        let mut scene = Scene::new(15, ROWS);
+        for row in 0..ROWS {
+            let angle = order * ratio * scene.angle_rad[joint][row];
+            scene.torque_nm[joint][row] += 0.012 * (angle - 0.7).cos();
+        }
+        let answer = examined(&scene.record());
+        let found = only(&answer, "motor-cogging", Some(joint));
+        holds(found, "amplitude_nm", 0.012, 0.006);
+        holds(found, "phase_rad", 0.7, 0.4);
+        assert_eq!(found.parameters[2].1, order);
+    }
+}
+
+#[test]
+fn a_scale_is_an_error_only_beyond_its_uncertainty() {
+    let scene = Scene::new(16, ROWS);
+    let scaled = |factor: f64| {
+        let mut scene = scene.clone();
+        let torques = scene.torque_nm[1].iter_mut();
+        torques.for_each(|torque| *torque *= factor);
+        examined(&scene.record())
+    };
+    assert!(!scaled(1.03).significant);
+    let answer = scaled(1.4);
+    let found = only(&answer, "torque-gain", Some(1));
+    holds(found, "gain", 1.4 * scene.scales[1] - 1.0, 0.05);
+}
+
+#[test]
+fn a_weight_beyond_the_assumed_is_found() {
+    let recording = Scene::new(17, ROWS).record();
+    let mut device = arm();
+    // the file lacks 60 g of link 3
+    let body = device.bodies[3].as_mut().unwrap();
+    body.mass_kg -= 0.06;
+    body.centre_of_mass_m[0] -= 0.03;
+    let answer = examined_as(&device, &recording);
+    let found = &answer.findings[0];
+    assert_eq!(found.effect, "unbalanced-gravity", "{answer:?}");
+    let near = |joint: Option<usize>| joint.is_some_and(|joint| (1..=3).contains(&joint));
+    assert!(near(found.joint), "{answer:?}");
+    assert!(
+        found
+            .parameters
+            .iter()
+            .any(|(name, value, _)| name == "deviations" && *value > 4.0)
+    );
+}
+
+#[test]
+fn a_force_that_the_sensor_misses_is_a_grip() {
+    let mut scene = Scene::new(18, ROWS);
+    for row in 0..ROWS {
+        let time = scene.time_s[row];
+        for (axis, force) in scene.force_n.iter_mut().enumerate() {
+            let rate = 1.3 + 0.7 * axis as f64;
+            force[row] -= 0.5 * (rate * time + axis as f64).sin() + 0.3 * (2.9 * time).cos();
+        }
+    }
+    let answer = examined(&scene.record());
+    let found = only(&answer, "grip-force", None);
+    let truth = (3.0 * 0.5 * (0.5_f64.powi(2) + 0.3_f64.powi(2))).sqrt();
+    assert!(
+        (found.parameters[0].1 / truth - 1.0).abs() < 0.25,
+        "{found:?} {truth}"
+    );
+}
+
+#[test]
+fn what_no_list_has_gets_no_name() {
+    // a bump on each of the joints, and a torque that walks
+    for joint in 0..5 {
+        let mut scene = Scene::new(19, ROWS);
+        for row in 0..ROWS {
+            let place: f64 = (scene.angle_rad[joint][row] - 0.1) / 0.12;
+            scene.torque_nm[joint][row] += 0.05 * (-place * place).exp();
+        }
+        let answer = examined(&scene.record());
+        assert!(answer.significant, "{joint}");
+        assert!(answer.findings.is_empty(), "{joint}: {answer:?}");
+        assert_eq!(answer.unexplained_share, 1.0);
+    }
+    let mut scene = Scene::new(20, ROWS);
+    let (mut noise, mut state) = (Noise(3), 0.0);
+    for torque in &mut scene.torque_nm[1] {
+        state = 0.995 * state + 2e-3 * noise.normal();
+        *torque += state;
+    }
+    let answer = examined(&scene.record());
+    assert!(
+        answer.significant && answer.findings.is_empty(),
+        "{answer:?}"
+    );
+}
+
+#[test]
+fn two_effects_are_both_found() {
+    let mut scene = Scene::new(21, ROWS);
+    for row in 0..ROWS {
+        let rate = scene.rate(0, row);
+        scene.torque_nm[0][row] += 0.04 * (rate / 0.01).tanh();
+    }
+    scene.force_n[2].iter_mut().for_each(|force| *force += 0.15);
+    let answer = examined(&scene.record());
+    let mut names: Vec<_> = answer.findings.iter().map(|found| found.effect).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["force-bias", "joint-friction"], "{answer:?}");
+    let shares: f64 = answer.findings.iter().map(|found| found.share).sum();
+    assert!((0.9..=1.0 + 1e-9).contains(&shares));
+}

@@ -1,0 +1,174 @@
+//! Regressor, Jacobian and geometry against virtual work and finite differences; the score against a
+//! projection.
+
+use haptical_model::Device;
+use haptical_model::kinematics::Parameter;
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::arm::{Noise, arm, masses, other_arm, parameters, virtual_work};
+use crate::force::columns::{Term, Values};
+use crate::force::normal::Normal;
+use crate::force::posture::{PER_LINK, Posture, Rows};
+use crate::force::weights::Weights;
+
+/// Finite differences of second order over steps of 1e-3 s.
+const DIFFERENCES: f64 = 2e-5;
+
+/// Position, rate and acceleration of five joints.
+fn moving(noise: &mut Noise) -> [Vec<f64>; 3] {
+    [0.5, 1.0, 3.0].map(|size| (0..5).map(|_| size * noise.normal()).collect())
+}
+
+fn torques(
+    device: &Device,
+    joints: &[Vec<f64>; 3],
+    inertia: &[f64],
+    force: &Vector3<f64>,
+) -> Vec<f64> {
+    let gravity = Vector3::from(device.gravity_mps2.unwrap());
+    let mut posture = Posture::default();
+    Rows::new(device, gravity).place([&joints[0], &joints[1], &joints[2]], &mut posture);
+    let mut torque: Vec<f64> = (0..5)
+        .map(|joint| -posture.hand(joint).dot(force))
+        .collect();
+    posture.regressor(&gravity, |joint, parameter, value| {
+        torque[joint] += value * inertia[parameter]
+    });
+    torque
+}
+
+#[test]
+fn the_regressor_agrees_with_virtual_work() {
+    let mut noise = Noise(5);
+    for device in [arm(), other_arm()] {
+        let masses = masses(&device);
+        let inertia = parameters(&masses);
+        for _ in 0..10 {
+            let joints = moving(&mut noise);
+            let force = Vector3::new(noise.normal(), noise.normal(), noise.normal());
+            let step_s = 1e-3;
+            let at = |time: f64| -> Vec<f64> {
+                (0..5)
+                    .map(|k| joints[0][k] + time * (joints[1][k] + 0.5 * time * joints[2][k]))
+                    .collect()
+            };
+            let three = [at(-step_s), at(0.0), at(step_s)];
+            let expected = virtual_work(&device, &masses, &three, step_s, &force);
+            for (own, other) in torques(&device, &joints, &inertia, &force)
+                .iter()
+                .zip(&expected)
+            {
+                assert!(
+                    (own - other).abs() < DIFFERENCES * (1.0 + other.abs()),
+                    "{own} {other}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_rows_change_torques_as_differences_do() {
+    let mut noise = Noise(6);
+    for device in [arm(), other_arm()] {
+        let inertia = parameters(&masses(&device));
+        let gravity = Vector3::from(device.gravity_mps2.unwrap());
+        let mut joints = moving(&mut noise);
+        joints[1].fill(0.0);
+        joints[2].fill(0.0);
+        let force = Vector3::new(0.7, -0.4, 1.1);
+        let mut posture = Posture::default();
+        Rows::new(&device, gravity).place([&joints[0], &joints[1], &joints[2]], &mut posture);
+        let carried = posture.carried(&inertia);
+        let order = device.convention.order();
+        for (number, step) in posture.steps.iter().enumerate() {
+            let (row, parameter) = (number / order.len(), order[number % order.len()]);
+            let mut change = vec![0.0; 5];
+            posture.geometry(step, &carried, &gravity, &force, &mut change);
+            let with = |by: f64| {
+                let mut other = device.clone();
+                let value = other.links[row].get(parameter);
+                other.links[row].set(parameter, value + by);
+                torques(&other, &joints, &inertia, &force)
+            };
+            let (more, less) = (with(1e-6), with(-1e-6));
+            for joint in 0..5 {
+                let expected = (more[joint] - less[joint]) / 2e-6;
+                let error = (change[joint] - expected).abs();
+                assert!(
+                    error < 1e-7,
+                    "{row} {parameter:?} {joint}: {} {expected}",
+                    change[joint]
+                );
+            }
+        }
+        assert!(
+            posture
+                .steps
+                .iter()
+                .any(|step| step.parameter == Parameter::Beta)
+        );
+    }
+}
+
+#[test]
+fn a_score_is_what_a_projection_gives() {
+    let mut noise = Noise(7);
+    let (channels, blocks) = (2, 40);
+    let rows = channels * blocks;
+    let covariances: Vec<DMatrix<f64>> = (0..blocks)
+        .map(|_| {
+            let spread = DMatrix::from_fn(2, 2, |_, _| noise.normal());
+            &spread * spread.transpose() + DMatrix::identity(2, 2)
+        })
+        .collect();
+    let weights = Weights::new(channels, covariances).unwrap();
+    let mut column = || -> Vec<f64> { (0..rows).map(|_| noise.normal()).collect() };
+    let reading = column();
+    let base: Vec<Vec<f64>> = (0..4).map(|_| column()).collect();
+    let added = [column(), column()];
+    // priors of variance 0.04 on the last two base columns
+    let priors = [0.0, 0.0, 25.0, 25.0];
+    let columns = base.iter().cloned().zip(priors).collect();
+    let normal = Normal::new(&weights, &reading, columns);
+    let terms: Vec<Term> = added
+        .iter()
+        .map(|values| Values::All(values.clone()).into())
+        .collect();
+    let score = normal.score(&normal.products(terms));
+
+    // the same with the priors as rows of their own
+    let whole = |count: usize| {
+        let white: Vec<Vec<f64>> = base
+            .iter()
+            .chain(&added)
+            .map(|c| weights.whiten(c))
+            .collect();
+        let matrix = DMatrix::from_fn(rows + 4, count, |row, column| {
+            if row < rows {
+                white[column][row]
+            } else if row - rows == column {
+                f64::sqrt(priors[column])
+            } else {
+                0.0
+            }
+        });
+        let mut right = weights.whiten(&reading);
+        right.extend([0.0; 4]);
+        let right = DVector::from_vec(right);
+        let solution =
+            (matrix.transpose() * &matrix).try_inverse().unwrap() * matrix.transpose() * &right;
+        ((right - matrix * &solution).norm_squared(), solution)
+    };
+    let ((before, _), (after, solution)) = (whole(4), whole(6));
+    assert!((score.score - (before - after)).abs() < 1e-6 * (before - after));
+    assert_eq!(score.rank, 2);
+    for k in 0..2 {
+        assert!((score.amplitudes[k] - solution[4 + k]).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn parameters_are_ten_a_link() {
+    assert_eq!(parameters(&masses(&arm())).len(), 5 * PER_LINK);
+}

@@ -1,0 +1,6 @@
+//! The force test on synthetic recordings and against mechanics by another route.
+
+mod absent;
+mod arm;
+mod found;
+mod mechanics;
