@@ -218,11 +218,17 @@ pub struct NoiseAnswer {
     pub channel: String,
     /// Standard deviation over the stated one.
     pub ratio: f64,
+    /// Standard deviation in the fastest quarter of the motion over that in the slowest.
+    pub speed_ratio: f64,
     /// Correlation of successive rows.
     pub colour: f64,
     /// Share of readings left out as outliers.
     pub outlier_share: f64,
-    /// Where the figures come from.
+    /// Usable readings.
+    pub readings: usize,
+    /// Estimated from successive rows of a motion.
+    pub from_motion: bool,
+    /// Where the figures come from, in words.
     pub from: String,
 }
 

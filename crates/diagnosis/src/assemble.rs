@@ -12,7 +12,7 @@ use crate::answer::{
 };
 use crate::base::Base;
 use crate::catalogue::Effect;
-use crate::causes::{base_term, cause_answer};
+use crate::causes::{base_term, cause_answer, noise_findings};
 use crate::earlier::{Difference, difference};
 use crate::place::{Located, locate};
 use crate::rivals::{Rival, settle};
@@ -76,6 +76,14 @@ pub(crate) fn assemble(
         Verdict::NoGap => None,
         _ => locate(selector, selection, adequacy.is_adequate),
     };
+    let noise = noise(selector, inputs.gone);
+    let joints: Vec<Option<usize>> = engine
+        .context
+        .streams
+        .iter()
+        .map(crate::context::Stream::joint)
+        .collect();
+    causes.extend(noise_findings(&noise, &joints));
     let before = earlier_residual.as_ref().unwrap_or(&engine.start.residual);
     let (detectable, invisible) = unseen(selector, inputs.in_base);
     let first = selection.refit.model.causes.first();
@@ -103,7 +111,7 @@ pub(crate) fn assemble(
         untestable: untestable(selector),
         invisible,
         detectable,
-        noise: noise(selector, inputs.gone),
+        noise,
         candidates: rivals
             .first()
             .map(|list| candidates(list))
@@ -163,7 +171,10 @@ fn verdict(
             (false, _) => Verdict::Unknown,
         };
     }
-    if !adequacy.is_adequate {
+    let hedged = causes
+        .first()
+        .is_some_and(|cause| cause.confusable_with.len() >= thresholds.names);
+    if !adequacy.is_adequate || hedged {
         return Verdict::Unknown;
     }
     let sure = causes
@@ -364,9 +375,14 @@ fn noise(selector: &Selector<'_, '_>, gone: &[(Channel, usize)]) -> Vec<NoiseAns
             NoiseAnswer {
                 channel: stream.name(),
                 ratio: noise.ratio,
+                speed_ratio: noise.speed_ratio,
+                readings: kept,
+                from_motion: noise.from_motion,
                 colour: noise.colour * noise.coloured_share,
                 outlier_share: left_out as f64 / (kept + left_out).max(1) as f64,
-                from: if noise.from_motion {
+                from: if !noise.from_motion && noise.ratio == 1.0 {
+                    "the device file".to_owned()
+                } else if noise.from_motion {
                     "differences of successive rows".to_owned()
                 } else {
                     "all that the model leaves".to_owned()

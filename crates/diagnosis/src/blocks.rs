@@ -45,12 +45,12 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Cuts every stream's usable rows into blocks. `sd` is the stated standard deviation per stream
-    /// and row, `own` the part that is the sensor's.
+    /// Cuts every stream's usable rows into blocks. `own` is the sensor's stated standard deviation per
+    /// stream, `scale` what the speed makes of it at each row.
     pub(crate) fn new(
         context: &Context<'_>,
         usable: &[Vec<bool>],
-        sd: &[Vec<f64>],
+        scale: &[Option<Vec<f64>>],
         own: &[f64],
         noise: &[Noise],
     ) -> Self {
@@ -85,8 +85,8 @@ impl Blocks {
                 let sensor: f64 = members
                     .iter()
                     .map(|&row| {
-                        let square = sd[stream][row] * sd[stream][row];
-                        square.min(own[stream] * own[stream])
+                        let by_speed = scale[stream].as_ref().map_or(1.0, |scale| scale[row]);
+                        (own[stream] * by_speed).powi(2)
                     })
                     .sum();
                 let rounding = rounding_variance(context, stream, *start, *end);

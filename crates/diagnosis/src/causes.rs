@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::adequacy::Adequacy;
-use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer};
+use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
 use crate::catalogue::{Effect, Family, Hook};
 use crate::earlier::BaseTerm;
 use crate::engine::{Cause, Refit};
@@ -66,6 +66,54 @@ pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAn
         held_out: held_out(shrink, hook, term.joint),
     }
 }
+
+/// Noise far from the stated one, and outliers: said of the data, not of the device, so they leave the
+/// verdict as it is.
+pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) -> Vec<CauseAnswer> {
+    let finding =
+        |effect: &str, joint: Option<usize>, name: &str, value: f64, sd: f64| CauseAnswer {
+            effect: effect.to_owned(),
+            joint: joint.map(|joint| joint + 1),
+            probability: 0.95,
+            confusable_with: Vec::new(),
+            parameters: BTreeMap::from([(
+                name.to_owned(),
+                ParameterAnswer {
+                    value,
+                    ci95: [(value - 1.96 * sd).max(0.0), value + 1.96 * sd],
+                },
+            )]),
+            plausible: true,
+            implausible: false,
+            share: 0.0,
+            held_out: None,
+        };
+    let mut found = Vec::new();
+    for (channel, &joint) in noise.iter().zip(joints) {
+        if channel.from_motion && (channel.ratio > LOUD || channel.speed_ratio > DEPENDS) {
+            let sd = 0.03 * channel.ratio;
+            found.push(finding("noise-level", joint, "ratio", channel.ratio, sd));
+        }
+        if channel.outlier_share > MANY_OUTLIERS {
+            let sd = (channel.outlier_share / channel.readings.max(1) as f64).sqrt();
+            found.push(finding(
+                "outliers",
+                joint,
+                "share",
+                channel.outlier_share,
+                sd,
+            ));
+        }
+    }
+    found
+}
+
+/// Noise this many times the stated one is told, ...
+const LOUD: f64 = 1.3;
+/// ... or noise that grows this much from slow to fast motion, ...
+const DEPENDS: f64 = 1.4;
+/// ... or this share of outliers: without any there would be one in 10^8.
+const MANY_OUTLIERS: f64 = 2e-3;
 
 /// The channel in which an effect at this place shows: its external encoder where it has one, else
 /// the one whose residual the causes reduce most.

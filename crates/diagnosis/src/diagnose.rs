@@ -72,7 +72,7 @@ pub fn diagnose(
         device: engine.problem.device_with(&selection.refit.model.values),
         ..base.clone()
     };
-    let engine = Engine::new(&nearer, &cleaned, Some(&engine.noise))?;
+    let engine = Engine::new(&nearer, &cleaned, Some(&engine))?;
     let mut selector = Selector::new(&engine, &effects, &tested, &thresholds);
     let mut selection = selector.select()?;
     assemble(&mut selector, &mut selection, &inputs)

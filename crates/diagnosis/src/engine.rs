@@ -5,6 +5,8 @@ use haptical_identification::{Matrix, Reduction};
 use haptical_linalg::{OrthonormalBasis, RANK_TOLERANCE};
 use haptical_model::{Device, Recording};
 
+use rayon::prelude::*;
+
 use crate::DiagnosisError;
 use crate::base::{Base, BaseProblem};
 use crate::blocks::Blocks;
@@ -105,6 +107,8 @@ pub(crate) struct Engine<'a> {
     pub(crate) system: System,
     /// The sensors' own stated deviations, per stream.
     own: Vec<f64>,
+    /// What the speed makes of them at each row, where it does.
+    scale: Vec<Option<Vec<f64>>>,
     /// Derivatives of all parameters at every row.
     matrix: Option<Matrix>,
     /// What refits are made with.
@@ -137,7 +141,7 @@ impl<'a> Engine<'a> {
     pub(crate) fn new(
         base: &'a Base,
         recording: &'a Recording,
-        known_noise: Option<&[Noise]>,
+        known: Option<&Engine<'_>>,
     ) -> Result<Self, DiagnosisError> {
         let weights = Weights::stated(&base.device, &base.channels);
         let streams = streams(&base.device, &base.channels);
@@ -153,7 +157,13 @@ impl<'a> Engine<'a> {
         let (problem, first) = evaluated?;
         let own: Vec<f64> = streams
             .iter()
-            .map(|stream| weights.channel_sd.get(&stream.channel).copied().unwrap_or(1e-4))
+            .map(|stream| {
+                weights
+                    .channel_sd
+                    .get(&stream.channel)
+                    .copied()
+                    .unwrap_or(1e-4)
+            })
             .collect();
         let usable: Vec<Vec<bool>> = first
             .residual
@@ -174,11 +184,18 @@ impl<'a> Engine<'a> {
         let mut residual = first.residual;
         let mut prepared = None;
         for pass in 0..BASE_PASSES {
-            let noise = match known_noise {
-                Some(known) => known.to_vec(),
-                None => estimate_noise(&context, &problem, &residual, &usable, base.free.len()),
+            let (noise, scale) = match known {
+                Some(known) => (known.noise.clone(), known.scale.clone()),
+                None => estimate_noise(
+                    &context,
+                    &problem,
+                    &residual,
+                    &usable,
+                    &own,
+                    base.free.len(),
+                ),
             };
-            let blocks = Blocks::new(&context, &usable, &problem.sd, &own, &noise);
+            let blocks = Blocks::new(&context, &usable, &scale, &own, &noise);
             let part = Part::new(&context, &problem, blocks, matrix.as_ref(), &base.free)?;
             let mut size: f64 = 0.0;
             // several steps with one decomposition
@@ -187,29 +204,36 @@ impl<'a> Engine<'a> {
                     break;
                 };
                 let step = basis.solve(&compress_rows(&part.blocks, &residual))?;
-                for (&parameter, change) in base.free.iter().zip(&step) {
-                    values[parameter] += change;
-                }
                 size = root_mean_square(&part.free.times(&step)?);
-                residual = problem.evaluate(&values, false)?.residual;
                 if size < SMALL_STEP {
                     break;
                 }
+                let cost = square(&part, &residual);
+                let Some((next, rest)) = base_step(&problem, &part, base, &values, &step, cost)
+                else {
+                    break;
+                };
+                (values, residual) = (next, rest);
             }
-            prepared = Some((noise, part, size));
+            prepared = Some((noise, scale, part, size));
             // a start far away has shown noise that is partly the step's
             if pass > 0 || size < 10.0 * SMALL_STEP {
                 break;
             }
         }
-        let Some((noise, whole, last_step)) = prepared else {
+        let Some((noise, scale, whole, last_step)) = prepared else {
             return Err(too_few);
         };
         let floor = floors(&problem, &noise, &usable);
         let everything = matrix
             .as_ref()
             .map(|matrix| compress_matrix(&context, &problem, &whole.blocks, matrix, None));
-        let system = System::new(&context, whole.blocks.clone(), everything.as_ref(), &residual)?;
+        let system = System::new(
+            &context,
+            whole.blocks.clone(),
+            everything.as_ref(),
+            &residual,
+        )?;
         Ok(Self {
             context,
             problem,
@@ -219,6 +243,7 @@ impl<'a> Engine<'a> {
             usable,
             system,
             own,
+            scale,
             matrix,
             whole,
             start: Refit {
@@ -243,9 +268,15 @@ impl<'a> Engine<'a> {
                 rows.map(|(row, usable)| *usable && seen(row)).collect()
             })
             .collect();
-        let blocks = Blocks::new(&self.context, &usable, &self.problem.sd, &self.own, &self.noise);
+        let blocks = Blocks::new(&self.context, &usable, &self.scale, &self.own, &self.noise);
         let matrix = self.matrix.as_ref();
-        Part::new(&self.context, &self.problem, blocks, matrix, &self.base.free)
+        Part::new(
+            &self.context,
+            &self.problem,
+            blocks,
+            matrix,
+            &self.base.free,
+        )
     }
 
     /// Whitened derivatives of the base model's free parameters.
@@ -354,7 +385,13 @@ impl<'a> Engine<'a> {
     fn part_at(&self, part: &Part, values: &[f64]) -> Result<Part, DiagnosisError> {
         let matrix = self.problem.evaluate(values, true)?.matrix;
         let blocks = part.blocks.clone();
-        Part::new(&self.context, &self.problem, blocks, matrix.as_ref(), &self.base.free)
+        Part::new(
+            &self.context,
+            &self.problem,
+            blocks,
+            matrix.as_ref(),
+            &self.base.free,
+        )
     }
 
     /// The model after a step, halved until the cost falls; none where it never does.
@@ -510,6 +547,32 @@ impl Part {
     }
 }
 
+/// Values and residuals after a step of the base model, shortened until the cost falls; none where it
+/// never does.
+fn base_step(
+    problem: &BaseProblem<'_>,
+    part: &Part,
+    base: &Base,
+    values: &[f64],
+    step: &[f64],
+    cost: f64,
+) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+    let mut share = 1.0;
+    for _ in 0..HALVINGS {
+        let mut next = values.to_vec();
+        for (&parameter, change) in base.free.iter().zip(step) {
+            next[parameter] += share * change;
+        }
+        if let Ok(evaluated) = problem.evaluate(&next, false)
+            && square(part, &evaluated.residual) < cost
+        {
+            return Some((next, evaluated.residual));
+        }
+        share *= 0.4;
+    }
+    None
+}
+
 fn square(part: &Part, rows: &[Vec<f64>]) -> f64 {
     let whitened = compress_rows(&part.blocks, rows);
     dot(&whitened, &whitened)
@@ -547,12 +610,14 @@ fn estimate_noise(
     problem: &BaseProblem<'_>,
     residual: &[Vec<f64>],
     usable: &[Vec<bool>],
+    own: &[f64],
     parameters: usize,
-) -> Vec<Noise> {
+) -> (Vec<Noise>, Vec<Option<Vec<f64>>>) {
     let lost = parameters as f64 / context.streams.len().max(1) as f64;
     (0..context.streams.len())
+        .into_par_iter()
         .map(|stream| {
-            let scaled: Vec<f64> = (0..context.rows())
+            let mut scaled: Vec<f64> = (0..context.rows())
                 .map(|row| {
                     if usable[stream][row] {
                         residual[stream][row] / problem.sd[stream][row]
@@ -561,10 +626,46 @@ fn estimate_noise(
                     }
                 })
                 .collect();
+            let by_speed = speed_of(context, stream)
+                .and_then(|speed| noise::speed_scale(&scaled, &speed, &context.runs));
+            if let Some((scale, _)) = &by_speed {
+                for (value, scale) in scaled.iter_mut().zip(scale) {
+                    *value /= scale;
+                }
+            }
             let stated = is_stated(context.device, context.streams[stream].channel);
-            noise::estimate(&scaled, &context.runs, context.ordered, lost, stated)
+            let mut found = noise::estimate(&scaled, &context.runs, context.ordered, lost, stated);
+            if stated {
+                let sd = &problem.sd[stream];
+                found = found.with_rounding(rounding_share(sd, own[stream], &usable[stream]));
+            }
+            found.speed_ratio = by_speed.as_ref().map_or(1.0, |(_, ratio)| *ratio);
+            (found, by_speed.map(|(scale, _)| scale))
         })
-        .collect()
+        .unzip()
+}
+
+/// Speed of what a stream measures, where rows follow a motion in time.
+fn speed_of(context: &Context<'_>, stream: usize) -> Option<Vec<f64>> {
+    let motion = context.motion.as_ref().filter(|_| context.ordered)?;
+    match context.streams[stream].channel {
+        Channel::Output { joint } => Some(motion[joint].velocity.clone()),
+        Channel::Cable { index: 0 } => Some(context.cable.as_ref()?.motion.velocity.clone()),
+        _ => None,
+    }
+}
+
+/// Share of a stream's stated variance that the rounding of the motor encoders has.
+fn rounding_share(sd: &[f64], own: f64, usable: &[bool]) -> f64 {
+    let squares = sd.iter().zip(usable).filter(|(_, usable)| **usable);
+    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), (sd, _)| {
+        (sum + sd * sd, count + 1.0)
+    });
+    if sum > 0.0 {
+        (1.0 - own * own * count / sum).max(0.0)
+    } else {
+        0.0
+    }
 }
 
 /// Whether the device file says how noisy a channel is.

@@ -24,12 +24,102 @@ pub(crate) struct Noise {
 
 /// Relative uncertainty of the variance that a device file states.
 const STATED_UNCERTAINTY: f64 = 0.3;
+/// Share of rounding from which it counts as a large part of the noise.
+const MUCH_ROUNDING: f64 = 0.1;
+
+impl Noise {
+    /// Rounding errors of a slow motion are slow themselves and pass for a signal within a segment: where
+    /// they are much of the noise, its size is at least the stated one.
+    pub(crate) fn with_rounding(mut self, share: f64) -> Self {
+        if share > MUCH_ROUNDING {
+            self.ratio = self.ratio.max(1.0);
+            self.uncertainty = self.uncertainty.hypot(0.2 * share);
+        }
+        self
+    }
+}
+
 /// Rows of a segment within which a signal is taken for a cubic.
 pub(crate) const SEGMENT: usize = 16;
 /// Segments that are enough for an estimate.
 const ENOUGH_SEGMENTS: usize = 8;
 /// Rows on each side of the median that an outlier is compared with.
 const MEDIAN_REACH: usize = 3;
+
+/// Parts of the speeds in which the noise is compared.
+const SPEEDS: usize = 4;
+/// Variance at the fastest quarter over that at the slowest from which noise depends on speed: with ninety
+/// segments each, ten standard deviations.
+const DEPENDS_ON_SPEED: f64 = 1.6;
+
+/// Scale of the noise at every row by the speed there, with mean square 1, and the ratio of the deviation
+/// at the fastest quarter to that at the slowest; none where it does not depend on speed.
+pub(crate) fn speed_scale(
+    scaled: &[f64],
+    speed: &[f64],
+    runs: &[Range<usize>],
+) -> Option<(Vec<f64>, f64)> {
+    let basis = segment_basis();
+    let mut segments: Vec<(f64, f64)> = Vec::new();
+    for run in runs {
+        let rows: Vec<usize> = run.clone().filter(|&row| scaled[row].is_finite()).collect();
+        for part in rows.chunks_exact(SEGMENT) {
+            let values: Vec<f64> = part.iter().map(|&row| scaled[row]).collect();
+            let fast = part.iter().map(|&row| speed[row].abs()).sum::<f64>() / SEGMENT as f64;
+            segments.push((fast, segment_moments(&values, &basis)[0]));
+        }
+    }
+    if segments.len() < 16 * SPEEDS {
+        return None;
+    }
+    segments.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let size = segments.len() / SPEEDS;
+    let parts: Vec<(f64, f64)> = segments
+        .chunks(size)
+        .take(SPEEDS)
+        .map(|part| {
+            let mut squares: Vec<f64> = part.iter().map(|segment| segment.1).collect();
+            squares.sort_by(f64::total_cmp);
+            let limit = DISTURBED * squares[squares.len() / 2];
+            let kept: Vec<f64> = squares
+                .into_iter()
+                .filter(|square| *square <= limit)
+                .collect();
+            let mean = kept.iter().sum::<f64>() / kept.len().max(1) as f64;
+            (
+                part.iter().map(|segment| segment.0).sum::<f64>() / part.len() as f64,
+                mean,
+            )
+        })
+        .collect();
+    let (slow, fast) = (parts[0].1, parts[SPEEDS - 1].1);
+    if slow <= 0.0 || fast < DEPENDS_ON_SPEED * slow {
+        return None;
+    }
+    let deviation = |speed: f64| {
+        let next = parts
+            .iter()
+            .position(|part| part.0 > speed)
+            .unwrap_or(SPEEDS);
+        let square = match next {
+            0 => parts[0].1,
+            SPEEDS => parts[SPEEDS - 1].1,
+            next => {
+                let (before, after) = (parts[next - 1], parts[next]);
+                let share = (speed - before.0) / (after.0 - before.0).max(1e-300);
+                before.1 + share * (after.1 - before.1)
+            }
+        };
+        square.sqrt()
+    };
+    let scale: Vec<f64> = speed.iter().map(|speed| deviation(speed.abs())).collect();
+    let mean = scale.iter().map(|s| s * s).sum::<f64>() / scale.len().max(1) as f64;
+    let norm = mean.sqrt().max(1e-300);
+    Some((
+        scale.into_iter().map(|s| s / norm).collect(),
+        (fast / slow).sqrt(),
+    ))
+}
 
 /// Estimates one stream's noise from its residuals over the stated standard deviation (NaN where
 /// there is none), `lost` of which the model's parameters have taken.
@@ -359,6 +449,20 @@ mod tests {
             * (1.0 + noise.coloured_share * 2.0 * noise.colour / (1.0 - noise.colour));
         // low-frequency level: 4 of the coloured part, 0.49 of the white one
         assert!((low - 4.49).abs() < 0.5, "{noise:?} {low}");
+    }
+
+    #[test]
+    fn noise_that_grows_with_speed_is_scaled() {
+        let speed: Vec<f64> = (0..6000).map(|k| (f64::from(k) * 0.01).sin()).collect();
+        let values: Vec<f64> = normal(6000, 5)
+            .iter()
+            .zip(&speed)
+            .map(|(e, v)| e * (1.0 + 2.0 * v.abs()))
+            .collect();
+        let (scale, ratio) = speed_scale(&values, &speed, &[0..6000]).unwrap_or_default();
+        assert!((1.7..3.0).contains(&ratio), "{ratio}");
+        assert!(scale[157] > 1.4 * scale[1], "{} {}", scale[157], scale[1]);
+        assert!(speed_scale(&normal(6000, 6), &speed, &[0..6000]).is_none());
     }
 
     #[test]

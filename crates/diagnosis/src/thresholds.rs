@@ -12,12 +12,12 @@ pub(crate) struct Thresholds {
     pub(crate) family_wise_p: f64,
     pub(crate) omnibus_z: f64,
     pub(crate) share_of_rest: f64,
-    pub(crate) unexplained_share: f64,
     pub(crate) causes: usize,
     pub(crate) confusable_nats: f64,
     pub(crate) implausible_nats: f64,
     pub(crate) retained: f64,
     pub(crate) named_probability: f64,
+    pub(crate) names: usize,
     pub(crate) outlier_sd: f64,
 }
 

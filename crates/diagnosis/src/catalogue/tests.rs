@@ -1,10 +1,12 @@
 //! What every effect of the registry has to fulfil, at every place of two devices.
 
 mod absent;
+mod compare;
 mod laws;
 mod names;
 mod rig;
 mod runs;
+mod statics;
 
 use haptical_calibration::Channel;
 

@@ -3,7 +3,8 @@
 use super::NAMES;
 use super::base::Base;
 use super::effects::Kind;
-use super::fast;
+pub(crate) use super::gaps::TorqueGap;
+use super::gaps::{add_torque, channels, scale_before};
 use super::gravity::{self, Unbalanced};
 use super::grip::{self, Grip};
 use super::recorded::column;
@@ -23,19 +24,6 @@ const UNEXPLAINED_SHARE: f64 = 0.1;
 const NOISE_DEVIATIONS: f64 = 4.0;
 /// Of the normal distribution.
 const QUANTILE_975: f64 = 1.959_963_984_540_054;
-
-/// Torques of one joint.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TorqueGap {
-    /// Joint, from 0.
-    pub(crate) joint: usize,
-    /// Root mean square that the base model leaves of a row \[N m\].
-    pub(crate) rms_before: f64,
-    /// The same with the findings in the model.
-    pub(crate) rms_after: f64,
-    /// Root mean square of a row's noise, of torque and hand force together.
-    pub(crate) noise_floor: f64,
-}
 
 /// An effect on torques or forces.
 #[derive(Debug, Clone, PartialEq)]
@@ -154,7 +142,11 @@ pub(super) fn answer(
         .iter()
         .filter(|finding| finding.effect == Kind::Scale.name())
     {
-        scale_before(&mut channels, selector, base, finding);
+        let gain = finding
+            .parameters
+            .first()
+            .map_or(0.0, |parameter| parameter.1);
+        scale_before(&mut channels, selector, base, finding.joint, gain);
     }
     findings.sort_by(|a, b| b.share.total_cmp(&a.share));
     Ok(ForceAnswer {
@@ -215,92 +207,6 @@ fn untestable(selector: &Selector<'_, '_, '_>, is_falsified: bool) -> Vec<(&'sta
         untestable.push(("unbalanced-gravity", why.to_owned()));
     }
     untestable
-}
-
-/// Root mean squares of every channel.
-fn channels(
-    selector: &Selector<'_, '_, '_>,
-    base: &Base<'_>,
-    selection: &Selection,
-    fitted_before: &[f64],
-) -> Vec<TorqueGap> {
-    let recorded = selector.recorded;
-    let along = selector.effects.along;
-    let blocks = recorded.blocks.len();
-    let mean_square = |values: &[f64]| {
-        values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
-    };
-    recorded
-        .channels
-        .iter()
-        .enumerate()
-        .map(|(channel, &joint)| {
-            let range = channel * blocks..(channel + 1) * blocks;
-            let within: Vec<f64> = fast::deviations(along, channel, fitted_before)
-                .into_iter()
-                .map(|(_, value)| value)
-                .collect();
-            let row_sd = recorded.row_sd(channel, &along.hand);
-            let size = selector.rows() / blocks.max(1) as f64;
-            let (fast_before, fast_after) = if within.is_empty() {
-                let noise = row_sd * row_sd * (1.0 - 1.0 / size);
-                (noise, noise)
-            } else {
-                let explained: f64 = selection
-                    .picks
-                    .iter()
-                    .filter(|pick| pick.place.channel == Some(channel))
-                    .map(|pick| base.normal.fast_explained(pick.first, pick.count))
-                    .sum();
-                let before = mean_square(&within);
-                let taken = explained * row_sd * row_sd / within.len() as f64;
-                (before, (before - taken).max(0.0))
-            };
-            // what varies within blocks is noise but for what was named
-            let noise = fast_after / (1.0 - 1.0 / size).max(1.0 / size);
-            TorqueGap {
-                joint,
-                rms_before: (mean_square(&selection.rest_before[range.clone()]) + fast_before)
-                    .sqrt(),
-                rms_after: (mean_square(&selection.rest_after[range]) + fast_after).sqrt(),
-                noise_floor: noise.sqrt().min(row_sd),
-            }
-        })
-        .collect()
-}
-
-/// Adds a torque that the base model's freedom took to what there was before.
-fn add_torque(channels: &mut [TorqueGap], selector: &Selector<'_, '_, '_>, torque_nm: &[f64]) {
-    let blocks = selector.recorded.blocks.len();
-    for (channel, gap) in channels.iter_mut().enumerate() {
-        let own = &torque_nm[channel * blocks..(channel + 1) * blocks];
-        let square = own.iter().map(|torque| torque * torque).sum::<f64>() / blocks.max(1) as f64;
-        gap.rms_before = (gap.rms_before * gap.rms_before + square).sqrt();
-    }
-}
-
-fn scale_before(
-    channels: &mut [TorqueGap],
-    selector: &Selector<'_, '_, '_>,
-    base: &Base<'_>,
-    finding: &ForceFinding,
-) {
-    let gain = finding
-        .parameters
-        .first()
-        .map_or(0.0, |parameter| parameter.1);
-    let blocks = selector.recorded.blocks.len();
-    let mut torque = vec![0.0; base.torque_nm.len()];
-    for (channel, joint) in selector.recorded.channels.iter().enumerate() {
-        if Some(*joint) == finding.joint {
-            let range = channel * blocks..(channel + 1) * blocks;
-            let own = &base.torque_nm[range.clone()];
-            for (entry, value) in torque[range].iter_mut().zip(own) {
-                *entry = gain * value;
-            }
-        }
-    }
-    add_torque(channels, selector, &torque);
 }
 
 fn finding(

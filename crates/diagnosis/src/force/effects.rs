@@ -234,26 +234,27 @@ impl<'e, 'a> Effects<'e, 'a> {
     /// rate), viscous friction and what Stribeck adds at low rates.
     fn friction(&self, channel: usize, shape: f64) -> Vec<Term> {
         let recorded = self.along.recorded;
+        let columns = self.friction_rows(channel, shape).into_iter();
+        columns
+            .map(|values| Values::Channel(channel, recorded.means(|row| values[row])).into())
+            .collect()
+    }
+
+    fn friction_rows(&self, channel: usize, shape: f64) -> Vec<Vec<f64>> {
+        let recorded = self.along.recorded;
         let motion = &recorded.motion[recorded.channels[channel]];
+        let rate = &motion.velocity;
         let side: Vec<f64> = if shape > 0.0 {
             dahl(&motion.value, shape, &recorded.context.runs)
         } else {
-            motion
-                .velocity
-                .iter()
-                .map(|rate| (rate / -shape).tanh())
-                .collect()
+            rate.iter().map(|rate| (rate / -shape).tanh()).collect()
         };
-        let rate = &motion.velocity;
-        let slow = |row: usize| side[row] * (-(rate[row] / STRIBECK_RAD_PER_S).powi(2)).exp();
-        [
-            recorded.means(|row| side[row]),
-            recorded.means(|row| rate[row]),
-            recorded.means(slow),
-        ]
-        .into_iter()
-        .map(|values| Values::Channel(channel, values).into())
-        .collect()
+        let slow = side
+            .iter()
+            .zip(rate)
+            .map(|(side, rate)| side * (-(rate / STRIBECK_RAD_PER_S).powi(2)).exp())
+            .collect();
+        vec![side, rate.clone(), slow]
     }
 
     /// E7: a torque at a multiple of the motor's angle.
@@ -268,6 +269,19 @@ impl<'e, 'a> Effects<'e, 'a> {
                 }
             })
             .collect()
+    }
+
+    /// Columns of an effect on one channel row by row; nothing for effects that hardly change within a
+    /// block.
+    pub(super) fn rows(&self, place: &Place) -> Vec<Vec<f64>> {
+        match (place.kind, place.channel) {
+            (Kind::Friction, Some(channel)) => self.friction_rows(channel, place.shape),
+            (Kind::Cogging, Some(channel)) => {
+                let first = 2 * (place.shape as usize).saturating_sub(1);
+                self.harmonics[channel][first..first + 2].to_vec()
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// A10 as the torques see it: an error of the motor-side angle at a multiple of the motor's angle

@@ -42,7 +42,9 @@ pub(super) fn table(along: &Along<'_>, harmonics: &[Vec<Vec<f64>>], fitted: &[f6
     let mut table = FastTable::default();
     for (channel, columns) in harmonics.iter().enumerate() {
         let variance = recorded.row_sd(channel, &along.hand).powi(2).max(1e-300);
-        let rest = deviations(along, channel, fitted);
+        let blocks = recorded.blocks.len();
+        let fitted = &fitted[channel * blocks..(channel + 1) * blocks];
+        let rest = deviations(along, &recorded.torque_nm[channel], fitted);
         let rows: Vec<usize> = rest.iter().map(|(row, _)| *row).collect();
         let values: Vec<f64> = rest.iter().map(|(_, value)| *value).collect();
         let sizes = lengths(along, &rows);
@@ -97,10 +99,13 @@ fn colour(controls: &[Vec<f64>], values: &[f64], variance: f64) -> f64 {
 /// What a channel's torque does within blocks beside the base model: rows with their deviations from
 /// the block's mean. Within a block the model is the quartic that has its means there and in the two
 /// blocks on each side.
-pub(super) fn deviations(along: &Along<'_>, channel: usize, fitted: &[f64]) -> Vec<(usize, f64)> {
+pub(super) fn deviations(
+    along: &Along<'_>,
+    torque_nm: &[f64],
+    fitted: &[f64],
+) -> Vec<(usize, f64)> {
     let recorded = along.recorded;
     let count = recorded.blocks.len();
-    let fitted = &fitted[channel * count..(channel + 1) * count];
     let mut rest = Vec::new();
     for block in 2..count.saturating_sub(2) {
         let joined = (block - 1..=block + 2).all(|block| recorded.blocks[block].follows);
@@ -118,7 +123,7 @@ pub(super) fn deviations(along: &Along<'_>, channel: usize, fitted: &[f64]) -> V
         for &row in &own.usable {
             let place = ((row - own.rows.start) as f64 + 0.5) / length - 0.5;
             let smooth = place * (slope + place * (0.5 * curvature + place * third / 6.0));
-            rest.push((row, recorded.torque_nm[channel][row] - smooth));
+            rest.push((row, torque_nm[row] - smooth));
         }
         let mean = rest[first..].iter().map(|(_, value)| value).sum::<f64>()
             / (rest.len() - first).max(1) as f64;

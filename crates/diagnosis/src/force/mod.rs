@@ -12,6 +12,7 @@ mod columns;
 mod effects;
 mod energy;
 mod fast;
+mod gaps;
 mod gravity;
 mod grip;
 mod normal;

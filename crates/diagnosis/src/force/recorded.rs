@@ -7,10 +7,13 @@ use nalgebra::{DMatrix, Vector3};
 
 use crate::context::Context;
 use crate::noise;
-use crate::signal::LocalMotion;
+use crate::signal::{LocalMotion, smooth};
 
 /// Time that one block averages \[s\]: short against a motion, long against the sampling.
 const BLOCK_S: f64 = 0.1;
+/// Time on each side over which rates are averaged \[s\], and the rows of it that they are already.
+const MOTION_REACH_S: f64 = 0.03;
+const LOCAL_REACH: usize = 3;
 /// Most rows of a block.
 const LONGEST_BLOCK: usize = 400;
 /// Readings per parameter of the base model that are enough.
@@ -47,7 +50,7 @@ pub(super) struct Block {
 #[derive(Debug)]
 pub(super) struct Recorded<'a> {
     pub(super) context: &'a Context<'a>,
-    pub(super) motion: &'a [LocalMotion],
+    pub(super) motion: Vec<LocalMotion>,
     /// Joints whose torque is recorded.
     pub(super) channels: Vec<usize>,
     pub(super) blocks: Vec<Block>,
@@ -70,7 +73,8 @@ impl<'a> Recorded<'a> {
     pub(super) fn new(context: &'a Context<'a>) -> Result<Self, String> {
         let device = context.device;
         let recording = context.recording;
-        let motion = needed(context)?;
+        let step_s = step(context);
+        let motion = smoothed(context, needed(context)?, step_s);
         let channels: Vec<usize> = (0..device.joints.len())
             .filter(|&joint| column(context, joint).is_some())
             .collect();
@@ -104,7 +108,6 @@ impl<'a> Recorded<'a> {
                     .collect::<Vec<f64>>(),
             );
         }
-        let step_s = step(context);
         let blocks = blocks(context, &torque_nm, step_s);
         let parameters = 10 * device.joints.len();
         if blocks.len() * channels.len() < ENOUGH * parameters {
@@ -236,6 +239,19 @@ fn needed<'a>(context: &'a Context<'a>) -> Result<&'a [LocalMotion], String> {
         .motion
         .as_deref()
         .ok_or_else(|| "no column t_s".to_owned())
+}
+
+/// Rates and accelerations averaged further where the rows are so close that counts show in them.
+fn smoothed(context: &Context<'_>, motion: &[LocalMotion], step_s: f64) -> Vec<LocalMotion> {
+    let reach = ((MOTION_REACH_S / step_s) as usize).saturating_sub(LOCAL_REACH);
+    let mut motion = motion.to_vec();
+    if reach > 0 {
+        for own in &mut motion {
+            own.velocity = smooth(&own.velocity, reach, &context.runs);
+            own.acceleration = smooth(&own.acceleration, reach, &context.runs);
+        }
+    }
+    motion
 }
 
 /// A joint's torque readings, where there are any.

@@ -237,3 +237,17 @@ pub(crate) fn assert_named(
     let answer = cause.parameters[parameter];
     (answer.value, answer.ci95)
 }
+
+/// Asserts that a number lies within twice the half-width of a 95 % interval: of normal errors one in 10^4
+/// does not.
+pub(crate) fn assert_near((value, [low, high]): (f64, [f64; 2]), truth: f64) {
+    let half = 0.5 * (high - low);
+    assert!(
+        half > 0.0 && (low..=high).contains(&value),
+        "{value} [{low}, {high}]"
+    );
+    assert!(
+        (value - truth).abs() < 2.0 * half,
+        "{value} [{low}, {high}], true {truth}"
+    );
+}

@@ -7,7 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 use crate::context::Context;
 use crate::force::answer::ForceAnswer;
 
-pub(super) const STEP_S: f64 = 0.01;
+/// Time between rows unless said otherwise.
+const STEP_S: f64 = 0.01;
 pub(super) const TORQUE_SD_NM: f64 = 3e-3;
 pub(super) const FORCE_SD_N: f64 = 0.01;
 
@@ -255,6 +256,11 @@ pub(super) struct Scene {
 impl Scene {
     /// Slow random motion of a calibrated arm: 0.3 mm and 0.6 mrad off the file, torque scales off by 3 %.
     pub(super) fn new(seed: u64, rows: usize) -> Self {
+        Self::sampled(seed, rows, STEP_S)
+    }
+
+    /// The same with another time between rows.
+    pub(super) fn sampled(seed: u64, rows: usize, step_s: f64) -> Self {
         let mut noise = Noise(seed);
         let mut device = arm();
         for link in &mut device.links {
@@ -285,7 +291,7 @@ impl Scene {
             .map(|_| 1.0 + 0.03 * noise.normal())
             .collect();
         let masses = masses(&device);
-        let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * STEP_S).collect();
+        let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * step_s).collect();
         let mut scene = Self {
             angle_rad: vec![Vec::with_capacity(rows); angles.len()],
             torque_nm: vec![Vec::with_capacity(rows); angles.len()],
@@ -318,7 +324,7 @@ impl Scene {
     pub(super) fn rate(&self, joint: usize, row: usize) -> f64 {
         let angle = &self.angle_rad[joint];
         let (before, after) = (row.saturating_sub(1), (row + 1).min(angle.len() - 1));
-        (angle[after] - angle[before]) / ((after - before) as f64 * STEP_S)
+        (angle[after] - angle[before]) / (self.time_s[after] - self.time_s[before])
     }
 
     /// What is recorded: angles in counts, noise on torques and forces.

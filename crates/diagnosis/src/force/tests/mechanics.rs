@@ -32,7 +32,7 @@ fn torques(
         .map(|joint| -posture.hand(joint).dot(force))
         .collect();
     posture.regressor(&gravity, |joint, parameter, value| {
-        torque[joint] += value * inertia[parameter]
+        torque[joint] += value * inertia[parameter];
     });
     torque
 }

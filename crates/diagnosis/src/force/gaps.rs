@@ -1,0 +1,125 @@
+//! How large the torques' gap is, joint by joint, row by row.
+
+use super::base::Base;
+use super::fast;
+use super::select::{Selection, Selector};
+
+/// Torques of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TorqueGap {
+    /// Joint, from 0.
+    pub(crate) joint: usize,
+    /// Root mean square that the base model leaves of a row \[N m\].
+    pub(crate) rms_before: f64,
+    /// The same with the findings in the model.
+    pub(crate) rms_after: f64,
+    /// Root mean square of a row's noise, of torque and hand force together.
+    pub(crate) noise_floor: f64,
+}
+
+/// Root mean squares of every channel.
+pub(super) fn channels(
+    selector: &Selector<'_, '_, '_>,
+    base: &Base<'_>,
+    selection: &Selection,
+    fitted_before: &[f64],
+) -> Vec<TorqueGap> {
+    let recorded = selector.recorded;
+    let along = selector.effects.along;
+    let blocks = recorded.blocks.len();
+    let size = selector.rows() / blocks.max(1) as f64;
+    let fitted_after = base.normal.fitted();
+    let gap = |(channel, &joint): (usize, &usize)| {
+        let range = channel * blocks..(channel + 1) * blocks;
+        let row_sd = recorded.row_sd(channel, &along.hand);
+        let torque = &recorded.torque_nm[channel];
+        let fast_before = fast::deviations(along, torque, &fitted_before[range.clone()]);
+        let (torque, fitted) = without_picks(selector, base, selection, channel, &fitted_after);
+        let fast_after = fast::deviations(along, &torque, &fitted);
+        let within = |rest: &[(usize, f64)]| match rest.len() {
+            0 => row_sd * row_sd * (1.0 - 1.0 / size),
+            count => rest.iter().map(|(_, value)| value * value).sum::<f64>() / count as f64,
+        };
+        let (before, after) = (within(&fast_before), within(&fast_after));
+        // what varies within blocks is noise but for what was named
+        let noise = after / (1.0 - 1.0 / size).max(1.0 / size);
+        TorqueGap {
+            joint,
+            rms_before: (mean_square(&selection.rest_before[range.clone()]) + before).sqrt(),
+            rms_after: (mean_square(&selection.rest_after[range]) + after).sqrt(),
+            noise_floor: noise.sqrt().min(row_sd),
+        }
+    };
+    recorded.channels.iter().enumerate().map(gap).collect()
+}
+
+fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
+}
+
+/// A channel's torques without the effects that were chosen for it, row by row, and the block means of
+/// what the model says of the rest.
+fn without_picks(
+    selector: &Selector<'_, '_, '_>,
+    base: &Base<'_>,
+    selection: &Selection,
+    channel: usize,
+    fitted: &[f64],
+) -> (Vec<f64>, Vec<f64>) {
+    let recorded = selector.recorded;
+    let blocks = recorded.blocks.len();
+    let mut torque = recorded.torque_nm[channel].clone();
+    let mut fitted = fitted[channel * blocks..(channel + 1) * blocks].to_vec();
+    for pick in selection
+        .picks
+        .iter()
+        .filter(|pick| pick.place.channel == Some(channel))
+    {
+        for (index, column) in selector.effects.rows(&pick.place).iter().enumerate() {
+            let amplitude = base.normal.solution[pick.first + index];
+            for (torque, value) in torque.iter_mut().zip(column) {
+                *torque -= amplitude * value;
+            }
+            let means = recorded.means(|row| column[row]);
+            for (fitted, mean) in fitted.iter_mut().zip(means) {
+                *fitted -= amplitude * mean;
+            }
+        }
+    }
+    (torque, fitted)
+}
+
+/// Adds a torque that the base model's freedom took to what there was before.
+pub(super) fn add_torque(
+    channels: &mut [TorqueGap],
+    selector: &Selector<'_, '_, '_>,
+    torque_nm: &[f64],
+) {
+    let blocks = selector.recorded.blocks.len();
+    for (channel, gap) in channels.iter_mut().enumerate() {
+        let own = &torque_nm[channel * blocks..(channel + 1) * blocks];
+        let square = own.iter().map(|torque| torque * torque).sum::<f64>() / blocks.max(1) as f64;
+        gap.rms_before = (gap.rms_before * gap.rms_before + square).sqrt();
+    }
+}
+
+/// Adds what a torque's scale made of it to what there was before.
+pub(super) fn scale_before(
+    channels: &mut [TorqueGap],
+    selector: &Selector<'_, '_, '_>,
+    base: &Base<'_>,
+    joint: Option<usize>,
+    gain: f64,
+) {
+    let blocks = selector.recorded.blocks.len();
+    let mut torque = vec![0.0; base.torque_nm.len()];
+    for (channel, own) in selector.recorded.channels.iter().enumerate() {
+        if Some(*own) == joint {
+            let range = channel * blocks..(channel + 1) * blocks;
+            for (entry, value) in torque[range.clone()].iter_mut().zip(&base.torque_nm[range]) {
+                *entry = gain * value;
+            }
+        }
+    }
+    add_torque(channels, selector, &torque);
+}
