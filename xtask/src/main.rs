@@ -6,6 +6,7 @@
 )]
 
 mod blind;
+mod output;
 mod progress;
 mod tables;
 

@@ -134,6 +134,41 @@ pub(crate) fn slope_of(x: &[f64], y: &[f64]) -> f64 {
     if xx > 0.0 { xy / xx } else { 0.0 }
 }
 
+/// Factor of `x` in `y` beside a constant and `others`: least squares on all of them together. Source:
+/// Frisch & Waugh, "Partial time regressions as compared with individual trends", Econometrica 1, 1933, with
+/// Gram-Schmidt done twice. Zero where nothing of `x` is left.
+pub(crate) fn slope_beside(x: &[f64], y: &[f64], others: &[Vec<f64>]) -> f64 {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let beyond = |column: &[f64], basis: &[Vec<f64>]| -> Vec<f64> {
+        let mut rest = column.to_vec();
+        for direction in basis.iter().chain(basis) {
+            let part = dot(&rest, direction);
+            for (entry, unit) in rest.iter_mut().zip(direction) {
+                *entry -= part * unit;
+            }
+        }
+        rest
+    };
+    let constant = vec![1.0; x.len()];
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for column in std::iter::once(&constant).chain(others) {
+        let rest = beyond(column, &basis);
+        let (length, before) = (dot(&rest, &rest), dot(column, column));
+        // what is left of a repeated column is rounding
+        if length > 1e-20 * before {
+            let scale = 1.0 / libm::sqrt(length);
+            basis.push(rest.into_iter().map(|entry| entry * scale).collect());
+        }
+    }
+    let rest = beyond(x, &basis);
+    let length = dot(&rest, &rest);
+    if length > 1e-20 * dot(x, x) {
+        dot(&rest, y) / length
+    } else {
+        0.0
+    }
+}
+
 /// Root of the mean square.
 pub(crate) fn rms(values: &[f64]) -> f64 {
     libm::sqrt(values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64)
@@ -154,6 +189,23 @@ mod tests {
     use super::*;
 
     const ROUNDING: f64 = 1e-12;
+
+    /// y = 2 x + 3 t - 5 t^2 + 7 has factor 2 beside t and t^2, and another one alone.
+    #[test]
+    fn a_factor_beside_others_is_that_of_the_sum() {
+        let t: Vec<f64> = (0..50).map(|k| 0.1 * f64::from(k) - 2.0).collect();
+        let x: Vec<f64> = t.iter().map(|t| libm::sin(1.3 * t) + 0.4 * t).collect();
+        let square: Vec<f64> = t.iter().map(|t| t * t).collect();
+        let y: Vec<f64> = (0..50)
+            .map(|k| 2.0 * x[k] + 3.0 * t[k] - 5.0 * square[k] + 7.0)
+            .collect();
+        let others = [t.clone(), square, t.clone()];
+        assert!((slope_beside(&x, &y, &others) - 2.0).abs() < 1e-9);
+        let alone = slope_of(&x, &y);
+        assert!((slope_beside(&x, &y, &[]) - alone).abs() < 1e-9);
+        assert!((alone - 2.0).abs() > 0.1);
+        assert_eq!(slope_beside(&t, &y, &others), 0.0, "nothing is left of t");
+    }
 
     /// A stop follows its input up to its width, stays, and comes back at once on reversal.
     #[test]

@@ -134,6 +134,8 @@ pub(crate) fn named() -> Diagnosis {
             },
         )]),
         plausible: true,
+        implausible: false,
+        class_probability: 0.98,
         share: 1.0,
         held_out: Some(HeldOutAnswer {
             channel: "out2".to_owned(),

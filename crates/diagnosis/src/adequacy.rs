@@ -35,13 +35,13 @@ pub(crate) fn adequacy(selector: &Selector<'_, '_>, selection: &Selection) -> Ad
     for (cause, part) in causes.iter().zip(&selection.explained) {
         let effect = selector.effects[cause.effect].as_ref();
         allowed += effect.family().law_error() * part / explained.max(1e-300);
-        own.push(selector.broken_law(&selection.system, effect, *part));
+        own.push(selector.broken_law(&selection.system, effect, cause, *part));
     }
     let laws_hold = causes
         .iter()
         .zip(&own)
         .all(|(cause, broken)| law_is_kept(selector.effects[cause.effect].as_ref(), *broken));
-    let small_rest = unexplained <= allowed / causes.len().max(1) as f64;
+    let small_rest = unexplained <= allowed;
     Adequacy {
         is_adequate: laws_hold && (worst < selector.thresholds.omnibus_z || small_rest),
         worst,
@@ -50,6 +50,9 @@ pub(crate) fn adequacy(selector: &Selector<'_, '_>, selection: &Selection) -> Ad
         total,
     }
 }
+
+/// Structured energy below which a wrong effect imitates a gap as well as the right one.
+const WEAK: f64 = 100.0;
 
 impl Adequacy {
     /// Probability that the cause is none of the catalogue's.
@@ -64,7 +67,7 @@ impl Adequacy {
     /// What is left of doubt when everything fits: the weaker the gap, the more a wrong effect
     /// can imitate it.
     pub(crate) fn doubt(&self) -> f64 {
-        let weak = 0.2 * (60.0 / self.total.max(60.0));
+        let weak = 0.3 * (WEAK / self.total.max(WEAK)).sqrt();
         (0.01 + weak).min(0.5)
     }
 }

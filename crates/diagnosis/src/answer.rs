@@ -132,6 +132,8 @@ pub struct CauseAnswer {
     pub joint: Option<usize>,
     /// Probability of this name at this place.
     pub probability: f64,
+    /// Probability of this name or one of those it is confusable with.
+    pub class_probability: f64,
     /// Names (with their joints, where those differ) that refit within ln 100.
     pub confusable_with: Vec<String>,
     /// Parameters with intervals.

@@ -14,7 +14,7 @@ use crate::base::Base;
 use crate::catalogue::Effect;
 use crate::causes::{base_term, cause_answer, noise_findings};
 use crate::earlier::{Difference, difference};
-use crate::place::{Located, locate};
+use crate::place::{Located, locate, of_base_term};
 use crate::rivals::{Rival, settle};
 use crate::select::{Selection, Selector};
 use crate::shrink::{Shrink, model_residual, on_held_back, on_second};
@@ -22,6 +22,7 @@ use crate::unseen::{hints, unseen};
 use crate::{DiagnosisError, Options};
 
 /// What the answer is put together from.
+#[derive(Clone, Copy)]
 pub(crate) struct Inputs<'i> {
     pub(crate) nominal: &'i Device,
     pub(crate) recording: &'i Recording,
@@ -68,13 +69,19 @@ pub(crate) fn assemble(
         let answer = cause_answer(selector, selection, index, list, &adequacy, total, &shrink);
         causes.push(answer);
     }
+    let mut first = true;
+    causes
+        .retain(|cause| std::mem::take(&mut first) || cause.class_probability >= LATER_PROBABILITY);
     if !base_terms.terms.is_empty() {
         causes.sort_by(|a, b| b.share.total_cmp(&a.share));
     }
     let verdict = verdict(selector, selection, &adequacy, &causes);
     let located = match verdict {
         Verdict::NoGap => None,
-        _ => locate(selector, selection, adequacy.is_adequate),
+        _ => match base_terms.terms.first() {
+            Some(term) if verdict != Verdict::Unknown => of_base_term(engine, term),
+            _ => locate(selector, selection, adequacy.is_adequate),
+        },
     };
     let noise = noise(selector, inputs.gone);
     let joints: Vec<Option<usize>> = engine
@@ -83,7 +90,10 @@ pub(crate) fn assemble(
         .iter()
         .map(crate::context::Stream::joint)
         .collect();
-    causes.extend(noise_findings(&noise, &joints));
+    // next to a gap, what its effect leaves in fast motion would pass for noise
+    if causes.is_empty() {
+        causes.extend(noise_findings(&noise, &joints));
+    }
     let before = earlier_residual.as_ref().unwrap_or(&engine.start.residual);
     let (detectable, invisible) = unseen(selector, inputs.in_base);
     let first = selection.refit.model.causes.first();
@@ -291,6 +301,8 @@ fn channel_gaps(
     gaps
 }
 
+/// Probability below which a later cause is not told: it is what an earlier one's law gets wrong.
+const LATER_PROBABILITY: f64 = 0.6;
 /// Rows of a picture at most.
 const DRAWN: usize = 3000;
 

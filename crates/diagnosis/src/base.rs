@@ -32,7 +32,8 @@ pub(crate) struct Base {
 impl Base {
     /// Fits the device jointly to evenly spread rows.
     pub(crate) fn fit(device: &Device, recording: &Recording) -> Result<Self, DiagnosisError> {
-        let part = recording.select(&spread_rows(recording));
+        let channels = channels(device, recording)?;
+        let part = recording.select(&spread_rows(recording, &channels));
         let rows = part.len();
         let options = Options {
             degree: if rows >= ROWS_FOR_A_POLYNOMIAL {
@@ -45,7 +46,6 @@ impl Base {
             ..Options::default()
         };
         let fitted = fit_device(device, &part, &options)?;
-        let channels = channels(device, recording)?;
         let mut parameters = Vec::new();
         let mut free = Vec::new();
         match &fitted.whole {
@@ -74,11 +74,18 @@ impl Base {
     }
 }
 
-/// Every k-th row, and the extreme rows of each joint: a polynomial's range is that of the log.
-fn spread_rows(recording: &Recording) -> Vec<usize> {
+/// Of every channel's readings each k-th, and the extreme rows of each joint: channels may be read at
+/// different rates, and a polynomial's range is that of the log.
+fn spread_rows(recording: &Recording, channels: &[Channel]) -> Vec<usize> {
     let rows = recording.len();
-    let step = rows.div_ceil(START_ROWS).max(1);
-    let mut chosen: Vec<usize> = (0..rows).step_by(step).collect();
+    let mut chosen = Vec::new();
+    for channel in channels {
+        let with: Vec<usize> = (0..rows)
+            .filter(|&row| channel.has_reading(recording, row))
+            .collect();
+        let step = with.len().div_ceil(START_ROWS).max(1);
+        chosen.extend(with.into_iter().step_by(step));
+    }
     for column in &recording.joint {
         let by_reading = |a: &usize, b: &usize| column[*a].total_cmp(&column[*b]);
         chosen.extend((0..rows).min_by(by_reading));

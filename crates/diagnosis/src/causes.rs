@@ -31,9 +31,15 @@ pub(crate) fn cause_answer(
     if effect.family() == Family::Drift && cause.shape != 0.0 {
         probability *= SETTLING;
     }
+    let class: f64 = rivals
+        .iter()
+        .filter(|rival| rival.nats_behind <= selector.thresholds.confusable_nats)
+        .map(|rival| rival.probability)
+        .sum();
     CauseAnswer {
         effect: effect.name().to_owned(),
         joint: effect.joint().map(|joint| joint + 1),
+        class_probability: (class * (1.0 - adequacy.doubt())).max(probability),
         probability,
         confusable_with: confusable(selector, rivals),
         parameters: parameters(selector, selection, index),
@@ -57,6 +63,7 @@ pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAn
     CauseAnswer {
         effect: term.name.to_owned(),
         joint: term.joint.map(|joint| joint + 1),
+        class_probability: 0.98,
         probability: 0.98,
         confusable_with: Vec::new(),
         parameters: term.parameters.clone(),
@@ -74,6 +81,7 @@ pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) ->
         |effect: &str, joint: Option<usize>, name: &str, value: f64, sd: f64| CauseAnswer {
             effect: effect.to_owned(),
             joint: joint.map(|joint| joint + 1),
+            class_probability: 0.95,
             probability: 0.95,
             confusable_with: Vec::new(),
             parameters: BTreeMap::from([(
@@ -220,7 +228,10 @@ fn parameters(
             }
         }
         if position == 0 {
-            variance += (value * effect.scale_uncertainty(context)).powi(2);
+            let relative = effect
+                .scale_uncertainty(context)
+                .hypot(effect.family().amplitude_error());
+            variance += (value * relative).powi(2);
         }
         let mut half = 1.96 * variance.max(0.0).sqrt();
         if spec.name == "time_s" {
@@ -238,20 +249,18 @@ fn parameters(
 }
 
 /// An instant is known to a few blocks of rows.
-fn instant_uncertainty_s(selector: &Selector<'_, '_>, time_s: f64) -> f64 {
+fn instant_uncertainty_s(selector: &Selector<'_, '_>, row: f64) -> f64 {
     let context = &selector.engine.context;
     let Some(times) = &context.recording.time_s else {
         return 0.0;
     };
-    let row = times
-        .partition_point(|&time| time < time_s)
-        .min(times.len() - 1);
+    let row = (row as usize).min(times.len() - 1);
     let reach = 2 * selector.engine.system.blocks.size;
     let (first, last) = (
         row.saturating_sub(reach),
         (row + reach).min(times.len() - 1),
     );
-    (times[last] - times[first]) / 2.0
+    (times[last] - times[first]).abs() / 2.0
 }
 
 /// Derivative of every reported value with respect to amplitudes and logarithm of the shape.

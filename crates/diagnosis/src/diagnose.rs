@@ -1,13 +1,13 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
-use haptical_calibration::{channels, check_recording};
+use haptical_calibration::{Channel, channels, check_recording};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::answer::Diagnosis;
 use crate::assemble::{Inputs, assemble};
 use crate::base::Base;
 use crate::catalogue::{Effect, catalogue};
-use crate::engine::{Engine, outlying_rows, without_readings};
+use crate::engine::{Engine, Model, outlying_rows, without_readings};
 use crate::select::Selector;
 use crate::thresholds::Thresholds;
 use crate::{DiagnosisError, Options};
@@ -62,22 +62,70 @@ pub fn diagnose(
     };
     let mut selector = Selector::new(&engine, &effects, &tested, &thresholds);
     let mut selection = selector.select()?;
-    let moved = engine.moved(&selection.refit.model.values)?;
-    if moved < MOVED_FAR {
+    if selection.refit.model.causes.is_empty() {
         return assemble(&mut selector, &mut selection, &inputs);
     }
-    // The gap had pushed the base model far from where it belongs, and the effects' geometry with it:
-    // once more from the base model as it is with the causes.
+    let residual = &selection.refit.residual;
+    let noise = engine.noise_of(residual);
+    let fell = engine.noise.iter().zip(&noise.noise);
+    let fell = fell
+        .into_iter()
+        .any(|(before, after)| after.ratio < FELL * before.ratio);
+    let moved = engine.moved(&selection.refit.model.values)?;
+    if moved < MOVED_FAR && !fell {
+        return assemble(&mut selector, &mut selection, &inputs);
+    }
+    // The gap had pushed the base model far from where it belongs, and the effects' geometry with it, or
+    // its fast parts had passed for noise: once more from what is known with the causes.
     let nearer = Base {
         device: engine.problem.device_with(&selection.refit.model.values),
         ..base.clone()
     };
-    let engine = Engine::new(&nearer, &cleaned, Some(&engine))?;
+    let restored = if fell {
+        let gone: Vec<_> = gone_after(
+            &engine,
+            recording,
+            &effects,
+            &selection.refit.model,
+            thresholds.outlier_sd,
+        )?;
+        Some(gone)
+    } else {
+        None
+    };
+    let gone = restored.as_deref().unwrap_or(&gone);
+    let cleaned = without_readings(recording, gone);
+    let engine = Engine::new(&nearer, &cleaned, fell.then_some(&noise))?;
+    let inputs = Inputs {
+        recording: &cleaned,
+        gone,
+        ..inputs
+    };
     let mut selector = Selector::new(&engine, &effects, &tested, &thresholds);
     let mut selection = selector.select()?;
     assemble(&mut selector, &mut selection, &inputs)
 }
 
+/// Outliers of the whole recording by the residuals of a model with its causes.
+fn gone_after(
+    engine: &Engine<'_>,
+    recording: &Recording,
+    effects: &[Box<dyn Effect>],
+    model: &Model,
+    limit: f64,
+) -> Result<Vec<(Channel, usize)>, DiagnosisError> {
+    let whole = Engine::new(engine.base, recording, None)?;
+    let residual = whole.residual_of(effects, model)?;
+    Ok(outlying_rows(
+        &whole.context,
+        &whole.problem,
+        &residual,
+        limit,
+    ))
+}
+
+/// Noise that falls below this share of itself with the causes in the model was partly gap.
+const FELL: f64 = 0.9;
 /// Change of the base model's predictions by the causes, in noise deviations (root mean square), from
 /// which effects are computed anew.
 const MOVED_FAR: f64 = 25.0;
@@ -102,12 +150,24 @@ pub fn effect_names() -> Vec<&'static str> {
     crate::catalogue::names()
 }
 
+/// Other names that the contract knows.
+const ALIASES: [(&str, &str); 1] = [("link-compliance", "joint-compliance")];
+
 fn catalogue_without(
     device: &Device,
     without: &[String],
 ) -> Result<Vec<Box<dyn Effect>>, DiagnosisError> {
     let names = effect_names();
-    for name in without {
+    let without: Vec<String> = without
+        .iter()
+        .map(|name| {
+            ALIASES
+                .iter()
+                .find(|(alias, _)| alias == name)
+                .map_or(name.clone(), |(_, name)| (*name).to_owned())
+        })
+        .collect();
+    for name in &without {
         if !names.contains(&name.as_str()) {
             return Err(DiagnosisError::UnknownEffect {
                 name: name.clone(),

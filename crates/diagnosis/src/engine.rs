@@ -117,6 +117,13 @@ pub(crate) struct Engine<'a> {
     pub(crate) start: Refit,
 }
 
+/// Noise that is known from an earlier look.
+#[derive(Debug, Clone)]
+pub(crate) struct KnownNoise {
+    pub(crate) noise: Vec<Noise>,
+    scale: Vec<Option<Vec<f64>>>,
+}
+
 /// Rows that a fit sees: their blocks, and the base model's derivatives on them.
 #[derive(Debug, Clone)]
 pub(crate) struct Part {
@@ -141,7 +148,7 @@ impl<'a> Engine<'a> {
     pub(crate) fn new(
         base: &'a Base,
         recording: &'a Recording,
-        known: Option<&Engine<'_>>,
+        known: Option<&KnownNoise>,
     ) -> Result<Self, DiagnosisError> {
         let weights = Weights::stated(&base.device, &base.channels);
         let streams = streams(&base.device, &base.channels);
@@ -256,6 +263,20 @@ impl<'a> Engine<'a> {
                 last_step,
             },
         })
+    }
+
+    /// The noise by other residuals than the base model's: with the causes in the model, fast parts of
+    /// their gap no longer pass for noise.
+    pub(crate) fn noise_of(&self, residual: &[Vec<f64>]) -> KnownNoise {
+        let (noise, scale) = estimate_noise(
+            &self.context,
+            &self.problem,
+            residual,
+            &self.usable,
+            &self.own,
+            self.base.free.len(),
+        );
+        KnownNoise { noise, scale }
     }
 
     /// The rows of this recording that `seen` picks.
@@ -634,11 +655,20 @@ fn estimate_noise(
                 }
             }
             let stated = is_stated(context.device, context.streams[stream].channel);
-            let mut found = noise::estimate(&scaled, &context.runs, context.ordered, lost, stated);
-            if stated {
-                let sd = &problem.sd[stream];
-                found = found.with_rounding(rounding_share(sd, own[stream], &usable[stream]));
-            }
+            let rounding = if stated {
+                rounding_share(&problem.sd[stream], own[stream], &usable[stream])
+            } else {
+                0.0
+            };
+            let mut found = noise::estimate(
+                &scaled,
+                &context.runs,
+                context.ordered,
+                lost,
+                stated,
+                rounding,
+            )
+            .with_rounding(rounding);
             found.speed_ratio = by_speed.as_ref().map_or(1.0, |(_, ratio)| *ratio);
             (found, by_speed.map(|(scale, _)| scale))
         })

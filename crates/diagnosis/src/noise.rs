@@ -129,6 +129,7 @@ pub(crate) fn estimate(
     ordered: bool,
     lost: f64,
     stated: bool,
+    rounding: f64,
 ) -> Noise {
     let series: Vec<Vec<f64>> = runs
         .iter()
@@ -147,7 +148,7 @@ pub(crate) fn estimate(
             );
         }
         if moments.len() >= ENOUGH_SEGMENTS {
-            return from_segments(&mut moments);
+            return from_segments(&mut moments, rounding);
         }
     }
     let values: Vec<f64> = series.concat();
@@ -206,7 +207,7 @@ fn without_cubic(part: &mut [f64; SEGMENT], basis: &[[f64; SEGMENT]; 4]) {
 }
 
 /// Highest lag at which products of rows are compared.
-const LAGS: usize = 4;
+const LAGS: usize = 2;
 
 /// Sums of products of rows at lags 0, 1, ... of what a cubic leaves.
 fn segment_moments(part: &[f64], basis: &[[f64; SEGMENT]; 4]) -> [f64; LAGS] {
@@ -248,8 +249,9 @@ fn expected_moments(colour: f64, basis: &[[f64; SEGMENT]; 4]) -> [f64; LAGS] {
 /// motion. Of white noise one in 10^5 is; leaving out more would prefer the less coloured ones.
 const DISTURBED: f64 = 4.0;
 
-/// Solves for a white and a coloured part by the moments of the segments that nothing disturbs.
-fn from_segments(moments: &mut [[f64; LAGS]]) -> Noise {
+/// Solves for size and colour by the moments of the segments that nothing disturbs; the share of the
+/// variance that rounding has is white.
+fn from_segments(moments: &mut [[f64; LAGS]], rounding: f64) -> Noise {
     let basis = segment_basis();
     moments.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let median = moments[moments.len() / 2][0];
@@ -266,71 +268,44 @@ fn from_segments(moments: &mut [[f64; LAGS]]) -> Noise {
     }
     let white = expected_moments(0.0, &basis);
     let scatter = 1.0 / ((count * (SEGMENT - 4)) as f64).sqrt();
-    // white alone, unless the products of neighbours say otherwise
-    let mut best = (0.0, 0.0, (seen[0] / white[0]).max(1e-12));
-    let neighbours = (seen[1] - best.2 * white[1]) / seen[0].max(1e-300);
-    if neighbours.abs() > 3.0 * scatter {
-        let mut least = f64::INFINITY;
-        for step in 1..=64 {
-            for sign in [1.0, -1.0] {
-                let colour = sign * 0.015 * f64::from(step);
-                let coloured = expected_moments(colour, &basis);
-                let (own, rest) = two_parts(&seen, &coloured, &white);
-                let misfit: f64 = (0..LAGS)
-                    .map(|lag| (seen[lag] - own * coloured[lag] - rest * white[lag]).powi(2))
-                    .sum();
-                if misfit < least {
-                    least = misfit;
-                    best = (colour, own, rest);
-                }
+    let share = 1.0 - rounding.clamp(0.0, 0.9);
+    let mixed = |colour: f64| {
+        let coloured = expected_moments(colour, &basis);
+        let part = |lag: usize| share * coloured[lag] + (1.0 - share) * white[lag];
+        [part(0), part(1)]
+    };
+    let mut colour = 0.0;
+    let found = seen[1] / seen[0].max(1e-300);
+    let [square, next] = mixed(0.0);
+    // a colour within its scatter of white is white: it would only add noise to the whitening
+    if (found - next / square).abs() > 3.0 * scatter {
+        let (mut low, mut high) = (-0.9, 0.97);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            let [square, next] = mixed(middle);
+            if next / square < found {
+                low = middle;
+            } else {
+                high = middle;
             }
         }
+        colour = 0.5 * (low + high);
     }
-    let (colour, own, rest) = best;
-    let variance = (own + rest).max(1e-12);
+    let variance = (seen[0] / mixed(colour)[0]).max(1e-12);
     let freedom = (SEGMENT - 4) as f64 * (1.0 - colour * colour) / (1.0 + colour * colour);
     // the level at low frequency, (1 + c) / (1 - c), inherits the colour's scatter too
-    let slope = if own > 0.0 {
-        4.0 * scatter / (1.0 - colour * colour)
-    } else {
+    let slope = if colour == 0.0 {
         0.0
+    } else {
+        4.0 * scatter / (1.0 - colour * colour)
     };
     Noise {
         ratio: variance.sqrt(),
-        colour: if own > 0.0 { colour } else { 0.0 },
-        coloured_share: own / variance,
+        colour,
+        coloured_share: if colour == 0.0 { 0.0 } else { share },
         uncertainty: (2.0 / (count as f64 * freedom)).sqrt().hypot(slope),
         from_motion: true,
         speed_ratio: 1.0,
-    }
-}
-
-/// Least squares of two amounts that cannot be negative.
-fn two_parts(seen: &[f64; LAGS], first: &[f64; LAGS], second: &[f64; LAGS]) -> (f64, f64) {
-    let product =
-        |a: &[f64; LAGS], b: &[f64; LAGS]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
-    let (aa, ab, bb) = (
-        product(first, first),
-        product(first, second),
-        product(second, second),
-    );
-    let (ay, by) = (product(first, seen), product(second, seen));
-    let determinant = aa * bb - ab * ab;
-    if determinant > 1e-9 * aa * bb {
-        let (x, y) = (
-            (bb * ay - ab * by) / determinant,
-            (aa * by - ab * ay) / determinant,
-        );
-        if x >= 0.0 && y >= 0.0 {
-            return (x, y);
-        }
-    }
-    let (only_first, only_second) = ((ay / aa).max(0.0), (by / bb).max(0.0));
-    // whichever explains more of the two alone
-    if ay * only_first >= by * only_second {
-        (only_first, 0.0)
-    } else {
-        (0.0, only_second)
     }
 }
 
@@ -414,7 +389,7 @@ mod tests {
             .enumerate()
             .map(|(k, e)| 1.3 * e + 20.0 * (k as f64 * 0.01).sin())
             .collect();
-        let noise = estimate(&values, &[0..6000], true, 0.0, true);
+        let noise = estimate(&values, &[0..6000], true, 0.0, true, 0.0);
         assert!((noise.ratio - 1.3).abs() < 0.06, "{noise:?}");
         assert!(noise.colour.abs() < 0.05);
     }
@@ -429,13 +404,13 @@ mod tests {
                 value
             })
             .collect();
-        let noise = estimate(&values, &[0..6000], true, 0.0, true);
+        let noise = estimate(&values, &[0..6000], true, 0.0, true, 0.0);
         assert!((noise.colour - 0.5).abs() < 0.03, "{noise:?}");
         assert!((noise.ratio - 1.0).abs() < 0.08, "{noise:?}");
     }
 
     #[test]
-    fn a_white_part_is_told_from_a_coloured_one() {
+    fn a_white_part_of_known_share_leaves_the_colour() {
         let mut value = 0.0;
         let values: Vec<f64> = normal(12_000, 7)
             .chunks_exact(2)
@@ -444,7 +419,7 @@ mod tests {
                 value + 0.7 * pair[1]
             })
             .collect();
-        let noise = estimate(&values, &[0..6000], true, 0.0, true);
+        let noise = estimate(&values, &[0..6000], true, 0.0, true, 0.49 / 1.49);
         let low = noise.ratio.powi(2)
             * (1.0 + noise.coloured_share * 2.0 * noise.colour / (1.0 - noise.colour));
         // low-frequency level: 4 of the coloured part, 0.49 of the white one

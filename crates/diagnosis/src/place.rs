@@ -3,6 +3,7 @@
 use crate::answer::Place as Answer;
 use crate::catalogue::{Effect, Family, Hook};
 use crate::context::Context;
+use crate::earlier::BaseTerm;
 use crate::engine::Engine;
 use crate::generic::{Covariate, Place, inner_range, score};
 use crate::select::{Selection, Selector};
@@ -51,6 +52,33 @@ fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) ->
             explained: vec![1.0; depends_on.len()],
             depends_on,
             region: format!("{}; it follows {}", hook_words(place), covariate.words()),
+        },
+        stream,
+        covariate,
+    })
+}
+
+/// By the strongest base term that an earlier model lacks.
+pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Located> {
+    let context = &engine.context;
+    let own = term.joint.filter(|_| term.in_drive);
+    let stream = own
+        .and_then(|joint| context.output_stream(joint))
+        .or_else(|| context.streams.iter().position(|s| s.channel.sees_chain()))
+        .unwrap_or(0);
+    let covariate = Covariate::Angle(term.joint.unwrap_or(0));
+    let words = match term.joint {
+        Some(joint) if term.in_drive => format!("in the drive of joint {}", joint + 1),
+        Some(joint) => format!("in the geometry of link {}", joint + 1),
+        None => "in the geometry of the base row".to_owned(),
+    };
+    Some(Located {
+        answer: Answer {
+            channel: context.streams.get(stream)?.channel.name(),
+            joint: term.joint.map(|joint| joint + 1),
+            depends_on: vec![covariate.column(context)],
+            region: format!("{words}: the earlier model has other values there"),
+            explained: vec![1.0],
         },
         stream,
         covariate,

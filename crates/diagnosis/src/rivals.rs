@@ -3,7 +3,7 @@
 use crate::DiagnosisError;
 use crate::catalogue::Family;
 use crate::context::Context;
-use crate::engine::{Cause, Model};
+use crate::engine::Cause;
 use crate::select::{Selection, Selector, misfit};
 
 /// An effect in a cause's place.
@@ -123,12 +123,8 @@ pub(crate) fn rivals(
         let near = best - criterion(explained, score) < NEAR_NATS || score.score > 0.93 * gained;
         if near && refitted < REFITTED {
             refitted += 1;
-            let mut model: Model = without.model.clone();
-            model
-                .causes
-                .push(Cause::of(&selector.sharpened(&system, score)));
-            let fitted = selector.engine.refit(selector.effects, &model)?;
-            explained = explained.max(empty - selector.cost(&fitted));
+            let (fitted, cost) = selector.refit_with(&without.model, &system, score)?;
+            explained = explained.max(empty - cost);
             fit = fitted.model.causes.last().cloned();
         }
         evidence.push((

@@ -205,11 +205,10 @@ pub(crate) fn event_score(
     effect: &dyn Effect,
     index: usize,
 ) -> Option<Score> {
-    let time_s = context.recording.time_s.as_ref()?;
     let mut best: Option<Score> = None;
     for run in context.runs.iter().filter(|run| run.len() > 1) {
         let margin = margin_rows(context, run);
-        let signal = effect.derivative(context, &[0.0], time_s[run.start]);
+        let signal = effect.derivative(context, &[0.0], run.start as f64);
         let column = system.column(signal.first()?);
         // entries of all streams, latest first
         let mut entries: Vec<(usize, usize, f64)> = Vec::new();
@@ -243,11 +242,11 @@ pub(crate) fn event_score(
             if best.as_ref().is_none_or(|best| score > best.score) {
                 best = Some(Score {
                     effect: index,
-                    shape: time_s[row],
+                    shape: row as f64,
                     score,
                     rank: 1,
                     amplitudes: vec![along / rest],
-                    times: vec![time_s[row]],
+                    times: vec![row as f64],
                     retained: (rest / own).sqrt(),
                     unit_amplitude: 1.0 / rest.sqrt(),
                 });
@@ -330,9 +329,6 @@ pub(crate) fn sharpen(
     effect: &dyn Effect,
     mut event: Score,
 ) -> Score {
-    let Some(time_s) = &context.recording.time_s else {
-        return event;
-    };
     let reach = (system.blocks.size + 1).min(12);
     for index in 0..event.times.len() {
         let mut rest = system.clone();
@@ -344,11 +340,11 @@ pub(crate) fn sharpen(
                 }
             }
         }
-        let row = time_s.partition_point(|&time| time < event.times[index]);
+        let row = event.times[index] as usize;
         let mut best: Option<Score> = None;
-        let first = row.saturating_sub(reach);
-        for time in time_s.iter().skip(first).take(2 * reach + 1) {
-            let candidate = Candidate::new(&rest, context, effect, event.effect, &[0.0], *time);
+        for row in row.saturating_sub(reach)..(row + reach + 1).min(context.rows()) {
+            let at = row as f64;
+            let candidate = Candidate::new(&rest, context, effect, event.effect, &[0.0], at);
             let score = candidate.score(&rest);
             if best.as_ref().is_none_or(|best| score.score > best.score) {
                 best = Some(score);

@@ -3,7 +3,7 @@
 use haptical_metrics::chi_square_p_value;
 
 use crate::DiagnosisError;
-use crate::catalogue::{Effect, under_load};
+use crate::catalogue::{Effect, Family, Hook, under_load};
 use crate::engine::{Cause, Engine, Model, Refit};
 use crate::generic::{self, own_covariates};
 use crate::noise::Noise;
@@ -45,8 +45,14 @@ pub(crate) struct Selector<'e, 'a> {
 const COINCIDENT_S: f64 = 0.8;
 /// Probability above which a rest that follows an effect's own covariate is chance.
 const LAW_P: f64 = 1e-3;
+/// Share of the earlier laws' possible error that a later pick must exceed where it leaves a rest.
+const LATER_PICK: f64 = 0.15;
+/// Share of an effect's course by which the chain may differ from the external encoder, and the
+/// probability below which it surely does.
+const OFF_BY: f64 = 0.35;
+const SURELY: f64 = 1e-6;
 /// Picks that are tried and refused before the search ends.
-const REFUSALS: usize = 2;
+const REFUSALS: usize = 3;
 /// Score from which an event may have further steps.
 const WORTH_MORE_STEPS: f64 = 60.0;
 /// Contenders that are refitted at most when a pick is close.
@@ -100,14 +106,25 @@ impl<'e, 'a> Selector<'e, 'a> {
             }
             let is_first = refit.model.causes.is_empty();
             let effect = self.effects[score.effect].as_ref();
-            let keeps_its_law =
-                || law_is_kept(effect, self.broken_law(&next_system, effect, score.score));
-            if !self.explains_enough(&score, &after, &next_after) || !(is_first || keeps_its_law())
-            {
+            let is_step = effect.family() == Family::Step;
+            let keeps_its_law = || {
+                let picked = next.model.causes.last();
+                picked.is_none_or(|cause| {
+                    let broken = self.broken_law(&next_system, effect, cause, score.score);
+                    law_is_kept(effect, broken)
+                })
+            };
+            let enough = self.explains_enough(&score, &after, &next_after);
+            if !enough && is_first {
                 refused.get_or_insert(score.clone());
-                if is_first {
-                    break;
-                }
+                break;
+            }
+            let quiet = worst_excess(&next_after, &self.engine.noise) < self.thresholds.omnibus_z;
+            let beyond_laws =
+                is_first || quiet || score.score > self.law_errors(&refit, &explained);
+            let strict = !is_first || is_step;
+            if !enough || !beyond_laws || (strict && !keeps_its_law()) {
+                refused.get_or_insert(score.clone());
                 shut.push(score.effect);
                 continue;
             }
@@ -126,6 +143,14 @@ impl<'e, 'a> Selector<'e, 'a> {
             last_scan,
             refused,
         })
+    }
+
+    /// Squared residual that the laws of the causes so far may have got wrong.
+    fn law_errors(&self, refit: &Refit, explained: &[f64]) -> f64 {
+        let causes = refit.model.causes.iter().zip(explained);
+        let errors = causes
+            .map(|(cause, explained)| self.effects[cause.effect].family().law_error() * explained);
+        LATER_PICK * errors.sum::<f64>()
     }
 
     /// Every effect but events at every shape.
@@ -213,14 +238,16 @@ impl<'e, 'a> Selector<'e, 'a> {
                     .iter()
                     .any(|&time| under_load(context, joint, time))
             });
-        let coincides = |cause: &Cause| {
-            let times = cause.times.iter();
-            times.clone().any(|time| {
-                score
-                    .times
-                    .iter()
-                    .any(|other| (time - other).abs() < COINCIDENT_S)
+        let time_s = context.recording.time_s.as_ref();
+        let near = |a: f64, b: f64| {
+            time_s.is_some_and(|time_s| {
+                let at = |row: f64| time_s.get(row as usize).copied().unwrap_or(f64::NAN);
+                (at(a) - at(b)).abs() < COINCIDENT_S
             })
+        };
+        let coincides = |cause: &Cause| {
+            let mut rows = cause.times.iter();
+            rows.any(|row| score.times.iter().any(|other| near(*row, *other)))
         };
         score.rank > 0
             && !model.causes.iter().any(coincides)
@@ -282,13 +309,10 @@ impl<'e, 'a> Selector<'e, 'a> {
             });
         let mut best: Option<(Refit, Score, f64)> = None;
         for score in near {
-            let mut model = refit.model.clone();
-            model.causes.push(Cause::of(&self.sharpened(system, score)));
-            let fitted = self.engine.refit(self.effects, &model)?;
+            let (fitted, cost) = self.refit_with(&refit.model, system, score)?;
             if !self.is_possible(&fitted.model) {
                 continue;
             }
-            let cost = self.cost(&fitted);
             let mut score = score.clone();
             let gained: f64 = system
                 .residual
@@ -306,6 +330,37 @@ impl<'e, 'a> Selector<'e, 'a> {
             }
         }
         Ok(best.map(|(fitted, score, _)| (fitted, score)))
+    }
+
+    /// The best refit of a model with one more effect: an event at its best rows, a play driven from
+    /// either side.
+    pub(crate) fn refit_with(
+        &self,
+        model: &Model,
+        system: &System,
+        score: &Score,
+    ) -> Result<(Refit, f64), DiagnosisError> {
+        let mut cause = Cause::of(&self.sharpened(system, score));
+        let effect = self.effects[score.effect].as_ref();
+        let shapes = if effect.has_sides() {
+            effect.shapes(&self.engine.context)
+        } else {
+            vec![cause.shape]
+        };
+        let mut best: Option<(Refit, f64)> = None;
+        for shape in shapes {
+            cause.shape = shape;
+            let mut with = model.clone();
+            with.causes.push(cause.clone());
+            let fitted = self.engine.refit(self.effects, &with)?;
+            let cost = self.cost(&fitted);
+            if best.as_ref().is_none_or(|(_, least)| cost < *least) {
+                best = Some((fitted, cost));
+            }
+        }
+        best.ok_or(DiagnosisError::Thresholds {
+            reason: format!("{} has no shape", effect.name()),
+        })
     }
 
     /// An event with its instants at rows instead of blocks.
@@ -365,9 +420,10 @@ impl<'e, 'a> Selector<'e, 'a> {
         &self,
         system: &System,
         effect: &dyn Effect,
+        cause: &Cause,
         explained: f64,
     ) -> (f64, f64) {
-        let mut worst = (0.0, 1.0);
+        let mut worst = self.other_side(system, effect, cause, explained);
         for (place, covariate, knots) in own_covariates(effect) {
             let context = &self.engine.context;
             let Some(score) = generic::score(system, context, place, covariate, knots) else {
@@ -380,6 +436,45 @@ impl<'e, 'a> Selector<'e, 'a> {
             }
         }
         worst
+    }
+
+    /// The same course of an effect on the chain alone: what is left of it there if the effect sits on the
+    /// other side of the external encoder, or is the encoder's own.
+    fn other_side(
+        &self,
+        system: &System,
+        effect: &dyn Effect,
+        cause: &Cause,
+        explained: f64,
+    ) -> (f64, f64) {
+        let context = &self.engine.context;
+        let in_encoder = matches!(effect.hook(), Hook::Transmission | Hook::ExternalEncoder);
+        let Some((joint, stream)) = effect
+            .joint()
+            .and_then(|joint| Some((joint, context.output_stream(joint)?)))
+            .filter(|_| in_encoder)
+        else {
+            return (0.0, 1.0);
+        };
+        let signal = cause.contribution(self.effects, context);
+        let Some(course) = signal.on(stream) else {
+            return (0.0, 1.0);
+        };
+        let chain = context.downstream(joint, course);
+        if chain.parts.is_empty() {
+            return (0.0, 1.0);
+        }
+        let score = Candidate::of_signals(system, &[chain], usize::MAX, 0.0).score(system);
+        if score.rank == 0 {
+            return (0.0, 1.0);
+        }
+        let p = chi_square_p_value(score.score, 1.0).unwrap_or(1.0);
+        // one is the whole course
+        let off = score.amplitudes.first().copied().unwrap_or(0.0).abs();
+        if off > OFF_BY && p < SURELY {
+            return (1.0, p);
+        }
+        ((score.score - 1.0).max(0.0) / explained.max(1e-300), p)
     }
 
     /// Whether a pick explains enough of what was left: a wrong effect nibbles at a gap.
@@ -403,7 +498,6 @@ pub(crate) fn misfit(energy: &[SlowEnergy]) -> f64 {
     }
 }
 
-/// Structured energy over all streams, and its standard deviation under noise.
 /// Largest excess of a stream in standard deviations, the noise's own uncertainty allowed for.
 pub(crate) fn worst_excess(energy: &[SlowEnergy], noise: &[Noise]) -> f64 {
     energy
@@ -418,6 +512,7 @@ pub(crate) fn worst_excess(energy: &[SlowEnergy], noise: &[Noise]) -> f64 {
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
+/// Structured energy over all streams, and its standard deviation under noise.
 pub(crate) fn excess(energy: &[SlowEnergy]) -> (f64, f64) {
     let sum = energy.iter().map(|stream| stream.excess()).sum();
     let variance: f64 = energy.iter().map(|stream| 2.0 * stream.freedom).sum();

@@ -104,8 +104,7 @@ fn most_sensitive(selector: &Selector<'_, '_>, index: usize) -> Option<(Score, C
     let engine = selector.engine;
     let effect = selector.effects[index].as_ref();
     if effect.is_event() {
-        let time_s = engine.context.recording.time_s.as_ref()?;
-        let middle = time_s[time_s.len() / 2];
+        let middle = (engine.context.rows() / 2) as f64;
         let candidate = Candidate::new(
             &engine.system,
             &engine.context,

@@ -3,10 +3,8 @@
 use haptical_blind::{Rate, TrialScore, Verdict};
 
 use super::batch::Case;
+use super::calibration::{calibration_error, probabilities};
 use super::measure::{Bar, Measure, Value, mean, number, quantile};
-
-/// Bins of the reliability table.
-pub(crate) const BINS: usize = 10;
 
 /// Clean recordings whose noise is not white, of the stated size and free of outliers.
 const ROUGH: [(&str, &str); 4] = [
@@ -165,14 +163,10 @@ fn singles(cases: &[Case]) -> Vec<Measure> {
     ]
 }
 
-/// A verdict `named` is right if every cause in it was put in. One of two effects may be missing; that is
-/// counted under two effects.
+/// Whether a verdict `named` is right: one name of every effect is there, or of two effects one alone, with
+/// nothing that was not put in. (That both are found is counted under two effects.)
 fn name_is_right(score: &TrialScore) -> bool {
-    if score.groups > 1 {
-        score.groups_found > 0 && score.false_causes == 0
-    } else {
-        score.right
-    }
+    score.right || (score.groups > 1 && score.groups_found > 0 && score.false_causes == 0)
 }
 
 fn precision(cases: &[Case]) -> Vec<Measure> {
@@ -194,6 +188,14 @@ fn precision(cases: &[Case]) -> Vec<Measure> {
             "all suites together",
             share(&everywhere, named, name_is_right),
             bar,
+        ),
+        Measure::new(
+            group,
+            "all suites together, and nothing else named",
+            share(&everywhere, named, |score| {
+                name_is_right(score) && score.false_causes == 0
+            }),
+            None,
         ),
     ]
 }
@@ -304,41 +306,17 @@ fn shrink(cases: &[Case]) -> Vec<Measure> {
         ),
         Measure::new(
             group,
-            "stated interval holds the true shrink, strong singles",
+            "interval holds the true shrink, strong singles",
             covered(&strong),
             Some(Bar::AtLeast(0.9)),
         ),
         Measure::new(
             group,
-            "stated interval holds the true shrink, all suites with names",
+            "interval holds the true shrink, all with names",
             covered(&all),
             Some(Bar::AtLeast(0.9)),
         ),
     ]
-}
-
-/// Expected calibration error: over bins of a tenth, |mean probability - share right|, weighted by the
-/// answers in the bin. Source: Naeini, Cooper & Hauskrecht, "Obtaining well calibrated probabilities using
-/// Bayesian binning", AAAI 2015.
-pub(crate) fn calibration_error(pairs: &[&(f64, bool)]) -> Option<f64> {
-    let mut sums = [0.0; BINS];
-    for (probability, outcome) in pairs {
-        let probability = probability.clamp(0.0, 1.0);
-        let bin = ((probability * BINS as f64) as usize).min(BINS - 1);
-        sums[bin] += probability - f64::from(u8::from(*outcome));
-    }
-    let total: f64 = sums.iter().map(|sum| sum.abs()).sum();
-    (!pairs.is_empty()).then(|| total / pairs.len() as f64)
-}
-
-/// Probabilities of what was answered, and whether it was so.
-pub(crate) fn probabilities(cases: &[Case], suites: Option<&[&str]>) -> Vec<(f64, bool)> {
-    let wanted = cases
-        .iter()
-        .filter(|case| suites.is_none_or(|suites| suites.contains(&case.suite)));
-    wanted
-        .filter_map(|case| case.score.as_ref()?.probability)
-        .collect()
 }
 
 fn calibration(cases: &[Case]) -> Vec<Measure> {

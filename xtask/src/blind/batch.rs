@@ -1,11 +1,12 @@
 //! A batch in its three acts: seal every truth, fix every answer, open and judge.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use haptical_blind::{
     Answer, Random, Sealed, Suite, TrialScore, TrueReduction, Truth, judge, seal, sha256_hex,
-    true_reductions,
+    true_reductions, write_trial,
 };
 use serde::Serialize;
 
@@ -34,6 +35,15 @@ pub(crate) struct Commitment {
     pub(crate) commitment: String,
 }
 
+/// What may be published before the seals are opened.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct Published {
+    pub(crate) suite: &'static str,
+    pub(crate) index: u64,
+    /// SHA-256 of gap.json; absent where there is none.
+    pub(crate) answer_sha256: Option<String>,
+}
+
 /// An answer, fixed before its truth is opened.
 #[derive(Debug)]
 pub(crate) struct Fixed {
@@ -52,7 +62,7 @@ pub(crate) struct Fixed {
 pub(crate) struct Case {
     pub(crate) suite: &'static str,
     pub(crate) index: u64,
-    /// Arguments that run this trial alone.
+    /// Arguments that run this trial alone, seed included.
     pub(crate) rerun: String,
     pub(crate) commitment: String,
     pub(crate) salt: String,
@@ -70,6 +80,13 @@ pub(crate) struct Case {
     pub(crate) rows: usize,
     #[serde(skip)]
     pub(crate) time_s: f64,
+}
+
+impl Fixed {
+    /// SHA-256 of gap.json.
+    pub(crate) fn sha256(&self) -> Option<&str> {
+        self.answer.as_ref().ok().map(|(_, sha256)| sha256.as_str())
+    }
 }
 
 impl Batch {
@@ -139,6 +156,17 @@ impl Batch {
         Ok(fixed)
     }
 
+    /// What is published of the answers before the seals are opened.
+    pub(crate) fn answers(&self, fixed: &[Fixed]) -> Vec<Published> {
+        let pairs = self.trials.iter().zip(fixed);
+        let publish = |((suite, index), fixed): (&(Suite, u64), &Fixed)| Published {
+            suite: suite.name(),
+            index: *index,
+            answer_sha256: fixed.sha256().map(str::to_owned),
+        };
+        pairs.map(publish).collect()
+    }
+
     /// Opens the seals and judges the answers.
     pub(crate) fn open(
         &self,
@@ -181,16 +209,13 @@ impl Batch {
         Ok(cases)
     }
 
-    /// Whether the first trial has the same answer again, this time on all cores.
-    pub(crate) fn repeats(&self, first: &Fixed) -> Result<bool> {
-        let Some((suite, index)) = self.trials.first() else {
-            return Ok(true);
-        };
-        let again = Given::of(&suite.draw(*index, self.seed)?)?.answer();
-        Ok(match (&first.answer, again) {
-            (Ok((_, sha256)), Ok(again)) => *sha256 == sha256_hex(&again.gap_json),
-            (Err(error), Err(again)) => *error == again,
-            _ => false,
-        })
+    /// Writes every trial with its truth below `folder`.
+    pub(crate) fn dump(&self, folder: &Path) -> Result<()> {
+        for (suite, index) in &self.trials {
+            let trial = suite.draw(*index, self.seed)?;
+            let name = format!("{}-{index:03}-{}", suite.name(), trial.truth.name);
+            write_trial(&trial, &folder.join(name), true)?;
+        }
+        Ok(())
     }
 }

@@ -3,22 +3,36 @@
 
 mod bars;
 mod batch;
+mod calibration;
+mod figures;
 mod measure;
 mod plan;
+mod quick;
+mod record;
+mod rehearsal;
+mod report;
 mod seed;
 mod speed;
 mod subject;
+#[cfg(test)]
+mod tests;
 mod threads;
+mod wrong;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use haptical_report::write_atomically;
 use serde::Serialize;
+use serde_json::json;
 
-use batch::Batch;
+use batch::{Batch, Case};
+use measure::Measure;
 use plan::Plan;
+use record::Run;
 use seed::SeedRule;
+
+use crate::output::{Layout, Output};
 
 /// Arguments of `blind-check`.
 #[derive(Debug, Clone, clap::Args)]
@@ -49,7 +63,7 @@ pub(crate) struct Arguments {
     /// Trials at once (default: one per core).
     #[arg(long)]
     jobs: Option<usize>,
-    /// Writes each trial, truth included, to a folder below this one.
+    /// Writes each trial, truth included, to a folder of its own below this one.
     #[arg(long)]
     dump: Option<PathBuf>,
     /// Adds a row to docs/blind-checks.md; for a scored batch alone.
@@ -66,6 +80,11 @@ fn root() -> PathBuf {
 pub(crate) fn check(arguments: &Arguments) -> Result<()> {
     let plan = Plan::new(arguments)?;
     let seed = arguments.seed.seed(&root())?;
+    let is_scored = seed.frozen_by.is_some() && plan.is_whole();
+    ensure!(
+        is_scored || !arguments.record,
+        "--record is for scored batches: --seed commit, every suite, all of its trials"
+    );
     let jobs = match arguments.jobs {
         Some(jobs) => jobs,
         None => std::thread::available_parallelism().map_or(1, usize::from),
@@ -76,35 +95,96 @@ pub(crate) fn check(arguments: &Arguments) -> Result<()> {
         trials: plan.trials(),
         jobs,
     };
-    let out = &arguments.out;
-    let sealed = batch.seal()?;
-    let commitments = batch.commitments(&sealed);
-    write_json(&out.join("commitments.json"), &commitments)?;
-    let fixed = batch.diagnose(&sealed)?;
-    let repeats = fixed
-        .first()
-        .map_or(Ok(true), |first| batch.repeats(first))?;
-    let cases = batch.open(&commitments, sealed, fixed)?;
-    write_json(&out.join("scores.json"), &cases)?;
+    if let Some(folder) = &arguments.dump {
+        batch.dump(folder)?;
+    }
+    let run = Run {
+        date: seed::today(),
+        commit: seed::head(&root()),
+        frozen_by: seed.frozen_by.clone().unwrap_or_else(|| "none".to_owned()),
+        seed: seed.value,
+        changes_since: seed.changes_since,
+        counts: plan.words(),
+    };
+    let (cases, repeats) = tried(&batch, &arguments.out)?;
     let mut measures = bars::measures(&cases);
     measures.extend(speed::in_batch(&cases));
     if !arguments.quick && arguments.suite.is_empty() {
         measures.extend(speed::alone(seed.value)?);
     }
-    for measure in &measures {
-        println!(
-            "{:44} {:60} {:28} {:22} {:18} {}",
-            measure.group,
-            measure.name,
-            measure.value.words(),
-            measure.value.interval(),
-            measure
-                .bar
-                .map_or(String::new(), |bar| bar.words(&measure.value)),
-            measure.verdict()
-        );
+    publish(arguments, &run, is_scored, &cases, &measures)?;
+    if arguments.record {
+        record::append(&root(), &run, &measures)?;
+        println!("recorded in {}", record::LOG);
     }
-    println!("repeats: {repeats}");
+    if arguments.quick {
+        quick::assert_sound(&cases, repeats)?;
+    }
+    ensure!(repeats, "the same trial had two answers");
+    Ok(())
+}
+
+/// Seals, diagnoses, opens; and whether the first trials had the same answers twice.
+fn tried(batch: &Batch, out: &Path) -> Result<(Vec<Case>, bool)> {
+    let sealed = batch.seal()?;
+    let commitments = batch.commitments(&sealed);
+    write_json(&out.join("commitments.json"), &commitments)?;
+    let rehearsal = batch.rehearse()?;
+    eprintln!("{}", rehearsal.words(batch));
+    let fixed = batch.diagnose(&sealed)?;
+    write_json(&out.join("answers.json"), &batch.answers(&fixed))?;
+    let repeats = rehearsal.agrees(&fixed);
+    let cases = batch.open(&commitments, sealed, fixed)?;
+    write_json(&out.join("scores.json"), &cases)?;
+    Ok((cases, repeats))
+}
+
+/// Writes the report.
+fn publish(
+    arguments: &Arguments,
+    run: &Run,
+    is_scored: bool,
+    cases: &[Case],
+    measures: &[Measure],
+) -> Result<()> {
+    let mut output = Output::new(Layout {
+        stem: "summary",
+        figures: "",
+        tables: "tables/",
+    });
+    report::write(&mut output, cases, measures)?;
+    output.value("run", json!(run));
+    output.value("is_scored", json!(is_scored));
+    let title = if is_scored {
+        "Blind check of the diagnosis"
+    } else {
+        "Blind check of the diagnosis: development batch"
+    };
+    let kind = match (is_scored, run.frozen_by.as_str()) {
+        (true, commit) => format!(
+            "Scored batch: its seed is the first 8 digits of {commit}, the commit that froze the \
+             thresholds; {} commits have changed the diagnosis since.",
+            run.changes_since
+        ),
+        (false, "none") => {
+            "Not a scored batch: its seed was chosen, and the thresholds may have been set on it."
+                .to_owned()
+        }
+        (false, _) => "Not a scored batch, but a part of one.".to_owned(),
+    };
+    let lead = format!(
+        "{kind} Seed {}, {} trials ({}), commit {}, {}. docs/blind-checks.md says what was sealed and when.",
+        run.seed,
+        cases.len(),
+        run.counts,
+        run.commit,
+        run.date
+    );
+    for text in output.write(&arguments.out, title, &lead)? {
+        println!("{text}");
+    }
+    println!("{kind}");
+    println!("report: {}", arguments.out.join("report.html").display());
     Ok(())
 }
 

@@ -20,9 +20,9 @@ const SCORED: [(Suite, u64); 12] = [
     (Suite::Wrong, 30),
     (Suite::Force, 40),
 ];
-/// Trials of a quick check: each kind of clean recording four times, each strong effect once.
+/// Trials of a quick check: each kind of clean recording three times, each strong effect once.
 const QUICK: [(Suite, u64); 12] = [
-    (Suite::Clean, 24),
+    (Suite::Clean, 18),
     (Suite::Singles, 32),
     (Suite::NearSingles, 5),
     (Suite::Withheld, 5),
@@ -93,12 +93,11 @@ impl Plan {
 
     /// Suite and index of every trial.
     pub(crate) fn trials(&self) -> Vec<(Suite, u64)> {
-        let of_part = |part: &Part| (part.first..part.first + part.count).map(move |index| index);
-        let with_suite = self
-            .0
-            .iter()
-            .flat_map(|part| of_part(part).map(|index| (part.suite, index)));
-        with_suite.collect()
+        let of_part = |part: &Part| {
+            let suite = part.suite;
+            (part.first..part.first + part.count).map(move |index| (suite, index))
+        };
+        self.0.iter().flat_map(of_part).collect()
     }
 
     /// `s0 300, s1 300, ...`.

@@ -85,9 +85,18 @@ fn of_commit(root: &Path) -> Result<Seed> {
     })
 }
 
-/// The commit at hand, in short; none outside a repository.
-pub(crate) fn head(root: &Path) -> Option<String> {
-    git(root, &["rev-parse", "--short=8", "HEAD"]).ok()
+/// The commit at hand, in short, and whether files differ from it; `none` outside a repository.
+pub(crate) fn head(root: &Path) -> String {
+    let Ok(commit) = git(root, &["rev-parse", "--short=8", "HEAD"]) else {
+        return "none".to_owned();
+    };
+    match git(
+        root,
+        &["status", "--porcelain", "--", "crates", "Cargo.lock"],
+    ) {
+        Ok(changes) if changes.is_empty() => commit,
+        _ => format!("{commit} with changes"),
+    }
 }
 
 /// Today in universal time, YYYY-MM-DD.

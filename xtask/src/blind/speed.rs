@@ -6,7 +6,7 @@ use haptical_blind::{
 };
 
 use super::batch::Case;
-use super::measure::{Bar, Measure, Value, number, quantile};
+use super::measure::{Bar, Measure, number, quantile};
 use super::subject::Given;
 use crate::progress::Progress;
 
@@ -26,7 +26,7 @@ pub(crate) fn in_batch(cases: &[Case]) -> Vec<Measure> {
         .filter(|case| case.rows == ROWS && case.error.is_none());
     let times_s: Vec<f64> = wanted.map(|case| case.time_s).collect();
     let at = |what: &str, share: f64| {
-        let name = format!("{what}, {ROWS} rows and as many to validate on, on one core");
+        let name = format!("{what}, {ROWS} rows, validated, on one core");
         let value = number(&times_s, 2, "s", |values| quantile(values, share));
         Measure::new(GROUP, name, value, None)
     };

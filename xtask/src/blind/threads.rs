@@ -1,6 +1,7 @@
 //! Work on many trials at once, one core each.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::ScopedJoinHandle;
 
 use anyhow::{Context, Result, anyhow};
 
@@ -35,9 +36,9 @@ pub(crate) fn in_parallel<T: Send>(
     };
     let parts: Vec<Result<Vec<(usize, T)>>> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..jobs.clamp(1, count.max(1)))
-            .map(|_| scope.spawn(&worker))
+            .map(|_| scope.spawn(worker))
             .collect();
-        let joined = threads.into_iter().map(|thread| thread.join());
+        let joined = threads.into_iter().map(ScopedJoinHandle::join);
         joined
             .map(|part| part.unwrap_or_else(|_| Err(anyhow!("a thread panicked"))))
             .collect()

@@ -4,7 +4,6 @@ mod figures;
 mod identifiability;
 mod ladder;
 mod monte_carlo;
-mod output;
 mod paper;
 mod pose_error;
 mod run;
@@ -23,11 +22,11 @@ use std::path::PathBuf;
 use anyhow::{Result, ensure};
 
 use monte_carlo::MonteCarlo;
-use output::Output;
 use paper::Paper;
 use scenario::{Scenario, nominal_device};
 use sweeps::Seeds;
 
+use crate::output::{Layout, Output};
 use crate::progress::Progress;
 
 /// Arguments of `reproduce-tables`.
@@ -102,7 +101,11 @@ pub(crate) fn reproduce(arguments: &Arguments) -> Result<()> {
         paper,
         scenario,
     };
-    let mut output = Output::default();
+    let mut output = Output::new(Layout {
+        stem: "tables",
+        figures: "figures/",
+        tables: "tables/",
+    });
     sections::summary(&mut output, &results)?;
     sections::table1(&mut output, &results)?;
     sections::identifiability(&mut output, &results, arguments.seed)?;

@@ -6,8 +6,8 @@ use haptical_model::Device;
 use haptical_report::{Cell, Column, Table};
 use serde_json::json;
 
-use super::output::Output;
 use super::{Results, figures, identifiability, ladder, sensitivity, sweeps, table2, table3};
+use crate::output::Output;
 use crate::progress::Progress;
 
 /// Numbers of the paper's effective degrees of freedom: geometry and home pose were inferred from the

@@ -1,13 +1,17 @@
 //! What gives under load: pre-tensioned cable strands, links behind the encoder, creep, slip at peaks.
 
+use haptical_model::TransmissionKind;
+
 use crate::effects::added::{Added, Law, Place};
 use crate::effects::{Draw, Effect, Facts};
-use crate::laws::{ramp, slope_of};
+use crate::laws::{ramp, slope_beside, slope_of};
 use crate::scene::Scene;
 use crate::truth::Event;
 
 /// Names that data cannot tell apart where no external encoder sits between them.
 const EITHER_COMPLIANCE: [&str; 2] = ["capstan-compliance", "joint-compliance"];
+/// Order of the polynomial that stands for a parallelogram's error.
+const POLYNOMIAL_ORDER: i32 = 10;
 
 /// Two pre-tensioned strands: stiff together, half as stiff once one is slack, each a little harder
 /// the further it is drawn (a stranded rope settles).
@@ -40,6 +44,24 @@ impl Strands {
     }
 }
 
+/// Shapes over the joint's angle that its transmission's errors take up (eqs. (1) and (2)): weight hangs on the
+/// angle, and a spring that is not linear has another slope in what is left.
+fn taken_up(scene: &Scene<'_>, joint: usize) -> Vec<Vec<f64>> {
+    let angle = &scene.motion.angle_rad[joint];
+    let shape = |of: &dyn Fn(f64) -> f64| angle.iter().map(|angle| of(*angle)).collect();
+    let description = &scene.device.joints[joint];
+    if description.output_sd_rad().is_none() {
+        return Vec::new();
+    }
+    match description.transmission {
+        TransmissionKind::Direct => Vec::new(),
+        TransmissionKind::Capstan => vec![shape(&|a| a), shape(&libm::sin), shape(&libm::cos)],
+        TransmissionKind::Parallelogram => (1..=POLYNOMIAL_ORDER)
+            .map(|order| shape(&|a| libm::pow(a, f64::from(order))))
+            .collect(),
+    }
+}
+
 impl Law for Strands {
     fn deviation(&self, scene: &Scene<'_>, place: Place, _signal: &[f64]) -> Vec<f64> {
         place.joint().map_or_else(Vec::new, |joint| {
@@ -57,7 +79,12 @@ impl Law for Strands {
             return facts;
         };
         let torque = &scene.torque_nm[joint];
-        let compliance = slope_of(torque, &self.deviation(scene, place, &[])).abs();
+        let deflection = self.deviation(scene, place, &[]);
+        let taken_up = match place {
+            Place::Upstream(joint) => taken_up(scene, joint),
+            _ => Vec::new(),
+        };
+        let compliance = slope_beside(torque, &deflection, &taken_up).abs();
         if compliance > 0.0 {
             facts.with("stiffness_nm_per_rad", 1.0 / compliance)
         } else {

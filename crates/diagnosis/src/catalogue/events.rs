@@ -41,7 +41,7 @@ enum What {
     CableCounts,
 }
 
-/// A step at a time; the shape is that time. Without a time column it is the row.
+/// A step; the shape is the first row after it.
 #[derive(Debug)]
 struct Step {
     what: What,
@@ -51,21 +51,36 @@ struct Step {
 const SLIPS_ABOVE: f64 = 0.9;
 
 impl Step {
-    /// Size of one count in the stream's unit.
-    fn quantum(&self, context: &Context<'_>) -> f64 {
+    /// Size of one count in the stream's unit; three standard deviations (the paper's rule) where the
+    /// device file has no counts.
+    fn quantum(&self, context: &Context<'_>) -> Option<f64> {
         let device = context.device;
-        let quantum = match self.what {
+        match self.what {
             What::MotorCounts(joint) => device.joints[joint].reading_quantum_rad(),
-            What::ExternalCounts(joint) => device.joints[joint]
-                .external_encoder_counts_per_rev
-                .map(|counts| TAU / counts),
-            What::CableCounts => device
-                .cables
-                .first()
-                .and_then(|cable| Some(TAU * cable.drum_radius_m? / cable.counts_per_rev?)),
+            What::ExternalCounts(joint) => {
+                let joint = &device.joints[joint];
+                let counts = joint.external_encoder_counts_per_rev;
+                let by_counts = counts.map(|counts| TAU / counts);
+                by_counts.or_else(|| joint.output_sd_rad().map(|sd| 3.0 * sd))
+            }
+            What::CableCounts => {
+                let by_counts = device
+                    .cables
+                    .first()
+                    .and_then(|cable| Some(TAU * cable.drum_radius_m? / cable.counts_per_rev?));
+                by_counts.or_else(|| device.cable_sd_m(0).map(|sd| 3.0 * sd))
+            }
             What::Slip(_) => Some(1.0),
-        };
-        quantum.unwrap_or(1.0)
+        }
+    }
+
+    /// Counts are those by which the reading is too high afterwards; an error of the motor-side reading
+    /// enters the streams, which are compared with it, the other way round.
+    fn sign(&self) -> f64 {
+        match self.what {
+            What::MotorCounts(_) => -1.0,
+            _ => 1.0,
+        }
     }
 }
 
@@ -123,7 +138,7 @@ impl Effect for Step {
 
     fn needs(&self) -> Vec<Need> {
         match self.what {
-            What::MotorCounts(_) => vec![Need::Time, Need::Motion],
+            What::MotorCounts(joint) => vec![Need::Time, Need::Motion, Need::Counts(joint)],
             What::Slip(joint) => vec![Need::Time, Need::Motion, Need::Torque(joint)],
             What::ExternalCounts(joint) => vec![Need::Time, Need::Motion, Need::Output(joint)],
             What::CableCounts => vec![Need::Time, Need::Motion, Need::Cable],
@@ -136,19 +151,9 @@ impl Effect for Step {
 
     fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
         let mut error = vec![0.0; context.rows()];
-        if let Some(time_s) = &context.recording.time_s {
-            let run = context
-                .runs
-                .iter()
-                .find(|run| {
-                    run.end > run.start
-                        && time_s[run.end - 1] >= shape
-                        && time_s[run.start] <= shape
-                })
-                .or(context.runs.last());
-            for row in run.cloned().into_iter().flatten() {
-                error[row] = f64::from(u8::from(time_s[row] >= shape));
-            }
+        let first = shape.max(0.0) as usize;
+        if let Some(run) = context.runs.iter().find(|run| run.contains(&first)) {
+            error[first..run.end].fill(1.0);
         }
         vec![match self.what {
             What::MotorCounts(joint) | What::Slip(joint) => context.upstream(joint, &error),
@@ -158,11 +163,21 @@ impl Effect for Step {
     }
 
     fn values(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        vec![amplitudes[0] / self.quantum(context), shape]
+        let time_s = context.recording.time_s.as_ref();
+        let time = time_s.and_then(|time_s| time_s.get(shape as usize));
+        vec![
+            self.sign() * amplitudes[0] / self.quantum(context).unwrap_or(1.0),
+            time.copied().unwrap_or(shape),
+        ]
     }
 
     fn amplitudes(&self, context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0] * self.quantum(context)], values[1])
+        let time_s = context.recording.time_s.as_ref();
+        let row = time_s.map_or(values[1], |time_s| {
+            time_s.partition_point(|&time| time < values[1]) as f64
+        });
+        let amplitude = self.sign() * values[0] * self.quantum(context).unwrap_or(1.0);
+        (vec![amplitude], row)
     }
 
     fn log_prior(&self) -> f64 {
@@ -173,12 +188,15 @@ impl Effect for Step {
     }
 }
 
-/// Whether a slip at a time would have happened under a load that few rows exceed.
-pub(crate) fn under_load(context: &Context<'_>, joint: usize, time_s: f64) -> bool {
+/// Whether a slip at a row would have happened under a load that few rows exceed.
+pub(crate) fn under_load(context: &Context<'_>, joint: usize, row: f64) -> bool {
     let (Some(torque), Some(times)) = (
         context.torque_nm.get(joint).and_then(Option::as_ref),
         &context.recording.time_s,
     ) else {
+        return false;
+    };
+    let Some(&time_s) = times.get(row as usize) else {
         return false;
     };
     let near = times

@@ -89,6 +89,10 @@ impl Effect for Backlash {
         }
     }
 
+    fn has_sides(&self) -> bool {
+        true
+    }
+
     fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<Signal> {
         let half_width = amplitudes.first().map_or(0.0, |b| b.abs()).max(SMALL_PLAY);
         vec![context.upstream(self.joint, &self.lost(context, half_width, shape))]

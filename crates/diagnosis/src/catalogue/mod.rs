@@ -70,10 +70,24 @@ impl Family {
     pub(crate) fn law_error(self) -> f64 {
         match self {
             Self::Step => 0.003,
-            Self::Shape | Self::Lag | Self::Coupling => 0.015,
-            Self::Exit | Self::Wobble | Self::Tool | Self::Drift => 0.03,
+            Self::Lag => 0.015,
+            Self::Shape | Self::Coupling => 0.02,
+            Self::Exit | Self::Wobble | Self::Tool => 0.03,
             Self::Loop => 0.05,
+            Self::Drift => 0.06,
             Self::Load => 0.09,
+        }
+    }
+
+    /// Relative standard deviation that the law's error puts on an amplitude.
+    pub(crate) fn amplitude_error(self) -> f64 {
+        match self {
+            Self::Step | Self::Lag => 0.001,
+            Self::Shape | Self::Coupling | Self::Exit => 0.007,
+            Self::Wobble | Self::Tool => 0.015,
+            Self::Drift => 0.02,
+            Self::Loop => 0.03,
+            Self::Load => 0.04,
         }
     }
 }
@@ -94,6 +108,8 @@ pub(crate) enum Need {
     Chain,
     Runs,
     Gravity,
+    /// Counts of a motor-side encoder.
+    Counts(usize),
 }
 
 /// A parameter of an effect, as it is reported.
@@ -137,7 +153,11 @@ pub(crate) trait Effect: Debug + Send + Sync {
     fn shape_is_continuous(&self) -> bool {
         false
     }
-    /// Whether the shape is the time of an event: it is searched over all rows, and belongs to one
+    /// Whether the shapes are sides that drive it: both are refitted.
+    fn has_sides(&self) -> bool {
+        false
+    }
+    /// Whether the shape is the row of an event: it is searched over all rows, and belongs to one
     /// recording.
     fn is_event(&self) -> bool {
         false
@@ -248,6 +268,13 @@ fn missing(need: Need, context: &Context<'_>) -> Option<String> {
             Some("no distance, position or orientation".to_owned())
         }
         Need::Runs if context.runs.len() < 2 => Some("one run only".to_owned()),
+        Need::Counts(joint)
+            if context.device.joints[joint]
+                .encoder_counts_per_rev
+                .is_none() =>
+        {
+            Some("no encoder_counts_per_rev in the device file".to_owned())
+        }
         Need::Gravity if context.device.gravity_mps2.is_none() => {
             Some("no [gravity] in the device file".to_owned())
         }

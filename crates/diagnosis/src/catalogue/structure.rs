@@ -25,7 +25,11 @@ impl Wobble {
     fn across(&self, context: &Context<'_>, row: usize) -> Option<[Vector3<f64>; 2]> {
         let (axis, _) = context.lever(self.joint, row)?;
         let before = match self.joint.checked_sub(1) {
-            Some(joint) => context.lever(joint, row).map(|(axis, _)| axis),
+            Some(joint) => context.twist.get(joint).and_then(|twist| {
+                let twist = twist.get(row)?;
+                let slides = twist.angular.norm_squared() < 0.5;
+                Some(if slides { twist.linear } else { twist.angular })
+            }),
             // the first axis stands still: any fixed direction that is not along it
             None if axis.x.abs() < 0.9 => Some(Vector3::x()),
             None => Some(Vector3::y()),

@@ -113,16 +113,12 @@ pub(super) fn deviations(
         if !joined || own.rows.len() < 2 {
             continue;
         }
-        let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|k| fitted[block + k - 2]);
-        // slope, curvature and third derivative, per block, of the quartic with these block means
-        let slope = (5.0 * a - 34.0 * b + 34.0 * d - 5.0 * e) / 48.0;
-        let curvature = (-a + 12.0 * b - 22.0 * c + 12.0 * d - e) / 8.0;
-        let third = (e - 2.0 * d + 2.0 * b - a) / 2.0;
+        let means = [0, 1, 2, 3, 4].map(|k| fitted[block + k - 2]);
         let length = own.rows.len() as f64;
         let first = rest.len();
         for &row in &own.usable {
             let place = ((row - own.rows.start) as f64 + 0.5) / length - 0.5;
-            let smooth = place * (slope + place * (0.5 * curvature + place * third / 6.0));
+            let smooth = within(means, place);
             rest.push((row, torque_nm[row] - smooth));
         }
         let mean = rest[first..].iter().map(|(_, value)| value).sum::<f64>()
@@ -132,6 +128,18 @@ pub(super) fn deviations(
             .for_each(|(_, value)| *value -= mean);
     }
     rest
+}
+
+/// The quartic with these means over five successive blocks, less its value in the middle, at a place
+/// from -1/2 to 1/2 of the middle block.
+pub(super) fn within(means: [f64; 5], place: f64) -> f64 {
+    let [a, b, c, d, e] = means;
+    let slope = (5.0 * a - 34.0 * b + 34.0 * d - 5.0 * e) / 48.0;
+    let curvature = (-a + 12.0 * b - 22.0 * c + 12.0 * d - e) / 8.0;
+    let third = (e - 2.0 * d + 2.0 * b - a) / 2.0;
+    let fourth = a - 4.0 * b + 6.0 * c - 4.0 * d + e;
+    let higher = third / 6.0 + place * fourth / 24.0;
+    place * (slope + place * (0.5 * curvature + place * higher))
 }
 
 /// Rows of each block among `rows`.

@@ -222,7 +222,7 @@ impl<'a> Recorded<'a> {
 /// Standard deviation of a column's noise, and what its colour adds to the variance of a mean of `size`
 /// rows; none where no rows follow each other.
 fn noise_of(context: &Context<'_>, values: &[f64], size: f64) -> Option<(f64, f64)> {
-    let noise = noise::estimate(values, &context.runs, true, 0.0, false);
+    let noise = noise::estimate(values, &context.runs, true, 0.0, false, 0.0);
     let colour = 1.0 + noise.coloured_share * (inflation(noise.colour, size) - 1.0);
     noise.from_motion.then_some((noise.ratio, colour))
 }

@@ -67,10 +67,17 @@ fn is_right(truth: &serde_json::Value, diagnosis: &Diagnosis) -> bool {
         let place = diagnosis.place.as_ref().and_then(|place| place.joint);
         return diagnosis.verdict == Verdict::Unknown && place == joint;
     }
+    // noise that was added is louder than stated, and may be said to be
+    let of_noise = ["noise-level", "outliers"];
+    let mechanical: Vec<_> = diagnosis
+        .causes
+        .iter()
+        .filter(|cause| !of_noise.contains(&cause.effect.as_str()))
+        .collect();
     matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous)
-        && diagnosis.causes.len() == 1
-        && accepted.contains(&diagnosis.causes[0].effect)
-        && diagnosis.causes[0].joint == joint
+        && mechanical.len() == 1
+        && accepted.contains(&mechanical[0].effect)
+        && mechanical[0].joint == joint
 }
 
 /// The answer to a set, and whether it is right; none where the set is not at hand.

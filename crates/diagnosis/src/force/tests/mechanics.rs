@@ -5,10 +5,15 @@ use haptical_model::Device;
 use haptical_model::kinematics::Parameter;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::arm::{Noise, arm, masses, other_arm, parameters, virtual_work};
+use super::arm::{Noise, Scene, arm, masses, other_arm, parameters, virtual_work};
+use crate::context::Context;
+use crate::force::along::Along;
 use crate::force::columns::{Term, Values};
+use crate::force::energy::Energy;
+use crate::force::fast::within;
 use crate::force::normal::Normal;
 use crate::force::posture::{PER_LINK, Posture, Rows};
+use crate::force::recorded::{Besides, Recorded};
 use crate::force::weights::Weights;
 
 /// Finite differences of second order over steps of 1e-3 s.
@@ -166,6 +171,37 @@ fn a_score_is_what_a_projection_gives() {
     for k in 0..2 {
         assert!((score.amplitudes[k] - solution[4 + k]).abs() < 1e-6);
     }
+}
+
+#[test]
+fn block_means_of_a_quartic_give_it_back() {
+    let quartic = |x: f64| 0.3 + x * (1.0 + x * (-2.0 + x * (0.7 + x * 0.4)));
+    let integral = |x: f64| x * (0.3 + x * (0.5 + x * (-2.0 / 3.0 + x * (0.7 / 4.0 + x * 0.08))));
+    let means = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| integral(k + 0.5) - integral(k - 0.5));
+    for place in [-0.5, -0.2, 0.1, 0.4] {
+        let expected = quartic(place) - quartic(0.0);
+        assert!((within(means, place) - expected).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn slow_energy_of_noise_is_its_freedom() {
+    let mut sum = 0.0;
+    let seeds = 31..=38;
+    for seed in seeds.clone() {
+        let (device, recording) = (arm(), Scene::new(seed, 3000).record());
+        let context = Context::new(&device, &recording, &[]).unwrap();
+        let recorded = Recorded::new(&context).unwrap();
+        let along = Along::new(&recorded);
+        let weights = along.weights(Besides::Nothing).unwrap();
+        let base = along.fit(&weights, Besides::Nothing);
+        let rest = along.rest(&base.normal);
+        let energy = Energy::of(&recorded, &weights, &base.normal, &rest, 0);
+        sum += energy.deviations();
+    }
+    // eight of unit variance, and the noise of each column is known to a few percent
+    let mean = sum / seeds.count() as f64;
+    assert!(mean.abs() < 1.5, "{mean}");
 }
 
 #[test]

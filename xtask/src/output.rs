@@ -3,12 +3,26 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use haptical_report::{Block, Document, Figure, FigureGrid, Section, Table, write_atomically};
+use haptical_report::{
+    Block, Document, Figure, FigureGrid, HeatMap, Section, Table, write_atomically,
+};
 use serde_json::{Value, json};
+
+/// Where the files of a report go.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Layout {
+    /// File name of the Markdown and of the JSON, without extension.
+    pub(crate) stem: &'static str,
+    /// Folder of the figures with a slash behind it; empty for that of the report.
+    pub(crate) figures: &'static str,
+    /// The same of the tables.
+    pub(crate) tables: &'static str,
+}
 
 /// A report that grows section by section.
 #[derive(Debug, Default)]
 pub(crate) struct Output {
+    layout: Layout,
     sections: Vec<Section>,
     markdown: String,
     files: Vec<(String, Vec<u8>)>,
@@ -18,6 +32,14 @@ pub(crate) struct Output {
 }
 
 impl Output {
+    /// An empty report.
+    pub(crate) fn new(layout: Layout) -> Self {
+        Self {
+            layout,
+            ..Self::default()
+        }
+    }
+
     /// Starts a section.
     pub(crate) fn section(&mut self, heading: &str) {
         self.sections.push(Section::new(heading, Vec::new()));
@@ -49,6 +71,11 @@ impl Output {
         self.block(Block::Verdict { good, text });
     }
 
+    /// Lines for the terminal alone.
+    pub(crate) fn terminal(&mut self, lines: String) {
+        self.terminal.push(lines);
+    }
+
     /// Some columns of a table, for the terminal: all of them would be wider than it.
     pub(crate) fn terminal_table(&mut self, table: &Table, columns: &[usize]) {
         let narrow = Table {
@@ -72,9 +99,33 @@ impl Output {
         self.markdown.push_str(&table.to_markdown());
         self.markdown.push('\n');
         self.files
-            .push((format!("tables/{file}.csv"), table.to_csv()?.into_bytes()));
+            .push((self.table_path(file), table.to_csv()?.into_bytes()));
         self.json.push((file.to_owned(), table.to_json()));
         self.block(Block::Table(table));
+        Ok(())
+    }
+
+    fn table_path(&self, file: &str) -> String {
+        format!("{}{file}.csv", self.layout.tables)
+    }
+
+    /// A table that a reader unfolds; Markdown has a heading in its place.
+    pub(crate) fn folded_table(&mut self, file: &str, summary: &str, table: Table) -> Result<()> {
+        self.markdown
+            .push_str(&format!("### {summary}\n\n{}\n", table.to_markdown()));
+        self.files
+            .push((self.table_path(file), table.to_csv()?.into_bytes()));
+        self.block(Block::Folded {
+            summary: summary.to_owned(),
+            blocks: vec![Block::Table(table)],
+        });
+        Ok(())
+    }
+
+    /// A grid of shaded cells under a file name without extension.
+    pub(crate) fn heat_map(&mut self, file: &str, caption: &str, map: &HeatMap) -> Result<()> {
+        let svg = map.to_svg(1400).context(file.to_owned())?;
+        self.svg(file, caption, svg);
         Ok(())
     }
 
@@ -99,10 +150,9 @@ impl Output {
     }
 
     fn svg(&mut self, file: &str, caption: &str, svg: String) {
-        self.markdown
-            .push_str(&format!("![{caption}](figures/{file}.svg)\n\n"));
-        self.files
-            .push((format!("figures/{file}.svg"), svg.clone().into_bytes()));
+        let path = format!("{}{file}.svg", self.layout.figures);
+        self.markdown.push_str(&format!("![{caption}]({path})\n\n"));
+        self.files.push((path, svg.clone().into_bytes()));
         self.block(Block::Svg {
             caption: caption.to_owned(),
             svg,
@@ -114,18 +164,19 @@ impl Output {
         self.json.push((name.to_owned(), value));
     }
 
-    /// Writes everything below `directory`; nothing in it depends on time or place.
+    /// Writes everything below `directory`; nothing is added that depends on time or place.
     pub(crate) fn write(self, directory: &Path, title: &str, lead: &str) -> Result<Vec<String>> {
         let document = Document::new(title, lead, self.sections);
         let mut files = self.files;
         files.push(("report.html".to_owned(), document.to_html().into_bytes()));
         let markdown = format!("# {title}\n\n{lead}\n\n{}", self.markdown);
-        files.push(("tables.md".to_owned(), markdown.into_bytes()));
+        let stem = self.layout.stem;
+        files.push((format!("{stem}.md"), markdown.into_bytes()));
         let mut all = json!({ "title": title, "lead": lead });
         for (name, value) in self.json {
             all[name] = value;
         }
-        files.push(("tables.json".to_owned(), serde_json::to_vec_pretty(&all)?));
+        files.push((format!("{stem}.json"), serde_json::to_vec_pretty(&all)?));
         for (name, bytes) in &files {
             write_atomically(&directory.join(name), bytes)?;
         }

@@ -1,0 +1,174 @@
+//! The seed of a scored batch in a repository made for the purpose; dates; the log.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::blind::bars::measures;
+use crate::blind::record::{HEADLINES, LOG, Run, row, with_row};
+use crate::blind::root;
+use crate::blind::seed::{SeedRule, THRESHOLDS, date, head};
+
+fn git(root: &Path, words: &[&str]) -> String {
+    let identity = [
+        "-c",
+        "user.name=a",
+        "-c",
+        "user.email=a@b.c",
+        "-c",
+        "commit.gpgsign=false",
+    ];
+    let output = Command::new("git")
+        .arg("-C")
+        .arg(root)
+        .args(identity)
+        .args(words)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "git {words:?}: {output:?}");
+    String::from_utf8(output.stdout).unwrap().trim().to_owned()
+}
+
+fn write(root: &Path, path: &str, text: &str) {
+    let path = root.join(path);
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    std::fs::write(path, text).unwrap();
+}
+
+fn commit(root: &Path, message: &str) -> String {
+    git(root, &["add", "-A"]);
+    git(root, &["commit", "-q", "-m", message]);
+    git(root, &["rev-parse", "HEAD"])
+}
+
+#[test]
+fn the_seed_is_the_commit_that_froze_the_thresholds() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    git(root, &["init", "-q"]);
+    write(root, "crates/diagnosis/src/lib.rs", "a");
+    commit(root, "code");
+    let refused = SeedRule::Commit.seed(root).expect_err("no thresholds yet");
+    assert!(refused.to_string().contains(THRESHOLDS), "{refused}");
+
+    write(root, THRESHOLDS, "z = 1");
+    let frozen = commit(root, "thresholds");
+    let seed = SeedRule::Commit.seed(root).unwrap();
+    assert_eq!(format!("{:08x}", seed.value), frozen[..8]);
+    assert_eq!(
+        (seed.frozen_by, seed.changes_since),
+        (Some(frozen.clone()), 0)
+    );
+
+    write(root, "README.md", "unrelated");
+    commit(root, "words");
+    write(root, "crates/diagnosis/src/lib.rs", "b");
+    commit(root, "more code");
+    let later = SeedRule::Commit.seed(root).unwrap();
+    assert_eq!((later.value, later.changes_since), (seed.value, 1));
+
+    write(root, THRESHOLDS, "z = 2");
+    let again = commit(root, "other thresholds");
+    let other = SeedRule::Commit.seed(root).unwrap();
+    assert_eq!((other.frozen_by, other.changes_since), (Some(again), 0));
+}
+
+#[test]
+fn a_scored_batch_needs_everything_committed() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    git(root, &["init", "-q"]);
+    write(root, THRESHOLDS, "z = 1");
+    write(root, "crates/diagnosis/src/lib.rs", "a");
+    write(root, "crates/blind/src/lib.rs", "a");
+    write(root, "docs/note.md", "a");
+    commit(root, "all");
+    write(root, "docs/note.md", "b");
+    let commit = git(root, &["rev-parse", "--short=8", "HEAD"]);
+    assert_eq!(head(root), commit, "a note changes no answer");
+    write(root, "crates/linalg/src/lib.rs", "new");
+    assert_eq!(head(root), format!("{commit} with changes"));
+    assert!(SeedRule::Commit.seed(root).is_ok(), "a note is not judged");
+    for path in [
+        THRESHOLDS,
+        "crates/diagnosis/src/lib.rs",
+        "crates/diagnosis/src/new.rs",
+        "crates/blind/src/lib.rs",
+    ] {
+        write(root, path, "changed");
+        let refused = SeedRule::Commit.seed(root).expect_err(path).to_string();
+        assert!(refused.contains(path), "{path}: {refused}");
+        git(root, &["add", "-A", "crates"]);
+        assert!(
+            SeedRule::Commit.seed(root).is_err(),
+            "{path}: staged is not committed"
+        );
+        git(root, &["reset", "-q", "--hard"]);
+    }
+    let number = SeedRule::Number(7).seed(Path::new("/nowhere")).unwrap();
+    assert_eq!((number.value, number.frozen_by), (7, None));
+}
+
+/// Days from 1970-01-01: leap days of a century that has one, of one that has none, ends of years.
+#[test]
+fn dates_are_those_of_the_calendar() {
+    for (days, text) in [
+        (0, "1970-01-01"),
+        (-1, "1969-12-31"),
+        (11_016, "2000-02-29"),
+        (11_017, "2000-03-01"),
+        (47_540, "2100-02-28"),
+        (47_541, "2100-03-01"),
+        (20_818, "2026-12-31"),
+        (20_819, "2027-01-01"),
+    ] {
+        assert_eq!(date(days), text);
+    }
+}
+
+fn run(seed: u64) -> Run {
+    Run {
+        date: "2026-01-02".to_owned(),
+        commit: "0123abcd".to_owned(),
+        frozen_by: "deadbeef".to_owned(),
+        seed,
+        changes_since: 2,
+        counts: "s0 300".to_owned(),
+    }
+}
+
+#[test]
+fn a_run_is_one_row_of_the_log() {
+    let log = std::fs::read_to_string(root().join(LOG)).unwrap();
+    let none = measures(&[]);
+    let first = row(&log, &run(u64::MAX), &none).unwrap();
+    assert!(first.contains("first with this seed"), "{first}");
+    assert!(first.contains("2 commits changed the diagnosis"), "{first}");
+    let head = log
+        .lines()
+        .find(|line| line.starts_with("| date |"))
+        .expect("a table of runs");
+    assert_eq!(first.matches('|').count(), head.matches('|').count());
+
+    let longer = with_row(&log, &first).unwrap();
+    assert_eq!(longer.lines().count(), log.lines().count() + 1);
+    let at = |wanted: &str| longer.lines().position(|line| line == wanted).unwrap();
+    let (end, mine) = (at("<!-- end of scored runs -->"), at(&first));
+    assert_eq!(mine + 1, end, "the last row of the table");
+
+    let second = row(&longer, &run(u64::MAX), &none).unwrap();
+    assert!(second.contains("seed used before"), "{second}");
+    assert!(with_row("no marker", &first).is_err());
+    assert!(with_row(&format!("{log}{log}"), &first).is_err());
+}
+
+/// A headline names a figure that exists, by its exact name.
+#[test]
+fn headlines_are_among_the_figures() {
+    let all = measures(&[]);
+    for (group, name, _) in HEADLINES {
+        let found = all
+            .iter()
+            .filter(|one| one.group == group && one.name == name);
+        assert_eq!(found.count(), 1, "{group}: {name}");
+    }
+}

@@ -1,0 +1,111 @@
+//! `cargo xtask blind-check` as a user runs it.
+#![allow(
+    clippy::unwrap_used,
+    reason = "clippy.toml allows it in test functions; helpers of tests are meant too"
+)]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use haptical_blind::sha256_hex;
+use serde_json::Value;
+
+fn blind_check(words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_xtask"))
+        .arg("blind-check")
+        .args(words)
+        .output()
+        .unwrap()
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
+}
+
+#[test]
+fn two_trials_leave_everything_that_is_promised() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, dump) = (folder.path().join("out"), folder.path().join("dump"));
+    let (out_text, dump_text) = (out.to_str().unwrap(), dump.to_str().unwrap());
+    let words = [
+        "--suite", "s0,s1", "--count", "1", "--seed", "5", "--out", out_text,
+    ];
+    let output = blind_check(&[&words[..], &["--dump", dump_text]].concat());
+    assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("Not a scored batch"), "{said}");
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(
+        errors.lines().count(),
+        1,
+        "no progress bar in a pipe: {errors}"
+    );
+
+    for name in [
+        "report.html",
+        "summary.md",
+        "summary.json",
+        "confusion.svg",
+        "answers.json",
+    ] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
+    let (commitments, scores) = (
+        json(&out.join("commitments.json")),
+        json(&out.join("scores.json")),
+    );
+    for (commitment, score) in commitments
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(scores.as_array().unwrap())
+    {
+        let text = |name: &str| score[name].as_str().unwrap();
+        let digest = sha256_hex(&format!("{}\n{}", text("salt"), text("truth_json")));
+        assert_eq!(commitment["commitment"], digest.as_str());
+        assert_eq!(commitment["suite"], score["suite"]);
+        assert_eq!(text("answer_sha256").len(), 64);
+        assert!(score["score"]["right"].is_boolean() && score["answer"]["verdict"].is_string());
+    }
+    assert_eq!(
+        json(&out.join("summary.json"))["is_scored"],
+        Value::Bool(false)
+    );
+    let dumped: Vec<_> = std::fs::read_dir(&dump).unwrap().collect();
+    assert_eq!(dumped.len(), 2);
+    for entry in dumped {
+        for name in ["device.toml", "log.csv.gz", "log2.csv.gz", "truth.json"] {
+            assert!(
+                entry.as_ref().unwrap().path().join(name).is_file(),
+                "{name}"
+            );
+        }
+    }
+
+    // one of the two alone, as its row says: the same bytes
+    let alone = folder.path().join("alone");
+    let rerun = scores[1]["rerun"].as_str().unwrap();
+    let mut words: Vec<&str> = rerun.split(' ').collect();
+    words.extend(["--out", alone.to_str().unwrap()]);
+    assert!(blind_check(&words).status.success());
+    assert_eq!(json(&alone.join("scores.json"))[0], scores[1]);
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_before_anything_is_drawn() {
+    for (words, said) in [
+        (
+            &["--suite", "s77"][..],
+            "there is no suite `s77`; known are s0, s1,",
+        ),
+        (&["--count", "0"], "nothing to try"),
+        (&["--jobs", "0"], "--jobs is 0"),
+        (&["--record"], "--record is for scored batches"),
+        (&["--seed", "soon"], "neither a number nor `commit`"),
+    ] {
+        let output = blind_check(words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert!(errors.contains(said), "{words:?}: {errors}");
+    }
+}
