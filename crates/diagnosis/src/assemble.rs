@@ -12,8 +12,9 @@ use crate::answer::{
 };
 use crate::base::Base;
 use crate::catalogue::Effect;
-use crate::causes::{base_term, cause_answer, noise_findings};
+use crate::causes::{base_term, cause_answer, force_findings, noise_findings};
 use crate::earlier::{Difference, difference};
+use crate::force::answer::ForceAnswer;
 use crate::place::{Located, locate, of_base_term};
 use crate::rivals::{Rival, settle};
 use crate::select::{Selection, Selector};
@@ -75,7 +76,18 @@ pub(crate) fn assemble(
     if !base_terms.terms.is_empty() {
         causes.sort_by(|a, b| b.share.total_cmp(&a.share));
     }
-    let verdict = verdict(selector, selection, &adequacy, &causes);
+    let mut verdict = verdict(selector, selection, &adequacy, &causes);
+    let force = crate::force::examine(&engine.context)?;
+    let on_forces = force_findings(&force, &inputs.options.without);
+    if let (Verdict::NoGap, Some(first)) = (verdict, on_forces.first()) {
+        let sure = first.probability >= selector.thresholds.named_probability;
+        verdict = if sure {
+            Verdict::Named
+        } else {
+            Verdict::Ambiguous
+        };
+    }
+    causes.extend(on_forces);
     let located = match verdict {
         Verdict::NoGap => None,
         _ => match base_terms.terms.first() {
@@ -106,7 +118,11 @@ pub(crate) fn assemble(
     Ok(Diagnosis {
         verdict,
         gap: Gap {
-            channels: channel_gaps(selector, selection, before, &shrink),
+            channels: [
+                channel_gaps(selector, selection, before, &shrink),
+                torque_gaps(&force),
+            ]
+            .concat(),
         },
         next_experiment: next_experiment(verdict, first_effect, confused, located.as_ref()),
         traces: traces(selector, selection, before, located.as_ref()),
@@ -118,7 +134,7 @@ pub(crate) fn assemble(
         },
         probability_unknown: adequacy.probability_unknown(verdict),
         causes,
-        untestable: untestable(selector),
+        untestable: untestable(selector, &force.untestable),
         invisible,
         detectable,
         noise,
@@ -303,6 +319,25 @@ fn channel_gaps(
 
 /// Probability below which a later cause is not told: it is what an earlier one's law gets wrong.
 const LATER_PROBABILITY: f64 = 0.6;
+/// The torques, where an effect on them was found.
+fn torque_gaps(force: &ForceAnswer) -> Vec<ChannelGap> {
+    if force.findings.is_empty() {
+        return vec![];
+    }
+    let gaps = force.channels.iter().map(|gap| ChannelGap {
+        channel: format!("torque{}", gap.joint + 1),
+        joint: Some(gap.joint + 1),
+        rms_before: gap.rms_before,
+        rms_after: gap.rms_after,
+        noise_floor: gap.noise_floor,
+        unit: "N m".to_owned(),
+        share_of_gap: 0.0,
+        reduction_percent: gap_reduction_percent(gap.rms_before, gap.rms_after, gap.noise_floor),
+        reduction_ci95: None,
+    });
+    gaps.collect()
+}
+
 /// Rows of a picture at most.
 const DRAWN: usize = 3000;
 
@@ -336,7 +371,10 @@ fn traces(
     }]
 }
 
-fn untestable(selector: &Selector<'_, '_>) -> Vec<Untestable> {
+fn untestable(
+    selector: &Selector<'_, '_>,
+    on_forces: &[(&'static str, String)],
+) -> Vec<Untestable> {
     let mut found: Vec<Untestable> = Vec::new();
     for effect in selector.effects {
         let Some(why) = effect.untestable(&selector.engine.context) else {
@@ -358,6 +396,11 @@ fn untestable(selector: &Selector<'_, '_>) -> Vec<Untestable> {
             }),
         }
     }
+    found.extend(on_forces.iter().map(|(effect, why)| Untestable {
+        effect: (*effect).to_owned(),
+        joints: Vec::new(),
+        why: why.clone(),
+    }));
     found
 }
 

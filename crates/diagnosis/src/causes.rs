@@ -7,6 +7,7 @@ use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
 use crate::catalogue::{Effect, Family, Hook};
 use crate::earlier::BaseTerm;
 use crate::engine::{Cause, Refit};
+use crate::force::answer::ForceAnswer;
 use crate::rivals::Rival;
 use crate::select::{Selection, Selector, misfit, values_are_plausible};
 use crate::shrink::{Shrink, Unseen};
@@ -114,6 +115,44 @@ pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) ->
         }
     }
     found
+}
+
+/// Effects on torques and forces, which no position shows.
+pub(crate) fn force_findings(force: &ForceAnswer, without: &[String]) -> Vec<CauseAnswer> {
+    let findings = force.findings.iter();
+    findings
+        .filter(|finding| !without.iter().any(|name| name == finding.effect))
+        .map(|finding| {
+            let probability = finding.probability * 0.97;
+            CauseAnswer {
+                effect: finding.effect.to_owned(),
+                joint: finding.joint.map(|joint| joint + 1),
+                probability,
+                class_probability: probability,
+                confusable_with: finding
+                    .confusable_with
+                    .iter()
+                    .map(|name| name.split('@').next().unwrap_or(name).to_owned())
+                    .filter(|name| name != finding.effect)
+                    .collect(),
+                parameters: finding
+                    .parameters
+                    .iter()
+                    .map(|(name, value, ci95)| {
+                        let answer = ParameterAnswer {
+                            value: *value,
+                            ci95: *ci95,
+                        };
+                        (name.clone(), answer)
+                    })
+                    .collect(),
+                plausible: finding.plausible,
+                implausible: !finding.plausible,
+                share: finding.share,
+                held_out: None,
+            }
+        })
+        .collect()
 }
 
 /// Noise this many times the stated one is told, ...
@@ -228,9 +267,8 @@ fn parameters(
             }
         }
         if position == 0 {
-            let relative = effect
-                .scale_uncertainty(context)
-                .hypot(effect.family().amplitude_error());
+            let law = effect.family().amplitude_error() / kept(selection, cause, effect);
+            let relative = effect.scale_uncertainty(context).hypot(law);
             variance += (value * relative).powi(2);
         }
         let mut half = 1.96 * variance.max(0.0).sqrt();
@@ -246,6 +284,19 @@ fn parameters(
         );
     }
     answers
+}
+
+/// Share of a shape that the base model does not swallow: what its law gets wrong counts the more, the
+/// less of it is seen. 1 for the other kinds.
+fn kept(selection: &Selection, cause: &Cause, effect: &dyn Effect) -> f64 {
+    if !matches!(effect.family(), Family::Shape | Family::Wobble) {
+        return 1.0;
+    }
+    let score = selection
+        .first_scan
+        .iter()
+        .find(|score| score.effect == cause.effect);
+    score.map_or(1.0, |score| score.retained.clamp(0.01, 1.0))
 }
 
 /// An instant is known to a few blocks of rows.

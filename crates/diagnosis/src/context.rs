@@ -247,6 +247,48 @@ impl<'a> Context<'a> {
         signal
     }
 
+    /// Errors of all joints at once in front of their external encoders, as large as they are: the chain is
+    /// evaluated again, because the square of a few hundredths of a radian is more than a cable
+    /// encoder's noise.
+    pub(crate) fn upstream_of_all(&self, errors: &[Vec<f64>]) -> Signal {
+        let mut signal = Signal::default();
+        for (joint, error) in errors.iter().enumerate() {
+            signal.add(&self.upstream(joint, error), 1.0);
+        }
+        if self.position.is_empty() {
+            return signal;
+        }
+        let mut evaluation = Evaluation::new(self.device);
+        let moved: Vec<Vector3<f64>> = (0..self.rows())
+            .map(|row| {
+                let output = self.output.iter().zip(errors);
+                let output: Vec<f64> = output.map(|(q, error)| q[row] + error[row]).collect();
+                let pose = evaluation
+                    .move_outputs(&output)
+                    .and_then(|()| evaluation.pose());
+                pose.map_or(self.position[row], |pose| pose.position_m)
+            })
+            .collect();
+        for (stream, values) in &mut signal.parts {
+            for (row, value) in values.iter_mut().enumerate() {
+                match self.streams[*stream].channel {
+                    Channel::Cable { index } => {
+                        let cable = self.device.cables.get(index);
+                        let anchor = Vector3::from(cable.map_or([0.0; 3], |c| c.anchor_m));
+                        *value =
+                            (moved[row] - anchor).norm() - (self.position[row] - anchor).norm();
+                    }
+                    Channel::Position => {
+                        let axis = self.streams[*stream].axis;
+                        *value = moved[row][axis] - self.position[row][axis];
+                    }
+                    Channel::Orientation | Channel::Output { .. } => {}
+                }
+            }
+        }
+        signal
+    }
+
     /// An error of an external encoder alone (H3).
     pub(crate) fn encoder(&self, joint: usize, error: &[f64]) -> Signal {
         let stream = self.output_stream(joint);

@@ -87,6 +87,26 @@ pub(crate) fn difference(engine: &Engine<'_>, earlier: &[Vec<f64>]) -> Differenc
             &norms,
         );
     }
+    // A ratio and an eccentricity resemble each other over a small range: whatever cannot be dropped
+    // without loss differs too.
+    let in_drive = terms.first().is_some_and(|term| term.in_drive);
+    for group in groups.iter().filter(|group| group.in_drive && in_drive) {
+        let named = |term: &BaseTerm| term.name == group.name && term.joint == group.joint;
+        if terms.iter().any(named) {
+            continue;
+        }
+        let others: Vec<usize> = (0..count).filter(|k| !group.columns.contains(k)).collect();
+        let lost = total - explained(&others);
+        if lost > chance(group.columns.len()) {
+            terms.push(BaseTerm {
+                name: group.name,
+                joint: group.joint,
+                explained: lost,
+                parameters: parameters(engine, group, &normal, &norms),
+                in_drive: true,
+            });
+        }
+    }
     terms.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     Difference { terms, total }
 }
@@ -123,9 +143,7 @@ fn forward(
         let Some(best) = (0..left.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b])) else {
             break;
         };
-        let rank = left[best].columns.len() as f64;
-        let chance = TWO_FITS * (rank + BEYOND_CHANCE * rank.sqrt());
-        if gains[best] < chance || gains[best] < SHARE * total {
+        if gains[best] < chance(left[best].columns.len()) || gains[best] < SHARE * total {
             break;
         }
         let group = left.remove(best);
@@ -140,6 +158,12 @@ fn forward(
         });
     }
     terms
+}
+
+/// Squared standard deviations that chance and the earlier model's own errors give a group.
+fn chance(rank: usize) -> f64 {
+    let rank = rank as f64;
+    TWO_FITS * (rank + BEYOND_CHANCE * rank.sqrt())
 }
 
 /// Squared length of the target's part in the span of the chosen columns.

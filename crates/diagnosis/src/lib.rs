@@ -13,6 +13,7 @@ mod diagnose;
 mod earlier;
 mod engine;
 mod error;
+mod force;
 mod frames;
 mod generic;
 mod noise;

@@ -120,8 +120,9 @@ impl<'e, 'a> Selector<'e, 'a> {
                 break;
             }
             let quiet = worst_excess(&next_after, &self.engine.noise) < self.thresholds.omnibus_z;
+            let elsewhere = quiet && self.is_elsewhere(effect, &refit);
             let beyond_laws =
-                is_first || quiet || score.score > self.law_errors(&refit, &explained);
+                is_first || elsewhere || score.score > self.law_errors(&refit, &explained);
             let strict = !is_first || is_step;
             if !enough || !beyond_laws || (strict && !keeps_its_law()) {
                 refused.get_or_insert(score.clone());
@@ -142,6 +143,23 @@ impl<'e, 'a> Selector<'e, 'a> {
             first_scan,
             last_scan,
             refused,
+        })
+    }
+
+    /// Whether an effect shows most in a stream in which no cause so far does: no law of theirs can have
+    /// left it there.
+    fn is_elsewhere(&self, effect: &dyn Effect, refit: &Refit) -> bool {
+        let main = |effect: &dyn Effect| {
+            let in_encoder = matches!(effect.hook(), Hook::Transmission | Hook::ExternalEncoder);
+            effect
+                .joint()
+                .filter(|_| in_encoder)
+                .and_then(|joint| self.engine.context.output_stream(joint))
+        };
+        let own = main(effect);
+        refit.model.causes.iter().all(|cause| {
+            let other = self.effects[cause.effect].as_ref();
+            main(other) != own && other.hook() != Hook::Timing
         })
     }
 

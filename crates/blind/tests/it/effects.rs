@@ -5,6 +5,7 @@ use haptical_blind::{
     perturbed,
 };
 use haptical_model::Device;
+use haptical_model::kinematics::nalgebra::{SMatrix, SVector};
 
 fn plan(kind: &Kind) -> MotionPlan {
     let runs = if kind.needs_two_runs() { 2 } else { 1 };
@@ -174,14 +175,23 @@ fn single(
     (recorded, device, parameters)
 }
 
-/// The motor leads by torque over stiffness, with the sign of the torque.
+/// The motor leads by torque over stiffness, with the sign of the torque. The spring hardens, and weight hangs
+/// on the angle: the stated stiffness is that of the fit with offset, ratio and output drum beside it.
 #[test]
 fn a_compliant_capstan_leads_under_load() {
-    // torque readings have 4 mNm of noise on 0.35 Nm, which flattens the slope by 1e-4
-    const TOLERANCE: f64 = 2e-3;
+    // torque readings have 4 mNm of noise on the 0.1 Nm that the angle does not explain
+    const TOLERANCE: f64 = 5e-3;
     let (recorded, device, parameters) = single("capstan-compliance", 1);
     let torque = recorded.log.torque_nm[1].as_ref().expect("torque");
-    let compliance = slope(torque, &lead_rad(&recorded, &device, 1));
+    let lead = lead_rad(&recorded, &device, 1);
+    let angle = recorded.clean.output_rad[1].as_ref().expect("an encoder");
+    let (mut normal, mut right) = (SMatrix::<f64, 5, 5>::zeros(), SVector::<f64, 5>::zeros());
+    for ((torque, lead), angle) in torque.iter().zip(&lead).zip(angle) {
+        let row = SVector::from([*torque, 1.0, *angle, angle.sin(), angle.cos()]);
+        normal += row * row.transpose();
+        right += row * *lead;
+    }
+    let compliance = normal.lu().solve(&right).expect("a solution")[0];
     let stated = 1.0 / parameters["stiffness_nm_per_rad"];
     assert!(
         (compliance / stated - 1.0).abs() < TOLERANCE,

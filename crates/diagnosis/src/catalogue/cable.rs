@@ -70,7 +70,7 @@ impl Effect for Reading {
             What::Zero => const { &[parameter("offset_m", 0.0, 0.05)] },
             What::Scale | What::Stretch => const { &[parameter("scale", 0.0, 0.05)] },
             // a cable of 1e-2 N/m under 3 N has 1e-5 per m^2; ten times that is no cable
-            What::Sag => const { &[parameter("weight_n_per_m_over_tension", 0.0, 0.1)] },
+            What::Sag => const { &[parameter("weight_n_per_m_over_tension", 0.0, 0.05)] },
             What::Twist => const { &[parameter("twist_m_per_rad2", 0.0, 0.02)] },
         }
     }
@@ -232,7 +232,7 @@ impl Effect for ExitGuide {
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
-        const { &[parameter("radius_m", 0.0, 0.1)] }
+        const { &[parameter("radius_m", 0.0, 0.05)] }
     }
 
     fn needs(&self) -> Vec<Need> {

@@ -96,9 +96,9 @@ impl Effect for Drift {
 
     fn parameters(&self) -> &'static [ParameterSpec] {
         match self.what {
-            What::Drive(_) | What::External(_) => const { &[parameter("rad_per_s", 0.0, 1e-2)] },
-            What::DriveWarming(_) => const { &[parameter("rad_per_degc", 0.0, 2e-2)] },
-            What::Cable => const { &[parameter("m_per_s", 0.0, 1e-3)] },
+            What::Drive(_) | What::External(_) => const { &[parameter("rad_per_s", 0.0, 5e-4)] },
+            What::DriveWarming(_) => const { &[parameter("rad_per_degc", 0.0, 2e-3)] },
+            What::Cable => const { &[parameter("m_per_s", 0.0, 1e-4)] },
         }
     }
 
@@ -168,7 +168,7 @@ impl Effect for ThermalGrowth {
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
-        const { &[parameter("m_per_degc", 0.0, 2e-3)] }
+        const { &[parameter("m_per_degc", 0.0, 3e-4)] }
     }
 
     fn needs(&self) -> Vec<Need> {

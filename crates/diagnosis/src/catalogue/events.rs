@@ -120,7 +120,7 @@ impl Effect for Step {
             What::Slip(_) => {
                 const {
                     &[
-                        parameter("slip_rad", 0.0, 0.3),
+                        parameter("slip_rad", 0.0, 0.1),
                         parameter("time_s", 0.0, f64::MAX),
                     ]
                 }
@@ -128,7 +128,7 @@ impl Effect for Step {
             _ => {
                 const {
                     &[
-                        parameter("counts", 0.0, 1e5),
+                        parameter("counts", 0.4, 1e4),
                         parameter("time_s", 0.0, f64::MAX),
                     ]
                 }

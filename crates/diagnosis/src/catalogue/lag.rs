@@ -79,12 +79,20 @@ impl Late {
             },
             Channel::Motors => {
                 // late motor encoders: everything else is ahead of them
-                let sign = if slope { -1.0 } else { 1.0 };
+                let joints = 0..context.device.joints.len();
+                let errors: Option<Vec<Vec<f64>>> = joints
+                    .clone()
+                    .map(|joint| of_joint(joint, -delay_s))
+                    .collect();
+                let Some(errors) = errors else {
+                    return Signal::default();
+                };
+                if !slope {
+                    return context.upstream_of_all(&errors);
+                }
                 let mut sum = Signal::default();
-                for joint in 0..context.device.joints.len() {
-                    if let Some(error) = of_joint(joint, -delay_s) {
-                        sum.add(&context.upstream(joint, &error), sign);
-                    }
+                for (joint, error) in errors.iter().enumerate() {
+                    sum.add(&context.upstream(joint, error), -1.0);
                 }
                 sum
             }
@@ -123,7 +131,7 @@ impl Effect for Late {
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
-        const { &[parameter("delay_s", 0.0, 0.1)] }
+        const { &[parameter("delay_s", 0.0, 0.05)] }
     }
 
     fn needs(&self) -> Vec<Need> {

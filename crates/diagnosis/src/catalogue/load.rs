@@ -61,7 +61,7 @@ impl Effect for Compliance {
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
-        const { &[parameter("stiffness_nm_per_rad", 5.0, 1e7)] }
+        const { &[parameter("stiffness_nm_per_rad", 20.0, 1e7)] }
     }
 
     fn needs(&self) -> Vec<Need> {
@@ -191,7 +191,7 @@ impl Effect for BaseCompliance {
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
-        const { &[parameter("rad_per_nm", 0.0, 3e-2)] }
+        const { &[parameter("rad_per_nm", 0.0, 1e-2)] }
     }
 
     fn needs(&self) -> Vec<Need> {
@@ -258,7 +258,7 @@ impl Effect for ToolCompliance {
     }
 
     fn parameters(&self) -> &'static [ParameterSpec] {
-        const { &[parameter("m_per_n", 0.0, 1e-2)] }
+        const { &[parameter("m_per_n", 0.0, 2e-3)] }
     }
 
     fn needs(&self) -> Vec<Need> {

@@ -308,24 +308,13 @@ pub(crate) fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
     effects
 }
 
-/// Names that are tested outside the scan: noise, base terms, forces.
-const OTHER_NAMES: [&str; 16] = [
+/// Names that are tested outside the scan: noise and base terms.
+const OTHER_NAMES: [&str; 5] = [
     "noise-level",
     "outliers",
     "parallelogram-error",
     "joint-offset",
     "link-geometry",
-    "force-bias",
-    "force-gain",
-    "force-crosstalk",
-    "force-hysteresis",
-    "joint-friction",
-    "motor-cogging",
-    "torque-gain",
-    "unbalanced-gravity",
-    "grip-force",
-    "channel-sign",
-    "channel-unit",
 ];
 
 /// Every name of the catalogue, in its order.

@@ -161,10 +161,8 @@ impl Effect for Harmonic {
             Kind::ExternalEncoder => context.encoder(self.joint, &error),
             _ => context.upstream(self.joint, &error),
         };
-        vec![
-            place(readings.iter().map(|q| (order * q).cos()).collect()),
-            place(readings.iter().map(|q| (order * q).sin()).collect()),
-        ]
+        let (sines, cosines) = readings.iter().map(|q| (order * q).sin_cos()).unzip();
+        vec![place(cosines), place(sines)]
     }
 
     fn values(&self, _: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {

@@ -79,18 +79,25 @@ impl Effect for Wobble {
     }
 
     fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        let readings = &context.output[self.joint];
+        // per row: the arm, the two directions, sine and cosine
+        let rows: Vec<_> = context.output[self.joint]
+            .iter()
+            .enumerate()
+            .map(|(row, angle)| {
+                let across = self.across(context, row)?;
+                let (_, arm) = context.lever(self.joint, row)?;
+                let (sin, cos) = (shape * angle).sin_cos();
+                Some((arm, across, sin, cos))
+            })
+            .collect();
         (0..4)
             .map(|column| {
                 context.handle(|row| {
-                    let (Some(across), Some((_, arm))) =
-                        (self.across(context, row), context.lever(self.joint, row))
-                    else {
+                    let Some((arm, across, sin, cos)) = &rows[row] else {
                         return (Vector3::zeros(), Vector3::zeros());
                     };
-                    let (sin, cos) = (shape * readings[row]).sin_cos();
-                    let turn = across[column / 2] * if column % 2 == 0 { cos } else { sin };
-                    (turn.cross(&arm), turn)
+                    let turn = across[column / 2] * if column % 2 == 0 { *cos } else { *sin };
+                    (turn.cross(arm), turn)
                 })
             })
             .collect()

@@ -1,5 +1,5 @@
-//! The chain along a recording, block by block: columns of the inertial parameters, of forces at the
-//! handle, of the geometry and of a delay.
+//! The chain along a recording, block by block: columns of the inertial parameters, of forces at
+//! the handle, of the geometry and of a delay.
 
 use haptical_model::kinematics::Parameter;
 use nalgebra::{Matrix3, Vector3};
@@ -153,7 +153,8 @@ impl<'a> Along<'a> {
         Weights::new(self.recorded.channels.len(), covariances)
     }
 
-    /// Column of a force in the handle's frame, per half block (its index and the recorded force given).
+    /// Column of a force in the handle's frame, per half block (its index and the recorded force
+    /// given).
     pub(super) fn hand_column(
         &self,
         force: impl Fn(usize, &Vector3<f64>) -> Vector3<f64>,

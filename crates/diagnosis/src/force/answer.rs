@@ -15,8 +15,8 @@ use crate::DiagnosisError;
 
 /// Slow energy beyond noise, in its standard deviations, that is a gap.
 const OMNIBUS_DEVIATIONS: f64 = 6.0;
-/// Least structure that is a gap: its mean square over that of a row's noise, all channels together.
-/// Angles and lengths that other effects falsify leave less.
+/// Least structure that is a gap: its mean square over that of a row's noise, all channels
+/// together. Angles and lengths that other effects falsify leave less.
 const LEAST_STRUCTURE: f64 = 0.2;
 /// Part of the structure that named effects may leave.
 const UNEXPLAINED_SHARE: f64 = 0.1;
@@ -51,8 +51,8 @@ pub(crate) struct ForceAnswer {
     pub(crate) findings: Vec<ForceFinding>,
     /// Effects that the recording cannot test, and why.
     pub(crate) untestable: Vec<(&'static str, String)>,
-    /// Share of the torques' structured energy that the findings leave; 1 without findings where there
-    /// is a gap, 0 without a gap.
+    /// Share of the torques' structured energy that the findings leave; 1 without findings where
+    /// there is a gap, 0 without a gap.
     pub(crate) unexplained_share: f64,
     /// Whether the torques show more than noise, whether or not that has a name.
     pub(crate) significant: bool,

@@ -1,5 +1,5 @@
-//! The base model of the torques: inertial parameters of all links, and what is not exactly known beside
-//! them - each torque's scale, the geometry within its tolerance, a delay of the encoders.
+//! The base model of the torques: inertial parameters of all links, and what is not exactly known
+//! beside them - each torque's scale, the geometry within its tolerance, a delay of the encoders.
 
 use nalgebra::Vector3;
 

@@ -17,7 +17,8 @@ pub(super) enum Kind {
     Friction,
     Cogging,
     Scale,
-    /// Not a torque: a harmonic error of the motor-side angle, whose second derivative looks like one.
+    /// Not a torque: a harmonic error of the motor-side angle, whose second derivative looks like
+    /// one.
     Ripple,
 }
 
@@ -54,7 +55,8 @@ impl Place {
     }
 }
 
-/// Travel over which friction changes sides \[rad\]; below zero, the rate over which it does \[rad/s\].
+/// Travel over which friction changes sides \[rad\]; below zero, the rate over which it does
+/// \[rad/s\].
 const FRICTION_SHAPES: [f64; 4] = [1e-3, 1e-2, 0.1, -0.02];
 /// Rate within which friction is that of rest rather than of motion, for Stribeck's term \[rad/s\].
 const STRIBECK_RAD_PER_S: f64 = 0.1;
@@ -71,7 +73,6 @@ pub(super) struct Effects<'e, 'a> {
     pub(super) along: &'e Along<'a>,
     /// First base column of the torques' scales.
     scales: usize,
-    harmonics: &'e [Vec<Vec<f64>>],
     /// Smoothed force of the hand per axis, and its root mean square.
     force_n: [Vec<f64>; 3],
     force_rms_n: f64,
@@ -80,7 +81,7 @@ pub(super) struct Effects<'e, 'a> {
 }
 
 impl<'e, 'a> Effects<'e, 'a> {
-    pub(super) fn new(along: &'e Along<'a>, scales: usize, harmonics: &'e [Vec<Vec<f64>>]) -> Self {
+    pub(super) fn new(along: &'e Along<'a>, scales: usize) -> Self {
         let recorded = along.recorded;
         let runs = &recorded.context.runs;
         let force_n: [Vec<f64>; 3] = std::array::from_fn(|axis| {
@@ -106,7 +107,6 @@ impl<'e, 'a> Effects<'e, 'a> {
         Self {
             along,
             scales,
-            harmonics,
             force_rms_n: square.sqrt(),
             force_varies: spread > 1e-6 * square && spread > 0.0,
             force_n,
@@ -143,8 +143,8 @@ impl<'e, 'a> Effects<'e, 'a> {
         places
     }
 
-    /// Orders of cogging of which a channel's travel shows periods enough: fewer look like any other
-    /// function of the angle.
+    /// Orders of cogging of which a channel's travel shows periods enough: fewer look like any
+    /// other function of the angle.
     fn orders(&self, channel: usize) -> Vec<f64> {
         let recorded = self.along.recorded;
         let joint = recorded.channels[channel];
@@ -230,8 +230,8 @@ impl<'e, 'a> Effects<'e, 'a> {
             .collect()
     }
 
-    /// E6: the drive overcomes Coulomb's friction (its presliding by Dahl's state, or regularised by a
-    /// rate), viscous friction and what Stribeck adds at low rates.
+    /// E6: the drive overcomes Coulomb's friction (its presliding by Dahl's state, or regularised
+    /// by a rate), viscous friction and what Stribeck adds at low rates.
     fn friction(&self, channel: usize, shape: f64) -> Vec<Term> {
         let recorded = self.along.recorded;
         let columns = self.friction_rows(channel, shape).into_iter();
@@ -262,7 +262,7 @@ impl<'e, 'a> Effects<'e, 'a> {
         let first = 2 * (order as usize).saturating_sub(1);
         (first..first + 2)
             .map(|index| {
-                let values = &self.harmonics[channel][index];
+                let values = &self.along.recorded.harmonics[channel][index];
                 Term {
                     values: Values::Channel(channel, self.along.recorded.means(|row| values[row])),
                     fast: Some(Fast { channel, index }),
@@ -271,21 +271,21 @@ impl<'e, 'a> Effects<'e, 'a> {
             .collect()
     }
 
-    /// Columns of an effect on one channel row by row; nothing for effects that hardly change within a
-    /// block.
+    /// Columns of an effect on one channel row by row; nothing for effects that hardly change
+    /// within a block.
     pub(super) fn rows(&self, place: &Place) -> Vec<Vec<f64>> {
         match (place.kind, place.channel) {
             (Kind::Friction, Some(channel)) => self.friction_rows(channel, place.shape),
             (Kind::Cogging, Some(channel)) => {
                 let first = 2 * (place.shape as usize).saturating_sub(1);
-                self.harmonics[channel][first..first + 2].to_vec()
+                self.along.recorded.harmonics[channel][first..first + 2].to_vec()
             }
             _ => Vec::new(),
         }
     }
 
-    /// A10 as the torques see it: an error of the motor-side angle at a multiple of the motor's angle
-    /// makes an acceleration that the link does not have.
+    /// A10 as the torques see it: an error of the motor-side angle at a multiple of the motor's
+    /// angle makes an acceleration that the link does not have.
     pub(super) fn ripple(&self, place: &Place, inertia: &[f64]) -> Vec<Term> {
         let Some(channel) = place.channel else {
             return Vec::new();
@@ -300,7 +300,7 @@ impl<'e, 'a> Effects<'e, 'a> {
         let blocks = recorded.blocks.len();
         (first..first + 2)
             .map(|index| {
-                let values = &self.harmonics[channel][index];
+                let values = &self.along.recorded.harmonics[channel][index];
                 let runs = &recorded.context.runs;
                 let motion = crate::signal::local_motion(values, time_s, runs);
                 let acceleration = self.along.half_means(&motion.acceleration);

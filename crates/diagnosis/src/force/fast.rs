@@ -9,13 +9,9 @@ use crate::system::dot;
 /// Highest order of cogging that is tried.
 pub(super) const ORDERS: usize = 12;
 
-/// Cosines and sines of multiples of a channel's motor angle, row by row: orders 1, 2, ... one after
-/// the other, then as many controls half an order below.
-pub(super) fn harmonics(along: &Along<'_>, channel: usize) -> Vec<Vec<f64>> {
-    let recorded = along.recorded;
-    let joint = recorded.channels[channel];
-    let ratio = recorded.context.device.joints[joint].transmission_ratio;
-    let angle = &recorded.motion[joint].value;
+/// Cosines and sines of multiples of the motor's angle (`ratio` times the joint's), row by row:
+/// orders 1, 2, ... one after the other, then as many controls half an order below.
+pub(super) fn harmonics(angle: &[f64], ratio: f64) -> Vec<Vec<f64>> {
     let mut columns = vec![vec![0.0; angle.len()]; 4 * ORDERS];
     for (row, angle) in angle.iter().enumerate() {
         let (sin, cos) = (0.5 * ratio * angle).sin_cos();
@@ -35,12 +31,44 @@ pub(super) fn harmonics(along: &Along<'_>, channel: usize) -> Vec<Vec<f64>> {
     columns
 }
 
+/// A column without the harmonics that its differences of third order show: what is left of a
+/// motor's torque is smooth but for noise, while fast cogging would pass for coloured noise.
+pub(super) fn without_harmonics(values: &[f64], harmonics: &[Vec<f64>]) -> Vec<f64> {
+    let differences = |values: &[f64]| -> Vec<f64> {
+        let of = |w: &[f64]| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0];
+        let all = values.windows(4).map(of);
+        all.map(|value| if value.is_finite() { value } else { 0.0 })
+            .collect()
+    };
+    let orders = &harmonics[..2 * ORDERS];
+    let own: Vec<Vec<f64>> = orders.iter().map(|column| differences(column)).collect();
+    let read = differences(values);
+    let right = DVector::from_iterator(own.len(), own.iter().map(|column| dot(column, &read)));
+    let mut gram = DMatrix::from_fn(own.len(), own.len(), |a, b| dot(&own[a], &own[b]));
+    // slow harmonics have next to no differences, and are not noise either
+    let ridge = 1e-3 * gram.diagonal().max();
+    for k in 0..own.len() {
+        gram[(k, k)] += ridge;
+    }
+    let mut rest = values.to_vec();
+    if let Some(factor) = gram.cholesky() {
+        let amplitudes = factor.solve(&right);
+        for (column, amplitude) in orders.iter().zip(amplitudes.iter()) {
+            for (rest, value) in rest.iter_mut().zip(column) {
+                *rest -= amplitude * value;
+            }
+        }
+    }
+    rest
+}
+
 /// Products of the harmonics' deviations from block means, with each other and with those of the
-/// torques less the base model's, over the noise of a row. Adds up to the products of the block means.
-pub(super) fn table(along: &Along<'_>, harmonics: &[Vec<Vec<f64>>], fitted: &[f64]) -> FastTable {
+/// torques less the base model's, over the noise of a row. Adds up to the products of the block
+/// means.
+pub(super) fn table(along: &Along<'_>, fitted: &[f64]) -> FastTable {
     let recorded = along.recorded;
     let mut table = FastTable::default();
-    for (channel, columns) in harmonics.iter().enumerate() {
+    for (channel, columns) in recorded.harmonics.iter().enumerate() {
         let variance = recorded.row_sd(channel, &along.hand).powi(2).max(1e-300);
         let blocks = recorded.blocks.len();
         let fitted = &fitted[channel * blocks..(channel + 1) * blocks];
@@ -75,8 +103,8 @@ pub(super) fn table(along: &Along<'_>, harmonics: &[Vec<Vec<f64>>], fitted: &[f6
     table
 }
 
-/// What the noise's colour adds to scores: the median of those of the controls, orders between the whole
-/// ones, over that of chi-square with two degrees of freedom.
+/// What the noise's colour adds to scores: the median of those of the controls, orders between the
+/// whole ones, over that of chi-square with two degrees of freedom.
 fn colour(controls: &[Vec<f64>], values: &[f64], variance: f64) -> f64 {
     let mut scores: Vec<f64> = controls
         .chunks_exact(2)
@@ -96,9 +124,9 @@ fn colour(controls: &[Vec<f64>], values: &[f64], variance: f64) -> f64 {
     (scores[scores.len() / 2] / (2.0 * std::f64::consts::LN_2)).max(1.0)
 }
 
-/// What a channel's torque does within blocks beside the base model: rows with their deviations from
-/// the block's mean. Within a block the model is the quartic that has its means there and in the two
-/// blocks on each side.
+/// What a channel's torque does within blocks beside the base model: rows with their deviations
+/// from the block's mean. Within a block the model is the quartic that has its means there and in
+/// the two blocks on each side.
 pub(super) fn deviations(
     along: &Along<'_>,
     torque_nm: &[f64],
@@ -130,8 +158,8 @@ pub(super) fn deviations(
     rest
 }
 
-/// The quartic with these means over five successive blocks, less its value in the middle, at a place
-/// from -1/2 to 1/2 of the middle block.
+/// The quartic with these means over five successive blocks, less its value in the middle, at a
+/// place from -1/2 to 1/2 of the middle block.
 pub(super) fn within(means: [f64; 5], place: f64) -> f64 {
     let [a, b, c, d, e] = means;
     let slope = (5.0 * a - 34.0 * b + 34.0 * d - 5.0 * e) / 48.0;

@@ -57,8 +57,8 @@ fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
 }
 
-/// A channel's torques without the effects that were chosen for it, row by row, and the block means of
-/// what the model says of the rest.
+/// A channel's torques without the effects that were chosen for it, row by row, and the block means
+/// of what the model says of the rest.
 fn without_picks(
     selector: &Selector<'_, '_, '_>,
     base: &Base<'_>,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use haptical_metrics::chi_square_p_value;
-use nalgebra::Cholesky;
+use nalgebra::{Cholesky, DVector, Dyn};
 
 use super::along::Along;
 use super::base::Base;
@@ -124,11 +124,9 @@ pub(super) fn unbalanced(
     let mass = known[groups[best].clone()]
         .iter()
         .find(|(column, _, _)| along.parameters[*column] == PER_LINK * links[best])
-        .map(|(column, value, _)| {
-            (
-                released[best].solution[*column] - value,
-                released[best].variance[*column].sqrt(),
-            )
+        .map(|&(column, value, _)| {
+            let own = &released[best];
+            (own.solution[column] - value, own.variance(column).sqrt())
         });
     let others = (0..released.len()).filter(|&index| index != best);
     let sum: f64 = others.clone().map(|index| (-behind(index)).exp()).sum();
@@ -153,7 +151,8 @@ struct Solved {
     /// Least weighted squares, less those of the readings alone.
     cost: f64,
     solution: Vec<f64>,
-    variance: Vec<f64>,
+    factor: Cholesky<f64, Dyn>,
+    scale: DVector<f64>,
 }
 
 impl Solved {
@@ -170,13 +169,17 @@ impl Solved {
         let scaled = factor.solve(&right);
         // min |b - A x|^2 + sum ((x - a) / s)^2 = |b|^2 + sum (a / s)^2 - right . solution
         let own: f64 = kept.iter().map(|(_, value, sd)| (value / sd).powi(2)).sum();
-        let inverse = factor.inverse();
         Some(Self {
             cost: own - right.dot(&scaled),
             solution: scaled.component_mul(scale).iter().copied().collect(),
-            variance: (0..scale.len())
-                .map(|k| (inverse[(k, k)] * scale[k] * scale[k]).max(0.0))
-                .collect(),
+            factor,
+            scale: scale.clone(),
         })
+    }
+
+    fn variance(&self, column: usize) -> f64 {
+        let mut unit = DVector::zeros(self.scale.len());
+        unit[column] = self.scale[column];
+        (self.factor.solve(&unit)[column] * self.scale[column]).max(0.0)
     }
 }

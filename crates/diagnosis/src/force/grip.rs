@@ -1,5 +1,5 @@
-//! A force of the hand that the sensor does not see: whether any force at the handle, changing as it
-//! likes, accounts for what is left.
+//! A force of the hand that the sensor does not see: whether any force at the handle, changing as
+//! it likes, accounts for what is left.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -31,8 +31,8 @@ pub(super) fn is_testable(channels: usize) -> bool {
     channels >= 3 + SPARE_CHANNELS
 }
 
-/// Fits the base model with any force of the hand allowed for. `before` is what it leaves otherwise,
-/// `excess` the structured energy of that.
+/// Fits the base model with any force of the hand allowed for. `before` is what it leaves
+/// otherwise, `excess` the structured energy of that.
 pub(super) fn grip(
     along: &Along<'_>,
     ordinary: &Weights,
@@ -79,8 +79,8 @@ fn rms(forces: &[(Vector3<f64>, Matrix3<f64>)]) -> f64 {
     (square.max(0.0) / forces.len().max(1) as f64).sqrt()
 }
 
-/// What the base model leaves when something is allowed for beside it, and the part of the structure
-/// in that, if that is small.
+/// What the base model leaves when something is allowed for beside it, and the part of the
+/// structure in that, if that is small.
 fn left_beside(
     along: &Along<'_>,
     besides: Besides,

@@ -1,9 +1,9 @@
-//! Effects on torques and forces (E1 to E10): what inverse dynamics and the hand's force leave of the
-//! drives' torques.
+//! Effects on torques and forces (E1 to E10): what inverse dynamics and the hand's force leave of
+//! the drives' torques.
 //!
-//! docs/diagnosis-force.md derives the model. The torques are of use only where they are recorded with
-//! time, and the test says nothing of positions: errors of angles and lengths are allowed for as what
-//! is not exactly known.
+//! docs/diagnosis-force.md derives the model. The torques are of use only where they are recorded
+//! with time, and the test says nothing of positions: errors of angles and lengths are allowed for
+//! as what is not exactly known.
 
 mod along;
 pub(crate) mod answer;
@@ -61,11 +61,8 @@ pub(crate) fn examine(context: &Context<'_>) -> Result<ForceAnswer, DiagnosisErr
         return Ok(ForceAnswer::untestable("the torques have no noise at all"));
     };
     let mut base = along.fit(&weights, Besides::Nothing);
-    let harmonics: Vec<_> = (0..recorded.channels.len())
-        .map(|channel| fast::harmonics(&along, channel))
-        .collect();
-    base.normal.fast = fast::table(&along, &harmonics, &base.normal.fitted());
-    let effects = Effects::new(&along, base.scales, &harmonics);
+    base.normal.fast = fast::table(&along, &base.normal.fitted());
+    let effects = Effects::new(&along, base.scales);
     let selector = Selector::new(&recorded, &weights, &effects, &along.reading);
     let fitted_before = base.normal.fitted();
     let selection = selector.select(&mut base)?;

@@ -1,5 +1,5 @@
-//! Generalised least squares in information form: base columns with priors, and what a further group of
-//! columns would explain (a score test) without building a projection.
+//! Generalised least squares in information form: base columns with priors, and what a further
+//! group of columns would explain (a score test) without building a projection.
 //!
 //! docs/diagnosis-force.md, "Score test", derives the formulas.
 
@@ -187,8 +187,8 @@ impl<'w> Normal<'w> {
             .sum()
     }
 
-    /// What `map` makes of the base columns, through the inverse factor of the normal matrix: columns
-    /// whose squares are the leverages of the mapped readings.
+    /// What `map` makes of the base columns, through the inverse factor of the normal matrix:
+    /// columns whose squares are the leverages of the mapped readings.
     pub(super) fn leverage(&self, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<DMatrix<f64>> {
         let mapped: Vec<Vec<f64>> = self
             .known

@@ -1,7 +1,8 @@
-//! The chain at one instant: axes, links with their motion, and what inertia, weight and the hand's force
-//! ask of the drives.
+//! The chain at one instant: axes, links with their motion, and what inertia, weight and the hand's
+//! force ask of the drives.
 //!
-//! docs/diagnosis-force.md, "Torques of the drives", derives the formulas. All vectors are in frame (-1).
+//! docs/diagnosis-force.md, "Torques of the drives", derives the formulas. All vectors are in frame
+//! (-1).
 
 use haptical_model::kinematics::{Convention, Link, Motion, Parameter};
 use haptical_model::{Device, JointType};
@@ -39,7 +40,8 @@ struct Body {
     acceleration: Vector3<f64>,
 }
 
-/// One elementary motion of a row, a turn or a slide along an axis: what a wrong row parameter does.
+/// One elementary motion of a row, a turn or a slide along an axis: what a wrong row parameter
+/// does.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
     pub(super) parameter: Parameter,
@@ -175,12 +177,12 @@ impl Axis {
 }
 
 impl Posture {
-    /// The rigid-body regressor: `put(joint, parameter, torque)` for the torque \[N m\] (a force \[N\]
-    /// at a sliding joint) that one unit of an inertial parameter asks of a joint's drive.
+    /// The rigid-body regressor: `put(joint, parameter, torque)` for the torque \[N m\] (a force
+    /// \[N\] at a sliding joint) that one unit of an inertial parameter asks of a joint's drive.
     ///
     /// Newton-Euler for a link about its frame's origin: force `m (a - g) + s' x c + s x (s x c)`,
-    /// moment `c x (a - g) + I s' + s x I s`, c the first moment, s the spin (Khalil & Dombre, *Modeling,
-    /// Identification and Control of Robots*, section 9.4).
+    /// moment `c x (a - g) + I s' + s x I s`, c the first moment, s the spin (Khalil & Dombre,
+    /// *Modeling, Identification and Control of Robots*, section 9.4).
     pub(super) fn regressor(&self, gravity: &Vector3<f64>, mut put: impl FnMut(usize, usize, f64)) {
         for (index, body) in self.bodies.iter().enumerate() {
             let own = body.rotation.transpose();
@@ -209,8 +211,8 @@ impl Posture {
         }
     }
 
-    /// Row of the transposed Jacobian in the handle's frame: a force of the handle on the hand times
-    /// it is the torque that the joint's drive exerts for it.
+    /// Row of the transposed Jacobian in the handle's frame: a force of the handle on the hand
+    /// times it is the torque that the joint's drive exerts for it.
     pub(super) fn hand(&self, joint: usize) -> Vector3<f64> {
         let (_, arm) = self.axes[joint].screw(&self.handle_m);
         self.handle.tr_mul(&arm)

@@ -1,10 +1,11 @@
-//! What a recording says of the drives' torques: blocks of rows, the torque that is not the hand's, the
-//! noise of both, or why nothing can be said.
+//! What a recording says of the drives' torques: blocks of rows, the torque that is not the hand's,
+//! the noise of both, or why nothing can be said.
 
 use std::ops::Range;
 
 use nalgebra::{DMatrix, Vector3};
 
+use super::fast;
 use crate::context::Context;
 use crate::noise;
 use crate::signal::{LocalMotion, smooth};
@@ -18,8 +19,8 @@ const LOCAL_REACH: usize = 3;
 const LONGEST_BLOCK: usize = 400;
 /// Readings per parameter of the base model that are enough.
 const ENOUGH: usize = 8;
-/// What the base model itself may be wrong by, over a torque's root mean square: postures are averaged
-/// over half blocks.
+/// What the base model itself may be wrong by, over a torque's root mean square: postures are
+/// averaged over half blocks.
 const MODEL_SD: f64 = 1e-3;
 /// Standard deviation of the hand's force where nothing is known of it \[N\].
 pub(super) const UNKNOWN_FORCE_SD_N: f64 = 30.0;
@@ -61,7 +62,10 @@ pub(super) struct Recorded<'a> {
     pub(super) force_n: Option<Vec<Vector3<f64>>>,
     /// Per channel and row: torque of the drive plus that of the hand.
     pub(super) torque_nm: Vec<Vec<f64>>,
-    /// Standard deviation of a row's torque reading per channel, and what its colour adds to a mean.
+    /// Cosines and sines of multiples of each channel's motor angle.
+    pub(super) harmonics: Vec<Vec<Vec<f64>>>,
+    /// Standard deviation of a row's torque reading per channel, and what its colour adds to a
+    /// mean.
     pub(super) torque_sd: Vec<f64>,
     torque_inflation: Vec<f64>,
     force_sd: [f64; 3],
@@ -118,11 +122,23 @@ impl<'a> Recorded<'a> {
         }
         let size = blocks.iter().map(|block| block.usable.len()).sum::<usize>() as f64
             / blocks.len().max(1) as f64;
-        let of_torque: Option<Vec<(f64, f64)>> = channels
+        let harmonics: Vec<Vec<Vec<f64>>> = channels
             .iter()
             .map(|&joint| {
+                let ratio = device.joints[joint].transmission_ratio;
+                fast::harmonics(&motion[joint].value, ratio)
+            })
+            .collect();
+        let of_torque: Option<Vec<(f64, f64)>> = channels
+            .iter()
+            .zip(&harmonics)
+            .map(|(&joint, harmonics)| {
                 let values = column(context, joint)?;
-                let (sd, inflation) = noise_of(context, values, size)?;
+                let (mut sd, mut inflation) = noise_of(context, values, size)?;
+                if inflation > 1.0 {
+                    let rest = fast::without_harmonics(values, harmonics);
+                    (sd, inflation) = noise_of(context, &rest, size)?;
+                }
                 let usable = values.iter().filter(|value| value.is_finite());
                 let square = usable.clone().map(|value| value * value).sum::<f64>();
                 let rms = (square / usable.count().max(1) as f64).sqrt();
@@ -145,6 +161,7 @@ impl<'a> Recorded<'a> {
             step_s,
             force_n,
             torque_nm,
+            harmonics,
             torque_sd: of_torque.iter().map(|noise| noise.0).collect(),
             torque_inflation: of_torque.iter().map(|noise| noise.1).collect(),
             force_sd: of_force.map(|noise| noise.0),
@@ -168,8 +185,8 @@ impl<'a> Recorded<'a> {
             .collect()
     }
 
-    /// Covariance of a block's mean torques, its transposed Jacobian (channel by axis of the handle's
-    /// frame) given, and what may act besides.
+    /// Covariance of a block's mean torques, its transposed Jacobian (channel by axis of the
+    /// handle's frame) given, and what may act besides.
     pub(super) fn covariance(
         &self,
         block: usize,
@@ -219,8 +236,8 @@ impl<'a> Recorded<'a> {
     }
 }
 
-/// Standard deviation of a column's noise, and what its colour adds to the variance of a mean of `size`
-/// rows; none where no rows follow each other.
+/// Standard deviation of a column's noise, and what its colour adds to the variance of a mean of
+/// `size` rows; none where no rows follow each other.
 fn noise_of(context: &Context<'_>, values: &[f64], size: f64) -> Option<(f64, f64)> {
     let noise = noise::estimate(values, &context.runs, true, 0.0, false, 0.0);
     let colour = 1.0 + noise.coloured_share * (inflation(noise.colour, size) - 1.0);

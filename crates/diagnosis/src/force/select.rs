@@ -13,8 +13,8 @@ use crate::DiagnosisError;
 
 /// Chance of any name on torques without an effect.
 const FAMILY_WISE_P: f64 = 1e-3;
-/// Least size of an effect: its mean square over that of a row's noise. Errors of the angles and of the
-/// geometry that are no effects on torques leave less than this.
+/// Least size of an effect: its mean square over that of a row's noise. Errors of the angles and of
+/// the geometry that are no effects on torques leave less than this.
 const LEAST_SHARE_OF_NOISE: f64 = 0.04;
 /// Least share of its columns that the base model must leave.
 const RETAINED: f64 = 0.05;
@@ -125,8 +125,8 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
                 products: base.normal.products(self.effects.terms(&place)),
             })
             .collect();
-        let rest_before = self.rest(base);
-        let before = self.energy(base, &rest_before);
+        let mut rest_before = self.rest(base);
+        let mut before = self.energy(base, &rest_before);
         let mut after = before.clone();
         let mut picks: Vec<Pick> = Vec::new();
         let mut ripples: Vec<Place> = Vec::new();
@@ -166,6 +166,12 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
                 if rival.rank > 0 && self.merit(&place, &rival) > self.merit(&place, &score) {
                     base.normal.adopt(&terms);
                     ripples.push(place);
+                    if picks.is_empty() {
+                        // what an angle's error adds is no gap of the torques
+                        rest_before = self.rest(base);
+                        before = self.energy(base, &rest_before);
+                        after = before.clone();
+                    }
                     continue;
                 }
             }
@@ -340,7 +346,8 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
                 .filter(|rival| rival.2 < 100.0_f64.ln())
                 .map(|(kind, channel, _)| (kind, channel))
                 .collect();
-            // a second effect that does worse than another shape of the first makes up for its misfit
+            // a second effect that does worse than another shape of the first makes up for its
+            // misfit
             kept[index] &= index == 0 || pick.probability > 0.5;
         }
         base.normal.truncate(first);

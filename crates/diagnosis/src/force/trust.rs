@@ -1,5 +1,5 @@
-//! Whether the calibrated geometry can be trusted with the torques: effects on positions that are not in
-//! the model falsify lengths and angles, and these the torques.
+//! Whether the calibrated geometry can be trusted with the torques: effects on positions that are
+//! not in the model falsify lengths and angles, and these the torques.
 
 use haptical_calibration::Channel;
 
@@ -20,8 +20,8 @@ fn strain(base: &Base<'_>) -> f64 {
     base.normal.strain(base.geometry.clone()) / count
 }
 
-/// Whether the structure of the torques may come from a falsified geometry: they pull at it, and the
-/// positions show a gap.
+/// Whether the structure of the torques may come from a falsified geometry: they pull at it, and
+/// the positions show a gap.
 pub(super) fn is_falsified(context: &Context<'_>, base: &Base<'_>) -> bool {
     strain(base) > STRAIN && positions_show_a_gap(context)
 }

@@ -200,8 +200,8 @@ fn placed(
     pose.position_m + pose.rotation * place
 }
 
-/// Torques of the drives by virtual work: the sum over masses of `m (a - g) . dp/dq`, less the hand's.
-/// `angles` are those at three instants `step_s` apart; `force` in the handle's frame.
+/// Torques of the drives by virtual work: the sum over masses of `m (a - g) . dp/dq`, less the
+/// hand's. `angles` are those at three instants `step_s` apart; `force` in the handle's frame.
 pub(super) fn virtual_work(
     device: &Device,
     masses: &Masses,
@@ -254,7 +254,8 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// Slow random motion of a calibrated arm: 0.3 mm and 0.6 mrad off the file, torque scales off by 3 %.
+    /// Slow random motion of a calibrated arm: 0.3 mm and 0.6 mrad off the file, torque scales off
+    /// by 3 %.
     pub(super) fn new(seed: u64, rows: usize) -> Self {
         Self::sampled(seed, rows, STEP_S)
     }

@@ -1,5 +1,5 @@
-//! Regressor, Jacobian and geometry against virtual work and finite differences; the score against a
-//! projection.
+//! Regressor, Jacobian and geometry against virtual work and finite differences; the score against
+//! a projection.
 
 use haptical_model::Device;
 use haptical_model::kinematics::Parameter;
