@@ -19,7 +19,7 @@ const fn effect(name: &'static str, what: &'static str, check: &'static str) -> 
     EffectWords { name, what, check }
 }
 
-const WORDS: [EffectWords; 54] = [
+const WORDS: [EffectWords; 52] = [
     effect(
         "capstan-compliance",
         "the capstan's cable stretches with the torque",
@@ -279,16 +279,6 @@ const WORDS: [EffectWords; 54] = [
         "grip-force",
         "the hand loads the handle beside what the force sensor sees",
         "how the handle is held while recording",
-    ),
-    effect(
-        "channel-sign",
-        "a channel counts the wrong way",
-        "the direction of that encoder in the log",
-    ),
-    effect(
-        "channel-unit",
-        "a channel is in another unit than its column says",
-        "degrees and radians, millimetres and metres in the log",
     ),
 ];
 

@@ -29,6 +29,9 @@ pub(crate) fn no_gap() -> Diagnosis {
         colour: 0.01,
         outlier_share: 0.0,
         from: "differences of successive rows".to_owned(),
+        speed_ratio: 1.0,
+        readings: 6000,
+        from_motion: true,
     };
     Diagnosis {
         verdict: Verdict::NoGap,

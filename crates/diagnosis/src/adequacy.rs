@@ -11,9 +11,6 @@ pub(crate) struct Adequacy {
     pub(crate) worst: f64,
     /// Share of the structured energy that the causes leave.
     pub(crate) unexplained: f64,
-    /// Share of each cause's energy that a free function of its own covariate still explains, with
-    /// the probability of that by chance.
-    pub(crate) own: Vec<(f64, f64)>,
     /// Structured energy before any cause, in squared standard deviations.
     pub(crate) total: f64,
 }
@@ -46,7 +43,6 @@ pub(crate) fn adequacy(selector: &Selector<'_, '_>, selection: &Selection) -> Ad
         is_adequate: laws_hold && (worst < selector.thresholds.omnibus_z || small_rest),
         worst,
         unexplained,
-        own,
         total,
     }
 }

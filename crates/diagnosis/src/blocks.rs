@@ -132,17 +132,6 @@ impl Blocks {
         !self.streams[stream].entries[block].follows
     }
 
-    /// Root mean square of a physical value that has the whitened size 1 on a stream.
-    pub(crate) fn unit(&self, stream: usize) -> f64 {
-        let entries = &self.streams[stream].entries;
-        let sum: f64 = entries.iter().map(|entry| entry.scale * entry.scale).sum();
-        if sum > 0.0 {
-            (entries.len() as f64 / sum).sqrt()
-        } else {
-            0.0
-        }
-    }
-
     /// Means over blocks, over their standard deviations, whitened.
     pub(crate) fn compress(&self, stream: usize, value: impl Fn(usize) -> f64) -> Vec<f64> {
         let blocks = &self.streams[stream];

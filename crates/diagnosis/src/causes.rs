@@ -6,8 +6,8 @@ use crate::adequacy::Adequacy;
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
 use crate::catalogue::{Effect, Family, Hook};
 use crate::earlier::BaseTerm;
-use crate::engine::{Cause, Refit};
 use crate::force::answer::ForceAnswer;
+use crate::model::{Cause, Refit};
 use crate::rivals::Rival;
 use crate::select::{Selection, Selector, misfit, values_are_plausible};
 use crate::shrink::{Shrink, Unseen};
@@ -31,6 +31,9 @@ pub(crate) fn cause_answer(
     // a drift that settles has no law of its own: many things settle
     if effect.family() == Family::Drift && cause.shape != 0.0 {
         probability *= SETTLING;
+    } else if effect.name() == "joint-drift" {
+        // a cable that creeps under a steady load drifts as steadily
+        probability *= STEADY;
     }
     let class: f64 = rivals
         .iter()
@@ -51,6 +54,8 @@ pub(crate) fn cause_answer(
     }
 }
 
+/// Probability of a steady drift's name at a joint when everything else speaks for it.
+const STEADY: f64 = 0.8;
 /// Probability of a settling drift's name when everything else speaks for it.
 const SETTLING: f64 = 0.75;
 

@@ -1,6 +1,8 @@
 //! Free functions of one covariate at one place: where a gap lies before any name is tried, and whether a
 //! named law leaves something that its own covariate still explains.
 
+use haptical_model::kinematics::nalgebra::Vector3;
+
 use crate::catalogue::{Effect, Family, Hook};
 use crate::context::Context;
 use crate::scan::{Candidate, Score};
@@ -46,7 +48,7 @@ impl Covariate {
             }
             Self::Force => {
                 let force = context.force_n.as_ref()?;
-                Some(force.iter().map(|force| force.norm()).collect())
+                Some(force.iter().map(Vector3::norm).collect())
             }
         }
     }

@@ -1,4 +1,6 @@
 //! Names the unmodelled effect behind what a calibration leaves, or declines.
+//!
+#![doc = include_str!("../README.md")]
 
 mod adequacy;
 mod advice;
@@ -8,6 +10,7 @@ mod base;
 mod blocks;
 mod catalogue;
 mod causes;
+mod cleaning;
 mod context;
 mod diagnose;
 mod earlier;
@@ -16,15 +19,20 @@ mod error;
 mod force;
 mod frames;
 mod generic;
+mod measured;
+mod model;
 mod noise;
 mod options;
+mod part;
 mod place;
+mod refit;
 mod rivals;
 mod scan;
 mod select;
 mod shrink;
 mod signal;
 mod system;
+mod tables;
 mod thresholds;
 mod unseen;
 

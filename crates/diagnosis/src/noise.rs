@@ -389,7 +389,17 @@ mod tests {
             .enumerate()
             .map(|(k, e)| 1.3 * e + 20.0 * (k as f64 * 0.01).sin())
             .collect();
-        let noise = estimate(&values, &[0..6000], true, 0.0, true, 0.0);
+        let noise = estimate(
+            &values,
+            &[Range {
+                start: 0,
+                end: 6000,
+            }],
+            true,
+            0.0,
+            true,
+            0.0,
+        );
         assert!((noise.ratio - 1.3).abs() < 0.06, "{noise:?}");
         assert!(noise.colour.abs() < 0.05);
     }
@@ -404,7 +414,17 @@ mod tests {
                 value
             })
             .collect();
-        let noise = estimate(&values, &[0..6000], true, 0.0, true, 0.0);
+        let noise = estimate(
+            &values,
+            &[Range {
+                start: 0,
+                end: 6000,
+            }],
+            true,
+            0.0,
+            true,
+            0.0,
+        );
         assert!((noise.colour - 0.5).abs() < 0.03, "{noise:?}");
         assert!((noise.ratio - 1.0).abs() < 0.08, "{noise:?}");
     }
@@ -419,7 +439,17 @@ mod tests {
                 value + 0.7 * pair[1]
             })
             .collect();
-        let noise = estimate(&values, &[0..6000], true, 0.0, true, 0.49 / 1.49);
+        let noise = estimate(
+            &values,
+            &[Range {
+                start: 0,
+                end: 6000,
+            }],
+            true,
+            0.0,
+            true,
+            0.49 / 1.49,
+        );
         let low = noise.ratio.powi(2)
             * (1.0 + noise.coloured_share * 2.0 * noise.colour / (1.0 - noise.colour));
         // low-frequency level: 4 of the coloured part, 0.49 of the white one
@@ -434,10 +464,28 @@ mod tests {
             .zip(&speed)
             .map(|(e, v)| e * (1.0 + 2.0 * v.abs()))
             .collect();
-        let (scale, ratio) = speed_scale(&values, &speed, &[0..6000]).unwrap_or_default();
+        let (scale, ratio) = speed_scale(
+            &values,
+            &speed,
+            &[Range {
+                start: 0,
+                end: 6000,
+            }],
+        )
+        .unwrap_or_default();
         assert!((1.7..3.0).contains(&ratio), "{ratio}");
         assert!(scale[157] > 1.4 * scale[1], "{} {}", scale[157], scale[1]);
-        assert!(speed_scale(&normal(6000, 6), &speed, &[0..6000]).is_none());
+        assert!(
+            speed_scale(
+                &normal(6000, 6),
+                &speed,
+                &[Range {
+                    start: 0,
+                    end: 6000
+                }]
+            )
+            .is_none()
+        );
     }
 
     #[test]
@@ -449,7 +497,16 @@ mod tests {
         values[100] += 12.0;
         values[700] -= 12.0;
         assert_eq!(
-            outliers(&values, &[0..1000], true, 1.0, 6.0),
+            outliers(
+                &values,
+                &[Range {
+                    start: 0,
+                    end: 1000
+                }],
+                true,
+                1.0,
+                6.0
+            ),
             vec![100, 700]
         );
     }

@@ -3,7 +3,7 @@
 use crate::DiagnosisError;
 use crate::catalogue::Family;
 use crate::context::Context;
-use crate::engine::Cause;
+use crate::model::Cause;
 use crate::select::{Selection, Selector, misfit};
 
 /// An effect in a cause's place.
@@ -90,7 +90,7 @@ pub(crate) fn rivals(
     let empty = selector.cost(&without);
     let own_cost = selector.cost(&selection.refit);
     let gained = (empty - own_cost).max(1e-9);
-    let mut evidence: Vec<(usize, f64, f64, Option<Cause>)> = Vec::new();
+    let mut evidence: Vec<Evidence> = Vec::new();
     let own = causes[cause].effect;
     let own_rank = causes[cause].amplitudes.len();
     let template = scan.iter().find(|score| score.effect == own).cloned();
@@ -134,23 +134,7 @@ pub(crate) fn rivals(
             fit,
         ));
     }
-    // The course of a drift is a matter of its law (a sensor lags behind the part that warms): its kin
-    // counts as near while it explains almost as much.
-    let own_effect = selector.effects[own].as_ref();
-    for (effect, value, share, _) in &mut evidence {
-        let other = selector.effects[*effect].as_ref();
-        let is_kin = *effect != own
-            && own_effect.family() == Family::Drift
-            && other.is_kin_of(own_effect)
-            && other.name() != own_effect.name();
-        if is_kin && *share > LOOK_ALIKE && warms_with_time(&selector.engine.context) {
-            let behind = 1.0 + 3.0 * (1.0 - *share).max(0.0) / (1.0 - LOOK_ALIKE);
-            *value = value.max(best - behind);
-        } else if is_kin && *share > 1.0 - DRIFT_LAW {
-            let behind = selector.thresholds.confusable_nats * (1.0 - *share).max(0.0) / DRIFT_LAW;
-            *value = value.max(best - behind);
-        }
-    }
+    hedge_drifts(selector, own, best, &mut evidence);
     evidence.sort_by(|a, b| b.1.total_cmp(&a.1));
     let top = evidence[0].1;
     let sum: f64 = evidence
@@ -177,6 +161,30 @@ pub(crate) fn rivals(
         found.insert(0, own);
     }
     Ok(found)
+}
+
+/// Position in the catalogue, evidence in nats, share of what the cause explains, its fit.
+type Evidence = (usize, f64, f64, Option<Cause>);
+
+/// Brings look-alikes of a drift near to it.
+fn hedge_drifts(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &mut [Evidence]) {
+    // The course of a drift is a matter of its law (a sensor lags behind the part that warms): its kin
+    // counts as near while it explains almost as much.
+    let own_effect = selector.effects[own].as_ref();
+    for (effect, value, share, _) in evidence.iter_mut() {
+        let other = selector.effects[*effect].as_ref();
+        let is_kin = *effect != own
+            && own_effect.family() == Family::Drift
+            && other.is_kin_of(own_effect)
+            && other.name() != own_effect.name();
+        if is_kin && *share > LOOK_ALIKE && warms_with_time(&selector.engine.context) {
+            let behind = 1.0 + 3.0 * (1.0 - *share).max(0.0) / (1.0 - LOOK_ALIKE);
+            *value = value.max(best - behind);
+        } else if is_kin && *share > 1.0 - DRIFT_LAW {
+            let behind = selector.thresholds.confusable_nats * (1.0 - *share).max(0.0) / DRIFT_LAW;
+            *value = value.max(best - behind);
+        }
+    }
 }
 
 /// One entry for each name at a place.

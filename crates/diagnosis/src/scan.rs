@@ -140,31 +140,6 @@ impl Candidate {
         }
         result
     }
-
-    /// The residual without what the candidate explains at these amplitudes.
-    pub(crate) fn residual_without(&self, system: &System, amplitudes: &[f64]) -> Vec<f64> {
-        let mut rest = system.residual.clone();
-        for (column, &amplitude) in self.columns.iter().zip(amplitudes) {
-            for (stream, values) in &column.parts {
-                let range = system.blocks.range(*stream);
-                for (entry, value) in rest[range].iter_mut().zip(values) {
-                    *entry -= amplitude * value;
-                }
-            }
-        }
-        for (k, direction) in system.basis.iter().enumerate() {
-            let shared: f64 = self
-                .coefficients
-                .iter()
-                .zip(amplitudes)
-                .map(|(coefficients, amplitude)| coefficients[k] * amplitude)
-                .sum();
-            for (entry, other) in rest.iter_mut().zip(direction) {
-                *entry += shared * other;
-            }
-        }
-        rest
-    }
 }
 
 fn product(a: &Column, b: &Column) -> f64 {

@@ -4,8 +4,9 @@ use haptical_metrics::chi_square_p_value;
 
 use crate::DiagnosisError;
 use crate::catalogue::{Effect, Family, Hook, under_load};
-use crate::engine::{Cause, Engine, Model, Refit};
+use crate::engine::Engine;
 use crate::generic::{self, own_covariates};
+use crate::model::{Cause, Model, Refit};
 use crate::noise::Noise;
 use crate::scan::{Candidate, Score, candidates, event_score, sharpen, with_more_steps};
 use crate::system::{SlowEnergy, System};
@@ -24,8 +25,6 @@ pub(crate) struct Selection {
     pub(crate) system: System,
     /// Scan of the base model's residuals, best first.
     pub(crate) first_scan: Vec<Score>,
-    /// Scan of what is left, best first.
-    pub(crate) last_scan: Vec<Score>,
     /// The best pick that was refused, if any.
     pub(crate) refused: Option<Score>,
 }
@@ -85,18 +84,17 @@ impl<'e, 'a> Selector<'e, 'a> {
         let mut explained = Vec::new();
         let mut first_scan = Vec::new();
         let mut refused = None;
-        let mut last_scan;
         let mut shut = Vec::new();
         loop {
-            last_scan = self.scan(&system, &refit.model);
-            last_scan.retain(|score| !shut.contains(&score.effect));
+            let mut scan = self.scan(&system, &refit.model);
+            scan.retain(|score| !shut.contains(&score.effect));
             if refit.model.causes.is_empty() {
-                first_scan.clone_from(&last_scan);
+                first_scan.clone_from(&scan);
             }
             if refit.model.causes.len() >= self.thresholds.causes || shut.len() > REFUSALS {
                 break;
             }
-            let Some((next, score)) = self.best(&system, &refit, &last_scan)? else {
+            let Some((next, score)) = self.best(&system, &refit, &scan)? else {
                 break;
             };
             let next_system = self.system_of(&next);
@@ -141,7 +139,6 @@ impl<'e, 'a> Selector<'e, 'a> {
             explained,
             system,
             first_scan,
-            last_scan,
             refused,
         })
     }

@@ -8,7 +8,9 @@ use crate::DiagnosisError;
 use crate::answer::{HeldOutAnswer, Prediction};
 use crate::base::Base;
 use crate::catalogue::Effect;
-use crate::engine::{Cause, Engine, Model, outlying_rows, without_readings};
+use crate::cleaning::{outlying_rows, without_readings};
+use crate::engine::Engine;
+use crate::model::{Cause, Model};
 use crate::scan::{event_score, with_more_steps};
 use crate::select::{Selection, Selector};
 

@@ -221,12 +221,12 @@ mod tests {
     #[test]
     fn play_and_dahl_agree_far_from_reversals() {
         let travel: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 0.02).sin()).collect();
-        let runs = [0..1000];
+        let runs = [0..500, 500..1000];
         let (lost, state) = (play(&travel, 1e-3, &runs), dahl(&travel, 1e-3, &runs));
         let differing = (10..1000)
             .filter(|&row| (lost[row] + state[row]).abs() > 0.2)
             .count();
-        assert!(differing < 20, "{differing}");
+        assert!(differing < 25, "{differing}");
         assert!((lost[50] + 1.0).abs() < 1e-12);
     }
 

@@ -82,12 +82,12 @@ impl Family {
     /// Relative standard deviation that the law's error puts on an amplitude.
     pub(crate) fn amplitude_error(self) -> f64 {
         match self {
-            Self::Step | Self::Lag => 0.001,
-            Self::Shape | Self::Coupling | Self::Exit => 0.007,
-            Self::Wobble | Self::Tool => 0.015,
+            Self::Step => 0.006,
+            Self::Shape | Self::Coupling | Self::Exit => 0.01,
+            Self::Wobble | Self::Tool | Self::Lag => 0.015,
             Self::Drift => 0.02,
-            Self::Loop => 0.03,
-            Self::Load => 0.04,
+            Self::Loop => 0.05,
+            Self::Load => 0.06,
         }
     }
 }
@@ -184,6 +184,10 @@ pub(crate) trait Effect: Debug + Send + Sync {
     /// The reported parameters.
     fn values(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64>;
     /// Amplitudes and shape that have these values: the inverse of [`Effect::values`].
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "the registry tests go there and back")
+    )]
     fn amplitudes(&self, context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64);
     /// Whether the sign of the amplitude is one that nature allows (a stiffness is positive).
     fn is_possible(&self, _amplitudes: &[f64]) -> bool {
@@ -200,6 +204,15 @@ pub(crate) trait Effect: Debug + Send + Sync {
 }
 
 impl dyn Effect {
+    /// `backlash@3`, `cable-latency`.
+    #[cfg(test)]
+    pub(crate) fn label(&self) -> String {
+        match self.joint() {
+            Some(joint) => format!("{}@{}", self.name(), joint + 1),
+            None => self.name().to_owned(),
+        }
+    }
+
     /// Why it cannot be tested on a recording.
     pub(crate) fn untestable(&self, context: &Context<'_>) -> Option<String> {
         self.needs()
@@ -213,14 +226,6 @@ impl dyn Effect {
             && self.joint() == other.joint()
             && (self.hook() == other.hook() || self.family() == Family::Drift)
             && self.family() != Family::Coupling
-    }
-
-    /// `backlash@3`, `cable-latency`.
-    pub(crate) fn label(&self) -> String {
-        match self.joint() {
-            Some(joint) => format!("{}@{}", self.name(), joint + 1),
-            None => self.name().to_owned(),
-        }
     }
 }
 
@@ -244,12 +249,10 @@ fn missing(need: Need, context: &Context<'_>) -> Option<String> {
             Some(values) if !varies(values) => Some(format!("torque{}_nm is constant", joint + 1)),
             Some(_) => None,
         },
-        Need::Force => match &context.force_n {
+        Need::Force => match &recording.force_n {
             None => Some("no columns fx_n, fy_n, fz_n".to_owned()),
-            Some(values) => {
-                let sizes: Vec<f64> = values.iter().map(|force| force.norm()).collect();
-                (!varies(&sizes)).then(|| "the hand's force is constant".to_owned())
-            }
+            Some(axes) => (!axes.iter().any(|axis| varies(axis)))
+                .then(|| "the hand's force is constant".to_owned()),
         },
         Need::BaseMoment => context
             .base_moment_nm
@@ -261,7 +264,8 @@ fn missing(need: Need, context: &Context<'_>) -> Option<String> {
             Some(_) => None,
         },
         Need::Output(joint) if context.output_stream(joint).is_none() => {
-            Some(format!("no column out{}_rad", joint + 1))
+            let unit = context.device.joints[joint].unit();
+            Some(format!("no column out{}_{unit}", joint + 1))
         }
         Need::Cable if context.cable.is_none() => Some("no column cable_m".to_owned()),
         Need::Chain if !context.streams.iter().any(|s| s.channel.sees_chain()) => {
@@ -339,6 +343,7 @@ pub(crate) fn names() -> Vec<&'static str> {
         .iter()
         .map(|effect| effect.name())
         .chain(OTHER_NAMES)
+        .chain(crate::force::NAMES)
     {
         if !names.contains(&name) {
             names.push(name);

@@ -95,7 +95,6 @@ fn every_effect_is_felt() {
 }
 
 #[test]
-#[ignore = "the wobble of an axis behind a sliding joint is taken for zero"]
 fn a_wobble_behind_a_slide_is_felt() {
     for_every_effect(|effect, context| {
         if follows_a_slide(effect, context) {

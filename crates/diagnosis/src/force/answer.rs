@@ -122,7 +122,10 @@ pub(super) fn answer(
         unexplained_share = 1.0;
         let excess = selection.before.excess();
         let before = &selection.rest_before;
-        if is_structured && let Some(grip) = grip::grip(along, selector.weights, before, excess) {
+        if is_structured
+            && !selector.effects.is_left_out("grip-force")
+            && let Some(grip) = grip::grip(along, selector.weights, before, excess)
+        {
             unexplained_share = grip.left;
             findings.push(of_grip(&grip));
             for gap in &mut channels {
@@ -132,6 +135,7 @@ pub(super) fn answer(
     }
     if (named || !significant)
         && trust::weighs(base)
+        && !selector.effects.is_left_out("unbalanced-gravity")
         && let Some(found) = gravity::unbalanced(along, base, &row_sd)?
     {
         add_torque(&mut channels, selector, &found.torque_nm);
@@ -227,7 +231,11 @@ fn finding(
             _ => kind.name().to_owned(),
         })
         .collect();
-    let parameters = parameters(base, pick, dispersion);
+    let scale_sd = pick.place.channel.map_or(0.0, |channel| {
+        let device = selector.recorded.context.device;
+        device.joints[joint_of(channel)].torque_scale_sd
+    });
+    let parameters = parameters(base, pick, dispersion, scale_sd);
     let plausible = is_plausible(&pick.place, selector, &parameters);
     ForceFinding {
         effect: pick.place.kind.name(),

@@ -11,6 +11,8 @@ use super::weights::Weights;
 
 /// Delay of the encoders against the torques \[s\].
 const DELAY_SD_S: f64 = 2e-2;
+/// Rounds in which the scales' columns settle; each leaves the square of a scale's error.
+const ROUNDS: usize = 2;
 /// Smallest uncertainty of a torque's scale.
 const LEAST_SCALE_SD: f64 = 1e-4;
 
@@ -26,6 +28,8 @@ pub(super) struct Base<'w> {
     pub(super) inertia: Vec<f64>,
     /// Torques of the drives by the base model, channel after channel.
     pub(super) torque_nm: Vec<f64>,
+    /// Force of the hand, per half block: as recorded, or as the torques have it.
+    force_n: Vec<Vector3<f64>>,
 }
 
 impl Along<'_> {
@@ -37,7 +41,7 @@ impl Along<'_> {
             .map(|column| (column.clone(), 0.0))
             .collect();
         let first = Normal::new(weights, &self.reading, bare);
-        let mut inertia = self.all_parameters(first.solution.as_slice());
+        let inertia = self.all_parameters(first.solution.as_slice());
         let mut force_n = self.force_n.clone();
         if matches!(besides, Besides::Hand(_)) || self.recorded.force_n.is_none() {
             let rest = self.rest(&first);
@@ -47,7 +51,7 @@ impl Along<'_> {
             }
         }
         drop(first);
-        let mut torque_nm = self.drive_torques(&inertia, &force_n);
+        let torque_nm = self.drive_torques(&inertia, &force_n);
         let mut columns: Vec<(Vec<f64>, f64)> = self
             .inertia
             .iter()
@@ -66,23 +70,27 @@ impl Along<'_> {
             self.delayed(&inertia, &force_n),
             1.0 / (DELAY_SD_S * DELAY_SD_S),
         ));
-        let mut normal = Normal::new(weights, &self.reading, columns);
-        // the torques that the scales multiply are the model's own
-        for _ in 0..2 {
-            inertia = self.all_parameters(&normal.solution.as_slice()[..scales]);
-            torque_nm = self.drive_torques(&inertia, &force_n);
-            let channels = self.recorded.channels.len();
-            let own = (0..channels)
-                .map(|channel| self.only(channel, &torque_nm))
-                .collect();
-            normal.replace(scales, own);
-        }
-        Base {
-            normal,
+        let mut base = Base {
+            normal: Normal::new(weights, &self.reading, columns),
             scales,
             geometry,
             inertia,
             torque_nm,
+            force_n,
+        };
+        self.settle(&mut base);
+        base
+    }
+
+    /// The torques that the scales multiply are the model's own: takes them from the solution.
+    pub(super) fn settle(&self, base: &mut Base<'_>) {
+        for _ in 0..ROUNDS {
+            base.inertia = self.all_parameters(&base.normal.solution.as_slice()[..base.scales]);
+            base.torque_nm = self.drive_torques(&base.inertia, &base.force_n);
+            let own = (0..self.recorded.channels.len())
+                .map(|channel| self.only(channel, &base.torque_nm))
+                .collect();
+            base.normal.replace(base.scales, own);
         }
     }
 
@@ -95,6 +103,7 @@ impl Along<'_> {
             .map(|(read, fitted)| read - fitted)
             .collect()
     }
+
     fn all_parameters(&self, solution: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; PER_LINK * self.recorded.context.device.joints.len()];
         for (&parameter, &value) in self.parameters.iter().zip(solution) {

@@ -73,6 +73,8 @@ pub(super) struct Effects<'e, 'a> {
     pub(super) along: &'e Along<'a>,
     /// First base column of the torques' scales.
     scales: usize,
+    /// Names that are left out of the catalogue.
+    without: &'e [String],
     /// Smoothed force of the hand per axis, and its root mean square.
     force_n: [Vec<f64>; 3],
     force_rms_n: f64,
@@ -81,7 +83,7 @@ pub(super) struct Effects<'e, 'a> {
 }
 
 impl<'e, 'a> Effects<'e, 'a> {
-    pub(super) fn new(along: &'e Along<'a>, scales: usize) -> Self {
+    pub(super) fn new(along: &'e Along<'a>, scales: usize, without: &'e [String]) -> Self {
         let recorded = along.recorded;
         let runs = &recorded.context.runs;
         let force_n: [Vec<f64>; 3] = std::array::from_fn(|axis| {
@@ -107,16 +109,25 @@ impl<'e, 'a> Effects<'e, 'a> {
         Self {
             along,
             scales,
+            without,
             force_rms_n: square.sqrt(),
             force_varies: spread > 1e-6 * square && spread > 0.0,
             force_n,
         }
     }
 
+    /// Whether an effect is not to be named.
+    pub(super) fn is_left_out(&self, name: &str) -> bool {
+        self.without.iter().any(|other| other == name)
+    }
+
     /// Every effect at every place and shape; cogging first by orders.
     pub(super) fn places(&self) -> Vec<Place> {
         let mut places = Vec::new();
         let mut add = |kind: Kind, channel: Option<usize>, shapes: &[f64]| {
+            if self.is_left_out(kind.name()) {
+                return;
+            }
             places.extend(shapes.iter().map(|&shape| Place {
                 kind,
                 channel,

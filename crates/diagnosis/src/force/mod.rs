@@ -52,6 +52,17 @@ pub(crate) const NAMES: [&str; 9] = [
 /// # Errors
 /// [`DiagnosisError`] for a statistic that is not a number.
 pub(crate) fn examine(context: &Context<'_>) -> Result<ForceAnswer, DiagnosisError> {
+    examine_without(context, &[])
+}
+
+/// The same with some of [`NAMES`] left out of the catalogue.
+///
+/// # Errors
+/// As [`examine`].
+pub(crate) fn examine_without(
+    context: &Context<'_>,
+    without: &[String],
+) -> Result<ForceAnswer, DiagnosisError> {
     let recorded = match Recorded::new(context) {
         Ok(recorded) => recorded,
         Err(why) => return Ok(ForceAnswer::untestable(&why)),
@@ -62,7 +73,7 @@ pub(crate) fn examine(context: &Context<'_>) -> Result<ForceAnswer, DiagnosisErr
     };
     let mut base = along.fit(&weights, Besides::Nothing);
     base.normal.fast = fast::table(&along, &base.normal.fitted());
-    let effects = Effects::new(&along, base.scales);
+    let effects = Effects::new(&along, base.scales, without);
     let selector = Selector::new(&recorded, &weights, &effects, &along.reading);
     let fitted_before = base.normal.fitted();
     let selection = selector.select(&mut base)?;

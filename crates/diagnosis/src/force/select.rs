@@ -185,6 +185,12 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
                 rivals: Vec::new(),
             });
             base.normal.adopt(&terms);
+            if place.kind == Kind::Scale {
+                self.effects.along.settle(base);
+                for candidate in &mut candidates {
+                    candidate.products.forget(base.scales);
+                }
+            }
             let left = self.rest(base);
             after = self.energy(base, &left);
         }

@@ -6,13 +6,16 @@ use super::select::{Pick, Selector};
 
 /// What a law that is not quite the catalogue's changes of a torque's size, relative.
 const LAW_SD: f64 = 0.01;
-/// The same of a loop: a play and Dahl's state of equal energy differ so much in amplitude.
+/// The same of a loop (a play and Dahl's state of equal energy differ so much in amplitude), and of
+/// friction's dependence on the rate.
 const LOOP_SD: f64 = 0.05;
-/// Names, values and standard deviations.
+/// Names, values and standard deviations; `own_scale_sd` is the stated deviation of the torque's
+/// scale.
 pub(super) fn parameters(
     base: &Base<'_>,
     pick: &Pick,
     dispersion: f64,
+    own_scale_sd: f64,
 ) -> Vec<(&'static str, f64, f64)> {
     let normal = &base.normal;
     let amplitudes: Vec<f64> = (0..pick.count)
@@ -67,6 +70,10 @@ pub(super) fn parameters(
             let (coulomb, coulomb_sd) = true_torque(amplitudes[0], sd(0));
             let (viscous, viscous_sd) = true_torque(amplitudes[1], sd(1));
             let (stribeck, stribeck_sd) = true_torque(amplitudes[2], sd(2));
+            // how far apart the two are depends on Stribeck's rate, which is not fitted
+            let apart = |value: f64, sd: f64| (value, sd.hypot(value * LOOP_SD));
+            let (viscous, viscous_sd) = apart(viscous, viscous_sd);
+            let (stribeck, stribeck_sd) = apart(stribeck, stribeck_sd);
             let mut parameters = vec![
                 ("coulomb_nm", coulomb, coulomb_sd),
                 ("viscous_nm_s_per_rad", viscous, viscous_sd),
@@ -102,7 +109,10 @@ pub(super) fn parameters(
                 ("order", pick.place.shape, 0.0),
             ]
         }
-        Kind::Scale | Kind::Ripple => vec![("gain", gain, gain_sd)],
+        Kind::Scale | Kind::Ripple => {
+            // what of it is the drive's own scale is known to its stated deviation alone
+            vec![("gain", gain, gain_sd.hypot(own_scale_sd * (1.0 + gain)))]
+        }
     }
 }
 

@@ -219,7 +219,6 @@ fn play_is_found_with_its_width_as_itself_or_its_twin() {
 }
 
 #[test]
-#[ignore = "which side drives a play is decided before its width is known, and not again"]
 fn play_is_told_from_hysteresis() {
     let diagnosis = diagnosed(&record_play(1.5e-3));
     assert_named(&diagnosis, "backlash", Some(3), "width_rad");

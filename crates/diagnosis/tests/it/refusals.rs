@@ -70,7 +70,6 @@ fn every_name_can_be_left_out() {
 }
 
 #[test]
-#[ignore = "the contract's alias link-compliance is not known"]
 fn the_alias_of_joint_compliance_is_known() {
     let session = Session {
         rows_of_a_run: 300,

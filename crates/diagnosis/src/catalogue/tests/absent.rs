@@ -193,7 +193,6 @@ fn whatever_column_is_absent_a_tested_effect_is_felt() {
 }
 
 #[test]
-#[ignore = "effects of a joint that no channel shows are tested though nothing can show them"]
 fn effects_of_a_joint_that_nothing_shows_are_refused() {
     let Rig {
         device,
@@ -239,7 +238,6 @@ fn single_postures_test_nothing_that_remembers_the_motion() {
 }
 
 #[test]
-#[ignore = "smoothing of the turned force makes a constant one look as if it varied"]
 fn a_constant_force_tests_no_handle() {
     for Rig {
         device,
@@ -260,7 +258,6 @@ fn a_constant_force_tests_no_handle() {
 }
 
 #[test]
-#[ignore = "the reason names out2_rad for a sliding joint, whose column is out2_m"]
 fn a_reason_names_the_column_of_a_sliding_joint() {
     let Rig {
         device,

@@ -111,7 +111,6 @@ fn lost_counts_are_counts_of_the_motor_over_the_ratio() {
 }
 
 #[test]
-#[ignore = "where an encoder's counts are not stated, a count is taken for 1 rad"]
 fn counts_of_an_encoder_without_counts_are_not_radians() {
     // the second axis here states the standard deviation of its external encoder alone
     let Rig {

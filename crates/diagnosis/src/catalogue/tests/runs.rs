@@ -114,7 +114,6 @@ fn a_step_ends_with_its_run() {
 }
 
 #[test]
-#[ignore = "a step in a later run is put into the first one where each run's time starts at zero"]
 fn a_step_is_found_again_where_every_run_starts_at_zero() {
     for Rig {
         device,

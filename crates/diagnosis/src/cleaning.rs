@@ -1,0 +1,83 @@
+//! Readings that stand alone, and recordings without them.
+
+use haptical_calibration::Channel;
+use haptical_model::Recording;
+
+use crate::base::BaseProblem;
+use crate::context::Context;
+use crate::noise;
+
+/// Rows that stand alone in a channel (any of its axes), by the base model's residuals.
+pub(crate) fn outlying_rows(
+    context: &Context<'_>,
+    problem: &BaseProblem<'_>,
+    residual: &[Vec<f64>],
+    limit: f64,
+) -> Vec<(Channel, usize)> {
+    let mut found = Vec::new();
+    for (index, stream) in context.streams.iter().enumerate() {
+        let scaled: Vec<f64> = residual[index]
+            .iter()
+            .zip(&problem.sd[index])
+            .map(|(value, sd)| value / sd)
+            .collect();
+        let ratio = if context.ordered {
+            noise::difference_sd(&scaled, &context.runs)
+        } else {
+            spread(&scaled)
+        };
+        let Some(ratio) = ratio.filter(|ratio| *ratio > 0.0) else {
+            continue;
+        };
+        let rows = noise::outliers(&scaled, &context.runs, context.ordered, ratio, limit);
+        found.extend(rows.into_iter().map(|row| (stream.channel, row)));
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// Standard deviation from the median absolute value.
+fn spread(scaled: &[f64]) -> Option<f64> {
+    let mut sizes: Vec<f64> = scaled
+        .iter()
+        .filter(|value| value.is_finite())
+        .map(|value| value.abs())
+        .collect();
+    if sizes.is_empty() {
+        return None;
+    }
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*median / 0.674_489_750_196_081_7)
+}
+
+/// A copy of a recording without some readings.
+pub(crate) fn without_readings(recording: &Recording, gone: &[(Channel, usize)]) -> Recording {
+    let mut cleaned = recording.clone();
+    for &(channel, row) in gone {
+        match channel {
+            Channel::Output { joint } => {
+                if let Some(Some(column)) = cleaned.output.get_mut(joint) {
+                    column[row] = f64::NAN;
+                }
+            }
+            Channel::Cable { index } => {
+                if let Some(Some(column)) = cleaned.cable_m.get_mut(index) {
+                    column[row] = f64::NAN;
+                }
+            }
+            Channel::Position => {
+                for column in cleaned.position_m.iter_mut().flatten() {
+                    column[row] = f64::NAN;
+                }
+            }
+            Channel::Orientation => {
+                for column in cleaned.orientation_wxyz.iter_mut().flatten() {
+                    column[row] = f64::NAN;
+                }
+            }
+        }
+    }
+    cleaned
+}
