@@ -64,8 +64,8 @@ pub(crate) fn assemble(
         &shrink,
     );
     let mut verdict = verdict(selector, selection, &adequacy, &causes);
-    let force = crate::force::examine(&engine.context)?;
-    let on_forces = force_findings(&force, &inputs.options.without);
+    let force = crate::force::examine(&engine.context, &inputs.options.without)?;
+    let on_forces = force_findings(&force);
     if let (Verdict::NoGap, Some(first)) = (verdict, on_forces.first()) {
         let sure = first.probability >= selector.thresholds.named_probability;
         verdict = if sure {

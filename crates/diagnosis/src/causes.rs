@@ -123,10 +123,9 @@ pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) ->
 }
 
 /// Effects on torques and forces, which no position shows.
-pub(crate) fn force_findings(force: &ForceAnswer, without: &[String]) -> Vec<CauseAnswer> {
+pub(crate) fn force_findings(force: &ForceAnswer) -> Vec<CauseAnswer> {
     let findings = force.findings.iter();
     findings
-        .filter(|finding| !without.iter().any(|name| name == finding.effect))
         .map(|finding| {
             let probability = finding.probability * 0.97;
             CauseAnswer {

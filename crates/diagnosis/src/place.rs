@@ -209,10 +209,11 @@ fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Opti
     let covariate = others.first().map_or(covariate, |(first, _)| *first);
     let region = match peak(engine, stream, covariate) {
         Some(peak) => format!(
-            "{}; depends on {}, most near {}",
+            "{}; depends on {} near {} ({})",
             hook_words(place),
-            covariate.words(),
-            in_unit(covariate, peak)
+            short(&covariate.column(context)),
+            in_unit(covariate, peak),
+            covariate.words()
         ),
         None => format!("{}; depends on {}", hook_words(place), covariate.words()),
     };
@@ -315,6 +316,11 @@ fn peak(engine: &Engine<'_>, stream: usize, covariate: Covariate) -> Option<f64>
         }
     }
     Some(moment / weight)
+}
+
+/// A column's name without its unit.
+fn short(column: &str) -> &str {
+    column.rsplit_once('_').map_or(column, |(name, _)| name)
 }
 
 fn in_unit(covariate: Covariate, value: f64) -> String {

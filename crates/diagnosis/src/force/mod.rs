@@ -47,19 +47,12 @@ pub(crate) const NAMES: [&str; 9] = [
     "grip-force",
 ];
 
-/// Tests the recorded torques and forces for effects of their own.
+/// Tests the recorded torques and forces for effects of their own, with some of [`NAMES`] left out of
+/// the catalogue.
 ///
 /// # Errors
 /// [`DiagnosisError`] for a statistic that is not a number.
-pub(crate) fn examine(context: &Context<'_>) -> Result<ForceAnswer, DiagnosisError> {
-    examine_without(context, &[])
-}
-
-/// The same with some of [`NAMES`] left out of the catalogue.
-///
-/// # Errors
-/// As [`examine`].
-pub(crate) fn examine_without(
+pub(crate) fn examine(
     context: &Context<'_>,
     without: &[String],
 ) -> Result<ForceAnswer, DiagnosisError> {

@@ -5,7 +5,7 @@ use crate::catalogue::{catalogue, names};
 
 /// Effects of the contract with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
-const CONTRACT: [(&str, &[&str]); 54] = [
+const CONTRACT: [(&str, &[&str]); 52] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),
     ("capstan-creep", &["creep_per_nm"]),
     ("capstan-slip", &["slip_rad", "time_s"]),
@@ -67,9 +67,6 @@ const CONTRACT: [(&str, &[&str]); 54] = [
     ("torque-gain", &[]),
     ("unbalanced-gravity", &[]),
     ("grip-force", &[]),
-    // additions of the same kind
-    ("channel-sign", &[]),
-    ("channel-unit", &[]),
 ];
 
 #[test]

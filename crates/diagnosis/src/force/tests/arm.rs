@@ -374,5 +374,5 @@ pub(super) fn examined(recording: &Recording) -> ForceAnswer {
 
 pub(super) fn examined_as(device: &Device, recording: &Recording) -> ForceAnswer {
     let context = Context::new(device, recording, &[]).unwrap();
-    crate::force::examine(&context).unwrap()
+    crate::force::examine(&context, &[]).unwrap()
 }

@@ -3,7 +3,7 @@
 use super::arm::{Noise, Scene, arm, examined, examined_as};
 use crate::context::Context;
 use crate::force::answer::{ForceAnswer, ForceFinding};
-use crate::force::examine_without;
+use crate::force::examine;
 
 const ROWS: usize = 3000;
 
@@ -265,11 +265,11 @@ fn an_effect_left_out_of_the_catalogue_is_unknown() {
     let device = arm();
     let context = Context::new(&device, &recording, &[]).unwrap();
     let without = ["force-bias".to_owned(), "grip-force".to_owned()];
-    let answer = examine_without(&context, &without).unwrap();
+    let answer = examine(&context, &without).unwrap();
     assert!(answer.significant, "{answer:?}");
     assert!(answer.findings.is_empty(), "{answer:?}");
     // the bias is a force that the hand does not exert
-    let answer = examine_without(&context, &without[..1]).unwrap();
+    let answer = examine(&context, &without[..1]).unwrap();
     assert_eq!(answer.findings[0].effect, "grip-force", "{answer:?}");
 }
 
