@@ -16,6 +16,9 @@ const ROUGH: [(&str, &str); 4] = [
 /// Suites whose answers are names at some place, with a truth that has the names.
 const NAMED: [&str; 5] = ["s1", "s1n", "s4", "s5", "s6"];
 
+/// Parameters that are chosen from a few: right or wrong, without an interval.
+const CHOICES: [&str; 2] = ["order", "from_joint"];
+
 /// Scores of the suites asked for.
 pub(crate) fn of<'c>(cases: &'c [Case], suites: &[&str]) -> Vec<&'c TrialScore> {
     let wanted = cases.iter().filter(|case| suites.contains(&case.suite));
@@ -345,7 +348,8 @@ fn parameters(cases: &[Case]) -> Vec<Measure> {
     let covered = |suites: &[&str]| {
         let scores = of(cases, suites);
         let all = scores.iter().flat_map(|score| &score.coverage);
-        Value::Share(Rate::of_cases(all.map(|one| one.covered)))
+        let with_interval = all.filter(|one| !CHOICES.contains(&one.parameter.as_str()));
+        Value::Share(Rate::of_cases(with_interval.map(|one| one.covered)))
     };
     let bar = Some(Bar::Between(0.9, 0.99));
     vec![

@@ -83,6 +83,9 @@ impl Given {
         let time_s = start.elapsed().as_secs_f64();
         let diagnosis = match outcome {
             Ok(Ok(diagnosis)) => diagnosis,
+            Ok(Err(error)) if error.is_unidentifiable() => {
+                return Err(format!("not identifiable: {error}"));
+            }
             Ok(Err(error)) => return Err(error.to_string()),
             Err(panic) => {
                 let said = panic.downcast_ref::<String>().map(String::as_str);

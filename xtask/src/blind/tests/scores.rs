@@ -145,6 +145,46 @@ fn pairs_count_both_and_what_is_too_much() {
     assert_eq!(faults, [None, Some(Fault::Incomplete), Some(Fault::Extra)]);
 }
 
+/// Two parameters of one effect: the order of a harmonic is right or wrong, its amplitude has an interval.
+#[test]
+fn parameters_without_an_interval_do_not_count() {
+    let harmonic = (0..40)
+        .find(|index| Suite::Singles.draw(*index, 3).unwrap().truth.name == "input-drum-harmonic")
+        .unwrap();
+    let truth = Suite::Singles.draw(harmonic, 3).unwrap().truth;
+    let parameters = &truth.effects[0].parameters;
+    let (amplitude, order) = (parameters["amplitude_rad"], parameters["order"]);
+    let stated = |low: f64, high: f64| {
+        format!(
+            r#"{{"verdict": "named", "causes": [{{"effect": "input-drum-harmonic", "joint": {},
+                "parameters": {{"amplitude_rad": {{"value": {amplitude}, "ci95": [{low}, {high}]}},
+                "order": {{"value": {order}, "ci95": [{order}, {order}]}}}}}}]}}"#,
+            truth.joint.unwrap()
+        )
+    };
+    let size = amplitude.abs();
+    let cases = [
+        case(
+            Suite::Singles,
+            harmonic,
+            &stated(0.9 * amplitude, 1.1 * amplitude),
+        ),
+        case(
+            Suite::Singles,
+            harmonic,
+            &stated(amplitude + size, amplitude + 2.0 * size),
+        ),
+    ];
+    assert!(
+        cases
+            .iter()
+            .all(|case| case.score.as_ref().unwrap().coverage.len() == 2)
+    );
+    let all = measures(&cases);
+    let group = "95 % intervals of effect parameters hold the truth";
+    assert_eq!(counts(figure(&all, group, "strong singles")), (1, 2));
+}
+
 #[test]
 fn bars_hold_or_do_not() {
     let share = |value: f64| number(&[value], 2, "s", mean);
