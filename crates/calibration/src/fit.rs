@@ -59,6 +59,8 @@ pub struct Options {
     pub held_out: HeldOut,
     /// Search settings.
     pub search: Settings,
+    /// Take a search that ends elsewhere than at a minimum for an answer too; its `convergence` says so.
+    pub unfinished: bool,
     /// Identifiability thresholds.
     pub rules: IdentifiabilityRules,
 }
@@ -72,6 +74,7 @@ impl Default for Options {
             weighting: Weighting::Estimated,
             held_out: HeldOut::default(),
             search: Settings::default(),
+            unfinished: false,
             rules: IdentifiabilityRules::default(),
         }
     }
@@ -174,7 +177,7 @@ pub fn fit_parameters(
             values[index] = start[index];
         }
     };
-    if !fit.convergence.was_successful() {
+    if !fit.convergence.was_successful() && !options.unfinished {
         return Err(CalibrationError::NotConverged {
             what: what.to_owned(),
             reason: fit.convergence.to_string(),

@@ -1,9 +1,10 @@
 //! The calibrated model without any effect: its fit, and its residuals and derivatives at every row.
 
 use haptical_calibration::{
-    Channel, Degree, DeviceProblem, HeldOut, Options, Weighting, Weights, channels, fit_device,
+    Channel, Degree, DeviceProblem, HeldOut, Options, ParameterFit, Weighting, Weights, channels,
+    fit_device, fit_transmissions,
 };
-use haptical_identification::{Matrix, Problem};
+use haptical_identification::{Matrix, Problem, Settings};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::DiagnosisError;
@@ -18,6 +19,10 @@ const POLYNOMIAL_DEGREE: usize = 10;
 /// Rows that carry such a polynomial.
 const ROWS_FOR_A_POLYNOMIAL: usize = 300;
 
+/// Steps after which a search that has found no minimum is left where it is: an effect that no base
+/// model resembles can keep it wandering.
+const MOST_STEPS: usize = 100;
+
 /// A fitted base model.
 #[derive(Debug, Clone)]
 pub(crate) struct Base {
@@ -27,6 +32,15 @@ pub(crate) struct Base {
     pub(crate) parameters: Vec<ParameterId>,
     /// Positions (within `parameters`) of those that the recording fixes.
     pub(crate) free: Vec<usize>,
+    /// Where the search ended, and why, if that was no minimum.
+    pub(crate) unfinished: Option<Unfinished>,
+}
+
+/// End of a search that found no minimum.
+#[derive(Debug, Clone)]
+pub(crate) struct Unfinished {
+    pub(crate) reason: String,
+    pub(crate) device: Device,
 }
 
 impl Base {
@@ -43,13 +57,25 @@ impl Base {
             },
             held_out: HeldOut::None,
             weighting: Weighting::Stated,
+            search: Settings {
+                max_iterations: MOST_STEPS,
+                ..Settings::default()
+            },
+            unfinished: true,
             ..Options::default()
         };
         let fitted = fit_device(device, &part, &options)?;
         let mut parameters = Vec::new();
         let mut free = Vec::new();
+        let mut unfinished = None;
+        let mut note = |fit: &ParameterFit| {
+            if !fit.convergence.was_successful() {
+                unfinished = Some(fit.convergence.to_string());
+            }
+        };
         match &fitted.whole {
             Some(whole) => {
+                note(whole);
                 parameters.clone_from(&whole.parameters);
                 free.clone_from(&whole.fitted);
             }
@@ -59,17 +85,32 @@ impl Base {
                     .iter()
                     .filter_map(|fit| fit.fit.as_ref())
                 {
+                    note(fit);
                     let first = parameters.len();
                     parameters.extend(&fit.parameters);
                     free.extend(fit.fitted.iter().map(|index| first + index));
                 }
             }
         }
+        let (device, unfinished) = match unfinished {
+            // where such a search ends can be anywhere, while the drives alone are fitted soundly
+            Some(reason) => {
+                let weights = Weights::stated(device, &channels);
+                let drives = fit_transmissions(device, &part, &channels, &weights, &options)?.0;
+                let end = Unfinished {
+                    reason,
+                    device: fitted.device,
+                };
+                (drives, Some(end))
+            }
+            None => (fitted.device, None),
+        };
         Ok(Self {
-            device: fitted.device,
+            device,
             channels,
             parameters,
             free,
+            unfinished,
         })
     }
 }

@@ -1,11 +1,11 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
-use haptical_calibration::{Channel, channels, check_recording};
+use haptical_calibration::{CalibrationError, Channel, channels, check_recording};
 use haptical_model::{Device, ParameterId, Recording};
 
-use crate::answer::Diagnosis;
+use crate::answer::{Diagnosis, Verdict};
 use crate::assemble::{Inputs, assemble};
-use crate::base::Base;
+use crate::base::{Base, Unfinished};
 use crate::catalogue::{Effect, catalogue};
 use crate::cleaning::{outlying_rows, without_readings};
 use crate::engine::Engine;
@@ -31,7 +31,51 @@ pub fn diagnose(
     let effects = catalogue_without(device, &options.without)?;
     check_recording(device, recording, &channels(device, recording)?)?;
     let base = Base::fit(device, recording)?;
-    let first = Engine::new(&base, recording, None)?;
+    let by_base = |base: &Base| by_base(device, recording, options, &thresholds, &effects, base);
+    match &base.unfinished {
+        Some(end) => without_minimum(&base, end, &by_base),
+        None => by_base(&base),
+    }
+}
+
+/// The diagnosis where the base model's fit has no minimum: from its drives, then from where the search
+/// ended. A cause that explains why there is none is an answer; nothing else is.
+fn without_minimum(
+    base: &Base,
+    end: &Unfinished,
+    by_base: &dyn Fn(&Base) -> Result<Diagnosis, DiagnosisError>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let there = Base {
+        device: end.device.clone(),
+        ..base.clone()
+    };
+    for base in [base, &there] {
+        let mut answer = by_base(base)?;
+        if matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous) {
+            answer.warnings.push(format!(
+                "the fit without the causes has no minimum ({}): the sizes are rough",
+                end.reason
+            ));
+            return Ok(answer);
+        }
+    }
+    let error = CalibrationError::NotConverged {
+        what: "joint identification".to_owned(),
+        reason: end.reason.clone(),
+    };
+    Err(error.into())
+}
+
+/// The diagnosis against a fitted base model.
+fn by_base(
+    device: &Device,
+    recording: &Recording,
+    options: &Options<'_>,
+    thresholds: &Thresholds,
+    effects: &[Box<dyn Effect>],
+    base: &Base,
+) -> Result<Diagnosis, DiagnosisError> {
+    let first = Engine::new(base, recording, None)?;
     let gone = outlying_rows(
         &first.context,
         &first.problem,
@@ -42,10 +86,10 @@ pub fn diagnose(
     let engine = if gone.is_empty() {
         first
     } else {
-        Engine::new(&base, &cleaned, None)?
+        Engine::new(base, &cleaned, None)?
     };
     let (in_base, rest): (Vec<usize>, Vec<usize>) =
-        (0..effects.len()).partition(|&index| is_in_base(effects[index].as_ref(), &base));
+        (0..effects.len()).partition(|&index| is_in_base(effects[index].as_ref(), base));
     let tested: Vec<usize> = rest
         .into_iter()
         .filter(|&index| effects[index].untestable(&engine.context).is_none())
@@ -55,6 +99,7 @@ pub fn diagnose(
         channels: base.channels.clone(),
         parameters: Vec::new(),
         free: Vec::new(),
+        unfinished: None,
     });
     let inputs = Inputs {
         nominal: device,
@@ -64,7 +109,7 @@ pub fn diagnose(
         earlier: earlier.as_ref(),
         options,
     };
-    let mut selector = Selector::new(&engine, &effects, &tested, &thresholds);
+    let mut selector = Selector::new(&engine, effects, &tested, thresholds);
     let mut selection = selector.select()?;
     if selection.refit.model.causes.is_empty() {
         return assemble(&mut selector, &mut selection, &inputs);
@@ -89,7 +134,7 @@ pub fn diagnose(
         let gone: Vec<_> = gone_after(
             &engine,
             recording,
-            &effects,
+            effects,
             &selection.refit.model,
             thresholds.outlier_sd,
         )?;
@@ -105,7 +150,7 @@ pub fn diagnose(
         gone,
         ..inputs
     };
-    let mut selector = Selector::new(&engine, &effects, &tested, &thresholds);
+    let mut selector = Selector::new(&engine, effects, &tested, thresholds);
     let mut selection = selector.select()?;
     assemble(&mut selector, &mut selection, &inputs)
 }

@@ -21,7 +21,7 @@ use std::fmt::Debug;
 
 use haptical_model::{Device, JointType, TransmissionKind};
 
-use crate::context::Context;
+use crate::context::{Context, Stream};
 use crate::signal::Signal;
 
 /// Where an effect enters the chain from motor encoder to measured streams (docs/diagnosis.md).
@@ -218,6 +218,21 @@ impl dyn Effect {
         self.needs()
             .into_iter()
             .find_map(|need| missing(need, context))
+            .or_else(|| self.unseen(context))
+    }
+
+    /// Why no measured stream can show it.
+    fn unseen(&self, context: &Context<'_>) -> Option<String> {
+        let joint = self.joint().filter(|_| self.hook() == Hook::Transmission)?;
+        let is_seen =
+            |stream: &Stream| stream.joint() == Some(joint) || stream.channel.sees_chain();
+        (!context.streams.iter().any(is_seen)).then(|| {
+            let unit = context.device.joints[joint].unit();
+            format!(
+                "no column out{}_{unit}, and no distance, position or orientation",
+                joint + 1
+            )
+        })
     }
 
     /// Whether another effect is of the same kind at the same place.
