@@ -136,6 +136,7 @@ impl<'a> DeviceProblem<'a> {
                         let first = row * readings.len();
                         evaluation.move_outputs(&outputs[first..first + readings.len()])
                     }
+                    None if matches!(sink, Sink::None) => evaluation.move_pose_to(&readings),
                     None => evaluation.move_to(&readings),
                 }
                 .map_err(|error| self.at_row(row, &error))?;

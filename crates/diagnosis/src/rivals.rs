@@ -1,9 +1,12 @@
 //! Which other effects could stand in a cause's place, and how far behind they are.
 
+use rayon::prelude::*;
+
 use crate::DiagnosisError;
 use crate::catalogue::Family;
 use crate::context::Context;
-use crate::model::Cause;
+use crate::model::{Cause, Refit};
+use crate::scan::Score;
 use crate::select::{Selection, Selector, misfit};
 
 /// An effect in a cause's place.
@@ -55,6 +58,8 @@ pub(crate) fn settle(
     Ok(lists)
 }
 
+/// Rivals that are listed at most.
+const LISTED: usize = 30;
 /// Rivals that are refitted at most.
 const REFITTED: usize = 3;
 /// Share of a drift's energy that its law may get wrong.
@@ -94,8 +99,8 @@ pub(crate) fn rivals(
     let own = causes[cause].effect;
     let own_rank = causes[cause].amplitudes.len();
     let template = scan.iter().find(|score| score.effect == own).cloned();
-    let criterion = |score: f64, of: &crate::scan::Score| {
-        selector.criterion(&crate::scan::Score {
+    let criterion = |score: f64, of: &Score| {
+        selector.criterion(&Score {
             score: score / misfit,
             ..of.clone()
         })
@@ -103,7 +108,7 @@ pub(crate) fn rivals(
     if let Some(template) = &template {
         evidence.push((own, criterion(gained, template), 1.0, None));
     } else {
-        let score = crate::scan::Score {
+        let score = Score {
             effect: own,
             shape: causes[cause].shape,
             score: gained,
@@ -116,23 +121,28 @@ pub(crate) fn rivals(
         evidence.push((own, criterion(gained, &score), 1.0, None));
     }
     let best = evidence[0].1;
-    let mut refitted = 0;
-    for score in scan.iter().filter(|score| score.effect != own).take(30) {
-        let mut explained = score.score;
-        let mut fit = None;
-        let near = best - criterion(explained, score) < NEAR_NATS || score.score > 0.93 * gained;
-        if near && refitted < REFITTED {
-            refitted += 1;
+    let others: Vec<&Score> = scan
+        .iter()
+        .filter(|score| score.effect != own)
+        .take(LISTED)
+        .collect();
+    let is_near = |score: &Score| {
+        best - criterion(score.score, score) < NEAR_NATS || score.score > 0.93 * gained
+    };
+    let near: Vec<&Score> = others.iter().copied().filter(|score| is_near(score)).collect();
+    let refits: Vec<(usize, Refit, f64)> = near
+        .into_par_iter()
+        .take(REFITTED)
+        .map(|score| {
             let (fitted, cost) = selector.refit_with(&without.model, &system, score)?;
-            explained = explained.max(empty - cost);
-            fit = fitted.model.causes.last().cloned();
-        }
-        evidence.push((
-            score.effect,
-            criterion(explained, score),
-            explained / gained,
-            fit,
-        ));
+            Ok::<_, DiagnosisError>((score.effect, fitted, cost))
+        })
+        .collect::<Result<_, _>>()?;
+    for score in others {
+        let refit = refits.iter().find(|(effect, ..)| *effect == score.effect);
+        let explained = refit.map_or(score.score, |(_, _, cost)| score.score.max(empty - cost));
+        let fit = refit.and_then(|(_, fitted, _)| fitted.model.causes.last().cloned());
+        evidence.push((score.effect, criterion(explained, score), explained / gained, fit));
     }
     hedge_drifts(selector, own, best, &mut evidence);
     evidence.sort_by(|a, b| b.1.total_cmp(&a.1));

@@ -1,6 +1,7 @@
 //! Stepwise selection of causes: scan, refit of the best, and a stop where chance or misfit begins.
 
 use haptical_metrics::chi_square_p_value;
+use rayon::prelude::*;
 
 use crate::DiagnosisError;
 use crate::catalogue::{Effect, Family, Hook, under_load};
@@ -211,26 +212,33 @@ impl<'e, 'a> Selector<'e, 'a> {
     pub(crate) fn scan(&mut self, system: &System, model: &Model) -> Vec<Score> {
         let known = self.engine.system.basis.len();
         let mut scores: Vec<Score> = Vec::new();
-        for candidate in &mut self.candidates {
-            candidate.reset(system, known);
-            scores.push(candidate.score(system));
-        }
+        self.candidates
+            .par_iter_mut()
+            .map(|candidate| {
+                candidate.reset(system, known);
+                candidate.score(system)
+            })
+            .collect_into_vec(&mut scores);
         let largest = scores.iter().map(|score| score.score).fold(0.0, f64::max);
-        for &index in self.tested {
-            let effect = self.effects[index].as_ref();
-            if !effect.is_event() {
-                continue;
-            }
-            let context = &self.engine.context;
-            if let Some(score) = event_score(system, context, effect, index) {
+        let events: Vec<Score> = self
+            .tested
+            .par_iter()
+            .filter_map(|&index| {
+                let effect = self.effects[index].as_ref();
+                let context = &self.engine.context;
+                if !effect.is_event() {
+                    return None;
+                }
+                let score = event_score(system, context, effect, index)?;
                 let several = score.score > WORTH_MORE_STEPS && score.score > 0.3 * largest;
-                scores.push(if several {
+                Some(if several {
                     with_more_steps(system, context, effect, score)
                 } else {
                     score
-                });
-            }
-        }
+                })
+            })
+            .collect();
+        scores.extend(events);
         scores.retain(|score| self.is_eligible(score, model));
         scores.sort_by(|a, b| self.criterion(b).total_cmp(&self.criterion(a)));
         let mut seen = vec![false; self.effects.len()];
@@ -312,7 +320,7 @@ impl<'e, 'a> Selector<'e, 'a> {
         let Some(first) = scan.first() else {
             return Ok(None);
         };
-        let near = scan
+        let near: Vec<&Score> = scan
             .iter()
             .take_while(|score| {
                 score.score >= CONTENDING * first.score - 20.0 || score.effect == first.effect
@@ -321,10 +329,14 @@ impl<'e, 'a> Selector<'e, 'a> {
                 CONTENDERS
             } else {
                 0
-            });
+            })
+            .collect();
+        let refits: Vec<(Refit, f64)> = near
+            .par_iter()
+            .map(|score| self.refit_with(&refit.model, system, score))
+            .collect::<Result<_, _>>()?;
         let mut best: Option<(Refit, Score, f64)> = None;
-        for score in near {
-            let (fitted, cost) = self.refit_with(&refit.model, system, score)?;
+        for (score, (fitted, cost)) in near.into_iter().zip(refits) {
             if !self.is_possible(&fitted.model) {
                 continue;
             }
@@ -355,24 +367,28 @@ impl<'e, 'a> Selector<'e, 'a> {
         system: &System,
         score: &Score,
     ) -> Result<(Refit, f64), DiagnosisError> {
-        let mut cause = Cause::of(&self.sharpened(system, score));
+        let cause = Cause::of(&self.sharpened(system, score));
         let effect = self.effects[score.effect].as_ref();
         let shapes = if effect.has_sides() {
             effect.shapes(&self.engine.context)
         } else {
             vec![cause.shape]
         };
-        let mut best: Option<(Refit, f64)> = None;
-        for shape in shapes {
-            cause.shape = shape;
-            let mut with = model.clone();
-            with.causes.push(cause.clone());
-            let fitted = self.engine.refit(self.effects, &with)?;
-            let cost = self.cost(&fitted);
-            if best.as_ref().is_none_or(|(_, least)| cost < *least) {
-                best = Some((fitted, cost));
-            }
-        }
+        let refits: Vec<(Refit, f64)> = shapes
+            .into_par_iter()
+            .map(|shape| {
+                let mut with = model.clone();
+                with.causes.push(Cause {
+                    shape,
+                    ..cause.clone()
+                });
+                let fitted = self.engine.refit(self.effects, &with)?;
+                let cost = self.cost(&fitted);
+                Ok::<_, DiagnosisError>((fitted, cost))
+            })
+            .collect::<Result<_, _>>()?;
+        // of equals the first
+        let best = refits.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
         best.ok_or(DiagnosisError::Thresholds {
             reason: format!("{} has no shape", effect.name()),
         })

@@ -89,6 +89,36 @@ impl<'d> Evaluation<'d> {
         self.move_chain()
     }
 
+    /// Moves to joint readings as [`Evaluation::move_to`] does, for outputs and pose alone: every
+    /// derivative stays that of the last [`Evaluation::move_to`].
+    ///
+    /// # Errors
+    /// [`ModelError`] where a transmission or the chain has no value.
+    pub fn move_pose_to(&mut self, readings: &[f64]) -> Result<(), ModelError> {
+        let expected = self.device.joints.len();
+        if readings.len() != expected {
+            return Err(ModelError::JointCount {
+                expected,
+                found: readings.len(),
+            });
+        }
+        self.pose = None;
+        for (index, reading) in readings.iter().enumerate() {
+            let error = self.device.joints[index].error_rad(*reading);
+            let error = error.map_err(|source| ModelError::Transmission {
+                joint: index + 1,
+                source,
+            })?;
+            self.errors[index].value = error;
+            self.variables[index] = reading + error;
+        }
+        if self.device.has_links() {
+            let chain = Chain::new(self.convention, &self.links, &self.motions)?;
+            self.pose = Some(chain.pose(&self.variables)?);
+        }
+        Ok(())
+    }
+
     fn move_chain(&mut self) -> Result<(), ModelError> {
         // a pose of earlier readings must not outlive a failure below
         self.pose = None;
