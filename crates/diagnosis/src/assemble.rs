@@ -37,7 +37,7 @@ pub(crate) fn assemble(
     inputs: &Inputs<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let rivals = settle(selector, selection)?;
-    let selection = &*selection;
+    let (selector, selection) = (&*selector, &*selection);
     let engine = selector.engine;
     let adequacy = adequacy(selector, selection);
     let earlier_residual = match inputs.earlier {
@@ -48,13 +48,14 @@ pub(crate) fn assemble(
         Some(residual) => difference(engine, residual),
         None => Difference::default(),
     };
-    let shrink = shrink(
-        selector,
-        selection,
-        inputs,
-        &base_terms,
-        earlier_residual.as_deref(),
-    )?;
+    let (shrink, force) = rayon::join(
+        || {
+            let earlier = earlier_residual.as_deref();
+            shrink(selector, selection, inputs, &base_terms, earlier)
+        },
+        || crate::force::examine(&engine.context, &inputs.options.without),
+    );
+    let (shrink, force) = (shrink?, force?);
     let mut causes = position_causes(
         selector,
         selection,
@@ -64,7 +65,6 @@ pub(crate) fn assemble(
         &shrink,
     );
     let mut verdict = verdict(selector, selection, &adequacy, &causes);
-    let force = crate::force::examine(&engine.context, &inputs.options.without)?;
     let on_forces = force_findings(&force);
     if let (Verdict::NoGap, Some(first)) = (verdict, on_forces.first()) {
         let sure = first.probability >= selector.thresholds.named_probability;

@@ -238,6 +238,13 @@ impl<'a> BaseProblem<'a> {
         Ok(Evaluated { residual, matrix })
     }
 
+    /// Takes a reading out.
+    pub(crate) fn forget(&mut self, stream: usize, row: usize) {
+        if let Some(place) = self.place[stream].get_mut(row) {
+            *place = usize::MAX;
+        }
+    }
+
     /// One parameter's derivative on one stream, by row, in the stream's unit; 0 without a reading.
     pub(crate) fn derivative<'m>(
         &'m self,

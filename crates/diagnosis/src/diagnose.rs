@@ -1,15 +1,14 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
-use haptical_calibration::{CalibrationError, Channel, channels, check_recording};
+use haptical_calibration::{CalibrationError, channels, check_recording};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::answer::{Diagnosis, Verdict};
 use crate::assemble::{Inputs, assemble};
 use crate::base::{Base, Unfinished};
 use crate::catalogue::{Effect, catalogue};
-use crate::cleaning::{outlying_rows, without_readings};
-use crate::engine::Engine;
-use crate::model::Model;
+use crate::cleaning::without_readings;
+use crate::engine::Prepared;
 use crate::select::Selector;
 use crate::thresholds::Thresholds;
 use crate::{DiagnosisError, Options};
@@ -75,19 +74,10 @@ fn by_base(
     effects: &[Box<dyn Effect>],
     base: &Base,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let first = Engine::new(base, recording, None)?;
-    let gone = outlying_rows(
-        &first.context,
-        &first.problem,
-        &first.start.residual,
-        thresholds.outlier_sd,
-    );
+    let prepared = Prepared::new(base, recording)?;
+    let gone = prepared.outlying(thresholds.outlier_sd);
     let cleaned = without_readings(recording, &gone);
-    let engine = if gone.is_empty() {
-        first
-    } else {
-        Engine::new(base, &cleaned, None)?
-    };
+    let engine = prepared.without(&gone, &cleaned).fit(None)?;
     let (in_base, rest): (Vec<usize>, Vec<usize>) =
         (0..effects.len()).partition(|&index| is_in_base(effects[index].as_ref(), base));
     let tested: Vec<usize> = rest
@@ -130,24 +120,17 @@ fn by_base(
         device: engine.problem.device_with(&selection.refit.model.values),
         ..base.clone()
     };
-    let restored = if fell {
-        let gone: Vec<_> = gone_after(
-            &engine,
-            recording,
-            effects,
-            &selection.refit.model,
-            thresholds.outlier_sd,
-        )?;
-        Some(gone)
+    let again = if fell {
+        let model = &selection.refit.model;
+        Prepared::new(base, recording)?.outlying_beside(effects, model, thresholds.outlier_sd)?
     } else {
-        None
+        gone.clone()
     };
-    let gone = restored.as_deref().unwrap_or(&gone);
-    let cleaned = without_readings(recording, gone);
-    let engine = Engine::new(&nearer, &cleaned, fell.then_some(&noise))?;
+    let cleaned = without_readings(recording, &again);
+    let engine = Prepared::new(&nearer, &cleaned)?.fit(fell.then_some(&noise))?;
     let inputs = Inputs {
         recording: &cleaned,
-        gone,
+        gone: &again,
         ..inputs
     };
     let mut selector = Selector::new(&engine, effects, &tested, thresholds);
@@ -164,24 +147,6 @@ fn thinned(recording: &Recording) -> Option<Recording> {
         let rows: Vec<usize> = (0..recording.len()).step_by(step).collect();
         recording.select(&rows)
     })
-}
-
-/// Outliers of the whole recording by the residuals of a model with its causes.
-fn gone_after(
-    engine: &Engine<'_>,
-    recording: &Recording,
-    effects: &[Box<dyn Effect>],
-    model: &Model,
-    limit: f64,
-) -> Result<Vec<(Channel, usize)>, DiagnosisError> {
-    let whole = Engine::new(engine.base, recording, None)?;
-    let residual = whole.residual_of(effects, model)?;
-    Ok(outlying_rows(
-        &whole.context,
-        &whole.problem,
-        &residual,
-        limit,
-    ))
 }
 
 /// Noise that falls below this share of itself with the causes in the model was partly gap.

@@ -1,6 +1,6 @@
 //! One recording made ready for questions: base model fitted, outliers out, noise known, blocks cut.
 
-use haptical_calibration::Weights;
+use haptical_calibration::{Channel, Weights};
 use haptical_identification::Matrix;
 use haptical_model::Recording;
 
@@ -8,13 +8,13 @@ use crate::DiagnosisError;
 use crate::base::{Base, BaseProblem};
 use crate::blocks::Blocks;
 use crate::catalogue::Effect;
+use crate::cleaning::outlying_rows;
 use crate::context::{Context, streams};
 use crate::measured::{KnownNoise, estimate_noise, floors};
-use crate::model::{Cause, Model, Refit};
+use crate::model::{Model, Refit};
 use crate::noise::Noise;
 use crate::part::{Part, root_mean_square, square};
 use crate::refit::{HALVINGS, SMALL_STEP};
-use crate::signal::Signal;
 use crate::system::{System, compress_matrix, compress_rows};
 
 /// One recording with its base model.
@@ -44,13 +44,21 @@ pub(crate) struct Engine<'a> {
 /// Passes of the base model's own refit.
 const BASE_PASSES: usize = 3;
 
-impl<'a> Engine<'a> {
-    /// Prepares a recording.
-    pub(crate) fn new(
-        base: &'a Base,
-        recording: &'a Recording,
-        known: Option<&KnownNoise>,
-    ) -> Result<Self, DiagnosisError> {
+/// A recording with the base model's residuals and derivatives, before anything is fitted to it.
+#[derive(Debug)]
+pub(crate) struct Prepared<'a> {
+    context: Context<'a>,
+    problem: BaseProblem<'a>,
+    base: &'a Base,
+    own: Vec<f64>,
+    usable: Vec<Vec<bool>>,
+    matrix: Option<Matrix>,
+    residual: Vec<Vec<f64>>,
+}
+
+impl<'a> Prepared<'a> {
+    /// Evaluates the base model on a recording.
+    pub(crate) fn new(base: &'a Base, recording: &'a Recording) -> Result<Self, DiagnosisError> {
         let weights = Weights::stated(&base.device, &base.channels);
         let streams = streams(&base.device, &base.channels);
         let (context, evaluated) = rayon::join(
@@ -61,7 +69,6 @@ impl<'a> Engine<'a> {
                 Ok::<_, DiagnosisError>((problem, first))
             },
         );
-        let context = context?;
         let (problem, first) = evaluated?;
         let own: Vec<f64> = streams
             .iter()
@@ -73,21 +80,76 @@ impl<'a> Engine<'a> {
                     .unwrap_or(1e-4)
             })
             .collect();
-        let usable: Vec<Vec<bool>> = first
+        let usable = first
             .residual
             .iter()
             .map(|rows| rows.iter().map(|value| value.is_finite()).collect())
             .collect();
-        let readings: usize = usable.iter().flatten().filter(|usable| **usable).count();
-        let too_few = DiagnosisError::TooFewReadings {
-            readings,
-            parameters: base.free.len(),
-            advised: 20 * base.free.len().max(5),
-        };
-        if readings <= base.free.len() + 4 {
-            return Err(too_few);
+        Ok(Self {
+            context: context?,
+            problem,
+            base,
+            own,
+            usable,
+            matrix: first.matrix,
+            residual: first.residual,
+        })
+    }
+
+    /// Readings that stand alone.
+    pub(crate) fn outlying(&self, limit: f64) -> Vec<(Channel, usize)> {
+        outlying_rows(&self.context, &self.problem, &self.residual, limit)
+    }
+
+    /// Readings that stand alone once causes are in the model.
+    pub(crate) fn outlying_beside(
+        &self,
+        effects: &[Box<dyn Effect>],
+        model: &Model,
+        limit: f64,
+    ) -> Result<Vec<(Channel, usize)>, DiagnosisError> {
+        let residual = residual_of(&self.problem, &self.context, effects, model)?;
+        Ok(outlying_rows(&self.context, &self.problem, &residual, limit))
+    }
+
+    /// The same recording after some of its readings were taken out, `cleaned`.
+    pub(crate) fn without(
+        mut self,
+        gone: &[(Channel, usize)],
+        cleaned: &'a Recording,
+    ) -> Prepared<'a> {
+        self.context.recording = cleaned;
+        for &(channel, row) in gone {
+            for (index, stream) in self.context.streams.iter().enumerate() {
+                if stream.channel == channel {
+                    self.usable[index][row] = false;
+                    self.residual[index][row] = f64::NAN;
+                    self.problem.forget(index, row);
+                }
+            }
         }
-        let matrix = first.matrix;
+        self
+    }
+
+    /// Fits the base model; the noise is estimated where it is not `known`.
+    pub(crate) fn fit(self, known: Option<&KnownNoise>) -> Result<Engine<'a>, DiagnosisError> {
+        let Self {
+            context,
+            problem,
+            base,
+            own,
+            usable,
+            matrix,
+            residual,
+        } = self;
+        let readings: usize = usable.iter().flatten().filter(|usable| **usable).count();
+        if readings <= base.free.len() + 4 {
+            return Err(DiagnosisError::TooFewReadings {
+                readings,
+                parameters: base.free.len(),
+                advised: 20 * base.free.len().max(5),
+            });
+        }
         let raw = Raw {
             context: &context,
             problem: &problem,
@@ -96,7 +158,7 @@ impl<'a> Engine<'a> {
             own: &own,
             matrix: matrix.as_ref(),
         };
-        let fitted = raw.fit(first.residual, known)?;
+        let fitted = raw.fit(residual, known)?;
         let BaseFit {
             noise,
             scale,
@@ -115,7 +177,7 @@ impl<'a> Engine<'a> {
             everything.as_ref(),
             &residual,
         )?;
-        Ok(Self {
+        Ok(Engine {
             context,
             problem,
             base,
@@ -138,7 +200,9 @@ impl<'a> Engine<'a> {
             },
         })
     }
+}
 
+impl Engine<'_> {
     /// The noise by other residuals than the base model's: with the causes in the model, fast parts of
     /// their gap no longer pass for noise.
     pub(crate) fn noise_of(&self, residual: &[Vec<f64>]) -> KnownNoise {
@@ -193,29 +257,31 @@ impl<'a> Engine<'a> {
         Ok((square / whitened.len().max(1) as f64).sqrt())
     }
 
-    /// What causes add to every stream.
-    pub(crate) fn contribution(&self, effects: &[Box<dyn Effect>], causes: &[Cause]) -> Signal {
-        let mut sum = Signal::default();
-        for cause in causes {
-            sum.add(&cause.contribution(effects, &self.context), 1.0);
-        }
-        sum
-    }
-
     /// Residuals of a model at every row.
     pub(crate) fn residual_of(
         &self,
         effects: &[Box<dyn Effect>],
         model: &Model,
     ) -> Result<Vec<Vec<f64>>, DiagnosisError> {
-        let mut residual = self.problem.evaluate(&model.values, false)?.residual;
-        for (stream, values) in &self.contribution(effects, &model.causes).parts {
+        residual_of(&self.problem, &self.context, effects, model)
+    }
+}
+
+fn residual_of(
+    problem: &BaseProblem<'_>,
+    context: &Context<'_>,
+    effects: &[Box<dyn Effect>],
+    model: &Model,
+) -> Result<Vec<Vec<f64>>, DiagnosisError> {
+    let mut residual = problem.evaluate(&model.values, false)?.residual;
+    for cause in &model.causes {
+        for (stream, values) in &cause.contribution(effects, context).parts {
             for (entry, value) in residual[*stream].iter_mut().zip(values) {
                 *entry -= value;
             }
         }
-        Ok(residual)
     }
+    Ok(residual)
 }
 
 /// Values and residuals after a step of the base model, shortened until the cost falls; none where it

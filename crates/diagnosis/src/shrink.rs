@@ -8,8 +8,8 @@ use crate::DiagnosisError;
 use crate::answer::{HeldOutAnswer, Prediction};
 use crate::base::Base;
 use crate::catalogue::Effect;
-use crate::cleaning::{outlying_rows, without_readings};
-use crate::engine::Engine;
+use crate::cleaning::without_readings;
+use crate::engine::{Engine, Prepared};
 use crate::model::{Cause, Model};
 use crate::scan::{event_score, with_more_steps};
 use crate::select::{Selection, Selector};
@@ -81,19 +81,10 @@ pub(crate) fn on_second(
     earlier: Option<&Base>,
 ) -> Result<Shrink, DiagnosisError> {
     let base = selector.engine.base;
-    let first = Engine::new(base, validation, None)?;
-    let gone = outlying_rows(
-        &first.context,
-        &first.problem,
-        &first.start.residual,
-        outlier_sd,
-    );
+    let prepared = Prepared::new(base, validation)?;
+    let gone = prepared.outlying(outlier_sd);
     let cleaned = without_readings(validation, &gone);
-    let second = if gone.is_empty() {
-        first
-    } else {
-        Engine::new(base, &cleaned, None)?
-    };
+    let second = prepared.without(&gone, &cleaned).fit(None)?;
     let mut warnings = Vec::new();
     let causes: Vec<Cause> = selection
         .refit
