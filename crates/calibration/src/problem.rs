@@ -1,11 +1,13 @@
 //! The least-squares problem of a device and a recording: weighted residuals and derivatives.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use haptical_identification::{IdentificationError, Matrix, Problem, SparseProblem, Triplet};
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{Twist, distance_m};
 use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};
+use rayon::prelude::*;
 
 use crate::rotation::{inverse_left_jacobian, measured_rotation, rotation_vector};
 use crate::sink::{Place, Sink};
@@ -36,6 +38,20 @@ struct Block {
     weights: Vec<f64>,
     first: usize,
 }
+
+impl Block {
+    /// Where the residuals of rows from `start` to before `end` stand.
+    fn within(&self, start: usize, end: usize) -> Range<usize> {
+        let place = |row: usize| {
+            let before = self.rows.partition_point(|&other| other < row);
+            self.first + before * self.channel.width()
+        };
+        place(start)..place(end)
+    }
+}
+
+/// Rows that one thread works out at a time where residuals alone are asked for.
+const ROWS_AT_ONCE: usize = 512;
 
 impl<'a> DeviceProblem<'a> {
     /// A problem over `parameters` of `device`; its parameter vector holds their absolute values.
@@ -123,10 +139,66 @@ impl<'a> DeviceProblem<'a> {
         mut sink: Sink<'_>,
     ) -> Result<(), IdentificationError> {
         let device = self.device_with(values);
-        let mut evaluation = Evaluation::new(&device);
+        let rows = self.recording.len();
+        if matches!(sink, Sink::None) && rows > ROWS_AT_ONCE {
+            return self.run_in_parallel(&device, residuals);
+        }
+        let firsts: Vec<usize> = self.blocks.iter().map(|block| block.first).collect();
+        self.run_rows(&device, 0..rows, &firsts, residuals, &mut sink)
+    }
+
+    /// The residuals of all rows, some rows at a time; each is worked out as it is alone.
+    fn run_in_parallel(
+        &self,
+        device: &Device,
+        residuals: &mut [f64],
+    ) -> Result<(), IdentificationError> {
+        let starts: Vec<usize> = (0..self.recording.len()).step_by(ROWS_AT_ONCE).collect();
+        // per part: every block's residuals, one block after the other
+        let parts: Vec<Vec<f64>> = starts
+            .par_iter()
+            .map(|&start| {
+                let end = (start + ROWS_AT_ONCE).min(self.recording.len());
+                let mut firsts = Vec::with_capacity(self.blocks.len());
+                let mut count = 0;
+                for block in &self.blocks {
+                    firsts.push(count);
+                    count += block.within(start, end).len();
+                }
+                let mut part = vec![0.0; count];
+                self.run_rows(device, start..end, &firsts, &mut part, &mut Sink::None)?;
+                Ok(part)
+            })
+            .collect::<Result<_, IdentificationError>>()?;
+        for (start, part) in starts.into_iter().zip(&parts) {
+            let mut rest = part.as_slice();
+            for block in &self.blocks {
+                let (own, others) = rest.split_at(block.within(start, start + ROWS_AT_ONCE).len());
+                residuals[block.within(start, start + ROWS_AT_ONCE)].copy_from_slice(own);
+                rest = others;
+            }
+        }
+        Ok(())
+    }
+
+    /// Rows of the recording, each block's residuals written from its entry of `firsts` on.
+    fn run_rows(
+        &self,
+        device: &Device,
+        rows: Range<usize>,
+        firsts: &[usize],
+        residuals: &mut [f64],
+        sink: &mut Sink<'_>,
+    ) -> Result<(), IdentificationError> {
+        let mut evaluation = Evaluation::new(device);
         let mut readings = vec![0.0; device.joints.len()];
-        let mut cursors = vec![0_usize; self.blocks.len()];
-        for row in 0..self.recording.len() {
+        let begins: Vec<usize> = self
+            .blocks
+            .iter()
+            .map(|block| block.rows.partition_point(|&row| row < rows.start))
+            .collect();
+        let mut cursors = begins.clone();
+        for row in rows {
             for (reading, column) in readings.iter_mut().zip(&self.recording.joint) {
                 *reading = column[row];
             }
@@ -155,11 +227,11 @@ impl<'a> DeviceProblem<'a> {
                 let place = Place {
                     block: position,
                     channel: block.channel,
-                    index: block.first + *cursor * block.channel.width(),
+                    index: firsts[position] + (*cursor - begins[position]) * block.channel.width(),
                     weight: block.weights[*cursor],
                     row,
                 };
-                self.residual(&place, &device, &evaluation, residuals, &mut sink)
+                self.residual(&place, device, &evaluation, residuals, sink)
                     .map_err(|error| self.at_row(row, &error))?;
                 *cursor += 1;
             }

@@ -9,7 +9,7 @@ use crate::base::{Base, Unfinished};
 use crate::catalogue::{Effect, catalogue};
 use crate::cleaning::without_readings;
 use crate::engine::Prepared;
-use crate::select::Selector;
+use crate::select::{MOVED_FAR, Selector};
 use crate::thresholds::Thresholds;
 use crate::{DiagnosisError, Options};
 
@@ -100,7 +100,7 @@ fn by_base(
         options,
     };
     let mut selector = Selector::new(&engine, effects, &tested, thresholds);
-    let mut selection = selector.select()?;
+    let mut selection = selector.select(true)?;
     if selection.refit.model.causes.is_empty() {
         return assemble(&mut selector, &mut selection, &inputs);
     }
@@ -110,7 +110,7 @@ fn by_base(
     let fell = fell
         .into_iter()
         .any(|(before, after)| after.ratio < FELL * before.ratio);
-    let moved = engine.moved(&selection.refit.model.values)?;
+    let moved = engine.moved(&selection.refit.model.bare);
     if moved < MOVED_FAR && !fell {
         return assemble(&mut selector, &mut selection, &inputs);
     }
@@ -134,7 +134,7 @@ fn by_base(
         ..inputs
     };
     let mut selector = Selector::new(&engine, effects, &tested, thresholds);
-    let mut selection = selector.select()?;
+    let mut selection = selector.select(false)?;
     assemble(&mut selector, &mut selection, &inputs)
 }
 
@@ -151,9 +151,6 @@ fn thinned(recording: &Recording) -> Option<Recording> {
 
 /// Noise that falls below this share of itself with the causes in the model was partly gap.
 const FELL: f64 = 0.9;
-/// Change of the base model's predictions by the causes, in noise deviations (root mean square), from
-/// which effects are computed anew.
-const MOVED_FAR: f64 = 25.0;
 
 /// Whether the base model has the effect already, or swallows it by its form.
 fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {

@@ -1,5 +1,7 @@
 //! One recording made ready for questions: base model fitted, outliers out, noise known, blocks cut.
 
+use std::sync::Arc;
+
 use haptical_calibration::{Channel, Weights};
 use haptical_identification::Matrix;
 use haptical_model::Recording;
@@ -11,7 +13,7 @@ use crate::catalogue::Effect;
 use crate::cleaning::outlying_rows;
 use crate::context::{Context, streams};
 use crate::measured::{KnownNoise, estimate_noise, floors};
-use crate::model::{Model, Refit};
+use crate::model::{Cause, Model, Refit};
 use crate::noise::Noise;
 use crate::part::{Part, root_mean_square, square};
 use crate::refit::{HALVINGS, SMALL_STEP};
@@ -108,7 +110,8 @@ impl<'a> Prepared<'a> {
         model: &Model,
         limit: f64,
     ) -> Result<Vec<(Channel, usize)>, DiagnosisError> {
-        let residual = residual_of(&self.problem, &self.context, effects, model)?;
+        let residual = self.problem.evaluate(&model.values, false)?.residual;
+        let residual = beside(residual, &self.context, effects, &model.causes);
         Ok(outlying_rows(&self.context, &self.problem, &residual, limit))
     }
 
@@ -192,6 +195,7 @@ impl<'a> Prepared<'a> {
             start: Refit {
                 model: Model {
                     values,
+                    bare: Arc::new(residual.clone()),
                     causes: Vec::new(),
                 },
                 residual,
@@ -243,10 +247,9 @@ impl Engine<'_> {
         &self.whole.free
     }
 
-    /// Root mean square change of the base model's predictions from its own fit to other values, in
-    /// noise deviations.
-    pub(crate) fn moved(&self, values: &[f64]) -> Result<f64, DiagnosisError> {
-        let there = self.problem.evaluate(values, false)?.residual;
+    /// Root mean square change of the base model's predictions from its own fit to another, whose residuals
+    /// are given, in noise deviations.
+    pub(crate) fn moved(&self, there: &[Vec<f64>]) -> f64 {
         let change: Vec<Vec<f64>> = there
             .iter()
             .zip(&self.start.residual)
@@ -254,34 +257,41 @@ impl Engine<'_> {
             .collect();
         let whitened = compress_rows(&self.system.blocks, &change);
         let square: f64 = whitened.iter().map(|value| value * value).sum();
-        Ok((square / whitened.len().max(1) as f64).sqrt())
+        (square / whitened.len().max(1) as f64).sqrt()
     }
 
-    /// Residuals of a model at every row.
+    /// Residuals of a model of another recording at every row of this one.
     pub(crate) fn residual_of(
         &self,
         effects: &[Box<dyn Effect>],
-        model: &Model,
+        values: &[f64],
+        causes: &[Cause],
     ) -> Result<Vec<Vec<f64>>, DiagnosisError> {
-        residual_of(&self.problem, &self.context, effects, model)
+        let bare = self.problem.evaluate(values, false)?.residual;
+        Ok(beside(bare, &self.context, effects, causes))
+    }
+
+    /// Residuals of a model of this recording.
+    pub(crate) fn residual(&self, effects: &[Box<dyn Effect>], model: &Model) -> Vec<Vec<f64>> {
+        beside(model.bare.to_vec(), &self.context, effects, &model.causes)
     }
 }
 
-fn residual_of(
-    problem: &BaseProblem<'_>,
+/// Residuals once the causes are in the model.
+fn beside(
+    mut residual: Vec<Vec<f64>>,
     context: &Context<'_>,
     effects: &[Box<dyn Effect>],
-    model: &Model,
-) -> Result<Vec<Vec<f64>>, DiagnosisError> {
-    let mut residual = problem.evaluate(&model.values, false)?.residual;
-    for cause in &model.causes {
+    causes: &[Cause],
+) -> Vec<Vec<f64>> {
+    for cause in causes {
         for (stream, values) in &cause.contribution(effects, context).parts {
             for (entry, value) in residual[*stream].iter_mut().zip(values) {
                 *entry -= value;
             }
         }
     }
-    Ok(residual)
+    residual
 }
 
 /// Values and residuals after a step of the base model, shortened until the cost falls; none where it

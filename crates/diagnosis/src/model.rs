@@ -1,5 +1,7 @@
 //! Causes and models: what a refit starts from and ends with.
 
+use std::sync::Arc;
+
 use haptical_identification::Matrix;
 
 use crate::catalogue::Effect;
@@ -67,6 +69,8 @@ impl Cause {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Model {
     pub(crate) values: Vec<f64>,
+    /// Measured minus base model at these values, per stream and row of the recording fitted to.
+    pub(crate) bare: Arc<Vec<Vec<f64>>>,
     pub(crate) causes: Vec<Cause>,
 }
 

@@ -1,5 +1,7 @@
 //! Refits of base model and causes together.
 
+use std::sync::Arc;
+
 use crate::DiagnosisError;
 use crate::catalogue::Effect;
 use crate::engine::Engine;
@@ -35,7 +37,7 @@ impl Engine<'_> {
         model: &Model,
     ) -> Result<Refit, DiagnosisError> {
         let mut model = model.clone();
-        let mut residual = self.residual_of(effects, &model)?;
+        let mut residual = self.residual(effects, &model);
         let mut cost = square(part, &residual);
         let mut covariance = None;
         let mut last_step = f64::INFINITY;
@@ -106,7 +108,9 @@ impl Engine<'_> {
             for (owner, change) in owners.iter().zip(&step[self.base.free.len()..]) {
                 apply(&mut next.causes, *owner, share * change);
             }
-            if let Ok(residual) = self.residual_of(effects, &next) {
+            if let Ok(bare) = self.problem.evaluate(&next.values, false) {
+                next.bare = Arc::new(bare.residual);
+                let residual = self.residual(effects, &next);
                 let square = square(part, &residual);
                 if square < cost {
                     return Some((next, residual, square));

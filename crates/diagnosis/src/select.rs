@@ -53,6 +53,11 @@ const OFF_BY: f64 = 0.35;
 const SURELY: f64 = 1e-6;
 /// Picks that are tried and refused before the search ends.
 const REFUSALS: usize = 3;
+/// Share of the structured energy below which nothing is left that could have moved the base model.
+const NEARLY_NOTHING: f64 = 0.01;
+/// Change of the base model's predictions by the causes, in noise deviations (root mean square), from
+/// which effects are computed anew.
+pub(crate) const MOVED_FAR: f64 = 25.0;
 /// Score from which an event may have further steps.
 const WORTH_MORE_STEPS: f64 = 60.0;
 /// Contenders that are refitted at most when a pick is close.
@@ -76,8 +81,9 @@ impl<'e, 'a> Selector<'e, 'a> {
         }
     }
 
-    /// Picks causes until what is left is chance or no effect of the catalogue.
-    pub(crate) fn select(&mut self) -> Result<Selection, DiagnosisError> {
+    /// Picks causes until what is left is chance or no effect of the catalogue; or, with `may_stop`, until
+    /// the first has explained the gap and moved the base model so far that all must be computed anew.
+    pub(crate) fn select(&mut self, may_stop: bool) -> Result<Selection, DiagnosisError> {
         let mut refit = self.engine.start.clone();
         let mut system = self.engine.system.clone();
         let before = system.slow_energy(&system.residual);
@@ -132,6 +138,13 @@ impl<'e, 'a> Selector<'e, 'a> {
             refit = next;
             system = next_system;
             after = next_after;
+            let (rest, all) = (excess(&after).0, excess(&before).0);
+            if may_stop
+                && rest < NEARLY_NOTHING * all
+                && self.engine.moved(&refit.model.bare) >= MOVED_FAR
+            {
+                break;
+            }
         }
         Ok(Selection {
             refit,

@@ -10,7 +10,7 @@ use crate::base::Base;
 use crate::catalogue::Effect;
 use crate::cleaning::without_readings;
 use crate::engine::{Engine, Prepared};
-use crate::model::{Cause, Model};
+use crate::model::Cause;
 use crate::scan::{event_score, with_more_steps};
 use crate::select::{Selection, Selector};
 
@@ -85,27 +85,20 @@ pub(crate) fn on_second(
     let gone = prepared.outlying(outlier_sd);
     let cleaned = without_readings(validation, &gone);
     let second = prepared.without(&gone, &cleaned).fit(None)?;
+    let effects = selector.effects;
     let mut warnings = Vec::new();
     let causes: Vec<Cause> = selection
         .refit
         .model
         .causes
         .iter()
-        .filter_map(|cause| in_second(&second, selector.effects, cause))
+        .filter_map(|cause| in_second(&second, effects, cause))
         .collect();
-    let plain = Model {
-        values: selector.engine.start.model.values.clone(),
-        causes: Vec::new(),
-    };
-    let with = Model {
-        values: selection.refit.model.values.clone(),
-        causes,
-    };
     let before = match earlier {
         Some(model) => model_residual(model, &cleaned, &second)?,
-        None => second.residual_of(selector.effects, &plain)?,
+        None => second.residual_of(effects, &selector.engine.start.model.values, &[])?,
     };
-    let after = second.residual_of(selector.effects, &with)?;
+    let after = second.residual_of(effects, &selection.refit.model.values, &causes)?;
     let known: Vec<bool> = (0..validation.len())
         .map(|row| {
             base.device
