@@ -171,15 +171,13 @@ impl<'a> Prepared<'a> {
             last_step,
         } = fitted;
         let floor = floors(&problem, &noise, &usable);
-        let everything = matrix
+        let held: Vec<usize> = (0..base.parameters.len())
+            .filter(|parameter| !base.free.contains(parameter))
+            .collect();
+        let other = matrix
             .as_ref()
-            .map(|matrix| compress_matrix(&context, &problem, &whole.blocks, matrix, None));
-        let system = System::new(
-            &context,
-            whole.blocks.clone(),
-            everything.as_ref(),
-            &residual,
-        )?;
+            .map(|matrix| compress_matrix(&context, &problem, &whole.blocks, matrix, &held));
+        let system = System::new(&context, &whole, other.as_ref(), &residual);
         Ok(Engine {
             context,
             problem,

@@ -47,7 +47,7 @@ impl Part {
                 blocks,
             });
         };
-        let free = compress_matrix(context, problem, &blocks, matrix, Some(free));
+        let free = compress_matrix(context, problem, &blocks, matrix, free);
         let basis = Some(OrthonormalBasis::new(&free, RANK_TOLERANCE)?);
         Ok(Self {
             blocks,

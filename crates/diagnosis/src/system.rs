@@ -4,14 +4,14 @@ use haptical_linalg::{Matrix, OrthonormalBasis};
 
 use rayon::prelude::*;
 
-use crate::DiagnosisError;
 use crate::base::BaseProblem;
 use crate::blocks::Blocks;
 use crate::context::Context;
+use crate::part::Part;
 use crate::signal::Signal;
 
-/// Relative pivot below which a direction of the base model is taken for absent.
-const BASE_TOLERANCE: f64 = 1e-8;
+/// Share of a column that must lie across those before it for a direction of its own.
+const ABSENT: f64 = 1e-7;
 /// Time within which what is left of a gap hardly changes \[s\].
 const WINDOW_S: f64 = 0.25;
 
@@ -34,30 +34,31 @@ pub(crate) struct System {
 }
 
 impl System {
-    /// The base model's directions and residuals.
+    /// The base model's directions: those of its fit, and what its `other` parameters, held in the fit,
+    /// could still do.
     pub(crate) fn new(
         context: &Context<'_>,
-        blocks: Blocks,
-        derivatives: Option<&Matrix>,
+        part: &Part,
+        other: Option<&Matrix>,
         residual: &[Vec<f64>],
-    ) -> Result<Self, DiagnosisError> {
-        let mut basis = Vec::new();
-        if let Some(derivatives) = derivatives {
-            let found = OrthonormalBasis::new(derivatives, BASE_TOLERANCE)?;
-            let directions = found.directions();
-            basis = (0..directions.columns())
-                .map(|column| directions.column(column).to_vec())
-                .collect();
-        }
-        let windows = windows(context, &blocks);
-        let mut system = Self {
-            residual: Vec::new(),
-            blocks,
-            basis,
-            windows,
+    ) -> Self {
+        let fitted = part.basis.as_ref().map(OrthonormalBasis::directions);
+        let columns = |matrix: &Matrix| -> Vec<Vec<f64>> {
+            (0..matrix.columns())
+                .map(|column| matrix.column(column).to_vec())
+                .collect()
         };
+        let mut system = Self {
+            residual: vec![0.0; part.blocks.count()],
+            blocks: part.blocks.clone(),
+            basis: fitted.map(columns).unwrap_or_default(),
+            windows: windows(context, &part.blocks),
+        };
+        for column in other.map(columns).unwrap_or_default() {
+            system.take(column);
+        }
         system.set_residual(residual);
-        Ok(system)
+        system
     }
 
     /// Takes physical residuals per stream and row, and projects them.
@@ -102,6 +103,10 @@ impl System {
         for (stream, values) in &column.parts {
             dense[self.blocks.range(*stream)].copy_from_slice(values);
         }
+        self.take(dense);
+    }
+
+    fn take(&mut self, mut dense: Vec<f64>) {
         let norm = dot(&dense, &dense).sqrt();
         for _ in 0..2 {
             for direction in &self.basis {
@@ -112,7 +117,7 @@ impl System {
             }
         }
         let rest = dot(&dense, &dense).sqrt();
-        if rest <= 1e-7 * norm || rest == 0.0 {
+        if rest <= ABSENT * norm || rest == 0.0 {
             return;
         }
         dense.iter_mut().for_each(|entry| *entry /= rest);
@@ -174,16 +179,14 @@ pub(crate) fn compress_rows(blocks: &Blocks, rows: &[Vec<f64>]) -> Vec<f64> {
     all
 }
 
-/// Compresses the derivatives of `chosen` parameters, or of all.
+/// Compresses the derivatives of `chosen` parameters.
 pub(crate) fn compress_matrix(
     context: &Context<'_>,
     problem: &BaseProblem<'_>,
     blocks: &Blocks,
     matrix: &Matrix,
-    chosen: Option<&[usize]>,
+    chosen: &[usize],
 ) -> Matrix {
-    let all: Vec<usize> = (0..matrix.columns()).collect();
-    let chosen = chosen.unwrap_or(&all);
     let columns: Vec<Vec<f64>> = chosen
         .par_iter()
         .map(|&parameter| {
