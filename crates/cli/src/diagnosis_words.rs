@@ -92,15 +92,16 @@ fn with_probability(cause: &CauseAnswer) -> String {
 
 fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
     let others = &diagnosis.causes[1..];
-    let rivals = if first.confusable_with.is_empty() {
-        "other effects".to_owned()
+    let mut sentence = if first.confusable_with.is_empty() {
+        let first = with_probability(first);
+        format!("{first} is the likeliest cause, but not a sure one.")
     } else {
-        listed_or(&first.confusable_with)
+        let rivals = listed_or(&first.confusable_with);
+        format!(
+            "The data cannot tell {} from {rivals}.",
+            with_probability(first)
+        )
     };
-    let mut sentence = format!(
-        "The data cannot tell {} from {rivals}.",
-        with_probability(first)
-    );
     if !others.is_empty() {
         let names: Vec<String> = others.iter().map(with_probability).collect();
         sentence.push_str(&format!(" Beside it: {}.", listed(&names)));

@@ -15,6 +15,7 @@ pub(crate) fn next_experiment(
     match verdict {
         Verdict::NoGap => None,
         Verdict::Named => first.map(confirm),
+        Verdict::Ambiguous if confused_with.is_empty() => first.map(confirm),
         Verdict::Ambiguous => Some(separate(first, confused_with)),
         Verdict::Unknown => Some(explore(place)),
     }

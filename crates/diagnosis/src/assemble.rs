@@ -9,6 +9,8 @@ use crate::answer::{CandidateAnswer, CauseAnswer, Diagnosis, Gap, Provenance, Ve
 use crate::base::Base;
 use crate::causes::{base_term, cause_answer, force_findings, noise_findings};
 use crate::earlier::{Difference, difference};
+use crate::engine::Engine;
+use crate::force::answer::ForceAnswer;
 use crate::place::{locate, of_base_term};
 use crate::rivals::{Rival, settle};
 use crate::select::{Selection, Selector};
@@ -48,14 +50,14 @@ pub(crate) fn assemble(
         Some(residual) => difference(engine, residual),
         None => Difference::default(),
     };
-    let (shrink, force) = rayon::join(
-        || {
-            let earlier = earlier_residual.as_deref();
-            shrink(selector, selection, inputs, &base_terms, earlier)
-        },
-        || crate::force::examine(&engine.context, &inputs.options.without),
-    );
-    let (shrink, force) = (shrink?, force?);
+    let (shrink, force) = beside_each_other(
+        selector,
+        selection,
+        inputs,
+        &adequacy,
+        &base_terms,
+        earlier_residual.as_deref(),
+    )?;
     let mut causes = position_causes(
         selector,
         selection,
@@ -138,6 +140,27 @@ pub(crate) fn assemble(
     })
 }
 
+/// What unseen rows and what forces show.
+fn beside_each_other(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    inputs: &Inputs<'_>,
+    adequacy: &Adequacy,
+    base_terms: &Difference,
+    earlier: Option<&[Vec<f64>]>,
+) -> Result<(Shrink, ForceAnswer), DiagnosisError> {
+    let engine = selector.engine;
+    let (shrink, force) = rayon::join(
+        || shrink(selector, selection, inputs, base_terms, earlier),
+        || crate::force::examine(&engine.context, &inputs.options.without),
+    );
+    let mut force = force?;
+    if !selection.refit.model.causes.is_empty() || !quiet(selector, selection, adequacy) {
+        force = force.beside_wrong_angles(torque_of_wrong_angles_nm(engine));
+    }
+    Ok((shrink?, force))
+}
+
 fn provenance(selector: &Selector<'_, '_>, inputs: &Inputs<'_>) -> Provenance {
     let engine = selector.engine;
     Provenance {
@@ -204,6 +227,39 @@ fn shrink(
     }
 }
 
+/// Whether positions show nothing but noise, no cause taken up.
+fn quiet(selector: &Selector<'_, '_>, selection: &Selection, adequacy: &Adequacy) -> bool {
+    adequacy.worst < selector.thresholds.omnibus_z && selection.refused.is_none()
+}
+
+/// What the holding torques are wrong by where the model's angles are: about the torque times the angle,
+/// the largest of the base model's gaps.
+fn torque_of_wrong_angles_nm(engine: &Engine<'_>) -> f64 {
+    let context = &engine.context;
+    let rms = |values: &[f64]| {
+        let finite = values.iter().filter(|value| value.is_finite());
+        let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    };
+    let torque_nm = context
+        .torque_nm
+        .iter()
+        .flatten()
+        .map(|t| rms(t))
+        .fold(0.0, f64::max);
+    let angle_rad = (0..context.streams.len())
+        .map(|stream| {
+            let gap = rms(&engine.start.residual[stream]).powi(2) - engine.floor[stream].powi(2);
+            let arm_m = match (context.streams[stream].channel, &context.cable) {
+                (Channel::Cable { .. }, Some(cable)) => rms(&cable.length_m).max(1e-3),
+                _ => 1.0,
+            };
+            gap.max(0.0).sqrt() / arm_m
+        })
+        .fold(0.0, f64::max);
+    torque_nm * angle_rad
+}
+
 fn verdict(
     selector: &Selector<'_, '_>,
     selection: &Selection,
@@ -213,8 +269,7 @@ fn verdict(
     let thresholds = selector.thresholds;
     let found = !selection.refit.model.causes.is_empty();
     if !found {
-        let quiet = adequacy.worst < thresholds.omnibus_z && selection.refused.is_none();
-        return match (quiet, causes.is_empty()) {
+        return match (quiet(selector, selection, adequacy), causes.is_empty()) {
             (true, true) => Verdict::NoGap,
             (true, false) => Verdict::Named,
             (false, _) => Verdict::Unknown,

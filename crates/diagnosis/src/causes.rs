@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::adequacy::Adequacy;
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
-use crate::catalogue::{Effect, Family, Hook};
+use crate::catalogue::{Effect, Family, Hook, Need};
 use crate::earlier::BaseTerm;
 use crate::force::answer::ForceAnswer;
 use crate::model::{Cause, Refit};
@@ -31,7 +31,7 @@ pub(crate) fn cause_answer(
     // a drift that settles has no law of its own: many things settle
     if effect.family() == Family::Drift && cause.shape != 0.0 {
         probability *= SETTLING;
-    } else if effect.name() == "joint-drift" {
+    } else if effect.name() == "joint-drift" && effect.needs().contains(&Need::Time) {
         // a cable that creeps under a steady load drifts as steadily
         probability *= STEADY;
     }

@@ -104,24 +104,20 @@ fn by_base(
     if selection.refit.model.causes.is_empty() {
         return assemble(&mut selector, &mut selection, &inputs);
     }
-    let residual = &selection.refit.residual;
-    let noise = engine.noise_of(residual);
-    let fell = engine.noise.iter().zip(&noise.noise);
-    let fell = fell
-        .into_iter()
-        .any(|(before, after)| after.ratio < FELL * before.ratio);
-    let moved = engine.moved(&selection.refit.model.bare);
-    if moved < MOVED_FAR && !fell {
+    // The gap may have pushed the base model far from where it belongs, and the effects' geometry with it,
+    // or its fast parts may have passed for noise: then once more from what is known with the causes.
+    let model = &selection.refit.model;
+    let noise = engine.noise_of(&selection.refit.residual);
+    let mut pairs = engine.noise.iter().zip(&noise.noise);
+    let fell = pairs.any(|(before, after)| after.ratio < FELL * before.ratio);
+    if engine.moved(&model.bare) < MOVED_FAR && !fell {
         return assemble(&mut selector, &mut selection, &inputs);
     }
-    // The gap had pushed the base model far from where it belongs, and the effects' geometry with it, or
-    // its fast parts had passed for noise: once more from what is known with the causes.
     let nearer = Base {
-        device: engine.problem.device_with(&selection.refit.model.values),
+        device: engine.problem.device_with(&model.values),
         ..base.clone()
     };
     let again = if fell {
-        let model = &selection.refit.model;
         Prepared::new(base, recording)?.outlying_beside(effects, model, thresholds.outlier_sd)?
     } else {
         gone.clone()

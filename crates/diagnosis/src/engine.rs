@@ -112,7 +112,12 @@ impl<'a> Prepared<'a> {
     ) -> Result<Vec<(Channel, usize)>, DiagnosisError> {
         let residual = self.problem.evaluate(&model.values, false)?.residual;
         let residual = beside(residual, &self.context, effects, &model.causes);
-        Ok(outlying_rows(&self.context, &self.problem, &residual, limit))
+        Ok(outlying_rows(
+            &self.context,
+            &self.problem,
+            &residual,
+            limit,
+        ))
     }
 
     /// The same recording after some of its readings were taken out, `cleaned`.

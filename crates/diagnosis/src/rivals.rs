@@ -93,33 +93,19 @@ pub(crate) fn rivals(
     };
     let misfit = misfit(&selection.after);
     let empty = selector.cost(&without);
-    let own_cost = selector.cost(&selection.refit);
-    let gained = (empty - own_cost).max(1e-9);
-    let mut evidence: Vec<Evidence> = Vec::new();
+    let gained = (empty - selector.cost(&selection.refit)).max(1e-9);
     let own = causes[cause].effect;
-    let own_rank = causes[cause].amplitudes.len();
-    let template = scan.iter().find(|score| score.effect == own).cloned();
     let criterion = |score: f64, of: &Score| {
         selector.criterion(&Score {
             score: score / misfit,
             ..of.clone()
         })
     };
-    if let Some(template) = &template {
-        evidence.push((own, criterion(gained, template), 1.0, None));
-    } else {
-        let score = Score {
-            effect: own,
-            shape: causes[cause].shape,
-            score: gained,
-            rank: own_rank,
-            amplitudes: causes[cause].amplitudes.clone(),
-            times: causes[cause].times.clone(),
-            retained: 1.0,
-            unit_amplitude: 1.0,
-        };
-        evidence.push((own, criterion(gained, &score), 1.0, None));
-    }
+    // the linear score of a rival counts where its refit falls short; so does that of the cause itself
+    let template = scan.iter().find(|score| score.effect == own).cloned();
+    let template = template.unwrap_or_else(|| as_score(&causes[cause], gained));
+    let explained = gained.max(template.score);
+    let mut evidence: Vec<Evidence> = vec![(own, criterion(explained, &template), 1.0, None)];
     let best = evidence[0].1;
     let others: Vec<&Score> = scan
         .iter()
@@ -129,7 +115,11 @@ pub(crate) fn rivals(
     let is_near = |score: &Score| {
         best - criterion(score.score, score) < NEAR_NATS || score.score > 0.93 * gained
     };
-    let near: Vec<&Score> = others.iter().copied().filter(|score| is_near(score)).collect();
+    let near: Vec<&Score> = others
+        .iter()
+        .copied()
+        .filter(|score| is_near(score))
+        .collect();
     let refits: Vec<(usize, Refit, f64)> = near
         .into_par_iter()
         .take(REFITTED)
@@ -142,9 +132,33 @@ pub(crate) fn rivals(
         let refit = refits.iter().find(|(effect, ..)| *effect == score.effect);
         let explained = refit.map_or(score.score, |(_, _, cost)| score.score.max(empty - cost));
         let fit = refit.and_then(|(_, fitted, _)| fitted.model.causes.last().cloned());
-        evidence.push((score.effect, criterion(explained, score), explained / gained, fit));
+        evidence.push((
+            score.effect,
+            criterion(explained, score),
+            explained / gained,
+            fit,
+        ));
     }
     hedge_drifts(selector, own, best, &mut evidence);
+    Ok(listed(selector, own, evidence))
+}
+
+/// A cause that the scan did not list, as it would have been.
+fn as_score(cause: &Cause, gained: f64) -> Score {
+    Score {
+        effect: cause.effect,
+        shape: cause.shape,
+        score: gained,
+        rank: cause.amplitudes.len(),
+        amplitudes: cause.amplitudes.clone(),
+        times: cause.times.clone(),
+        retained: 1.0,
+        unit_amplitude: 1.0,
+    }
+}
+
+/// Evidence as probabilities, the cause itself first and then the best.
+fn listed(selector: &Selector<'_, '_>, own: usize, mut evidence: Vec<Evidence>) -> Vec<Rival> {
     evidence.sort_by(|a, b| b.1.total_cmp(&a.1));
     let top = evidence[0].1;
     let sum: f64 = evidence
@@ -170,7 +184,7 @@ pub(crate) fn rivals(
         let own = found.remove(position);
         found.insert(0, own);
     }
-    Ok(found)
+    found
 }
 
 /// Position in the catalogue, evidence in nats, share of what the cause explains, its fit.

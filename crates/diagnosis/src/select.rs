@@ -401,7 +401,9 @@ impl<'e, 'a> Selector<'e, 'a> {
             })
             .collect::<Result<_, _>>()?;
         // of equals the first
-        let best = refits.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a });
+        let best = refits
+            .into_iter()
+            .reduce(|a, b| if b.1 < a.1 { b } else { a });
         best.ok_or(DiagnosisError::Thresholds {
             reason: format!("{} has no shape", effect.name()),
         })

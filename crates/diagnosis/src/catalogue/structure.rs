@@ -1,6 +1,8 @@
 //! Effects of the structure: wobbling joint axes, a tool that was changed between runs.
 
-use haptical_model::kinematics::nalgebra::Vector3;
+use std::f64::consts::PI;
+
+use haptical_model::kinematics::nalgebra::{Vector2, Vector3};
 
 use super::{Effect, Family, Hook, Need, ParameterSpec, parameter};
 use crate::context::Context;
@@ -103,9 +105,16 @@ impl Effect for Wobble {
             .collect()
     }
 
+    /// The largest tilt and where in the turn it is: the long axis of the ellipse that a cos + b sin
+    /// describes.
     fn values(&self, _: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        let size = amplitudes.iter().map(|a| a * a).sum::<f64>().sqrt();
-        vec![size, amplitudes[1].atan2(amplitudes[0]), shape]
+        let a = Vector2::new(amplitudes[0], amplitudes[2]);
+        let b = Vector2::new(amplitudes[1], amplitudes[3]);
+        let phase = 0.5 * (2.0 * a.dot(&b)).atan2(a.norm_squared() - b.norm_squared());
+        let tilt = a * phase.cos() + b * phase.sin();
+        // of two opposite places the one with the tilt along the first direction
+        let phase = if tilt.x < 0.0 { phase + PI } else { phase };
+        vec![tilt.norm(), phase.sin().atan2(phase.cos()), shape]
     }
 
     fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {

@@ -59,6 +59,16 @@ pub(crate) struct ForceAnswer {
 }
 
 impl ForceAnswer {
+    /// Takes the findings back where a torque of this size, which wrong angles cause, could pass for them.
+    pub(crate) fn beside_wrong_angles(mut self, torque_nm: f64) -> Self {
+        let square = |gap: &TorqueGap| (gap.rms_before.powi(2) - gap.noise_floor.powi(2)).max(0.0);
+        let found = self.channels.iter().map(square).sum::<f64>().sqrt();
+        if found < BEYOND_WRONG_ANGLES * torque_nm {
+            self.findings.clear();
+        }
+        self
+    }
+
     /// Nothing can be said.
     pub(super) fn untestable(why: &str) -> Self {
         Self {
@@ -67,6 +77,9 @@ impl ForceAnswer {
         }
     }
 }
+
+/// Times the torque that wrong angles cause by which a finding must stand out.
+const BEYOND_WRONG_ANGLES: f64 = 3.0;
 
 /// Puts the answer together.
 pub(super) fn answer(
