@@ -169,9 +169,9 @@ pub(crate) fn slope_beside(x: &[f64], y: &[f64], others: &[Vec<f64>]) -> f64 {
     }
 }
 
-/// Root of the mean square.
+/// Root of the mean square; 0 of nothing.
 pub(crate) fn rms(values: &[f64]) -> f64 {
-    libm::sqrt(values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64)
+    haptical_metrics::rms(values).unwrap_or(0.0)
 }
 
 /// Factor of `y` on `x`, vector by vector, through the origin; zero where `x` is zero.

@@ -1,7 +1,8 @@
 //! Whether the causes found account for the gap: what makes the answer "unknown" possible.
 
 use crate::answer::Verdict;
-use crate::select::{Selection, Selector, excess, law_is_kept, worst_excess};
+use crate::laws::law_is_kept;
+use crate::select::{Selection, Selector, excess, worst_excess};
 
 /// Whether the causes account for the gap.
 #[derive(Debug, Clone)]

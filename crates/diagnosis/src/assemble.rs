@@ -177,6 +177,29 @@ fn provenance(selector: &Selector<'_, '_>, inputs: &Inputs<'_>) -> Provenance {
 /// Probability below which a later cause is not told: it is what an earlier one's law gets wrong.
 const LATER_PROBABILITY: f64 = 0.6;
 
+/// Whether a later cause is more than what an earlier one's law gets wrong: its class is likely and
+/// small, and its size is not zero.
+fn is_told(selector: &Selector<'_, '_>, cause: &CauseAnswer) -> bool {
+    let sizes = cause.parameters.iter().filter(|(name, _)| is_size(name));
+    cause.class_probability >= LATER_PROBABILITY
+        && cause.confusable_with.len() < selector.thresholds.names
+        && sizes
+            .into_iter()
+            .all(|(_, size)| size.ci95[0] * size.ci95[1] > 0.0)
+}
+
+/// Whether a parameter is a size, not a place of it.
+fn is_size(name: &str) -> bool {
+    ![
+        "phase_rad",
+        "time_s",
+        "order",
+        "from_joint",
+        "transition_rad",
+    ]
+    .contains(&name)
+}
+
 /// The causes that positions show, strongest first.
 fn position_causes(
     selector: &Selector<'_, '_>,
@@ -197,8 +220,7 @@ fn position_causes(
         causes.push(answer);
     }
     let mut first = true;
-    causes
-        .retain(|cause| std::mem::take(&mut first) || cause.class_probability >= LATER_PROBABILITY);
+    causes.retain(|cause| std::mem::take(&mut first) || is_told(selector, cause));
     if !base_terms.terms.is_empty() {
         causes.sort_by(|a, b| b.share.total_cmp(&a.share));
     }

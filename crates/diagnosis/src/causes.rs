@@ -8,7 +8,7 @@ use crate::catalogue::{Effect, Family, Hook, Need};
 use crate::earlier::BaseTerm;
 use crate::force::answer::ForceAnswer;
 use crate::model::{Cause, Refit};
-use crate::rivals::Rival;
+use crate::rivals::{Rival, warms_with_time};
 use crate::select::{Selection, Selector, misfit, values_are_plausible};
 use crate::shrink::{Shrink, Unseen};
 
@@ -26,6 +26,7 @@ pub(crate) fn cause_answer(
     let effect = selector.effects[cause.effect].as_ref();
     let (amplitudes, shape) = reported(cause);
     let values = effect.values(&selector.engine.context, &amplitudes, shape);
+    let confusable = confusable(selector, rivals);
     let own = rivals.first().map_or(1.0, |rival| rival.probability);
     let mut probability = own * (1.0 - adequacy.doubt());
     // a drift that settles has no law of its own: many things settle
@@ -33,6 +34,12 @@ pub(crate) fn cause_answer(
         probability *= SETTLING;
     } else if effect.name() == "joint-drift" && effect.needs().contains(&Need::Time) {
         // a cable that creeps under a steady load drifts as steadily
+        probability *= STEADY;
+    } else if effect.needs().contains(&Need::Temperature)
+        && confusable.is_empty()
+        && warms_with_time(&selector.engine.context)
+    {
+        // what follows the temperature then follows the time, and another law of time was not tried
         probability *= STEADY;
     }
     let class: f64 = rivals
@@ -45,7 +52,7 @@ pub(crate) fn cause_answer(
         joint: effect.joint().map(|joint| joint + 1),
         class_probability: (class * (1.0 - adequacy.doubt())).max(probability),
         probability,
-        confusable_with: confusable(selector, rivals),
+        confusable_with: confusable,
         parameters: parameters(selector, selection, index),
         plausible: values_are_plausible(effect, &values),
         implausible: !values_are_plausible(effect, &values),

@@ -37,19 +37,18 @@ pub(crate) fn outlying_rows(
     found
 }
 
+/// Median of the magnitude of a normal deviate.
+pub(crate) const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
+
 /// Standard deviation from the median absolute value.
 fn spread(scaled: &[f64]) -> Option<f64> {
-    let mut sizes: Vec<f64> = scaled
+    let sizes: Vec<f64> = scaled
         .iter()
         .filter(|value| value.is_finite())
         .map(|value| value.abs())
         .collect();
-    if sizes.is_empty() {
-        return None;
-    }
-    let middle = sizes.len() / 2;
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(*median / 0.674_489_750_196_081_7)
+    let median = haptical_metrics::median(&sizes).ok()?;
+    Some(median / NORMAL_MEDIAN)
 }
 
 /// A copy of a recording without some readings.

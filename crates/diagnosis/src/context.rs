@@ -72,6 +72,8 @@ pub(crate) struct Context<'a> {
     pub(crate) rotation: Vec<Matrix3<f64>>,
     /// Origin of the frame that each joint turns (or slides) in, frame (-1); per joint and row.
     pub(crate) origin: Vec<Vec<Vector3<f64>>>,
+    /// The robot's base, frame (-1), per row.
+    base_origin_m: Vec<Vector3<f64>>,
     /// Moment of hand and gravity about the robot's base, where either is known; frame (-1).
     pub(crate) base_moment_nm: Option<Vec<Vector3<f64>>>,
     pub(crate) cable: Option<CableGeometry>,
@@ -176,6 +178,7 @@ impl<'a> Context<'a> {
             position,
             rotation,
             origin: frames.origin,
+            base_origin_m: frames.base,
             base_moment_nm,
             cable,
             torque_nm,
@@ -343,6 +346,12 @@ impl<'a> Context<'a> {
         Signal { parts }
     }
 
+    /// The way from the robot's base to the handle, frame (-1).
+    pub(crate) fn way_from_base(&self, row: usize) -> Vector3<f64> {
+        let base = self.base_origin_m.get(row).copied();
+        self.position[row] - base.unwrap_or_else(Vector3::zeros)
+    }
+
     /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint.
     pub(crate) fn lever(&self, joint: usize, row: usize) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let axis = self.twist.get(joint)?.get(row)?.angular;
@@ -450,7 +459,7 @@ fn is_ordered(recording: &Recording, runs: &[Range<usize>]) -> bool {
     recording.joint.iter().all(|column| {
         let low = column.iter().copied().fold(f64::INFINITY, f64::min);
         let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let mut steps: Vec<f64> = runs
+        let steps: Vec<f64> = runs
             .iter()
             .flat_map(|run| {
                 (run.start + 1..run.end).map(|row| (column[row] - column[row - 1]).abs())
@@ -459,8 +468,7 @@ fn is_ordered(recording: &Recording, runs: &[Range<usize>]) -> bool {
         if steps.is_empty() || high <= low {
             return high <= low;
         }
-        let middle = steps.len() / 2;
-        let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-        *median <= STEP_OF_A_MOTION * (high - low)
+        haptical_metrics::median(&steps)
+            .is_ok_and(|median| median <= STEP_OF_A_MOTION * (high - low))
     })
 }

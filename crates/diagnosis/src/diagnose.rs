@@ -198,22 +198,13 @@ fn catalogue_without(
     Ok(effects)
 }
 
-/// The name that shares the most pairs of letters, if any are shared by half.
+/// The name that resembles it most, if any does.
 fn nearest(name: &str, names: &[&str]) -> Option<String> {
-    let pairs = |text: &str| -> Vec<[char; 2]> {
-        let letters: Vec<char> = text.to_lowercase().chars().collect();
-        letters.windows(2).map(|pair| [pair[0], pair[1]]).collect()
-    };
-    let wanted = pairs(name);
+    let name = name.to_lowercase();
     names
         .iter()
-        .map(|other| {
-            let have = pairs(other);
-            let shared = wanted.iter().filter(|pair| have.contains(pair)).count();
-            let share = 2.0 * shared as f64 / (wanted.len() + have.len()).max(1) as f64;
-            (share, *other)
-        })
-        .filter(|(share, _)| *share > 0.4)
+        .map(|other| (strsim::sorensen_dice(&name, other), *other))
+        .filter(|(likeness, _)| *likeness > 0.4)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, other)| other.to_owned())
 }

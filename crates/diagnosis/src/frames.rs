@@ -11,7 +11,8 @@ pub(crate) struct Frames {
     pub(crate) origin: Vec<Vec<Vector3<f64>>>,
     /// Centre of mass times mass of each link that has one: link (0 the base row), mass, places.
     masses: Vec<(usize, f64, Vec<Vector3<f64>>)>,
-    base: Vec<Vector3<f64>>,
+    /// Where row 0 ends: the robot's base.
+    pub(crate) base: Vec<Vector3<f64>>,
     gravity_mps2: Option<Vector3<f64>>,
 }
 

@@ -5,6 +5,8 @@
 
 use std::ops::Range;
 
+use crate::cleaning::NORMAL_MEDIAN;
+
 /// Noise of one stream.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Noise {
@@ -377,12 +379,8 @@ pub(crate) fn difference_sd(scaled: &[f64], runs: &[Range<usize>]) -> Option<f64
                 .map(|w| (w[0] - 2.0 * w[1] + w[2]).abs() / 6.0_f64.sqrt()),
         );
     }
-    if steps.is_empty() {
-        return None;
-    }
-    let middle = steps.len() / 2;
-    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(*median / 0.674_489_750_196_081_7)
+    let median = haptical_metrics::median(&steps).ok()?;
+    Some(median / NORMAL_MEDIAN)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::base::BaseProblem;
 use crate::blocks::Blocks;
 use crate::context::Context;
 use crate::signal::Signal;
-use crate::system::{compress_matrix, compress_rows, dot};
+use crate::system::{compress_matrix, compress_rows, dot, take_off};
 
 /// Rows that a fit sees: their blocks, and the base model's derivatives on them.
 #[derive(Debug, Clone)]
@@ -67,11 +67,7 @@ impl Part {
                 let directions = basis.directions();
                 for _ in 0..2 {
                     for k in 0..directions.columns() {
-                        let direction = directions.column(k);
-                        let shared = dot(direction, &rest);
-                        for (entry, other) in rest.iter_mut().zip(direction) {
-                            *entry -= shared * other;
-                        }
+                        take_off(&mut rest, directions.column(k));
                     }
                 }
             }

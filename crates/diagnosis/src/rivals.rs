@@ -140,6 +140,7 @@ pub(crate) fn rivals(
         ));
     }
     hedge_drifts(selector, own, best, &mut evidence);
+    hedge_wobbles(selector, own, best, &mut evidence);
     Ok(listed(selector, own, evidence))
 }
 
@@ -211,6 +212,26 @@ fn hedge_drifts(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &m
     }
 }
 
+/// Share from which a wobble and a coupling are look-alikes.
+const COUPLED: f64 = 0.98;
+
+/// An axis that wobbles and a cable that is routed over a joint differ by their laws' errors where the axes
+/// intersect (docs/diagnosis.md, "Rivals"): while one explains almost as much, it counts as near.
+fn hedge_wobbles(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &mut [Evidence]) {
+    let own_family = selector.effects[own].family();
+    for (effect, value, share, _) in evidence.iter_mut() {
+        let pair = (own_family, selector.effects[*effect].family());
+        let look_alikes = matches!(
+            pair,
+            (Family::Coupling, Family::Wobble) | (Family::Wobble, Family::Coupling)
+        );
+        if look_alikes && *share > COUPLED {
+            let far = (1.0 - *share).max(0.0) / (1.0 - COUPLED);
+            *value = value.max(best - 1.0 - far * selector.thresholds.confusable_nats);
+        }
+    }
+}
+
 /// One entry for each name at a place.
 fn merge(found: &mut Vec<Rival>) {
     let mut index = 0;
@@ -230,7 +251,7 @@ fn merge(found: &mut Vec<Rival>) {
 
 /// Whether the temperature is a settling function of time within the recording: what follows the one
 /// then follows the other.
-fn warms_with_time(context: &Context<'_>) -> bool {
+pub(crate) fn warms_with_time(context: &Context<'_>) -> bool {
     let (Some(warming), Some(elapsed)) = (&context.warming_k, context.elapsed_s()) else {
         return false;
     };

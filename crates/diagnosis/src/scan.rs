@@ -78,6 +78,14 @@ impl Candidate {
         }
     }
 
+    /// Forgets products beyond the first `known` directions, and takes those of `system`.
+    pub(crate) fn reset(&mut self, system: &System, known: usize) {
+        for coefficients in &mut self.coefficients {
+            coefficients.truncate(known);
+        }
+        self.extend(system);
+    }
+
     /// Catches up with directions that were added to the basis.
     pub(crate) fn extend(&mut self, system: &System) {
         for (column, coefficients) in self.columns.iter().zip(&mut self.coefficients) {
@@ -171,164 +179,4 @@ pub(crate) fn candidates(
                 .map(move |shape| Candidate::new(system, context, effect, index, &zero, shape))
         })
         .collect()
-}
-
-/// The best instant of an event, searched at every block.
-pub(crate) fn event_score(
-    system: &System,
-    context: &Context<'_>,
-    effect: &dyn Effect,
-    index: usize,
-) -> Option<Score> {
-    let mut best: Option<Score> = None;
-    for run in context.runs.iter().filter(|run| run.len() > 1) {
-        let margin = margin_rows(context, run);
-        let signal = effect.derivative(context, &[0.0], run.start as f64);
-        let column = system.column(signal.first()?);
-        // entries of all streams, latest first
-        let mut entries: Vec<(usize, usize, f64)> = Vec::new();
-        for (stream, values) in &column.parts {
-            let first = system.blocks.range(*stream).start;
-            for (block, &value) in values.iter().enumerate() {
-                let row = system.blocks.row(*stream, block);
-                if run.contains(&row) {
-                    entries.push((row, first + block, value));
-                }
-            }
-        }
-        entries.sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
-        let mut taken = vec![0.0; system.basis.len()];
-        let (mut along, mut own) = (0.0, 0.0);
-        for (position, &(row, place, value)) in entries.iter().enumerate() {
-            along += value * system.residual[place];
-            own += value * value;
-            for (sum, direction) in taken.iter_mut().zip(&system.basis) {
-                *sum += value * direction[place];
-            }
-            let last_of_row = entries.get(position + 1).is_none_or(|next| next.0 != row);
-            if !last_of_row || row < run.start + margin || row + margin >= run.end {
-                continue;
-            }
-            let rest = own - dot(&taken, &taken);
-            if rest <= 1e-6 * own || rest <= 0.0 {
-                continue;
-            }
-            let score = along * along / rest;
-            if best.as_ref().is_none_or(|best| score > best.score) {
-                best = Some(Score {
-                    effect: index,
-                    shape: row as f64,
-                    score,
-                    rank: 1,
-                    amplitudes: vec![along / rest],
-                    times: vec![row as f64],
-                    retained: (rest / own).sqrt(),
-                    unit_amplitude: 1.0 / rest.sqrt(),
-                });
-            }
-        }
-    }
-    best
-}
-
-impl Candidate {
-    /// Forgets products beyond the first `known` directions, and takes those of `system`.
-    pub(crate) fn reset(&mut self, system: &System, known: usize) {
-        for coefficients in &mut self.coefficients {
-            coefficients.truncate(known);
-        }
-        self.extend(system);
-    }
-}
-
-/// Rows at either end of a run within which a step cannot be told from the zero that the base model
-/// adjusts: a thirtieth of the run, and at the start as long as the device rests.
-fn margin_rows(context: &Context<'_>, run: &std::ops::Range<usize>) -> usize {
-    let columns = &context.recording.joint;
-    let moves = |row: &usize| {
-        columns
-            .iter()
-            .filter(|column| (column[*row] - column[run.start]).abs() > RESTING_RAD)
-            .count()
-            > 0
-    };
-    let rest = run.clone().find(moves).map_or(0, |row| row - run.start);
-    rest + run.len().div_ceil(30)
-}
-
-/// A joint that is this near to its start still rests there.
-const RESTING_RAD: f64 = 0.05;
-
-/// Further steps of an event are looked for while each explains this share of what the first did, and
-/// this much by itself.
-const STEP_SHARE: f64 = 0.02;
-const STEP_SCORE: f64 = 40.0;
-/// Steps of one event at most.
-const STEPS: usize = 5;
-
-/// An event's further steps (counts are lost more than once): greedily, each at its best instant.
-pub(crate) fn with_more_steps(
-    system: &System,
-    context: &Context<'_>,
-    effect: &dyn Effect,
-    first: Score,
-) -> Score {
-    let mut all = first;
-    let mut rest = system.clone();
-    let one = all.score;
-    while all.times.len() < STEPS {
-        let Some(&time) = all.times.last() else {
-            break;
-        };
-        for signal in effect.derivative(context, &[0.0], time) {
-            let column = rest.column(&signal);
-            rest.project_out(&column);
-        }
-        match event_score(&rest, context, effect, all.effect) {
-            Some(next) if next.score > STEP_SCORE && next.score > STEP_SHARE * one => {
-                all.score += next.score;
-                all.rank += 1;
-                all.amplitudes.extend(&next.amplitudes);
-                all.times.extend(&next.times);
-            }
-            _ => break,
-        }
-    }
-    all
-}
-
-/// Moves each instant of an event to the row, within a block's reach, that explains most.
-pub(crate) fn sharpen(
-    system: &System,
-    context: &Context<'_>,
-    effect: &dyn Effect,
-    mut event: Score,
-) -> Score {
-    let reach = (system.blocks.size + 1).min(12);
-    for index in 0..event.times.len() {
-        let mut rest = system.clone();
-        for (other, &time) in event.times.iter().enumerate() {
-            if other != index {
-                for signal in effect.derivative(context, &[0.0], time) {
-                    let column = rest.column(&signal);
-                    rest.project_out(&column);
-                }
-            }
-        }
-        let row = event.times[index] as usize;
-        let mut best: Option<Score> = None;
-        for row in row.saturating_sub(reach)..(row + reach + 1).min(context.rows()) {
-            let at = row as f64;
-            let candidate = Candidate::new(&rest, context, effect, event.effect, &[0.0], at);
-            let score = candidate.score(&rest);
-            if best.as_ref().is_none_or(|best| score.score > best.score) {
-                best = Some(score);
-            }
-        }
-        if let Some(best) = best {
-            event.times[index] = best.shape;
-            event.amplitudes[index] = best.amplitudes[0];
-        }
-    }
-    event
 }

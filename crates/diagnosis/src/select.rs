@@ -6,10 +6,11 @@ use rayon::prelude::*;
 use crate::DiagnosisError;
 use crate::catalogue::{Effect, Family, Hook, under_load};
 use crate::engine::Engine;
-use crate::generic::{self, own_covariates};
+use crate::events::{event_score, sharpen, with_more_steps};
+use crate::laws::law_is_kept;
 use crate::model::{Cause, Model, Refit};
 use crate::noise::Noise;
-use crate::scan::{Candidate, Score, candidates, event_score, sharpen, with_more_steps};
+use crate::scan::{Candidate, Score, candidates};
 use crate::system::{SlowEnergy, System};
 use crate::thresholds::Thresholds;
 
@@ -30,6 +31,33 @@ pub(crate) struct Selection {
     pub(crate) refused: Option<Score>,
 }
 
+/// Causes picked so far.
+#[derive(Debug)]
+struct Grown {
+    refit: Refit,
+    system: System,
+    after: Vec<SlowEnergy>,
+    explained: Vec<f64>,
+    first_scan: Vec<Score>,
+    /// Picks whose law is to be judged beside those that follow.
+    provisional: Vec<Score>,
+}
+
+/// Picks that were not taken.
+#[derive(Debug, Default)]
+struct Refused {
+    best: Option<Score>,
+    /// Their effects, which are not tried again.
+    shut: Vec<usize>,
+}
+
+impl Refused {
+    fn add(&mut self, score: Score) {
+        self.shut.push(score.effect);
+        self.best.get_or_insert(score);
+    }
+}
+
 /// Scans and picks.
 #[derive(Debug)]
 pub(crate) struct Selector<'e, 'a> {
@@ -43,14 +71,12 @@ pub(crate) struct Selector<'e, 'a> {
 
 /// Two steps so near to each other are one event, seen by more than one channel \[s\].
 const COINCIDENT_S: f64 = 0.8;
-/// Probability above which a rest that follows an effect's own covariate is chance.
-const LAW_P: f64 = 1e-3;
 /// Share of the earlier laws' possible error that a later pick must exceed where it leaves a rest.
 const LATER_PICK: f64 = 0.15;
-/// Share of an effect's course by which the chain may differ from the external encoder, and the
-/// probability below which it surely does.
-const OFF_BY: f64 = 0.35;
-const SURELY: f64 = 1e-6;
+/// The same of a pick at a joint of theirs.
+const LATER_PICK_THERE: f64 = 0.5;
+/// Share of what was explained below which nothing is told apart from what large numbers leave.
+const DYNAMIC_RANGE: f64 = 2e-4;
 /// Picks that are tried and refused before the search ends.
 const REFUSALS: usize = 3;
 /// Share of the structured energy below which nothing is left that could have moved the base model.
@@ -58,6 +84,8 @@ const NEARLY_NOTHING: f64 = 0.01;
 /// Change of the base model's predictions by the causes, in noise deviations (root mean square), from
 /// which effects are computed anew.
 pub(crate) const MOVED_FAR: f64 = 25.0;
+/// Share of the structured energy above which other effects are still to come.
+const STILL_MUCH: f64 = 0.05;
 /// Score from which an event may have further steps.
 const WORTH_MORE_STEPS: f64 = 60.0;
 /// Contenders that are refitted at most when a pick is close.
@@ -84,82 +112,118 @@ impl<'e, 'a> Selector<'e, 'a> {
     /// Picks causes until what is left is chance or no effect of the catalogue; or, with `may_stop`, until
     /// the first has explained the gap and moved the base model so far that all must be computed anew.
     pub(crate) fn select(&mut self, may_stop: bool) -> Result<Selection, DiagnosisError> {
-        let mut refit = self.engine.start.clone();
-        let mut system = self.engine.system.clone();
-        let before = system.slow_energy(&system.residual);
-        let mut after = before.clone();
-        let mut explained = Vec::new();
-        let mut first_scan = Vec::new();
-        let mut refused = None;
-        let mut shut = Vec::new();
+        let before = self.engine.system.slow_energy(&self.engine.system.residual);
+        let mut refused = Refused::default();
         loop {
-            let mut scan = self.scan(&system, &refit.model);
-            scan.retain(|score| !shut.contains(&score.effect));
-            if refit.model.causes.is_empty() {
-                first_scan.clone_from(&scan);
+            let grown = self.grow(&before, &mut refused, may_stop)?;
+            let broken = self.broken_in_the_end(&grown);
+            match broken.filter(|_| refused.shut.len() <= REFUSALS) {
+                Some(score) => refused.add(score),
+                None => {
+                    return Ok(Selection {
+                        refit: grown.refit,
+                        before,
+                        after: grown.after,
+                        explained: grown.explained,
+                        system: grown.system,
+                        first_scan: grown.first_scan,
+                        refused: refused.best,
+                    });
+                }
             }
-            if refit.model.causes.len() >= self.thresholds.causes || shut.len() > REFUSALS {
+        }
+    }
+
+    /// Picks without those that were refused.
+    fn grow(
+        &mut self,
+        before: &[SlowEnergy],
+        refused: &mut Refused,
+        may_stop: bool,
+    ) -> Result<Grown, DiagnosisError> {
+        let mut grown = Grown {
+            refit: self.engine.start.clone(),
+            system: self.engine.system.clone(),
+            after: before.to_vec(),
+            explained: Vec::new(),
+            first_scan: Vec::new(),
+            provisional: Vec::new(),
+        };
+        loop {
+            let mut scan = self.scan(&grown.system, &grown.refit.model);
+            scan.retain(|score| !refused.shut.contains(&score.effect));
+            if grown.refit.model.causes.is_empty() {
+                grown.first_scan.clone_from(&scan);
+            }
+            let full = grown.refit.model.causes.len() >= self.thresholds.causes;
+            if full || refused.shut.len() > REFUSALS {
                 break;
             }
-            let Some((next, score)) = self.best(&system, &refit, &scan)? else {
+            let Some((next, score)) = self.best(&grown.system, &grown.refit, &scan)? else {
                 break;
             };
-            let next_system = self.system_of(&next);
-            let next_after = next_system.slow_energy(&next_system.residual);
-            if !self.is_more_than_chance(&score, &next_after)? {
+            let system = self.system_of(&next);
+            let after = system.slow_energy(&system.residual);
+            if !self.is_more_than_chance(&score, &after)? {
                 break;
             }
-            let is_first = refit.model.causes.is_empty();
-            let effect = self.effects[score.effect].as_ref();
-            let is_step = effect.family() == Family::Step;
-            let keeps_its_law = || {
-                let picked = next.model.causes.last();
-                picked.is_none_or(|cause| {
-                    let broken = self.broken_law(&next_system, effect, cause, score.score);
-                    law_is_kept(effect, broken)
-                })
-            };
-            let enough = self.explains_enough(&score, &after, &next_after);
+            let is_first = grown.refit.model.causes.is_empty();
+            let enough = self.explains_enough(&score, &grown.after, &after);
             if !enough && is_first {
-                refused.get_or_insert(score.clone());
+                refused.best.get_or_insert(score);
                 break;
             }
-            let quiet = worst_excess(&next_after, &self.engine.noise) < self.thresholds.omnibus_z;
-            let elsewhere = quiet && self.is_elsewhere(effect, &refit);
-            let beyond_laws =
-                is_first || elsewhere || score.score > self.law_errors(&refit, &explained);
-            let strict = !is_first || is_step;
-            if !enough || !beyond_laws || (strict && !keeps_its_law()) {
-                refused.get_or_insert(score.clone());
-                shut.push(score.effect);
+            let effect = self.effects[score.effect].as_ref();
+            let quiet = worst_excess(&after, &self.engine.noise) < self.thresholds.omnibus_z;
+            let elsewhere = quiet && self.is_elsewhere(&score, &grown.refit);
+            let beyond_laws = is_first
+                || (score.score > DYNAMIC_RANGE * grown.explained.iter().sum::<f64>()
+                    && (elsewhere || score.score > self.law_errors(&grown, &score)));
+            let strict = !is_first || effect.family() == Family::Step;
+            let keeps_its_law = !strict
+                || next.model.causes.last().is_none_or(|cause| {
+                    let broken = self.broken_law(&system, effect, cause, score.score);
+                    law_is_kept(effect, broken)
+                });
+            // beside other effects still to come a law cannot be judged
+            let much_left = excess(&after).0 > STILL_MUCH * excess(before).0;
+            if !enough || !beyond_laws || (!keeps_its_law && !much_left) {
+                refused.add(score);
                 continue;
             }
-            explained.push(score.score);
-            refit = next;
-            system = next_system;
-            after = next_after;
-            let (rest, all) = (excess(&after).0, excess(&before).0);
+            if !keeps_its_law {
+                grown.provisional.push(score.clone());
+            }
+            grown.explained.push(score.score);
+            (grown.refit, grown.system, grown.after) = (next, system, after);
             if may_stop
-                && rest < NEARLY_NOTHING * all
-                && self.engine.moved(&refit.model.bare) >= MOVED_FAR
+                && excess(&grown.after).0 < NEARLY_NOTHING * excess(before).0
+                && self.engine.moved(&grown.refit.model.bare) >= MOVED_FAR
             {
                 break;
             }
         }
-        Ok(Selection {
-            refit,
-            before,
-            after,
-            explained,
-            system,
-            first_scan,
-            refused,
+        Ok(grown)
+    }
+
+    /// The first cause that was taken up provisionally and whose law is broken beside all others too.
+    fn broken_in_the_end(&self, grown: &Grown) -> Option<Score> {
+        let causes = grown.refit.model.causes.iter().zip(&grown.explained);
+        grown.provisional.iter().find_map(|score| {
+            let (cause, explained) = causes
+                .clone()
+                .find(|(cause, _)| cause.effect == score.effect)?;
+            let effect = self.effects[cause.effect].as_ref();
+            let broken = self.broken_law(&grown.system, effect, cause, *explained);
+            (!law_is_kept(effect, broken)).then(|| score.clone())
         })
     }
 
-    /// Whether an effect shows most in a stream in which no cause so far does: no law of theirs can have
-    /// left it there.
-    fn is_elsewhere(&self, effect: &dyn Effect, refit: &Refit) -> bool {
+    /// Whether a pick is driven by other joints, and shows most in another stream, than all causes so far: no
+    /// law of theirs can have left it there.
+    fn is_elsewhere(&self, pick: &Score, refit: &Refit) -> bool {
+        let effect = self.effects[pick.effect].as_ref();
+        let joints = self.joints(pick.effect, pick.shape);
         let main = |effect: &dyn Effect| {
             let in_encoder = matches!(effect.hook(), Hook::Transmission | Hook::ExternalEncoder);
             effect
@@ -170,16 +234,35 @@ impl<'e, 'a> Selector<'e, 'a> {
         let own = main(effect);
         refit.model.causes.iter().all(|cause| {
             let other = self.effects[cause.effect].as_ref();
-            main(other) != own && other.hook() != Hook::Timing
+            let theirs = self.joints(cause.effect, cause.shape);
+            main(other) != own
+                && other.hook() != Hook::Timing
+                && !joints.iter().any(|joint| theirs.contains(joint))
         })
     }
 
-    /// Squared residual that the laws of the causes so far may have got wrong.
-    fn law_errors(&self, refit: &Refit, explained: &[f64]) -> f64 {
-        let causes = refit.model.causes.iter().zip(explained);
-        let errors = causes
-            .map(|(cause, explained)| self.effects[cause.effect].family().law_error() * explained);
-        LATER_PICK * errors.sum::<f64>()
+    /// Squared residual that the laws of the causes so far may have got wrong, where a pick shows.
+    fn law_errors(&self, grown: &Grown, pick: &Score) -> f64 {
+        let own = self.joints(pick.effect, pick.shape);
+        let causes = grown.refit.model.causes.iter().zip(&grown.explained);
+        let errors = causes.map(|(cause, explained)| {
+            let theirs = self.joints(cause.effect, cause.shape);
+            let share = if own.iter().any(|joint| theirs.contains(joint)) {
+                LATER_PICK_THERE
+            } else {
+                LATER_PICK
+            };
+            share * self.effects[cause.effect].family().law_error() * explained
+        });
+        errors.sum()
+    }
+
+    /// Joints whose angle drives an effect, from 0.
+    fn joints(&self, effect: usize, shape: f64) -> Vec<usize> {
+        let effect = self.effects[effect].as_ref();
+        let from =
+            (effect.family() == Family::Coupling).then(|| (shape as usize).saturating_sub(1));
+        effect.joint().into_iter().chain(from).collect()
     }
 
     /// Every effect but events at every shape.
@@ -460,69 +543,6 @@ impl<'e, 'a> Selector<'e, 'a> {
         Ok(p < self.thresholds.family_wise_p)
     }
 
-    /// What a free function of an effect's own covariates explains after the effect: share of the
-    /// effect's energy, and its probability by chance.
-    pub(crate) fn broken_law(
-        &self,
-        system: &System,
-        effect: &dyn Effect,
-        cause: &Cause,
-        explained: f64,
-    ) -> (f64, f64) {
-        let mut worst = self.other_side(system, effect, cause, explained);
-        for (place, covariate, knots) in own_covariates(effect) {
-            let context = &self.engine.context;
-            let Some(score) = generic::score(system, context, place, covariate, knots) else {
-                continue;
-            };
-            let freedom = score.rank.max(1) as f64;
-            let p = chi_square_p_value(score.score, freedom).unwrap_or(1.0);
-            if p < worst.1 {
-                worst = ((score.score - freedom).max(0.0) / explained.max(1e-300), p);
-            }
-        }
-        worst
-    }
-
-    /// The same course of an effect on the chain alone: what is left of it there if the effect sits on the
-    /// other side of the external encoder, or is the encoder's own.
-    fn other_side(
-        &self,
-        system: &System,
-        effect: &dyn Effect,
-        cause: &Cause,
-        explained: f64,
-    ) -> (f64, f64) {
-        let context = &self.engine.context;
-        let in_encoder = matches!(effect.hook(), Hook::Transmission | Hook::ExternalEncoder);
-        let Some((joint, stream)) = effect
-            .joint()
-            .and_then(|joint| Some((joint, context.output_stream(joint)?)))
-            .filter(|_| in_encoder)
-        else {
-            return (0.0, 1.0);
-        };
-        let signal = cause.contribution(self.effects, context);
-        let Some(course) = signal.on(stream) else {
-            return (0.0, 1.0);
-        };
-        let chain = context.downstream(joint, course);
-        if chain.parts.is_empty() {
-            return (0.0, 1.0);
-        }
-        let score = Candidate::of_signals(system, &[chain], usize::MAX, 0.0).score(system);
-        if score.rank == 0 {
-            return (0.0, 1.0);
-        }
-        let p = chi_square_p_value(score.score, 1.0).unwrap_or(1.0);
-        // one is the whole course
-        let off = score.amplitudes.first().copied().unwrap_or(0.0).abs();
-        if off > OFF_BY && p < SURELY {
-            return (1.0, p);
-        }
-        ((score.score - 1.0).max(0.0) / explained.max(1e-300), p)
-    }
-
     /// Whether a pick explains enough of what was left: a wrong effect nibbles at a gap.
     fn explains_enough(&self, score: &Score, before: &[SlowEnergy], after: &[SlowEnergy]) -> bool {
         let (rest, uncertain) = excess(before);
@@ -563,11 +583,6 @@ pub(crate) fn excess(energy: &[SlowEnergy]) -> (f64, f64) {
     let sum = energy.iter().map(|stream| stream.excess()).sum();
     let variance: f64 = energy.iter().map(|stream| 2.0 * stream.freedom).sum();
     (sum, variance.sqrt())
-}
-
-/// Whether what a free function still explains is chance, or within what the law may get wrong.
-pub(crate) fn law_is_kept(effect: &dyn Effect, (share, p): (f64, f64)) -> bool {
-    share <= effect.family().law_error() || p > LAW_P
 }
 
 pub(crate) fn values_are_plausible(effect: &dyn Effect, values: &[f64]) -> bool {

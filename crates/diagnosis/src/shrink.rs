@@ -10,8 +10,8 @@ use crate::base::Base;
 use crate::catalogue::Effect;
 use crate::cleaning::without_readings;
 use crate::engine::{Engine, Prepared};
+use crate::events::{event_score, with_more_steps};
 use crate::model::Cause;
-use crate::scan::{event_score, with_more_steps};
 use crate::select::{Selection, Selector};
 
 /// Residuals of one channel on unseen rows, without and with the causes.

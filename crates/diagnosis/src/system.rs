@@ -63,20 +63,14 @@ impl System {
 
     /// Takes physical residuals per stream and row, and projects them.
     pub(crate) fn set_residual(&mut self, residual: &[Vec<f64>]) {
-        self.residual = compress_rows(&self.blocks, residual);
-        self.project_residual();
-    }
-
-    fn project_residual(&mut self) {
+        let mut whitened = compress_rows(&self.blocks, residual);
         // twice: one pass leaves the rounding of large coefficients
         for _ in 0..2 {
             for direction in &self.basis {
-                let shared = dot(direction, &self.residual);
-                for (entry, other) in self.residual.iter_mut().zip(direction) {
-                    *entry -= shared * other;
-                }
+                take_off(&mut whitened, direction);
             }
         }
+        self.residual = whitened;
     }
 
     pub(crate) fn column(&self, signal: &Signal) -> Column {
@@ -97,35 +91,25 @@ impl System {
             .sum()
     }
 
-    /// Removes a column from the residual and from everything later.
-    pub(crate) fn project_out(&mut self, column: &Column) {
+    /// A column over all blocks.
+    pub(crate) fn dense(&self, column: &Column) -> Vec<f64> {
         let mut dense = vec![0.0; self.blocks.count()];
         for (stream, values) in &column.parts {
             dense[self.blocks.range(*stream)].copy_from_slice(values);
         }
-        self.take(dense);
+        dense
     }
 
-    fn take(&mut self, mut dense: Vec<f64>) {
-        let norm = dot(&dense, &dense).sqrt();
-        for _ in 0..2 {
-            for direction in &self.basis {
-                let shared = dot(direction, &dense);
-                for (entry, other) in dense.iter_mut().zip(direction) {
-                    *entry -= shared * other;
-                }
-            }
+    /// Removes a column from the residual and from everything later.
+    pub(crate) fn project_out(&mut self, column: &Column) {
+        self.take(self.dense(column));
+    }
+
+    fn take(&mut self, dense: Vec<f64>) {
+        if let Some(direction) = across(dense, || self.basis.iter()) {
+            take_off(&mut self.residual, &direction);
+            self.basis.push(direction);
         }
-        let rest = dot(&dense, &dense).sqrt();
-        if rest <= ABSENT * norm || rest == 0.0 {
-            return;
-        }
-        dense.iter_mut().for_each(|entry| *entry /= rest);
-        let shared = dot(&dense, &self.residual);
-        for (entry, other) in self.residual.iter_mut().zip(&dense) {
-            *entry -= shared * other;
-        }
-        self.basis.push(dense);
     }
 
     /// Slow energy of a residual per stream, with the degrees of freedom that it has under noise:
@@ -154,6 +138,33 @@ impl System {
                 }
             })
             .collect()
+    }
+}
+
+/// The part of a vector across orthonormal directions, of length 1; none where nothing is left.
+pub(crate) fn across<'d, D: Iterator<Item = &'d Vec<f64>>>(
+    mut vector: Vec<f64>,
+    directions: impl Fn() -> D,
+) -> Option<Vec<f64>> {
+    let length = dot(&vector, &vector).sqrt();
+    for _ in 0..2 {
+        for direction in directions() {
+            take_off(&mut vector, direction);
+        }
+    }
+    let left = dot(&vector, &vector).sqrt();
+    if left <= ABSENT * length || left == 0.0 {
+        return None;
+    }
+    vector.iter_mut().for_each(|entry| *entry /= left);
+    Some(vector)
+}
+
+/// Takes a vector's part along a direction of length 1 off it.
+pub(crate) fn take_off(vector: &mut [f64], direction: &[f64]) {
+    let shared = dot(direction, vector);
+    for (entry, other) in vector.iter_mut().zip(direction) {
+        *entry -= shared * other;
     }
 }
 

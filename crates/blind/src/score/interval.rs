@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-/// Quantile of the normal distribution for 95 % on both sides.
-const QUANTILE: f64 = 1.959_963_984_540_054;
+const LEVEL: f64 = 0.95;
 
 /// A share of trials, with Wilson's 95 % score interval.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -19,26 +18,17 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// `count` of `of`. Source: Wilson, "Probable inference, the law of succession, and statistical
-    /// inference", JASA 22, 1927:
-    /// `(p + z^2/2n +- z sqrt(p (1-p)/n + z^2/4n^2)) / (1 + z^2/n)`.
+    /// `count` of `of`.
     pub fn new(count: u64, of: u64) -> Self {
-        if of == 0 {
-            return Self::default();
-        }
-        let (n, z2) = (of as f64, QUANTILE * QUANTILE);
-        let share = count as f64 / n;
-        let centre = share + z2 / (2.0 * n);
-        let half = QUANTILE * libm::sqrt(share * (1.0 - share) / n + z2 / (4.0 * n * n));
-        let scale = 1.0 + z2 / n;
-        Self {
-            count,
-            of,
-            share: Some(share),
-            ci95: Some([
-                ((centre - half) / scale).max(0.0),
-                ((centre + half) / scale).min(1.0),
-            ]),
+        let interval = haptical_metrics::wilson_interval(count as usize, of as usize, LEVEL);
+        match interval {
+            Ok(interval) => Self {
+                count,
+                of,
+                share: Some(count as f64 / of as f64),
+                ci95: Some([interval.low, interval.high]),
+            },
+            Err(_) => Self::default(),
         }
     }
 

@@ -131,7 +131,10 @@ pub fn summarise(suite: &str, scores: &[TrialScore]) -> Summary {
                 .filter_map(|score| score.class_size.map(to_f64)),
         ),
         false_causes_per_trial: mean(scores.iter().map(|score| to_f64(score.false_causes))),
-        median_true_reduction_percent: median(shrinks().map(|one| one.true_percent).collect()),
+        median_true_reduction_percent: {
+            let all: Vec<f64> = shrinks().map(|one| one.true_percent).collect();
+            haptical_metrics::median(&all).ok()
+        },
         reduction_covered: Rate::of_cases(shrinks().filter_map(|one| one.covered)),
         parameters_covered: Rate::of_cases(coverages().map(|one| one.covered)),
         parameters_covered_by_name: parameters
@@ -205,14 +208,4 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
         count += 1;
     }
     (count > 0).then(|| sum / to_f64(count))
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => None,
-        length if length % 2 == 1 => Some(values[middle]),
-        _ => Some(0.5 * (values[middle - 1] + values[middle])),
-    }
 }

@@ -158,11 +158,10 @@ impl Effect for DrumEccentricity {
     }
 
     fn needs(&self) -> Vec<Need> {
-        vec![Need::Cable]
+        vec![Need::Cable, Need::DrumRadius]
     }
 
     fn shapes(&self, context: &Context<'_>) -> Vec<f64> {
-        // the radius as stated, and as a drum wound with its cable may have it
         let radius = context
             .device
             .cables
@@ -172,9 +171,10 @@ impl Effect for DrumEccentricity {
     }
 
     fn amplitude_count(&self) -> usize {
-        2
+        3
     }
 
+    /// The turn of the drum, and a constant: the reading was set where the drum had turned already.
     fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
         let Some(cable) = &context.cable else {
             return vec![];
@@ -183,6 +183,7 @@ impl Effect for DrumEccentricity {
         vec![
             context.cable_error(turns.clone().map(f64::cos).collect()),
             context.cable_error(turns.map(f64::sin).collect()),
+            context.cable_error(vec![1.0; context.rows()]),
         ]
     }
 
@@ -196,7 +197,7 @@ impl Effect for DrumEccentricity {
     fn amplitudes(&self, context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
         let (sin, cos) = values[1].sin_cos();
         let shape = self.shapes(context).first().copied().unwrap_or(0.015);
-        (vec![values[0] * cos, values[0] * sin], shape)
+        (vec![values[0] * cos, values[0] * sin, 0.0], shape)
     }
 }
 
@@ -260,13 +261,5 @@ impl Effect for ExitGuide {
         };
         let error = |row| over_guide(cable.length_m[row], angle_rad(cable, row), amplitudes[0]);
         context.cable_error((0..context.rows()).map(error).collect())
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], 0.0)
     }
 }

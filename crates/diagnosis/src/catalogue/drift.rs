@@ -2,7 +2,6 @@
 
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use super::load::base_origin;
 use super::{Effect, Family, Hook, Need, ParameterSpec, parameter};
 use crate::context::Context;
 use crate::signal::Signal;
@@ -127,14 +126,6 @@ impl Effect for Drift {
             What::Cable => context.cable_error(Self::course(context, shape)),
         }]
     }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], 0.0)
-    }
 }
 
 /// C9 and D8: the cable and its encoder, or all links, grow with temperature.
@@ -188,9 +179,8 @@ impl Effect for ThermalGrowth {
         };
         let mean = mean_length_m(context);
         if self.links {
-            let base = base_origin(context);
             return vec![context.handle(|row| {
-                let grown = (context.position[row] - base) * (warming[row] / mean);
+                let grown = context.way_from_base(row) * (warming[row] / mean);
                 (grown, Vector3::zeros())
             })];
         }
@@ -203,10 +193,6 @@ impl Effect for ThermalGrowth {
             context.cable_error(warming.clone()),
             context.cable_error(beyond.collect()),
         ]
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
     }
 
     fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {

@@ -151,14 +151,6 @@ impl Effect for Late {
         self.signal(context, amplitudes[0], false)
     }
 
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], 0.0)
-    }
-
     fn is_possible(&self, amplitudes: &[f64]) -> bool {
         // a drive cannot run ahead; a channel can, if another one is late
         !matches!(self.what, Channel::Drive(_)) || amplitudes[0] > 0.0

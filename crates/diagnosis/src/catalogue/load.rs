@@ -150,14 +150,6 @@ impl Effect for Creep {
         vec![context.upstream(self.joint, &error)]
     }
 
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], 0.0)
-    }
-
     fn scale_uncertainty(&self, context: &Context<'_>) -> f64 {
         context.device.joints[self.joint].torque_scale_sd
     }
@@ -202,41 +194,11 @@ impl Effect for BaseCompliance {
         let Some(moment) = &context.base_moment_nm else {
             return vec![];
         };
-        let base = base_origin(context);
-        vec![context.handle(|row| {
-            let arm = context.position[row] - base;
-            (moment[row].cross(&arm), moment[row])
-        })]
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], 0.0)
+        vec![context.handle(|row| (moment[row].cross(&context.way_from_base(row)), moment[row]))]
     }
 
     fn is_possible(&self, amplitudes: &[f64]) -> bool {
         amplitudes[0] > 0.0
-    }
-}
-
-/// Where row 0 ends, in frame (-1): the robot's base.
-pub(super) fn base_origin(context: &Context<'_>) -> Vector3<f64> {
-    let device = context.device;
-    let Some(row) = device.links.first() else {
-        return Vector3::zeros();
-    };
-    // the translation of A_0: a along the turned x axis, d along z (modified rows turn by alpha first)
-    let (sin, cos) = row.theta_rad.sin_cos();
-    match device.convention {
-        haptical_model::kinematics::Convention::Modified => Vector3::new(
-            row.a_m,
-            -row.d_m * row.alpha_rad.sin(),
-            row.d_m * row.alpha_rad.cos(),
-        ),
-        _ => Vector3::new(row.a_m * cos, row.a_m * sin, row.d_m),
     }
 }
 
@@ -270,14 +232,6 @@ impl Effect for ToolCompliance {
             return vec![];
         };
         vec![context.handle(|row| (force[row], Vector3::zeros()))]
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], 0.0)
     }
 
     fn is_possible(&self, amplitudes: &[f64]) -> bool {

@@ -104,6 +104,8 @@ pub(crate) enum Need {
     Temperature,
     Output(usize),
     Cable,
+    /// Radius of the first cable's drum.
+    DrumRadius,
     /// A distance, position or orientation.
     Chain,
     Runs,
@@ -181,14 +183,18 @@ pub(crate) trait Effect: Debug + Send + Sync {
     fn amplitude_count(&self) -> usize {
         1
     }
-    /// The reported parameters.
-    fn values(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64>;
+    /// The reported parameters; the first amplitude where nothing else is said.
+    fn values(&self, _context: &Context<'_>, amplitudes: &[f64], _shape: f64) -> Vec<f64> {
+        vec![amplitudes[0]]
+    }
     /// Amplitudes and shape that have these values: the inverse of [`Effect::values`].
     #[cfg_attr(
         not(test),
         expect(dead_code, reason = "the registry tests go there and back")
     )]
-    fn amplitudes(&self, context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64);
+    fn amplitudes(&self, _context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+        (vec![values[0]], 0.0)
+    }
     /// Whether the sign of the amplitude is one that nature allows (a stiffness is positive).
     fn is_possible(&self, _amplitudes: &[f64]) -> bool {
         true
@@ -283,6 +289,15 @@ fn missing(need: Need, context: &Context<'_>) -> Option<String> {
             Some(format!("no column out{}_{unit}", joint + 1))
         }
         Need::Cable if context.cable.is_none() => Some("no column cable_m".to_owned()),
+        Need::DrumRadius
+            if context
+                .device
+                .cables
+                .first()
+                .is_none_or(|cable| cable.drum_radius_m.is_none()) =>
+        {
+            Some("no drum_radius_m in the device file".to_owned())
+        }
         Need::Chain if !context.streams.iter().any(|s| s.channel.sees_chain()) => {
             Some("no distance, position or orientation".to_owned())
         }

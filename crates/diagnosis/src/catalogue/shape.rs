@@ -226,14 +226,6 @@ impl Effect for Ratio {
             &readings.map(|q| -q / ratio).collect::<Vec<_>>(),
         )]
     }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], 0.0)
-    }
 }
 
 /// A8: pitch of the helix and cables that walk or cross: to leading order an even term, and a cubic one
@@ -280,10 +272,6 @@ impl Effect for CablePitch {
             context.upstream(self.joint, &power(2)),
             context.upstream(self.joint, &power(3)),
         ]
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
     }
 
     fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
