@@ -9,7 +9,6 @@ use crate::answer::{CandidateAnswer, CauseAnswer, Diagnosis, Gap, Provenance, Ve
 use crate::base::Base;
 use crate::causes::{base_term, cause_answer, force_findings, noise_findings};
 use crate::earlier::{Difference, difference};
-use crate::engine::Engine;
 use crate::force::answer::ForceAnswer;
 use crate::place::{locate, of_base_term};
 use crate::rivals::{Rival, settle};
@@ -17,6 +16,7 @@ use crate::select::{Selection, Selector};
 use crate::shrink::{Shrink, model_residual, on_held_back, on_second};
 use crate::tables::{channel_gaps, noise, torque_gaps, traces, untestable};
 use crate::unseen::{hints, unseen};
+use crate::wrong_angles::torque_nm;
 use crate::{DiagnosisError, Options};
 
 /// What the answer is put together from.
@@ -156,7 +156,7 @@ fn beside_each_other(
     );
     let mut force = force?;
     if !selection.refit.model.causes.is_empty() || !quiet(selector, selection, adequacy) {
-        force = force.beside_wrong_angles(torque_of_wrong_angles_nm(engine));
+        force = force.beside_wrong_angles(torque_nm(selector, selection));
     }
     Ok((shrink?, force))
 }
@@ -217,10 +217,10 @@ fn position_causes(
         .collect();
     for (index, list) in rivals.iter().enumerate() {
         let answer = cause_answer(selector, selection, index, list, adequacy, total, shrink);
-        causes.push(answer);
+        if causes.is_empty() || is_told(selector, &answer) {
+            causes.push(answer);
+        }
     }
-    let mut first = true;
-    causes.retain(|cause| std::mem::take(&mut first) || is_told(selector, cause));
     if !base_terms.terms.is_empty() {
         causes.sort_by(|a, b| b.share.total_cmp(&a.share));
     }
@@ -252,34 +252,6 @@ fn shrink(
 /// Whether positions show nothing but noise, no cause taken up.
 fn quiet(selector: &Selector<'_, '_>, selection: &Selection, adequacy: &Adequacy) -> bool {
     adequacy.worst < selector.thresholds.omnibus_z && selection.refused.is_none()
-}
-
-/// What the holding torques are wrong by where the model's angles are: about the torque times the angle,
-/// the largest of the base model's gaps.
-fn torque_of_wrong_angles_nm(engine: &Engine<'_>) -> f64 {
-    let context = &engine.context;
-    let rms = |values: &[f64]| {
-        let finite = values.iter().filter(|value| value.is_finite());
-        let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
-        (sum / f64::max(count, 1.0)).sqrt()
-    };
-    let torque_nm = context
-        .torque_nm
-        .iter()
-        .flatten()
-        .map(|t| rms(t))
-        .fold(0.0, f64::max);
-    let angle_rad = (0..context.streams.len())
-        .map(|stream| {
-            let gap = rms(&engine.start.residual[stream]).powi(2) - engine.floor[stream].powi(2);
-            let arm_m = match (context.streams[stream].channel, &context.cable) {
-                (Channel::Cable { .. }, Some(cable)) => rms(&cable.length_m).max(1e-3),
-                _ => 1.0,
-            };
-            gap.max(0.0).sqrt() / arm_m
-        })
-        .fold(0.0, f64::max);
-    torque_nm * angle_rad
 }
 
 fn verdict(

@@ -35,11 +35,11 @@ pub(crate) fn cause_answer(
     } else if effect.name() == "joint-drift" && effect.needs().contains(&Need::Time) {
         // a cable that creeps under a steady load drifts as steadily
         probability *= STEADY;
-    } else if effect.needs().contains(&Need::Temperature)
+    } else if effect.family() == Family::Drift
         && confusable.is_empty()
-        && warms_with_time(&selector.engine.context)
+        && !is_time_tried(selector, effect)
     {
-        // what follows the temperature then follows the time, and another law of time was not tried
+        // a law of time, which was not tried, may have the same course
         probability *= STEADY;
     }
     let class: f64 = rivals
@@ -59,6 +59,22 @@ pub(crate) fn cause_answer(
         share: selection.explained[index] / total.max(1e-300),
         held_out: held_out(shrink, effect.hook(), effect.joint()),
     }
+}
+
+/// Whether a drift in time was tried in the place of one by load, or of one with a temperature that
+/// follows the time.
+fn is_time_tried(selector: &Selector<'_, '_>, effect: &dyn Effect) -> bool {
+    let with_temperature = effect.needs().contains(&Need::Temperature);
+    let in_time = |index: &usize| {
+        let other = selector.effects[*index].as_ref();
+        other.family() == Family::Drift
+            && other.joint() == effect.joint()
+            && other.hook() == effect.hook()
+            && other.needs().contains(&Need::Time)
+    };
+    (with_temperature && !warms_with_time(&selector.engine.context))
+        || effect.needs().contains(&Need::Time)
+        || selector.tested.iter().any(in_time)
 }
 
 /// Probability of a steady drift's name at a joint when everything else speaks for it.

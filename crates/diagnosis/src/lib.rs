@@ -36,7 +36,9 @@ mod signal;
 mod system;
 mod tables;
 mod thresholds;
+mod trim;
 mod unseen;
+mod wrong_angles;
 
 pub use answer::{
     CandidateAnswer, CauseAnswer, ChannelGap, Detectable, Diagnosis, Gap, HeldOutAnswer, Hint,

@@ -103,7 +103,7 @@ pub(crate) fn rivals(
     };
     // the linear score of a rival counts where its refit falls short; so does that of the cause itself
     let template = scan.iter().find(|score| score.effect == own).cloned();
-    let template = template.unwrap_or_else(|| as_score(&causes[cause], gained));
+    let template = template.unwrap_or_else(|| Score::of_cause(&causes[cause], gained));
     let explained = gained.max(template.score);
     let mut evidence: Vec<Evidence> = vec![(own, criterion(explained, &template), 1.0, None)];
     let best = evidence[0].1;
@@ -142,20 +142,6 @@ pub(crate) fn rivals(
     hedge_drifts(selector, own, best, &mut evidence);
     hedge_wobbles(selector, own, best, &mut evidence);
     Ok(listed(selector, own, evidence))
-}
-
-/// A cause that the scan did not list, as it would have been.
-fn as_score(cause: &Cause, gained: f64) -> Score {
-    Score {
-        effect: cause.effect,
-        shape: cause.shape,
-        score: gained,
-        rank: cause.amplitudes.len(),
-        amplitudes: cause.amplitudes.clone(),
-        times: cause.times.clone(),
-        retained: 1.0,
-        unit_amplitude: 1.0,
-    }
 }
 
 /// Evidence as probabilities, the cause itself first and then the best.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::catalogue::Effect;
 use crate::context::Context;
+use crate::model::Cause;
 use crate::signal::Signal;
 use crate::system::{Column, System, dot};
 
@@ -38,6 +39,22 @@ pub(crate) struct Score {
     pub(crate) retained: f64,
     /// Amplitude at which the score's expectation is 1 (largest direction).
     pub(crate) unit_amplitude: f64,
+}
+
+impl Score {
+    /// A cause as a scan would have listed it.
+    pub(crate) fn of_cause(cause: &Cause, gained: f64) -> Self {
+        Self {
+            effect: cause.effect,
+            shape: cause.shape,
+            score: gained,
+            rank: cause.amplitudes.len(),
+            amplitudes: cause.amplitudes.clone(),
+            times: cause.times.clone(),
+            retained: 1.0,
+            unit_amplitude: 1.0,
+        }
+    }
 }
 
 /// Squared share of a direction that must survive the projection.

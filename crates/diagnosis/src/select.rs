@@ -33,11 +33,11 @@ pub(crate) struct Selection {
 
 /// Causes picked so far.
 #[derive(Debug)]
-struct Grown {
-    refit: Refit,
-    system: System,
-    after: Vec<SlowEnergy>,
-    explained: Vec<f64>,
+pub(crate) struct Grown {
+    pub(crate) refit: Refit,
+    pub(crate) system: System,
+    pub(crate) after: Vec<SlowEnergy>,
+    pub(crate) explained: Vec<f64>,
     first_scan: Vec<Score>,
     /// Picks whose law is to be judged beside those that follow.
     provisional: Vec<Score>,
@@ -115,7 +115,8 @@ impl<'e, 'a> Selector<'e, 'a> {
         let before = self.engine.system.slow_energy(&self.engine.system.residual);
         let mut refused = Refused::default();
         loop {
-            let grown = self.grow(&before, &mut refused, may_stop)?;
+            let mut grown = self.grow(&before, &mut refused, may_stop)?;
+            self.trim(&mut grown)?;
             let broken = self.broken_in_the_end(&grown);
             match broken.filter(|_| refused.shut.len() <= REFUSALS) {
                 Some(score) => refused.add(score),
@@ -174,11 +175,12 @@ impl<'e, 'a> Selector<'e, 'a> {
                 break;
             }
             let effect = self.effects[score.effect].as_ref();
-            let quiet = worst_excess(&after, &self.engine.noise) < self.thresholds.omnibus_z;
-            let elsewhere = quiet && self.is_elsewhere(&score, &grown.refit);
+            let causes = &grown.refit.model.causes;
             let beyond_laws = is_first
                 || (score.score > DYNAMIC_RANGE * grown.explained.iter().sum::<f64>()
-                    && (elsewhere || score.score > self.law_errors(&grown, &score)));
+                    && ((self.is_quiet_there(effect, &after)
+                        && self.is_elsewhere(&score, causes))
+                        || score.score > self.law_errors(causes, &grown.explained, &score)));
             let strict = !is_first || effect.family() == Family::Step;
             let keeps_its_law = !strict
                 || next.model.causes.last().is_none_or(|cause| {
@@ -221,18 +223,12 @@ impl<'e, 'a> Selector<'e, 'a> {
 
     /// Whether a pick is driven by other joints, and shows most in another stream, than all causes so far: no
     /// law of theirs can have left it there.
-    fn is_elsewhere(&self, pick: &Score, refit: &Refit) -> bool {
+    pub(crate) fn is_elsewhere(&self, pick: &Score, causes: &[Cause]) -> bool {
         let effect = self.effects[pick.effect].as_ref();
         let joints = self.joints(pick.effect, pick.shape);
-        let main = |effect: &dyn Effect| {
-            let in_encoder = matches!(effect.hook(), Hook::Transmission | Hook::ExternalEncoder);
-            effect
-                .joint()
-                .filter(|_| in_encoder)
-                .and_then(|joint| self.engine.context.output_stream(joint))
-        };
+        let main = |effect: &dyn Effect| self.main_stream(effect);
         let own = main(effect);
-        refit.model.causes.iter().all(|cause| {
+        causes.iter().all(|cause| {
             let other = self.effects[cause.effect].as_ref();
             let theirs = self.joints(cause.effect, cause.shape);
             main(other) != own
@@ -241,11 +237,27 @@ impl<'e, 'a> Selector<'e, 'a> {
         })
     }
 
+    /// The external encoder that shows an effect.
+    fn main_stream(&self, effect: &dyn Effect) -> Option<usize> {
+        let in_encoder = matches!(effect.hook(), Hook::Transmission | Hook::ExternalEncoder);
+        let joint = effect.joint().filter(|_| in_encoder)?;
+        self.engine.context.output_stream(joint)
+    }
+
+    /// Whether nothing is left in the external encoder that shows an effect; of others, anywhere.
+    fn is_quiet_there(&self, effect: &dyn Effect, after: &[SlowEnergy]) -> bool {
+        let streams = match self.main_stream(effect) {
+            Some(stream) => stream..stream + 1,
+            None => 0..after.len(),
+        };
+        worst_excess(&after[streams.clone()], &self.engine.noise[streams])
+            < self.thresholds.omnibus_z
+    }
+
     /// Squared residual that the laws of the causes so far may have got wrong, where a pick shows.
-    fn law_errors(&self, grown: &Grown, pick: &Score) -> f64 {
+    pub(crate) fn law_errors(&self, causes: &[Cause], explained: &[f64], pick: &Score) -> f64 {
         let own = self.joints(pick.effect, pick.shape);
-        let causes = grown.refit.model.causes.iter().zip(&grown.explained);
-        let errors = causes.map(|(cause, explained)| {
+        let errors = causes.iter().zip(explained).map(|(cause, explained)| {
             let theirs = self.joints(cause.effect, cause.shape);
             let share = if own.iter().any(|joint| theirs.contains(joint)) {
                 LATER_PICK_THERE
@@ -534,7 +546,7 @@ impl<'e, 'a> Selector<'e, 'a> {
         Ok((p * tries.max(1.0) * self.tested.len() as f64).min(1.0))
     }
 
-    fn is_more_than_chance(
+    pub(crate) fn is_more_than_chance(
         &self,
         score: &Score,
         after: &[SlowEnergy],

@@ -170,6 +170,11 @@ impl Effect for DrumEccentricity {
         radius.into_iter().collect()
     }
 
+    /// The constant is the turn at the zero: no larger than the amplitude, its own uncertainty allowed for.
+    fn is_possible(&self, amplitudes: &[f64]) -> bool {
+        amplitudes[2].abs() <= 2.5 * amplitudes[0].hypot(amplitudes[1])
+    }
+
     fn amplitude_count(&self) -> usize {
         3
     }

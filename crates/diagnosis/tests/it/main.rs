@@ -15,3 +15,4 @@ mod gap_sets;
 mod named;
 mod normal;
 mod refusals;
+mod several;

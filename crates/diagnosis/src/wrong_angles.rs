@@ -1,0 +1,58 @@
+//! What a gap of positions does to torques: effects on torques are not told where it is as large.
+
+use haptical_calibration::Channel;
+
+use crate::catalogue::Hook;
+use crate::select::{Selection, Selector};
+
+/// What the holding torques are wrong by where the model's angles are \[Nm\]: about the torque times the
+/// angle, the largest that a gap or a cause shows.
+pub(crate) fn torque_nm(selector: &Selector<'_, '_>, selection: &Selection) -> f64 {
+    let context = &selector.engine.context;
+    let torques = context.torque_nm.iter().flatten();
+    let torque_nm = torques.map(|torque| rms(torque)).fold(0.0, f64::max);
+    let gaps = (0..context.streams.len()).map(|stream| gap_rad(selector, stream));
+    let causes =
+        (0..selection.refit.model.causes.len()).map(|cause| cause_rad(selector, selection, cause));
+    torque_nm * gaps.chain(causes).fold(0.0, f64::max)
+}
+
+/// The base model's gap in a stream, a cable's over its length.
+fn gap_rad(selector: &Selector<'_, '_>, stream: usize) -> f64 {
+    let engine = selector.engine;
+    let context = &engine.context;
+    let gap = rms(&engine.start.residual[stream]).powi(2) - engine.floor[stream].powi(2);
+    let arm_m = match (context.streams[stream].channel, &context.cable) {
+        (Channel::Cable { .. }, Some(cable)) => rms(&cable.length_m).max(1e-3),
+        _ => 1.0,
+    };
+    gap.max(0.0).sqrt() / arm_m
+}
+
+/// The angle by which a cause moves its joint, from what the chain sees of it.
+fn cause_rad(selector: &Selector<'_, '_>, selection: &Selection, cause: usize) -> f64 {
+    let context = &selector.engine.context;
+    let cause = &selection.refit.model.causes[cause];
+    let effect = selector.effects[cause.effect].as_ref();
+    let Some(joint) = effect.joint() else {
+        return 0.0;
+    };
+    if !matches!(effect.hook(), Hook::Transmission | Hook::Joint) {
+        return 0.0;
+    }
+    let signal = cause.contribution(selector.effects, context);
+    let seen = signal.parts.iter().filter_map(|(stream, values)| {
+        let lever: Vec<f64> = (0..context.rows())
+            .map(|row| context.sensitivity(*stream, joint, row))
+            .collect();
+        let lever = rms(&lever);
+        (lever > 0.0).then(|| rms(values) / lever)
+    });
+    seen.fold(0.0, f64::max)
+}
+
+/// Root mean square of the finite values; 0 of none.
+fn rms(values: &[f64]) -> f64 {
+    let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    haptical_metrics::rms(&finite).unwrap_or(0.0)
+}
