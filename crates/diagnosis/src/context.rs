@@ -84,8 +84,10 @@ pub(crate) struct Context<'a> {
     pub(crate) warming_k: Option<Vec<f64>>,
 }
 
-/// Samples on each side over which torques and forces are averaged.
+/// Samples on each side over which torques and forces are averaged at most, ...
 const LOAD_REACH: usize = 4;
+/// ... and how far the joints may move meanwhile, as a share of their range.
+const LOAD_IS_STEADY: f64 = 0.04;
 /// The same for temperatures.
 const TEMPERATURE_REACH: usize = 50;
 
@@ -98,7 +100,10 @@ impl<'a> Context<'a> {
     ) -> Result<Self, DiagnosisError> {
         let rows = recording.len();
         let runs = runs_of(recording);
-        let ordered = is_ordered(recording, &runs);
+        let step = step_of_range(recording, &runs);
+        // so closely that noise differs from row to row and effects do not
+        let ordered = step.is_some_and(|step| step <= STEP_OF_A_MOTION);
+        let load_reach = step.map_or(0, load_reach);
         let streams = streams.to_vec();
         let joints = device.joints.len();
         let mut output = vec![Vec::with_capacity(rows); joints];
@@ -148,7 +153,7 @@ impl<'a> Context<'a> {
         let force_n: Option<Vec<Vector3<f64>>> =
             force.filter(|force| force.len() == rows).map(|force| {
                 let axes: Vec<Vec<f64>> = (0..3)
-                    .map(|axis| smoothed(&force.iter().map(|f| f[axis]).collect(), LOAD_REACH))
+                    .map(|axis| smoothed(&force.iter().map(|f| f[axis]).collect(), load_reach))
                     .collect();
                 (0..rows)
                     .map(|row| Vector3::new(axes[0][row], axes[1][row], axes[2][row]))
@@ -156,7 +161,7 @@ impl<'a> Context<'a> {
             });
         let torque_nm = (0..joints)
             .map(|joint| match recording.torque_nm.get(joint) {
-                Some(Some(column)) => Some(smoothed(column, LOAD_REACH)),
+                Some(Some(column)) => Some(smoothed(column, load_reach)),
                 _ => frames.holding_torque(&twist, &position, force_n.as_deref(), joint),
             })
             .collect();
@@ -451,24 +456,35 @@ const STEP_OF_A_MOTION: f64 = 0.05;
 /// Fewer rows are taken as single postures.
 const ROWS_OF_A_MOTION: usize = 64;
 
-/// Whether the rows follow a motion closely enough that noise differs from row to row and effects do not.
-fn is_ordered(recording: &Recording, runs: &[Range<usize>]) -> bool {
-    if recording.len() < ROWS_OF_A_MOTION {
-        return false;
+/// Samples on each side over which loads hardly change.
+fn load_reach(step: f64) -> usize {
+    if step * LOAD_REACH as f64 <= LOAD_IS_STEADY {
+        LOAD_REACH
+    } else {
+        (LOAD_IS_STEADY / step) as usize
     }
-    recording.joint.iter().all(|column| {
+}
+
+/// Motion between successive rows: the median step of the joint that moves most, over its range; none for
+/// a few rows, or where nothing moves between rows.
+fn step_of_range(recording: &Recording, runs: &[Range<usize>]) -> Option<f64> {
+    if recording.len() < ROWS_OF_A_MOTION {
+        return None;
+    }
+    let mut largest: f64 = 0.0;
+    for column in &recording.joint {
         let low = column.iter().copied().fold(f64::INFINITY, f64::min);
         let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if high <= low {
+            continue;
+        }
         let steps: Vec<f64> = runs
             .iter()
             .flat_map(|run| {
                 (run.start + 1..run.end).map(|row| (column[row] - column[row - 1]).abs())
             })
             .collect();
-        if steps.is_empty() || high <= low {
-            return high <= low;
-        }
-        haptical_metrics::median(&steps)
-            .is_ok_and(|median| median <= STEP_OF_A_MOTION * (high - low))
-    })
+        largest = largest.max(haptical_metrics::median(&steps).ok()? / (high - low));
+    }
+    Some(largest)
 }
