@@ -8,12 +8,14 @@ mod channel;
 mod error;
 mod evidence;
 mod fit;
+mod frame_origins;
 mod held_out;
 mod joint_fit;
 mod problem;
 mod reduced;
 mod residuals;
 mod rotation;
+mod row_errors;
 mod sink;
 mod sufficiency;
 mod transmission_step;
@@ -28,6 +30,7 @@ pub use evidence::{EvidenceEntry, TransmissionTerms};
 pub use fit::{
     CalibrationMethod, Degree, Options, ParameterFit, Weighting, fit_parameters, identifiability_at,
 };
+pub use frame_origins::frame_origins_m;
 pub use held_out::{HeldOut, Split, split};
 pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};
 pub use problem::DeviceProblem;

@@ -40,17 +40,17 @@ struct Block {
 }
 
 impl Block {
-    /// Where the residuals of rows from `start` to before `end` stand.
-    fn within(&self, start: usize, end: usize) -> Range<usize> {
+    /// Where the residuals of a part's rows stand, from `start` on.
+    fn within(&self, start: usize) -> Range<usize> {
         let place = |row: usize| {
             let before = self.rows.partition_point(|&other| other < row);
             self.first + before * self.channel.width()
         };
-        place(start)..place(end)
+        place(start)..place(start + ROWS_AT_ONCE)
     }
 }
 
-/// Rows that one thread works out at a time where residuals alone are asked for.
+/// Rows that one thread works out at a time.
 const ROWS_AT_ONCE: usize = 512;
 
 impl<'a> DeviceProblem<'a> {
@@ -140,42 +140,62 @@ impl<'a> DeviceProblem<'a> {
     ) -> Result<(), IdentificationError> {
         let device = self.device_with(values);
         let rows = self.recording.len();
-        if matches!(sink, Sink::None) && rows > ROWS_AT_ONCE {
-            return self.run_in_parallel(&device, residuals);
+        if rows > ROWS_AT_ONCE {
+            match &mut sink {
+                Sink::None => return self.run_in_parallel(&device, residuals, None),
+                Sink::Dense(free, matrix) => {
+                    return self.run_in_parallel(&device, residuals, Some((free, matrix)));
+                }
+                Sink::Sparse(..) | Sink::Triangles(_) => {}
+            }
         }
         let firsts: Vec<usize> = self.blocks.iter().map(|block| block.first).collect();
         self.run_rows(&device, 0..rows, &firsts, residuals, &mut sink)
     }
 
-    /// The residuals of all rows, some rows at a time; each is worked out as it is alone.
+    /// All rows, some at a time; each is worked out as it is alone.
     fn run_in_parallel(
         &self,
         device: &Device,
         residuals: &mut [f64],
+        mut jacobian: Option<(&[usize], &mut Matrix)>,
     ) -> Result<(), IdentificationError> {
+        let free = jacobian.as_ref().map(|(free, _)| *free);
         let starts: Vec<usize> = (0..self.recording.len()).step_by(ROWS_AT_ONCE).collect();
-        // per part: every block's residuals, one block after the other
-        let parts: Vec<Vec<f64>> = starts
+        // per part: every block's residuals, one block after the other, and their derivatives
+        let parts: Vec<(Vec<f64>, Option<Matrix>)> = starts
             .par_iter()
             .map(|&start| {
-                let end = (start + ROWS_AT_ONCE).min(self.recording.len());
                 let mut firsts = Vec::with_capacity(self.blocks.len());
                 let mut count = 0;
                 for block in &self.blocks {
                     firsts.push(count);
-                    count += block.within(start, end).len();
+                    count += block.within(start).len();
                 }
                 let mut part = vec![0.0; count];
-                self.run_rows(device, start..end, &firsts, &mut part, &mut Sink::None)?;
-                Ok(part)
+                let mut matrix = free.map(|free| Matrix::zeros(count, free.len()));
+                let mut sink = match (free, &mut matrix) {
+                    (Some(free), Some(matrix)) => Sink::Dense(free, matrix),
+                    _ => Sink::None,
+                };
+                let end = (start + ROWS_AT_ONCE).min(self.recording.len());
+                self.run_rows(device, start..end, &firsts, &mut part, &mut sink)?;
+                Ok((part, matrix))
             })
             .collect::<Result<_, IdentificationError>>()?;
-        for (start, part) in starts.into_iter().zip(&parts) {
-            let mut rest = part.as_slice();
+        for (start, (part, derivatives)) in starts.into_iter().zip(&parts) {
+            let mut first = 0;
             for block in &self.blocks {
-                let (own, others) = rest.split_at(block.within(start, start + ROWS_AT_ONCE).len());
-                residuals[block.within(start, start + ROWS_AT_ONCE)].copy_from_slice(own);
-                rest = others;
+                let whole = block.within(start);
+                let own = first..first + whole.len();
+                first = own.end;
+                residuals[whole.clone()].copy_from_slice(&part[own.clone()]);
+                if let (Some((_, matrix)), Some(derivatives)) = (&mut jacobian, derivatives) {
+                    for column in 0..derivatives.columns() {
+                        matrix.column_mut(column)[whole.clone()]
+                            .copy_from_slice(&derivatives.column(column)[own.clone()]);
+                    }
+                }
             }
         }
         Ok(())

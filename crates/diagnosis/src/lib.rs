@@ -11,6 +11,7 @@ mod blocks;
 mod catalogue;
 mod causes;
 mod cleaning;
+mod contend;
 mod context;
 mod diagnose;
 mod earlier;

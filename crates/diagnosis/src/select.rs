@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::DiagnosisError;
 use crate::catalogue::{Effect, Family, Hook, under_load};
 use crate::engine::Engine;
-use crate::events::{event_score, sharpen, with_more_steps};
+use crate::events::{event_score, with_more_steps};
 use crate::laws::law_is_kept;
 use crate::model::{Cause, Model, Refit};
 use crate::noise::Noise;
@@ -88,10 +88,6 @@ pub(crate) const MOVED_FAR: f64 = 25.0;
 const STILL_MUCH: f64 = 0.05;
 /// Score from which an event may have further steps.
 const WORTH_MORE_STEPS: f64 = 60.0;
-/// Contenders that are refitted at most when a pick is close.
-const CONTENDERS: usize = 3;
-/// A contender explains at least this share of what the best explains.
-const CONTENDING: f64 = 0.93;
 
 impl<'e, 'a> Selector<'e, 'a> {
     pub(crate) fn new(
@@ -150,6 +146,7 @@ impl<'e, 'a> Selector<'e, 'a> {
             first_scan: Vec::new(),
             provisional: Vec::new(),
         };
+        let mut tried = Vec::new();
         loop {
             let mut scan = self.scan(&grown.system, &grown.refit.model);
             scan.retain(|score| !refused.shut.contains(&score.effect));
@@ -160,7 +157,7 @@ impl<'e, 'a> Selector<'e, 'a> {
             if full || refused.shut.len() > REFUSALS {
                 break;
             }
-            let Some((next, score)) = self.best(&grown.system, &grown.refit, &scan)? else {
+            let Some((next, score)) = self.best(&grown, &scan, &mut tried)? else {
                 break;
             };
             let system = self.system_of(&next);
@@ -198,6 +195,7 @@ impl<'e, 'a> Selector<'e, 'a> {
             }
             grown.explained.push(score.score);
             (grown.refit, grown.system, grown.after) = (next, system, after);
+            tried.clear();
             if may_stop
                 && excess(&grown.after).0 < NEARLY_NOTHING * excess(before).0
                 && self.engine.moved(&grown.refit.model.bare) >= MOVED_FAR
@@ -418,116 +416,7 @@ impl<'e, 'a> Selector<'e, 'a> {
         criterion
     }
 
-    /// The best effect with its refit; close contenders are refitted too and the costs decide.
-    fn best(
-        &self,
-        system: &System,
-        refit: &Refit,
-        scan: &[Score],
-    ) -> Result<Option<(Refit, Score)>, DiagnosisError> {
-        let Some(first) = scan.first() else {
-            return Ok(None);
-        };
-        let near: Vec<&Score> = scan
-            .iter()
-            .take_while(|score| {
-                score.score >= CONTENDING * first.score - 20.0 || score.effect == first.effect
-            })
-            .take(if self.is_worth_a_refit(first)? {
-                CONTENDERS
-            } else {
-                0
-            })
-            .collect();
-        let refits: Vec<(Refit, f64)> = near
-            .par_iter()
-            .map(|score| self.refit_with(&refit.model, system, score))
-            .collect::<Result<_, _>>()?;
-        let mut best: Option<(Refit, Score, f64)> = None;
-        for (score, (fitted, cost)) in near.into_iter().zip(refits) {
-            if !self.is_possible(&fitted.model) {
-                continue;
-            }
-            let mut score = score.clone();
-            let gained: f64 = system
-                .residual
-                .iter()
-                .map(|value| value * value)
-                .sum::<f64>()
-                - cost;
-            score.score = score.score.max(gained);
-            let criterion = self.criterion(&Score {
-                score: gained,
-                ..score.clone()
-            });
-            if best.as_ref().is_none_or(|(_, _, other)| criterion > *other) {
-                best = Some((fitted, score, criterion));
-            }
-        }
-        Ok(best.map(|(fitted, score, _)| (fitted, score)))
-    }
-
-    /// The best refit of a model with one more effect: an event at its best rows, a play driven from
-    /// either side.
-    pub(crate) fn refit_with(
-        &self,
-        model: &Model,
-        system: &System,
-        score: &Score,
-    ) -> Result<(Refit, f64), DiagnosisError> {
-        let cause = Cause::of(&self.sharpened(system, score));
-        let effect = self.effects[score.effect].as_ref();
-        let shapes = if effect.has_sides() {
-            effect.shapes(&self.engine.context)
-        } else {
-            vec![cause.shape]
-        };
-        let refits: Vec<(Refit, f64)> = shapes
-            .into_par_iter()
-            .map(|shape| {
-                let mut with = model.clone();
-                with.causes.push(Cause {
-                    shape,
-                    ..cause.clone()
-                });
-                let fitted = self.engine.refit(self.effects, &with)?;
-                let cost = self.cost(&fitted);
-                Ok::<_, DiagnosisError>((fitted, cost))
-            })
-            .collect::<Result<_, _>>()?;
-        // of equals the first
-        let best = refits
-            .into_iter()
-            .reduce(|a, b| if b.1 < a.1 { b } else { a });
-        best.ok_or(DiagnosisError::Thresholds {
-            reason: format!("{} has no shape", effect.name()),
-        })
-    }
-
-    /// An event with its instants at rows instead of blocks.
-    pub(crate) fn sharpened(&self, system: &System, score: &Score) -> Score {
-        if score.times.is_empty() {
-            return score.clone();
-        }
-        let effect = self.effects[score.effect].as_ref();
-        sharpen(system, &self.engine.context, effect, score.clone())
-    }
-
-    fn is_possible(&self, model: &Model) -> bool {
-        model
-            .causes
-            .iter()
-            .all(|cause| self.effects[cause.effect].is_possible(&cause.amplitudes))
-    }
-
-    /// Whitened square of a refit's residuals, across the base model's directions.
-    pub(crate) fn cost(&self, refit: &Refit) -> f64 {
-        let mut system = self.engine.system.clone();
-        system.set_residual(&refit.residual);
-        system.residual.iter().map(|value| value * value).sum()
-    }
-
-    fn is_worth_a_refit(&self, score: &Score) -> Result<bool, DiagnosisError> {
+    pub(crate) fn is_worth_a_refit(&self, score: &Score) -> Result<bool, DiagnosisError> {
         Ok(self.family_wise_p(score, 1.0)? < self.thresholds.family_wise_p)
     }
 

@@ -1,0 +1,76 @@
+//! Where the frames of a device are at each row of a recording: what a drawing of the arm needs.
+
+use haptical_model::kinematics::Chain;
+use haptical_model::{Device, Evaluation, ModelError, Recording};
+
+use crate::CalibrationError;
+
+/// Origins of all frames of a device, in frame (-1), for every row of a recording \[m\].
+///
+/// One entry for each row; in it one point for each frame: frame (-1) itself, the robot base, then
+/// the frame behind each joint. There is one point more than the device has links, and the last is
+/// the handle. The origin of the frame behind row i is the translation of `A_0 A_1 ... A_i`
+/// (Baser & Konukseven eq. (4), the product broken off after row i), at the output angles that the
+/// device predicts from the motor-side readings (eq. (1), (2)).
+///
+/// # Errors
+/// [`CalibrationError::Row`] where the device has no value at a row, and for the first row of a
+/// recording of a device without links.
+///
+/// # Examples
+/// ```
+/// use haptical_calibration::frame_origins_m;
+/// use haptical_model::{Device, Recording};
+///
+/// // A lever of 0.2 m on a base 0.1 m above frame (-1).
+/// let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.1\n\
+///             [[link]]\na_m = 0.2\nalpha_rad = 0.0\nd_m = 0.0\n\
+///             [[joint]]\ntransmission = \"direct\"\ntransmission_ratio = 1.0\n";
+/// let device = Device::from_toml(text, "lever.toml")?.device;
+/// let recording = Recording {
+///     line: vec![2],
+///     joint: vec![vec![std::f64::consts::FRAC_PI_2]],
+///     output: vec![None],
+///     ..Recording::default()
+/// };
+/// let rows = frame_origins_m(&device, &recording)?;
+/// assert_eq!(rows[0][..2], [[0.0; 3], [0.0, 0.0, 0.1]]);
+/// assert!(rows[0][2][0].abs() < 1e-15 && (rows[0][2][1] - 0.2).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn frame_origins_m(
+    device: &Device,
+    recording: &Recording,
+) -> Result<Vec<Vec<[f64; 3]>>, CalibrationError> {
+    let links = device.chain_links();
+    let motions = device.motions();
+    let mut evaluation = Evaluation::new(device);
+    let mut readings = vec![0.0; device.joints.len()];
+    let mut outputs = vec![0.0; device.joints.len()];
+    let mut rows = Vec::with_capacity(recording.len());
+    for row in 0..recording.len() {
+        for (reading, column) in readings.iter_mut().zip(&recording.joint) {
+            *reading = column[row];
+        }
+        let at_row = |source: ModelError| CalibrationError::Row {
+            line: recording.line[row],
+            source,
+        };
+        evaluation.move_pose_to(&readings).map_err(at_row)?;
+        let handle = evaluation.pose().map_err(at_row)?.position_m;
+        for (joint, output) in outputs.iter_mut().enumerate() {
+            *output = evaluation.output_rad(joint);
+        }
+        let mut origins = Vec::with_capacity(links.len() + 1);
+        origins.push([0.0; 3]);
+        for last in 0..links.len() - 1 {
+            let pose = Chain::new(device.convention, &links[..=last], &motions[..=last])
+                .and_then(|chain| chain.pose(&outputs[..last]))
+                .map_err(|source| at_row(source.into()))?;
+            origins.push(pose.position_m.into());
+        }
+        origins.push(handle.into());
+        rows.push(origins);
+    }
+    Ok(rows)
+}
