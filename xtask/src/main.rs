@@ -6,6 +6,7 @@
 )]
 
 mod blind;
+mod experiment;
 mod output;
 mod progress;
 mod tables;
@@ -26,6 +27,8 @@ struct Cli {
 enum Job {
     /// Reproduces the paper's simulation: Tables 1 to 3, Figures 7 and 8, and what they rest on.
     ReproduceTables(tables::Arguments),
+    /// Reproduces the paper's experiment on a virtual device: Tables 4 and 5 and what they improve.
+    ReproduceExperiment(experiment::Arguments),
     /// Tries the diagnosis on recordings with sealed truths, then opens and scores them.
     BlindCheck(blind::Arguments),
 }
@@ -33,6 +36,7 @@ enum Job {
 fn main() -> ExitCode {
     let outcome = match Cli::parse().job {
         Job::ReproduceTables(arguments) => tables::reproduce(&arguments),
+        Job::ReproduceExperiment(arguments) => experiment::reproduce(&arguments),
         Job::BlindCheck(arguments) => blind::check(&arguments),
     };
     match outcome {

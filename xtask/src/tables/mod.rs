@@ -3,11 +3,11 @@
 mod figures;
 mod identifiability;
 mod ladder;
-mod monte_carlo;
-mod paper;
+pub(crate) mod monte_carlo;
+pub(crate) mod paper;
 mod pose_error;
-mod run;
-mod scenario;
+pub(crate) mod run;
+pub(crate) mod scenario;
 mod sections;
 mod sensitivity;
 mod sweeps;

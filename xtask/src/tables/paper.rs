@@ -55,6 +55,36 @@ struct Table1 {
 struct Corrected {
     #[serde(rename = "table2_dL_m")]
     length_deviations_m: [f64; 2],
+    /// k10 with the minus sign that the print lost (docs/assumptions.md).
+    table4_k10: f64,
+}
+
+/// Table 4, as printed.
+#[derive(Debug, Clone, Deserialize)]
+pub(crate) struct Table4 {
+    #[serde(rename = "Re")]
+    pub(crate) ratio_deviation: [f64; 3],
+    pub(crate) ro_mm: [f64; 3],
+    pub(crate) ri_mm: [f64; 3],
+    pub(crate) beta_o_deg: [f64; 3],
+    pub(crate) beta_i_deg: [f64; 3],
+    pub(crate) k0_to_k10: [f64; 11],
+}
+
+/// Table 5, as printed.
+#[derive(Debug, Clone, Deserialize)]
+struct Table5 {
+    alpha1_6_mrad: [f64; 6],
+    a0_7_mm: [f64; 8],
+    d1_7_mm: [f64; 7],
+    theta1_7_mrad: [f64; 7],
+}
+
+/// What the text says of the experiment.
+#[derive(Debug, Clone, Deserialize)]
+pub(crate) struct Text {
+    pub(crate) improvement_full_percent: f64,
+    pub(crate) improvement_kinematics_only_percent: f64,
 }
 
 #[derive(Debug, Clone, Deserialize)]
@@ -62,6 +92,9 @@ struct File {
     table1: Table1,
     table2: Table2,
     table3: Table3,
+    table4: Table4,
+    table5: Table5,
+    text: Text,
     corrected: Corrected,
 }
 
@@ -82,6 +115,11 @@ pub(crate) struct Paper {
     pub(crate) table3: Vec<Published>,
     /// alpha0 and alpha7: assigned, not identified.
     pub(crate) unidentified: Vec<(String, f64)>,
+    /// Identified on hardware: capstans and polynomial, its k10 corrected.
+    pub(crate) table4: Table4,
+    /// Identified on hardware: names and deviations in SI units.
+    pub(crate) table5: Vec<(String, f64)>,
+    pub(crate) text: Text,
     /// Deviations of the parallelogram's L1 and L2, with the unit corrected to metres.
     pub(crate) length_deviations_m: [f64; 2],
 }
@@ -111,7 +149,25 @@ impl Paper {
             "Table 3 has 28 rows, the fixture {}",
             table3.len()
         );
+        let mut table5 = Vec::new();
+        let rows: [(&str, usize, &[f64]); 4] = [
+            ("alpha", 1, &file.table5.alpha1_6_mrad),
+            ("a", 0, &file.table5.a0_7_mm),
+            ("d", 1, &file.table5.d1_7_mm),
+            ("theta", 1, &file.table5.theta1_7_mrad),
+        ];
+        for (symbol, first, values) in rows {
+            for (index, value) in values.iter().enumerate() {
+                // printed in milliradians and millimetres
+                table5.push((format!("{symbol}{}", first + index), value * 1e-3));
+            }
+        }
+        let mut table4 = file.table4;
+        table4.k0_to_k10[10] = file.corrected.table4_k10;
         Ok(Self {
+            table4,
+            table5,
+            text: file.text,
             twists_over_pi: file.table1.alpha_rad_over_pi,
             table2: file.table2,
             table3,
