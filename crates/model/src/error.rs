@@ -119,6 +119,22 @@ pub enum ModelError {
     /// The chain.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
+    /// A joint that the device does not have.
+    #[error("the device has {joints} joints, no joint {joint}")]
+    NoJoint {
+        /// Joint, from 1.
+        joint: usize,
+        /// Joints of the device.
+        joints: usize,
+    },
+    /// A posture in which the free joints cannot hold any wrench.
+    #[error(
+        "the free joints are singular here (condition number {condition:.1e}): move away from this posture"
+    )]
+    Posture {
+        /// Condition number of the Jacobian.
+        condition: f64,
+    },
     /// A parameter that the device does not have.
     #[error("the device has no parameter `{name}`")]
     NoParameter {

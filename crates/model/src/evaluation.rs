@@ -147,6 +147,11 @@ impl<'d> Evaluation<'d> {
         Ok(())
     }
 
+    /// Joints of the device.
+    pub fn joint_count(&self) -> usize {
+        self.variables.len()
+    }
+
     /// Handle pose in frame (-1).
     ///
     /// # Errors

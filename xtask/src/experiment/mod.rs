@@ -1,16 +1,18 @@
 //! The paper's experiment on a virtual device: the truth is the device that the authors identified.
 
+mod force;
 mod improvement;
 mod truth;
 
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
+use haptical_model::Device;
 
 use crate::output::{Layout, Output};
 use crate::progress::Progress;
 use crate::tables::paper::Paper;
-use crate::tables::scenario::nominal_device;
+use crate::tables::scenario::{Scenario, nominal_device};
 
 /// Arguments of `reproduce-experiment`.
 #[derive(Debug, clap::Args)]
@@ -53,6 +55,7 @@ pub(crate) fn reproduce(arguments: &Arguments) -> Result<()> {
     let table = improvement::table(&cases, &paper)?;
     output.terminal_table(&table, &[0, 1, 2, 4, 6, 8]);
     output.table("improvement", table)?;
+    force_section(&mut output, &nominal, &paper, arguments.seed, seeds)?;
     let command = format!(
         "cargo xtask reproduce-experiment --seed {} --seeds {seeds}{}",
         arguments.seed,
@@ -70,4 +73,39 @@ pub(crate) fn reproduce(arguments: &Arguments) -> Result<()> {
     }
     println!("report: {}", arguments.out.join("report.html").display());
     Ok(())
+}
+
+/// Gain of the loops that are shown.
+const GAIN: f64 = 1.0;
+/// Deviation of alpha7 that no distance shows \[rad\]: Table 3 assigns it.
+const ALPHA7_RAD: f64 = 1.7e-3;
+
+fn force_section(
+    output: &mut Output,
+    nominal: &Device,
+    paper: &Paper,
+    seed: u64,
+    seeds: usize,
+) -> Result<()> {
+    let mut scenario = Scenario::paper(nominal.clone(), paper, false)?;
+    scenario.truth = truth::true_device(&scenario.nominal, paper)?;
+    let mut twisted = scenario.clone();
+    let alpha7 = nominal.parameter("alpha7")?;
+    alpha7.set(&mut twisted.truth, alpha7.value(nominal) + ALPHA7_RAD);
+    let mut kinds = Vec::new();
+    let progress = Progress::new("forces", 3 * seeds);
+    for (name, scenario, gain) in [
+        ("no loop (G = 0)", &scenario, 0.0),
+        ("G = 1", &scenario, GAIN),
+        ("G = 1, alpha7 off by 1.7 mrad", &twisted, GAIN),
+    ] {
+        kinds.push(force::Kind {
+            name: name.to_owned(),
+            samples: force::samples(scenario, seed, seeds, gain, &progress),
+        });
+    }
+    output.section("Force control: the virtual wall");
+    let table = force::table(&kinds)?;
+    output.terminal_table(&table, &[0, 1, 2, 4, 5, 6, 7]);
+    output.table("forces", table)
 }

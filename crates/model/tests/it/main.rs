@@ -7,6 +7,7 @@
 
 mod contract;
 mod evaluation;
+mod force;
 mod haptic7;
 mod joint;
 mod parameters;
