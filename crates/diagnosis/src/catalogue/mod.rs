@@ -83,9 +83,9 @@ impl Family {
     pub(crate) fn amplitude_error(self) -> f64 {
         match self {
             Self::Step => 0.006,
-            Self::Shape | Self::Coupling | Self::Exit => 0.01,
+            Self::Shape | Self::Coupling => 0.01,
             Self::Wobble | Self::Tool | Self::Lag => 0.015,
-            Self::Drift => 0.02,
+            Self::Drift | Self::Exit => 0.02,
             Self::Loop => 0.05,
             Self::Load => 0.06,
         }
