@@ -8,6 +8,7 @@ mod channel;
 mod error;
 mod evidence;
 mod fit;
+mod force_direction;
 mod frame_origins;
 mod held_out;
 mod joint_fit;
@@ -30,6 +31,7 @@ pub use evidence::{EvidenceEntry, TransmissionTerms};
 pub use fit::{
     CalibrationMethod, Degree, Options, ParameterFit, Weighting, fit_parameters, identifiability_at,
 };
+pub use force_direction::{ForceDirection, force_direction};
 pub use frame_origins::frame_origins_m;
 pub use held_out::{HeldOut, Split, split};
 pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};

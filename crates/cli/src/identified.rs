@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use haptical_calibration::{Calibration, ChannelReport, ParameterFit};
+use haptical_calibration::{Calibration, ChannelReport, ForceDirection, ParameterFit};
 use haptical_identification::{Convergence, Identifiability, Observability, Status, Term};
 use haptical_model::{Device, ParameterId, TransmissionError};
 use serde::Serialize;
@@ -32,6 +32,9 @@ pub(crate) struct Identified {
     pub(crate) not_identified: Vec<NotIdentified>,
     pub(crate) identifiability: IdentifiabilityEntry,
     pub(crate) correlations_above_0_95: Vec<(String, String, f64)>,
+    /// How far the force may still lean from the wanted direction; none where the device or the log does
+    /// not tell.
+    pub(crate) force_direction: Option<ForceDirection>,
     pub(crate) noise: BTreeMap<String, NoiseEntry>,
     pub(crate) warnings: Vec<String>,
 }
@@ -107,6 +110,7 @@ pub(crate) fn identified(
     calibration: &Calibration,
     nominal: &Device,
     provenance: Provenance,
+    force_direction: Option<ForceDirection>,
     warnings: Vec<String>,
 ) -> Identified {
     let fitted = &calibration.fitted;
@@ -152,6 +156,7 @@ pub(crate) fn identified(
             at_nominal: RankEntry::of(fits.iter().map(|fit| &fit.nominal_identifiability)),
         },
         correlations_above_0_95: fits.iter().flat_map(|fit| correlations(fit)).collect(),
+        force_direction,
         noise: fitted
             .weights
             .channel_sd

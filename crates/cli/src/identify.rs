@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use haptical_calibration::{Calibration, calibrate};
+use haptical_calibration::{Calibration, calibrate, force_direction};
 use haptical_model::Recording;
 
 use crate::arguments::IdentifyArguments;
@@ -38,7 +38,12 @@ pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
         method: Calibration::method_name(options.method),
         rows: recording.len(),
     };
-    let result = identified(&calibration, &input.device, provenance, warnings);
+    let force = match &calibration.fitted.whole {
+        Some(whole) => force_direction(whole, &recording)
+            .map_err(|error| Failure::calibration(&error, &arguments.device, &arguments.log))?,
+        None => None,
+    };
+    let result = identified(&calibration, &input.device, provenance, force, warnings);
     let device_text = calibration
         .device
         .to_toml(&input.text, &arguments.device.display().to_string())

@@ -32,6 +32,9 @@ pub(crate) fn text(result: &Identified, written: &[PathBuf]) -> Result<String, F
         "{}",
         channel_table(&title, &result.channels)?.to_terminal()
     );
+    if let Some(force) = force_sentence(result) {
+        let _ = writeln!(text, "\n{force}");
+    }
     if !result.not_identified.is_empty() {
         let _ = writeln!(text, "\nNot identified, kept at the nominal value:");
         for refused in result.not_identified.iter().take(LISTED) {
@@ -48,6 +51,24 @@ pub(crate) fn text(result: &Identified, written: &[PathBuf]) -> Result<String, F
         let _ = writeln!(text, "  {}", path.display());
     }
     Ok(text)
+}
+
+/// How far the force still leans from the wanted direction, in words.
+pub(crate) fn force_sentence(result: &Identified) -> Option<String> {
+    let force = result.force_direction.as_ref()?;
+    let shown = Shown::fine("rad");
+    let [low, high] = force.ci95_rad;
+    let locked = force.locked_joint.map_or(String::new(), |joint| {
+        format!(", joint {joint} locked at home")
+    });
+    Some(format!(
+        "Direction of the handle's force by the identified model: {} root mean square (95 % interval {} to {}) over \
+         {} postures of the log{locked}.",
+        shown.text(force.rms_rad),
+        shown.text(low),
+        shown.text(high),
+        force.postures
+    ))
 }
 
 /// Before, after and floor of each channel.

@@ -42,6 +42,32 @@ pub fn chi_square_p_value(statistic: f64, degrees_of_freedom: f64) -> Result<f64
     Ok(finite_result("the chi-square probability", distribution.sf(statistic))?.clamp(0.0, 1.0))
 }
 
+/// The x with `P(X <= x) = probability` for a chi-square variable X.
+///
+/// `degrees_of_freedom` need not be whole. Source: Abramowitz & Stegun 26.4.
+///
+/// # Errors
+/// [`MetricsError::OutOfRange`] for a probability outside 0 to 1 (both excluded) or degrees of
+/// freedom that are not positive, [`MetricsError::Overflow`] when the quantile is not representable.
+///
+/// # Examples
+/// With two degrees of freedom it is `-2 ln(1 - probability)`:
+/// ```
+/// let x = haptical_metrics::chi_square_quantile(0.95, 2.0)?;
+/// assert!((x + 2.0 * 0.05_f64.ln()).abs() < 1e-9);
+/// # Ok::<(), haptical_metrics::MetricsError>(())
+/// ```
+pub fn chi_square_quantile(probability: f64, degrees_of_freedom: f64) -> Result<f64, MetricsError> {
+    check_level(probability)?;
+    check_degrees_of_freedom(degrees_of_freedom)?;
+    let distribution = ChiSquared::new(degrees_of_freedom)
+        .map_err(|_| degrees_out_of_range(degrees_of_freedom))?;
+    finite_result(
+        "the chi-square quantile",
+        distribution.inverse_cdf(probability),
+    )
+}
+
 /// Probability that a standard normal variable is at least as far from 0 as `z`:
 /// `erfc(|z| / sqrt(2))`.
 ///

@@ -11,6 +11,8 @@ mod chain;
 mod counts;
 mod derivatives;
 mod evidence;
+mod force_direction;
+mod frame_origins;
 mod haptic;
 mod held_out;
 mod incomplete;

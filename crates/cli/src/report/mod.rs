@@ -10,7 +10,7 @@ use haptical_report::{Block, Cell, Column, Document, Section, Table};
 
 use crate::failure::Failure;
 use crate::identified::Identified;
-use crate::summary::channel_table;
+use crate::summary::{channel_table, force_sentence};
 use crate::units::Shown;
 
 /// Size of a figure \[px\].
@@ -71,7 +71,7 @@ fn lead(result: &Identified) -> String {
     };
     let shown = Shown::fine(&channel.unit);
     let fixed = result.parameters.len() - result.not_identified.len();
-    format!(
+    let mut text = format!(
         "The root mean square residual of {} is {} before and {} after identification; the noise \
          floor is {}. Rows that this is measured on: {}. {fixed} of {} parameters were identified \
          from {} rows.",
@@ -82,7 +82,11 @@ fn lead(result: &Identified) -> String {
         result.held_out,
         result.parameters.len(),
         result.rows,
-    )
+    );
+    if let Some(force) = force_sentence(result) {
+        text = format!("{text} {force}");
+    }
+    text
 }
 
 fn residuals(result: &Identified) -> Result<Section, Failure> {
