@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use haptical_calibration::Degree;
 use haptical_diagnosis::effect_names;
 
+use crate::export::ExportArguments;
 use crate::failure::Failure;
 use crate::{STATUS_BAD_INPUT, terminal};
 
@@ -44,6 +45,9 @@ result/report.html: all three or none.")]
     /// Identify, then say which effect causes what is left between model and measurement
     #[command(after_help = diagnose_help())]
     Diagnose(DiagnoseArguments),
+    /// Simulate a log of a device that a hand moves, with effects that its model leaves out
+    #[command(after_help = crate::simulate::help())]
+    Simulate(crate::simulate::SimulateArguments),
     /// Check a device file and a log, and say what the log could identify
     #[command(after_help = "\
 Example:
@@ -56,6 +60,18 @@ Example:
 
 Writes demo/device.toml and demo/log.csv.")]
     Init(InitArguments),
+    /// Write a calibrated device as numbers for a control loop: Rust, C or JSON
+    #[command(after_help = "\
+Example:
+  haptical export --device result/identified.toml --format c-header --out model.h")]
+    Export(ExportArguments),
+    /// Write a page that plays a log: the arm, its errors, a slider
+    #[command(after_help = "\
+Example:
+  haptical play --device device.toml --model identified.toml --log log.csv.gz --out page.html
+
+Writes one HTML file without outside references.")]
+    Play(crate::play::PlayArguments),
     /// Print a completion script for a shell
     #[command(after_help = "\
 Example:

@@ -8,6 +8,7 @@ mod diagnosis_words;
 mod effect_words;
 #[cfg(test)]
 mod example_diagnosis;
+mod export;
 mod failure;
 mod gap_file;
 mod gap_report;
@@ -18,8 +19,10 @@ mod init;
 mod inputs;
 mod method;
 mod output_files;
+mod play;
 mod quantity;
 mod report;
+mod simulate;
 mod summary;
 mod terminal;
 mod transmissions;
@@ -52,8 +55,11 @@ fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Init(arguments) => init::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
+        Command::Play(arguments) => play::run(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             let mut command = Arguments::command();

@@ -27,6 +27,7 @@ mod groups;
 mod header;
 mod kind;
 mod limits;
+mod log_file;
 mod near_miss;
 mod order;
 mod orientation;
@@ -40,6 +41,7 @@ mod write_column;
 mod write_file;
 
 pub use error::DataError;
+pub use log_file::LogFile;
 pub use near_miss::NearMiss;
 pub use place::Place;
 pub use read::{LoadedLog, read_log, read_log_from};

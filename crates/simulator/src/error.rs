@@ -2,6 +2,8 @@
 
 use haptical_model::ModelError;
 
+use crate::EffectError;
+
 /// The part of a device that an error is about; numbers count from 1, as in the device file's errors.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Part {
@@ -107,6 +109,29 @@ pub enum SimulatorError {
         /// What the model says.
         source: ModelError,
     },
+    /// Springs that give way without end under the row's load.
+    #[error(
+        "row {row}: the springs of the effects are too weak for weights and hand; raise the \
+         stiffness, or lower force_rms_n"
+    )]
+    NoBalance {
+        /// Row, from 0.
+        row: usize,
+    },
+    /// A handle within the guide over which its cable bends.
+    #[error(
+        "row {row}: the handle is {distance_m} m from the cable's exit, inside the guide of \
+         `cable-exit-geometry`; take a smaller radius_m, or another seed"
+    )]
+    InsideGuide {
+        /// Row, from 0.
+        row: usize,
+        /// Distance between exit and handle \[m\].
+        distance_m: f64,
+    },
+    /// Effects that cannot be simulated.
+    #[error(transparent)]
+    Effects(#[from] EffectError),
     /// A reading came out infinite or not a number.
     #[error("row {row}: `{channel}` is {value}; the device's numbers are out of range")]
     NonFinite {

@@ -2,7 +2,8 @@
 //!
 //! The truth is itself a [`model::Device`]: [`apply_deviations`] makes it out of a nominal one,
 //! [`simulate`] records random poses of it, [`simulate_transmission`] one transmission alone, and
-//! [`true_poses`] says where the handle is at given readings.
+//! [`true_poses`] says where the handle is at given readings. [`simulate_motion`] and [`record_motion`]
+//! record a device that a hand moves through time, with [`Effects`] that its model leaves out.
 //!
 //! # What a seed means
 //!
@@ -17,6 +18,14 @@
 //! | 3 | cable encoders, four words a row |
 //! | 4 | poses of [`simulate_transmission`], rows as for kind 0 |
 //! | 5 | external encoders of [`simulate_transmission`], four words a row |
+//! | 6 | targets of a hand-guided joint, two words a target, then those drawn again |
+//! | 7 | external encoders of [`simulate_motion`], four words a row |
+//! | 8 | cable encoders of [`simulate_motion`], four words a row |
+//! | 9 | the hand's force along an axis, four words for each of its sines |
+//! | 10 | roughness of a joint's drums, as kind 9; of the device's seed, not the recording's |
+//! | 11 | torques, four words a row |
+//! | 12 | an axis of the force sensor, four words a row |
+//! | 13 | thermometer, four words a row |
 //!
 //! So one noise can be switched off, a cable added or the number of rows changed without any change
 //! to the other numbers, and one seed may serve every recording of a device.
@@ -36,18 +45,40 @@
 #[doc = include_str!("../README.md")]
 struct ReadmeDoctests;
 
+mod arm;
+mod cable_path;
+mod channels;
+mod clearance;
+mod drive;
+mod effect;
+mod effect_error;
+mod effect_file;
+mod effect_names;
 mod error;
+mod history;
+mod motion;
+mod motion_settings;
 mod poses;
+mod rests;
 mod sampling;
+mod scene;
 mod sensor;
 mod settings;
 mod simulate;
+mod simulate_motion;
 mod streams;
 mod truth;
+mod waves;
 
 pub use haptical_model as model;
 
+pub use effect::{Driver, Effect, Effects};
+pub use effect_error::EffectError;
+pub use effect_names::simulated_effects;
 pub use error::{Part, SimulatorError};
+pub use motion::{JointMotion, Motion};
+pub use motion_settings::{Encoders, HandMotion, MotionSettings, Roughness, Temperature};
 pub use settings::{CableSigma, Noise, Sampling, Settings};
 pub use simulate::{simulate, simulate_transmission};
+pub use simulate_motion::{MotionSimulation, record_motion, simulate_motion};
 pub use truth::{apply_deviations, true_poses};

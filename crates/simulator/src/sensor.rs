@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::sampling::{joint_part, required};
 use crate::settings::{CableSigma, Noise, Settings};
-use crate::streams::{Stream, normal};
+use crate::streams::normal;
 use crate::{Part, SimulatorError};
 
 /// The paper takes a third of an encoder's largest quantization error as its standard deviation.
@@ -84,7 +84,7 @@ impl Sensor {
         cable: &Cable,
         index: usize,
         settings: &Settings,
-        seed: u64,
+        generator: ChaCha8Rng,
     ) -> Result<Self, SimulatorError> {
         let part = Part::Cable { number: index + 1 };
         let count = |purpose: &'static str| {
@@ -102,7 +102,7 @@ impl Sensor {
                 CableSigma::Geometric => count(purpose)? / COUNTS_PER_SD,
                 CableSigma::Printed => TAU * (count(purpose)? / COUNTS_PER_SD),
             };
-            Some((sd, Stream::Cable(index).open(seed)))
+            Some((sd, generator))
         } else {
             None
         };
@@ -112,6 +112,27 @@ impl Sensor {
             None
         };
         Ok(Self { gaussian, count })
+    }
+
+    /// A sensor that shows true values.
+    pub(crate) fn exact() -> Self {
+        Self {
+            gaussian: None,
+            count: None,
+        }
+    }
+
+    /// A sensor with normal noise alone.
+    pub(crate) fn noisy(sd: f64, generator: ChaCha8Rng) -> Self {
+        Self {
+            gaussian: (sd > 0.0).then_some((sd, generator)),
+            count: None,
+        }
+    }
+
+    /// Length of a count; 0 if the encoder does not count.
+    pub(crate) fn count(&self) -> f64 {
+        self.count.unwrap_or(0.0)
     }
 
     /// What the encoder shows for a true value.

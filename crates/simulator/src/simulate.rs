@@ -10,7 +10,7 @@ use crate::settings::Settings;
 use crate::streams::{Stream, seek_row};
 
 /// Line of a log on which the first row stands; line 1 is the header.
-const FIRST_LINE: u64 = 2;
+pub(crate) const FIRST_LINE: u64 = 2;
 
 /// Simulates a recording of random poses of a device.
 ///
@@ -77,7 +77,12 @@ pub fn simulate(
     let mut cables = Vec::new();
     if truth.has_links() {
         for (index, cable) in truth.cables.iter().enumerate() {
-            cables.push(Sensor::cable(cable, index, settings, seed)?);
+            cables.push(Sensor::cable(
+                cable,
+                index,
+                settings,
+                Stream::Cable(index).open(seed),
+            )?);
         }
     }
 
@@ -172,7 +177,7 @@ fn motors(truth: &Device, settings: &Settings) -> Result<Vec<Sensor>, SimulatorE
 }
 
 /// Whether a log has an `out` column for the joint.
-fn has_output(joint: &Joint) -> bool {
+pub(crate) fn has_output(joint: &Joint) -> bool {
     joint.transmission != TransmissionKind::Direct
         || joint.external_encoder_sd_rad.is_some()
         || joint.external_encoder_counts_per_rev.is_some()
@@ -190,7 +195,11 @@ fn empty_recording(truth: &Device) -> Recording {
     }
 }
 
-fn finite(value: f64, row: usize, channel: impl Fn() -> String) -> Result<f64, SimulatorError> {
+pub(crate) fn finite(
+    value: f64,
+    row: usize,
+    channel: impl Fn() -> String,
+) -> Result<f64, SimulatorError> {
     if value.is_finite() {
         Ok(value)
     } else {

@@ -24,6 +24,22 @@ pub(crate) enum Stream {
     /// Noise of the external encoder of one transmission recorded alone. Not [`Stream::Output`], so
     /// that one seed may serve both recordings of a device.
     TransmissionOutput(usize),
+    /// Where a hand moves a joint.
+    MotionTarget(usize),
+    /// Noise of an external encoder of a moved device.
+    MotionOutput(usize),
+    /// Noise of a cable encoder of a moved device.
+    MotionCable(usize),
+    /// Force of the hand along one axis of the handle.
+    HandForce(usize),
+    /// Roughness of a joint's drums; opened with the device's seed, not the recording's.
+    Roughness(usize),
+    /// Noise of a torque.
+    MotionTorque(usize),
+    /// Noise of one axis of the force sensor.
+    MotionForce(usize),
+    /// Noise of the thermometer.
+    Temperature,
 }
 
 impl Stream {
@@ -36,6 +52,14 @@ impl Stream {
             Self::Cable(cable) => (3, cable),
             Self::TransmissionPoses(joint) => (4, joint),
             Self::TransmissionOutput(joint) => (5, joint),
+            Self::MotionTarget(joint) => (6, joint),
+            Self::MotionOutput(joint) => (7, joint),
+            Self::MotionCable(cable) => (8, cable),
+            Self::HandForce(axis) => (9, axis),
+            Self::Roughness(joint) => (10, joint),
+            Self::MotionTorque(joint) => (11, joint),
+            Self::MotionForce(axis) => (12, axis),
+            Self::Temperature => (13, 0),
         };
         (kind << 32) + index as u64
     }
@@ -116,9 +140,16 @@ mod tests {
                     Stream::Cable(index),
                     Stream::TransmissionPoses(index),
                     Stream::TransmissionOutput(index),
+                    Stream::MotionTarget(index),
+                    Stream::MotionOutput(index),
+                    Stream::MotionCable(index),
+                    Stream::HandForce(index),
+                    Stream::Roughness(index),
+                    Stream::MotionTorque(index),
+                    Stream::MotionForce(index),
                 ]
             })
-            .chain([Stream::Poses])
+            .chain([Stream::Poses, Stream::Temperature])
             .map(Stream::number)
             .collect();
         let count = numbers.len();

@@ -89,7 +89,11 @@ fn rust_versions_agree() {
         .clone()
         .unwrap();
     let version = format!("{}.{}", version.major, version.minor);
-    for other in ["outside/controller/Cargo.toml", "outside/user/Cargo.toml"] {
+    for other in [
+        "outside/controller/Cargo.toml",
+        "outside/control-loop/Cargo.toml",
+        "outside/user/Cargo.toml",
+    ] {
         let line = format!("rust-version = \"{version}\"");
         assert!(
             read(other).lines().any(|found| found == line),

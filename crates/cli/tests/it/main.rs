@@ -9,10 +9,16 @@
 mod bad_input;
 mod diagnose;
 mod diagnose_refusals;
+mod export;
+mod export_header;
 mod happy_path;
 mod moving_log;
 mod other_commands;
+mod play_log;
+mod play_page;
+mod play_refusals;
 mod shared_data;
+mod simulate;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

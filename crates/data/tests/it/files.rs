@@ -2,7 +2,7 @@
 
 use std::io::{self, Read, Write};
 
-use haptical_data::{DataError, read_log, read_log_from, write_log, write_log_to};
+use haptical_data::{DataError, LogFile, read_log, read_log_from, write_log, write_log_to};
 use haptical_model::Recording;
 
 use crate::support::{clean, single};
@@ -70,6 +70,40 @@ fn the_name_chooses_gzip_for_writing_and_the_bytes_for_reading() {
     let misnamed = folder.path().join("misnamed.csv");
     std::fs::rename(&packed, &misnamed).unwrap();
     assert_eq!(read_log(&misnamed, &single()).unwrap(), log);
+}
+
+#[test]
+fn a_log_written_in_pieces_has_the_bytes_of_one_written_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = clean(TEXT, &single()).recording;
+    for name in ["log.csv", "log.csv.gz"] {
+        let (at_once, pieces) = (
+            folder.path().join(name),
+            folder.path().join(format!("p{name}")),
+        );
+        write_log(&at_once, &whole, &single()).unwrap();
+        let mut log = LogFile::create(&pieces, &whole.select(&[]), &single()).unwrap();
+        for row in 0..whole.len() {
+            log.write_rows(&whole.select(&[row])).unwrap();
+        }
+        assert!(!pieces.exists());
+        log.finish().unwrap();
+        let bytes = |path| std::fs::read(path).unwrap();
+        assert_eq!(bytes(&pieces), bytes(&at_once));
+    }
+}
+
+#[test]
+fn a_log_that_is_given_up_leaves_what_was_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    std::fs::write(&path, "old").unwrap();
+    let whole = clean(TEXT, &single()).recording;
+    let mut log = LogFile::create(&path, &whole, &single()).unwrap();
+    log.write_rows(&whole).unwrap();
+    drop(log);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
 #[test]

@@ -3,9 +3,15 @@
 mod counts;
 mod deviations;
 mod device;
+mod effect_file;
+mod effects;
+mod effects_of_structure;
 mod errors;
 mod golden;
+mod hand;
+mod hand_guided;
 mod haptic7;
+mod motion;
 mod noise;
 mod poses;
 mod predictions;

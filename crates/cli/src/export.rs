@@ -1,0 +1,147 @@
+//! `haptical export`: a calibrated device as numbers for a control loop, in Rust, C or JSON.
+
+mod c_header;
+mod described;
+mod flat_json;
+mod rust_module;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use sha2::{Digest, Sha256};
+
+use self::described::Described;
+use crate::failure::Failure;
+use crate::inputs::{InputDrumDenominators, read_device};
+use crate::output_files::{check_folder, write_all};
+use crate::terminal;
+
+/// Flags of `haptical export`.
+#[derive(Debug, Args)]
+pub(crate) struct ExportArguments {
+    /// Device file (TOML), usually identified.toml
+    #[arg(long, value_name = "FILE")]
+    device: PathBuf,
+    /// What to write
+    #[arg(long, value_enum)]
+    format: FormatName,
+    /// File to write; its folder is made if it is missing
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Forms of an export.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FormatName {
+    /// A module with the device as a constant of haptical-runtime, checked by the compiler
+    Rust,
+    /// A C99 header with the numbers and the functions that use them
+    CHeader,
+    /// Flat arrays with names and units
+    Json,
+}
+
+impl FormatName {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Rust => "rust",
+            Self::CHeader => "c-header",
+            Self::Json => "json",
+        }
+    }
+}
+
+/// Where an export comes from.
+#[derive(Debug, Clone, PartialEq)]
+struct Provenance {
+    /// Name of the device.
+    device: String,
+    /// Name of the device file, without its folder.
+    file: String,
+    /// SHA-256 of the device file.
+    sha256: String,
+}
+
+/// Version of the command, part of each export.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Runs the command.
+pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
+    let (folder, name) = place(&arguments.out)?;
+    check_folder(folder)?;
+    let input = read_device(&arguments.device, InputDrumDenominators::Stated)?;
+    let provenance = Provenance {
+        device: input.device.name.clone(),
+        file: file_name(&arguments.device),
+        sha256: hexadecimal(&Sha256::digest(input.text.as_bytes())),
+    };
+    let described = Described::new(&input.device, &arguments.device)?;
+    let content = match arguments.format {
+        FormatName::Rust => rust_module::text(&described, &provenance),
+        FormatName::CHeader => c_header::text(&described, &provenance),
+        FormatName::Json => flat_json::text(&described, &provenance)?,
+    };
+    write_all(folder, &[(name, content.into_bytes())])?;
+    terminal::warn(&input.warnings);
+    if arguments.json {
+        let report = json!({
+            "written": arguments.out.display().to_string(),
+            "format": arguments.format.name(),
+            "device": provenance.device,
+            "device_file": arguments.device.display().to_string(),
+            "device_sha256": provenance.sha256,
+            "joints": described.joints.len(),
+            "version": VERSION,
+            "warnings": input.warnings,
+        });
+        terminal::write_output(format!("{report:#}\n").as_bytes())
+    } else {
+        let said = format!(
+            "Written:\n  {}: {} joints of `{}`\n",
+            arguments.out.display(),
+            described.joints.len(),
+            one_line(&provenance.device),
+        );
+        terminal::write_output(said.as_bytes())
+    }
+}
+
+/// Folder and name of the file to write.
+fn place(out: &Path) -> Result<(&Path, &str), Failure> {
+    match (out.parent(), out.file_name().and_then(|name| name.to_str())) {
+        (Some(folder), Some(name)) if folder.as_os_str().is_empty() => Ok((Path::new("."), name)),
+        (Some(folder), Some(name)) => Ok((folder, name)),
+        _ => Err(Failure::command_line(
+            "arguments",
+            format!("--out is {}, which names no file", out.display()),
+            "give the path of the file to write",
+        )),
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Neither a control character nor one that changes the direction of text, which rustc refuses.
+fn is_plain(c: char) -> bool {
+    ['\'', '"', '\\'].contains(&c) || c.escape_debug().eq([c])
+}
+
+/// A name as part of one line of a comment, in which it can end nothing.
+fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| if is_plain(c) { c } else { ' ' })
+        .collect::<String>()
+        .replace("*/", "* /")
+        .replace("/*", "/ *")
+}

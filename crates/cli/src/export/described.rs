@@ -1,0 +1,156 @@
+//! A device as the runtime takes it: rows and joints as plain numbers, checked one by one.
+
+use std::path::Path;
+
+use haptical_model::kinematics::{Convention as ModelConvention, Link};
+use haptical_model::{Device, Joint as ModelJoint, JointType, TransmissionError};
+use haptical_runtime::{
+    Capstan, Convention, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Row, Transmission,
+};
+
+use crate::failure::Failure;
+
+/// What an export is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Described {
+    pub(super) convention: Convention,
+    /// Row 0.
+    pub(super) base: Row,
+    /// Rows 1 to n.
+    pub(super) rows: Vec<Row>,
+    pub(super) joints: Vec<Joint>,
+    /// Names of the joints.
+    pub(super) names: Vec<String>,
+    /// Readings within which each joint's transmission is known.
+    pub(super) ranges: Vec<[f64; 2]>,
+}
+
+impl Described {
+    /// Describes a device, or says what the runtime cannot hold.
+    pub(super) fn new(device: &Device, path: &Path) -> Result<Self, Failure> {
+        let refuse = |what: String, next: &str| {
+            Failure::bad_input("not-exportable", what, path.display().to_string(), next)
+        };
+        let Some((base, rows)) = device.links.split_first() else {
+            return Err(refuse(
+                "the device has no [[link]] rows, so it has no handle".to_owned(),
+                "add one [[link]] for the base and one for each joint",
+            ));
+        };
+        let mut described = Self {
+            convention: match device.convention {
+                ModelConvention::Standard => Convention::Standard,
+                ModelConvention::Modified => Convention::Modified,
+            },
+            base: row(base),
+            rows: rows.iter().map(row).collect(),
+            joints: Vec::new(),
+            names: Vec::new(),
+            ranges: Vec::new(),
+        };
+        let advice = "correct this number in the device file, or identify the device again";
+        described
+            .base
+            .check(0)
+            .map_err(|error| refuse(error.to_string(), advice))?;
+        for (index, (joint, row)) in device.joints.iter().zip(&described.rows).enumerate() {
+            let transmission = transmission(joint)
+                .map_err(|(what, next)| refuse(format!("joint {}: {what}", index + 1), &next))?;
+            let exported = Joint {
+                motion: match joint.joint_type {
+                    JointType::Revolute => Motion::Revolute,
+                    JointType::Prismatic => Motion::Prismatic,
+                },
+                home: joint.home_rad,
+                transmission,
+            };
+            let range = row
+                .check(index + 1)
+                .and_then(|()| exported.range(index + 1))
+                .map_err(|error| refuse(error.to_string(), advice))?;
+            described.joints.push(exported);
+            described.names.push(joint.name.clone());
+            described.ranges.push(range);
+        }
+        Ok(described)
+    }
+}
+
+fn row(link: &Link) -> Row {
+    Row {
+        a_m: link.a_m,
+        alpha_rad: link.alpha_rad,
+        d_m: link.d_m,
+        theta_rad: link.theta_rad,
+        beta_rad: link.beta_rad,
+    }
+}
+
+/// What is wrong, and what to do.
+type Refusal = (String, String);
+
+fn transmission(joint: &ModelJoint) -> Result<Transmission, Refusal> {
+    match &joint.transmission_error {
+        TransmissionError::Capstan(error) if error.to_array() == [0.0; 6] => {
+            Ok(Transmission::Exact)
+        }
+        TransmissionError::Capstan(error) => Ok(Transmission::Capstan(capstan(joint, error)?)),
+        TransmissionError::Parallelogram {
+            capstan: error,
+            length_deviations_m,
+        } => {
+            let Some(mut lengths_m) = joint.parallelogram_lengths_m else {
+                return Err((
+                    "there are length_deviations_m, but no lengths".to_owned(),
+                    "give parallelogram_lengths_m".to_owned(),
+                ));
+            };
+            for (length_m, deviation_m) in lengths_m.iter_mut().zip(length_deviations_m) {
+                *length_m += deviation_m;
+            }
+            Ok(Transmission::Parallelogram(Parallelogram {
+                capstan: capstan(joint, error)?,
+                lengths_m,
+            }))
+        }
+        TransmissionError::Chebyshev {
+            range_rad,
+            coefficients,
+        } => {
+            let mut padded = [0.0; POLYNOMIAL_TERMS];
+            let Some(room) = padded.get_mut(..coefficients.len()) else {
+                return Err((
+                    format!(
+                        "its polynomial has {} terms; the runtime holds {POLYNOMIAL_TERMS}",
+                        coefficients.len()
+                    ),
+                    format!("identify with --degree {} or less", POLYNOMIAL_TERMS - 1),
+                ));
+            };
+            room.copy_from_slice(coefficients);
+            Ok(Transmission::Polynomial {
+                range: *range_rad,
+                coefficients: padded,
+            })
+        }
+    }
+}
+
+fn capstan(
+    joint: &ModelJoint,
+    error: &haptical_model::transmission::CapstanError,
+) -> Result<Capstan, Refusal> {
+    let drive = joint.capstan().map_err(|reason| {
+        let next = "correct transmission_ratio and drum_distance_m of this joint";
+        (reason.to_string(), next.to_owned())
+    })?;
+    Ok(Capstan {
+        transmission_ratio: drive.transmission_ratio(),
+        drum_distance_m: drive.drum_distance_m(),
+        input_drum_denominator_m: drive.input_drum_denominator_m(),
+        offset: error.offset_rad,
+        ratio_deviation: error.ratio_deviation,
+        output_drum_xy_m: error.output_drum_xy_m,
+        input_drum_xy_m: error.input_drum_xy_m,
+    })
+}

@@ -1,0 +1,127 @@
+//! Writes a device as a Rust module with one constant of `haptical-runtime`.
+
+use std::fmt::Write;
+
+use haptical_runtime::{Capstan, Convention, Motion, Row, Transmission};
+
+use super::described::Described;
+use super::{Provenance, VERSION, one_line};
+
+/// The text of the module.
+pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
+    let mut text = format!(
+        "// Written by `haptical export --format rust`, version {VERSION}: export again, do not edit.\n\
+         // Device: {}\n\
+         // From: {}, SHA-256 {}\n\n",
+        one_line(&provenance.device),
+        one_line(&provenance.file),
+        provenance.sha256
+    );
+    let convention = match described.convention {
+        Convention::Standard => "Standard",
+        Convention::Modified => "Modified",
+    };
+    // `write!` to a String cannot fail.
+    let _ = write!(
+        text,
+        "/// Name of the device.\npub const DEVICE: &str = {:?};\n\
+         /// SHA-256 of the device file.\npub const DEVICE_SHA256: &str = {:?};\n\
+         /// Number of joints.\npub const JOINTS: usize = {};\n\n\
+         /// The device, worked out by the compiler.\n\
+         #[allow(\n    clippy::approx_constant,\n    clippy::panic,\n    \
+         reason = \"numbers of a device; the compiler alone meets the panic\"\n)]\n\
+         pub static MODEL: haptical_runtime::Model<JOINTS> = match haptical_runtime::Model::new(\n    \
+         haptical_runtime::Convention::{convention},\n",
+        provenance.device,
+        provenance.sha256,
+        described.joints.len(),
+    );
+    let _ = writeln!(text, "    {},\n    [", row(&described.base));
+    for joint_row in &described.rows {
+        let _ = writeln!(text, "        {},", row(joint_row));
+    }
+    text.push_str("    ],\n    [\n");
+    for (joint, name) in described.joints.iter().zip(&described.names) {
+        let motion = match joint.motion {
+            Motion::Revolute => "Revolute",
+            Motion::Prismatic => "Prismatic",
+        };
+        let _ = write!(
+            text,
+            "        // joint `{}`\n        haptical_runtime::Joint {{\n            \
+             motion: haptical_runtime::Motion::{motion},\n            home: {:?},\n            \
+             transmission: {},\n        }},\n",
+            one_line(name),
+            joint.home,
+            transmission(&joint.transmission)
+        );
+    }
+    text.push_str(
+        "    ],\n) {\n    Ok(model) => model,\n    \
+         // met by the compiler alone, where the numbers above were changed\n    \
+         Err(_) => panic!(\"this is not a device that the runtime can hold\"),\n};\n",
+    );
+    text
+}
+
+fn row(row: &Row) -> String {
+    format!(
+        "haptical_runtime::Row {{ a_m: {:?}, alpha_rad: {:?}, d_m: {:?}, theta_rad: {:?}, \
+         beta_rad: {:?} }}",
+        row.a_m, row.alpha_rad, row.d_m, row.theta_rad, row.beta_rad
+    )
+}
+
+fn capstan(capstan: &Capstan, indent: &str) -> String {
+    let fields = [
+        (
+            "transmission_ratio",
+            format!("{:?}", capstan.transmission_ratio),
+        ),
+        ("drum_distance_m", format!("{:?}", capstan.drum_distance_m)),
+        (
+            "input_drum_denominator_m",
+            format!("{:?}", capstan.input_drum_denominator_m),
+        ),
+        ("offset", format!("{:?}", capstan.offset)),
+        ("ratio_deviation", format!("{:?}", capstan.ratio_deviation)),
+        (
+            "output_drum_xy_m",
+            format!("{:?}", capstan.output_drum_xy_m),
+        ),
+        ("input_drum_xy_m", format!("{:?}", capstan.input_drum_xy_m)),
+    ];
+    let mut text = "haptical_runtime::Capstan {\n".to_owned();
+    for (name, value) in fields {
+        let _ = writeln!(text, "{indent}    {name}: {value},");
+    }
+    text + indent + "}"
+}
+
+fn transmission(transmission: &Transmission) -> String {
+    let indent = " ".repeat(12);
+    match transmission {
+        Transmission::Exact => "haptical_runtime::Transmission::Exact".to_owned(),
+        Transmission::Capstan(drive) => format!(
+            "haptical_runtime::Transmission::Capstan({})",
+            capstan(drive, &indent)
+        ),
+        Transmission::Parallelogram(parallelogram) => format!(
+            "haptical_runtime::Transmission::Parallelogram(haptical_runtime::Parallelogram {{\n\
+             {indent}    capstan: {},\n{indent}    lengths_m: {:?},\n{indent}}})",
+            capstan(&parallelogram.capstan, &format!("{indent}    ")),
+            parallelogram.lengths_m
+        ),
+        Transmission::Polynomial {
+            range,
+            coefficients,
+        } => {
+            let used = coefficients.iter().rposition(|c| *c != 0.0).unwrap_or(0) + 1;
+            let used = coefficients.get(..used).unwrap_or(coefficients);
+            format!(
+                "haptical_runtime::Transmission::Polynomial {{\n{indent}    range: {range:?},\n\
+                 {indent}    coefficients: haptical_runtime::padded({used:?}),\n{indent}}}"
+            )
+        }
+    }
+}

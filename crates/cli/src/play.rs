@@ -1,0 +1,181 @@
+//! `haptical play`: one page that plays a log, the nominal arm and the calibrated one side by side.
+
+mod page;
+mod recorded;
+mod summary;
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use haptical_model::Device;
+use haptical_report::{ReportError, write_atomically};
+
+use crate::failure::Failure;
+use crate::inputs::{InputDrumDenominators, read_device, read_recording};
+use crate::output_files::check_folder;
+use crate::play::recorded::Recorded;
+use crate::terminal;
+use crate::terminal::Progress;
+
+/// Size above which a page is slow to open, in bytes; thinning that is left to the command stays
+/// below it.
+const LARGE_PAGE_BYTES: usize = 3_000_000;
+
+#[derive(Debug, Args)]
+pub(crate) struct PlayArguments {
+    /// Device file (TOML): the nominal device
+    #[arg(long, value_name = "FILE")]
+    device: PathBuf,
+    /// Calibrated device, the identified.toml of this device; without it only the nominal arm is
+    /// drawn
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Log (CSV, plain or gzip)
+    #[arg(long, value_name = "FILE")]
+    log: PathBuf,
+    /// Page to write (HTML)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Keep every N-th row; without it as many rows as a page of 3 MB holds
+    #[arg(long, value_name = "N")]
+    every: Option<NonZeroUsize>,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
+    check_place(&arguments.out)?;
+    let progress = Progress::start("reading");
+    let nominal = read_device(&arguments.device, InputDrumDenominators::Stated)?;
+    refuse_no_links(&nominal.device, &arguments.device)?;
+    let mut warnings = nominal.warnings;
+    let model = match &arguments.model {
+        None => None,
+        Some(path) => {
+            let model = read_device(path, InputDrumDenominators::Stated)?;
+            warnings.extend(model.warnings);
+            refuse_other_device(&nominal.device, &model.device, path)?;
+            if nominal.device.name != model.device.name {
+                warnings.push(format!(
+                    "the model is called \"{}\", the device \"{}\": both must be the same device",
+                    model.device.name, nominal.device.name
+                ));
+            }
+            Some(model.device)
+        }
+    };
+    let (recording, log_warnings) = read_recording(&arguments.log, &nominal.device)?;
+    warnings.extend(log_warnings);
+    progress.say(format!("placing the arm at {} rows", recording.len()));
+    let recorded = Recorded::new(
+        &nominal.device,
+        model.as_ref(),
+        &recording,
+        &recorded::Request {
+            every: arguments.every.map(NonZeroUsize::get),
+            device_file: &arguments.device,
+            log_file: &arguments.log,
+        },
+        &mut warnings,
+    )?;
+    progress.say("writing");
+    let page = page::page(&recorded, &file_name(&arguments.log))?;
+    if page.len() > LARGE_PAGE_BYTES {
+        warnings.push(format!(
+            "the page has {:.1} MB and may be slow to open: a larger --every makes it smaller",
+            1e-6 * page.len() as f64
+        ));
+    }
+    write_atomically(&arguments.out, page.as_bytes())
+        .map_err(|error| unwritable(&arguments.out, &error))?;
+    drop(progress);
+    terminal::warn(&warnings);
+    let written = summary::Written::new(&recorded, &arguments.out, page.len(), warnings);
+    let text = if arguments.json {
+        written.json()?
+    } else {
+        written.text()?
+    };
+    terminal::write_output(text.as_bytes())
+}
+
+/// Refuses a place for the page that cannot be written to, before any work.
+fn check_place(out: &Path) -> Result<(), Failure> {
+    if out.is_dir() || out.file_name().is_none() {
+        return Err(Failure::bad_input(
+            "unwritable",
+            "cannot write: it is a folder",
+            out.display().to_string(),
+            "give the name of a file, such as page.html",
+        ));
+    }
+    check_folder(out.parent().unwrap_or(Path::new("")))
+}
+
+fn unwritable(out: &Path, error: &ReportError) -> Failure {
+    let why = match error {
+        ReportError::Write { source, .. } => source.to_string(),
+        other => other.to_string(),
+    };
+    Failure::bad_input(
+        "unwritable",
+        format!("cannot write: {why}"),
+        out.display().to_string(),
+        "give a file in a folder that can be written to",
+    )
+}
+
+fn refuse_no_links(device: &Device, path: &Path) -> Result<(), Failure> {
+    if device.has_links() {
+        return Ok(());
+    }
+    Err(Failure::bad_input(
+        "no-links",
+        "the device has no [[link]] rows, so there is no arm to draw",
+        path.display().to_string(),
+        "add the Denavit-Hartenberg rows as [[link]] tables; errors of transmissions alone are in \
+         the report.html of `haptical identify`",
+    ))
+}
+
+/// The model must be of the same device: the same joints, in the same order, on as many links.
+fn refuse_other_device(nominal: &Device, model: &Device, path: &Path) -> Result<(), Failure> {
+    let types = |device: &Device| -> Vec<_> {
+        device.joints.iter().map(|joint| joint.joint_type).collect()
+    };
+    let what = if nominal.joints.len() != model.joints.len() {
+        let (wanted, got) = (nominal.joints.len(), model.joints.len());
+        format!("the model has {got} joints, the device has {wanted}")
+    } else if nominal.links.len() != model.links.len() {
+        let (wanted, got) = (nominal.links.len(), model.links.len());
+        format!("the model has {got} links, the device has {wanted}")
+    } else if nominal.convention != model.convention {
+        "the model has another convention of its links than the device".to_owned()
+    } else if let Some(joint) =
+        (0..nominal.joints.len()).find(|&joint| types(nominal)[joint] != types(model)[joint])
+    {
+        format!(
+            "joint {} turns in one of model and device and slides in the other",
+            joint + 1
+        )
+    } else {
+        return Ok(());
+    };
+    Err(Failure::bad_input(
+        "other-device",
+        what,
+        path.display().to_string(),
+        "give the identified.toml of this device",
+    ))
+}
+
+/// The last part of a path, for a title.
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}

@@ -1,0 +1,375 @@
+//! What the page plays: positions, errors and the axis of a thinned log, rounded for embedding.
+
+use std::path::Path;
+
+use haptical_calibration::{
+    CalibrationError, Channel, ChannelResiduals, Weights, channel_residuals, channels,
+    frame_origins_m,
+};
+use haptical_model::{Device, Recording};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::units::Shown;
+
+/// Characters that one number takes in the page on average, its comma included.
+const NUMBER_BYTES: usize = 6;
+/// Characters for the numbers of a page whose thinning is left to the command: with text, style and
+/// script the page stays below 3 MB.
+const DATA_BYTES: usize = 2_500_000;
+/// Coordinates beyond this are no arm, and their micrometres would have no exact numbers \[m\].
+const LARGEST_M: f64 = 1e6;
+/// Micrometres in a metre: positions are embedded as whole micrometres.
+const PER_METRE: f64 = 1e6;
+/// Upwards where the device file states no gravity: z of frame (-1).
+const UP: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// What was asked for, and the files to name in refusals.
+pub(crate) struct Request<'a> {
+    /// Keep every n-th row; none leaves it to the size of the page.
+    pub(crate) every: Option<usize>,
+    pub(crate) device_file: &'a Path,
+    pub(crate) log_file: &'a Path,
+}
+
+/// The data of the page; field names are those that the script reads.
+#[derive(Debug, Serialize)]
+pub(crate) struct Recorded {
+    pub(crate) device: String,
+    /// Whether there is a calibrated arm.
+    pub(crate) calibrated: bool,
+    /// Rows of the log, and how many of them were passed over for each one kept.
+    pub(crate) rows: usize,
+    pub(crate) every: usize,
+    pub(crate) axis: Axis,
+    /// Kept rows at which a new run starts; curves are broken there.
+    pub(crate) run_starts: Vec<usize>,
+    /// Direction against gravity, or z of frame (-1); not of unit length.
+    pub(crate) up: [f64; 3],
+    /// Per row x, y, z of every frame of the nominal arm in frame (-1): frame (-1), base, joints,
+    /// handle \[um\].
+    pub(crate) origins_um: Vec<Vec<i64>>,
+    /// Calibrated minus nominal, in the same order \[um\].
+    pub(crate) deviations_um: Option<Vec<Vec<i64>>>,
+    /// Tracked handle, where a row has it \[um\].
+    pub(crate) tracked_um: Option<Vec<Option<[i64; 3]>>>,
+    pub(crate) channels: Vec<ChannelErrors>,
+}
+
+/// What the rows are played over.
+#[derive(Debug, Serialize)]
+pub(crate) struct Axis {
+    /// Whether the values are seconds; otherwise rows, from 1.
+    pub(crate) is_time: bool,
+    pub(crate) values: Vec<f64>,
+}
+
+/// Errors of one channel, model minus measurement, in a unit for people; `null` where a row has none.
+#[derive(Debug, Serialize)]
+pub(crate) struct ChannelErrors {
+    pub(crate) name: String,
+    pub(crate) title: String,
+    pub(crate) unit: &'static str,
+    /// Digits after the point that the errors are rounded to.
+    pub(crate) decimals: usize,
+    /// Exit of a cable in frame (-1) \[um\].
+    pub(crate) exit_um: Option<[i64; 3]>,
+    pub(crate) nominal: Vec<Option<f64>>,
+    pub(crate) calibrated: Option<Vec<Option<f64>>>,
+    /// Unit of the two figures below, which are over the rows of the page.
+    #[serde(skip)]
+    pub(crate) si_unit: &'static str,
+    #[serde(skip)]
+    pub(crate) rms_nominal: Option<f64>,
+    #[serde(skip)]
+    pub(crate) rms_calibrated: Option<f64>,
+}
+
+impl Recorded {
+    /// Thins the recording and works out everything that the page shows of it.
+    pub(crate) fn new(
+        nominal: &Device,
+        model: Option<&Device>,
+        recording: &Recording,
+        request: &Request<'_>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self, Failure> {
+        let found = drawable_channels(nominal, recording, request, warnings)?;
+        let every = match request.every {
+            Some(every) => every,
+            None => thinning(nominal, model.is_some(), recording.len(), found.len()),
+        };
+        let kept: Vec<usize> = (0..recording.len()).step_by(every).collect();
+        let part = recording.select(&kept);
+        let refuse = |error| Failure::calibration(&error, request.device_file, request.log_file);
+        let origins = frame_origins_m(nominal, &part).map_err(refuse)?;
+        let calibrated = match model {
+            None => None,
+            Some(model) => Some(frame_origins_m(model, &part).map_err(refuse)?),
+        };
+        let place = |line: u64| (request.log_file, line);
+        let mut origins_um = Vec::with_capacity(kept.len());
+        let mut deviations_um = calibrated.is_some().then(Vec::new);
+        for (row, origins) in origins.iter().enumerate() {
+            let at = place(part.line[row]);
+            origins_um.push(flat_um(origins.iter().copied(), at)?);
+            if let (Some(calibrated), Some(deviations)) = (&calibrated, &mut deviations_um) {
+                let pairs = origins.iter().zip(&calibrated[row]);
+                let differences =
+                    pairs.map(|(from, to)| [to[0] - from[0], to[1] - from[1], to[2] - from[2]]);
+                deviations.push(flat_um(differences, at)?);
+            }
+        }
+        let tracked_um = if found.contains(&Channel::Position) {
+            tracked_um(&part, request.log_file)?
+        } else {
+            None
+        };
+        Ok(Self {
+            device: nominal.name.clone(),
+            calibrated: model.is_some(),
+            rows: recording.len(),
+            every,
+            axis: Axis::of(&part, &kept),
+            run_starts: run_starts(&part),
+            up: nominal
+                .gravity_mps2
+                .map_or(UP, |gravity| gravity.map(|axis| -axis)),
+            origins_um,
+            deviations_um,
+            tracked_um,
+            channels: channel_errors(nominal, model, &part, &found, request)?,
+        })
+    }
+
+    /// Rows that the page has.
+    pub(crate) fn len(&self) -> usize {
+        self.origins_um.len()
+    }
+}
+
+impl Axis {
+    /// Time where it increases from row to row through the whole log, else the rows' numbers.
+    fn of(part: &Recording, kept: &[usize]) -> Self {
+        let increases = |times: &&Vec<f64>| {
+            let steps = times.windows(2).all(|pair| pair[0] < pair[1]);
+            steps && times.iter().all(|time| time.is_finite())
+        };
+        match part.time_s.as_ref().filter(increases) {
+            Some(times) => Self {
+                is_time: true,
+                values: times.iter().map(|&time| rounded(time, 6)).collect(),
+            },
+            None => Self {
+                is_time: false,
+                values: kept.iter().map(|&row| (row + 1) as f64).collect(),
+            },
+        }
+    }
+}
+
+/// The channels whose errors can be shown. A log without any plays the arm alone.
+fn drawable_channels(
+    device: &Device,
+    recording: &Recording,
+    request: &Request<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Channel>, Failure> {
+    let found = match channels(device, recording) {
+        Err(CalibrationError::UnknownTracker { which }) => {
+            warnings.push(format!(
+                "the tracker's {which} is unknown, so its readings are not shown"
+            ));
+            let without_tracker = Recording {
+                position_m: None,
+                orientation_wxyz: None,
+                ..recording.clone()
+            };
+            channels(device, &without_tracker)
+        }
+        other => other,
+    };
+    match found {
+        Err(CalibrationError::NoChannel) => {
+            warnings.push(
+                "the log has no outN_rad, cable_m or position that this device predicts, so the \
+                 page shows the arm without errors"
+                    .to_owned(),
+            );
+            Ok(Vec::new())
+        }
+        found => found
+            .map_err(|error| Failure::calibration(&error, request.device_file, request.log_file)),
+    }
+}
+
+/// One row in how many a page of at most [`DATA_BYTES`] can hold.
+fn thinning(device: &Device, has_model: bool, rows: usize, channels: usize) -> usize {
+    let arms = 1 + usize::from(has_model);
+    let numbers = arms * (3 * (device.links.len() + 1) + channels) + 4;
+    (rows * numbers * NUMBER_BYTES).div_ceil(DATA_BYTES).max(1)
+}
+
+fn channel_errors(
+    nominal: &Device,
+    model: Option<&Device>,
+    part: &Recording,
+    found: &[Channel],
+    request: &Request<'_>,
+) -> Result<Vec<ChannelErrors>, Failure> {
+    let weights = Weights::stated(nominal, found);
+    // Both arms on the same rows: those where the calibrated transmissions are known.
+    let range_of = model.unwrap_or(nominal);
+    let residuals = |device| {
+        channel_residuals(device, range_of, part, found, &weights)
+            .map_err(|error| Failure::calibration(&error, request.device_file, request.log_file))
+    };
+    let before = residuals(nominal)?;
+    let mut after = match model {
+        None => None,
+        Some(model) => Some(residuals(model)?.into_iter()),
+    };
+    let mut all = Vec::with_capacity(found.len());
+    for before in before {
+        let channel = before.channel;
+        let si_unit = channel.unit(nominal);
+        let shown = Shown::fine(si_unit);
+        let decimals = if si_unit == "rad" { 4 } else { 1 };
+        let after = after.as_mut().and_then(Iterator::next);
+        let shown_errors = |errors: Vec<Option<f64>>| -> Vec<Option<f64>> {
+            let shown = |error: f64| rounded(error * shown.per_si, decimals);
+            errors.into_iter().map(|error| error.map(shown)).collect()
+        };
+        let entry = ChannelErrors {
+            name: channel.name(),
+            title: title(nominal, channel),
+            unit: shown.name,
+            decimals: decimals as usize,
+            exit_um: match channel {
+                Channel::Cable { index } => Some(exit_um(nominal, index, request.device_file)?),
+                _ => None,
+            },
+            rms_nominal: before.rms(),
+            rms_calibrated: after.as_ref().and_then(ChannelResiduals::rms),
+            nominal: shown_errors(before.by_row(part.len())),
+            calibrated: after.map(|after| shown_errors(after.by_row(part.len()))),
+            si_unit,
+        };
+        refuse_overflow(&entry, request.log_file)?;
+        all.push(entry);
+    }
+    Ok(all)
+}
+
+/// A reading such as 1e300 has no finite root mean square, and no place in a plot.
+fn refuse_overflow(entry: &ChannelErrors, log: &Path) -> Result<(), Failure> {
+    let sizes = [entry.rms_nominal, entry.rms_calibrated];
+    if sizes.into_iter().flatten().all(f64::is_finite) {
+        return Ok(());
+    }
+    Err(Failure::bad_input(
+        "overflow",
+        format!("an error of {} is too large to be squared", entry.name),
+        log.display().to_string(),
+        format!(
+            "correct the reading of {} or leave its cell empty",
+            entry.name
+        ),
+    ))
+}
+
+fn title(device: &Device, channel: Channel) -> String {
+    match channel {
+        Channel::Output { joint } => {
+            let name = &device.joints[joint].name;
+            let number = (joint + 1).to_string();
+            let named = if name.is_empty() || *name == number {
+                String::new()
+            } else {
+                format!(" ({name})")
+            };
+            format!("output of joint {number}{named}")
+        }
+        Channel::Cable { index } => format!("distance of cable {}", index + 1),
+        Channel::Position => "handle position, distance from the tracked one".to_owned(),
+        Channel::Orientation => "handle orientation, angle to the tracked one".to_owned(),
+    }
+}
+
+/// Where a cable leaves its guide; a chain without cables measures from frame (-1)'s origin.
+fn exit_um(device: &Device, index: usize, file: &Path) -> Result<[i64; 3], Failure> {
+    let exit = device
+        .cables
+        .get(index)
+        .map_or([0.0; 3], |cable| cable.anchor_m);
+    point_um(exit).ok_or_else(|| {
+        Failure::bad_input(
+            "too-far",
+            format!(
+                "the exit of cable {} is too far away to be drawn",
+                index + 1
+            ),
+            file.display().to_string(),
+            format!("give coordinates below {LARGEST_M:e} m"),
+        )
+    })
+}
+
+fn tracked_um(part: &Recording, log: &Path) -> Result<Option<Vec<Option<[i64; 3]>>>, Failure> {
+    let Some([x, y, z]) = &part.position_m else {
+        return Ok(None);
+    };
+    let points = (0..part.len()).map(|row| {
+        let point = [x[row], y[row], z[row]];
+        if !point.iter().all(|axis| axis.is_finite()) {
+            return Ok(None);
+        }
+        let at = (log, part.line[row]);
+        point_um(point)
+            .map(Some)
+            .ok_or_else(|| too_far("tracked handle", at))
+    });
+    points.collect::<Result<_, _>>().map(Some)
+}
+
+/// Points one after the other \[um\].
+fn flat_um(points: impl Iterator<Item = [f64; 3]>, at: (&Path, u64)) -> Result<Vec<i64>, Failure> {
+    let mut flat = Vec::new();
+    for point in points {
+        flat.extend(point_um(point).ok_or_else(|| too_far("arm", at))?);
+    }
+    Ok(flat)
+}
+
+/// A point in whole micrometres; none beyond [`LARGEST_M`].
+fn point_um(point_m: [f64; 3]) -> Option<[i64; 3]> {
+    let inside = point_m.iter().all(|axis| axis.abs() <= LARGEST_M);
+    inside.then(|| point_m.map(|axis| (axis * PER_METRE).round() as i64))
+}
+
+fn too_far(what: &str, (log, line): (&Path, u64)) -> Failure {
+    Failure::log_line(
+        "too-far",
+        format!("the {what} reaches too far to be drawn"),
+        log,
+        Some(line),
+        format!("lengths are in metres, and coordinates stay below {LARGEST_M:e} m"),
+    )
+}
+
+/// Rows whose run is not that of the row before.
+fn run_starts(part: &Recording) -> Vec<usize> {
+    let Some(run) = &part.run else {
+        return Vec::new();
+    };
+    (1..run.len())
+        .filter(|&row| run[row] != run[row - 1])
+        .collect()
+}
+
+/// Rounded to digits after the point; a number too large for that stays as it is.
+fn rounded(value: f64, decimals: i32) -> f64 {
+    let factor = 10_f64.powi(decimals);
+    let shown = (value * factor).round() / factor;
+    if shown.is_finite() { shown } else { value }
+}

@@ -1,0 +1,264 @@
+//! `haptical simulate`: a log of a device that a hand moves, written row by row.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use haptical_data::LogFile;
+use haptical_model::Device;
+use haptical_simulator::{
+    Effect, EffectError, Effects, HandMotion, MotionSettings, SimulatorError, simulate_motion,
+    simulated_effects,
+};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::inputs::{InputDrumDenominators, log_shape, read_device};
+use crate::terminal::{self, Progress};
+
+/// Rows made at a time: enough that progress costs nothing, few enough to take no memory.
+const ROWS_AT_A_TIME: usize = 1000;
+
+/// The arguments of the command.
+#[derive(Debug, Args)]
+pub(crate) struct SimulateArguments {
+    /// Device file (TOML): what the log is to be read with
+    #[arg(long, value_name = "FILE")]
+    device: PathBuf,
+    /// Device file whose numbers are the true ones; without it the device has no errors
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+    /// Effects that the model leaves out (TOML)
+    #[arg(long, value_name = "FILE")]
+    effects: Option<PathBuf>,
+    /// Length of the recording in s
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = 100.0,
+        allow_negative_numbers = true
+    )]
+    seconds: f64,
+    /// Rows per second
+    #[arg(
+        long,
+        value_name = "HZ",
+        default_value_t = 1000.0,
+        allow_negative_numbers = true
+    )]
+    rate_hz: f64,
+    /// Seed of motion, force and noise: the same seed gives the same log
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Log to be written (CSV; gzip if the name ends in .gz)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was written.
+#[derive(Debug, Serialize)]
+struct Written<'a> {
+    log: String,
+    rows: u64,
+    seconds: f64,
+    rate_hz: f64,
+    seed: u64,
+    device: String,
+    truth: Option<String>,
+    effects: &'a [Effect],
+    haptical_version: &'static str,
+}
+
+/// Example and the names of the effects, for `--help`.
+pub(crate) fn help() -> String {
+    format!(
+        "\
+Example:
+  haptical simulate --device device.toml --effects effects.toml --out log.csv.gz
+
+with an effects.toml such as
+  [[effect]]
+  name = \"capstan-compliance\"
+  joint = 2
+  stiffness_nm_per_rad = 260.0
+
+Names of effects: {}",
+        simulated_effects().join(", ")
+    )
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
+    let out = arguments.out.display().to_string();
+    if arguments.out.is_dir() {
+        let next = "give the name of a file in it";
+        return Err(Failure::bad_input(
+            "unwritable",
+            "it is a folder",
+            out,
+            next,
+        ));
+    }
+    let mut input = read_device(&arguments.device, InputDrumDenominators::Stated)?;
+    let truth_path = arguments.truth.as_ref().unwrap_or(&arguments.device);
+    let truth = match &arguments.truth {
+        None => None,
+        Some(path) => {
+            let truth = read_device(path, InputDrumDenominators::Stated)?;
+            check_likeness(&input.device, &truth.device, path)?;
+            input.warnings.extend(truth.warnings);
+            Some(truth.device)
+        }
+    };
+    let truth = truth.as_ref().unwrap_or(&input.device);
+    let effects = match &arguments.effects {
+        None => Effects::none(),
+        Some(path) => read_effects(path)?,
+    };
+    let settings = MotionSettings {
+        motion: HandMotion {
+            seconds: arguments.seconds,
+            rate_hz: arguments.rate_hz,
+            ..HandMotion::default()
+        },
+        ..MotionSettings::default()
+    };
+    let refuse = |error: SimulatorError| refusal(&error, truth_path, arguments);
+    let progress = Progress::start("preparing the motion");
+    let mut simulation =
+        simulate_motion(truth, &effects, &settings, arguments.seed).map_err(refuse)?;
+    let rows = simulation.rows();
+    let mut chunk = simulation.no_rows();
+    let mut log = LogFile::create(&arguments.out, &chunk, &log_shape(truth))?;
+    let mut written = 0;
+    loop {
+        let count = simulation
+            .fill(&mut chunk, ROWS_AT_A_TIME)
+            .map_err(refuse)?;
+        if count == 0 {
+            break;
+        }
+        log.write_rows(&chunk)?;
+        written += count;
+        progress.say(format!("{written} of {rows} rows"));
+    }
+    progress.say("closing the log");
+    log.finish()?;
+    drop(progress);
+    terminal::warn(&input.warnings);
+    let summary = Written {
+        log: out,
+        rows,
+        seconds: arguments.seconds,
+        rate_hz: arguments.rate_hz,
+        seed: arguments.seed,
+        device: arguments.device.display().to_string(),
+        truth: arguments
+            .truth
+            .as_ref()
+            .map(|path| path.display().to_string()),
+        effects: effects.as_slice(),
+        haptical_version: env!("CARGO_PKG_VERSION"),
+    };
+    let text = if arguments.json {
+        serde_json::to_string_pretty(&summary).map_err(Failure::internal)? + "\n"
+    } else {
+        summary.text()
+    };
+    terminal::write_output(text.as_bytes())
+}
+
+impl Written<'_> {
+    fn text(&self) -> String {
+        let mut text = format!(
+            "Written: {}, {} rows, {} s at {} Hz, seed {}\n",
+            self.log, self.rows, self.seconds, self.rate_hz, self.seed
+        );
+        for effect in self.effects {
+            let place = effect
+                .joint()
+                .map_or_else(String::new, |joint| format!(" of joint {joint}"));
+            text.push_str(&format!("  with {}{place}\n", effect.name()));
+        }
+        text
+    }
+}
+
+/// Refuses a true device whose logs the device cannot read.
+fn check_likeness(device: &Device, truth: &Device, path: &Path) -> Result<(), Failure> {
+    let kinds =
+        |of: &Device| -> Vec<_> { of.joints.iter().map(|joint| joint.joint_type).collect() };
+    let is_alike = kinds(device) == kinds(truth)
+        && device.cables.len() == truth.cables.len()
+        && device.has_links() == truth.has_links();
+    if is_alike {
+        return Ok(());
+    }
+    Err(Failure::bad_input(
+        "truth",
+        format!(
+            "the true device has {} joints and {} cables, the device {} and {}, or joints or links of \
+             another kind",
+            truth.joints.len(),
+            truth.cables.len(),
+            device.joints.len(),
+            device.cables.len()
+        ),
+        path.display().to_string(),
+        "take a copy of the device file with other numbers, such as an identified.toml",
+    ))
+}
+
+fn read_effects(path: &Path) -> Result<Effects, Failure> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        let next = "check the path; an example is in `haptical simulate --help`";
+        Failure::bad_input("unreadable", format!("cannot read: {error}"), &name, next)
+    })?;
+    Effects::from_toml(&text, &name).map_err(|error| effects_refusal(&error, &name))
+}
+
+fn effects_refusal(error: &EffectError, file: &str) -> Failure {
+    let text = error.to_string();
+    let text = text.strip_prefix(file).map_or(text.as_str(), |rest| {
+        rest.trim_start_matches([':', ',', ' '])
+    });
+    let (what, next) = text
+        .split_once("; ")
+        .unwrap_or((text, "see `haptical simulate --help`"));
+    Failure::bad_input("effects", what, file, next)
+}
+
+/// What the simulator refuses, said of the argument or file that it came from.
+fn refusal(error: &SimulatorError, truth: &Path, arguments: &SimulateArguments) -> Failure {
+    let text = error.to_string();
+    match error {
+        SimulatorError::Effects(error) => {
+            let file = arguments.effects.as_ref();
+            let name = file.map_or_else(String::new, |path| path.display().to_string());
+            effects_refusal(error, &name)
+        }
+        SimulatorError::Setting {
+            setting: "seconds", ..
+        } => {
+            let what = format!("a recording of {} s is asked for", arguments.seconds);
+            let rests_s = 2.0 * HandMotion::default().home_rest_s;
+            let next = format!("give --seconds above {rests_s}, the rests at home, and up to 1e7");
+            Failure::command_line("arguments", what, next)
+        }
+        SimulatorError::Setting { allowed, .. } => {
+            let what = text
+                .split_once("; ")
+                .map_or(text.as_str(), |(what, _)| what);
+            Failure::command_line("arguments", what, format!("allowed: {allowed}"))
+        }
+        _ => Failure::bad_input(
+            "device",
+            text,
+            truth.display().to_string(),
+            "correct the device file, or the effects, or take another --seed",
+        ),
+    }
+}

@@ -1,0 +1,148 @@
+//! Why a device is no model, and why a step has no answer.
+
+/// A device that the runtime cannot hold; each says what, where, and what to do. Joints count from 1,
+/// rows from 0, as in texts for people.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeviceError {
+    /// A number of a row is not finite or above 1e6 in size.
+    #[error("row {row}: {quantity} is {value}; a number of at most 1e6 in size is needed")]
+    Row {
+        /// Row, from 0.
+        row: usize,
+        /// Key of the device file.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A number of a joint is out of its range.
+    #[error("joint {joint}: {quantity} is {value}; allowed: {allowed}")]
+    Joint {
+        /// Joint, from 1.
+        joint: usize,
+        /// Key of the device file.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range.
+        allowed: &'static str,
+    },
+}
+
+/// A step that has no answer. Joints count from 1, as in texts for people.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RuntimeError {
+    /// A reading is infinite or not a number.
+    #[error("joint {joint}: the reading is {reading}; check its encoder")]
+    NonFiniteReading {
+        /// Joint, from 1.
+        joint: usize,
+        /// The reading.
+        reading: f64,
+    },
+    /// A reading lies where nothing is known of the transmission.
+    #[error(
+        "joint {joint}: the reading {reading} is outside {lower} to {upper}, where the model holds; \
+         move the joint back, or identify it over a larger range"
+    )]
+    ReadingOutOfRange {
+        /// Joint, from 1.
+        joint: usize,
+        /// The reading \[rad\] or \[m\].
+        reading: f64,
+        /// Lowest reading allowed.
+        lower: f64,
+        /// Highest reading allowed.
+        upper: f64,
+    },
+    /// The bars of a parallelogram do not close, or lie in a line.
+    #[error("joint {joint}: the parallelogram is open or stretched at the reading {reading}")]
+    OpenLoop {
+        /// Joint, from 1.
+        joint: usize,
+        /// The reading \[rad\].
+        reading: f64,
+    },
+    /// The corrected joint value is too large for the chain.
+    #[error(
+        "joint {joint}: the reading {reading} gives the joint value {output}, above 1e6 in size"
+    )]
+    OutputOutOfRange {
+        /// Joint, from 1.
+        joint: usize,
+        /// The reading \[rad\] or \[m\].
+        reading: f64,
+        /// The corrected value.
+        output: f64,
+    },
+    /// A wanted force or moment is infinite or not a number.
+    #[error("the wanted {quantity} has the component {value}; finite components are needed")]
+    NonFiniteWrench {
+        /// `"force"` or `"moment"`.
+        quantity: &'static str,
+        /// The component.
+        value: f64,
+    },
+    /// A wanted force or moment is finite, the torque for it is not.
+    #[error("joint {joint}: the torque for the wanted wrench is too large; ask for less")]
+    TorqueOverflow {
+        /// Joint, from 1.
+        joint: usize,
+    },
+}
+
+/// What a transmission says, before it is known which joint it belongs to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Refusal {
+    pub(crate) quantity: &'static str,
+    pub(crate) value: f64,
+    pub(crate) allowed: &'static str,
+}
+
+impl Refusal {
+    pub(crate) const fn at(self, joint: usize) -> DeviceError {
+        DeviceError::Joint {
+            joint,
+            quantity: self.quantity,
+            value: self.value,
+            allowed: self.allowed,
+        }
+    }
+}
+
+/// Largest magnitude of a number that describes a device: sums and products of a few stay finite.
+pub(crate) const LARGEST_NUMBER: f64 = 1e6;
+/// Smallest length or width that something is divided by.
+pub(crate) const SMALLEST_LENGTH: f64 = 1e-9;
+
+/// Whether a number is of bounded size; NaN is not.
+pub(crate) const fn is_bounded(value: f64) -> bool {
+    value.abs() <= LARGEST_NUMBER
+}
+
+/// Passes on a number of bounded size.
+pub(crate) const fn bounded(quantity: &'static str, value: f64) -> Result<f64, Refusal> {
+    if is_bounded(value) {
+        Ok(value)
+    } else {
+        Err(Refusal {
+            quantity,
+            value,
+            allowed: "up to 1e6 in size",
+        })
+    }
+}
+
+/// Passes on a length that can be divided by.
+pub(crate) const fn length(quantity: &'static str, value: f64) -> Result<f64, Refusal> {
+    if SMALLEST_LENGTH <= value && value <= LARGEST_NUMBER {
+        Ok(value)
+    } else {
+        Err(Refusal {
+            quantity,
+            value,
+            allowed: "1e-9 m to 1e6 m",
+        })
+    }
+}

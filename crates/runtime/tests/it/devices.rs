@@ -1,0 +1,207 @@
+//! Devices of every kind for the tests, and the same devices as the runtime takes them.
+
+use haptical_model::kinematics::{Convention as ModelConvention, Link};
+use haptical_model::transmission::CapstanError;
+use haptical_model::{Device, Joint as ModelJoint, JointType, TransmissionError, TransmissionKind};
+use haptical_runtime::{
+    Capstan, Convention, Joint, Model, Motion, POLYNOMIAL_TERMS, Parallelogram, Row, Transmission,
+};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+/// A device file of the fixtures.
+pub(crate) fn fixture(name: &str) -> Device {
+    let text = std::fs::read_to_string(format!(
+        "{}/tests/fixtures/{name}",
+        env!("CARGO_MANIFEST_DIR")
+    ));
+    Device::from_toml(&text.unwrap(), name).unwrap().device
+}
+
+/// A device as a device file with it would give the runtime.
+pub(crate) fn model<const JOINTS: usize>(device: &Device) -> Model<JOINTS> {
+    let convention = match device.convention {
+        ModelConvention::Standard => Convention::Standard,
+        ModelConvention::Modified => Convention::Modified,
+    };
+    let row = |index: usize| {
+        let link = device.links[index];
+        Row {
+            a_m: link.a_m,
+            alpha_rad: link.alpha_rad,
+            d_m: link.d_m,
+            theta_rad: link.theta_rad,
+            beta_rad: link.beta_rad,
+        }
+    };
+    let rows = std::array::from_fn(|index| row(index + 1));
+    let joints = std::array::from_fn(|index| {
+        let joint = &device.joints[index];
+        Joint {
+            motion: match joint.joint_type {
+                JointType::Revolute => Motion::Revolute,
+                JointType::Prismatic => Motion::Prismatic,
+            },
+            home: joint.home_rad,
+            transmission: transmission(joint),
+        }
+    });
+    Model::new(convention, row(0), rows, joints).unwrap()
+}
+
+fn transmission(joint: &ModelJoint) -> Transmission {
+    let capstan = |error: &CapstanError| Capstan {
+        transmission_ratio: joint.transmission_ratio,
+        drum_distance_m: joint.drum_distance_m.unwrap_or(1.0),
+        input_drum_denominator_m: joint
+            .input_drum_denominator_m
+            .or(joint.drum_distance_m)
+            .unwrap_or(1.0),
+        offset: error.offset_rad,
+        ratio_deviation: error.ratio_deviation,
+        output_drum_xy_m: error.output_drum_xy_m,
+        input_drum_xy_m: error.input_drum_xy_m,
+    };
+    match &joint.transmission_error {
+        TransmissionError::Capstan(error) if *error == CapstanError::default() => {
+            Transmission::Exact
+        }
+        TransmissionError::Capstan(error) => Transmission::Capstan(capstan(error)),
+        TransmissionError::Chebyshev {
+            range_rad,
+            coefficients,
+        } => {
+            let mut padded = [0.0; POLYNOMIAL_TERMS];
+            padded[..coefficients.len()].copy_from_slice(coefficients);
+            Transmission::Polynomial {
+                range: *range_rad,
+                coefficients: padded,
+            }
+        }
+        TransmissionError::Parallelogram {
+            capstan: error,
+            length_deviations_m,
+        } => {
+            let lengths_m = joint.parallelogram_lengths_m.unwrap();
+            Transmission::Parallelogram(Parallelogram {
+                capstan: capstan(error),
+                lengths_m: std::array::from_fn(|bar| lengths_m[bar] + length_deviations_m[bar]),
+            })
+        }
+    }
+}
+
+/// Devices of `joints` joints with every convention, joint type and transmission.
+pub(crate) fn any_device(joints: usize) -> impl Strategy<Value = Device> {
+    (
+        any::<bool>(),
+        vec(any_link(), joints + 1),
+        vec(any_joint(), joints),
+    )
+        .prop_map(|(modified, links, joints)| Device {
+            name: "random".to_owned(),
+            convention: if modified {
+                ModelConvention::Modified
+            } else {
+                ModelConvention::Standard
+            },
+            bodies: vec![None; links.len()],
+            links,
+            joints,
+            cables: Vec::new(),
+            tracker: None,
+            contact_pairs: Vec::new(),
+            gravity_mps2: None,
+            nominal_links: None,
+        })
+}
+
+fn any_link() -> impl Strategy<Value = Link> {
+    let angle = || -3.2..3.2_f64;
+    (
+        -0.5..0.5_f64,
+        angle(),
+        -0.5..0.5_f64,
+        angle(),
+        prop_oneof![Just(0.0), -0.1..0.1_f64],
+    )
+        .prop_map(|(a_m, alpha_rad, d_m, theta_rad, beta_rad)| Link {
+            a_m,
+            alpha_rad,
+            d_m,
+            theta_rad,
+            beta_rad,
+        })
+}
+
+fn any_joint() -> impl Strategy<Value = ModelJoint> {
+    let ratio = prop_oneof![2.0..20.0_f64, -20.0..-2.0_f64];
+    (
+        prop_oneof![3 => Just(JointType::Revolute), 1 => Just(JointType::Prismatic)],
+        -3.0..3.0_f64,
+        ratio,
+        0.03..0.2_f64,
+        proptest::option::of(0.002..0.2_f64),
+        any_error(),
+    )
+        .prop_map(
+            |(joint_type, home_rad, ratio, distance_m, denominator_m, error)| ModelJoint {
+                name: "any".to_owned(),
+                joint_type,
+                home_rad,
+                lower_rad: -2.0,
+                upper_rad: 2.0,
+                sampling_sd_rad: None,
+                transmission: TransmissionKind::Capstan,
+                transmission_ratio: ratio,
+                drum_distance_m: Some(distance_m),
+                input_drum_denominator_m: denominator_m,
+                encoder_counts_per_rev: None,
+                external_encoder_counts_per_rev: None,
+                external_encoder_sd_rad: None,
+                torque_scale_sd: 0.03,
+                parallelogram_lengths_m: Some([0.18, 0.076, 0.18, 0.076]),
+                transmission_error: error,
+            },
+        )
+}
+
+fn any_error() -> impl Strategy<Value = TransmissionError> {
+    let capstan = || {
+        let xy = |size: f64| [-size..size, -size..size];
+        (-0.02..0.02_f64, -0.05..0.05_f64, xy(4e-3), xy(4e-4)).prop_map(
+            |(offset_rad, ratio_deviation, output_drum_xy_m, input_drum_xy_m)| CapstanError {
+                offset_rad,
+                ratio_deviation,
+                output_drum_xy_m,
+                input_drum_xy_m,
+            },
+        )
+    };
+    let deviation = || -2e-3..2e-3_f64;
+    prop_oneof![
+        Just(TransmissionError::default()),
+        capstan().prop_map(TransmissionError::Capstan),
+        (
+            capstan(),
+            [deviation(), deviation(), deviation(), deviation()]
+        )
+            .prop_map(
+                |(capstan, length_deviations_m)| TransmissionError::Parallelogram {
+                    capstan,
+                    length_deviations_m,
+                }
+            ),
+        (
+            -3.0..-1.3_f64,
+            1.3..3.0_f64,
+            vec(-0.01..0.01_f64, 1..=POLYNOMIAL_TERMS)
+        )
+            .prop_map(
+                |(lower, upper, coefficients)| TransmissionError::Chebyshev {
+                    range_rad: [lower, upper],
+                    coefficients,
+                }
+            ),
+    ]
+}

@@ -1,0 +1,213 @@
+//! What a step and a model refuse, and that nothing else ever comes out than finite numbers.
+
+use haptical_runtime::{
+    Capstan, Convention, DeviceError, Joint, Model, Motion, Parallelogram, Row, RuntimeError,
+    Transmission, padded,
+};
+use proptest::prelude::*;
+
+use crate::exported::{identified, parallelogram};
+
+const DRIVE: Capstan = Capstan {
+    transmission_ratio: 8.0,
+    drum_distance_m: 0.07,
+    input_drum_denominator_m: 0.07,
+    offset: 0.0,
+    ratio_deviation: 0.0,
+    output_drum_xy_m: [0.0; 2],
+    input_drum_xy_m: [0.0; 2],
+};
+
+fn with(transmission: Transmission) -> Result<Model<1>, DeviceError> {
+    let joint = Joint {
+        motion: Motion::Revolute,
+        home: 0.0,
+        transmission,
+    };
+    Model::new(
+        Convention::Standard,
+        Row::default(),
+        [Row::default()],
+        [joint],
+    )
+}
+
+fn refused_key(transmission: Transmission) -> &'static str {
+    match with(transmission) {
+        Err(DeviceError::Joint {
+            joint: 1, quantity, ..
+        }) => quantity,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_reading_that_is_not_finite_is_refused_with_its_joint() {
+    for joint in 0..7 {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut readings = [0.0; 7];
+            readings[joint] = value;
+            for model in [&identified::MODEL, &parallelogram::MODEL] {
+                let Err(RuntimeError::NonFiniteReading { joint: named, .. }) =
+                    model.step(&readings)
+                else {
+                    panic!("joint {joint} at {value} is not refused");
+                };
+                assert_eq!(named, joint + 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn readings_beyond_the_sine_are_refused() {
+    // the input drum turns 8 times as far
+    let model = with(Transmission::Capstan(DRIVE)).unwrap();
+    assert_eq!(model.ranges(), [[-125_000.0, 125_000.0]]);
+    assert!(model.step(&[125_000.0]).is_ok());
+    let refused = model.step(&[125_001.0]);
+    assert!(matches!(
+        refused,
+        Err(RuntimeError::ReadingOutOfRange { joint: 1, .. })
+    ));
+}
+
+#[test]
+fn a_loop_that_opens_is_refused() {
+    let closed = parallelogram::MODEL.step(&[0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0]);
+    assert!(closed.is_ok());
+    for reading in [1.7, -1.7, 3.0, 1e5 / 2.0] {
+        let open = parallelogram::MODEL.step(&[0.0, 0.0, 0.0, reading, 0.0, 0.0, 0.0]);
+        assert_eq!(open, Err(RuntimeError::OpenLoop { joint: 4, reading }));
+    }
+}
+
+#[test]
+fn an_output_that_is_too_large_is_refused() {
+    let slack = Capstan {
+        ratio_deviation: -7.999,
+        ..DRIVE
+    };
+    let refused = with(Transmission::Capstan(slack)).unwrap().step(&[1000.0]);
+    assert!(
+        matches!(
+            refused,
+            Err(RuntimeError::OutputOutOfRange { joint: 1, .. })
+        ),
+        "{refused:?}"
+    );
+}
+
+#[test]
+fn a_device_that_cannot_be_held_is_refused_with_the_key() {
+    let drum = |output_drum_xy_m| {
+        Transmission::Capstan(Capstan {
+            output_drum_xy_m,
+            ..DRIVE
+        })
+    };
+    assert!(with(drum([0.0209, 0.0])).is_ok());
+    assert_eq!(refused_key(drum([0.0, 0.0211])), "output_drum_xy_m");
+    assert_eq!(refused_key(drum([f64::NAN, 0.0])), "output_drum_xy_m");
+    let ratio = |ratio_deviation| {
+        Transmission::Capstan(Capstan {
+            ratio_deviation,
+            ..DRIVE
+        })
+    };
+    assert_eq!(refused_key(ratio(-8.0)), "ratio_deviation");
+    assert_eq!(refused_key(ratio(f64::INFINITY)), "ratio_deviation");
+    let distance = |drum_distance_m| {
+        Transmission::Capstan(Capstan {
+            drum_distance_m,
+            ..DRIVE
+        })
+    };
+    assert_eq!(refused_key(distance(0.0)), "drum_distance_m");
+    let bars = |lengths_m| {
+        Transmission::Parallelogram(Parallelogram {
+            capstan: DRIVE,
+            lengths_m,
+        })
+    };
+    assert!(with(bars([0.18, 0.076, 0.18, 0.076])).is_ok());
+    assert_eq!(
+        refused_key(bars([0.5, 0.076, 0.18, 0.076])),
+        "parallelogram_lengths_m"
+    );
+    assert_eq!(
+        refused_key(bars([0.18, -0.076, 0.18, 0.076])),
+        "parallelogram_lengths_m"
+    );
+    let series = |range| Transmission::Polynomial {
+        range,
+        coefficients: padded([0.0]),
+    };
+    assert_eq!(refused_key(series([0.5, 0.5])), "range_rad");
+    assert_eq!(refused_key(series([0.5, f64::NAN])), "range_rad");
+    let coefficients = padded([0.0, f64::NAN]);
+    let range = [-1.0, 1.0];
+    assert_eq!(
+        refused_key(Transmission::Polynomial {
+            range,
+            coefficients
+        }),
+        "chebyshev"
+    );
+}
+
+#[test]
+fn a_row_that_is_not_finite_is_refused_with_its_number() {
+    let joint = Joint {
+        motion: Motion::Revolute,
+        home: 0.0,
+        transmission: Transmission::Exact,
+    };
+    let bad = Row {
+        d_m: f64::NAN,
+        ..Row::default()
+    };
+    let refused = Model::new(
+        Convention::Modified,
+        Row::default(),
+        [Row::default(), bad],
+        [joint; 2],
+    );
+    let Err(
+        error @ DeviceError::Row {
+            row: 2,
+            quantity: "d_m",
+            ..
+        },
+    ) = refused
+    else {
+        panic!("{refused:?}");
+    };
+    assert!(
+        error.to_string().starts_with("row 2: d_m is NaN"),
+        "{error}"
+    );
+}
+
+proptest! {
+    #[test]
+    fn any_bits_give_finite_numbers_or_an_error(
+        bits in proptest::array::uniform7(any::<u64>()),
+        size in -30..30_i32,
+    ) {
+        for model in [&identified::MODEL, &parallelogram::MODEL] {
+            for readings in [
+                bits.map(f64::from_bits),
+                bits.map(|bits| (bits as f64 / u64::MAX as f64 - 0.5) * 2f64.powi(size)),
+            ] {
+                let Ok(state) = model.step(&readings) else { continue };
+                let twists = state.jacobian.iter().flat_map(|t| t.linear.into_iter().chain(t.angular));
+                let all = state.outputs.into_iter().chain(state.output_slopes).chain(state.position_m)
+                    .chain(state.rotation.into_iter().flatten()).chain(twists);
+                for number in all {
+                    prop_assert!(number.is_finite());
+                }
+            }
+        }
+    }
+}
