@@ -1,6 +1,6 @@
 //! Forces of the virtual wall at rest, over poses and seeds: what calibration takes off the transverse ones.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use haptical_metrics::rms;
 use haptical_model::kinematics::nalgebra::{Vector3, Vector6};
 use haptical_model::{Device, Evaluation, ForceTransmission, Recording};
@@ -115,6 +115,35 @@ fn transverse(
         controllers: result,
         left_out,
     })
+}
+
+/// Readings of the pose whose transverse force under the nominal controller is nearest to that of all poses
+/// (root mean square): a typical one to show.
+pub(crate) fn typical_posture(scenario: &Scenario, seed: u64, gain: f64) -> Result<Vec<f64>> {
+    let recording = poses(scenario, seed)?;
+    let (mut truth, mut controller) = (
+        Evaluation::new(&scenario.truth),
+        Evaluation::new(&scenario.nominal),
+    );
+    let mut found: Vec<(Vec<f64>, f64)> = Vec::new();
+    for row in 0..recording.len() {
+        let readings: Vec<f64> = recording.joint.iter().map(|column| column[row]).collect();
+        truth.move_to(&readings)?;
+        controller.move_to(&readings)?;
+        if let Some(force) = measured_n(&truth, &controller, gain)? {
+            found.push((readings, force.x.hypot(force.y)));
+        }
+    }
+    let sizes: Vec<f64> = found.iter().map(|(_, size)| *size).collect();
+    let typical = rms(&sizes)?;
+    let by_distance = |a: &(Vec<f64>, f64), b: &(Vec<f64>, f64)| {
+        (a.1 - typical).abs().total_cmp(&(b.1 - typical).abs())
+    };
+    let (readings, _) = found
+        .into_iter()
+        .min_by(by_distance)
+        .context("no posture")?;
+    Ok(readings)
 }
 
 /// One calibration, and the forces of the three controllers.

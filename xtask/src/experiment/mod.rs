@@ -136,16 +136,11 @@ fn force_section(
     }
     let (compensated, _, _) = step_one(&scenario, seed)?;
     let full = step_two(&scenario, &compensated, seed)?.device;
-    let readings = WALL_POSTURE_RAD;
+    let readings = force::typical_posture(&scenario, seed, gain)?;
     let course =
         |device: &Device| figure12::course(&scenario.truth, device, &readings, &axis, gain, seed);
     let grid = figure12::figure(&course(&scenario.nominal)?, &course(&full)?);
-    output.grid(
-        "figure12",
-        "Figure 12: the virtual wall before and after calibration",
-        &grid,
-    )
+    let caption = "Figure 12: the virtual wall before and after calibration, in the pose whose transverse \
+                   force before is nearest to the RMS of 100 poses";
+    output.grid("figure12", caption, &grid)
 }
-
-/// Posture of Figure 12 that is shown, joint 3 at home \[rad\]: the paper gives none.
-const WALL_POSTURE_RAD: [f64; 7] = [0.35, -0.3, 0.0, 0.3, 0.4, 0.3, -0.4];

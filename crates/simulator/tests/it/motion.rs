@@ -187,3 +187,32 @@ fn what_cannot_be_moved_is_refused() {
         SimulatorError::NoRoom { .. }
     ));
 }
+
+/// Share of a joint's squared speed above 2 Hz, from a discrete Fourier transform of 100 s.
+#[test]
+fn a_hand_has_next_to_no_motion_above_two_hertz() {
+    const RATE_HZ: f64 = 20.0;
+    const ROWS: i32 = 2000;
+    let (device, bounds) = (arm(), HandMotion::default());
+    let motion = Motion::new(&device, &bounds, 8).expect("a motion");
+    for joint in 0..4 {
+        let speeds: Vec<f64> = (0..ROWS)
+            .map(|row| motion.at(joint, f64::from(row) / RATE_HZ).velocity)
+            .collect();
+        let power = |line: i32| -> f64 {
+            let turn = std::f64::consts::TAU * f64::from(line) / f64::from(ROWS);
+            let sums = speeds
+                .iter()
+                .zip(0..)
+                .fold((0.0, 0.0), |(c, s), (speed, row)| {
+                    let angle = turn * f64::from(row);
+                    (c + speed * angle.cos(), s + speed * angle.sin())
+                });
+            sums.0 * sums.0 + sums.1 * sums.1
+        };
+        // lines are 0.01 Hz apart: 200 is 2 Hz, 1000 half the rate
+        let all: f64 = (1..1000).map(power).sum();
+        let fast: f64 = (200..1000).map(power).sum();
+        assert!(fast / all < 2e-3, "joint {joint}: {}", fast / all);
+    }
+}
