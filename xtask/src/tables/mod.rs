@@ -5,7 +5,7 @@ mod identifiability;
 mod ladder;
 pub(crate) mod monte_carlo;
 pub(crate) mod paper;
-mod pose_error;
+pub(crate) mod pose_error;
 pub(crate) mod run;
 pub(crate) mod scenario;
 mod sections;

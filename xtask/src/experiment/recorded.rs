@@ -1,0 +1,113 @@
+//! The paper's experiment itself: one recorded motion, both steps on random samples of it.
+
+use anyhow::{Context, Result, bail};
+use haptical_blind::Random;
+use haptical_calibration::{Channel, Weighting, Weights, fit_kinematics, fit_transmission};
+use haptical_metrics::rms;
+use haptical_model::{Device, Recording};
+use haptical_simulator::{Effects, MotionSettings, record_motion};
+
+use super::improvement::distance_errors_m;
+use crate::tables::pose_error::PoseErrors;
+use crate::tables::run::Run;
+use crate::tables::scenario::Scenario;
+
+/// A recorded motion with the calibration made from it.
+#[derive(Debug)]
+pub(crate) struct Recorded {
+    pub(crate) recording: Recording,
+    pub(crate) run: Run,
+    /// The nominal device with the fitted transmissions.
+    pub(crate) compensated: Device,
+    /// Kinematics refitted without transmission errors.
+    pub(crate) alone: Device,
+}
+
+/// The distance at an instant, and what two devices get wrong.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Instant {
+    pub(crate) time_s: f64,
+    pub(crate) measured_m: f64,
+    pub(crate) before_m: f64,
+    pub(crate) after_m: f64,
+}
+
+impl Recorded {
+    /// Records about 100 s at 1 kHz and calibrates on the paper's numbers of random samples.
+    pub(crate) fn new(scenario: &Scenario, seed: u64) -> Result<Self> {
+        let settings = MotionSettings::default();
+        let recording = record_motion(&scenario.truth, &Effects::none(), &settings, seed)?;
+        let mut random = Random::new(seed, 2);
+        let mut sample = |count: usize| {
+            let rows: Vec<usize> = (0..count).map(|_| random.index(recording.len())).collect();
+            recording.select(&rows)
+        };
+        let mut options = scenario.options();
+        // roughness is larger than the noise that the device file states
+        options.weighting = Weighting::Estimated;
+        let mut compensated = scenario.nominal.clone();
+        let mut transmissions = Vec::new();
+        let mut transmission_data = Vec::new();
+        for joint in 0..4 {
+            let data = sample(scenario.samples);
+            let weights = Weights::stated(&scenario.nominal, &[Channel::Output { joint }]);
+            let fit = fit_transmission(&scenario.nominal, joint, &data, &weights, &options)?;
+            let Some(fitted) = &fit.fit else {
+                bail!("joint {}: nothing fitted", joint + 1)
+            };
+            compensated.joints[joint].transmission_error =
+                fitted.device.joints[joint].transmission_error.clone();
+            transmissions.push(fit);
+            transmission_data.push(data);
+        }
+        let data = sample(scenario.poses);
+        let channels = [Channel::Cable { index: 0 }];
+        let fit = |device: &Device| {
+            let weights = Weights::stated(device, &channels);
+            fit_kinematics(device, &data, &channels, &weights, &options)
+        };
+        let kinematics = fit(&compensated)?;
+        let alone = fit(&scenario.nominal)?.device;
+        let readings = sample(scenario.evaluation_poses);
+        let pose = PoseErrors::new(
+            &scenario.truth,
+            &scenario.nominal,
+            &kinematics.device,
+            &readings,
+        )?;
+        Ok(Self {
+            recording,
+            run: Run {
+                transmissions,
+                transmission_data,
+                kinematics,
+                pose,
+            },
+            compensated,
+            alone,
+        })
+    }
+
+    /// Every `step`-th row's distance, with its errors by the nominal and the calibrated device.
+    pub(crate) fn distances(&self, nominal: &Device, step: usize) -> Result<Vec<Instant>> {
+        let time_s = self.recording.time_s.as_ref().context("no time")?;
+        let cable = self.recording.cable_m.first().and_then(Option::as_ref);
+        let cable = cable.context("no cable")?;
+        let before = distance_errors_m(nominal, &self.recording)?;
+        let after = distance_errors_m(&self.run.kinematics.device, &self.recording)?;
+        Ok((0..self.recording.len())
+            .step_by(step)
+            .map(|row| Instant {
+                time_s: time_s[row],
+                measured_m: cable[row],
+                before_m: before[row],
+                after_m: after[row],
+            })
+            .collect())
+    }
+
+    /// Root mean square of the distance error over the whole motion \[m\].
+    pub(crate) fn distance_rms_m(&self, device: &Device) -> Result<f64> {
+        Ok(rms(&distance_errors_m(device, &self.recording)?)?)
+    }
+}
