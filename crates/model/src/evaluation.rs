@@ -57,13 +57,7 @@ impl<'d> Evaluation<'d> {
     /// # Errors
     /// [`ModelError`] where a transmission or the chain has no value.
     pub fn move_to(&mut self, readings: &[f64]) -> Result<(), ModelError> {
-        let expected = self.device.joints.len();
-        if readings.len() != expected {
-            return Err(ModelError::JointCount {
-                expected,
-                found: readings.len(),
-            });
-        }
+        self.check_count(readings)?;
         // a pose of earlier readings must not outlive a failure below
         self.pose = None;
         for (index, reading) in readings.iter().enumerate() {
@@ -78,13 +72,7 @@ impl<'d> Evaluation<'d> {
     /// # Errors
     /// [`ModelError`] where the chain has no value.
     pub fn move_outputs(&mut self, outputs: &[f64]) -> Result<(), ModelError> {
-        let expected = self.device.joints.len();
-        if outputs.len() != expected {
-            return Err(ModelError::JointCount {
-                expected,
-                found: outputs.len(),
-            });
-        }
+        self.check_count(outputs)?;
         self.variables.copy_from_slice(outputs);
         self.move_chain()
     }
@@ -95,13 +83,7 @@ impl<'d> Evaluation<'d> {
     /// # Errors
     /// [`ModelError`] where a transmission or the chain has no value.
     pub fn move_pose_to(&mut self, readings: &[f64]) -> Result<(), ModelError> {
-        let expected = self.device.joints.len();
-        if readings.len() != expected {
-            return Err(ModelError::JointCount {
-                expected,
-                found: readings.len(),
-            });
-        }
+        self.check_count(readings)?;
         self.pose = None;
         for (index, reading) in readings.iter().enumerate() {
             let error = self.device.joints[index].error_rad(*reading);
@@ -117,6 +99,15 @@ impl<'d> Evaluation<'d> {
             self.pose = Some(chain.pose(&self.variables)?);
         }
         Ok(())
+    }
+
+    fn check_count(&self, numbers: &[f64]) -> Result<(), ModelError> {
+        let (expected, found) = (self.device.joints.len(), numbers.len());
+        if found == expected {
+            Ok(())
+        } else {
+            Err(ModelError::JointCount { expected, found })
+        }
     }
 
     fn move_chain(&mut self) -> Result<(), ModelError> {
