@@ -1,8 +1,8 @@
 //! How far the force of a calibrated device may still lean from the wanted direction.
 
 use haptical_metrics::{Interval, chi_square_quantile};
-use haptical_model::kinematics::nalgebra::{Vector3, Vector6};
-use haptical_model::{Evaluation, ForceTransmission, Recording};
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::{Evaluation, ForceTransmission, ModelError, Recording, handle_force_n};
 
 use crate::{CalibrationError, ParameterFit};
 
@@ -138,7 +138,7 @@ fn slopes(
     truth: &Evaluation<'_>,
     readings: &[f64],
     free: [usize; 6],
-) -> Result<Vec<[f64; 2]>, haptical_model::ModelError> {
+) -> Result<Vec<[f64; 2]>, ModelError> {
     let mut slopes = Vec::with_capacity(fit.fitted.len());
     for (position, &index) in fit.fitted.iter().enumerate() {
         let parameter = fit.parameters[index];
@@ -166,10 +166,10 @@ fn unit_force(
     truth: &Evaluation<'_>,
     controller: &Evaluation<'_>,
     free: [usize; 6],
-) -> Result<Vector3<f64>, haptical_model::ModelError> {
+) -> Result<Vector3<f64>, ModelError> {
     let transmission = ForceTransmission::new(truth, controller, free)?;
-    let along = controller.pose()?.rotation.column(2).into_owned();
-    let wrench = transmission.wrench(&Vector6::new(along.x, along.y, along.z, 0.0, 0.0, 0.0));
-    let force = Vector3::new(wrench[0], wrench[1], wrench[2]);
-    Ok(truth.pose()?.rotation.transpose() * force)
+    let force = handle_force_n(&transmission, truth, controller, 1.0, 0.0)?;
+    force.ok_or(ModelError::Posture {
+        condition: transmission.condition,
+    })
 }

@@ -6,7 +6,7 @@ use haptical_model::{Device, Recording};
 use crate::arguments::DiagnoseArguments;
 use crate::failure::Failure;
 use crate::gap_file::GapFile;
-use crate::inputs::{InputDrumDenominators, read_device, read_recording};
+use crate::inputs::{InputDrumDenominators, read_device, read_recording, refuse_other_device};
 use crate::output_files::{check_folder, write_all};
 use crate::terminal::Progress;
 use crate::{gap_report, gap_summary, terminal};
@@ -71,19 +71,7 @@ fn read_model(
     };
     let model = read_device(path, InputDrumDenominators::Stated)?;
     warnings.extend(model.warnings);
-    for (what, wanted, got) in [
-        ("joints", device.joints.len(), model.device.joints.len()),
-        ("links", device.links.len(), model.device.links.len()),
-    ] {
-        if wanted != got {
-            return Err(Failure::bad_input(
-                "other-device",
-                format!("the model has {got} {what}, the device has {wanted}"),
-                path.display().to_string(),
-                "give the identified.toml of this device",
-            ));
-        }
-    }
+    refuse_other_device(device, &model.device, path)?;
     Ok(Some(model.device))
 }
 

@@ -131,3 +131,38 @@ pub(crate) fn log_shape(device: &Device) -> LogShape {
         cable_count: device.cables.len().max(usize::from(device.has_links())),
     }
 }
+
+/// The model must be of the same device: the same joints, in the same order, on as many links.
+pub(crate) fn refuse_other_device(
+    nominal: &Device,
+    model: &Device,
+    path: &Path,
+) -> Result<(), Failure> {
+    let types = |device: &Device| -> Vec<_> {
+        device.joints.iter().map(|joint| joint.joint_type).collect()
+    };
+    let what = if nominal.joints.len() != model.joints.len() {
+        let (wanted, got) = (nominal.joints.len(), model.joints.len());
+        format!("the model has {got} joints, the device has {wanted}")
+    } else if nominal.links.len() != model.links.len() {
+        let (wanted, got) = (nominal.links.len(), model.links.len());
+        format!("the model has {got} links, the device has {wanted}")
+    } else if nominal.convention != model.convention {
+        "the model has another convention of its links than the device".to_owned()
+    } else if let Some(joint) =
+        (0..nominal.joints.len()).find(|&joint| types(nominal)[joint] != types(model)[joint])
+    {
+        format!(
+            "joint {} turns in one of model and device and slides in the other",
+            joint + 1
+        )
+    } else {
+        return Ok(());
+    };
+    Err(Failure::bad_input(
+        "other-device",
+        what,
+        path.display().to_string(),
+        "give the identified.toml of this device",
+    ))
+}

@@ -1,6 +1,6 @@
 //! The force that a handle exerts when the controller knows the device wrongly.
 
-use haptical_kinematics::nalgebra::{Matrix6, SMatrix, Vector6};
+use haptical_kinematics::nalgebra::{Matrix6, SMatrix, Vector3, Vector6};
 
 use crate::{Evaluation, ModelError};
 
@@ -76,6 +76,27 @@ impl ForceTransmission {
             .solve(&right)
             .filter(|wrench| wrench.iter().all(|entry| entry.is_finite()))
     }
+}
+
+/// The force \[N\] that a sensor in the true handle shows where the controller wants `force_n` along the z of the
+/// handle as it knows it, at rest in a loop of gain `gain` (0 without one). None where the loop has no rest.
+///
+/// Source: docs/equations.md, Force through the transposed Jacobian.
+///
+/// # Errors
+/// [`ModelError::NoLinks`] before a move.
+pub fn handle_force_n(
+    transmission: &ForceTransmission,
+    truth: &Evaluation<'_>,
+    controller: &Evaluation<'_>,
+    force_n: f64,
+    gain: f64,
+) -> Result<Option<Vector3<f64>>, ModelError> {
+    let along = controller.pose()?.rotation.column(2) * force_n;
+    let wanted = Vector6::new(along.x, along.y, along.z, 0.0, 0.0, 0.0);
+    let turn = truth.pose()?.rotation.transpose();
+    let wrench = transmission.wrench_in_loop(&wanted, gain);
+    Ok(wrench.map(|wrench| turn * Vector3::new(wrench[0], wrench[1], wrench[2])))
 }
 
 /// Columns (linear; angular) of the free joints, with respect to their motor-side readings.

@@ -19,7 +19,7 @@ pub use device::{Body, Cable, ContactPair, Device, Tracker};
 pub use device_file::LoadedDevice;
 pub use error::{DeviceFileError, ModelError, Position};
 pub use evaluation::Evaluation;
-pub use force::ForceTransmission;
+pub use force::{ForceTransmission, handle_force_n};
 pub use haptical_kinematics as kinematics;
 pub use haptical_transmission as transmission;
 pub use joint::{Joint, JointType, TransmissionError, TransmissionKind};

@@ -2,8 +2,8 @@
 
 use anyhow::{Context, Result, ensure};
 use haptical_metrics::rms;
-use haptical_model::kinematics::nalgebra::{Vector3, Vector6};
-use haptical_model::{Device, Evaluation, ForceTransmission, Recording};
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::{Device, Evaluation, ForceTransmission, Recording, handle_force_n};
 use haptical_report::{Cell, Column, Table};
 use rayon::prelude::*;
 
@@ -62,13 +62,13 @@ pub(crate) fn measured_n(
     if transmission.condition > WORST_CONDITION {
         return Ok(None);
     }
-    let along = controller.pose()?.rotation.column(2) * WALL_FORCE_N;
-    let wanted = Vector6::new(along.x, along.y, along.z, 0.0, 0.0, 0.0);
-    let Some(wrench) = transmission.wrench_in_loop(&wanted, gain) else {
-        return Ok(None);
-    };
-    let force = Vector3::new(wrench[0], wrench[1], wrench[2]);
-    Ok(Some(truth.pose()?.rotation.transpose() * force))
+    Ok(handle_force_n(
+        &transmission,
+        truth,
+        controller,
+        WALL_FORCE_N,
+        gain,
+    )?)
 }
 
 fn transverse(

@@ -1,8 +1,9 @@
 //! The percentage of eq. (9), read in every way that the paper leaves open, over many seeds.
 
 use anyhow::Result;
+use haptical_calibration::{Channel, Weights, channel_residuals};
 use haptical_metrics::{rms, rms_improvement_percent};
-use haptical_model::{Device, Evaluation, Recording};
+use haptical_model::{Device, Recording, TransmissionError};
 use haptical_report::{Cell, Column, Table};
 use haptical_simulator::Sampling;
 use rayon::prelude::*;
@@ -57,30 +58,17 @@ fn with_transmissions_of(device: &Device, other: &Device) -> Device {
     mixed
 }
 
-/// Distance by a device less the measured one, row by row \[m\].
+/// Distance by a device less the measured one, row by row \[m\]; a polynomial beyond its range counts as it
+/// is.
 pub(crate) fn distance_errors_m(device: &Device, recording: &Recording) -> Result<Vec<f64>> {
-    let mut evaluation = Evaluation::new(device);
-    let anchor = device
-        .cables
-        .first()
-        .map_or([0.0; 3], |cable| cable.anchor_m);
-    let mut errors = Vec::with_capacity(recording.len());
-    let mut readings = vec![0.0; device.joints.len()];
-    for row in 0..recording.len() {
-        for (reading, column) in readings.iter_mut().zip(&recording.joint) {
-            *reading = column[row];
-        }
-        evaluation.move_pose_to(&readings)?;
-        let position = evaluation.pose()?.position_m;
-        let square: f64 = (0..3)
-            .map(|axis| (position[axis] - anchor[axis]).powi(2))
-            .sum();
-        let Some(Some(measured)) = recording.cable_m.first() else {
-            continue;
-        };
-        errors.push(square.sqrt() - measured[row]);
+    let channels = [Channel::Cable { index: 0 }];
+    let weights = Weights::stated(device, &channels);
+    let mut unlimited = device.clone();
+    for joint in &mut unlimited.joints {
+        joint.transmission_error = TransmissionError::default();
     }
-    Ok(errors)
+    let mut found = channel_residuals(device, &unlimited, recording, &channels, &weights)?;
+    Ok(found.pop().map(|cable| cable.residuals).unwrap_or_default())
 }
 
 /// Changes a geometry.

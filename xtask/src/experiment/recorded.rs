@@ -1,15 +1,15 @@
 //! The paper's experiment itself: one recorded motion, both steps on random samples of it.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use haptical_blind::Random;
-use haptical_calibration::{Channel, Weighting, Weights, fit_kinematics, fit_transmission};
+use haptical_calibration::{Channel, Weighting, Weights, fit_kinematics};
 use haptical_metrics::rms;
 use haptical_model::{Device, Recording};
 use haptical_simulator::{Effects, MotionSettings, record_motion};
 
 use super::improvement::distance_errors_m;
 use crate::tables::pose_error::PoseErrors;
-use crate::tables::run::Run;
+use crate::tables::run::{Run, step_one_on};
 use crate::tables::scenario::Scenario;
 
 /// A recorded motion with the calibration made from it.
@@ -45,21 +45,10 @@ impl Recorded {
         let mut options = scenario.options();
         // roughness is larger than the noise that the device file states
         options.weighting = Weighting::Estimated;
-        let mut compensated = scenario.nominal.clone();
-        let mut transmissions = Vec::new();
-        let mut transmission_data = Vec::new();
-        for joint in 0..4 {
-            let data = sample(scenario.samples);
-            let weights = Weights::stated(&scenario.nominal, &[Channel::Output { joint }]);
-            let fit = fit_transmission(&scenario.nominal, joint, &data, &weights, &options)?;
-            let Some(fitted) = &fit.fit else {
-                bail!("joint {}: nothing fitted", joint + 1)
-            };
-            compensated.joints[joint].transmission_error =
-                fitted.device.joints[joint].transmission_error.clone();
-            transmissions.push(fit);
-            transmission_data.push(data);
-        }
+        let (compensated, transmissions, transmission_data) =
+            step_one_on(&scenario.nominal, &options, |_| {
+                Ok(sample(scenario.samples))
+            })?;
         let data = sample(scenario.poses);
         let channels = [Channel::Cable { index: 0 }];
         let fit = |device: &Device| {

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use haptical_calibration::{
-    Channel, ParameterFit, TransmissionFit, Weights, fit_kinematics, fit_transmission,
+    Channel, Options, ParameterFit, TransmissionFit, Weights, fit_kinematics, fit_transmission,
 };
 use haptical_model::{Device, Recording, TransmissionError};
 use haptical_simulator::{simulate, simulate_transmission};
@@ -32,25 +32,33 @@ pub(crate) struct CapstanEstimate {
 /// Poses to check on come from another stream of random numbers than those of the fit.
 const EVALUATION_STREAM: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// Step 1 for joints 1 to 4.
+/// Step 1 for joints 1 to 4 on simulated samples of each.
 pub(crate) fn step_one(
     scenario: &Scenario,
     seed: u64,
 ) -> Result<(Device, Vec<TransmissionFit>, Vec<Recording>)> {
-    let mut device = scenario.nominal.clone();
+    let (truth, settings) = (&scenario.truth, &scenario.settings);
+    let samples = scenario.samples;
+    step_one_on(&scenario.nominal, &scenario.options(), |joint| {
+        Ok(simulate_transmission(
+            truth, settings, joint, samples, seed,
+        )?)
+    })
+}
+
+/// Step 1 for joints 1 to 4, each on a recording of its own.
+pub(crate) fn step_one_on(
+    nominal: &Device,
+    options: &Options,
+    mut recorded: impl FnMut(usize) -> Result<Recording>,
+) -> Result<(Device, Vec<TransmissionFit>, Vec<Recording>)> {
+    let mut device = nominal.clone();
     let mut fits = Vec::new();
     let mut data = Vec::new();
     for joint in 0..4 {
-        let recording = simulate_transmission(
-            &scenario.truth,
-            &scenario.settings,
-            joint,
-            scenario.samples,
-            seed,
-        )?;
-        let weights = Weights::stated(&scenario.nominal, &[Channel::Output { joint }]);
-        let options = scenario.options();
-        let fit = fit_transmission(&scenario.nominal, joint, &recording, &weights, &options)?;
+        let recording = recorded(joint)?;
+        let weights = Weights::stated(nominal, &[Channel::Output { joint }]);
+        let fit = fit_transmission(nominal, joint, &recording, &weights, options)?;
         let Some(fitted) = &fit.fit else {
             bail!("joint {}: nothing fitted", joint + 1)
         };
