@@ -144,7 +144,10 @@ impl Output {
 
     /// A grid of figures under a file name without extension.
     pub(crate) fn grid(&mut self, file: &str, caption: &str, grid: &FigureGrid) -> Result<()> {
-        let svg = grid.to_svg(960, 820).context(file.to_owned())?;
+        let columns = grid.columns.max(1);
+        let rows = grid.figures.len().div_ceil(columns);
+        let height_px = 820.max(60 + 180 * rows as u32);
+        let svg = grid.to_svg(960, height_px).context(file.to_owned())?;
         self.svg(file, caption, svg);
         Ok(())
     }

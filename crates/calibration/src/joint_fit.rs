@@ -7,7 +7,7 @@ use haptical_model::{Device, ParameterId, Recording};
 use crate::{
     CalibrationError, CalibrationMethod, Channel, Options, ParameterFit, TransmissionFit,
     TransmissionTerms, Weighting, Weights, candidate_parameters, channel_residuals, channels,
-    fit_parameters, fit_transmissions,
+    fit_parameters, fit_transmissions, rows_with_known_errors,
 };
 
 /// A fitted device with the fits that made it.
@@ -84,7 +84,16 @@ fn fit_once(
     if distant.is_empty() {
         return Ok(fitted);
     }
-    let kinematics = fit_kinematics(&fitted.device, recording, &distant, weights, options)?;
+    let within = rows_with_known_errors(&fitted.device, recording);
+    let inside = (within.len() < recording.len() && 2 * within.len() >= recording.len())
+        .then(|| recording.select(&within));
+    let kinematics = fit_kinematics(
+        &fitted.device,
+        inside.as_ref().unwrap_or(recording),
+        &distant,
+        weights,
+        options,
+    )?;
     let whole = match options.method {
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {

@@ -37,7 +37,7 @@ pub use held_out::{HeldOut, Split, split};
 pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};
 pub use problem::DeviceProblem;
 pub use reduced::ReducedProblem;
-pub use residuals::{ChannelResiduals, channel_residuals};
+pub use residuals::{ChannelResiduals, channel_residuals, rows_with_known_errors};
 pub use sufficiency::check as check_recording;
 pub use transmission_step::{TransmissionFit, fit_transmission, fit_transmissions};
 pub use weights::Weights;

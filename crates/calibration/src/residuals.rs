@@ -84,6 +84,32 @@ pub fn channel_residuals(
         .collect()
 }
 
+/// Rows at which every transmission's error is known: those within the ranges that polynomials were fitted on.
+/// Beyond its range a polynomial continues on its tangent, and what that gets wrong would bend the links that are
+/// fitted to such a row.
+///
+/// ```
+/// use haptical_calibration::rows_with_known_errors;
+/// use haptical_model::{Device, Recording, TransmissionError};
+/// let mut device = Device::from_toml("[[joint]]\nname = \"one\"\n", "one.toml")?.device;
+/// device.joints[0].transmission_error =
+///     TransmissionError::Chebyshev { range_rad: [-0.5, 0.5], coefficients: vec![0.0, 1e-3] };
+/// let recording = Recording { joint: vec![vec![0.1, 0.6, -0.5]], ..Recording::default() };
+/// assert_eq!(rows_with_known_errors(&device, &recording), [0, 2]);
+/// # Ok::<(), haptical_model::DeviceFileError>(())
+/// ```
+pub fn rows_with_known_errors(device: &Device, recording: &Recording) -> Vec<usize> {
+    (0..recording.len())
+        .filter(|&row| all_known(device, recording, row))
+        .collect()
+}
+
+fn all_known(device: &Device, recording: &Recording, row: usize) -> bool {
+    let joints = device.joints.iter().zip(&recording.joint);
+    let mut known = joints.map(|(joint, readings)| joint.error_is_known_at(readings[row]));
+    known.all(|known| known)
+}
+
 fn unit_weights(channel: Channel) -> Weights {
     Weights {
         channel_sd: [(channel, 1.0)].into(),
@@ -92,9 +118,10 @@ fn unit_weights(channel: Channel) -> Weights {
 }
 
 fn is_known(device: &Device, recording: &Recording, channel: Channel, row: usize) -> bool {
-    let known = |joint: usize| device.joints[joint].error_is_known_at(recording.joint[joint][row]);
     match channel {
-        Channel::Output { joint } => known(joint),
-        _ => (0..device.joints.len()).all(known),
+        Channel::Output { joint } => {
+            device.joints[joint].error_is_known_at(recording.joint[joint][row])
+        }
+        _ => all_known(device, recording, row),
     }
 }

@@ -168,6 +168,27 @@ pub fn effect_names() -> Vec<&'static str> {
     crate::catalogue::names()
 }
 
+/// Smallest and largest magnitude of an effect's parameter that a sound device can show: ten times wider than
+/// the ranges of docs/diagnosis.md, Catalogue. None where a device cannot have the effect or it has no such parameter.
+///
+/// ```
+/// use haptical_diagnosis::plausible_range;
+/// let text = "[[joint]]\nname = \"one\"\n";
+/// let device = haptical_model::Device::from_toml(text, "one.toml")?.device;
+/// let [_, largest] = plausible_range(&device, "backlash", "width_rad").ok_or("no backlash")?;
+/// assert!(largest > 1e-3 && largest < 1.0);
+/// assert!(plausible_range(&device, "backlash", "stiffness").is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn plausible_range(device: &Device, effect: &str, parameter: &str) -> Option<[f64; 2]> {
+    let effects = catalogue(device);
+    let specs = effects.iter().filter(|known| known.name() == effect);
+    specs
+        .flat_map(|known| known.parameters())
+        .find(|spec| spec.name == parameter)
+        .map(|spec| spec.plausible)
+}
+
 /// Other names that the contract knows.
 const ALIASES: [(&str, &str); 1] = [("link-compliance", "joint-compliance")];
 

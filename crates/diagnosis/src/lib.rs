@@ -47,6 +47,6 @@ pub use answer::{
     Verdict,
 };
 pub use catalogue::Hook;
-pub use diagnose::{diagnose, effect_names};
+pub use diagnose::{diagnose, effect_names, plausible_range};
 pub use error::DiagnosisError;
 pub use options::Options;

@@ -7,12 +7,12 @@ use haptical_model::{Device, Evaluation, ForceTransmission};
 use haptical_report::{Figure, FigureGrid, Mark, Series};
 
 use super::force::{FREE, WALL_FORCE_N};
-use super::force_loop::{Axis, SAMPLE_S, run};
+use super::force_loop::{Axis, Law, SAMPLE_S, run};
 
 /// The wall goes in over this time, stays and goes out \[s\].
 const RAMP_S: f64 = 1.0;
 /// Standard deviation of the force sensor \[N\].
-const SENSOR_SD_N: f64 = 0.01;
+pub(crate) const SENSOR_SD_N: f64 = 0.01;
 /// Every k-th sample is drawn.
 const DRAWN: usize = 5;
 
@@ -65,7 +65,9 @@ pub(crate) fn course(
         })
         .collect();
     let turn = at_truth.pose()?.rotation.transpose();
-    let measured_n = run(axis, &transmission.matrix, gain, &wanted, &noise)
+    let law = Law::proportional(gain);
+    let measured_n = run(axis, &transmission.matrix, &law, &wanted, &noise)
+        .measured
         .iter()
         .zip(&noise)
         .map(|(wrench, noise)| {

@@ -2,14 +2,14 @@
 
 use anyhow::{Context, Result};
 use haptical_blind::Random;
-use haptical_calibration::{Channel, Weighting, Weights, fit_kinematics};
+use haptical_calibration::Weighting;
 use haptical_metrics::rms;
 use haptical_model::{Device, Recording};
 use haptical_simulator::{Effects, MotionSettings, record_motion};
 
 use super::improvement::distance_errors_m;
 use crate::tables::pose_error::PoseErrors;
-use crate::tables::run::{Run, step_one_on};
+use crate::tables::run::{Run, step_one_on, step_two_on};
 use crate::tables::scenario::Scenario;
 
 /// A recorded motion with the calibration made from it.
@@ -50,13 +50,8 @@ impl Recorded {
                 Ok(sample(scenario.samples))
             })?;
         let data = sample(scenario.poses);
-        let channels = [Channel::Cable { index: 0 }];
-        let fit = |device: &Device| {
-            let weights = Weights::stated(device, &channels);
-            fit_kinematics(device, &data, &channels, &weights, &options)
-        };
-        let kinematics = fit(&compensated)?;
-        let alone = fit(&scenario.nominal)?.device;
+        let kinematics = step_two_on(&compensated, &data, &options)?;
+        let alone = step_two_on(&scenario.nominal, &data, &options)?.device;
         let readings = sample(scenario.evaluation_poses);
         let pose = PoseErrors::new(
             &scenario.truth,

@@ -8,6 +8,7 @@ use haptical_model::{Device, TransmissionError};
 use haptical_simulator::apply_deviations;
 
 use crate::tables::paper::Paper;
+use crate::tables::scenario::Scenario;
 
 /// Joint 4 moves within this: beyond it the printed polynomial, even with its sign mended, has no
 /// meaning (docs/assumptions.md).
@@ -47,6 +48,17 @@ pub(crate) fn true_device(nominal: &Device, paper: &Paper) -> Result<Device> {
         coefficients: chebyshev(&table.k0_to_k10, FOURTH_JOINT_RAD),
     };
     Ok(truth)
+}
+
+/// The experiment with the motor-side encoders' counts of the device file: a recording has them, the paper's
+/// simulation does not.
+pub(crate) fn recorded(nominal: &Device, paper: &Paper) -> Result<Scenario> {
+    let mut scenario = Scenario::paper(nominal.clone(), paper, false)?;
+    for (joint, from) in scenario.nominal.joints.iter_mut().zip(&nominal.joints) {
+        joint.encoder_counts_per_rev = from.encoder_counts_per_rev;
+    }
+    scenario.truth = true_device(&scenario.nominal, paper)?;
+    Ok(scenario)
 }
 
 /// Coefficients of the Chebyshev series over [-half_range, half_range] that equals a power series:
@@ -93,6 +105,19 @@ mod tests {
         // the mended sign: 21 mrad at -40 degrees, -31.5 at +40 (design study, section 2.6)
         let at = |degrees: f64| truth.joints[3].error_rad(degrees.to_radians()).unwrap();
         assert!((at(-40.0) - 0.021).abs() < 1e-3 && (at(40.0) + 0.0315).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_recording_has_counts_and_a_simulation_none() {
+        let paper = Paper::load().unwrap();
+        let nominal = nominal(nominal_device(None).unwrap());
+        let scenario = recorded(&nominal, &paper).unwrap();
+        for device in [&scenario.nominal, &scenario.truth] {
+            let counts = |joint: usize| device.joints[joint].encoder_counts_per_rev;
+            assert!((0..7).all(|joint| counts(joint) == Some(20_000.0)));
+        }
+        let simulated = Scenario::paper(nominal, &paper, false).unwrap();
+        assert_eq!(simulated.truth.joints[0].encoder_counts_per_rev, None);
     }
 
     #[test]

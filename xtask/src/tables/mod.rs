@@ -26,6 +26,7 @@ use paper::Paper;
 use scenario::{Scenario, nominal_device};
 use sweeps::Seeds;
 
+use crate::experiment::{self, Extent};
 use crate::output::{Layout, Output};
 use crate::progress::Progress;
 
@@ -114,6 +115,12 @@ pub(crate) fn reproduce(arguments: &Arguments) -> Result<()> {
     sections::figures(&mut output, &results)?;
     sections::choices(&mut output, &results)?;
     sections::sensitivity(&mut output, &results, &nominal)?;
+    let extent = if arguments.quick {
+        Extent::QUICK
+    } else {
+        Extent::IN_TABLES
+    };
+    experiment::sections(&mut output, nominal, &results.paper, arguments.seed, extent)?;
     let command = format!(
         "cargo xtask reproduce-tables --seed {} --runs {runs}{}{}",
         arguments.seed,
@@ -127,9 +134,12 @@ pub(crate) fn reproduce(arguments: &Arguments) -> Result<()> {
     let lead = format!(
         "Simulated calibration of the paper's 7-DOF device ({} runs; made by `{command}`, version {}). \
          The paper's figures stand beside ours as printed. Lengths, home pose, ratios and drum \
-         distances are not printed in the paper; docs/assumptions.md says where ours come from.",
+         distances are not printed in the paper; docs/assumptions.md says where ours come from. From \"The recorded motion\" on it is the paper's \
+         experiment, with {} seeds where `cargo xtask reproduce-experiment` takes 200. {}",
         results.runs.samples.len(),
         env!("CARGO_PKG_VERSION"),
+        extent.seeds,
+        experiment::LEAD,
     );
     let title = "Baser & Konukseven's simulation, reproduced";
     for text in output.write(&arguments.out, title, &lead)? {

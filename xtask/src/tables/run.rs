@@ -3,6 +3,7 @@
 use anyhow::{Context, Result, bail};
 use haptical_calibration::{
     Channel, Options, ParameterFit, TransmissionFit, Weights, fit_kinematics, fit_transmission,
+    rows_with_known_errors,
 };
 use haptical_model::{Device, Recording, TransmissionError};
 use haptical_simulator::{simulate, simulate_transmission};
@@ -77,6 +78,16 @@ pub(crate) fn step_two(
     seed: u64,
 ) -> Result<ParameterFit> {
     let recording = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
+    step_two_on(compensated, &recording, &scenario.options())
+}
+
+/// Step 2 on a recording, without the rows that lie beyond what step 1 was fitted on (docs/assumptions.md).
+pub(crate) fn step_two_on(
+    compensated: &Device,
+    recording: &Recording,
+    options: &Options,
+) -> Result<ParameterFit> {
+    let recording = recording.select(&rows_with_known_errors(compensated, recording));
     let channels = [Channel::Cable { index: 0 }];
     let weights = Weights::stated(compensated, &channels);
     Ok(fit_kinematics(
@@ -84,7 +95,7 @@ pub(crate) fn step_two(
         &recording,
         &channels,
         &weights,
-        &scenario.options(),
+        options,
     )?)
 }
 
