@@ -1,10 +1,11 @@
-//! The project's own jobs: `cargo xtask reproduce-tables` and `cargo xtask blind-check`.
+//! The project's own jobs: `cargo xtask reproduce-tables`, `blind-check`, `bench-peers` and others.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
     reason = "a command talks to its terminal"
 )]
 
+mod bench_peers;
 mod blind;
 mod experiment;
 mod output;
@@ -31,6 +32,8 @@ enum Job {
     ReproduceExperiment(experiment::Arguments),
     /// Tries the diagnosis on recordings with sealed truths, then opens and scores them.
     BlindCheck(blind::Arguments),
+    /// Compares ours with Ceres, SciPy and Pinocchio on the same files, where they are there.
+    BenchPeers(bench_peers::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -38,6 +41,7 @@ fn main() -> ExitCode {
         Job::ReproduceTables(arguments) => tables::reproduce(&arguments),
         Job::ReproduceExperiment(arguments) => experiment::reproduce(&arguments),
         Job::BlindCheck(arguments) => blind::check(&arguments),
+        Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

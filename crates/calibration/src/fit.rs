@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use haptical_batch::{ReducedDistance, Threads};
 use haptical_identification::{
     Convergence, Estimate, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
     Problem, Reduction, Settings, Status, Uncertainty, analyse, estimates, evaluate_jacobian,
@@ -10,6 +11,7 @@ use haptical_identification::{
 };
 use haptical_model::{Device, ParameterId, Recording};
 
+use crate::distances::Distances;
 use crate::reduced::{count_readings, scale_to_residuals};
 use crate::{
     CalibrationError, Channel, DeviceProblem, HeldOut, ReducedProblem, Weights, parameter_infos,
@@ -136,7 +138,9 @@ pub fn fit_parameters(
     let wrap = |source| wrap(what, source);
     let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
     let reduced = ReducedProblem::new(&problem);
-    let searched = searched(&problem, &reduced);
+    let distances = problem.distances();
+    let lanes = in_lanes(distances.as_ref());
+    let searched = searched(&problem, &reduced, lanes.as_ref());
     let start = problem.start();
     let infos = parameter_infos(device, parameters);
     let order = preference_order(parameters);
@@ -232,7 +236,10 @@ pub fn identifiability_at(
     let wrap = |source| wrap("identifiability", source);
     let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
     let reduced = ReducedProblem::new(&problem);
-    let reduction = reduce(searched(&problem, &reduced), &problem.start()).map_err(wrap)?;
+    let distances = problem.distances();
+    let lanes = in_lanes(distances.as_ref());
+    let searched = searched(&problem, &reduced, lanes.as_ref());
+    let reduction = reduce(searched, &problem.start()).map_err(wrap)?;
     let infos = parameter_infos(device, parameters);
     let mut judged =
         analyse(&reduction, &infos, &preference_order(parameters), rules).map_err(wrap)?;
@@ -242,12 +249,21 @@ pub fn identifiability_at(
     Ok(judged)
 }
 
+/// The distances of a chain, reduced in lanes.
+fn in_lanes(distances: Option<&Distances>) -> Option<ReducedDistance<'_>> {
+    let Distances { model, poses } = distances?;
+    ReducedDistance::new(model, poses, Threads::Several).ok()
+}
+
 /// The form of the problem in which it is solved fastest.
 fn searched<'r>(
     problem: &'r DeviceProblem<'_>,
     reduced: &'r ReducedProblem<'_>,
+    lanes: Option<&'r ReducedDistance<'_>>,
 ) -> &'r dyn Problem {
-    if problem.residual_count() < REDUCED_FROM {
+    if let Some(lanes) = lanes {
+        lanes
+    } else if problem.residual_count() < REDUCED_FROM {
         problem
     } else {
         reduced
@@ -255,13 +271,16 @@ fn searched<'r>(
 }
 
 /// Each channel's part of the trace of J (J^T J)^-1 J^T, with `spread` for unit noise: the sum of
-/// f^T C f over the rows f of its triangle.
+/// f^T C f over the rows f of its triangle. A single channel pays for all of them.
 fn parameter_shares(
     reduced: &ReducedProblem<'_>,
     values: &[f64],
     free: &[usize],
     spread: &Uncertainty,
 ) -> Result<BTreeMap<Channel, f64>, IdentificationError> {
+    if let [(channel, _)] = reduced.layout() {
+        return Ok([(*channel, free.len() as f64)].into());
+    }
     let (triangles, _) = evaluate_jacobian(reduced, values, free)?;
     let mut first = 0;
     let mut shares = BTreeMap::new();

@@ -5,6 +5,7 @@
 mod calibration;
 mod candidates;
 mod channel;
+mod distances;
 mod error;
 mod evidence;
 mod fit;

@@ -9,6 +9,7 @@ use haptical_model::kinematics::{Twist, distance_m};
 use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};
 use rayon::prelude::*;
 
+use crate::distances::Distances;
 use crate::rotation::{inverse_left_jacobian, measured_rotation, rotation_vector};
 use crate::sink::{Place, Sink};
 use crate::{CalibrationError, Channel, Weights};
@@ -100,6 +101,21 @@ impl<'a> DeviceProblem<'a> {
             .iter()
             .map(|parameter| parameter.value(self.device))
             .collect()
+    }
+
+    /// The same problem in lanes, if it is one of a chain's parameters and one distance.
+    pub(crate) fn distances(&self) -> Option<Distances> {
+        let [block] = self.blocks.as_slice() else {
+            return None;
+        };
+        Distances::new(
+            self.device,
+            self.recording,
+            self.parameters,
+            block.channel,
+            self.outputs.as_deref()?,
+            (&block.rows, &block.weights),
+        )
     }
 
     /// The device with a parameter vector in place.

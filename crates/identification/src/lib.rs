@@ -12,6 +12,7 @@ mod search;
 mod settings;
 mod solver;
 mod sparse;
+mod triangle;
 
 pub use derivative_check::{DerivativeMismatch, worst_derivative};
 pub use error::IdentificationError;
@@ -21,7 +22,7 @@ pub use identifiability::{
     Identifiability, IdentifiabilityRules, ParameterInfo, Status, Term, analyse,
 };
 pub use observability::Observability;
-pub use problem::{Problem, SparseProblem, evaluate_jacobian};
+pub use problem::{Form, Problem, SparseProblem, evaluate_jacobian};
 pub use settings::{Convergence, Method, Settings};
 pub use solver::{Fit, solve};
 pub use sparse::{SparseFit, solve_sparse};

@@ -15,6 +15,11 @@ pub trait Problem {
     /// Number of residuals.
     fn residual_count(&self) -> usize;
 
+    /// How the residuals and derivatives are handed over.
+    fn form(&self) -> Form {
+        Form::Rows
+    }
+
     /// Writes the residuals and, where asked, d residual_i / d parameter_j into the columns `free`
     /// of the parameter vector: column k of `jacobian` belongs to parameter `free[k]`.
     ///
@@ -26,6 +31,17 @@ pub trait Problem {
         residuals: &mut [f64],
         jacobian: Option<(&[usize], &mut Matrix)>,
     ) -> Result<(), IdentificationError>;
+}
+
+/// How a [`Problem`] hands over residuals and derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// One row per residual; residuals alone cost less than with derivatives.
+    Rows,
+    /// `[J r]`, reduced by orthogonal transformations to an upper triangle with zeros below: at most one
+    /// row more than there are free parameters is not zero. The derivatives come with the cost, so a
+    /// search asks for both at once, and takes its steps from the triangle as it is.
+    Triangle,
 }
 
 /// A problem whose derivative matrix is mostly zero and keeps its pattern of entries.

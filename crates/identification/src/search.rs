@@ -3,7 +3,8 @@
 use haptical_linalg::{Matrix, Reduction, Solution};
 
 use crate::problem::by_parameter;
-use crate::{Convergence, IdentificationError, Problem, Settings};
+use crate::triangle::Triangle;
+use crate::{Convergence, Form, IdentificationError, Problem, Settings};
 
 /// Promised fall, as a share of the cost, that the rounding of the cost can hide.
 pub(crate) const UNSEEN_FALL: f64 = 1e-9;
@@ -18,6 +19,15 @@ pub(crate) const SMALLEST_SCALE: f64 = 1e-3;
 /// plateau no derivative leads back (NIST's BoxBOD, where a rate leaps to where all has decayed).
 const COLLAPSE: f64 = 1e-6;
 
+/// The linearised problem where the search is.
+#[derive(Debug)]
+enum Linear {
+    /// Reduced by a pivoted QR of all rows.
+    Reduced(Reduction),
+    /// Handed over as a triangle, and room for that of a trial.
+    Triangle(Box<[Triangle; 2]>),
+}
+
 pub(crate) struct Search<'a, P: ?Sized> {
     pub(crate) problem: &'a P,
     pub(crate) free: &'a [usize],
@@ -27,7 +37,7 @@ pub(crate) struct Search<'a, P: ?Sized> {
     pub(crate) residuals: Vec<f64>,
     /// Room for the derivatives; their reduction is what is kept.
     jacobian: Matrix,
-    pub(crate) reduction: Reduction,
+    linear: Linear,
     pub(crate) cost: f64,
     pub(crate) evaluations: usize,
     trial_residuals: Vec<f64>,
@@ -42,9 +52,27 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
     ) -> Result<Self, IdentificationError> {
         let rows = problem.residual_count();
         let mut residuals = vec![0.0; rows];
-        let mut jacobian = Matrix::zeros(rows, free.len());
-        problem.evaluate(start, &mut residuals, Some((free, &mut jacobian)))?;
-        let reduction = reduce(problem, &jacobian, &residuals, free)?;
+        let mut jacobian = Matrix::zeros(0, 0);
+        let linear = if problem.form() == Form::Triangle {
+            let room = || Triangle::new(rows, free.len());
+            let mut triangles = Box::new([room(), room()]);
+            triangles[0].evaluate(problem, start, free)?;
+            if !triangles[0].is_finite() {
+                // refuses, and says what is not finite
+                reduce(
+                    problem,
+                    &triangles[0].jacobian,
+                    &triangles[0].residuals,
+                    free,
+                )?;
+            }
+            residuals.copy_from_slice(&triangles[0].residuals);
+            Linear::Triangle(triangles)
+        } else {
+            jacobian = Matrix::zeros(rows, free.len());
+            problem.evaluate(start, &mut residuals, Some((free, &mut jacobian)))?;
+            Linear::Reduced(reduce(problem, &jacobian, &residuals, free)?)
+        };
         Ok(Self {
             problem,
             free,
@@ -55,15 +83,64 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             cost: sum_of_squares(&residuals),
             residuals,
             jacobian,
-            reduction,
+            linear,
             evaluations: 1,
         })
+    }
+
+    /// Euclidean norms of the columns.
+    pub(crate) fn column_norms(&self) -> &[f64] {
+        match &self.linear {
+            Linear::Reduced(reduction) => reduction.column_norms(),
+            Linear::Triangle(triangles) => &triangles[0].norms,
+        }
     }
 
     /// The undamped step of the linearised problem, which measures convergence for both methods.
     pub(crate) fn newton(&self) -> Result<Solution, IdentificationError> {
         let tolerance = self.settings.rank_tolerance;
-        Ok(self.reduction.solve(&self.columns, 0.0, tolerance)?)
+        match &self.linear {
+            Linear::Reduced(reduction) => Ok(reduction.solve(&self.columns, 0.0, tolerance)?),
+            Linear::Triangle(triangles) => self.newton_of(&triangles[0]),
+        }
+    }
+
+    fn newton_of(&self, triangle: &Triangle) -> Result<Solution, IdentificationError> {
+        let tolerance = self.settings.rank_tolerance;
+        match triangle.newton(tolerance) {
+            Some(step) => Ok(step),
+            None => Ok(triangle.reduction()?.solve(&self.columns, 0.0, tolerance)?),
+        }
+    }
+
+    /// The step damped by `damping` times the weighted column norms.
+    pub(crate) fn damped(
+        &self,
+        damping: f64,
+        weights: &[f64],
+    ) -> Result<Solution, IdentificationError> {
+        let (columns, tolerance) = (&self.columns, self.settings.rank_tolerance);
+        let fallback;
+        let reduction = match &self.linear {
+            Linear::Reduced(reduction) => reduction,
+            Linear::Triangle(triangles) => {
+                if let Some(step) = triangles[0].damped(damping, weights, tolerance) {
+                    return Ok(step);
+                }
+                fallback = triangles[0].reduction()?;
+                &fallback
+            }
+        };
+        Ok(reduction.solve_weighted(columns, damping, weights, tolerance)?)
+    }
+
+    /// The linearised problem, reduced.
+    pub(crate) fn into_parts(self) -> Result<(Vec<f64>, Vec<f64>, Reduction), IdentificationError> {
+        let reduction = match self.linear {
+            Linear::Reduced(reduction) => reduction,
+            Linear::Triangle(triangles) => triangles[0].reduction()?,
+        };
+        Ok((self.parameters, self.residuals, reduction))
     }
 
     /// Whether the parameters are a minimum, judged by the undamped step.
@@ -107,7 +184,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
 
     /// Square of what rounding the parameters alone does to the residuals.
     pub(crate) fn rounding(&self) -> f64 {
-        let effects = self.free.iter().zip(self.reduction.column_norms());
+        let effects = self.free.iter().zip(self.column_norms());
         effects
             .map(|(&index, norm)| (2.0 * f64::EPSILON * norm * self.parameters[index]).powi(2))
             .sum()
@@ -132,6 +209,13 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         newton: &Solution,
     ) -> Result<bool, IdentificationError> {
         self.evaluations += 1;
+        if let Linear::Triangle(triangles) = &mut self.linear {
+            let [_, after] = &mut **triangles;
+            if after.evaluate(self.problem, &trial, self.free).is_err() || !after.is_finite() {
+                return Ok(false);
+            }
+            return self.try_triangle(trial, newton);
+        }
         let cost = match self
             .problem
             .evaluate(&trial, &mut self.trial_residuals, None)
@@ -139,10 +223,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             Ok(()) => sum_of_squares(&self.trial_residuals),
             Err(_) => return Ok(false),
         };
-        let unseen = newton.explained_square <= UNSEEN_FALL * self.cost
-            && cost <= (1.0 + UNSEEN_FALL) * self.cost;
-        // Written so that a NaN is refused.
-        if !(cost < self.cost || unseen) {
+        if !self.is_better(cost, newton) {
             return Ok(false);
         }
         self.problem.evaluate(
@@ -157,9 +238,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             &self.trial_residuals,
             self.free,
         )?;
-        let vanished = |(after, before): (&f64, &f64)| *after < COLLAPSE * before;
-        let norms = reduction.column_norms().iter();
-        if norms.zip(self.reduction.column_norms()).any(vanished) {
+        if has_vanished(reduction.column_norms(), self.column_norms()) {
             return Ok(false);
         }
         if cost >= self.cost {
@@ -169,10 +248,47 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             }
         }
         std::mem::swap(&mut self.residuals, &mut self.trial_residuals);
-        self.reduction = reduction;
+        self.linear = Linear::Reduced(reduction);
         self.parameters = trial;
         self.cost = cost;
         Ok(true)
+    }
+
+    /// As [`Search::try_move`], the trial's triangle being there already.
+    fn try_triangle(
+        &mut self,
+        trial: Vec<f64>,
+        newton: &Solution,
+    ) -> Result<bool, IdentificationError> {
+        let Linear::Triangle(triangles) = &self.linear else {
+            return Ok(false);
+        };
+        let [before, after] = &**triangles;
+        let cost = sum_of_squares(&after.residuals);
+        if !self.is_better(cost, newton) || has_vanished(&after.norms, &before.norms) {
+            return Ok(false);
+        }
+        if cost >= self.cost {
+            let after = self.newton_of(after)?;
+            if after.explained_square > 0.5 * newton.explained_square {
+                return Ok(false);
+            }
+        }
+        if let Linear::Triangle(triangles) = &mut self.linear {
+            triangles.swap(0, 1);
+            self.residuals.copy_from_slice(&triangles[0].residuals);
+        }
+        self.parameters = trial;
+        self.cost = cost;
+        Ok(true)
+    }
+
+    /// Whether a cost is lower, or as low where the fall cannot be seen.
+    fn is_better(&self, cost: f64, newton: &Solution) -> bool {
+        let unseen = newton.explained_square <= UNSEEN_FALL * self.cost
+            && cost <= (1.0 + UNSEEN_FALL) * self.cost;
+        // Written so that a NaN is refused.
+        cost < self.cost || unseen
     }
 
     pub(crate) fn is_small(&self, step: &Solution, tolerance: f64) -> bool {
@@ -190,6 +306,12 @@ fn reduce<P: Problem + ?Sized>(
     free: &[usize],
 ) -> Result<Reduction, IdentificationError> {
     Reduction::new(jacobian, residuals).map_err(|error| by_parameter(error.into(), problem, free))
+}
+
+/// Whether a column has lost nearly all of its effect.
+fn has_vanished(after: &[f64], before: &[f64]) -> bool {
+    let mut norms = after.iter().zip(before);
+    norms.any(|(after, before)| *after < COLLAPSE * before)
 }
 
 pub(crate) fn sum_of_squares(values: &[f64]) -> f64 {

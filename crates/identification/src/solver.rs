@@ -90,14 +90,16 @@ pub fn solve<P: Problem + ?Sized>(
         }
         iterations += 1;
     };
+    let (cost, evaluations) = (search.cost, search.evaluations);
+    let (parameters, residuals, reduction) = search.into_parts()?;
     Ok(Fit {
-        parameters: search.parameters,
-        cost: search.cost,
-        residuals: search.residuals,
+        parameters,
+        cost,
+        residuals,
         iterations,
-        evaluations: search.evaluations,
+        evaluations,
         convergence,
-        reduction: search.reduction,
+        reduction,
     })
 }
 
@@ -126,7 +128,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         newton: &Solution,
         damping: &mut Damping,
     ) -> Result<bool, IdentificationError> {
-        let norms = self.reduction.column_norms();
+        let norms = self.column_norms();
         let mut weights = vec![1.0; norms.len()];
         for ((largest, norm), weight) in damping.norms.iter_mut().zip(norms).zip(&mut weights) {
             *largest = (FORGETTING * *largest).max(*norm);
@@ -135,12 +137,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             }
         }
         for _ in 0..MAX_HALVINGS {
-            let step = self.reduction.solve_weighted(
-                &self.columns,
-                damping.value,
-                &weights,
-                self.settings.rank_tolerance,
-            )?;
+            let step = self.damped(damping.value, &weights)?;
             let before = self.cost;
             let trial = self.trial(&step.values, 1.0);
             if self.try_move(trial, newton)? {

@@ -92,6 +92,66 @@ impl Reduction {
         })
     }
 
+    /// A problem that was reduced elsewhere by orthogonal transformations: the upper `triangle` (n x n), what
+    /// became of the right-hand side in its rows, and the square of the rest; `rows` is what
+    /// [`Reduction::rows`] will say.
+    ///
+    /// ```
+    /// use haptical_linalg::{Matrix, Reduction, RANK_TOLERANCE};
+    /// let triangle = Matrix::from_fn(2, 2, |row, column| if row <= column { 2.0 } else { 0.0 });
+    /// let reduction = Reduction::from_triangle(&triangle, &[4.0, 2.0], 0.5, 10)?;
+    /// let solution = reduction.solve(&[0, 1], 0.0, RANK_TOLERANCE)?;
+    /// assert!((solution.values[0] - 1.0).abs() < 1e-12 && (solution.residual_square - 0.5).abs() < 1e-12);
+    /// # Ok::<(), haptical_linalg::LinalgError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Reduction::new`]; [`LinalgError::Shape`] where the triangle is not square.
+    pub fn from_triangle(
+        triangle: &Matrix,
+        projected: &[f64],
+        rest_square: f64,
+        rows: usize,
+    ) -> Result<Self, LinalgError> {
+        triangle.check()?;
+        let expected = triangle.columns();
+        for (what, found) in [
+            ("right-hand side", projected.len()),
+            ("rows of a triangle", triangle.rows()),
+        ] {
+            if found != expected {
+                return Err(LinalgError::Shape {
+                    what,
+                    expected,
+                    found,
+                });
+            }
+        }
+        let mut factor = triangle.clone();
+        let mut column_norms = Vec::with_capacity(expected);
+        for column in 0..expected {
+            let norm = norm(factor.column(column));
+            if norm > 0.0 {
+                let entries = factor.column_mut(column).iter_mut();
+                entries.for_each(|entry| *entry /= norm);
+            }
+            column_norms.push(norm);
+        }
+        let square = projected.iter().map(|entry| entry * entry).sum::<f64>() + rest_square;
+        if !square.is_finite() || column_norms.iter().any(|norm| !norm.is_finite()) {
+            return Err(LinalgError::Overflow {
+                what: "a column norm or the square of the right-hand side",
+            });
+        }
+        Ok(Self {
+            rows,
+            factor,
+            projected: projected.to_vec(),
+            residual_square: rest_square,
+            column_norms,
+        })
+    }
+
     /// Rows of the matrix that was reduced.
     pub fn rows(&self) -> usize {
         self.rows

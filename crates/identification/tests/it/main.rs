@@ -18,3 +18,4 @@ mod refusals;
 mod search;
 mod sparse;
 mod support;
+mod triangle_form;

@@ -1,0 +1,29 @@
+//! Distances of many poses at once: residuals, all derivatives, and their reduction to a triangle.
+//!
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod aligned;
+mod blocks;
+mod error;
+mod fold;
+mod model;
+mod panel;
+mod poses;
+mod problem;
+mod program;
+mod solve;
+mod stream;
+mod sweep;
+mod triangle;
+mod trigonometry;
+
+pub use blocks::Threads;
+pub use error::BatchError;
+pub use model::DistanceModel;
+pub use poses::{PoseBatch, Sines};
+pub use problem::{DistanceProblem, ReducedDistance, TileRows};
+pub use solve::{WarmFit, solve_distances, solve_distances_warm};
+pub use stream::{PoseRow, StreamedDistance};
+pub use triangle::Triangle;
+pub use trigonometry::sines_cosines;

@@ -1,0 +1,266 @@
+//! The poses of a batch, tile by tile in columns.
+
+use haptical_kinematics::Motion;
+
+use crate::aligned::Aligned;
+use crate::{BatchError, DistanceModel, sines_cosines};
+
+/// Rows of a tile: 28 columns of so many derivatives and the residuals fill 59 kB. Twice the rows halve
+/// what every column costs once per tile, and the four columns that are in use at a time, 8 kB, stay in
+/// the first-level cache; 128 rows take 5 % longer where that cache has 48 kB (README.md).
+pub(crate) const TILE_ROWS: usize = 256;
+/// Tiles that are reduced to one triangle before triangles are merged.
+pub(crate) const TILES_IN_BLOCK: usize = 16;
+/// Rows are filled up to a multiple of this, whatever the processor's lanes are.
+pub(crate) const ROW_QUANTUM: usize = 16;
+
+/// When the sines and cosines of the joint variables are worked out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sines {
+    /// Once, with the batch: twice the memory of a joint variable. A pass turns them by the parameter's
+    /// angle (sin(q + t) = sin q cos t + cos q sin t), always from the first values, so that no error
+    /// gathers.
+    #[default]
+    Cached,
+    /// In every pass.
+    EachPass,
+}
+
+/// Joint variables (after transmissions), measured distances and weights of many poses, as columns of
+/// tiles.
+///
+/// ```
+/// use haptical_batch::{PoseBatch, Sines};
+/// use haptical_kinematics::Motion;
+/// let joints = [vec![0.1, 0.2, 0.3]];
+/// let poses = PoseBatch::new(&[Motion::Fixed, Motion::Revolute], &joints, &[0.5; 3], &[1e4; 3], Sines::Cached)?;
+/// assert_eq!(poses.len(), 3);
+/// # Ok::<(), haptical_batch::BatchError>(())
+/// ```
+#[derive(Debug)]
+pub struct PoseBatch {
+    motions: Vec<Motion>,
+    pub(crate) columns: Columns,
+    rows: usize,
+    data: Aligned,
+    /// Largest magnitude of each joint's variable.
+    largest: Vec<f64>,
+}
+
+/// Where the columns of a tile stand.
+#[derive(Debug, Clone)]
+pub(crate) struct Columns {
+    /// First column of each joint: its sine, then its cosine, or its variable alone.
+    pub(crate) joints: Vec<usize>,
+    pub(crate) sines: Sines,
+    pub(crate) distance: usize,
+    pub(crate) weight: usize,
+    pub(crate) count: usize,
+}
+
+impl Columns {
+    pub(crate) fn new(motions: &[Motion], sines: Sines) -> Self {
+        let mut count = 0;
+        let moving = motions.iter().filter(|motion| **motion != Motion::Fixed);
+        let joints = moving
+            .map(|motion| {
+                let first = count;
+                count += match (motion, sines) {
+                    (Motion::Revolute, Sines::Cached) => 2,
+                    _ => 1,
+                };
+                first
+            })
+            .collect();
+        Self {
+            joints,
+            sines,
+            distance: count,
+            weight: count + 1,
+            count: count + 2,
+        }
+    }
+}
+
+impl PoseBatch {
+    /// Poses of a chain with these motions: one slice per moving row with one joint variable per pose
+    /// (rad, or m for a prismatic joint), and per pose a distance in m and a weight, one over the
+    /// distance's standard deviation in 1/m.
+    ///
+    /// # Errors
+    /// [`BatchError::NoPose`], [`BatchError::Length`]; [`BatchError::Pose`] for a number that is not
+    /// finite or a weight that is negative.
+    pub fn new<J: AsRef<[f64]>>(
+        motions: &[Motion],
+        joints: &[J],
+        distances_m: &[f64],
+        weights: &[f64],
+        sines: Sines,
+    ) -> Result<Self, BatchError> {
+        let rows = distances_m.len();
+        let moving: Vec<Motion> = motions
+            .iter()
+            .copied()
+            .filter(|motion| *motion != Motion::Fixed)
+            .collect();
+        let length = |what, expected, found| {
+            if expected == found {
+                Ok(())
+            } else {
+                Err(BatchError::Length {
+                    what,
+                    expected,
+                    found,
+                })
+            }
+        };
+        if rows == 0 {
+            return Err(BatchError::NoPose);
+        }
+        length("joint variables' slices", moving.len(), joints.len())?;
+        for joint in joints {
+            length("a joint's variables", rows, joint.as_ref().len())?;
+            check_all("a joint variable", joint.as_ref())?;
+        }
+        length("weights", rows, weights.len())?;
+        check_all("the distance", distances_m)?;
+        check_all("the weight", weights)?;
+        if let Some(pose) = weights.iter().position(|weight| *weight < 0.0) {
+            return Err(weight_error(pose, weights[pose]));
+        }
+        let columns = Columns::new(motions, sines);
+        let tiles = rows.div_ceil(TILE_ROWS);
+        let mut batch = Self {
+            motions: motions.to_vec(),
+            rows,
+            data: Aligned::zeros(tiles * columns.count * TILE_ROWS),
+            largest: joints
+                .iter()
+                .map(|joint| {
+                    joint
+                        .as_ref()
+                        .iter()
+                        .fold(0.0, |most: f64, q| most.max(q.abs()))
+                })
+                .collect(),
+            columns,
+        };
+        for tile in 0..tiles {
+            let first = tile * TILE_ROWS;
+            let last = (first + TILE_ROWS).min(rows);
+            let (count, at) = (batch.columns.count, &batch.columns);
+            let into = &mut batch.data.as_mut_slice()[tile * count * TILE_ROWS..];
+            for (index, (joint, motion)) in joints.iter().zip(&moving).enumerate() {
+                let variables = &joint.as_ref()[first..last];
+                let column = &mut into[at.joints[index] * TILE_ROWS..];
+                if *motion == Motion::Revolute && sines == Sines::Cached {
+                    let (sine, cosine) = column.split_at_mut(TILE_ROWS);
+                    sines_cosines(variables, sine, cosine);
+                    fill_up(sine, variables.len());
+                    fill_up(cosine, variables.len());
+                } else {
+                    column[..variables.len()].copy_from_slice(variables);
+                    fill_up(column, variables.len());
+                }
+            }
+            into[at.distance * TILE_ROWS..][..last - first]
+                .copy_from_slice(&distances_m[first..last]);
+            // the weights of rows that fill up the tile stay 0
+            into[at.weight * TILE_ROWS..][..last - first].copy_from_slice(&weights[first..last]);
+        }
+        Ok(batch)
+    }
+
+    /// Number of poses.
+    pub fn len(&self) -> usize {
+        self.rows
+    }
+
+    /// Always false: a batch has at least one pose.
+    pub fn is_empty(&self) -> bool {
+        self.rows == 0
+    }
+
+    /// One motion per row of the chain.
+    pub fn motions(&self) -> &[Motion] {
+        &self.motions
+    }
+
+    /// When sines are worked out.
+    pub fn sines(&self) -> Sines {
+        self.columns.sines
+    }
+
+    pub(crate) fn largest(&self, joint: usize) -> f64 {
+        self.largest.get(joint).copied().unwrap_or(f64::INFINITY)
+    }
+
+    pub(crate) fn tiles(&self) -> usize {
+        self.rows.div_ceil(TILE_ROWS)
+    }
+
+    pub(crate) fn blocks(&self) -> usize {
+        self.tiles().div_ceil(TILES_IN_BLOCK)
+    }
+
+    /// Poses of every `every`-th block.
+    pub(crate) fn count_every(&self, every: usize) -> usize {
+        let block = TILES_IN_BLOCK * TILE_ROWS;
+        let firsts = (0..self.rows).step_by(block).step_by(every);
+        firsts.map(|first| (self.rows - first).min(block)).sum()
+    }
+
+    /// The columns of a tile, and how many of its rows are poses.
+    pub(crate) fn tile(&self, tile: usize) -> (&[f64], usize) {
+        let size = self.columns.count * TILE_ROWS;
+        let rows = (self.rows - tile * TILE_ROWS).min(TILE_ROWS);
+        (&self.data.as_slice()[tile * size..][..size], rows)
+    }
+
+    /// The model must be of a chain of the same motions.
+    pub(crate) fn check(&self, model: &DistanceModel) -> Result<(), BatchError> {
+        let differs = |(a, b): (&Motion, &Motion)| a != b;
+        let (own, others) = (&self.motions, &model.motions);
+        if own.len() == others.len() && !own.iter().zip(others).any(differs) {
+            return Ok(());
+        }
+        let same = own.iter().zip(others).take_while(|(a, b)| a == b).count();
+        Err(BatchError::Length {
+            what: "rows of the model that move as those of the batch",
+            expected: own.len().max(others.len()),
+            found: same,
+        })
+    }
+}
+
+/// Repeats the last pose: its weight will be 0, its distance must have a derivative.
+pub(crate) fn fill_up(column: &mut [f64], filled: usize) {
+    if let Some(&last) = filled.checked_sub(1).and_then(|last| column.get(last)) {
+        column[filled..TILE_ROWS].fill(last);
+    }
+}
+
+fn check_all(what: &'static str, values: &[f64]) -> Result<(), BatchError> {
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(pose) => Err(not_finite(what, pose, values[pose])),
+    }
+}
+
+pub(crate) fn not_finite(what: &'static str, pose: usize, value: f64) -> BatchError {
+    BatchError::Pose {
+        what,
+        pose,
+        value,
+        allowed: "a finite number",
+    }
+}
+
+pub(crate) fn weight_error(pose: usize, value: f64) -> BatchError {
+    BatchError::Pose {
+        what: "the weight",
+        pose,
+        value,
+        allowed: "a finite number of at least 0",
+    }
+}

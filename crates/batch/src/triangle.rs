@@ -1,0 +1,214 @@
+//! The triangle that rows are folded into, and the sum of squares that it does not explain.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::BatchError;
+use crate::aligned::Aligned;
+use crate::fold::Fold;
+use crate::poses::{ROW_QUANTUM, TILE_ROWS};
+
+/// `[J r]` of any number of rows, reduced by orthogonal transformations: with k columns of derivatives
+/// an upper triangle R (k x k), q = Q^T r (k) and the rest of |r|^2, so that for every x
+/// |J x - r|^2 = |R x - q|^2 + rest.
+///
+/// ```
+/// use haptical_batch::Triangle;
+/// // y = 2 + 3 t: columns 1 and t
+/// let mut triangle = Triangle::new(2);
+/// triangle.fold_rows(&[&[1.0, 1.0, 1.0, 1.0], &[0.0, 1.0, 2.0, 3.0]], &[2.0, 5.0, 8.0, 11.0])?;
+/// let slope = triangle.projected()[1] / triangle.entry(1, 1);
+/// assert!((slope - 3.0).abs() < 1e-14);
+/// assert!(triangle.rest_square() < 1e-25);
+/// # Ok::<(), haptical_batch::BatchError>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct Triangle {
+    columns: usize,
+    /// Column-major, `columns` rows and `columns + 1` columns; below the diagonal it is zero.
+    pub(crate) entries: Aligned,
+    rest_square: f64,
+    rows: usize,
+}
+
+/// Folds a prepared tile.
+struct FoldTile<'a> {
+    fold: Fold<'a>,
+}
+
+impl WithSimd for FoldTile<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) -> f64 {
+        self.fold.run(simd)
+    }
+}
+
+impl Triangle {
+    /// A triangle of no rows over `columns` columns of derivatives.
+    pub fn new(columns: usize) -> Self {
+        let mut triangle = Self::default();
+        triangle.clear(columns);
+        triangle
+    }
+
+    /// Empties it; allocates only for more columns than ever before.
+    pub(crate) fn clear(&mut self, columns: usize) {
+        self.columns = columns;
+        self.reserve(columns);
+        self.entries.as_mut_slice().fill(0.0);
+        self.rest_square = 0.0;
+        self.rows = 0;
+    }
+
+    /// Makes room; what was in it is lost if it must grow.
+    pub(crate) fn reserve(&mut self, columns: usize) {
+        self.entries.reserve(columns * (columns + 1));
+    }
+
+    /// Columns of derivatives.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Rows folded so far.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Entry of R.
+    ///
+    /// # Panics
+    /// For a row or a column that it has not.
+    pub fn entry(&self, row: usize, column: usize) -> f64 {
+        assert!(row < self.columns && column < self.columns, "R is square");
+        self.entries.as_slice()[column * self.columns + row]
+    }
+
+    /// q = Q^T r, one entry per column.
+    pub fn projected(&self) -> &[f64] {
+        &self.entries.as_slice()[self.columns * self.columns..][..self.columns]
+    }
+
+    /// Sum of squares of the residuals that no step can lower.
+    pub fn rest_square(&self) -> f64 {
+        self.rest_square
+    }
+
+    /// Sum of squares of the residuals, |q|^2 + rest.
+    pub fn cost(&self) -> f64 {
+        self.projected()
+            .iter()
+            .map(|entry| entry * entry)
+            .sum::<f64>()
+            + self.rest_square
+    }
+
+    /// Folds rows given as columns of derivatives and residuals.
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] for slices that do not fit; [`BatchError::Overflow`] for entries that are
+    /// not finite or whose squares are not: then the triangle is of no further use.
+    pub fn fold_rows(&mut self, columns: &[&[f64]], residuals: &[f64]) -> Result<(), BatchError> {
+        let length = |what, expected, found| {
+            if expected == found {
+                Ok(())
+            } else {
+                Err(BatchError::Length {
+                    what,
+                    expected,
+                    found,
+                })
+            }
+        };
+        length("columns to fold", self.columns, columns.len())?;
+        for column in columns {
+            length("a column to fold", residuals.len(), column.len())?;
+        }
+        let mut tile = Aligned::zeros((self.columns + 1) * TILE_ROWS);
+        let mut first = 0;
+        while first < residuals.len() {
+            let rows = (residuals.len() - first).min(TILE_ROWS);
+            let into = tile.as_mut_slice().chunks_exact_mut(TILE_ROWS);
+            for (into, from) in into.zip(columns.iter().chain([&residuals])) {
+                into[..rows].copy_from_slice(&from[first..first + rows]);
+                into[rows..].fill(0.0);
+            }
+            self.fold_tile(tile.as_mut_slice(), rows);
+            first += rows;
+        }
+        self.check()
+    }
+
+    /// Folds the first `rows` rows of a tile (columns `TILE_ROWS` apart, the last the residuals; rows
+    /// up to the next multiple of the quantum are there and zero), which is destroyed.
+    pub(crate) fn fold_tile(&mut self, tile: &mut [f64], rows: usize) {
+        let columns = self.columns;
+        let fold = Fold {
+            triangle: &mut self.entries.as_mut_slice()[..columns * (columns + 1)],
+            columns,
+            tile,
+            stride: TILE_ROWS,
+            rows: rows.next_multiple_of(ROW_QUANTUM).min(TILE_ROWS),
+        };
+        let rest = Arch::new().dispatch(FoldTile { fold });
+        self.rest_square += rest;
+        self.rows += rows;
+    }
+
+    /// As [`Triangle::fold_tile`], within a pass that has chosen its lanes.
+    #[inline(always)]
+    pub(crate) fn fold_tile_with<S: Simd>(&mut self, simd: S, tile: &mut [f64], rows: usize) {
+        let columns = self.columns;
+        let mut fold = Fold {
+            triangle: &mut self.entries.as_mut_slice()[..columns * (columns + 1)],
+            columns,
+            tile,
+            stride: TILE_ROWS,
+            rows: rows.next_multiple_of(ROW_QUANTUM).min(TILE_ROWS),
+        };
+        self.rest_square += fold.run(simd);
+        self.rows += rows;
+    }
+
+    /// Folds another triangle of the same columns; `tile` is room for one.
+    pub(crate) fn merge(&mut self, other: &Self, tile: &mut [f64]) {
+        let columns = self.columns;
+        let (rows, all) = (self.rows, other.rows);
+        let from = other.entries.as_slice();
+        let mut first = 0;
+        while first < columns {
+            let count = (columns - first).min(TILE_ROWS);
+            for (column, into) in tile
+                .chunks_exact_mut(TILE_ROWS)
+                .take(columns + 1)
+                .enumerate()
+            {
+                into[..count].copy_from_slice(&from[column * columns + first..][..count]);
+                into[count..].fill(0.0);
+            }
+            self.fold_tile(tile, count);
+            first += count;
+        }
+        self.rest_square += other.rest_square;
+        self.rows = rows + all;
+    }
+
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.clear(other.columns);
+        let length = self.columns * (self.columns + 1);
+        self.entries.as_mut_slice()[..length].copy_from_slice(&other.entries.as_slice()[..length]);
+        self.rest_square = other.rest_square;
+        self.rows = other.rows;
+    }
+
+    /// Refuses what is not finite.
+    pub(crate) fn check(&self) -> Result<(), BatchError> {
+        let used = &self.entries.as_slice()[..self.columns * (self.columns + 1)];
+        if used.iter().all(|entry| entry.is_finite()) && self.cost().is_finite() {
+            Ok(())
+        } else {
+            Err(BatchError::Overflow)
+        }
+    }
+}

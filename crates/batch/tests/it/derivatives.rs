@@ -1,0 +1,99 @@
+//! Residuals and derivatives against the chain's own, and against differences.
+
+use haptical_batch::{DistanceProblem, Sines};
+use haptical_identification::{Matrix, Problem, evaluate_jacobian};
+use haptical_kinematics::{Chain, LinkDerivatives, Parameter, distance_derivative};
+use proptest::prelude::*;
+
+use crate::support::{Case, case, cases, random_case, sines};
+
+/// Of numbers of size 1: eight turns and slides, each with a few roundings.
+const ROUNDING: f64 = 1e-14;
+/// Of a central difference: its error is the square, times third derivatives of size 1, and 1e-15 over it.
+const STEP: f64 = 1e-5;
+const DIFFERENCE: f64 = 3e-9;
+
+/// What the chain says: derivative of the distance of a pose, by row and parameter.
+fn by_the_chain(case: &Case, pose: usize) -> Vec<[f64; 5]> {
+    let chain = Chain::new(case.convention, &case.links, &case.motions).unwrap();
+    let mut out = vec![LinkDerivatives::default(); case.links.len()];
+    let end = chain.derivatives(&case.variables(pose), &mut out).unwrap();
+    out.iter()
+        .map(|row| {
+            Parameter::ALL.map(|parameter| {
+                distance_derivative(&end, &case.anchor_m.into(), &row.get(parameter)).unwrap()
+            })
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(cases(64))]
+
+    #[test]
+    fn residuals_and_derivatives_are_the_chain_s(case in case(1..300), sines in sines()) {
+        let (model, poses) = (case.full_model(), case.batch(sines));
+        let problem = DistanceProblem::new(&model, &poses).unwrap();
+        // every other parameter, backwards, so that columns and parameters do not agree by chance
+        let free: Vec<usize> = (0..problem.parameter_count()).rev().step_by(2).collect();
+        let mut residuals = vec![0.0; case.poses()];
+        let mut jacobian = Matrix::zeros(case.poses(), free.len());
+        problem.evaluate(&model.start(), &mut residuals, Some((&free, &mut jacobian))).unwrap();
+        for pose in 0..case.poses() {
+            let weight = case.weights[pose];
+            let expected = case.distance(&case.links, pose) - case.distances_m[pose];
+            prop_assert!((residuals[pose] / weight - expected).abs() < ROUNDING);
+            let derivatives = by_the_chain(&case, pose);
+            for (column, &index) in free.iter().enumerate() {
+                let (row, parameter) = model.parameters()[index];
+                let expected = derivatives[row][parameter as usize];
+                let found = jacobian[(pose, column)] / weight;
+                prop_assert!((found - expected).abs() < ROUNDING, "{row} {parameter}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_differences(case in case(3..40), sines in sines()) {
+        let (model, poses) = (case.full_model(), case.batch(sines));
+        let problem = DistanceProblem::new(&model, &poses).unwrap();
+        let free: Vec<usize> = (0..problem.parameter_count()).collect();
+        let start = model.start();
+        let (jacobian, _) = evaluate_jacobian(&problem, &start, &free).unwrap();
+        for &index in &free {
+            let mut sides = [vec![0.0; case.poses()], vec![0.0; case.poses()]];
+            for (side, step) in sides.iter_mut().zip([-STEP, STEP]) {
+                let mut there = start.clone();
+                there[index] += step;
+                problem.evaluate(&there, side, None).unwrap();
+            }
+            for pose in 0..case.poses() {
+                let difference = (sides[1][pose] - sides[0][pose]) / (2.0 * STEP);
+                let error = (difference - jacobian[(pose, index)]) / case.weights[pose];
+                prop_assert!(error.abs() < DIFFERENCE, "{index}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn angles_beyond_the_lanes_are_served_by_libm() {
+    let motions = [haptical_kinematics::Motion::Revolute; 3];
+    let mut case = random_case(haptical_kinematics::Convention::Standard, &motions, 20, 5);
+    case.joints[1][7] = 3.0e7;
+    case.distances_m[7] = case.distance(&case.links, 7);
+    for sines in [Sines::Cached, Sines::EachPass] {
+        let (model, poses) = (case.model(), case.batch(sines));
+        let problem = DistanceProblem::new(&model, &poses).unwrap();
+        let mut residuals = vec![0.0; 20];
+        problem
+            .evaluate(&model.start(), &mut residuals, None)
+            .unwrap();
+        // the sum 3e7 + theta is rounded at 4e-9
+        assert!(
+            residuals[7].abs() / case.weights[7] < 1e-8,
+            "{}",
+            residuals[7]
+        );
+    }
+}

@@ -1,0 +1,17 @@
+//! Tests of the batch: against the chain's own derivatives, differences, and the device's problem.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
+)]
+
+mod allocation;
+mod derivatives;
+mod fit;
+mod refusals;
+mod streams;
+mod support;
+mod threads;
+mod triangles;
+mod trigonometry;

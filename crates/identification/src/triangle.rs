@@ -1,0 +1,255 @@
+//! Steps from a triangle as it is, without another decomposition, where its rank is proven.
+
+use haptical_linalg::{Matrix, Reduction, Solution};
+
+use crate::search::sum_of_squares;
+use crate::{IdentificationError, Problem};
+
+/// The linearised problem of a [`crate::Form::Triangle`] problem: F x - q, F upper triangular.
+///
+/// A pivoted QR is there to decide the rank. Where a bound proves that it would find full rank, back
+/// substitution gives the same step for a hundredth of the work; where not, the pivoted QR decides.
+#[derive(Debug)]
+pub(crate) struct Triangle {
+    /// F and q as the problem wrote them.
+    pub(crate) jacobian: Matrix,
+    pub(crate) residuals: Vec<f64>,
+    pub(crate) norms: Vec<f64>,
+    /// F with unit columns, column by column.
+    unit: Vec<f64>,
+    /// Lower bound of the smallest singular value of the unit columns.
+    least: f64,
+    /// Sum of squares of q beyond the triangle.
+    rest_square: f64,
+}
+
+impl Triangle {
+    pub(crate) fn new(rows: usize, columns: usize) -> Self {
+        Self {
+            jacobian: Matrix::zeros(rows, columns),
+            residuals: vec![0.0; rows],
+            norms: vec![0.0; columns],
+            unit: vec![0.0; columns * columns],
+            least: 0.0,
+            rest_square: 0.0,
+        }
+    }
+
+    /// Has the problem write itself at a point.
+    pub(crate) fn evaluate<P: Problem + ?Sized>(
+        &mut self,
+        problem: &P,
+        parameters: &[f64],
+        free: &[usize],
+    ) -> Result<(), IdentificationError> {
+        let into = Some((free, &mut self.jacobian));
+        problem.evaluate(parameters, &mut self.residuals, into)?;
+        let count = self.norms.len();
+        for column in 0..count {
+            let entries = &self.jacobian.column(column)[..=column];
+            let norm = sum_of_squares(entries).sqrt();
+            self.norms[column] = norm;
+            let scale = if norm > 0.0 { 1.0 / norm } else { 1.0 };
+            let unit = &mut self.unit[column * count..][..=column];
+            for (unit, entry) in unit.iter_mut().zip(entries) {
+                *unit = entry * scale;
+            }
+        }
+        self.rest_square = sum_of_squares(&self.residuals[count..]);
+        self.least = self.least_singular_value();
+        Ok(())
+    }
+
+    /// Whether all numbers are finite, and so are the norms.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.norms
+            .iter()
+            .chain(&self.residuals)
+            .all(|entry| entry.is_finite())
+    }
+
+    pub(crate) fn reduction(&self) -> Result<Reduction, IdentificationError> {
+        let count = self.norms.len();
+        let triangle = Matrix::from_fn(count, count, |row, column| self.jacobian[(row, column)]);
+        Ok(Reduction::from_triangle(
+            &triangle,
+            &self.residuals[..count],
+            self.rest_square,
+            self.residuals.len(),
+        )?)
+    }
+
+    fn diagonal(&self, index: usize) -> f64 {
+        self.unit[index * self.norms.len() + index]
+    }
+
+    /// A lower bound: 1 / (sqrt(n) max y) with y the solution of M y = (1, ..., 1), M the comparison
+    /// matrix of the triangle, as |F^-1| <= M^-1 entry by entry
+    /// (Higham, *Accuracy and Stability of Numerical Algorithms*, section 8.2).
+    fn least_singular_value(&self) -> f64 {
+        let count = self.norms.len();
+        let mut y = vec![1.0; count];
+        let mut most = 0.0_f64;
+        for column in (0..count).rev() {
+            y[column] /= self.diagonal(column).abs();
+            most = most.max(y[column]);
+            let solved = y[column];
+            let entries = &self.unit[column * count..][..column];
+            for (rest, entry) in y.iter_mut().zip(entries) {
+                *rest += entry.abs() * solved;
+            }
+        }
+        // a zero on the diagonal makes infinity, infinity times zero NaN: neither proves anything
+        let least = 1.0 / ((count as f64).sqrt() * most);
+        if y.iter().all(|entry| entry.is_finite()) {
+            least
+        } else {
+            0.0
+        }
+    }
+
+    /// The undamped step; none where full rank is not proven.
+    ///
+    /// The pivots of a pivoted QR are at least the smallest singular value, the largest pivot at most
+    /// 1, the norm of a column.
+    pub(crate) fn newton(&self, tolerance: f64) -> Option<Solution> {
+        let count = self.norms.len();
+        if self.least <= PROOF_MARGIN * tolerance {
+            return None;
+        }
+        let mut step = self.residuals[..count].to_vec();
+        back_substitute(&self.unit, &mut step);
+        self.solution(step, sum_of_squares(&self.residuals[..count]), 0.0)
+    }
+
+    /// The damped step, as [`Reduction::solve_weighted`]; none where full rank is not proven.
+    pub(crate) fn damped(&self, damping: f64, weights: &[f64], tolerance: f64) -> Option<Solution> {
+        let count = self.norms.len();
+        let root = damping.sqrt();
+        let mut longest = 1.0_f64;
+        let mut least = f64::INFINITY;
+        for weight in weights {
+            let entry = root * weight;
+            longest = longest.max(entry.hypot(1.0));
+            least = least.min(entry / entry.hypot(1.0));
+        }
+        let least = least.max(self.least / longest);
+        if !longest.is_finite() || least.is_nan() || least <= PROOF_MARGIN * tolerance {
+            return None;
+        }
+        let mut triangle = self.unit.clone();
+        let mut step = self.residuals[..count].to_vec();
+        let height = count.next_multiple_of(LANES);
+        let mut below = vec![0.0; count * height];
+        for (index, weight) in weights.iter().enumerate() {
+            below[index * height + index] = root * weight;
+        }
+        fold(&mut triangle, &mut step, &mut below);
+        back_substitute(&triangle, &mut step);
+        let (mut misfit, mut explained) = (0.0, 0.0);
+        for row in 0..count {
+            let terms = (row..count).map(|column| self.unit[column * count + row] * step[column]);
+            let (have, fit) = (self.residuals[row], terms.sum::<f64>());
+            misfit += (have - fit) * (have - fit);
+            explained += fit * (2.0 * have - fit);
+        }
+        self.solution(step, explained, misfit)
+    }
+
+    fn solution(&self, mut step: Vec<f64>, explained_square: f64, misfit: f64) -> Option<Solution> {
+        for (value, norm) in step.iter_mut().zip(&self.norms) {
+            *value = if *norm > 0.0 { *value / norm } else { 0.0 };
+        }
+        // what overflows is refused in the other way, with its reason
+        let is_sound = step.iter().all(|value| value.is_finite());
+        is_sound.then_some(Solution {
+            rank: self.norms.len(),
+            values: step,
+            residual_square: self.rest_square + misfit,
+            explained_square,
+        })
+    }
+}
+
+/// Numbers that are worked on together.
+const LANES: usize = 4;
+
+/// The bounds are worked out in rounded arithmetic themselves.
+const PROOF_MARGIN: f64 = 2.0;
+
+/// Solves the upper triangle, stored column by column, for `values` in place.
+fn back_substitute(triangle: &[f64], values: &mut [f64]) {
+    let count = values.len();
+    for column in (0..count).rev() {
+        let entries = &triangle[column * count..][..=column];
+        let solved = values[column] / entries[column];
+        values[column] = solved;
+        for (value, entry) in values.iter_mut().zip(&entries[..column]) {
+            *value -= entry * solved;
+        }
+    }
+}
+
+/// Folds the matrix `below`, diagonal at first, into the triangle by Householder reflections; its columns
+/// are filled up with zeros to a multiple of [`LANES`].
+///
+/// Column j of `below` fills up to row j and no further, so reflection j has its entry of the triangle
+/// and j + 1 rows (Lawson & Hanson, *Solving Least Squares Problems*, chapter 27); beyond these its own
+/// column is zero, and the rows are left as they are. The right-hand side of `below` is zero at first.
+fn fold(triangle: &mut [f64], rhs: &mut [f64], below: &mut [f64]) {
+    let count = rhs.len();
+    let height = count.next_multiple_of(LANES);
+    let mut rhs_below = vec![0.0; height];
+    for column in 0..count {
+        let (left, right) = below.split_at_mut((column + 1) * height);
+        let rows = (column + 1).next_multiple_of(LANES);
+        let x = &left[column * height..][..rows];
+        let square = product(x, x);
+        let alpha = triangle[column * count + column];
+        if square == 0.0 {
+            continue;
+        }
+        let norm = (alpha * alpha + square).sqrt();
+        let beta = if alpha >= 0.0 { -norm } else { norm };
+        let scale = 1.0 / (alpha - beta);
+        let tau = (beta - alpha) / beta;
+        triangle[column * count + column] = beta;
+        let reflect = |top: &mut f64, bottom: &mut [f64]| {
+            let change = tau * (*top + scale * product(x, bottom));
+            *top -= change;
+            subtract(bottom, scale * change, x);
+        };
+        for (bottom, other) in right.chunks_exact_mut(height).zip(column + 1..) {
+            reflect(&mut triangle[other * count + column], &mut bottom[..rows]);
+        }
+        reflect(&mut rhs[column], &mut rhs_below[..rows]);
+    }
+}
+
+/// Sum of products of slices of a multiple of [`LANES`]; a single sum would wait for itself at every
+/// entry.
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (a, _) = a.as_chunks::<LANES>();
+    let (b, _) = b.as_chunks::<LANES>();
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
+}
+
+/// `into` less `factor` times `x`, of a multiple of [`LANES`].
+fn subtract(into: &mut [f64], factor: f64, x: &[f64]) {
+    let (into, _) = into.as_chunks_mut::<LANES>();
+    let (x, _) = x.as_chunks::<LANES>();
+    for (into, x) in into.iter_mut().zip(x) {
+        // by value, so that the compiler need not fear that the two overlap
+        let mut lanes = *into;
+        for lane in 0..LANES {
+            lanes[lane] -= factor * x[lane];
+        }
+        *into = lanes;
+    }
+}

@@ -1,0 +1,32 @@
+//! Whether all contenders found the same solution: before that no time says anything.
+
+use anyhow::{Result, bail};
+
+/// Largest relative difference between final costs.
+pub(crate) const COST_AGREEMENT: f64 = 1e-9;
+
+/// Refuses final costs that differ from the lowest by more than [`COST_AGREEMENT`], and says whose.
+///
+/// # Errors
+/// Names every contender whose cost is not the lowest to that precision, or not a cost.
+pub(crate) fn check_costs(work: &str, costs: &[(String, f64)]) -> Result<()> {
+    let lowest = costs
+        .iter()
+        .map(|(_, cost)| *cost)
+        .fold(f64::INFINITY, f64::min);
+    // false for a NaN
+    let agrees = |cost: f64| (cost - lowest).abs() <= COST_AGREEMENT * lowest;
+    let off: Vec<String> = costs
+        .iter()
+        .filter(|(_, cost)| !agrees(*cost))
+        .map(|(name, cost)| format!("{name}: {cost} ({:.1e} above)", (cost - lowest) / lowest))
+        .collect();
+    if off.is_empty() {
+        return Ok(());
+    }
+    bail!(
+        "{work}: final costs differ by more than {COST_AGREEMENT:e}, so no times are reported; the lowest is \
+         {lowest}, but {}",
+        off.join("; ")
+    )
+}

@@ -1,0 +1,86 @@
+//! The bars that the comparisons are held against, and what one run says of each.
+
+use super::distance::{LARGE, SMALL};
+use super::ratio::MedianRatio;
+use super::rounds::Comparison;
+
+/// Names of the works with Pinocchio.
+pub(crate) const ONE_POSE: &str = "pose and Jacobian, one pose";
+pub(crate) const BATCH: &str = "pose and Jacobian, 1000 poses";
+
+/// Least ratio of the fastest way of a family to ours.
+struct Bar {
+    work: &'static str,
+    family: &'static str,
+    /// Threads of ours and of the other.
+    threads: (usize, usize),
+    least: f64,
+}
+
+const BARS: [Bar; 6] = [
+    Bar {
+        work: SMALL.name,
+        family: "Ceres",
+        threads: (1, 1),
+        least: 15.0,
+    },
+    Bar {
+        work: SMALL.name,
+        family: "SciPy",
+        threads: (1, 1),
+        least: 400.0,
+    },
+    Bar {
+        work: LARGE.name,
+        family: "Ceres",
+        threads: (1, 1),
+        least: 15.0,
+    },
+    Bar {
+        work: LARGE.name,
+        family: "ours",
+        threads: (2, 1),
+        least: 1.7,
+    },
+    // at most 0.25 and 0.15 of the peer's time
+    Bar {
+        work: ONE_POSE,
+        family: "Pinocchio",
+        threads: (1, 1),
+        least: 1.0 / 0.25,
+    },
+    Bar {
+        work: BATCH,
+        family: "Pinocchio",
+        threads: (1, 1),
+        least: 1.0 / 0.15,
+    },
+];
+
+/// Whether each bar that this run can judge is reached, in words. The fastest way of a family counts, so
+/// a bar is not judged where any way of the family has no ratio.
+pub(crate) fn verdicts(comparisons: &[Comparison]) -> Vec<(bool, String)> {
+    let judged = BARS.iter().filter_map(|bar| {
+        let of_family: Vec<(&Comparison, MedianRatio)> = comparisons
+            .iter()
+            .filter(|each| each.work == bar.work && each.other.family == bar.family)
+            .filter(|each| (each.ours.threads, each.other.threads) == bar.threads)
+            .map(|each| Some((each, each.ratio()?)))
+            .collect::<Option<_>>()?;
+        let (fastest, ratio) = of_family
+            .into_iter()
+            .min_by(|(_, a), (_, b)| a.median.total_cmp(&b.median))?;
+        let text = format!(
+            "{}: {} takes {:.2} times as long as {} ({:.2} to {:.2}; bar: at least {:.2})",
+            bar.work,
+            fastest.other.full(),
+            ratio.median,
+            fastest.ours.full(),
+            ratio.low,
+            ratio.high,
+            bar.least,
+        );
+        Some((ratio.median >= bar.least, text))
+    });
+    judged.collect()
+}

@@ -1,0 +1,64 @@
+//! What takes part in a comparison, and what one of its runs answers.
+
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::Value;
+
+/// What a run found and how long it took, one time for each repeat.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Answer {
+    /// Sum of squared weighted residuals; none where nothing is minimised.
+    pub(crate) cost: Option<f64>,
+    /// Steps from the start to the solution.
+    pub(crate) iterations: Option<u64>,
+    /// Time before the search: the problem is put together \[s\]. Never part of a ratio.
+    pub(crate) construction_s: Vec<f64>,
+    /// Time from the start values to the solution, or of the calls \[s\].
+    pub(crate) solve_s: Vec<f64>,
+}
+
+impl Answer {
+    /// Reads a peer's line: `cost`, `iterations`, `construction_s` (each optional) and `solve_s`.
+    pub(crate) fn from_json(line: &str) -> Result<Self> {
+        let value: Value = serde_json::from_str(line)
+            .with_context(|| format!("a peer answered `{}`", line.trim()))?;
+        let times = |name: &str| -> Result<Vec<f64>> {
+            let list = value[name].as_array().map_or(&[][..], Vec::as_slice);
+            list.iter()
+                .map(|time| match time.as_f64() {
+                    Some(time) if time >= 0.0 => Ok(time),
+                    _ => bail!("a peer answered the time `{time}`"),
+                })
+                .collect()
+        };
+        let answer = Self {
+            cost: value["cost"].as_f64(),
+            iterations: value["iterations"].as_u64(),
+            construction_s: times("construction_s")?,
+            solve_s: times("solve_s")?,
+        };
+        ensure!(!answer.solve_s.is_empty(), "a peer answered no times");
+        Ok(answer)
+    }
+}
+
+/// Ours or a peer's: something that can be run again and again.
+pub(crate) trait Contender {
+    /// What it is, for tables.
+    fn name(&self) -> &str;
+
+    /// Whose it is: `ours`, `Ceres`, `SciPy` or `Pinocchio`.
+    fn family(&self) -> &str;
+
+    /// Threads that it uses.
+    fn threads(&self) -> usize {
+        1
+    }
+
+    /// Process that does the work, where it is not this one.
+    fn process(&self) -> Option<u32> {
+        None
+    }
+
+    /// Runs `repeats` times from the start.
+    fn run(&mut self, repeats: usize) -> Result<Answer>;
+}
