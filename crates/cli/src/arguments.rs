@@ -1,5 +1,6 @@
 //! The command line: subcommands, flags, their help, and what is said of a wrong one.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -25,7 +26,8 @@ Example:
   haptical identify --device demo/device.toml --log demo/log.csv --out demo/result
   haptical diagnose --device demo/device.toml --log demo/log.csv --out demo/gap
 
-Exit status: 0 done; 2 bad arguments or input; 3 nothing can be identified from these numbers."
+Exit status: 0 done; 2 bad arguments or input; 3 nothing can be identified from these numbers;
+130 interrupted by Ctrl-C."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -100,18 +102,18 @@ pub(crate) struct IdentifyArguments {
     #[arg(long, value_enum, default_value_t = MethodName::Joint)]
     pub(crate) method: MethodName,
     /// Share of the rows that the fit does not see, 0 to 0.5
-    #[arg(long, value_name = "SHARE", default_value = "0.2", value_parser = share)]
+    #[arg(long, value_name = "SHARE", default_value = "0.2", value_parser = share, allow_negative_numbers = true)]
     pub(crate) held_out: f64,
     /// Degree of the polynomial of a parallelogram: a number, or `evidence` for the degree up to
     /// 14 that the Bayes criterion favours
-    #[arg(long, value_name = "N|evidence", default_value = "evidence", value_parser = degree)]
+    #[arg(long, value_name = "N|evidence", default_value = "evidence", value_parser = degree, allow_negative_numbers = true)]
     pub(crate) degree: Degree,
     /// Sizes of the noise: the device file's, or estimated from the residuals
     #[arg(long, value_enum, default_value_t = NoiseName::Estimated)]
     pub(crate) noise: NoiseName,
     /// Denominator of the input drum's term of equation (1) for all joints with drums, in place of
     /// the device file's
-    #[arg(long, value_name = "METRES", value_parser = positive, conflicts_with = "paper_preset")]
+    #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true, conflicts_with = "paper_preset")]
     pub(crate) input_drum_denominator_m: Option<f64>,
     /// Input drum denominators that the paper's tables imply: 2.9 mm, joint 4: 2.6 mm
     #[arg(long)]
@@ -210,6 +212,26 @@ fn degree(text: &str) -> Result<Degree, String> {
     }
 }
 
+/// A number above 0.
+pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err("a number above 0 is expected".to_owned()),
+    }
+}
+
+/// A number that a seed can be.
+pub(crate) fn whole_number(text: &str) -> Result<u64, String> {
+    let refuse = |_| format!("a whole number from 0 to {} is expected", u64::MAX);
+    text.parse().map_err(refuse)
+}
+
+/// A number that rows can be counted by.
+pub(crate) fn one_or_more(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse()
+        .map_err(|_| "a whole number from 1 is expected".to_owned())
+}
+
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(length) if length.is_finite() && length > 0.0 => Ok(length),
@@ -234,7 +256,8 @@ pub(crate) fn explain(error: &clap::Error, wants_json: bool) -> ExitCode {
     }
 }
 
-fn failure_of(error: &clap::Error) -> Failure {
+/// What is said of a wrong command line.
+pub(crate) fn failure_of(error: &clap::Error) -> Failure {
     if let Some(failure) = unknown_effect(error) {
         return failure;
     }
@@ -252,10 +275,30 @@ fn failure_of(error: &clap::Error) -> Failure {
         what.push(' ');
         what.push_str(detail);
     }
-    let mut next: Vec<&str> = tips;
-    next.extend(usage.first());
+    let mut next: Vec<String> = tips
+        .iter()
+        .filter_map(|tip| tip.strip_prefix("tip: "))
+        .chain(usage.first().copied())
+        .map(str::to_owned)
+        .collect();
+    // "invalid value 'x' for '--degree <N>': a degree ... is expected", "... [possible values: ...]"
+    if error.kind() == ErrorKind::ValueValidation
+        && let Some((before, expected)) = what.rsplit_once("': ")
+    {
+        next.insert(0, expected.to_owned());
+        what = format!("{before}'");
+    } else if let Some((before, values)) = what.clone().split_once(" [possible values: ") {
+        next.insert(
+            0,
+            format!("possible values: {}", values.trim_end_matches(']')),
+        );
+        what = before.to_owned();
+    }
+    if what.contains("a value is required") {
+        next.push("write the value after the flag".to_owned());
+    }
     if next.is_empty() {
-        next.push("see `haptical --help`");
+        next.push("see the command's --help".to_owned());
     }
     Failure::command_line("arguments", what, next.join("; "))
 }

@@ -1,5 +1,7 @@
 //! `haptical diagnose`: diagnose, put the files together in memory, write them.
 
+use std::path::{Path, PathBuf};
+
 use haptical_diagnosis::{Diagnosis, Options, Prediction, diagnose};
 use haptical_model::{Device, Recording};
 
@@ -7,16 +9,23 @@ use crate::arguments::DiagnoseArguments;
 use crate::failure::Failure;
 use crate::gap_file::GapFile;
 use crate::inputs::{InputDrumDenominators, read_device, read_recording, refuse_other_device};
-use crate::output_files::{check_folder, write_all};
+use crate::output_files::{check_folder, check_outputs, write_all};
 use crate::terminal::Progress;
 use crate::{gap_report, gap_summary, terminal};
 
 /// Header of predictions.csv, in the order of [`Prediction`].
 const PREDICTION_COLUMNS: [&str; 5] = ["row", "channel", "measured", "before", "after"];
 
+/// What is written; the last with a second log only.
+const FILES: [&str; 3] = ["gap.json", "report.html", "predictions.csv"];
+
 /// Runs the command.
 pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     check_folder(&arguments.out)?;
+    check_outputs(
+        &FILES.map(|name| arguments.out.join(name)),
+        &arguments.inputs(),
+    )?;
     let progress = Progress::start("reading");
     let input = read_device(&arguments.device, InputDrumDenominators::Stated)?;
     let (recording, log_warnings) = read_recording(&arguments.log, &input.device)?;
@@ -44,11 +53,11 @@ pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     let json = gap.to_json()?;
     let page = gap_report::page(&gap)?;
     let mut files = vec![
-        ("gap.json", json.clone().into_bytes()),
-        ("report.html", page.into_bytes()),
+        (FILES[0], json.clone().into_bytes()),
+        (FILES[1], page.into_bytes()),
     ];
     if validation.is_some() {
-        files.push(("predictions.csv", predictions_csv(&diagnosis.predictions)?));
+        files.push((FILES[2], predictions_csv(&diagnosis.predictions)?));
     }
     let written = write_all(&arguments.out, &files)?;
     drop(progress);
@@ -57,6 +66,18 @@ pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         terminal::write_output(json.as_bytes())
     } else {
         terminal::write_output(gap_summary::text(&diagnosis, &written).as_bytes())
+    }
+}
+
+impl DiagnoseArguments {
+    /// The files that are read.
+    fn inputs(&self) -> Vec<&Path> {
+        let further = [&self.model, &self.validate];
+        [&self.device, &self.log]
+            .into_iter()
+            .chain(further.into_iter().flatten())
+            .map(PathBuf::as_path)
+            .collect()
     }
 }
 

@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use self::described::Described;
 use crate::failure::Failure;
 use crate::inputs::{InputDrumDenominators, read_device};
-use crate::output_files::{check_folder, write_all};
+use crate::output_files::{check_folder, check_outputs, write_all};
 use crate::terminal;
 
 /// Flags of `haptical export`.
@@ -73,6 +73,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let (folder, name) = place(&arguments.out)?;
     check_folder(folder)?;
+    check_outputs(std::slice::from_ref(&arguments.out), &[&arguments.device])?;
     let input = read_device(&arguments.device, InputDrumDenominators::Stated)?;
     let provenance = Provenance {
         device: input.device.name.clone(),

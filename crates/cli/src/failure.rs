@@ -1,15 +1,17 @@
 //! What went wrong, as three lines for people (what, where, next step) or as JSON for programs.
 
+mod device_file;
+
 use std::path::Path;
 use std::process::ExitCode;
 
 use haptical_calibration::CalibrationError;
 use haptical_data::DataError;
 use haptical_diagnosis::DiagnosisError;
-use haptical_model::DeviceFileError;
 use haptical_report::ReportError;
 use serde_json::json;
 
+use crate::interrupt::STATUS_INTERRUPTED;
 use crate::{STATUS_BAD_INPUT, terminal};
 
 /// Exit status where the numbers are sound but fix nothing.
@@ -74,6 +76,20 @@ impl Failure {
         next: impl Into<String>,
     ) -> Self {
         Self::bad_input(kind, what, "the command line", next)
+    }
+
+    /// Ctrl-C while `out` was written.
+    pub(crate) fn interrupted(out: &Path) -> Self {
+        let place = out.display().to_string();
+        Self {
+            status: STATUS_INTERRUPTED,
+            ..Self::bad_input(
+                "interrupted",
+                "interrupted before the end; nothing was written",
+                place,
+                "run the command again",
+            )
+        }
     }
 
     /// A failure of the program itself; no input should lead here.
@@ -150,6 +166,13 @@ impl Failure {
             },
             _ => Self::internal(text),
         }
+    }
+
+    /// Whether it says what, where and what to do next.
+    #[cfg(test)]
+    pub(crate) fn has_all_parts(&self) -> bool {
+        let parts = [&self.what, &self.place.file, &self.next];
+        parts.iter().all(|part| !part.trim().is_empty())
     }
 
     /// Says it, and gives the exit status.
@@ -284,56 +307,25 @@ impl From<DataError> for Failure {
     }
 }
 
-impl Failure {
-    /// A refused device file.
-    pub(crate) fn device_file(error: &DeviceFileError, path: &Path) -> Self {
-        let mut place = Place::in_file(path.display().to_string());
-        let text = error.to_string();
-        let mut what = text
-            .strip_prefix(&format!("{}: ", place.file))
-            .unwrap_or(&text);
-        if let Some(at) = error.position() {
-            place.line = Some(at.line as u64);
-            place.column = Some(at.column as u64);
-            what = text.strip_prefix(&format!("{at}: ")).unwrap_or(&text);
-        }
-        let (kind, next) = match error {
-            DeviceFileError::Unreadable { .. } => (
-                "unreadable",
-                "check the path and its permissions".to_owned(),
-            ),
-            DeviceFileError::Syntax { .. } => {
-                ("syntax", "correct the TOML at this place".to_owned())
-            }
-            DeviceFileError::MissingKey { key, advice, .. } => {
-                ("missing-key", format!("add `{key}`: {advice}"))
-            }
-            DeviceFileError::Value { key, .. } => ("value", format!("correct `{key}` there")),
-            _ => (
-                "shape",
-                "correct the file; `haptical init` writes a template to compare with".to_owned(),
-            ),
-        };
-        Self {
-            kind,
-            what: what.to_owned(),
-            place,
-            next,
-            status: STATUS_BAD_INPUT,
-        }
-    }
-}
-
 impl From<ReportError> for Failure {
     fn from(error: ReportError) -> Self {
         Self::internal(error)
     }
 }
 
-/// A message of the form "what; what to do".
+/// A message of the form "what; what to do". A semicolon between backticks belongs to what was
+/// found in a file.
 fn split_advice(text: &str) -> (String, String) {
-    match text.split_once("; ") {
-        Some((what, next)) => (what.to_owned(), next.to_owned()),
+    let even = |text: &str| text.matches('`').count().is_multiple_of(2);
+    // A backtick in what was found makes the count odd; then the last semicolon is ours.
+    let outside = |at: usize| even(&text[..at]) && even(&text[at..]);
+    let at = text
+        .match_indices("; ")
+        .map(|(at, _)| at)
+        .find(|&at| outside(at))
+        .or_else(|| text.rfind("; "));
+    match at {
+        Some(at) => (text[..at].to_owned(), text[at + 2..].to_owned()),
         None => (text.to_owned(), "correct the input".to_owned()),
     }
 }
@@ -348,6 +340,23 @@ fn one_line(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn advice_is_told_from_what_a_cell_holds() {
+        let split = |text| {
+            let (what, next) = split_advice(text);
+            [what, next]
+        };
+        assert_eq!(
+            split("found `1; 2`; correct it"),
+            ["found `1; 2`", "correct it"]
+        );
+        assert_eq!(
+            split("found `a`b; c`; correct it"),
+            ["found `a`b; c`", "correct it"]
+        );
+        assert_eq!(split("no advice"), ["no advice", "correct the input"]);
+    }
 
     #[test]
     fn a_refused_diagnosis_has_what_where_next_and_its_status() {

@@ -9,13 +9,18 @@ use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
 use crate::identified::{Provenance, identified};
 use crate::inputs::{read_device, read_recording};
-use crate::output_files::{check_folder, write_all};
+use crate::output_files::{check_folder, check_outputs, write_all};
 use crate::terminal::Progress;
 use crate::{report, summary, terminal};
+
+/// What is written.
+const FILES: [&str; 3] = ["identified.toml", "identified.json", "report.html"];
 
 /// Runs the command.
 pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     check_folder(&arguments.out)?;
+    let outputs = FILES.map(|name| arguments.out.join(name));
+    check_outputs(&outputs, &[&arguments.device, &arguments.log])?;
     let progress = Progress::start("reading");
     let input = read_device(&arguments.device, arguments.denominators())?;
     let (recording, log_warnings) = read_recording(&arguments.log, &input.device)?;
@@ -52,9 +57,9 @@ pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     json.push('\n');
     let page = report::page(&result, &calibration, &input.device, &recording)?;
     let files = [
-        ("identified.toml", device_text.into_bytes()),
-        ("identified.json", json.clone().into_bytes()),
-        ("report.html", page.into_bytes()),
+        (FILES[0], device_text.into_bytes()),
+        (FILES[1], json.clone().into_bytes()),
+        (FILES[2], page.into_bytes()),
     ];
     let written = write_all(&arguments.out, &files)?;
     drop(progress);

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use haptical_data::{JointShape, LogShape, read_log};
-use haptical_model::{Device, JointType, Recording};
+use haptical_model::{Device, JointType, Recording, read_toml_text};
 use toml_edit::{DocumentMut, Item, value};
 
 use crate::failure::Failure;
+use crate::reach::refuse_millimetres;
 
 /// A device with the text it came from.
 pub(crate) struct DeviceInput {
@@ -56,10 +57,7 @@ pub(crate) fn read_device(
         ));
     }
     let refuse = |error: &_| Failure::device_file(error, path);
-    let text = std::fs::read_to_string(path).map_err(|source| {
-        let path = path.to_owned();
-        refuse(&haptical_model::DeviceFileError::Unreadable { path, source })
-    })?;
+    let text = read_toml_text(path).map_err(|error| refuse(&error))?;
     let loaded = Device::from_toml(&text, &name).map_err(|error| refuse(&error))?;
     let (device, text) = if denominators == InputDrumDenominators::Stated {
         (loaded.device, text)
@@ -110,6 +108,7 @@ pub(crate) fn read_recording(
     device: &Device,
 ) -> Result<(Recording, Vec<String>), Failure> {
     let log = read_log(path, &log_shape(device))?;
+    refuse_millimetres(device, &log.recording, path)?;
     Ok((log.recording, log.warnings))
 }
 

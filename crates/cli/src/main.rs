@@ -10,6 +10,8 @@ mod effect_words;
 mod example_diagnosis;
 mod export;
 mod failure;
+#[cfg(test)]
+mod fuzz;
 mod gap_file;
 mod gap_report;
 mod gap_summary;
@@ -17,10 +19,12 @@ mod identified;
 mod identify;
 mod init;
 mod inputs;
+mod interrupt;
 mod method;
 mod output_files;
 mod play;
 mod quantity;
+mod reach;
 mod report;
 mod simulate;
 mod summary;
@@ -45,6 +49,7 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return arguments::explain(&error, wants_json),
     };
+    interrupt::listen();
     match run(arguments.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(wants_json),

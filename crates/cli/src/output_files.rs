@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
+use crate::interrupt::Writing;
 
 /// A file name and its content.
 pub(crate) type NewFile<'a> = (&'a str, Vec<u8>);
@@ -22,21 +23,71 @@ pub(crate) fn check_folder(folder: &Path) -> Result<(), Failure> {
     }
 }
 
+/// Refuses files to write that would replace an input, or what is no file, before any work.
+pub(crate) fn check_outputs(outputs: &[PathBuf], inputs: &[&Path]) -> Result<(), Failure> {
+    for output in outputs {
+        let Ok(there) = std::fs::metadata(output) else {
+            continue;
+        };
+        let refuse = |what: String, next: &str| {
+            let place = output.display().to_string();
+            Err(Failure::bad_input("unwritable", what, place, next))
+        };
+        // Renaming a file over a device or a pipe would replace it.
+        if !there.is_file() {
+            let kind = if there.is_dir() {
+                "a folder"
+            } else {
+                "no regular file"
+            };
+            return refuse(
+                format!("cannot write: it is {kind}"),
+                "give the name of a file",
+            );
+        }
+        let same = |input: &&&Path| {
+            let places = (output.canonicalize(), input.canonicalize());
+            matches!(places, (Ok(output), Ok(input)) if output == input)
+        };
+        if let Some(input) = inputs.iter().find(same) {
+            return refuse(
+                format!("it would overwrite the input {}", input.display()),
+                "give another --out",
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Folders that were made for output; those that are empty when it is dropped are removed again.
+#[derive(Debug)]
+pub(crate) struct MadeFolders(Vec<PathBuf>);
+
+/// Makes a folder with those above it.
+pub(crate) fn make_folder(folder: &Path) -> Result<MadeFolders, Failure> {
+    let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+    let made = folder.ancestors().take_while(missing);
+    let made = MadeFolders(made.map(Path::to_owned).collect());
+    if !made.0.is_empty() {
+        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &reason(&error)))?;
+    }
+    Ok(made)
+}
+
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        for folder in &self.0 {
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+}
+
 /// Writes all files: first beside their places, then each is renamed into its place, so that a full
 /// disk or an interruption while writing leaves nothing half-written.
 pub(crate) fn write_all(folder: &Path, files: &[NewFile<'_>]) -> Result<Vec<PathBuf>, Failure> {
-    let is_new = !folder.exists();
-    let result = stage_and_rename(folder, files);
-    if result.is_err() && is_new {
-        // Only an empty folder is removed by this.
-        let _ = std::fs::remove_dir(folder);
-    }
-    result
-}
-
-fn stage_and_rename(folder: &Path, files: &[NewFile<'_>]) -> Result<Vec<PathBuf>, Failure> {
-    let refuse = |error: std::io::Error| unwritable(folder, &error.to_string());
-    std::fs::create_dir_all(folder).map_err(refuse)?;
+    let refuse = |error: std::io::Error| unwritable(folder, &reason(&error));
+    let writing = Writing::begin();
+    let _made = make_folder(folder)?;
     for (name, _) in files {
         if folder.join(name).is_dir() {
             return Err(unwritable(folder, &format!("{name} is a folder there")));
@@ -47,10 +98,12 @@ fn stage_and_rename(folder: &Path, files: &[NewFile<'_>]) -> Result<Vec<PathBuf>
         .tempdir_in(folder)
         .map_err(refuse)?;
     for (name, content) in files {
+        writing.go_on(folder)?;
         let mut file = std::fs::File::create(stage.path().join(name)).map_err(refuse)?;
         file.write_all(content).map_err(refuse)?;
         file.sync_all().map_err(refuse)?;
     }
+    writing.go_on(folder)?;
     let mut written = Vec::new();
     for (name, _) in files {
         let place = folder.join(name);
@@ -61,11 +114,18 @@ fn stage_and_rename(folder: &Path, files: &[NewFile<'_>]) -> Result<Vec<PathBuf>
     Ok(written)
 }
 
+/// What the system says, without the name of a temporary file that nobody has heard of.
+pub(crate) fn reason(error: &std::io::Error) -> String {
+    let inner = error.get_ref().and_then(|inner| inner.source());
+    let inner = inner.and_then(|inner| inner.downcast_ref::<std::io::Error>());
+    inner.unwrap_or(error).to_string()
+}
+
 fn unwritable(folder: &Path, why: &str) -> Failure {
     Failure::bad_input(
         "unwritable",
         format!("cannot write: {why}"),
         folder.display().to_string(),
-        "give a folder that can be written to",
+        "give a folder that can be written to and has room",
     )
 }

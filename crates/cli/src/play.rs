@@ -11,9 +11,11 @@ use clap::Args;
 use haptical_model::Device;
 use haptical_report::{ReportError, write_atomically};
 
+use crate::arguments::one_or_more;
 use crate::failure::Failure;
 use crate::inputs::{InputDrumDenominators, read_device, read_recording, refuse_other_device};
-use crate::output_files::check_folder;
+use crate::interrupt::Writing;
+use crate::output_files::{check_folder, check_outputs, make_folder, reason};
 use crate::play::recorded::Recorded;
 use crate::terminal;
 use crate::terminal::Progress;
@@ -38,7 +40,7 @@ pub(crate) struct PlayArguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Keep every N-th row; without it as many rows as a page of 3 MB holds
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = one_or_more, allow_negative_numbers = true)]
     every: Option<NonZeroUsize>,
     /// Print what was written as JSON
     #[arg(long)]
@@ -47,7 +49,7 @@ pub(crate) struct PlayArguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
-    check_place(&arguments.out)?;
+    check_place(arguments)?;
     let progress = Progress::start("reading");
     let nominal = read_device(&arguments.device, InputDrumDenominators::Stated)?;
     refuse_no_links(&nominal.device, &arguments.device)?;
@@ -89,8 +91,11 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
             1e-6 * page.len() as f64
         ));
     }
+    let writing = Writing::begin();
+    let folder = make_folder(arguments.out.parent().unwrap_or(Path::new("")))?;
     write_atomically(&arguments.out, page.as_bytes())
         .map_err(|error| unwritable(&arguments.out, &error))?;
+    drop((folder, writing));
     drop(progress);
     terminal::warn(&warnings);
     let written = summary::Written::new(&recorded, &arguments.out, page.len(), warnings);
@@ -103,7 +108,8 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
 }
 
 /// Refuses a place for the page that cannot be written to, before any work.
-fn check_place(out: &Path) -> Result<(), Failure> {
+fn check_place(arguments: &PlayArguments) -> Result<(), Failure> {
+    let out = &arguments.out;
     if out.is_dir() || out.file_name().is_none() {
         return Err(Failure::bad_input(
             "unwritable",
@@ -112,19 +118,22 @@ fn check_place(out: &Path) -> Result<(), Failure> {
             "give the name of a file, such as page.html",
         ));
     }
-    check_folder(out.parent().unwrap_or(Path::new("")))
+    check_folder(out.parent().unwrap_or(Path::new("")))?;
+    let mut inputs: Vec<&Path> = vec![&arguments.device, &arguments.log];
+    inputs.extend(arguments.model.as_deref());
+    check_outputs(std::slice::from_ref(out), &inputs)
 }
 
 fn unwritable(out: &Path, error: &ReportError) -> Failure {
     let why = match error {
-        ReportError::Write { source, .. } => source.to_string(),
+        ReportError::Write { source, .. } => reason(source),
         other => other.to_string(),
     };
     Failure::bad_input(
         "unwritable",
         format!("cannot write: {why}"),
         out.display().to_string(),
-        "give a file in a folder that can be written to",
+        "give a file in a folder that can be written to and has room",
     )
 }
 

@@ -4,19 +4,25 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptical_data::LogFile;
-use haptical_model::Device;
+use haptical_model::{Device, check_toml_syntax, read_toml_text};
 use haptical_simulator::{
     Effect, EffectError, Effects, HandMotion, MotionSettings, SimulatorError, simulate_motion,
     simulated_effects,
 };
 use serde::Serialize;
 
+use crate::arguments::{above_zero, whole_number};
 use crate::failure::Failure;
 use crate::inputs::{InputDrumDenominators, log_shape, read_device};
+use crate::interrupt::Writing;
+use crate::output_files::{check_outputs, make_folder};
 use crate::terminal::{self, Progress};
 
 /// Rows made at a time: enough that progress costs nothing, few enough to take no memory.
 const ROWS_AT_A_TIME: usize = 1000;
+
+/// Largest size of an effect in SI units; a stiffness comes nearest to it.
+const LARGEST_SIZE: f64 = 1e12;
 
 /// The arguments of the command.
 #[derive(Debug, Args)]
@@ -35,6 +41,7 @@ pub(crate) struct SimulateArguments {
         long,
         value_name = "SECONDS",
         default_value_t = 100.0,
+        value_parser = above_zero,
         allow_negative_numbers = true
     )]
     seconds: f64,
@@ -43,11 +50,18 @@ pub(crate) struct SimulateArguments {
         long,
         value_name = "HZ",
         default_value_t = 1000.0,
+        value_parser = above_zero,
         allow_negative_numbers = true
     )]
     rate_hz: f64,
     /// Seed of motion, force and noise: the same seed gives the same log
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        value_parser = whole_number,
+        allow_negative_numbers = true
+    )]
     seed: u64,
     /// Log to be written (CSV; gzip if the name ends in .gz)
     #[arg(long, value_name = "FILE")]
@@ -92,15 +106,7 @@ Names of effects: {}",
 /// Runs the command.
 pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let out = arguments.out.display().to_string();
-    if arguments.out.is_dir() {
-        let next = "give the name of a file in it";
-        return Err(Failure::bad_input(
-            "unwritable",
-            "it is a folder",
-            out,
-            next,
-        ));
-    }
+    check_outputs(std::slice::from_ref(&arguments.out), &arguments.inputs())?;
     let mut input = read_device(&arguments.device, InputDrumDenominators::Stated)?;
     let truth_path = arguments.truth.as_ref().unwrap_or(&arguments.device);
     let truth = match &arguments.truth {
@@ -131,21 +137,27 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         simulate_motion(truth, &effects, &settings, arguments.seed).map_err(refuse)?;
     let rows = simulation.rows();
     let mut chunk = simulation.no_rows();
-    let mut log = LogFile::create(&arguments.out, &chunk, &log_shape(truth))?;
-    let mut written = 0;
-    loop {
-        let count = simulation
-            .fill(&mut chunk, ROWS_AT_A_TIME)
-            .map_err(refuse)?;
-        if count == 0 {
-            break;
+    {
+        // Declared before the log, so that its temporary file is gone first.
+        let writing = Writing::begin();
+        let _folder = make_folder(arguments.out.parent().unwrap_or(Path::new("")))?;
+        let mut log = LogFile::create(&arguments.out, &chunk, &log_shape(truth))?;
+        let mut written = 0;
+        loop {
+            writing.go_on(&arguments.out)?;
+            let count = simulation
+                .fill(&mut chunk, ROWS_AT_A_TIME)
+                .map_err(refuse)?;
+            if count == 0 {
+                break;
+            }
+            log.write_rows(&chunk)?;
+            written += count;
+            progress.say(format!("{written} of {rows} rows"));
         }
-        log.write_rows(&chunk)?;
-        written += count;
-        progress.say(format!("{written} of {rows} rows"));
+        progress.say("closing the log");
+        log.finish()?;
     }
-    progress.say("closing the log");
-    log.finish()?;
     drop(progress);
     terminal::warn(&input.warnings);
     let summary = Written {
@@ -168,6 +180,17 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         summary.text()
     };
     terminal::write_output(text.as_bytes())
+}
+
+impl SimulateArguments {
+    /// The files that are read.
+    fn inputs(&self) -> Vec<&Path> {
+        let further = [&self.truth, &self.effects];
+        std::iter::once(&self.device)
+            .chain(further.into_iter().flatten())
+            .map(PathBuf::as_path)
+            .collect()
+    }
 }
 
 impl Written<'_> {
@@ -213,11 +236,31 @@ fn check_likeness(device: &Device, truth: &Device, path: &Path) -> Result<(), Fa
 
 fn read_effects(path: &Path) -> Result<Effects, Failure> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        let next = "check the path; an example is in `haptical simulate --help`";
-        Failure::bad_input("unreadable", format!("cannot read: {error}"), &name, next)
-    })?;
-    Effects::from_toml(&text, &name).map_err(|error| effects_refusal(&error, &name))
+    let text = read_toml_text(path).map_err(|error| Failure::device_file(&error, path))?;
+    check_toml_syntax(&text, &name).map_err(|error| Failure::device_file(&error, path))?;
+    let effects =
+        Effects::from_toml(&text, &name).map_err(|error| effects_refusal(&error, &name))?;
+    refuse_huge(&effects, &name)?;
+    Ok(effects)
+}
+
+/// Refuses sizes with which the simulation would leave the range of numbers.
+fn refuse_huge(effects: &Effects, file: &str) -> Result<(), Failure> {
+    for (index, effect) in effects.as_slice().iter().enumerate() {
+        let fields = serde_json::to_value(effect).map_err(Failure::internal)?;
+        let mut fields = fields.as_object().into_iter().flatten();
+        let huge = fields.find(|(_, value)| value.as_f64().is_some_and(|v| v.abs() > LARGEST_SIZE));
+        if let Some((parameter, value)) = huge {
+            let (number, name) = (index + 1, effect.name());
+            return Err(Failure::bad_input(
+                "effects",
+                format!("effect {number} (`{name}`): `{parameter}` is {value}"),
+                file,
+                format!("give it in SI units, at most {LARGEST_SIZE:e}"),
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn effects_refusal(error: &EffectError, file: &str) -> Failure {
@@ -227,7 +270,16 @@ fn effects_refusal(error: &EffectError, file: &str) -> Failure {
     });
     let (what, next) = text
         .split_once("; ")
-        .unwrap_or((text, "see `haptical simulate --help`"));
+        .or_else(|| text.split_once(", but "))
+        .unwrap_or((
+            text,
+            "correct it; an example is in `haptical simulate --help`",
+        ));
+    // What the reader of TOML calls by the names of types.
+    let what = what
+        .replace("expected f64", "a number is expected")
+        .replace("expected usize", "a joint's number is expected, from 1")
+        .replace("is NaN", "is not a number");
     Failure::bad_input("effects", what, file, next)
 }
 
@@ -246,6 +298,15 @@ fn refusal(error: &SimulatorError, truth: &Path, arguments: &SimulateArguments) 
             let what = format!("a recording of {} s is asked for", arguments.seconds);
             let rests_s = 2.0 * HandMotion::default().home_rest_s;
             let next = format!("give --seconds above {rests_s}, the rests at home, and up to 1e7");
+            Failure::command_line("arguments", what, next)
+        }
+        SimulatorError::Setting {
+            setting: "seconds x rate_hz",
+            value,
+            allowed,
+        } => {
+            let what = format!("a log of {value:e} rows is asked for");
+            let next = format!("give other --seconds or --rate-hz: allowed are {allowed}");
             Failure::command_line("arguments", what, next)
         }
         SimulatorError::Setting { allowed, .. } => {

@@ -9,6 +9,7 @@ use crate::groups::{Group, take_group};
 use crate::place::Place;
 use crate::read::LoadedLog;
 use crate::shape::LogShape;
+use crate::size::{LARGEST_READING, LONGEST_ID_BYTES, NUMBER_BYTES, TEXT_BYTES};
 
 /// One column while its cells are read.
 #[derive(Debug)]
@@ -48,30 +49,34 @@ impl Column {
         }
     }
 
-    /// Adds a trimmed cell.
-    pub(crate) fn push(&mut self, cell: &str, line: u64, file: &str) -> Result<(), DataError> {
+    /// Adds a trimmed cell; returns the memory that it takes \[bytes\].
+    pub(crate) fn push(&mut self, cell: &str, line: u64, file: &str) -> Result<u64, DataError> {
         let fault = match &mut self.values {
+            Values::Texts(_) if cell.len() > LONGEST_ID_BYTES => CellFault::LongId,
             Values::Texts(texts) => {
                 texts.push(cell.to_owned());
-                return Ok(());
+                return Ok(TEXT_BYTES + cell.len() as u64);
             }
             Values::Integers(integers) => match cell::integer(cell) {
                 Ok(value) => {
                     integers.push(value);
-                    return Ok(());
+                    return Ok(NUMBER_BYTES);
                 }
                 Err(fault) => fault,
             },
             Values::Numbers(_) if self.role == Role::Unnamed || self.text.is_some() => {
-                return Ok(());
+                return Ok(0);
             }
             Values::Numbers(numbers) => match cell::number(cell) {
                 Ok(value) if value.is_nan() && matches!(self.role, Role::Joint(_)) => {
                     CellFault::Empty
                 }
+                Ok(value) if value.abs() > LARGEST_READING && self.role.is_measured() => {
+                    CellFault::TooLarge
+                }
                 Ok(value) => {
                     numbers.push(value);
-                    return Ok(());
+                    return Ok(NUMBER_BYTES);
                 }
                 Err(fault) if self.role == Role::Covariate => {
                     numbers.push(f64::NAN);
@@ -79,8 +84,8 @@ impl Column {
                         CellFault::NotFinite => &mut self.not_finite,
                         _ => &mut self.text,
                     };
-                    first.get_or_insert_with(|| (line, cell.to_owned()));
-                    return Ok(());
+                    first.get_or_insert_with(|| (line, cell::shortened(cell)));
+                    return Ok(NUMBER_BYTES);
                 }
                 Err(fault) => fault,
             },

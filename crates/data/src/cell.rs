@@ -2,6 +2,7 @@
 
 use crate::error::DataError;
 use crate::place::Place;
+use crate::size::{LARGEST_READING, LONGEST_ID_BYTES};
 
 /// What is wrong with a cell, before its place is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,9 +12,11 @@ pub(crate) enum CellFault {
     NotFinite,
     Empty,
     NotInteger,
+    LongId,
+    TooLarge,
 }
 
-/// Longest text of a cell that an error repeats \[characters\].
+/// Longest text of the file that an error repeats \[characters\].
 const LONGEST_QUOTE: usize = 40;
 
 /// The number in a trimmed cell; `NaN` for an empty one.
@@ -40,22 +43,35 @@ pub(crate) fn integer(cell: &str) -> Result<i64, CellFault> {
         .ok_or(CellFault::NotInteger)
 }
 
+/// A text that an error repeats, shortened.
+pub(crate) fn shortened(text: &str) -> String {
+    let mut letters = text.chars();
+    let mut short: String = letters.by_ref().take(LONGEST_QUOTE).collect();
+    if letters.next().is_some() {
+        short.push_str("...");
+    }
+    short
+}
+
 /// The error for a fault at a place.
 pub(crate) fn error(fault: CellFault, cell: &str, at: Box<Place>) -> DataError {
-    let found: String = if cell.chars().count() > LONGEST_QUOTE {
-        cell.chars()
-            .take(LONGEST_QUOTE)
-            .chain("...".chars())
-            .collect()
-    } else {
-        cell.to_owned()
-    };
+    let found = shortened(cell);
     match fault {
         CellFault::Text => DataError::NotANumber { at, found },
         CellFault::DecimalComma => DataError::DecimalComma { at, found },
         CellFault::NotFinite => DataError::NotFinite { at, found },
         CellFault::Empty => DataError::MissingReading { at },
         CellFault::NotInteger => DataError::RunNotInteger { at, found },
+        CellFault::TooLarge => DataError::ReadingTooLarge {
+            at,
+            found,
+            largest: LARGEST_READING,
+        },
+        CellFault::LongId => DataError::LongId {
+            at,
+            bytes: cell.len(),
+            most: LONGEST_ID_BYTES,
+        },
     }
 }
 

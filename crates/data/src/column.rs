@@ -72,6 +72,19 @@ impl Role {
         }
     }
 
+    /// Whether cells are angles, lengths, torques or forces, which are squared somewhere.
+    pub(crate) fn is_measured(self) -> bool {
+        matches!(
+            self,
+            Self::Joint(_)
+                | Self::Output(_)
+                | Self::Cable(_)
+                | Self::Position(_)
+                | Self::Torque(_)
+                | Self::Force(_)
+        )
+    }
+
     /// Whether cells are text identifiers.
     pub(crate) fn is_text(self) -> bool {
         matches!(self, Self::Contact | Self::Plane)

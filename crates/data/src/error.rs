@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::near_miss::{NearMiss, advice};
+use crate::near_miss::{NearMiss, advice, list};
 use crate::place::Place;
 
 /// Why a log could not be read or written.
@@ -43,9 +43,80 @@ pub enum DataError {
         /// Line, and column where the header is known.
         at: Box<Place>,
         /// Offset of the first such byte in the decompressed text, counted from 0.
-        byte: usize,
+        byte: u64,
         /// What the file probably is and what to do.
         advice: &'static str,
+    },
+    /// A zero byte, which no text holds.
+    #[error("{at}: byte {byte} is zero (NUL), so this is not a text; {advice}")]
+    NulByte {
+        /// Line, and column where the header is known.
+        at: Box<Place>,
+        /// Offset of the first such byte in the decompressed text, counted from 0.
+        byte: u64,
+        /// What the file probably is and what to do.
+        advice: &'static str,
+    },
+    /// A line that no row of a log has.
+    #[error(
+        "{at}: the line is longer than {mebibytes} MiB; a log has one row per line: check that \
+         this file is a log, and that its line ends were not lost"
+    )]
+    LineTooLong {
+        /// The line.
+        at: Box<Place>,
+        /// Longest line \[MiB\].
+        mebibytes: u64,
+    },
+    /// Much text and no row in it.
+    #[error(
+        "{at}: from here on no row ends within {mebibytes} MiB; delete the blank lines, or close \
+         the quotation mark that a cell opens"
+    )]
+    NoRow {
+        /// The first line with text after the last row, or the last blank one.
+        at: Box<Place>,
+        /// Longest text without a row \[MiB\].
+        mebibytes: u64,
+    },
+    /// More columns than a log has.
+    #[error(
+        "{at}: {columns} columns, at most {most} are read; check that the header stands on a line \
+         of its own, and leave out columns that are not needed"
+    )]
+    TooManyColumns {
+        /// The header's line.
+        at: Box<Place>,
+        /// Columns found.
+        columns: usize,
+        /// Columns allowed.
+        most: usize,
+    },
+    /// More readings than are kept in memory.
+    #[error(
+        "{at}: the {rows} rows so far fill {gibibytes} GiB of memory, the most that is used; keep \
+         every n-th row, leave out columns that are not needed, or split the log"
+    )]
+    TooLarge {
+        /// The first row that does not fit.
+        at: Box<Place>,
+        /// Rows up to there.
+        rows: usize,
+        /// Memory allowed \[GiB\].
+        gibibytes: u64,
+    },
+    /// A name of a contact or a plane that is no name.
+    #[error(
+        "{at}: a name of {bytes} bytes, at most {most} are read; name what is touched by a short \
+         word or a number"
+    )]
+    LongId {
+        /// The cell.
+        at: Box<Place>,
+        /// Length of the name \[bytes\].
+        bytes: usize,
+        /// Length allowed \[bytes\].
+        most: usize,
     },
     /// The cells are not separated by commas.
     #[error(
@@ -192,6 +263,19 @@ pub enum DataError {
         /// The text.
         found: String,
     },
+    /// A reading that no device has.
+    #[error(
+        "{at}: `{found}` is beyond what any device measures, {largest:e} in SI units; correct it, \
+         or leave the cell empty where there is no reading"
+    )]
+    ReadingTooLarge {
+        /// The cell.
+        at: Box<Place>,
+        /// The text, shortened.
+        found: String,
+        /// Largest reading.
+        largest: f64,
+    },
     /// An empty cell in a column that each row needs.
     #[error("{at}: empty, but each row needs this reading; fill it in or delete the row")]
     MissingReading {
@@ -201,7 +285,7 @@ pub enum DataError {
     /// Time stands still or runs backwards within a run.
     #[error(
         "{at}: time {time_s} s does not come after {previous_s} s of line {previous_line}; sort \
-         the rows by time, or give each recording its own number in a column `run`"
+         the rows by time, delete repeated ones, or give each recording its own number in a column `run`"
     )]
     TimeOrder {
         /// The later row.
@@ -214,7 +298,9 @@ pub enum DataError {
         previous_s: f64,
     },
     /// A run's number is not an integer, or is empty.
-    #[error("{at}: a run is numbered by an integer in each row, found `{found}`; correct it")]
+    #[error(
+        "{at}: a run is numbered by an integer in each row, found `{found}`; write a whole number"
+    )]
     RunNotInteger {
         /// The cell.
         at: Box<Place>,
@@ -304,10 +390,4 @@ pub enum DataError {
         /// What the operating system says.
         source: io::Error,
     },
-}
-
-/// Names in backticks, separated by commas.
-fn list(names: &[String]) -> String {
-    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    quoted.join(", ")
 }

@@ -68,7 +68,7 @@ impl Header {
             Some(_) if !named().all(|name| is_number(name)) => Ok(()),
             first => Err(DataError::NoHeader {
                 at: Place::line(file, self.line),
-                found: first.cloned().unwrap_or_default(),
+                found: first.map_or_else(String::new, |name| cell::shortened(name)),
             }),
         }
     }

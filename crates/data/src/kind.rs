@@ -11,6 +11,12 @@ impl DataError {
             | Self::Unreadable { at, .. }
             | Self::CorruptGzip { at, .. }
             | Self::NotUtf8 { at, .. }
+            | Self::NulByte { at, .. }
+            | Self::LineTooLong { at, .. }
+            | Self::NoRow { at, .. }
+            | Self::TooManyColumns { at, .. }
+            | Self::TooLarge { at, .. }
+            | Self::LongId { at, .. }
             | Self::WrongSeparator { at, .. }
             | Self::NoHeader { at, .. }
             | Self::DuplicateColumn { at, .. }
@@ -24,6 +30,7 @@ impl DataError {
             | Self::NotANumber { at, .. }
             | Self::DecimalComma { at, .. }
             | Self::NotFinite { at, .. }
+            | Self::ReadingTooLarge { at, .. }
             | Self::MissingReading { at }
             | Self::TimeOrder { at, .. }
             | Self::RunNotInteger { at, .. }
@@ -60,6 +67,12 @@ impl DataError {
             Self::Unreadable { .. } => "unreadable",
             Self::CorruptGzip { .. } => "corrupt-gzip",
             Self::NotUtf8 { .. } => "not-utf8",
+            Self::NulByte { .. } => "nul-byte",
+            Self::LineTooLong { .. } => "line-too-long",
+            Self::NoRow { .. } => "no-row",
+            Self::TooManyColumns { .. } => "too-many-columns",
+            Self::TooLarge { .. } => "too-large",
+            Self::LongId { .. } => "long-id",
             Self::WrongSeparator { .. } => "wrong-separator",
             Self::NoHeader { .. } => "no-header",
             Self::DuplicateColumn { .. } => "duplicate-column",
@@ -73,6 +86,7 @@ impl DataError {
             Self::NotANumber { .. } => "not-a-number",
             Self::DecimalComma { .. } => "decimal-comma",
             Self::NotFinite { .. } => "not-finite",
+            Self::ReadingTooLarge { .. } => "reading-too-large",
             Self::MissingReading { .. } => "missing-reading",
             Self::TimeOrder { .. } => "time-order",
             Self::RunNotInteger { .. } => "run-not-integer",

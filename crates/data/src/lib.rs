@@ -35,6 +35,7 @@ mod place;
 mod read;
 mod rows;
 mod shape;
+mod size;
 mod source;
 mod write;
 mod write_column;

@@ -103,6 +103,23 @@ fn wanted_name(stem: &str, index: Option<usize>, shape: &LogShape) -> Option<Str
     }
 }
 
+/// Most names that a message lists.
+const MOST_NAMES: usize = 12;
+
+/// Names in backticks, separated by commas; of many the first.
+pub(crate) fn list(names: &[String]) -> String {
+    let quoted: Vec<String> = names
+        .iter()
+        .take(MOST_NAMES)
+        .map(|name| format!("`{name}`"))
+        .collect();
+    let mut text = quoted.join(", ");
+    if let Some(more @ 1..) = names.len().checked_sub(MOST_NAMES) {
+        text.push_str(&format!(" and {more} more"));
+    }
+    text
+}
+
 /// What to do about near misses, as the end of a sentence.
 pub(crate) fn advice(near_misses: &[NearMiss]) -> String {
     if near_misses.is_empty() {

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::cell::shortened;
+
 /// A place in a log: the file, and the line and column where they are known.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -10,7 +12,7 @@ pub struct Place {
     pub file: String,
     /// Line of the file, counted from 1, blank lines included.
     pub line: Option<u64>,
-    /// Name of the column in the header.
+    /// Name of the column in the header, shortened if it is long.
     pub column: Option<String>,
     /// Position of the column in the header, counted from 1.
     pub column_number: Option<usize>,
@@ -36,7 +38,7 @@ impl Place {
     /// One cell: line, 1-based column number, column name.
     pub(crate) fn cell(file: &str, line: u64, number: usize, name: &str) -> Box<Self> {
         Box::new(Self {
-            column: Some(name.to_owned()),
+            column: Some(shortened(name)),
             column_number: Some(number),
             ..*Self::line(file, line)
         })

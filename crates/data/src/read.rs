@@ -10,9 +10,10 @@ use crate::assemble::{Column, assemble};
 use crate::error::DataError;
 use crate::header::Header;
 use crate::place::Place;
-use crate::rows::{Rows, check_separator};
+use crate::rows::Rows;
 use crate::shape::LogShape;
-use crate::source::{open_error, read_text};
+use crate::size::{MOST_COLUMNS, MOST_MEMORY_BYTES, NUMBER_BYTES};
+use crate::source::open_error;
 use crate::{limits, order, orientation};
 
 /// A log that was read, and what was odd about it.
@@ -60,9 +61,11 @@ pub fn read_log_from(
             at: Place::file(name),
         });
     }
-    let text = read_text(reader, name)?;
-    let (header, lines, columns) = parse(&text, name, shape)?;
-    drop(text);
+    let mut rows = Rows::new(reader, name)?;
+    let parsed =
+        parse(&mut rows, name, shape, MOST_MEMORY_BYTES).map_err(|refusal| rows.explain(refusal));
+    let (header, lines, columns) = parsed?;
+    drop(rows);
     check_row_count(&lines, header.line, name)?;
     let mut log = assemble(columns, lines, name, shape)?;
     log.warnings.splice(0..0, header.warnings);
@@ -74,14 +77,14 @@ pub fn read_log_from(
     Ok(log)
 }
 
-/// The header, the line of each row, and the columns.
+/// The header, the line of each row, and the columns, in this memory at most.
 fn parse(
-    text: &str,
+    rows: &mut Rows<'_>,
     name: &str,
     shape: &LogShape,
+    most_bytes: u64,
 ) -> Result<(Header, Vec<u64>, Vec<Column>), DataError> {
-    let mut rows = Rows::new(text, name);
-    let header = read_header(&mut rows, text, name, shape)?;
+    let header = read_header(rows, name, shape)?;
     let mut columns: Vec<Column> = header
         .columns
         .iter()
@@ -89,6 +92,7 @@ fn parse(
         .map(|(index, (column, role))| Column::new(column, index + 1, *role))
         .collect();
     let mut lines = Vec::new();
+    let mut memory_bytes = 0_u64;
     while let Some((line, record)) = rows.next()? {
         if record.len() != columns.len() {
             return Err(DataError::CellCount {
@@ -99,33 +103,39 @@ fn parse(
             });
         }
         for (column, cell) in columns.iter_mut().zip(record) {
-            column.push(cell.trim(), line, name)?;
+            memory_bytes += column.push(cell.trim(), line, name)?;
         }
         lines.push(line);
+        memory_bytes += NUMBER_BYTES;
+        if memory_bytes > most_bytes {
+            return Err(DataError::TooLarge {
+                at: Place::line(name, line),
+                rows: lines.len(),
+                gibibytes: most_bytes >> 30,
+            });
+        }
     }
     Ok((header, lines, columns))
 }
 
-fn read_header(
-    rows: &mut Rows<'_>,
-    text: &str,
-    name: &str,
-    shape: &LogShape,
-) -> Result<Header, DataError> {
-    match rows.next()? {
-        None => Err(DataError::NoHeader {
+fn read_header(rows: &mut Rows<'_>, name: &str, shape: &LogShape) -> Result<Header, DataError> {
+    let Some((line, record)) = rows.next()? else {
+        return Err(DataError::NoHeader {
             at: Place::line(name, 1),
             found: String::new(),
-        }),
-        Some((line, record)) => {
-            let first = text
-                .lines()
-                .find(|line| !line.trim().is_empty())
-                .unwrap_or_default();
-            check_separator(first, name, line)?;
-            Header::new(record, line, name, shape)
-        }
+        });
+    };
+    let columns = record.len();
+    if columns > MOST_COLUMNS {
+        return Err(DataError::TooManyColumns {
+            at: Place::line(name, line),
+            columns,
+            most: MOST_COLUMNS,
+        });
     }
+    let header = record.clone();
+    rows.check_separator(line)?;
+    Header::new(&header, line, name, shape)
 }
 
 fn check_row_count(lines: &[u64], header_line: u64, name: &str) -> Result<(), DataError> {
@@ -153,5 +163,39 @@ fn cell_count_advice(record: &csv::StringRecord, expected: usize) -> &'static st
         "it looks like a comma as decimal sign: export the log again with a point"
     } else {
         "there is a comma too many, or the header is not complete: correct the row"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::JointShape;
+
+    /// 24 bytes a row: line, joint, and a covariate; 8 + 8 + 24 + 2 with a contact of two letters.
+    #[test]
+    fn rows_are_refused_where_they_fill_the_memory() {
+        let joint = JointShape {
+            name: "1".into(),
+            prismatic: false,
+            lower: -1.0,
+            upper: 1.0,
+        };
+        let shape = LogShape {
+            joints: vec![joint],
+            cable_count: 0,
+        };
+        let read = |text: &str, most_bytes| {
+            let mut rows = Rows::new(text.as_bytes(), "log.csv").unwrap();
+            parse(&mut rows, "log.csv", &shape, most_bytes).map(|(_, lines, _)| lines.len())
+        };
+        for (text, row_bytes) in [
+            ("theta1_rad,other\n0.1,1\n0.2,2\n0.3,\n", 24),
+            ("theta1_rad,contact\n0.1,ab\n0.2,cd\n0.3,ef\n", 42),
+        ] {
+            assert_eq!(read(text, 3 * row_bytes).unwrap(), 3);
+            let error = read(text, 3 * row_bytes - 1).unwrap_err();
+            assert_eq!((error.kind(), error.line()), ("too-large", Some(4)));
+            assert!(error.to_string().contains("the 3 rows so far"), "{error}");
+        }
     }
 }

@@ -1,84 +1,84 @@
 //! Text to rows of cells, each row with the line it stands on.
 
+use std::io::Read;
+
 use csv::StringRecord;
 
 use crate::error::DataError;
 use crate::place::Place;
+use crate::source::TextStream;
+
+/// Bytes that are read at a time.
+const BUFFER_BYTES: usize = 1 << 16;
 
 /// The rows of a text, blank lines left out.
 #[derive(Debug)]
-pub(crate) struct Rows<'t> {
-    file: &'t str,
-    text: &'t str,
-    reader: csv::Reader<&'t [u8]>,
+pub(crate) struct Rows<'r> {
+    file: &'r str,
+    reader: csv::Reader<TextStream<'r>>,
     record: StringRecord,
-    /// Bytes of `text` before `counted` hold `line - 1` line ends.
-    counted: usize,
-    line: u64,
-    has_quotes: bool,
 }
 
-impl<'t> Rows<'t> {
-    /// Rows of `text`, which is named `file` in errors.
-    pub(crate) fn new(text: &'t str, file: &'t str) -> Self {
-        Self {
+impl<'r> Rows<'r> {
+    /// Rows of what `reader` gives, which is named `file` in errors.
+    pub(crate) fn new(reader: impl Read + 'r, file: &'r str) -> Result<Self, DataError> {
+        Ok(Self {
             file,
-            text,
             reader: csv::ReaderBuilder::new()
                 .has_headers(false)
                 .flexible(true)
-                .from_reader(text.as_bytes()),
+                .buffer_capacity(BUFFER_BYTES)
+                .from_reader(TextStream::new(reader, file)?),
             record: StringRecord::new(),
-            counted: 0,
-            line: 1,
-            has_quotes: text.contains('"'),
-        }
+        })
     }
 
     /// The next row with its line, or none at the end.
-    pub(crate) fn next(&mut self) -> Result<Option<(u64, &StringRecord)>, DataError> {
-        loop {
-            let more = self.reader.read_record(&mut self.record).map_err(|error| {
-                DataError::Unreadable {
-                    at: Place::file(self.file),
-                    source: error.into(),
-                }
-            })?;
-            if !more {
-                return Ok(None);
-            }
-            let start = self.record.position().map_or(0, csv::Position::byte);
-            self.count_lines(usize::try_from(start).unwrap_or(usize::MAX));
-            if self.record.iter().any(|cell| !cell.trim().is_empty()) || self.record.len() > 1 {
-                break;
-            }
-        }
-        if self.has_quotes {
-            self.reject_line_breaks()?;
-        }
-        Ok(Some((self.line, &self.record)))
-    }
-
-    /// Moves `line` to the row that the reader found from byte `start` on.
     ///
     /// The reader's own line is not used: it names the first of the blank lines before a row, and
     /// after a carriage return the line before.
-    fn count_lines(&mut self, start: usize) {
-        let bytes = self.text.as_bytes();
-        while let Some(&byte) = bytes.get(self.counted) {
-            let line_end = byte == b'\n' || byte == b'\r';
-            if self.counted >= start && !line_end {
-                break;
+    pub(crate) fn next(&mut self) -> Result<Option<(u64, &StringRecord)>, DataError> {
+        let line = loop {
+            match self.reader.read_record(&mut self.record) {
+                Ok(true) => {}
+                Ok(false) => return Ok(None),
+                Err(error) => return Err(self.refusal(error)),
             }
-            self.counted += 1;
-            let first_of_two = byte == b'\r' && bytes.get(self.counted) == Some(&b'\n');
-            if line_end && !first_of_two {
-                self.line += 1;
+            let start = self.record.position().map_or(0, csv::Position::byte);
+            let line = self.reader.get_mut().line_of(start);
+            if self.record.iter().any(|cell| !cell.trim().is_empty()) || self.record.len() > 1 {
+                break line;
             }
+        };
+        if self.reader.get_ref().has_quotes() {
+            self.reject_line_breaks(line)?;
         }
+        self.reader.get_mut().row_was_taken();
+        Ok(Some((line, &self.record)))
     }
 
-    fn reject_line_breaks(&self) -> Result<(), DataError> {
+    /// Refuses a header whose cells are separated by something else than commas; to be asked after
+    /// the first row.
+    pub(crate) fn check_separator(&self, line: u64) -> Result<(), DataError> {
+        check_separator(&self.reader.get_ref().header_text(), self.file, line)
+    }
+
+    /// The damage that explains a refusal of the rows, or the refusal.
+    pub(crate) fn explain(&mut self, refusal: DataError) -> DataError {
+        self.reader.get_mut().damage().unwrap_or(refusal)
+    }
+
+    fn refusal(&mut self, error: csv::Error) -> DataError {
+        self.reader
+            .get_mut()
+            .take_fault()
+            .unwrap_or_else(|| DataError::Unreadable {
+                at: Place::file(self.file),
+                source: error.into(),
+            })
+    }
+
+    fn reject_line_breaks(&self, line: u64) -> Result<(), DataError> {
         match self
             .record
             .iter()
@@ -86,7 +86,7 @@ impl<'t> Rows<'t> {
         {
             None => Ok(()),
             Some(index) => {
-                let mut at = Place::line(self.file, self.line);
+                let mut at = Place::line(self.file, line);
                 at.column_number = Some(index + 1);
                 Err(DataError::UnclosedQuote { at })
             }
@@ -95,7 +95,7 @@ impl<'t> Rows<'t> {
 }
 
 /// Refuses a header whose cells are separated by something else than commas.
-pub(crate) fn check_separator(header: &str, file: &str, line: u64) -> Result<(), DataError> {
+fn check_separator(header: &str, file: &str, line: u64) -> Result<(), DataError> {
     const OTHERS: [(char, &str); 3] = [(';', "semicolons"), ('\t', "tabs"), ('|', "bars")];
     let commas = header.matches(',').count();
     let most = OTHERS

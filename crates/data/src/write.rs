@@ -147,8 +147,12 @@ impl<W: Write> LogWriter<W> {
 
 /// The error for what the operating system refused.
 pub(crate) fn unwritable(name: &str, source: io::Error) -> DataError {
+    // Without the name of the temporary file, which nobody has heard of.
+    let inner = source.get_ref().and_then(|inner| inner.source());
+    let inner = inner.and_then(|inner| inner.downcast_ref::<io::Error>());
+    let code = inner.and_then(io::Error::raw_os_error);
     DataError::Unwritable {
         at: Place::file(name),
-        source,
+        source: code.map_or(source, io::Error::from_raw_os_error),
     }
 }

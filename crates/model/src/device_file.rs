@@ -11,8 +11,13 @@ use crate::joint::Joint;
 use crate::joint_file::{LARGEST_ANGLE_RAD, angle, read_joint};
 use crate::reader::{Section, Source};
 use crate::sensor_file::{read_cables, read_contact_pairs, read_tracker};
+use crate::toml_file::read_toml_text;
+use crate::toml_syntax::syntax_error;
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
+
+/// Most joints of a device: more than any arm has, few enough that a file by mistake ends here.
+const MOST_JOINTS: usize = 256;
 
 /// A device and what is odd about its file.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,11 +34,7 @@ impl Device {
     /// # Errors
     /// [`DeviceFileError`] with file, line and column.
     pub fn load(path: &Path) -> Result<LoadedDevice> {
-        let text = std::fs::read_to_string(path).map_err(|source| DeviceFileError::Unreadable {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::from_toml(&text, &path.display().to_string())
+        Self::from_toml(&read_toml_text(path)?, &path.display().to_string())
     }
 
     /// Reads a device from TOML text; `file` names it in errors.
@@ -42,10 +43,8 @@ impl Device {
     /// [`DeviceFileError`] with line and column.
     pub fn from_toml(text: &str, file: &str) -> Result<LoadedDevice> {
         let source = Source { file, text };
-        let document = DeTable::parse(text).map_err(|error| DeviceFileError::Syntax {
-            at: source.position(error.span().map_or(0, |span| span.start)),
-            message: error.message().to_owned(),
-        })?;
+        let document = DeTable::parse(text)
+            .map_err(|error| syntax_error(&source, error.span(), error.message()))?;
         let mut warnings = Vec::new();
         let root = Section::root(source, document.get_ref());
         let device = read_device(&root, file, &mut warnings)?;
@@ -70,8 +69,13 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
             }
         };
     }
-    let joints = root
-        .tables("joint", 1)?
+    let joints = root.tables("joint", 1)?;
+    if joints.len() > MOST_JOINTS {
+        let found = format!("a list of {} tables", joints.len());
+        let allowed = format!("at most {MOST_JOINTS} joints are read");
+        return Err(root.refuse("joint", found, &allowed));
+    }
+    let joints = joints
         .iter()
         .enumerate()
         .map(|(index, section)| read_joint(section, index, warnings))
@@ -117,7 +121,10 @@ fn read_links(
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<Link>, Vec<Option<Body>>)> {
     let rows = root.tables("link", 0)?;
-    let links = rows.iter().map(read_link).collect::<Result<Vec<Link>>>()?;
+    let links = rows
+        .iter()
+        .map(|row| read_link(row, warnings))
+        .collect::<Result<Vec<Link>>>()?;
     let bodies = rows
         .iter()
         .map(read_body)
@@ -143,7 +150,10 @@ fn read_nominal(
         return Ok(None);
     };
     let rows = nominal.tables("link", 0)?;
-    let nominal_links = rows.iter().map(read_link).collect::<Result<Vec<Link>>>()?;
+    let nominal_links = rows
+        .iter()
+        .map(|row| read_link(row, warnings))
+        .collect::<Result<Vec<Link>>>()?;
     rows.iter().for_each(|row| row.unknown_keys(warnings));
     nominal.unknown_keys(warnings);
     if nominal_links.len() != links {
@@ -166,8 +176,11 @@ fn read_gravity(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Op
     }
 }
 
-fn read_link(section: &Section<'_, '_>) -> Result<Link> {
+fn read_link(section: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Link> {
     let advice = "give the Denavit-Hartenberg row in full";
+    for key in ["a_m", "d_m"] {
+        section.warn_of_millimetres(key, warnings)?;
+    }
     Ok(Link {
         a_m: section.required("a_m", advice)?,
         alpha_rad: angle(section, "alpha_rad", LARGEST_ANGLE_RAD)?

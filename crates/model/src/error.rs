@@ -17,13 +17,31 @@ pub enum DeviceFileError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The file is too large for a device file.
+    #[error("{}: larger than {mebibytes} MiB, the most that is read", path.display())]
+    TooLarge {
+        /// File.
+        path: PathBuf,
+        /// Most that is read \[MiB\].
+        mebibytes: u64,
+    },
+    /// The file is not text in UTF-8.
+    #[error("{}: not a text in UTF-8; {advice}", path.display())]
+    NotText {
+        /// File.
+        path: PathBuf,
+        /// What it probably is and what to do.
+        advice: &'static str,
+    },
     /// Not TOML.
-    #[error("{at}: {message}")]
+    #[error("{at}: {message}; {advice}")]
     Syntax {
         /// Where.
         at: Box<Position>,
         /// What the parser said.
         message: String,
+        /// What to do.
+        advice: String,
     },
     /// A key that must be there is not.
     #[error("{at}: {place} has no `{key}`: {advice}")]
@@ -85,7 +103,10 @@ impl DeviceFileError {
             Self::Syntax { at, .. } | Self::MissingKey { at, .. } | Self::Value { at, .. } => {
                 Some(at)
             }
-            Self::Unreadable { .. } | Self::Shape { .. } => None,
+            Self::Unreadable { .. }
+            | Self::TooLarge { .. }
+            | Self::NotText { .. }
+            | Self::Shape { .. } => None,
         }
     }
 }

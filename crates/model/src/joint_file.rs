@@ -4,7 +4,7 @@ use haptical_transmission::CapstanError;
 
 use crate::DeviceFileError;
 use crate::joint::{Joint, JointType, TransmissionError, TransmissionKind};
-use crate::reader::Section;
+use crate::reader::{SMALLEST, Section};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -79,6 +79,10 @@ pub(crate) fn read_joint(
             let allowed = "the ratio of motor to joint angle cannot be zero";
             return Err(section.refuse("transmission_ratio", "0".to_owned(), allowed));
         }
+        Some(ratio) if ratio.abs() < SMALLEST => {
+            let allowed = format!("at least {SMALLEST:e} is expected");
+            return Err(section.refuse("transmission_ratio", ratio.to_string(), &allowed));
+        }
         Some(ratio) => ratio,
         None if transmission == TransmissionKind::Direct => 1.0,
         None => {
@@ -87,6 +91,7 @@ pub(crate) fn read_joint(
         }
     };
     let drum_distance_m = section.positive("drum_distance_m")?;
+    section.warn_of_millimetres("drum_distance_m", warnings)?;
     if transmission == TransmissionKind::Capstan && drum_distance_m.is_none() {
         let advice = "give the distance between the drums' centres";
         return Err(section.missing("drum_distance_m", advice));

@@ -14,6 +14,8 @@ mod parameters;
 mod reader;
 mod recording;
 mod sensor_file;
+mod toml_file;
+mod toml_syntax;
 
 pub use device::{Body, Cable, ContactPair, Device, Tracker};
 pub use device_file::LoadedDevice;
@@ -25,3 +27,5 @@ pub use haptical_transmission as transmission;
 pub use joint::{Joint, JointType, TransmissionError, TransmissionKind};
 pub use parameters::{LinkParameter, ParameterId};
 pub use recording::Recording;
+pub use toml_file::read_toml_text;
+pub use toml_syntax::check_toml_syntax;

@@ -8,6 +8,7 @@ use toml_edit::DocumentMut;
 
 use crate::DeviceFileError;
 use crate::error::Position;
+use crate::toml_syntax::syntax_error;
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -42,14 +43,23 @@ impl Source<'_> {
     /// The document in the form that is written back. It is stricter than the form that is read: it
     /// looks at the numbers of unknown keys too.
     pub(crate) fn editable(&self) -> Result<DocumentMut> {
-        self.text
-            .parse()
-            .map_err(|error: toml_edit::TomlError| DeviceFileError::Syntax {
-                at: self.position(error.span().map_or(0, |span| span.start)),
-                message: error.message().to_owned(),
-            })
+        self.text.parse().map_err(|error: toml_edit::TomlError| {
+            syntax_error(self, error.span(), error.message())
+        })
     }
 }
+
+/// Largest number of a device, and smallest of what is above zero: no quantity in SI units is beyond
+/// it, and what is computed from it does not overflow.
+const LARGEST: f64 = 1e12;
+/// See [`LARGEST`].
+pub(crate) const SMALLEST: f64 = 1e-30;
+/// Most numbers of a list: coefficients of a polynomial.
+const MOST_NUMBERS: usize = 100;
+/// Most unknown keys of a table that are named one by one.
+const MOST_UNKNOWN: usize = 20;
+/// Length from which one in millimetres is suspected \[m\].
+const LONG_M: f64 = 10.0;
 
 /// What the document's outermost table is called.
 const ROOT: &str = "the file";
@@ -112,8 +122,18 @@ impl<'s, 't> Section<'s, 't> {
             at: self.source.position(offset),
             place: self.place.clone(),
             key: key.to_owned(),
-            advice: advice.to_owned(),
+            advice: match self.unused_like(key) {
+                Some(other) => format!("{advice}, or rename `{other}` if it is meant"),
+                None => advice.to_owned(),
+            },
         }
+    }
+
+    /// A key that nobody asked for so far and that is like `key`.
+    fn unused_like(&self, key: &str) -> Option<&'t str> {
+        let used = self.used.borrow();
+        let names = self.table.iter().map(|(name, _)| name.get_ref().as_ref());
+        nearest(key, names.filter(|name| !used.contains(*name)))
     }
 
     /// An error about the value of a key.
@@ -146,8 +166,27 @@ impl<'s, 't> Section<'s, 't> {
             Some(value) if value <= 0.0 => {
                 Err(self.refuse(key, value.to_string(), "it must be above zero"))
             }
+            Some(value) if value < SMALLEST => {
+                let allowed = format!("at least {SMALLEST:e} is expected");
+                Err(self.refuse(key, format!("{value:e}"), &allowed))
+            }
             other => Ok(other),
         }
+    }
+
+    /// Warns of a length, if the key is there, that is probably in millimetres.
+    pub(crate) fn warn_of_millimetres(&self, key: &str, warnings: &mut Vec<String>) -> Result<()> {
+        if let (Some(length_m), Some((_, offset))) = (self.number(key)?, self.find(key))
+            && length_m.abs() > LONG_M
+        {
+            let at = self.source.position(offset);
+            let meant_m = length_m / 1000.0;
+            warnings.push(format!(
+                "{at}: {}: `{key}` is {length_m} m; if it is in millimetres, write {meant_m}",
+                self.place
+            ));
+        }
+        Ok(())
     }
 
     /// A finite number that must be there.
@@ -170,6 +209,11 @@ impl<'s, 't> Section<'s, 't> {
     pub(crate) fn numbers(&self, key: &str) -> Result<Option<Vec<f64>>> {
         match self.find(key) {
             None => Ok(None),
+            Some((DeValue::Array(items), offset)) if items.len() > MOST_NUMBERS => {
+                let found = format!("a list of {} numbers", items.len());
+                let allowed = format!("at most {MOST_NUMBERS} are read");
+                Err(self.refuse_at(offset, key, found, &allowed))
+            }
             Some((DeValue::Array(items), _)) => items
                 .iter()
                 .map(|item| self.to_number(key, item.get_ref(), item.span().start))
@@ -246,14 +290,27 @@ impl<'s, 't> Section<'s, 't> {
     /// Keys that nobody asked for, as warnings: probably misspelt.
     pub(crate) fn unknown_keys(&self, warnings: &mut Vec<String>) {
         let used = self.used.borrow();
-        for (name, _) in self
+        let unknown: Vec<_> = self
             .table
             .iter()
-            .filter(|(name, _)| !used.contains(name.get_ref().as_ref()))
-        {
-            let line = self.source.position(name.span().start).line;
+            .map(|(name, _)| name)
+            .filter(|name| !used.contains(name.get_ref().as_ref()))
+            .collect();
+        if let Some(more @ 1..) = unknown.len().checked_sub(MOST_UNKNOWN) {
+            let (file, place) = (self.source.file, &self.place);
             warnings.push(format!(
-                "{}:{line}: {} has the key `{}`, which is not known and not used",
+                "{file}: {place} has {more} further keys that are not known and not used"
+            ));
+        }
+        for name in unknown.into_iter().take(MOST_UNKNOWN) {
+            let line = self.source.position(name.span().start).line;
+            let absent = used
+                .iter()
+                .filter(|key| !self.table.contains_key(key.as_str()));
+            let meant = nearest(name.get_ref(), absent.map(String::as_str))
+                .map_or_else(String::new, |key| format!("; did you mean `{key}`?"));
+            warnings.push(format!(
+                "{}:{line}: {} has the key `{}`, which is not known and not used{meant}",
                 self.source.file,
                 self.place,
                 name.get_ref()
@@ -272,20 +329,39 @@ impl<'s, 't> Section<'s, 't> {
             _ => None,
         };
         match number {
-            Some(number) if number.is_finite() => Ok(number),
-            Some(number) => Err(self.refuse_at(
+            Some(number) if number.abs() <= LARGEST => Ok(number),
+            Some(_) => Err(self.refuse_at(
                 offset,
                 key,
-                number.to_string(),
-                "a finite number is expected",
+                literal(value),
+                &format!("a finite number is expected, at most {LARGEST:e}"),
             )),
             None => {
-                let found = match value {
-                    DeValue::String(text) => format!("the text \"{text}\""),
-                    other => other.type_str().to_owned(),
-                };
-                Err(self.refuse_at(offset, key, found, "a number is expected"))
+                let allowed = "a number is expected";
+                Err(self.refuse_at(offset, key, literal(value), allowed))
             }
         }
     }
+}
+
+/// A value as the file has it, or what it is.
+fn literal(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::Float(number) => number.as_str().to_owned(),
+        DeValue::Integer(number) => number.as_str().to_owned(),
+        DeValue::String(text) => format!("the text \"{text}\""),
+        other => other.type_str().to_owned(),
+    }
+}
+
+/// Likeness (Jaro & Winkler's) from which a key is offered in place of another.
+const LIKENESS: f64 = 0.85;
+
+/// The one of `names` that is most like `name`.
+fn nearest<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    names
+        .map(|other| (strsim::jaro_winkler(name, other), other))
+        .filter(|(likeness, _)| *likeness > LIKENESS)
+        .max_by(|(a, _), (b, _)| a.total_cmp(b))
+        .map(|(_, other)| other)
 }

@@ -27,6 +27,7 @@ pub(crate) fn read_cables(
                 let advice = "give the point in frame (-1) where this cable leaves its guide";
                 return Err(section.missing("anchor_m", advice));
             }
+            section.warn_of_millimetres("drum_radius_m", warnings)?;
             let cable = Cable {
                 anchor_m: anchor.unwrap_or([0.0; 3]),
                 drum_radius_m: section.positive("drum_radius_m")?,

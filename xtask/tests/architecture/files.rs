@@ -34,7 +34,7 @@ fn files_say_what_they_are_for_and_stay_short() {
 fn every_published_crate_carries_its_licences_and_a_readme() {
     for package in packages()
         .iter()
-        .filter(|package| package.name.as_str() != "xtask")
+        .filter(|package| package.publish.as_ref().is_none_or(|to| !to.is_empty()))
     {
         for name in ["LICENSE-MIT", "LICENSE-APACHE"] {
             let copy = std::fs::read_to_string(package.manifest_path.with_file_name(name));

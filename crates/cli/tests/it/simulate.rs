@@ -131,10 +131,10 @@ fn what_is_wrong_ends_with_status_2_and_leaves_no_log() {
         (&["--truth", "none.toml"], "none.toml"),
         (&["--seconds", "1"], "give --seconds above 4"),
         (&["--seconds", "-5"], "--seconds"),
-        (&["--seconds", "nan"], "--seconds above 4"),
-        (&["--rate-hz", "0"], "rate_hz"),
+        (&["--seconds", "nan"], "a number above 0 is expected"),
+        (&["--rate-hz", "0"], "--rate-hz"),
         (&["--seed", "x"], "--seed"),
-        (&["--out", "nowhere/log.csv"], "nowhere"),
+        (&["--out", "one.toml/log.csv"], "one.toml"),
     ] {
         let mut all = arguments.to_vec();
         if arguments[0] != "--out" {

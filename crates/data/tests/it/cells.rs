@@ -200,3 +200,29 @@ fn quaternions_are_neither_zero_nor_scaled() {
         assert_eq!(log.is_ok(), allowed, "norm {norm}");
     }
 }
+
+#[test]
+fn readings_beyond_any_device_are_refused_where_they_are_squared() {
+    let header = "theta1_rad,out1_rad,cable_m,torque1_nm,temp_degc,other";
+    for (index, name) in header.split(',').enumerate() {
+        let log = |cell: &str| {
+            let mut cells = ["0.1"; 6];
+            cells[index] = cell;
+            format!("{header}\n0.1,0.1,0.1,0.1,0.1,0.1\n{}\n", cells.join(","))
+        };
+        assert!(read(&log("1e12"), &single()).is_ok(), "{name}");
+        if index < 4 {
+            let place = Some((index + 1, name));
+            let error = refused(
+                &log("1.1e12"),
+                &single(),
+                "reading-too-large",
+                Some(3),
+                place,
+            );
+            assert!(error.to_string().contains("`1.1e12`"), "{error}");
+        } else {
+            assert!(read(&log("1e300"), &single()).is_ok(), "{name}");
+        }
+    }
+}

@@ -9,6 +9,7 @@ mod files;
 mod gap_set;
 mod gzip;
 mod headers;
+mod hostile;
 mod order;
 mod properties;
 mod reading;

@@ -103,7 +103,8 @@ fn recordings() -> impl Strategy<Value = Recording> {
             joints,
             slide,
         );
-        let second = (outputs, cables, vec(any_column(), 3), any_column());
+        let torques = vec(optional(readings(n, -1e12..1e12_f64).boxed()), 3);
+        let second = (outputs, cables, torques, any_column());
         let third = (
             proptest::option::of(vectors::<3>(n)),
             proptest::option::of(vectors::<4>(n).prop_map(normalised)),

@@ -87,3 +87,23 @@ proptest! {
         let _ = Device::from_toml(&text[..ends[cut.index(ends.len())]], "any");
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(CASES))]
+
+    #[test]
+    fn any_bytes_as_a_file_are_read_or_refused(
+        start in prop_oneof![Just(""), Just("[[joint]]\n"), Just("\u{feff}[[joint]]\n")],
+        bytes in proptest::collection::vec(any::<u8>(), 0..60),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("device.toml");
+        let content = [start.as_bytes(), &bytes].concat();
+        std::fs::write(&path, &content).unwrap();
+        let is_text = std::str::from_utf8(&content).is_ok() && !content.contains(&0);
+        match Device::load(&path) {
+            Ok(_) => prop_assert!(is_text),
+            Err(error) => prop_assert!(error.to_string().contains("device.toml")),
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Ctrl-C: ends the command at once, or while files are written as soon as they are cleaned up.
+
+use std::path::Path;
+use std::process::exit;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::failure::Failure;
+
+/// Exit status after Ctrl-C, as shells count it: 128 and the number of the signal.
+pub(crate) const STATUS_INTERRUPTED: u8 = 130;
+
+/// What the thread that waits for Ctrl-C and the one that works tell each other.
+struct State {
+    /// Whether there are temporary files.
+    writing: bool,
+    /// Whether Ctrl-C was pressed since.
+    requested: bool,
+}
+
+static STATE: Mutex<State> = Mutex::new(State {
+    writing: false,
+    requested: false,
+});
+
+fn state() -> MutexGuard<'static, State> {
+    STATE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Waits for Ctrl-C from now on. Where that cannot be done, the system ends the program as ever.
+pub(crate) fn listen() {
+    let _ = ctrlc::set_handler(|| {
+        // Held while the program ends, so that no temporary file appears in the meantime.
+        let mut state = state();
+        if !state.writing || state.requested {
+            exit(i32::from(STATUS_INTERRUPTED));
+        }
+        state.requested = true;
+    });
+}
+
+/// To be held while temporary files exist: Ctrl-C then waits for [`Writing::go_on`] to be asked. A
+/// second one does not wait.
+#[derive(Debug)]
+pub(crate) struct Writing;
+
+impl Writing {
+    /// To be called before the first temporary file.
+    pub(crate) fn begin() -> Self {
+        state().writing = true;
+        Self
+    }
+
+    /// Refuses to go on after Ctrl-C; `out` is what was to be written.
+    pub(crate) fn go_on(&self, out: &Path) -> Result<(), Failure> {
+        if state().requested {
+            return Err(Failure::interrupted(out));
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Writing {
+    fn drop(&mut self) {
+        state().writing = false;
+    }
+}
