@@ -6,6 +6,7 @@
 )]
 
 mod bench_peers;
+mod bench_scaling;
 mod blind;
 mod experiment;
 mod output;
@@ -34,6 +35,8 @@ enum Job {
     BlindCheck(blind::Arguments),
     /// Compares ours with Ceres, SciPy and Pinocchio on the same files, where they are there.
     BenchPeers(bench_peers::Arguments),
+    /// Measures how time and memory grow with poses, parameters and joints.
+    BenchScaling(bench_scaling::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
         Job::ReproduceExperiment(arguments) => experiment::reproduce(&arguments),
         Job::BlindCheck(arguments) => blind::check(&arguments),
         Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
+        Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
