@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use haptical_batch::{ReducedDistance, Threads};
 use haptical_identification::{
     Convergence, Estimate, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
     Problem, Reduction, Settings, Status, Uncertainty, analyse, estimates, evaluate_jacobian,
@@ -11,7 +10,7 @@ use haptical_identification::{
 };
 use haptical_model::{Device, ParameterId, Recording};
 
-use crate::distances::Distances;
+use crate::form::{Prepared, reduce};
 use crate::reduced::{count_readings, scale_to_residuals};
 use crate::{
     CalibrationError, Channel, DeviceProblem, HeldOut, ReducedProblem, Weights, parameter_infos,
@@ -112,9 +111,6 @@ pub struct ParameterFit {
     pub channel_parameters: BTreeMap<Channel, f64>,
 }
 
-/// From this number of residuals on, each channel is reduced to a triangle before the search: the
-/// answer is the same, and the time less (README.md has the measurement).
-const REDUCED_FROM: usize = 250;
 /// Rounds of pruning at the solution before the set is accepted as it is.
 const MAX_ROUNDS: usize = 6;
 
@@ -135,38 +131,64 @@ pub fn fit_parameters(
     weights: &Weights,
     options: &Options,
 ) -> Result<ParameterFit, CalibrationError> {
-    let wrap = |source| wrap(what, source);
+    if let Some(problem) = DeviceProblem::in_bulk(device, recording, channels, parameters, weights)
+    {
+        let prepared = Prepared::new(&problem);
+        let lanes = prepared.lanes();
+        let start = problem.start();
+        // refused or in another form: the general way tells why, with a line of the log
+        if prepared.is_in_lanes()
+            && let Ok(first) = reduce(prepared.searched(lanes.as_ref()), &start)
+        {
+            return fit_prepared(what, &prepared, (&start, first), options);
+        }
+    }
     let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
-    let reduced = ReducedProblem::new(&problem);
-    let distances = problem.distances();
-    let lanes = in_lanes(distances.as_ref());
-    let searched = searched(&problem, &reduced, lanes.as_ref());
+    let prepared = Prepared::new(&problem);
+    let lanes = prepared.lanes();
     let start = problem.start();
-    let infos = parameter_infos(device, parameters);
+    let first = reduce(prepared.searched(lanes.as_ref()), &start);
+    let first = first.map_err(|source| wrap(what, source))?;
+    fit_prepared(what, &prepared, (&start, first), options)
+}
+
+/// Fits from the device's own values, where the linearised problem is `first`.
+fn fit_prepared(
+    what: &str,
+    prepared: &Prepared<'_>,
+    (start, first): (&[f64], Reduction),
+    options: &Options,
+) -> Result<ParameterFit, CalibrationError> {
+    let wrap = |source| wrap(what, source);
+    let problem = prepared.problem;
+    let lanes = prepared.lanes();
+    let searched = prepared.searched(lanes.as_ref());
+    let parameters = problem.parameters();
+    let infos = parameter_infos(problem.device(), parameters);
     let order = preference_order(parameters);
-    let judge = |values: &[f64], first: &[usize]| {
-        let reduction = reduce(searched, values)?;
+    let judge = |reduction: &Reduction, first: &[usize]| {
         // What is being fitted is preferred to what is not: of a dependent set the member stays
         // that was chosen at the nominal device, so that the set settles.
         let mut order = order.clone();
         order.sort_by_key(|index| !first.contains(index));
-        let mut judged = analyse(&reduction, &infos, &order, &options.rules)?;
+        let mut judged = analyse(reduction, &infos, &order, &options.rules)?;
         if let Some(index) = &mut judged.observability {
             count_readings(index, reduction.rows(), problem.residual_count());
         }
         Ok(judged)
     };
-    let nominal_identifiability = judge(&start, &[]).map_err(wrap)?;
+    let nominal_identifiability = judge(&first, &[]).map_err(wrap)?;
     let mut free = worth_fitting(&nominal_identifiability);
-    let mut values = start.clone();
+    let mut values = start.to_vec();
     let mut iterations = 0;
     let mut round = 0;
     let (fit, identifiability) = loop {
         round += 1;
-        enough(what, &problem, &free, &nominal_identifiability)?;
+        enough(what, problem, &free, &nominal_identifiability)?;
         let fit = solve(searched, &values, &free, &options.search).map_err(wrap)?;
         iterations += fit.iterations;
-        let judged = judge(&fit.parameters, &free).map_err(wrap)?;
+        let reduction = reduce(searched, &fit.parameters).map_err(wrap)?;
+        let judged = judge(&reduction, &free).map_err(wrap)?;
         let wanted = worth_fitting(&judged);
         if wanted == free {
             break (fit, judged);
@@ -194,17 +216,15 @@ pub fn fit_parameters(
     let columns: Vec<usize> = (0..free.len()).collect();
     let mut spread =
         uncertainty(&fit.reduction, &columns, fit.cost, NoiseScale::Stated).map_err(wrap)?;
-    let shares = parameter_shares(&reduced, &fit.parameters, &free, &spread).map_err(wrap)?;
+    let shares =
+        parameter_shares(&prepared.reduced, &fit.parameters, &free, &spread).map_err(wrap)?;
     spread.degrees_of_freedom = problem.residual_count() - free.len();
     if noise == NoiseScale::Estimated {
         scale_to_residuals(&mut spread, fit.cost);
     }
     spread.columns.clone_from(&free);
     let estimates = estimates(&infos, &fit.parameters, &identifiability, &spread, noise);
-    let mut residuals = vec![0.0; problem.residual_count()];
-    problem
-        .evaluate(&fit.parameters, &mut residuals, None)
-        .map_err(wrap)?;
+    let residuals = prepared.residuals(&fit.parameters).map_err(wrap)?;
     Ok(ParameterFit {
         device: problem.device_with(&fit.parameters),
         parameters: parameters.to_vec(),
@@ -235,10 +255,9 @@ pub fn identifiability_at(
 ) -> Result<Identifiability, CalibrationError> {
     let wrap = |source| wrap("identifiability", source);
     let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
-    let reduced = ReducedProblem::new(&problem);
-    let distances = problem.distances();
-    let lanes = in_lanes(distances.as_ref());
-    let searched = searched(&problem, &reduced, lanes.as_ref());
+    let prepared = Prepared::new(&problem);
+    let lanes = prepared.lanes();
+    let searched = prepared.searched(lanes.as_ref());
     let reduction = reduce(searched, &problem.start()).map_err(wrap)?;
     let infos = parameter_infos(device, parameters);
     let mut judged =
@@ -247,27 +266,6 @@ pub fn identifiability_at(
         count_readings(index, reduction.rows(), problem.residual_count());
     }
     Ok(judged)
-}
-
-/// The distances of a chain, reduced in lanes.
-fn in_lanes(distances: Option<&Distances>) -> Option<ReducedDistance<'_>> {
-    let Distances { model, poses } = distances?;
-    ReducedDistance::new(model, poses, Threads::Several).ok()
-}
-
-/// The form of the problem in which it is solved fastest.
-fn searched<'r>(
-    problem: &'r DeviceProblem<'_>,
-    reduced: &'r ReducedProblem<'_>,
-    lanes: Option<&'r ReducedDistance<'_>>,
-) -> &'r dyn Problem {
-    if let Some(lanes) = lanes {
-        lanes
-    } else if problem.residual_count() < REDUCED_FROM {
-        problem
-    } else {
-        reduced
-    }
 }
 
 /// Each channel's part of the trace of J (J^T J)^-1 J^T, with `spread` for unit noise: the sum of
@@ -297,12 +295,6 @@ fn parameter_shares(
         first += rows;
     }
     Ok(shares)
-}
-
-fn reduce(problem: &dyn Problem, values: &[f64]) -> Result<Reduction, IdentificationError> {
-    let all: Vec<usize> = (0..values.len()).collect();
-    let (jacobian, residuals) = evaluate_jacobian(problem, values, &all)?;
-    Ok(Reduction::new(&jacobian, &residuals)?)
 }
 
 /// The identifiable parameters, ascending; weak ones would take the noise for their value.

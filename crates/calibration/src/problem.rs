@@ -10,6 +10,8 @@ use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};
 use rayon::prelude::*;
 
 use crate::distances::Distances;
+use crate::error_rows::outputs_in_bulk;
+use crate::outputs::Outputs;
 use crate::rotation::{inverse_left_jacobian, measured_rotation, rotation_vector};
 use crate::sink::{Place, Sink};
 use crate::{CalibrationError, Channel, Weights};
@@ -41,6 +43,11 @@ struct Block {
 }
 
 impl Block {
+    /// Residual after the last.
+    fn end(&self) -> usize {
+        self.first + self.rows.len() * self.channel.width()
+    }
+
     /// Where the residuals of a part's rows stand, from `start` on.
     fn within(&self, start: usize) -> Range<usize> {
         let place = |row: usize| {
@@ -67,31 +74,53 @@ impl<'a> DeviceProblem<'a> {
         weights: &Weights,
     ) -> Result<Self, CalibrationError> {
         let mut blocks = Vec::new();
-        let mut first = 0;
         for &channel in channels {
             let deviations = weights.residual_sd(device, recording, channel)?;
-            let rows: Vec<usize> = (0..recording.len())
-                .filter(|&row| channel.has_reading(recording, row))
-                .collect();
-            let inverse = rows.iter().map(|&row| 1.0 / deviations[row]).collect();
-            let size = rows.len() * channel.width();
-            blocks.push(Block {
-                channel,
-                rows,
-                weights: inverse,
-                first,
-            });
-            first += size;
+            add_block(&mut blocks, recording, channel, |row| 1.0 / deviations[row]);
         }
         let sees_chain = channels.iter().any(|channel| channel.sees_chain());
+        let outputs = fixed_outputs(device, recording, parameters, sees_chain)?;
         Ok(Self {
             device,
             recording,
             parameters,
+            residual_count: blocks.last().map_or(0, Block::end),
             blocks,
-            residual_count: first,
             sees_chain,
-            outputs: fixed_outputs(device, recording, parameters, sees_chain)?,
+            outputs,
+        })
+    }
+
+    /// The same for one channel whose readings all weigh the same, for the forms in lanes, without a look
+    /// at every row by itself. None where it is another case, or where a number is refused: then
+    /// [`DeviceProblem::new`] says which.
+    pub(crate) fn in_bulk(
+        device: &'a Device,
+        recording: &'a Recording,
+        channels: &[Channel],
+        parameters: &'a [ParameterId],
+        weights: &Weights,
+    ) -> Option<Self> {
+        let &[channel] = channels else {
+            return None;
+        };
+        let weight = 1.0 / weights.common_sd(device, channel)?;
+        let mut blocks = Vec::with_capacity(1);
+        add_block(&mut blocks, recording, channel, |_| weight);
+        let sees_chain = channel.sees_chain();
+        let outputs = if sees_chain {
+            Some(outputs_in_bulk(device, recording, parameters)?)
+        } else {
+            None
+        };
+        Some(Self {
+            device,
+            recording,
+            parameters,
+            residual_count: blocks.last().map_or(0, Block::end),
+            blocks,
+            sees_chain,
+            outputs,
         })
     }
 
@@ -118,6 +147,20 @@ impl<'a> DeviceProblem<'a> {
         )
     }
 
+    /// The same problem in lanes, if it is one of a transmission's parameters and its external encoder.
+    pub(crate) fn transmission_outputs(&self) -> Option<Outputs> {
+        let [block] = self.blocks.as_slice() else {
+            return None;
+        };
+        Outputs::new(
+            self.device,
+            self.recording,
+            self.parameters,
+            block.channel,
+            (&block.rows, &block.weights),
+        )
+    }
+
     /// The device with a parameter vector in place.
     pub fn device_with(&self, values: &[f64]) -> Device {
         let mut device = self.device.clone();
@@ -129,6 +172,10 @@ impl<'a> DeviceProblem<'a> {
 
     pub(crate) fn channels(&self) -> impl Iterator<Item = Channel> {
         self.blocks.iter().map(|block| block.channel)
+    }
+
+    pub(crate) fn device(&self) -> &Device {
+        self.device
     }
 
     pub(crate) fn parameters(&self) -> &[ParameterId] {
@@ -378,6 +425,24 @@ impl SparseProblem for DeviceProblem<'_> {
         entries.clear();
         self.run(parameters, residuals, Sink::Sparse(free, entries))
     }
+}
+
+/// Adds a channel's rows after the blocks that are there.
+fn add_block(
+    blocks: &mut Vec<Block>,
+    recording: &Recording,
+    channel: Channel,
+    weight: impl Fn(usize) -> f64,
+) {
+    let rows: Vec<usize> = (0..recording.len())
+        .filter(|&row| channel.has_reading(recording, row))
+        .collect();
+    blocks.push(Block {
+        channel,
+        weights: rows.iter().map(|&row| weight(row)).collect(),
+        rows,
+        first: blocks.last().map_or(0, Block::end),
+    });
 }
 
 /// Every row's output angles, unless a parameter can change them or nothing asks for the chain.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use haptical_model::{Device, Evaluation, Recording};
+use haptical_model::{Device, Evaluation, Joint, Recording};
 
 use crate::{CalibrationError, Channel};
 
@@ -40,6 +40,25 @@ impl Weights {
         }
     }
 
+    /// The standard deviation that all residuals of a channel share; none where the step of a reading adds
+    /// to it, which differs from row to row.
+    pub(crate) fn common_sd(&self, device: &Device, channel: Channel) -> Option<f64> {
+        let has_steps = |joint: &Joint| joint.reading_quantum_rad().is_some_and(|step| step != 0.0);
+        let is_stepped = match channel {
+            Channel::Output { joint } => has_steps(device.joints.get(joint)?),
+            _ => device.joints.iter().any(has_steps),
+        };
+        let (own, factor) = self.own_sd(channel);
+        (!is_stepped).then(|| factor * (own * own).sqrt())
+    }
+
+    /// A channel's own standard deviation, and the factor on the whole.
+    fn own_sd(&self, channel: Channel) -> (f64, f64) {
+        let own = self.channel_sd.get(&channel).copied();
+        let factor = self.factor.get(&channel).copied();
+        (own.unwrap_or(UNSTATED_SD), factor.unwrap_or(1.0))
+    }
+
     /// Standard deviation of a channel's residual at each row of the recording (rows without a
     /// reading included): var = factor^2 (sd^2 + sum_i (d residual / d reading_i)^2 q_i^2 / 12),
     /// q_i the step of joint i's reading (docs/equations.md, "Propagated quantization"). For
@@ -53,12 +72,7 @@ impl Weights {
         recording: &Recording,
         channel: Channel,
     ) -> Result<Vec<f64>, CalibrationError> {
-        let own = self
-            .channel_sd
-            .get(&channel)
-            .copied()
-            .unwrap_or(UNSTATED_SD);
-        let factor = self.factor.get(&channel).copied().unwrap_or(1.0);
+        let (own, factor) = self.own_sd(channel);
         let quantum_variances: Vec<f64> = device
             .joints
             .iter()

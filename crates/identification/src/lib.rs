@@ -8,6 +8,7 @@ mod estimate;
 mod identifiability;
 mod observability;
 mod problem;
+mod proven;
 mod search;
 mod settings;
 mod solver;

@@ -46,6 +46,41 @@ fn a_missing_reading_gives_no_residual_and_no_harm() {
     }
 }
 
+/// Where the external encoder of a polynomial's joint was not read, its angle is only guessed: step 2 takes the other
+/// rows alone.
+#[test]
+fn rows_beyond_a_polynomial_do_not_reach_step_2() {
+    let Some(nominal) = haptic::haptic7() else {
+        return;
+    };
+    let truth = haptic::truth_of(&nominal, 1.0);
+    let mut recording = haptic::record(&truth, 400, 5, Noise::None);
+    let fourth = recording.joint[3].clone();
+    let beyond = |row: usize| fourth[row].abs() > 0.35;
+    for row in (0..400).filter(|&row| beyond(row)) {
+        recording.output[3].as_mut().unwrap()[row] = f64::NAN;
+    }
+    let within: Vec<f64> = (0..400)
+        .filter(|&row| !beyond(row))
+        .map(|row| fourth[row])
+        .collect();
+    let highest = within.iter().copied().fold(0.0, f64::max);
+    let lowest = within.iter().copied().fold(0.0, f64::min);
+    let inside = fourth
+        .iter()
+        .filter(|angle| (lowest..=highest).contains(*angle))
+        .count();
+    assert!(
+        (200..390).contains(&inside),
+        "{inside}: the test needs both kinds"
+    );
+    let options = haptic::fixed(CalibrationMethod::TwoStep, Weighting::Stated);
+    let fitted = fit_device(&nominal, &recording, &options).unwrap();
+    let whole = fitted.whole.unwrap();
+    assert_eq!(whole.residuals.len(), inside);
+    assert!(whole.cost < 1e-6, "{}", whole.cost);
+}
+
 /// Without out2 the distances show what of joint 2's capstan moves with the joint; its constant is
 /// the joint's offset.
 #[test]

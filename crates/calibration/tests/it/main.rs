@@ -15,6 +15,7 @@ mod force_direction;
 mod frame_origins;
 mod haptic;
 mod held_out;
+mod in_bulk;
 mod incomplete;
 mod invariance;
 mod null_space;
