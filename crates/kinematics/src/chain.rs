@@ -5,7 +5,7 @@ use crate::{Convention, KinematicsError, Link, Motion, Parameter, Pose};
 
 /// Largest coordinate of a frame's origin, in m: its square, and the sums of a few such squares,
 /// are still finite, so that no later step can overflow.
-const POSITION_LIMIT_M: f64 = 1e150;
+pub(crate) const POSITION_LIMIT_M: f64 = 1e150;
 
 /// A serial chain: a table of links, how each row moves, and the convention that reads the table.
 ///

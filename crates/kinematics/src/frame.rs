@@ -11,9 +11,9 @@ use crate::{Parameter, Pose, Twist};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     pub(crate) origin: Vector3<f64>,
-    x: Vector3<f64>,
-    y: Vector3<f64>,
-    z: Vector3<f64>,
+    pub(crate) x: Vector3<f64>,
+    pub(crate) y: Vector3<f64>,
+    pub(crate) z: Vector3<f64>,
 }
 
 impl Frame {

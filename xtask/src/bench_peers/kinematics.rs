@@ -4,7 +4,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
-use haptical_model::kinematics::{Chain, Convention, Link, Motion, Pose, Twist};
+use haptical_batch::PoseLanes;
+use haptical_model::kinematics::{Chain, Convention, Link, Motion, Pose, PreparedChain, Twist};
 use serde_json::Value;
 
 use super::contender::{Answer, Contender};
@@ -50,25 +51,55 @@ impl Poses {
         })
     }
 
-    /// Every number of every pose, in the order in which the peer says them.
+    /// Every number of every pose, in the order in which the peer says them. The three ways of ours must
+    /// agree.
     pub(crate) fn values(&self) -> Result<Vec<f64>> {
         let chain = Chain::new(self.convention, &self.links, &self.motions)?;
-        let mut values = Vec::with_capacity(NUMBERS * self.joints_rad.len());
-        for joints_rad in &self.joints_rad {
+        let prepared = PreparedChain::<JOINTS>::new(&chain)?;
+        let mut lanes = PoseLanes::<JOINTS>::new(&chain)?;
+        lanes.evaluate(&self.columns())?;
+        let [mut plain, mut fast, mut laned] = [const { Vec::new() }; 3];
+        for (index, joints_rad) in self.joints_rad.iter().enumerate() {
             let mut columns = [Twist::default(); JOINTS];
             let pose = chain.geometric_jacobian(joints_rad, &mut columns)?;
-            for row in 0..3 {
-                values.extend((0..3).map(|column| pose.rotation[(row, column)]));
-                values.push(pose.position_m[row]);
-            }
-            for row in 0..3 {
-                values.extend(columns.iter().map(|column| column.linear[row]));
-            }
-            for row in 0..3 {
-                values.extend(columns.iter().map(|column| column.angular[row]));
-            }
+            extend(&mut plain, &pose, &columns);
+            let pose = prepared.pose_and_jacobian(joints_rad, &mut columns)?;
+            extend(&mut fast, &pose, &columns);
+            let found = lanes.pose(index).zip(lanes.jacobian(index));
+            let (pose, columns) = found.context("a pose is missing")?;
+            extend(&mut laned, &pose, &columns);
         }
-        Ok(values)
+        check_numbers("PreparedChain", &fast, &plain)?;
+        check_numbers("PoseLanes", &laned, &plain)?;
+        Ok(plain)
+    }
+
+    /// Joint variables joint by joint, as recordings hold them \[rad\].
+    fn columns(&self) -> [Vec<f64>; JOINTS] {
+        std::array::from_fn(|joint| self.joints_rad.iter().map(|pose| pose[joint]).collect())
+    }
+
+    /// The first poses alone.
+    fn first(&self, poses: usize) -> Self {
+        let count = poses.min(self.joints_rad.len());
+        Self {
+            joints_rad: self.joints_rad[..count].to_vec(),
+            ..self.clone()
+        }
+    }
+}
+
+/// Adds the numbers of a pose and its Jacobian, rows of [R p] and rows of the Jacobian.
+fn extend(values: &mut Vec<f64>, pose: &Pose, columns: &[Twist; JOINTS]) {
+    for row in 0..3 {
+        values.extend((0..3).map(|column| pose.rotation[(row, column)]));
+        values.push(pose.position_m[row]);
+    }
+    for row in 0..3 {
+        values.extend(columns.iter().map(|column| column.linear[row]));
+    }
+    for row in 0..3 {
+        values.extend(columns.iter().map(|column| column.angular[row]));
     }
 }
 
@@ -76,48 +107,78 @@ impl Poses {
 pub(crate) fn check_values(peer: &str, answer: &str, ours: &[f64]) -> Result<f64> {
     let value: Value = serde_json::from_str(answer)?;
     let theirs = value["values"].as_array().context("no values")?;
-    let (found, expected) = (theirs.len(), ours.len());
+    let theirs: Option<Vec<f64>> = theirs.iter().map(Value::as_f64).collect();
+    check_numbers(peer, &theirs.context("not a number")?, ours)
+}
+
+/// Refuses numbers that are not ours; the largest difference otherwise.
+fn check_numbers(name: &str, found: &[f64], ours: &[f64]) -> Result<f64> {
+    let (count, expected) = (found.len(), ours.len());
     ensure!(
-        found == expected,
-        "{peer} answered {found} numbers, not {expected}"
+        count == expected,
+        "{name} answered {count} numbers, not {expected}"
     );
     let mut largest: f64 = 0.0;
-    for (index, (theirs, ours)) in theirs.iter().zip(ours).enumerate() {
-        let difference = (theirs.as_f64().context("not a number")? - ours).abs();
+    for (index, (found, ours)) in found.iter().zip(ours).enumerate() {
+        let difference = (found - ours).abs();
         let (pose, number) = (index / NUMBERS, index % NUMBERS);
         // written so that a NaN is refused
         let agrees = difference <= VALUE_AGREEMENT;
         ensure!(
             agrees,
-            "{peer}: number {number} of pose {pose} is {theirs}, ours is {ours}: no times are reported"
+            "{name}: number {number} of pose {pose} is {found}, ours is {ours}: no times are reported"
         );
         largest = largest.max(difference);
     }
     Ok(largest)
 }
 
-/// The chain's own call: the first `poses` poses, `calls` times over.
+/// Our fastest call: the first `poses` poses, `calls` times over. One pose is the prepared chain's, several
+/// go through the lanes, whose joint variables stand joint by joint.
 pub(crate) struct OursChain {
-    pub(crate) set: Poses,
-    pub(crate) calls: usize,
-    pub(crate) found: Vec<(Pose, [Twist; JOINTS])>,
+    set: Poses,
+    columns: [Vec<f64>; JOINTS],
+    calls: usize,
 }
 
 impl OursChain {
     pub(crate) fn new(set: &Poses, poses: usize, calls: usize) -> Self {
-        let count = poses.min(set.joints_rad.len());
+        let set = set.first(poses);
         Self {
-            set: set.clone(),
-
+            columns: set.columns(),
+            set,
             calls,
-            found: vec![(Pose::default(), [Twist::default(); JOINTS]); count],
         }
+    }
+
+    fn poses(&self) -> usize {
+        self.set.joints_rad.len()
+    }
+
+    /// Times of `work`, one call over all poses.
+    fn time(&self, repeats: usize, mut work: impl FnMut() -> Result<()>) -> Result<Answer> {
+        let mut answer = Answer::default();
+        for _ in 0..repeats.max(1) {
+            let start = Instant::now();
+            for _ in 0..self.calls {
+                work()?;
+            }
+            let calls = self.calls * self.poses();
+            answer
+                .solve_s
+                .push(start.elapsed().as_secs_f64() / calls as f64);
+        }
+        Ok(answer)
     }
 }
 
 impl Contender for OursChain {
     fn name(&self) -> &str {
-        "Chain::geometric_jacobian"
+        if self.poses() == 1 {
+            "PreparedChain::pose_and_jacobian"
+        } else {
+            "PoseLanes::evaluate"
+        }
     }
 
     fn family(&self) -> &str {
@@ -132,20 +193,22 @@ impl Contender for OursChain {
             joints_rad,
         } = &self.set;
         let chain = Chain::new(*convention, links, motions)?;
-        let mut answer = Answer::default();
-        for _ in 0..repeats.max(1) {
-            let start = Instant::now();
-            for _ in 0..self.calls {
-                for (joints_rad, (pose, columns)) in joints_rad.iter().zip(&mut self.found) {
-                    *pose = chain.geometric_jacobian(black_box(joints_rad), columns)?;
-                }
-                black_box(&self.found);
-            }
-            let calls = self.calls * self.found.len();
-            answer
-                .solve_s
-                .push(start.elapsed().as_secs_f64() / calls as f64);
+        if let [joints_rad] = joints_rad.as_slice() {
+            let prepared = PreparedChain::new(&chain)?;
+            let mut found = (Pose::default(), [Twist::default(); JOINTS]);
+            return self.time(repeats, || {
+                let (pose, columns) = &mut found;
+                *pose = prepared.pose_and_jacobian(black_box(joints_rad), columns)?;
+                black_box(&found);
+                Ok(())
+            });
         }
-        Ok(answer)
+        let mut lanes = PoseLanes::<JOINTS>::new(&chain)?;
+        lanes.evaluate(&self.columns)?;
+        self.time(repeats, || {
+            lanes.evaluate(black_box(&self.columns))?;
+            black_box(&lanes);
+            Ok(())
+        })
     }
 }

@@ -9,6 +9,7 @@
 mod allocation;
 mod derivatives;
 mod fit;
+mod pose_lanes;
 mod refusals;
 mod streams;
 mod support;

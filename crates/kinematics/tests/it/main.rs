@@ -9,5 +9,6 @@ mod closed_form;
 mod derivatives;
 mod invariance;
 mod pinocchio;
+mod prepared;
 mod refusals;
 mod support;

@@ -6,6 +6,7 @@ use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_kinematics::{Convention, Link, Motion, Parameter, Pose, Twist};
 use serde_json::Value;
 
+use crate::prepared::prepared;
 use crate::support::{Case, pose_gap, twist_gap};
 
 /// Both sides round about 50 elementary motions with lengths of order 1 m: 1e-14; the rest is room
@@ -71,6 +72,12 @@ fn compare(case: &Case, expected: &Value) {
             twist_gap(column, &twist(value)) < PINOCCHIO,
             "joint {joint} of {case:?}"
         );
+    }
+
+    let (prepared_pose, prepared_jacobian) = prepared(case).unwrap();
+    assert!(pose_gap(&prepared_pose, &pose) < PINOCCHIO, "{case:?}");
+    for (column, value) in prepared_jacobian.iter().zip(columns) {
+        assert!(twist_gap(column, &twist(value)) < PINOCCHIO, "{case:?}");
     }
 
     let rows = expected["derivatives"].as_array().unwrap();
