@@ -8,6 +8,7 @@
 mod bench_peers;
 mod bench_scaling;
 mod blind;
+mod evidence;
 mod experiment;
 mod output;
 mod progress;
@@ -37,6 +38,8 @@ enum Job {
     BenchPeers(bench_peers::Arguments),
     /// Measures how time and memory grow with poses, parameters and joints.
     BenchScaling(bench_scaling::Arguments),
+    /// Tries the solver on certified problems and writes docs/evidence.md.
+    Evidence(evidence::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -46,6 +49,7 @@ fn main() -> ExitCode {
         Job::BlindCheck(arguments) => blind::check(&arguments),
         Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
+        Job::Evidence(arguments) => evidence::evidence(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -104,7 +104,7 @@ pub enum Convergence {
 }
 
 impl Convergence {
-    /// Whether the parameters are a minimum.
+    /// Whether the parameters are a stationary point: a minimum, unless the search began on a maximum.
     pub fn was_successful(self) -> bool {
         matches!(
             self,

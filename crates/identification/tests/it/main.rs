@@ -12,6 +12,7 @@ mod derivative_check;
 mod identifiability;
 mod intervals;
 mod invariance;
+mod mgh;
 mod nist;
 mod observability;
 mod refusals;

@@ -1,5 +1,5 @@
 //! The 27 certified problems of the NIST Statistical Reference Datasets, solved from both starts.
 
-mod fixture;
-mod models;
+pub(crate) mod relative;
 mod score;
+mod set;

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 /// Value at parameters `b` and predictors `x`; writes d value / d b.
-pub(super) type Model = fn(b: &[f64], x: &[f64], slopes: &mut [f64]) -> f64;
+pub(crate) type Model = fn(b: &[f64], x: &[f64], slopes: &mut [f64]) -> f64;
 
 /// File name and model of every problem.
-pub(super) const MODELS: [(&str, Model); 27] = [
+pub(crate) const MODELS: [(&str, Model); 27] = [
     ("Bennett5", bennett5),
     ("BoxBOD", saturation),
     ("Chwirut1", chwirut),

@@ -1,19 +1,24 @@
-//! Reads a NIST file: starts, certified values and data; turns it into a problem.
+//! The NIST problems: a file's starts, certified values and data, as a least-squares problem.
+//!
+//! Shared by the tests of this crate and `cargo xtask evidence`, which includes it by path.
 
-use std::path::PathBuf;
+pub(crate) mod digits;
+mod models;
+
+use std::path::Path;
 
 use haptical_identification::{IdentificationError, Matrix, Problem};
 
-use super::models::{MODELS, Model};
+use models::{MODELS, Model};
 
 /// One file with its model.
-pub(super) struct Certified {
-    pub(super) name: &'static str,
+pub(crate) struct Certified {
+    pub(crate) name: &'static str,
     /// Starts 1 and 2.
-    pub(super) starts: [Vec<f64>; 2],
-    pub(super) parameters: Vec<f64>,
-    pub(super) standard_deviations: Vec<f64>,
-    pub(super) residual_sum_of_squares: f64,
+    pub(crate) starts: [Vec<f64>; 2],
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) standard_deviations: Vec<f64>,
+    pub(crate) residual_sum_of_squares: f64,
     model: Model,
     /// Response, already transformed where the model is of log(y).
     responses: Vec<f64>,
@@ -21,24 +26,18 @@ pub(super) struct Certified {
     predictors: Vec<Vec<f64>>,
 }
 
-/// All problems, or none (with a line on standard error) where the fixtures were not shipped.
-pub(super) fn all() -> Option<Vec<Certified>> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/nist");
-    if !folder.is_dir() {
-        eprintln!("skip: fixtures/nist is absent");
-        return None;
-    }
-    Some(
-        MODELS
-            .iter()
-            .map(|&(name, model)| {
-                let path = folder.join(format!("{name}.dat"));
-                let text = std::fs::read_to_string(&path)
-                    .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-                read(name, model, &text)
-            })
-            .collect(),
-    )
+/// All problems of the folder fixtures/nist.
+///
+/// # Errors
+/// A text that names the file that cannot be read and what is wrong with it.
+pub(crate) fn read_all(folder: &Path) -> Result<Vec<Certified>, String> {
+    let problems = MODELS.iter().map(|&(name, model)| {
+        let text = std::fs::read_to_string(folder.join(format!("{name}.dat")))
+            .map_err(|error| error.to_string());
+        text.and_then(|text| read(name, model, &text))
+            .map_err(|error| format!("fixtures/nist/{name}.dat: {error}"))
+    });
+    problems.collect()
 }
 
 fn numbers(text: &str) -> Vec<f64> {
@@ -47,7 +46,16 @@ fn numbers(text: &str) -> Vec<f64> {
         .collect()
 }
 
-fn read(name: &'static str, model: Model, text: &str) -> Certified {
+/// The number behind a label and a colon.
+fn labelled(text: &str, label: &str) -> Result<f64, String> {
+    let line = text.lines().find(|line| line.starts_with(label));
+    let number = line
+        .and_then(|line| line.split_once(':'))
+        .and_then(|(_, right)| numbers(right).first().copied());
+    number.ok_or_else(|| format!("no number behind `{label}`"))
+}
+
+fn read(name: &'static str, model: Model, text: &str) -> Result<Certified, String> {
     let table: Vec<Vec<f64>> = text
         .lines()
         .filter_map(|line| {
@@ -58,41 +66,30 @@ fn read(name: &'static str, model: Model, text: &str) -> Certified {
         })
         .collect();
     let column = |index: usize| table.iter().map(|row| row[index]).collect();
-    let labelled = |label: &str| {
-        let line = text.lines().find(|line| line.starts_with(label)).unwrap();
-        numbers(line.split_once(':').unwrap().1)[0]
-    };
-    let header = text.rfind("\nData:").unwrap();
+    let header = text.rfind("\nData:").ok_or("no line `Data:`")?;
     let rows: Vec<Vec<f64>> = text[header + 1..]
         .lines()
         .skip(1)
         .map(numbers)
         .filter(|row| row.len() >= 2)
         .collect();
-    assert_eq!(
-        rows.len() as f64,
-        labelled("Number of Observations:"),
-        "{name}"
-    );
-    Certified {
+    if rows.len() as f64 != labelled(text, "Number of Observations:")? {
+        return Err(format!("{} observations were read", rows.len()));
+    }
+    let response = |row: &Vec<f64>| match name {
+        "Nelson" => row[0].ln(),
+        _ => row[0],
+    };
+    Ok(Certified {
         name,
         starts: [column(0), column(1)],
         parameters: column(2),
         standard_deviations: column(3),
-        residual_sum_of_squares: labelled("Residual Sum of Squares:"),
+        residual_sum_of_squares: labelled(text, "Residual Sum of Squares:")?,
         model,
-        responses: rows
-            .iter()
-            .map(|row| {
-                if name == "Nelson" {
-                    row[0].ln()
-                } else {
-                    row[0]
-                }
-            })
-            .collect(),
+        responses: rows.iter().map(response).collect(),
         predictors: rows.iter().map(|row| row[1..].to_vec()).collect(),
-    }
+    })
 }
 
 impl Problem for Certified {

@@ -1,0 +1,42 @@
+//! Whether the committed document holds the sections of a run.
+
+use anyhow::{Result, bail};
+
+/// What stands before the first section, and each section from its heading on.
+fn sections(text: &str) -> impl Iterator<Item = &str> {
+    text.split("\n## ").map(str::trim)
+}
+
+/// Refuses a document that lacks a section of the run, or has it with other figures.
+pub(super) fn check(document: &str, run: &str) -> Result<()> {
+    for section in sections(run) {
+        if !sections(document).any(|held| held == section) {
+            let heading = section.lines().next().unwrap_or_default();
+            bail!(
+                "docs/evidence.md is stale: its section `{heading}` is not that of this run; \
+                 `cargo xtask evidence` writes it again"
+            );
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check;
+
+    const DOCUMENT: &str = "# E\n\nlead\n\n## A\n\n1 2\n\n## B\n\n3\n";
+
+    #[test]
+    fn a_run_of_some_sections_is_found() {
+        assert!(check(DOCUMENT, DOCUMENT).is_ok());
+        assert!(check(DOCUMENT, "# E\n\nlead\n\n## B\n\n3\n\n").is_ok());
+    }
+
+    #[test]
+    fn another_figure_is_stale() {
+        let stale = check(DOCUMENT, "# E\n\nlead\n\n## A\n\n1 9\n").unwrap_err();
+        assert!(stale.to_string().contains("`A`"), "{stale}");
+        assert!(check("", DOCUMENT).is_err());
+    }
+}
