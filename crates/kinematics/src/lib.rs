@@ -37,6 +37,7 @@ mod link;
 mod pose;
 mod preparation;
 mod prepared;
+pub mod quadrant;
 mod sines;
 mod statics;
 

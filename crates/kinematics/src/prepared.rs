@@ -5,7 +5,8 @@ use wide::f64x4;
 
 use crate::chain::POSITION_LIMIT_M;
 use crate::preparation::prepare;
-use crate::sines::{LARGEST_RAD, sines_cosines};
+use crate::quadrant::LARGEST_RAD;
+use crate::sines::sines_cosines;
 use crate::{Chain, ChainConstants, KinematicsError, Pose, Twist};
 
 /// A chain of `JOINTS` moving rows whose constants are worked out once.

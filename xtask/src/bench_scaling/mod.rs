@@ -9,6 +9,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use haptical_batch::{PoseBatch, Threads, solve_distances};
 use haptical_identification::{Method, Settings};
+use haptical_linalg::{Matrix, RANK_TOLERANCE, Reduction};
 use haptical_report::{Cell, Column, Figure, FigureGrid, Mark, Series, Table};
 
 use crate::output::{Layout, Output};
@@ -147,7 +148,7 @@ fn poses_section(output: &mut Output, seed: u64, progress: &Progress) -> Result<
     let most: Vec<(f64, f64)> = points.iter().copied().filter(|(n, _)| *n >= 1e4).collect();
     output.words(format!(
         "Exponent from 10 000 poses on: {:.3}.",
-        exponent(&most)
+        exponent(&most)?
     ));
     Ok(points)
 }
@@ -188,7 +189,7 @@ fn parameters_section(
     output.words(format!(
         "Exponent of a pass over the parameters: {:.2}; derivatives grow with the first power, the reduction with the \
          second.",
-        exponent(&points)
+        exponent(&points)?
     ));
     Ok(points)
 }
@@ -261,13 +262,14 @@ fn streamed(path: &Path, arm: &Arm, poses: usize, seed: u64) -> Result<stream::S
 }
 
 /// Slope of the straight line of least squares through the logarithms.
-fn exponent(points: &[(f64, f64)]) -> f64 {
-    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
-    let count = logs.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / count;
-    let (mean_x, mean_y) = (mean(|point| point.0), mean(|point| point.1));
-    let slope: f64 = logs.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
-    slope / logs.iter().map(|(x, _)| (x - mean_x).powi(2)).sum::<f64>()
+fn exponent(points: &[(f64, f64)]) -> Result<f64> {
+    let design = Matrix::from_fn(points.len(), 2, |row, column| match column {
+        0 => 1.0,
+        _ => points[row].0.ln(),
+    });
+    let logs: Vec<f64> = points.iter().map(|(_, y)| y.ln()).collect();
+    let line = Reduction::new(&design, &logs)?.solve(&[0, 1], 0.0, RANK_TOLERANCE)?;
+    Ok(line.values[1])
 }
 
 #[cfg(test)]
@@ -279,7 +281,7 @@ mod tests {
         let points: Vec<(f64, f64)> = (1..6)
             .map(|n| (f64::from(n), 3.0 * f64::from(n).powf(1.7)))
             .collect();
-        assert!((exponent(&points) - 1.7).abs() < 1e-12);
+        assert!((exponent(&points).unwrap() - 1.7).abs() < 1e-12);
     }
 
     #[test]

@@ -22,22 +22,20 @@ pub(crate) struct Tables {
     minpack: Vec<(Size, f64, f64)>,
 }
 
-/// Fields of the rows of a file; no field of these files holds a comma.
+/// Fields of the rows of a file.
 fn rows<const WIDTH: usize>(folder: &Path, name: &str) -> Result<Vec<[String; WIDTH]>, String> {
-    let path = folder.join(name);
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| format!("fixtures/mgh/{name} cannot be read: {error}"))?;
-    let fields = |(index, line): (usize, &str)| {
-        let fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+    let reader = csv::Reader::from_path(folder.join(name));
+    let mut reader =
+        reader.map_err(|error| format!("fixtures/mgh/{name} cannot be read: {error}"))?;
+    let fields = |record: Result<csv::StringRecord, csv::Error>| {
+        let record = record.map_err(|error| format!("fixtures/mgh/{name}: {error}"))?;
+        let fields: Vec<String> = record.iter().map(str::to_owned).collect();
         fields.try_into().map_err(|found: Vec<String>| {
             let found = found.len();
-            format!(
-                "fixtures/mgh/{name}, line {}: {found} fields, {WIDTH} are needed",
-                index + 1
-            )
+            format!("fixtures/mgh/{name}: {found} fields in a row, {WIDTH} are needed")
         })
     };
-    text.lines().enumerate().skip(1).map(fields).collect()
+    reader.records().map(fields).collect()
 }
 
 fn number<T: std::str::FromStr>(text: &str, name: &str) -> Result<T, String> {
