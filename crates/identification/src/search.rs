@@ -226,18 +226,24 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         if !self.is_better(cost, newton) {
             return Ok(false);
         }
-        self.problem.evaluate(
-            &trial,
-            &mut self.trial_residuals,
-            Some((self.free, &mut self.jacobian)),
-        )?;
+        // A place without derivatives is no place to go on from, as one without residuals is.
+        let derivatives = Some((self.free, &mut self.jacobian));
+        let evaluated = self
+            .problem
+            .evaluate(&trial, &mut self.trial_residuals, derivatives);
+        if evaluated.is_err() {
+            return Ok(false);
+        }
         self.evaluations += 1;
-        let reduction = reduce(
+        let reduced = reduce(
             self.problem,
             &self.jacobian,
             &self.trial_residuals,
             self.free,
-        )?;
+        );
+        let Ok(reduction) = reduced else {
+            return Ok(false);
+        };
         if has_vanished(reduction.column_norms(), self.column_norms()) {
             return Ok(false);
         }

@@ -29,9 +29,10 @@ pub struct Fit {
 pub(crate) const MAX_HALVINGS: usize = 30;
 
 /// Share of an earlier column norm that still weighs in the damping one step later. Without memory a
-/// parameter that loses its effect leaps away (NIST's BoxBOD, MGH17); with an endless one a wild start
-/// slows every later step.
-const FORGETTING: f64 = 0.8;
+/// parameter that loses its effect leaps away (NIST's BoxBOD, MGH17); with an endless one, which is
+/// Moré's, a wild start slows every later step. The second is tried where the first finds no minimum:
+/// Brown & Dennis' function from far is such a case (docs/evidence.md).
+const FORGETTING: [f64; 2] = [0.8, 1.0];
 
 /// Above zero, so that the damping can grow again.
 const WEAKEST_DAMPING: f64 = 1e-30;
@@ -65,11 +66,35 @@ pub fn solve<P: Problem + ?Sized>(
             parameters: free.len(),
         });
     }
+    let first = attempt(problem, start, free, settings, FORGETTING[0])?;
+    let is_stuck = matches!(
+        first.convergence,
+        Convergence::IterationLimit | Convergence::NoFurtherDescent
+    );
+    if settings.method == Method::GaussNewton || !is_stuck {
+        return Ok(first);
+    }
+    let mut second = attempt(problem, start, free, settings, FORGETTING[1])?;
+    if !second.convergence.was_successful() && first.cost <= second.cost {
+        return Ok(first);
+    }
+    second.evaluations += first.evaluations;
+    Ok(second)
+}
+
+fn attempt<P: Problem + ?Sized>(
+    problem: &P,
+    start: &[f64],
+    free: &[usize],
+    settings: &Settings,
+    forgetting: f64,
+) -> Result<Fit, IdentificationError> {
     let mut search = Search::new(problem, start, free, settings)?;
     let mut damping = Damping {
         value: settings.initial_damping,
         growth: 2.0,
         norms: vec![0.0; free.len()],
+        forgetting,
     };
     let mut iterations = 0;
     let convergence = loop {
@@ -108,6 +133,7 @@ struct Damping {
     growth: f64,
     /// Largest norm of each column, fading.
     norms: Vec<f64>,
+    forgetting: f64,
 }
 
 impl<P: Problem + ?Sized> Search<'_, P> {
@@ -131,7 +157,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         let norms = self.column_norms();
         let mut weights = vec![1.0; norms.len()];
         for ((largest, norm), weight) in damping.norms.iter_mut().zip(norms).zip(&mut weights) {
-            *largest = (FORGETTING * *largest).max(*norm);
+            *largest = (damping.forgetting * *largest).max(*norm);
             if *norm > 0.0 {
                 *weight = (*largest / norm).min(HEAVIEST_WEIGHT);
             }

@@ -50,6 +50,8 @@ pub fn solve_sparse<P: SparseProblem + ?Sized>(
     let solver = SparseLeastSquares::new(rows, free.len(), &entries)?;
     let mut cost = sum_of_squares(&residuals);
     let mut iterations = 0;
+    // promise of the step before, where the fall of the cost cannot be seen any more
+    let mut unseen_before = f64::INFINITY;
     let convergence = loop {
         let step = solver.solve(&entries, &residuals).map_err(named)?;
         let promised = explained(&entries, &residuals, &step);
@@ -70,6 +72,19 @@ pub fn solve_sparse<P: SparseProblem + ?Sized>(
         if iterations == settings.max_iterations {
             break Convergence::IterationLimit;
         }
+        // Where the fall drowns in the cost's rounding, steps count as long as each halves the promise.
+        let unseen = promised <= UNSEEN_FALL * cost;
+        if unseen && promised > 0.5 * unseen_before {
+            break Convergence::SmallCostChange;
+        }
+        if unseen {
+            unseen_before = promised;
+        }
+        let highest = if unseen {
+            (1.0 + UNSEEN_FALL) * cost
+        } else {
+            cost
+        };
         let mut factor = 1.0;
         let mut accepted = None;
         for _ in 0..MAX_HALVINGS {
@@ -80,7 +95,7 @@ pub fn solve_sparse<P: SparseProblem + ?Sized>(
             if problem.evaluate(&trial, &mut trial_residuals, None).is_ok() {
                 let trial_cost = sum_of_squares(&trial_residuals);
                 // A NaN is refused.
-                if trial_cost < cost {
+                if trial_cost < highest {
                     accepted = Some((trial, trial_cost));
                     break;
                 }
@@ -88,7 +103,7 @@ pub fn solve_sparse<P: SparseProblem + ?Sized>(
             factor *= 0.5;
         }
         let Some((trial, trial_cost)) = accepted else {
-            break if promised <= UNSEEN_FALL * cost {
+            break if unseen {
                 Convergence::SmallCostChange
             } else if small(UNSEEN_STEP) {
                 Convergence::SmallStep

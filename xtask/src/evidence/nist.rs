@@ -10,7 +10,7 @@ use haptical_identification::Settings;
 use haptical_report::{Cell, Column, Table};
 
 use crate::output::Output;
-use set::digits::{CERTIFIED_DIGITS, Score, TIGHT};
+use set::digits::{CERTIFIED_DIGITS, Score};
 use set::{Certified, read_all};
 
 /// Digits of parameters and residual sum of squares that count as solved.
@@ -22,58 +22,31 @@ const BARS: [usize; 2] = [24, 25];
 /// Enough for the long valley of MGH10.
 const PATIENCE: usize = 20_000;
 
-/// A way of running the solver.
-struct Way {
-    name: &'static str,
-    file: &'static str,
-    settings: Settings,
-}
-
 /// Writes the section.
 pub(super) fn section(output: &mut Output, folder: &Path) -> Result<()> {
     let problems = read_all(folder).map_err(|error| anyhow!(error))?;
     let defaults = Settings::default();
-    let tight = Settings {
-        cost_tolerance: TIGHT,
-        ..defaults
-    };
     output.section("Solver against certified problems");
     output.words(format!(
         "The nonlinear regressions of NIST's Statistical Reference Datasets (`fixtures/nist`), from start 1, which is \
          far, and start 2, which is near. A score is the log relative error, -log10 |value - certified| / |certified|, \
          of the worst parameter, of the worst standard deviation and of the residual sum of squares; certified values \
-         have {CERTIFIED_DIGITS} digits. No setting is chosen for a problem. With the default settings a search stops \
-         once the undamped step promises less than 1e-16 of the sum (Bates & Watts' relative offset is below 1e-8 \
-         then, and no interval changes any more); with the tight stop, `cost_tolerance` {TIGHT:e}, once it promises \
-         less than that. The limit is {} steps in both.",
-        defaults.max_iterations
+         have {CERTIFIED_DIGITS} digits. The settings are the defaults, none is chosen for a problem: a search stops once the \
+         undamped step promises less than {:e} of the sum, or after {} steps.",
+        defaults.cost_tolerance, defaults.max_iterations
     ));
-    let ways = [
-        Way {
-            name: "default settings",
-            file: "default",
-            settings: defaults,
-        },
-        Way {
-            name: "tight stop",
-            file: "tight",
-            settings: tight,
-        },
-    ];
-    for way in &ways {
-        way_tables(output, &problems, way)?;
-    }
-    patience(output, &problems, &tight)
+    start_tables(output, &problems, &defaults)?;
+    patience(output, &problems, &defaults)
 }
 
-fn way_tables(output: &mut Output, problems: &[Certified], way: &Way) -> Result<()> {
+fn start_tables(output: &mut Output, problems: &[Certified], settings: &Settings) -> Result<()> {
     for (start, bar) in BARS.into_iter().enumerate() {
         let scores = problems
             .iter()
-            .map(|problem| Score::new(problem, start, &way.settings))
+            .map(|problem| Score::new(problem, start, settings))
             .collect::<Result<Vec<_>, _>>()?;
-        let file = format!("nist-start-{}-{}", start + 1, way.file);
-        let title = format!("NIST, start {}, {}", start + 1, way.name);
+        let file = format!("nist-start-{}", start + 1);
+        let title = format!("NIST, start {}", start + 1);
         output.table(&file, table(&title, problems, &scores)?)?;
         verdicts(output, &title, &scores, bar);
     }
@@ -151,19 +124,19 @@ fn verdicts(output: &mut Output, title: &str, scores: &[Score], bar: usize) {
 }
 
 /// What resists from the far start, with more steps allowed.
-fn patience(output: &mut Output, problems: &[Certified], tight: &Settings) -> Result<()> {
+fn patience(output: &mut Output, problems: &[Certified], settings: &Settings) -> Result<()> {
     let patient = Settings {
         max_iterations: PATIENCE,
-        ..*tight
+        ..*settings
     };
     for problem in problems {
-        let hasty = Score::new(problem, 0, tight)?;
+        let hasty = Score::new(problem, 0, settings)?;
         if hasty.fit.convergence.was_successful() {
             continue;
         }
         let score = Score::new(problem, 0, &patient)?;
         output.words(format!(
-            "{} from start 1 with {PATIENCE} steps allowed and the tight stop: {} after {} steps, {:.1} digits of the \
+            "{} from start 1 with {PATIENCE} steps allowed: {} after {} steps, {:.1} digits of the \
              parameters.",
             score.name, score.fit.convergence, score.fit.iterations, score.parameters
         ));

@@ -46,7 +46,7 @@ fn trials_without_a_value_are_rejected() {
 
 /// A value without a derivative is an error that names row and parameter, not a number.
 #[test]
-fn a_derivative_lost_on_the_way_is_an_error() {
+fn where_derivatives_are_lost_the_search_does_not_go() {
     let broken = Closure {
         parameters: 2,
         rows: 2,
@@ -56,15 +56,10 @@ fn a_derivative_lost_on_the_way_is_an_error() {
         },
     };
     for method in METHODS {
-        let refused = solve(&broken, &[0.0, 1.0], &[1], &settings(method));
-        assert!(matches!(
-            refused,
-            Err(IdentificationError::NotFinite {
-                row: 0,
-                column: 1,
-                ..
-            })
-        ));
+        let fit = solve(&broken, &[0.0, 1.0], &[1], &settings(method)).unwrap();
+        assert!(!fit.convergence.was_successful(), "{method:?}");
+        assert!(fit.parameters[1] > 4.0 && fit.parameters[1] < 5.0);
+        assert!(fit.cost.is_finite());
     }
 }
 

@@ -7,10 +7,6 @@ use super::Certified;
 /// Certified values carry 11 digits: more cannot be shown.
 pub(crate) const CERTIFIED_DIGITS: f64 = 11.0;
 
-/// A [`Settings::cost_tolerance`] for figures that are to be compared digit by digit: a relative
-/// offset of 1e-10, where the default of 1e-8 stops as soon as intervals no longer change.
-pub(crate) const TIGHT: f64 = 1e-20;
-
 /// Least digits of each kind.
 pub(crate) struct Score {
     pub(crate) name: &'static str,
