@@ -6,9 +6,11 @@ mod derivative_check;
 mod error;
 mod estimate;
 mod identifiability;
+mod loss;
 mod observability;
 mod problem;
 mod proven;
+mod robust;
 mod search;
 mod settings;
 mod solver;
@@ -22,8 +24,10 @@ pub use haptical_linalg::{Matrix, Reduction, Triplet};
 pub use identifiability::{
     Identifiability, IdentifiabilityRules, ParameterInfo, Status, Term, analyse,
 };
+pub use loss::{Loss, robust_scale};
 pub use observability::Observability;
 pub use problem::{Form, Problem, SparseProblem, evaluate_jacobian};
+pub use robust::{RobustFit, solve_robust};
 pub use settings::{Convergence, Method, Settings};
 pub use solver::{Fit, solve};
 pub use sparse::{SparseFit, solve_sparse};

@@ -16,6 +16,7 @@ mod mgh;
 mod nist;
 mod observability;
 mod refusals;
+mod robust;
 mod search;
 mod sparse;
 mod support;
