@@ -10,6 +10,7 @@ mod bench_scaling;
 mod blind;
 mod evidence;
 mod experiment;
+mod instructions;
 mod output;
 mod progress;
 mod tables;
@@ -40,6 +41,8 @@ enum Job {
     BenchScaling(bench_scaling::Arguments),
     /// Tries the solver on certified problems and writes docs/evidence.md.
     Evidence(evidence::Arguments),
+    /// Counts the instructions of fixed workloads and compares them with the committed numbers.
+    Instructions(instructions::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
         Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
         Job::Evidence(arguments) => evidence::evidence(&arguments),
+        Job::Instructions(arguments) => instructions::instructions(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

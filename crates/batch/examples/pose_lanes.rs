@@ -27,6 +27,7 @@ fn main() -> Result<(), BatchError> {
             d_m: 0.1 * side + off,
             theta_rad: 0.2 * off,
             beta_rad: if row == 3 { off } else { 0.0 },
+            b_m: 0.0,
         }
     });
     let chain = Chain::new(Convention::Standard, &links, &motions)?;

@@ -272,6 +272,7 @@ mod tests {
             d_m: 0.2,
             theta_rad: -0.4,
             beta_rad: 0.1,
+            b_m: 0.05,
         };
         let model = DistanceModel::new(Convention::Standard, &[link; 3], &motions, [0.1, 0.0, 2.0]);
         let model = model.unwrap();

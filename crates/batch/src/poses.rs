@@ -80,6 +80,12 @@ impl Columns {
             count: count + 2,
         }
     }
+
+    /// Whether a joint has columns for sine and cosine, not one for its variable.
+    fn has_sines(&self, joint: usize) -> bool {
+        let next = self.joints.get(joint + 1).unwrap_or(&self.distance);
+        next - self.joints[joint] == 2
+    }
 }
 
 impl PoseBatch {
@@ -98,11 +104,8 @@ impl PoseBatch {
         sines: Sines,
     ) -> Result<Self, BatchError> {
         let rows = distances_m.len();
-        let moving: Vec<Motion> = motions
-            .iter()
-            .copied()
-            .filter(|motion| *motion != Motion::Fixed)
-            .collect();
+        let moving = motions.iter().filter(|motion| **motion != Motion::Fixed);
+        let moving = moving.count();
         let length = |what, expected, found| {
             if expected == found {
                 Ok(())
@@ -117,7 +120,7 @@ impl PoseBatch {
         if rows == 0 {
             return Err(BatchError::NoPose);
         }
-        length("joint variables' slices", moving.len(), joints.len())?;
+        length("joint variables' slices", moving, joints.len())?;
         for joint in joints {
             length("a joint's variables", rows, joint.as_ref().len())?;
             check_all("a joint variable", joint.as_ref())?;
@@ -134,41 +137,77 @@ impl PoseBatch {
             motions: motions.to_vec(),
             rows,
             data: Aligned::zeros(tiles * columns.count * TILE_ROWS),
-            largest: joints
-                .iter()
-                .map(|joint| {
-                    joint
-                        .as_ref()
-                        .iter()
-                        .fold(0.0, |most: f64, q| most.max(q.abs()))
-                })
-                .collect(),
+            largest: joints.iter().map(|joint| largest(joint.as_ref())).collect(),
             columns,
         };
+        for (joint, variables) in joints.iter().enumerate() {
+            batch.write_joint(joint, variables.as_ref());
+        }
         for tile in 0..tiles {
             let first = tile * TILE_ROWS;
             let last = (first + TILE_ROWS).min(rows);
             let (count, at) = (batch.columns.count, &batch.columns);
             let into = &mut batch.data.as_mut_slice()[tile * count * TILE_ROWS..];
-            for (index, (joint, motion)) in joints.iter().zip(&moving).enumerate() {
-                let variables = &joint.as_ref()[first..last];
-                let column = &mut into[at.joints[index] * TILE_ROWS..];
-                if *motion == Motion::Revolute && sines == Sines::Cached {
-                    let (sine, cosine) = column.split_at_mut(TILE_ROWS);
-                    sines_cosines(variables, sine, cosine);
-                    fill_up(sine, variables.len());
-                    fill_up(cosine, variables.len());
-                } else {
-                    column[..variables.len()].copy_from_slice(variables);
-                    fill_up(column, variables.len());
-                }
-            }
             into[at.distance * TILE_ROWS..][..last - first]
                 .copy_from_slice(&distances_m[first..last]);
             // the weights of rows that fill up the tile stay 0
             into[at.weight * TILE_ROWS..][..last - first].copy_from_slice(&weights[first..last]);
         }
         Ok(batch)
+    }
+
+    /// The same poses with other variables of one joint (from 0, in rad or m): for angles that change from pass
+    /// to pass, without anything else being worked out again.
+    ///
+    /// ```
+    /// use haptical_batch::{PoseBatch, Sines};
+    /// use haptical_kinematics::Motion;
+    /// let motions = [Motion::Fixed, Motion::Revolute];
+    /// let mut poses = PoseBatch::new(&motions, &[[0.1, 0.2]], &[0.5; 2], &[1e4; 2], Sines::Cached)?;
+    /// poses.move_joint(0, &[0.3, 0.4])?;
+    /// assert!(poses.move_joint(1, &[0.3, 0.4]).is_err() && poses.move_joint(0, &[0.3]).is_err());
+    /// # Ok::<(), haptical_batch::BatchError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BatchError::Length`] for a joint that the chain has not or another number of poses;
+    /// [`BatchError::Pose`] for a number that is not finite.
+    pub fn move_joint(&mut self, joint: usize, variables: &[f64]) -> Result<(), BatchError> {
+        let length = |what, expected, found| BatchError::Length {
+            what,
+            expected,
+            found,
+        };
+        if joint >= self.largest.len() {
+            let (what, count) = ("joints, by the index of one", self.largest.len());
+            return Err(length(what, count, joint + 1));
+        }
+        if variables.len() != self.rows {
+            return Err(length("a joint's variables", self.rows, variables.len()));
+        }
+        check_all("a joint variable", variables)?;
+        self.largest[joint] = largest(variables);
+        self.write_joint(joint, variables);
+        Ok(())
+    }
+
+    /// Writes the columns of a joint into all tiles.
+    fn write_joint(&mut self, joint: usize, variables: &[f64]) {
+        let (count, first) = (self.columns.count, self.columns.joints[joint]);
+        let has_sines = self.columns.has_sines(joint);
+        let tiles = self.data.as_mut_slice().chunks_exact_mut(count * TILE_ROWS);
+        for (tile, variables) in tiles.zip(variables.chunks(TILE_ROWS)) {
+            let column = &mut tile[first * TILE_ROWS..];
+            if has_sines {
+                let (sine, cosine) = column.split_at_mut(TILE_ROWS);
+                sines_cosines(variables, sine, cosine);
+                fill_up(sine, variables.len());
+                fill_up(cosine, variables.len());
+            } else {
+                column[..variables.len()].copy_from_slice(variables);
+                fill_up(column, variables.len());
+            }
+        }
     }
 
     /// Number of poses.
@@ -238,6 +277,10 @@ pub(crate) fn fill_up(column: &mut [f64], filled: usize) {
     if let Some(&last) = filled.checked_sub(1).and_then(|last| column.get(last)) {
         column[filled..TILE_ROWS].fill(last);
     }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, q| most.max(q.abs()))
 }
 
 fn check_all(what: &'static str, values: &[f64]) -> Result<(), BatchError> {

@@ -55,7 +55,7 @@ pub(crate) enum Action {
 /// One elementary motion.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step {
-    /// Of a slide 0 or 2; of a turn 0, 1 or 2 for x, y, z.
+    /// 0, 1 or 2 for x, y, z.
     pub(crate) axis: usize,
     pub(crate) action: Action,
     /// Column of the derivative matrix.
@@ -76,14 +76,15 @@ pub(crate) struct Program {
     pub(crate) angle_slots: usize,
     /// Columns of the derivative matrix.
     pub(crate) columns: usize,
-    values: Vec<[f64; 5]>,
-    column_of: Vec<[Option<usize>; 5]>,
+    values: Vec<[f64; 6]>,
+    column_of: Vec<[Option<usize>; 6]>,
 }
 
 /// Axis of a parameter's elementary motion, and whether it is a turn.
 const fn elementary(parameter: Parameter) -> (usize, bool) {
     match parameter {
         Parameter::A => (0, false),
+        Parameter::B => (1, false),
         Parameter::D => (2, false),
         Parameter::Alpha => (0, true),
         Parameter::Beta => (1, true),
@@ -108,7 +109,7 @@ impl Program {
                 .map(|link| Parameter::ALL.map(|p| link.get(p))),
         );
         self.column_of.clear();
-        self.column_of.resize(model.links.len(), [None; 5]);
+        self.column_of.resize(model.links.len(), [None; 6]);
         for (&(row, parameter), &value) in model.parameters.iter().zip(parameters) {
             self.values[row][parameter as usize] = value;
         }

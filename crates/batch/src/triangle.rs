@@ -1,5 +1,7 @@
 //! The triangle that rows are folded into, and the sum of squares that it does not explain.
 
+use std::cell::RefCell;
+
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::BatchError;
@@ -28,6 +30,11 @@ pub struct Triangle {
     pub(crate) entries: Aligned,
     rest_square: f64,
     rows: usize,
+}
+
+thread_local! {
+    /// Room for the rows that are being folded, kept from call to call.
+    static TILE: RefCell<Aligned> = RefCell::default();
 }
 
 /// Folds a prepared tile.
@@ -125,18 +132,21 @@ impl Triangle {
         for column in columns {
             length("a column to fold", residuals.len(), column.len())?;
         }
-        let mut tile = Aligned::zeros((self.columns + 1) * TILE_ROWS);
-        let mut first = 0;
-        while first < residuals.len() {
-            let rows = (residuals.len() - first).min(TILE_ROWS);
-            let into = tile.as_mut_slice().chunks_exact_mut(TILE_ROWS);
-            for (into, from) in into.zip(columns.iter().chain([&residuals])) {
-                into[..rows].copy_from_slice(&from[first..first + rows]);
-                into[rows..].fill(0.0);
+        TILE.with_borrow_mut(|tile| {
+            tile.reserve((self.columns + 1) * TILE_ROWS);
+            let mut first = 0;
+            while first < residuals.len() {
+                let rows = (residuals.len() - first).min(TILE_ROWS);
+                let used = rows.next_multiple_of(ROW_QUANTUM).min(TILE_ROWS);
+                let into = tile.as_mut_slice().chunks_exact_mut(TILE_ROWS);
+                for (into, from) in into.zip(columns.iter().chain([&residuals])) {
+                    into[..rows].copy_from_slice(&from[first..first + rows]);
+                    into[rows..used].fill(0.0);
+                }
+                self.fold_tile(tile.as_mut_slice(), rows);
+                first += rows;
             }
-            self.fold_tile(tile.as_mut_slice(), rows);
-            first += rows;
-        }
+        });
         self.check()
     }
 
@@ -205,7 +215,10 @@ impl Triangle {
     /// Refuses what is not finite.
     pub(crate) fn check(&self) -> Result<(), BatchError> {
         let used = &self.entries.as_slice()[..self.columns * (self.columns + 1)];
-        if used.iter().all(|entry| entry.is_finite()) && self.cost().is_finite() {
+        // some at a time without a way out between them, so that they are looked at in lanes
+        let mut parts = used.chunks(64);
+        let is_finite = parts.all(|part| part.iter().fold(true, |all, x| all & x.is_finite()));
+        if is_finite && self.cost().is_finite() {
             Ok(())
         } else {
             Err(BatchError::Overflow)

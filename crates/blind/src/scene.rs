@@ -92,6 +92,12 @@ impl<'d> Scene<'d> {
                 what: "a trial needs links and joints",
             });
         }
+        if !device.is_plain_table() {
+            return Err(BlindError::Device {
+                device: device.name.clone(),
+                what: "a trial needs a plain table of rows: no origins, no b_m, no driven_by",
+            });
+        }
         let motion = Motion::draw(device, plan, &mut Random::new(seed, stream::MOTION));
         let rows = motion.len();
         let force_n = hand_force(rows, plan, &mut Random::new(seed, stream::FORCE));

@@ -4,10 +4,15 @@ use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 use serde::Serialize;
 
-use crate::held_out::{SHORT_LOG, check_share, folds};
+#[cfg(feature = "rig")]
+use crate::held_out::is_of_postures;
+use crate::held_out::{FOLDS, SHORT_LOG, check_share, folds};
+#[cfg(feature = "rig")]
+use crate::prepare::with_unseen_touches;
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut, Options,
-    Weights, channel_residuals, channels, fit_device, split, sufficiency, warnings,
+    Outlier, Weights, channel_residuals, channels, fit_device, robust, split, sufficiency,
+    warnings,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -15,6 +20,8 @@ use crate::{
 pub struct Calibration {
     /// The calibrated device.
     pub device: Device,
+    /// The device as it was, with start values of what stands beside the chain.
+    pub nominal: Device,
     /// The fits.
     pub fitted: FittedDevice,
     /// Before and after, on the rows of the fit.
@@ -23,6 +30,9 @@ pub struct Calibration {
     pub held_out_channels: Vec<ChannelReport>,
     /// What was held out, in words.
     pub held_out: String,
+    /// Readings that noise does not explain, farthest first, where a robust loss was used: those of the fit
+    /// and those that were held out.
+    pub outliers: Vec<Outlier>,
     /// Things that a user should know.
     pub warnings: Vec<String>,
 }
@@ -48,6 +58,10 @@ pub struct ChannelReport {
     pub rms_after: f64,
     /// Standard deviation of the calibrated device's residuals.
     pub sd_after: f64,
+    /// Root mean square of the calibrated device's residuals, outliers left out.
+    pub rms_after_good: f64,
+    /// Readings that noise does not explain, where a robust loss looked for them.
+    pub outliers: usize,
     /// Root mean square of the stated noise, quantization included.
     pub noise_floor: f64,
     /// Share of the gap that was closed, noise taken out; none where there was no gap.
@@ -66,8 +80,10 @@ pub struct ChannelReport {
 /// Calibrates a device from a recording.
 ///
 /// The fit sees the rows that [`crate::split`] leaves it; before and after are reported for them and
-/// for the others. A log of fewer than 100 rows is too short for blocks: the device is fitted to all
-/// rows and the held-out figures come from ten folds, each fitted without its own rows.
+/// for the others. A log of fewer than 100 rows is too short for blocks, and one of separate postures (touches, an
+/// unknown tracker) has none that belong together: the device is fitted to all
+/// rows and the held-out figures come from ten folds, each fitted without its own rows. Where the held-out rows
+/// touch a point or a plane that the fit did not see, it is placed as these rows have it best.
 ///
 /// # Errors
 /// [`CalibrationError`]; [`CalibrationError::is_unidentifiable`] tells data that fix nothing from
@@ -79,48 +95,74 @@ pub fn calibrate(
 ) -> Result<Calibration, CalibrationError> {
     let channels = channels(device, recording)?;
     sufficiency::check(device, recording, &channels)?;
+    #[cfg(feature = "rig")]
+    crate::prepare::check_rig(device, recording)?;
     let mut warnings = warnings::of_recording(device, recording, &channels);
     let stated = Weights::stated(device, &channels);
     check_share(options.held_out)?;
     let short = recording.len() < SHORT_LOG;
-    let rows = match (options.held_out, short) {
-        (HeldOut::Share(share), true) if share > 0.0 => HeldOut::None,
-        (other, _) => other,
+    #[cfg(feature = "rig")]
+    let short = short || is_of_postures(device, recording);
+    let count = match options.held_out {
+        HeldOut::Folds(count) => Some(count),
+        HeldOut::Share(share) if short && share > 0.0 => Some(FOLDS),
+        _ => None,
     };
+    let rows = count.map_or(options.held_out, |_| HeldOut::None);
     let split = split(recording, rows)?;
     let seen = recording.select(&split.fit);
     let fitted = fit_device(device, &seen, options)?;
-    let mut fit_channels = compare(device, &fitted.device, &seen, &channels, &stated)?;
+    let nominal = device.clone();
+    #[cfg(feature = "rig")]
+    let nominal = crate::prepare_device(&nominal, &seen)?;
+    let mut fit_channels = compare(&nominal, &fitted.device, &seen, &channels, &stated)?;
     in_recording(&mut fit_channels, &split.fit);
-    let (held_out_channels, held_out) = match (options.held_out, short) {
-        (HeldOut::Share(share), true) if share > 0.0 => cross_validate(
+    let (mut held_out_channels, held_out) = match count {
+        Some(count) => cross_validate(
             device,
             recording,
             &channels,
             &stated,
             options,
+            count,
             &mut warnings,
         )?,
         _ if split.held_out.is_empty() => (Vec::new(), split.description.clone()),
         _ => {
             let unseen = recording.select(&split.held_out);
-            let mut reports = compare(device, &fitted.device, &unseen, &channels, &stated)?;
+            let mut reports = compare(&nominal, &fitted.device, &unseen, &channels, &stated)?;
             in_recording(&mut reports, &split.held_out);
             (reports, split.description.clone())
         }
     };
+    let mut outliers = Vec::new();
+    if let Some(robust) = &fitted.robust {
+        for reports in [&mut fit_channels, &mut held_out_channels] {
+            for report in reports.iter_mut() {
+                outliers.extend(robust::set_aside(report, robust, recording));
+            }
+        }
+        outliers.sort_by(|a: &Outlier, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+    }
     let judged = if held_out_channels.is_empty() {
         &fit_channels
     } else {
         &held_out_channels
     };
-    warnings.extend(warnings::of_result(device, &fitted, judged, options.method));
+    warnings.extend(warnings::of_result(
+        &nominal,
+        &fitted,
+        judged,
+        options.method,
+    ));
     Ok(Calibration {
         device: fitted.device.clone(),
+        nominal,
         fitted,
         fit_channels,
         held_out_channels,
         held_out,
+        outliers,
         warnings,
     })
 }
@@ -133,6 +175,11 @@ fn compare(
     channels: &[Channel],
     stated: &Weights,
 ) -> Result<Vec<ChannelReport>, CalibrationError> {
+    #[cfg(feature = "rig")]
+    let (nominal, fitted) = (
+        &with_unseen_touches(nominal, recording)?,
+        &with_unseen_touches(fitted, recording)?,
+    );
     let before = channel_residuals(nominal, fitted, recording, channels, stated)?;
     let after = channel_residuals(fitted, fitted, recording, channels, stated)?;
     Ok(before
@@ -170,6 +217,8 @@ fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) ->
         sd_before: spread(&before.residuals, rms_before),
         rms_after,
         sd_after: spread(&after.residuals, rms_after),
+        rms_after_good: rms_after,
+        outliers: 0,
         noise_floor: after.noise_floor,
         reduction_percent: gap_reduction_percent(rms_before, rms_after, after.noise_floor),
         before: before.residuals,
@@ -178,7 +227,7 @@ fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) ->
     }
 }
 
-/// Ten folds, each predicted by a device fitted without it. A fold whose fit fails (too few rows
+/// Folds, each predicted by a device fitted without it. A fold whose fit fails (too few rows
 /// left for the terms) is left out, with a warning.
 fn cross_validate(
     device: &Device,
@@ -186,14 +235,16 @@ fn cross_validate(
     channels: &[Channel],
     stated: &Weights,
     options: &Options,
+    count: usize,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<ChannelReport>, String), CalibrationError> {
-    let folds = folds(recording.len());
+    let folds = folds(recording.len(), count);
     let count = folds.len();
     let mut before: Vec<ChannelResiduals> = Vec::new();
     let mut after: Vec<ChannelResiduals> = Vec::new();
     for fold in folds {
-        let fitted = match fit_device(device, &recording.select(&fold.fit), options) {
+        let seen = recording.select(&fold.fit);
+        let fitted = match fit_device(device, &seen, options) {
             Ok(fitted) => fitted,
             Err(error) => {
                 warnings.push(format!("{} left out: {error}", fold.description));
@@ -202,7 +253,12 @@ fn cross_validate(
         };
         let unseen = recording.select(&fold.held_out);
         let range_free = without_ranges(&fitted.device);
-        for (device, kept) in [(device, &mut before), (&fitted.device, &mut after)] {
+        let nominal = device.clone();
+        #[cfg(feature = "rig")]
+        let nominal = crate::prepare_device(&nominal, &seen)?;
+        for (device, kept) in [(&nominal, &mut before), (&fitted.device, &mut after)] {
+            #[cfg(feature = "rig")]
+            let device = &with_unseen_touches(device, &unseen)?;
             let part = channel_residuals(device, &range_free, &unseen, channels, stated)?;
             append(kept, part, &fold.held_out);
         }
@@ -215,7 +271,13 @@ fn cross_validate(
         .collect();
     Ok((
         reports,
-        format!("{count} folds of a short log, each fitted without its own rows"),
+        match options.held_out {
+            HeldOut::Folds(_) => format!("{count} folds by row, each fitted without its own rows"),
+            _ if recording.len() < SHORT_LOG => {
+                format!("{count} folds of a short log, each fitted without its own rows")
+            }
+            _ => format!("{count} folds of separate postures, each fitted without its own rows"),
+        },
     ))
 }
 

@@ -1,6 +1,8 @@
 //! Which parameters a calibration may free, and which it prefers to keep.
 
 use haptical_identification::ParameterInfo;
+#[cfg(feature = "rig")]
+use haptical_model::SurroundingParameter;
 use haptical_model::{Device, LinkParameter, ParameterId};
 
 /// Two successive axes within this angle count as parallel, so that Hayati's angle is offered.
@@ -9,7 +11,9 @@ use haptical_model::{Device, LinkParameter, ParameterId};
 const PARALLEL_RAD: f64 = 0.02;
 
 /// The Denavit-Hartenberg parameters of all rows; Hayati's angle only on rows 1 to n - 1 whose axis
-/// is parallel to the next one.
+/// is parallel to the next one, and what stands beside the chain
+/// ([`Device::further_parameters`]). A general row ([`Device::is_general_row`]) offers all six numbers: near
+/// 0 they are independent whichever way the axes stand, and what is redundant the analysis drops.
 pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
     let last = device.links.len().saturating_sub(1);
     device
@@ -20,12 +24,12 @@ pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
                 row,
                 parameter: LinkParameter::Beta,
             } => {
-                *row > 0
-                    && *row < last
-                    && device.links[*row].alpha_rad.sin().abs() < PARALLEL_RAD.sin()
+                let is_parallel = || device.links[*row].alpha_rad.sin().abs() < PARALLEL_RAD.sin();
+                device.is_general_row(*row) || (*row > 0 && *row < last && is_parallel())
             }
             _ => true,
         })
+        .chain(device.further_parameters())
         .collect()
 }
 
@@ -34,27 +38,45 @@ pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
 /// Joint offsets come first (a controller corrects them most easily), then lengths, offsets and
 /// twists, then Hayati's angles, then transmission terms that are not constant, then constant
 /// transmission offsets (which only an external encoder tells from joint offsets), and last the base
-/// row's twist, angle and offset, which place the measuring frame.
+/// row's twist, angle and offset, which place the measuring frame. A general base row has nothing but
+/// such numbers, its length along x included.
+///
+/// Before all of these come numbers beside the chain that nobody knows: where tracker, touched points and
+/// planes are. The geometry is judged given them, so that of a rig that moves with the device it is the base
+/// row that is dependent. A cable's scale comes last: it acts like all lengths together.
 pub fn preference_order(parameters: &[ParameterId]) -> Vec<usize> {
-    let class = |parameter: &ParameterId| match *parameter {
-        ParameterId::Link {
-            row: 0,
-            parameter: LinkParameter::A,
-        } => 1,
-        ParameterId::Link { row: 0, parameter } => match parameter {
-            LinkParameter::Alpha => 7,
-            LinkParameter::Theta => 8,
-            _ => 9,
-        },
-        ParameterId::Link { parameter, .. } => match parameter {
-            LinkParameter::Theta => 0,
-            LinkParameter::A => 1,
-            LinkParameter::D => 2,
-            LinkParameter::Alpha => 3,
-            LinkParameter::Beta => 4,
-        },
-        ParameterId::Transmission { index: 0, .. } => 6,
-        ParameterId::Transmission { .. } => 5,
+    let general_base = parameters.contains(&ParameterId::Link {
+        row: 0,
+        parameter: LinkParameter::B,
+    });
+    let class = |parameter: &ParameterId| -> i8 {
+        match *parameter {
+            ParameterId::Link {
+                row: 0,
+                parameter: LinkParameter::A,
+            } if !general_base => 1,
+            ParameterId::Link { row: 0, parameter } => match parameter {
+                LinkParameter::Alpha => 7,
+                LinkParameter::Theta => 8,
+                _ => 9,
+            },
+            ParameterId::Link { parameter, .. } => match parameter {
+                LinkParameter::Theta => 0,
+                LinkParameter::A | LinkParameter::B => 1,
+                LinkParameter::D => 2,
+                LinkParameter::Alpha => 3,
+                LinkParameter::Beta => 4,
+            },
+            ParameterId::Transmission { index: 0, .. } => 6,
+            ParameterId::Transmission { .. } => 5,
+            // as much as a joint's other terms that are not constant
+            #[cfg(feature = "rig")]
+            ParameterId::Compliance { .. } => 5,
+            #[cfg(feature = "rig")]
+            ParameterId::Surrounding(SurroundingParameter::CableScale { .. }) => 10,
+            #[cfg(feature = "rig")]
+            ParameterId::Surrounding(_) => -1,
+        }
     };
     let mut order: Vec<usize> = (0..parameters.len()).collect();
     order.sort_by_key(|&position| (class(&parameters[position]), position));

@@ -3,6 +3,7 @@
 use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
+use crate::measurement::{Measurement, with_kind};
 
 /// A measured quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,10 +22,35 @@ pub enum Channel {
     Position,
     /// Handle orientation, three residuals a row.
     Orientation,
+    /// Touches of points, three residuals a row.
+    #[cfg(feature = "rig")]
+    Contact,
+    /// Known distance between two touched points; its reading stands with the first row.
+    #[cfg(feature = "rig")]
+    ContactPair {
+        /// Position in `[[contact_pair]]`, from 0.
+        index: usize,
+    },
+    /// Touches of planes.
+    #[cfg(feature = "rig")]
+    Plane,
+    /// Known angle between two touched planes; its reading stands with the first row.
+    #[cfg(feature = "rig")]
+    PlanePair {
+        /// Position in `[[plane_pair]]`, from 0.
+        index: usize,
+    },
+    /// Known angles at which a homing fixture holds a joint (from 0).
+    #[cfg(feature = "rig")]
+    Fixture {
+        /// Joint, from 0.
+        joint: usize,
+    },
 }
 
 impl Channel {
-    /// Column name without its unit: `out2`, `cable`, `cable2`, `position`, `orientation`.
+    /// Column name without its unit: `out2`, `cable`, `cable2`, `position`, `orientation`, `contact`, `plane`,
+    /// `fixture2`; `contact-pair` and `plane-pair`, the second one `contact-pair2`.
     pub fn name(self) -> String {
         match self {
             Self::Output { joint } => format!("out{}", joint + 1),
@@ -32,47 +58,49 @@ impl Channel {
             Self::Cable { index } => format!("cable{}", index + 1),
             Self::Position => "position".to_owned(),
             Self::Orientation => "orientation".to_owned(),
+            #[cfg(feature = "rig")]
+            Self::Contact => "contact".to_owned(),
+            #[cfg(feature = "rig")]
+            Self::ContactPair { index: 0 } => "contact-pair".to_owned(),
+            #[cfg(feature = "rig")]
+            Self::ContactPair { index } => format!("contact-pair{}", index + 1),
+            #[cfg(feature = "rig")]
+            Self::Plane => "plane".to_owned(),
+            #[cfg(feature = "rig")]
+            Self::PlanePair { index: 0 } => "plane-pair".to_owned(),
+            #[cfg(feature = "rig")]
+            Self::PlanePair { index } => format!("plane-pair{}", index + 1),
+            #[cfg(feature = "rig")]
+            Self::Fixture { joint } => format!("fixture{}", joint + 1),
         }
     }
 
     /// Unit of its residuals.
     pub fn unit(self, device: &Device) -> &'static str {
-        match self {
-            Self::Output { joint } => device.joints[joint].unit(),
-            Self::Cable { .. } | Self::Position => "m",
-            Self::Orientation => "rad",
-        }
+        with_kind!(self, kind => kind.unit(device))
     }
 
     /// Residuals that one row gives.
     pub fn width(self) -> usize {
-        match self {
-            Self::Output { .. } | Self::Cable { .. } => 1,
-            Self::Position | Self::Orientation => 3,
+        fn width<M: Measurement>(_: &M) -> usize {
+            M::WIDTH
         }
+        with_kind!(self, kind => width(&kind))
     }
 
     /// Whether it sees the chain (all but the external encoders do).
     pub fn sees_chain(self) -> bool {
-        !matches!(self, Self::Output { .. })
+        with_kind!(self, kind => kind.sees_chain())
     }
 
     /// Whether a row of the recording has a reading of this channel.
     pub fn has_reading(self, recording: &Recording, row: usize) -> bool {
-        let finite =
-            |column: Option<&Vec<f64>>| column.is_some_and(|column| column[row].is_finite());
-        match self {
-            Self::Output { joint } => finite(recording.output.get(joint).and_then(Option::as_ref)),
-            Self::Cable { index } => finite(recording.cable_m.get(index).and_then(Option::as_ref)),
-            Self::Position => recording
-                .position_m
-                .as_ref()
-                .is_some_and(|axes| axes.iter().all(|axis| axis[row].is_finite())),
-            Self::Orientation => recording
-                .orientation_wxyz
-                .as_ref()
-                .is_some_and(|parts| parts.iter().all(|part| part[row].is_finite())),
-        }
+        with_kind!(self, kind => kind.has_reading(recording, row))
+    }
+
+    /// Standard deviation of a reading, as the device file states it.
+    pub(crate) fn stated_sd(self, device: &Device) -> Option<f64> {
+        with_kind!(self, kind => kind.stated_sd(device))
     }
 }
 
@@ -87,9 +115,12 @@ pub fn channels(device: &Device, recording: &Recording) -> Result<Vec<Channel>, 
     if device.has_links() {
         found.extend((0..recording.cable_m.len()).map(|index| Channel::Cable { index }));
         if recording.position_m.is_some() || recording.orientation_wxyz.is_some() {
+            #[cfg(not(feature = "rig"))]
             check_tracker(device)?;
             found.extend([Channel::Position, Channel::Orientation]);
         }
+        #[cfg(feature = "rig")]
+        found.extend(touches(device, recording));
     }
     found.retain(|channel| (0..recording.len()).any(|row| channel.has_reading(recording, row)));
     if found.is_empty() {
@@ -99,6 +130,7 @@ pub fn channels(device: &Device, recording: &Recording) -> Result<Vec<Channel>, 
     }
 }
 
+#[cfg(not(feature = "rig"))]
 fn check_tracker(device: &Device) -> Result<(), CalibrationError> {
     match &device.tracker {
         Some(tracker) if !tracker.base_known => {
@@ -109,4 +141,32 @@ fn check_tracker(device: &Device) -> Result<(), CalibrationError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Touches and fixtures, and the pairs of which the recording has both.
+#[cfg(feature = "rig")]
+fn touches(device: &Device, recording: &Recording) -> Vec<Channel> {
+    let touched = |ids: Option<&Vec<String>>, id: &str| {
+        ids.is_some_and(|ids| ids.iter().any(|other| other == id))
+    };
+    let mut found = vec![Channel::Contact];
+    for (index, pair) in device.contact_pairs.iter().enumerate() {
+        if [&pair.a, &pair.b]
+            .iter()
+            .all(|id| touched(recording.contact.as_ref(), id))
+        {
+            found.push(Channel::ContactPair { index });
+        }
+    }
+    found.push(Channel::Plane);
+    for (index, pair) in device.surroundings.plane_pairs.iter().enumerate() {
+        if [&pair.a, &pair.b]
+            .iter()
+            .all(|id| touched(recording.plane.as_ref(), id))
+        {
+            found.push(Channel::PlanePair { index });
+        }
+    }
+    found.extend((0..device.joints.len()).map(|joint| Channel::Fixture { joint }));
+    found
 }

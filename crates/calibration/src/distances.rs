@@ -27,11 +27,15 @@ impl Distances {
         let Channel::Cable { index } = channel else {
             return None;
         };
+        let cable = device.cables.get(index);
+        if !device.is_plain_table() || cable.is_some_and(|cable| !cable.is_plain()) {
+            return None;
+        }
         let parameters: Vec<_> = parameters
             .iter()
             .map(|parameter| match parameter {
                 ParameterId::Link { row, parameter } => Some((*row, parameter.kinematic())),
-                ParameterId::Transmission { .. } => None,
+                _ => None,
             })
             .collect::<Option<_>>()?;
         let motions = device.motions();

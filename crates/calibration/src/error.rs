@@ -69,6 +69,27 @@ pub enum CalibrationError {
         /// What the model said.
         source: ModelError,
     },
+    /// A touch of a point or plane that the device does not have a place for.
+    #[error(
+        "line {line} of the log, {column}: the device has no place for `{id}` yet: prepare the device with \
+         this recording first"
+    )]
+    UnknownTouch {
+        /// Line of the log.
+        line: u64,
+        /// Column.
+        column: String,
+        /// Point or plane.
+        id: String,
+    },
+    /// Something of the rig that does not fit the recording.
+    #[error("{what}: {message}")]
+    Rig {
+        /// Which section of the device file or column of the log.
+        what: String,
+        /// What is wrong, and what to do.
+        message: String,
+    },
     /// A reading that no device can give.
     #[error("line {line} of the log, {column}: {message}")]
     Reading {

@@ -1,8 +1,9 @@
 //! A transmission's error at many readings at once: what does not change with its parameters is worked out once.
 
-use haptical_batch::sines_cosines;
-use haptical_model::transmission::{Capstan, CapstanError, chebyshev};
+use haptical_model::transmission::chebyshev;
 use haptical_model::{Device, Joint, ParameterId, Recording, TransmissionError};
+
+use crate::capstan_rows::CapstanRows;
 
 /// Readings of one joint, ready for the law of its transmission.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ pub(crate) enum ErrorRows {
 #[derive(Debug, Default)]
 pub(crate) struct ErrorValues {
     pub(crate) values: Vec<f64>,
-    /// One column for each parameter of the error.
+    /// One column for each parameter of the error, where they are not the law's own.
     pub(crate) derivatives: Vec<Vec<f64>>,
 }
 
@@ -75,13 +76,76 @@ impl ErrorRows {
                         *value += coefficient * entry;
                     }
                 }
-                if derivatives {
-                    into.derivatives.clone_from(basis);
-                }
                 Some(())
             }
         }
     }
+
+    /// The derivatives of the last [`ErrorRows::evaluate`] that was asked for them, one column for each
+    /// parameter.
+    pub(crate) fn derivatives<'v>(&'v self, at: &'v ErrorValues) -> &'v [Vec<f64>] {
+        match self {
+            Self::Capstan(_) => &at.derivatives,
+            Self::Series { basis, .. } => basis,
+        }
+    }
+}
+
+/// Errors of a joint's transmission as the device has it, at many readings; none where the law refuses a number.
+pub(crate) fn errors_in_bulk(device: &Device, joint: usize, readings: &[f64]) -> Option<Vec<f64>> {
+    let described = device.joints.get(joint)?;
+    let parameter = |index| ParameterId::Transmission { joint, index }.value(device);
+    let error: Vec<f64> = (0..described.error_parameter_count())
+        .map(parameter)
+        .collect();
+    if error.iter().all(|value| *value == 0.0) {
+        // nothing to add; whether the law accepts the joint's dimensions is asked all the same
+        described.error_rad(0.0).ok()?;
+        return Some(vec![0.0; readings.len()]);
+    }
+    if let Some(rows) = ErrorRows::new(described, readings) {
+        let mut at = ErrorValues::default();
+        rows.evaluate(&error, false, &mut at)?;
+        return Some(at.values);
+    }
+    let each = readings.iter().map(|reading| described.error_rad(*reading));
+    each.collect::<Result<_, _>>().ok()
+}
+
+/// Errors of a joint's transmission as the device has it, and the slopes 1 + d error / d reading of its output, at
+/// many readings; none where the law refuses a number.
+pub(crate) fn values_and_slopes(
+    device: &Device,
+    joint: usize,
+    readings: &[f64],
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let described = device.joints.get(joint)?;
+    let parameter = |index| ParameterId::Transmission { joint, index }.value(device);
+    let error: Vec<f64> = (0..described.error_parameter_count())
+        .map(parameter)
+        .collect();
+    if !readings.iter().all(|reading| reading.is_finite()) {
+        return None;
+    }
+    if error.iter().all(|value| *value == 0.0) {
+        described.error_rad(0.0).ok()?;
+        return Some((vec![0.0; readings.len()], vec![1.0; readings.len()]));
+    }
+    if let TransmissionError::Capstan(own) = &described.transmission_error {
+        let rows = CapstanRows::new(described.capstan().ok()?, readings);
+        let mut at = ErrorValues::default();
+        rows.evaluate(&error, false, &mut at)?;
+        return Some((at.values, rows.slopes(own)));
+    }
+    let mut derivatives = vec![0.0; error.len()];
+    let (mut values, mut slopes) = (Vec::new(), Vec::new());
+    for reading in readings {
+        let at = described.evaluate_error(*reading, &mut derivatives);
+        let (value, slope) = at.ok()?;
+        values.push(value);
+        slopes.push(1.0 + slope);
+    }
+    Some((values, slopes))
 }
 
 /// Output angles, row by row, joint by joint with what its readings share worked out once; none where a parameter
@@ -97,31 +161,10 @@ pub(crate) fn outputs_in_bulk(
     }
     let joints = device.joints.len();
     let mut outputs = vec![0.0; recording.len() * joints];
-    let mut at = ErrorValues::default();
-    for (place, (joint, readings)) in device.joints.iter().zip(&recording.joint).enumerate() {
-        let count = joint.error_parameter_count();
-        let parameter = |index| ParameterId::Transmission {
-            joint: place,
-            index,
-        };
-        let error: Vec<f64> = (0..count)
-            .map(|index| parameter(index).value(device))
-            .collect();
-        if error.iter().all(|value| *value == 0.0) {
-            // nothing to add; whether the law accepts the joint's dimensions is asked all the same
-            joint.error_rad(0.0).ok()?;
-            at.values.clear();
-            at.values.resize(readings.len(), 0.0);
-        } else if let Some(rows) = ErrorRows::new(joint, readings) {
-            rows.evaluate(&error, false, &mut at)?;
-        } else {
-            at.values.clear();
-            for reading in readings {
-                at.values.push(joint.error_rad(*reading).ok()?);
-            }
-        }
-        let into = outputs.iter_mut().skip(place).step_by(joints);
-        for ((output, reading), error) in into.zip(readings).zip(&at.values) {
+    for (joint, readings) in recording.joint.iter().enumerate() {
+        let errors = errors_in_bulk(device, joint, readings)?;
+        let into = outputs.iter_mut().skip(joint).step_by(joints);
+        for ((output, reading), error) in into.zip(readings).zip(&errors) {
             *output = reading + error;
         }
     }
@@ -129,166 +172,4 @@ pub(crate) fn outputs_in_bulk(
         .iter()
         .all(|output| output.is_finite())
         .then_some(outputs)
-}
-
-/// Equation (1) at many readings: the drums' angles do not change with the parameters.
-#[derive(Debug)]
-pub(crate) struct CapstanRows {
-    capstan: Capstan,
-    readings: Vec<f64>,
-    /// Sines and cosines of the output drum's angle, then the input drum's.
-    sines: [Vec<f64>; 2],
-    cosines: [Vec<f64>; 2],
-}
-
-impl CapstanRows {
-    fn new(capstan: Capstan, readings: &[f64]) -> Self {
-        let zeros = || [vec![0.0; readings.len()], vec![0.0; readings.len()]];
-        let (mut sines, mut cosines) = (zeros(), zeros());
-        sines_cosines(readings, &mut sines[0], &mut cosines[0]);
-        let ratio = capstan.transmission_ratio();
-        let input: Vec<f64> = readings.iter().map(|reading| ratio * reading).collect();
-        sines_cosines(&input, &mut sines[1], &mut cosines[1]);
-        Self {
-            capstan,
-            readings: readings.to_vec(),
-            sines,
-            cosines,
-        }
-    }
-
-    /// The formulas of [`Capstan::evaluate`], which also says whether the parameters are allowed.
-    fn evaluate(
-        &self,
-        parameters: &[f64],
-        derivatives: bool,
-        into: &mut ErrorValues,
-    ) -> Option<()> {
-        let error = CapstanError::from_array(parameters.try_into().ok()?);
-        self.capstan.evaluate(&error, 0.0).ok()?;
-        let ratio = self.capstan.transmission_ratio();
-        let actual_ratio = ratio + error.ratio_deviation;
-        let ratio_slope = -error.ratio_deviation / actual_ratio;
-        let per_ratio = -(ratio / actual_ratio) / actual_ratio;
-        let rows = self.readings.len();
-        into.values.clear();
-        let values = self.readings.iter();
-        into.values
-            .extend(values.map(|reading| error.offset_rad + ratio_slope * reading));
-        if derivatives {
-            into.derivatives.resize_with(6, Vec::new);
-            for column in &mut into.derivatives {
-                column.resize(rows, 0.0);
-            }
-            into.derivatives[0].fill(1.0);
-            for (value, reading) in into.derivatives[1].iter_mut().zip(&self.readings) {
-                *value = per_ratio * reading;
-            }
-        }
-        let drums = [
-            (error.output_drum_xy_m, self.capstan.drum_distance_m()),
-            (
-                error.input_drum_xy_m,
-                self.capstan.input_drum_denominator_m(),
-            ),
-        ];
-        let drums = drums.map(|(xy_m, denominator_m)| Drum::new(xy_m, denominator_m));
-        let is_small = drums.iter().all(Drum::is_small);
-        if !is_small {
-            for (value, reading) in into.values.iter_mut().zip(&self.readings) {
-                *value = self.capstan.error(&error, *reading).ok()?;
-            }
-        }
-        for (index, drum) in drums.iter().enumerate() {
-            let angles = (&self.sines[index][..rows], &self.cosines[index][..rows]);
-            if is_small {
-                drum.add_angles(angles, &mut into.values);
-            }
-            if derivatives {
-                let [per_x, per_y] = &mut into.derivatives[2 + 2 * index..4 + 2 * index] else {
-                    return None;
-                };
-                drum.write_derivatives(angles, per_x, per_y);
-            }
-        }
-        Some(())
-    }
-}
-
-/// One drum of equation (1), as `haptical_transmission` has it: with x and y over D,
-/// n = x sin + y cos, d = 1 - x cos + y sin, its angle atan(n / d) less that at home, as d > 0.
-struct Drum {
-    x: f64,
-    y: f64,
-    denominator_m: f64,
-}
-
-impl Drum {
-    fn new([x_m, y_m]: [f64; 2], denominator_m: f64) -> Self {
-        Self {
-            x: x_m / denominator_m,
-            y: y_m / denominator_m,
-            denominator_m,
-        }
-    }
-
-    fn tangent(&self, sine: f64, cosine: f64) -> f64 {
-        let n = self.x * sine + self.y * cosine;
-        n / (1.0 - (self.x * cosine - self.y * sine))
-    }
-
-    fn per_xy(&self, sine: f64, cosine: f64) -> [f64; 2] {
-        let n = self.x * sine + self.y * cosine;
-        let d = 1.0 - (self.x * cosine - self.y * sine);
-        let scale = 1.0 / ((n * n + d * d) * self.denominator_m);
-        [
-            (sine * d + n * cosine) * scale,
-            (cosine * d - n * sine) * scale,
-        ]
-    }
-
-    fn add_angles(&self, (sines, cosines): (&[f64], &[f64]), values: &mut [f64]) {
-        if self.x == 0.0 && self.y == 0.0 {
-            return;
-        }
-        let home = small_arctangent(self.tangent(0.0, 1.0));
-        for (value, (&sine, &cosine)) in values.iter_mut().zip(sines.iter().zip(cosines)) {
-            *value += small_arctangent(self.tangent(sine, cosine)) - home;
-        }
-    }
-
-    /// Whether no tangent can exceed [`SMALL_TANGENT`]: |n / d| <= e / (1 - e), e the eccentricity over D.
-    fn is_small(&self) -> bool {
-        let eccentricity = (self.x * self.x + self.y * self.y).sqrt();
-        eccentricity <= SMALL_TANGENT * (1.0 - eccentricity)
-    }
-
-    fn write_derivatives(
-        &self,
-        (sines, cosines): (&[f64], &[f64]),
-        per_x: &mut [f64],
-        per_y: &mut [f64],
-    ) {
-        let home = self.per_xy(0.0, 1.0);
-        let into = per_x.iter_mut().zip(per_y);
-        for ((per_x, per_y), (&sine, &cosine)) in into.zip(sines.iter().zip(cosines)) {
-            let here = self.per_xy(sine, cosine);
-            *per_x = here[0] - home[0];
-            *per_y = here[1] - home[1];
-        }
-    }
-}
-
-/// Up to here the series below is exact to rounding: the next term is t^12 / 13 of the first.
-const SMALL_TANGENT: f64 = 0.04;
-
-/// atan t = t - t^3/3 + ... - t^11/11, for all rows in lanes: a capstan's drums are centred to a hundredth of
-/// their distance.
-fn small_arctangent(tangent: f64) -> f64 {
-    let square = tangent * tangent;
-    let mut sum = -1.0 / 11.0;
-    for coefficient in [1.0 / 9.0, -1.0 / 7.0, 0.2, -1.0 / 3.0] {
-        sum = sum * square + coefficient;
-    }
-    tangent + tangent * square * sum
 }

@@ -4,17 +4,19 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{
-    Convergence, Estimate, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
-    Problem, Reduction, Settings, Status, Uncertainty, analyse, estimates, evaluate_jacobian,
-    solve, uncertainty,
+    Convergence, Estimate, Identifiability, IdentifiabilityRules, IdentificationError, Loss,
+    Matrix, NoiseScale, Problem, Reduction, Settings, Uncertainty, analyse, estimates, solve,
+    uncertainty,
 };
 use haptical_model::{Device, ParameterId, Recording};
 
+use crate::considered::Considered;
 use crate::form::{Prepared, reduce};
+use crate::free_set::{enough, hold, parameter_shares, worth_fitting};
+use crate::multi_start::{self, Starts};
 use crate::reduced::{count_readings, scale_to_residuals};
 use crate::{
-    CalibrationError, Channel, DeviceProblem, HeldOut, ReducedProblem, Weights, parameter_infos,
-    preference_order,
+    CalibrationError, Channel, DeviceProblem, HeldOut, Weights, parameter_infos, preference_order,
 };
 
 /// Order of the identification.
@@ -44,6 +46,15 @@ pub enum Weighting {
     Estimated,
 }
 
+/// What large residuals cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LossChoice {
+    /// Always this one; [`Loss::Squares`] is least squares.
+    Fixed(Loss),
+    /// Least squares, unless readings lie so far out that noise does not explain them: then Tukey's.
+    Auto,
+}
+
 /// Options of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -56,10 +67,15 @@ pub struct Options {
     pub zeroed_at_home: bool,
     /// Noise sizes.
     pub weighting: Weighting,
+    /// What large residuals cost.
+    pub loss: LossChoice,
     /// Rows that the fit does not see.
     pub held_out: HeldOut,
     /// Search settings.
     pub search: Settings,
+    /// Random places that are tried where the search from the device's own values fails or ends where no good
+    /// fit ends; 0 for none.
+    pub starts: usize,
     /// Take a search that ends elsewhere than at a minimum for an answer too; its `convergence` says so.
     pub unfinished: bool,
     /// Identifiability thresholds.
@@ -73,8 +89,10 @@ impl Default for Options {
             degree: Degree::UpTo(14),
             zeroed_at_home: false,
             weighting: Weighting::Estimated,
+            loss: LossChoice::Fixed(Loss::Squares),
             held_out: HeldOut::default(),
             search: Settings::default(),
+            starts: 12,
             unfinished: false,
             rules: IdentifiabilityRules::default(),
         }
@@ -92,8 +110,14 @@ pub struct ParameterFit {
     pub fitted: Vec<usize>,
     /// Value, interval and status of every candidate.
     pub estimates: Vec<Estimate>,
-    /// Covariance of the fitted candidates.
+    /// Covariance of the fitted candidates by the noise.
     pub uncertainty: Uncertainty,
+    /// Parameters that were held although they are uncertain; the intervals contain them.
+    pub considered: Considered,
+    /// Where the size of the noise came from.
+    pub noise: NoiseScale,
+    /// What searches from other places said, where the first was doubted.
+    pub starts: Starts,
     /// Judgement at the nominal device.
     pub nominal_identifiability: Identifiability,
     /// Judgement at the solution.
@@ -111,6 +135,17 @@ pub struct ParameterFit {
     pub channel_parameters: BTreeMap<Channel, f64>,
 }
 
+impl ParameterFit {
+    /// The parameters that are uncertain, the fitted ones and then those considered, and the covariance of their
+    /// errors.
+    pub fn uncertain(&self) -> (Vec<ParameterId>, Matrix) {
+        let fitted = self.fitted.iter().map(|&index| self.parameters[index]);
+        let considered = self.considered.parameters.iter().copied();
+        let covariance = self.considered.whole(&self.uncertainty.covariance);
+        (fitted.chain(considered).collect(), covariance)
+    }
+}
+
 /// Rounds of pruning at the solution before the set is accepted as it is.
 const MAX_ROUNDS: usize = 6;
 
@@ -119,9 +154,11 @@ const MAX_ROUNDS: usize = 6;
 /// Parameters that are invisible, dependent or weak are held at the device's values and say so in
 /// their status. The set is decided at the nominal device and decided again at the solution, because
 /// a geometry that is special by design (parallel, intersecting) is not special once it deviates.
+/// A search that fails, or ends where no good fit ends, is tried again from random places
+/// ([`Options::starts`]).
 ///
 /// # Errors
-/// [`CalibrationError`] where nothing can be fitted or the search does not end at a minimum.
+/// [`CalibrationError`] where nothing can be fitted or no search ends at a minimum.
 pub fn fit_parameters(
     what: &str,
     device: &Device,
@@ -131,114 +168,155 @@ pub fn fit_parameters(
     weights: &Weights,
     options: &Options,
 ) -> Result<ParameterFit, CalibrationError> {
-    if let Some(problem) = DeviceProblem::in_bulk(device, recording, channels, parameters, weights)
-    {
-        let prepared = Prepared::new(&problem);
-        let lanes = prepared.lanes();
-        let start = problem.start();
-        // refused or in another form: the general way tells why, with a line of the log
-        if prepared.is_in_lanes()
-            && let Ok(first) = reduce(prepared.searched(lanes.as_ref()), &start)
-        {
-            return fit_prepared(what, &prepared, (&start, first), options);
-        }
-    }
-    let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
-    let prepared = Prepared::new(&problem);
-    let lanes = prepared.lanes();
-    let start = problem.start();
-    let first = reduce(prepared.searched(lanes.as_ref()), &start);
-    let first = first.map_err(|source| wrap(what, source))?;
-    fit_prepared(what, &prepared, (&start, first), options)
-}
-
-/// Fits from the device's own values, where the linearised problem is `first`.
-fn fit_prepared(
-    what: &str,
-    prepared: &Prepared<'_>,
-    (start, first): (&[f64], Reduction),
-    options: &Options,
-) -> Result<ParameterFit, CalibrationError> {
-    let wrap = |source| wrap(what, source);
-    let problem = prepared.problem;
-    let lanes = prepared.lanes();
-    let searched = prepared.searched(lanes.as_ref());
-    let parameters = problem.parameters();
-    let infos = parameter_infos(problem.device(), parameters);
-    let order = preference_order(parameters);
-    let judge = |reduction: &Reduction, first: &[usize]| {
-        // What is being fitted is preferred to what is not: of a dependent set the member stays
-        // that was chosen at the nominal device, so that the set settles.
-        let mut order = order.clone();
-        order.sort_by_key(|index| !first.contains(index));
-        let mut judged = analyse(reduction, &infos, &order, &options.rules)?;
-        if let Some(index) = &mut judged.observability {
-            count_readings(index, reduction.rows(), problem.residual_count());
-        }
-        Ok(judged)
+    let task = Task {
+        what,
+        device,
+        recording,
+        channels,
+        parameters,
+        weights,
+        options,
     };
-    let nominal_identifiability = judge(&first, &[]).map_err(wrap)?;
-    let mut free = worth_fitting(&nominal_identifiability);
-    let mut values = start.to_vec();
-    let mut iterations = 0;
-    let mut round = 0;
-    let (fit, identifiability) = loop {
-        round += 1;
-        enough(what, problem, &free, &nominal_identifiability)?;
-        let fit = solve(searched, &values, &free, &options.search).map_err(wrap)?;
-        iterations += fit.iterations;
-        let reduction = reduce(searched, &fit.parameters).map_err(wrap)?;
-        let judged = judge(&reduction, &free).map_err(wrap)?;
-        let wanted = worth_fitting(&judged);
-        if wanted == free {
-            break (fit, judged);
-        }
-        if round == MAX_ROUNDS {
-            // No set is stable: keep the fitted one and let its statuses be those at the solution.
-            break (fit, judged);
-        }
-        values.clone_from(&fit.parameters);
-        free = wanted;
-        for index in (0..values.len()).filter(|index| !free.contains(index)) {
-            values[index] = start[index];
-        }
-    };
+    let fit = multi_start::improve(&task, task.fit_from(None)?)?;
     if !fit.convergence.was_successful() && !options.unfinished {
         return Err(CalibrationError::NotConverged {
             what: what.to_owned(),
             reason: fit.convergence.to_string(),
         });
     }
-    let noise = match options.weighting {
-        Weighting::Stated => NoiseScale::Stated,
-        Weighting::Estimated => NoiseScale::Estimated,
-    };
-    let columns: Vec<usize> = (0..free.len()).collect();
-    let mut spread =
-        uncertainty(&fit.reduction, &columns, fit.cost, NoiseScale::Stated).map_err(wrap)?;
-    let shares =
-        parameter_shares(&prepared.reduced, &fit.parameters, &free, &spread).map_err(wrap)?;
-    spread.degrees_of_freedom = problem.residual_count() - free.len();
-    if noise == NoiseScale::Estimated {
-        scale_to_residuals(&mut spread, fit.cost);
+    Ok(fit)
+}
+
+/// What [`fit_parameters`] was asked.
+pub(crate) struct Task<'a> {
+    pub(crate) what: &'a str,
+    pub(crate) device: &'a Device,
+    pub(crate) recording: &'a Recording,
+    pub(crate) channels: &'a [Channel],
+    pub(crate) parameters: &'a [ParameterId],
+    pub(crate) weights: &'a Weights,
+    pub(crate) options: &'a Options,
+}
+
+impl Task<'_> {
+    /// Fits from the device's own values, or from others; a search that ends elsewhere than at a minimum is no
+    /// error here.
+    pub(crate) fn fit_from(
+        &self,
+        values: Option<&[f64]>,
+    ) -> Result<ParameterFit, CalibrationError> {
+        let (device, recording, channels) = (self.device, self.recording, self.channels);
+        let (parameters, weights) = (self.parameters, self.weights);
+        if let Some(problem) =
+            DeviceProblem::in_bulk(device, recording, channels, parameters, weights)
+        {
+            let prepared = Prepared::new(&problem);
+            let lanes = prepared.lanes();
+            // refused or in another form: the general way tells why, with a line of the log
+            if prepared.is_in_lanes()
+                && let Ok(first) = reduce(prepared.searched(lanes.as_ref()), &problem.start())
+            {
+                return self.fit_prepared(&prepared, &first, values);
+            }
+        }
+        let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
+        let prepared = Prepared::new(&problem);
+        let lanes = prepared.lanes();
+        let first = reduce(prepared.searched(lanes.as_ref()), &problem.start());
+        let first = first.map_err(|source| wrap(self.what, source))?;
+        self.fit_prepared(&prepared, &first, values)
     }
-    spread.columns.clone_from(&free);
-    let estimates = estimates(&infos, &fit.parameters, &identifiability, &spread, noise);
-    let residuals = prepared.residuals(&fit.parameters).map_err(wrap)?;
-    Ok(ParameterFit {
-        device: problem.device_with(&fit.parameters),
-        parameters: parameters.to_vec(),
-        fitted: free,
-        estimates,
-        uncertainty: spread,
-        nominal_identifiability,
-        identifiability,
-        convergence: fit.convergence,
-        iterations,
-        cost: fit.cost,
-        residuals,
-        channel_parameters: shares,
-    })
+
+    /// Fits from `values`, or the device's own, where the linearised problem is `first`.
+    fn fit_prepared(
+        &self,
+        prepared: &Prepared<'_>,
+        first: &Reduction,
+        values: Option<&[f64]>,
+    ) -> Result<ParameterFit, CalibrationError> {
+        let (what, options) = (self.what, self.options);
+        let wrap = |source| wrap(what, source);
+        let problem = prepared.problem;
+        let start = problem.start();
+        let lanes = prepared.lanes();
+        let searched = prepared.searched(lanes.as_ref());
+        let parameters = problem.parameters();
+        let infos = parameter_infos(problem.device(), parameters);
+        let order = preference_order(parameters);
+        let judge = |reduction: &Reduction, first: &[usize]| {
+            // What is being fitted is preferred to what is not: of a dependent set the member stays
+            // that was chosen at the nominal device, so that the set settles.
+            let mut order = order.clone();
+            order.sort_by_key(|index| !first.contains(index));
+            let mut judged = analyse(reduction, &infos, &order, &options.rules)?;
+            if let Some(index) = &mut judged.observability {
+                count_readings(index, reduction.rows(), problem.residual_count());
+            }
+            Ok(judged)
+        };
+        let nominal_identifiability = judge(first, &[]).map_err(wrap)?;
+        let mut free = worth_fitting(&nominal_identifiability);
+        let mut values = values.map_or_else(|| start.clone(), <[f64]>::to_vec);
+        hold(&mut values, &free, &start);
+        let mut iterations = 0;
+        let mut round = 0;
+        let (fit, identifiability, reduction) = loop {
+            round += 1;
+            enough(what, problem, &free, &nominal_identifiability)?;
+            let fit = solve(searched, &values, &free, &options.search).map_err(wrap)?;
+            iterations += fit.iterations;
+            let reduction = reduce(searched, &fit.parameters).map_err(wrap)?;
+            let judged = judge(&reduction, &free).map_err(wrap)?;
+            let wanted = worth_fitting(&judged);
+            if wanted == free {
+                break (fit, judged, reduction);
+            }
+            if round == MAX_ROUNDS {
+                // No set is stable: keep the fitted one and let its statuses be those at the solution.
+                break (fit, judged, reduction);
+            }
+            values.clone_from(&fit.parameters);
+            free = wanted;
+            hold(&mut values, &free, &start);
+        };
+        let noise = match options.weighting {
+            Weighting::Stated => NoiseScale::Stated,
+            Weighting::Estimated => NoiseScale::Estimated,
+        };
+        let columns: Vec<usize> = (0..free.len()).collect();
+        let mut spread =
+            uncertainty(&fit.reduction, &columns, fit.cost, NoiseScale::Stated).map_err(wrap)?;
+        let shares =
+            parameter_shares(&prepared.reduced, &fit.parameters, &free, &spread).map_err(wrap)?;
+        spread.degrees_of_freedom = problem.residual_count() - free.len();
+        if noise == NoiseScale::Estimated {
+            scale_to_residuals(&mut spread, fit.cost);
+        }
+        spread.columns.clone_from(&free);
+        let device = problem.device_with(&fit.parameters);
+        let considered = Considered::weak(&device, parameters, &identifiability, &reduction, &free);
+        let considered = considered.map_err(wrap)?;
+        let mut estimates = estimates(&infos, &fit.parameters, &identifiability, &spread, noise);
+        considered.widen(&mut estimates, &free, &spread, noise);
+        let residuals = prepared.residuals(&fit.parameters).map_err(wrap)?;
+        Ok(ParameterFit {
+            device,
+            parameters: parameters.to_vec(),
+            fitted: free,
+            estimates,
+            uncertainty: spread,
+            considered,
+            noise,
+            starts: Starts::default(),
+            nominal_identifiability,
+            identifiability,
+            convergence: fit.convergence,
+            iterations,
+            cost: fit.cost,
+            residuals,
+            channel_parameters: shares,
+        })
+    }
 }
 
 /// Judges every candidate at one device, without fitting.
@@ -266,74 +344,6 @@ pub fn identifiability_at(
         count_readings(index, reduction.rows(), problem.residual_count());
     }
     Ok(judged)
-}
-
-/// Each channel's part of the trace of J (J^T J)^-1 J^T, with `spread` for unit noise: the sum of
-/// f^T C f over the rows f of its triangle. A single channel pays for all of them.
-fn parameter_shares(
-    reduced: &ReducedProblem<'_>,
-    values: &[f64],
-    free: &[usize],
-    spread: &Uncertainty,
-) -> Result<BTreeMap<Channel, f64>, IdentificationError> {
-    if let [(channel, _)] = reduced.layout() {
-        return Ok([(*channel, free.len() as f64)].into());
-    }
-    let (triangles, _) = evaluate_jacobian(reduced, values, free)?;
-    let mut first = 0;
-    let mut shares = BTreeMap::new();
-    for &(channel, rows) in reduced.layout() {
-        let mut share = 0.0;
-        for row in first..first + rows {
-            for a in 0..free.len() {
-                for b in 0..free.len() {
-                    share += triangles[(row, a)] * spread.covariance[(a, b)] * triangles[(row, b)];
-                }
-            }
-        }
-        shares.insert(channel, share);
-        first += rows;
-    }
-    Ok(shares)
-}
-
-/// The identifiable parameters, ascending; weak ones would take the noise for their value.
-fn worth_fitting(judged: &Identifiability) -> Vec<usize> {
-    (0..judged.statuses.len())
-        .filter(|&index| matches!(judged.statuses[index], Status::Identifiable { .. }))
-        .collect()
-}
-
-fn enough(
-    what: &str,
-    problem: &DeviceProblem<'_>,
-    free: &[usize],
-    judged: &Identifiability,
-) -> Result<(), CalibrationError> {
-    let rows = problem.residual_count();
-    // A rank equal to the number of rows says that the rows ran out, not the geometry.
-    let parameters = free
-        .len()
-        .max(if judged.rank >= rows { rows + 1 } else { 0 });
-    if rows <= parameters {
-        return Err(CalibrationError::TooFewRows {
-            what: what.to_owned(),
-            rows,
-            parameters: parameters.max(judged.names.len().min(judged.rank + 1)),
-            advised: 5 * judged.names.len(),
-        });
-    }
-    if free.is_empty() {
-        let reasons: Vec<String> = (0..judged.names.len())
-            .filter_map(|index| judged.reason(index))
-            .take(3)
-            .collect();
-        return Err(CalibrationError::NothingIdentifiable {
-            what: what.to_owned(),
-            reason: reasons.join("; "),
-        });
-    }
-    Ok(())
 }
 
 pub(crate) fn wrap(what: &str, source: IdentificationError) -> CalibrationError {

@@ -1,5 +1,7 @@
 //! The form of a problem in which it is solved fastest, with the answers that a fit asks of it.
 
+use std::rc::Rc;
+
 use haptical_batch::{DistanceProblem, ReducedDistance, Threads};
 use haptical_identification::{
     Form, IdentificationError, Matrix, Problem, Reduction, evaluate_jacobian,
@@ -7,7 +9,7 @@ use haptical_identification::{
 
 use crate::distances::Distances;
 use crate::outputs::Outputs;
-use crate::{DeviceProblem, ReducedProblem};
+use crate::{DeviceProblem, MergedProblem, ReducedProblem};
 
 /// From this number of residuals on, each channel is reduced to a triangle before the search: the
 /// answer is the same, and the time less (README.md has the measurement).
@@ -16,7 +18,8 @@ const REDUCED_FROM: usize = 250;
 /// A problem that may have a form in lanes.
 pub(crate) struct Prepared<'p> {
     pub(crate) problem: &'p DeviceProblem<'p>,
-    pub(crate) reduced: ReducedProblem<'p>,
+    pub(crate) reduced: Rc<ReducedProblem<'p>>,
+    merged: MergedProblem<'p>,
     distances: Option<Distances>,
     outputs: Option<Outputs>,
 }
@@ -29,9 +32,11 @@ impl<'p> Prepared<'p> {
         } else {
             None
         };
+        let reduced = Rc::new(ReducedProblem::new(problem));
         Self {
             problem,
-            reduced: ReducedProblem::new(problem),
+            merged: MergedProblem::of(Rc::clone(&reduced)),
+            reduced,
             distances,
             outputs,
         }
@@ -54,8 +59,10 @@ impl<'p> Prepared<'p> {
             outputs
         } else if self.problem.residual_count() < REDUCED_FROM {
             self.problem
+        } else if self.reduced.lanes().is_some() {
+            &self.merged
         } else {
-            &self.reduced
+            &*self.reduced
         }
     }
 
@@ -73,6 +80,8 @@ impl<'p> Prepared<'p> {
             rows.evaluate(values, &mut residuals, None)?;
         } else if let Some(outputs) = &self.outputs {
             outputs.residuals(values, &mut residuals)?;
+        } else if self.problem.residual_count() >= REDUCED_FROM {
+            self.merged.residuals(values, &mut residuals)?;
         } else {
             self.problem.evaluate(values, &mut residuals, None)?;
         }

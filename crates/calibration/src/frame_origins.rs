@@ -1,7 +1,6 @@
 //! Where the frames of a device are at each row of a recording: what a drawing of the arm needs.
 
-use haptical_model::kinematics::Chain;
-use haptical_model::{Device, Evaluation, ModelError, Recording};
+use haptical_model::{Device, DeviceChain, Evaluation, ModelError, Recording};
 
 use crate::CalibrationError;
 
@@ -10,7 +9,8 @@ use crate::CalibrationError;
 /// One entry for each row; in it one point for each frame: frame (-1) itself, the robot base, then
 /// the frame behind each joint. There is one point more than the device has links, and the last is
 /// the handle. The origin of the frame behind row i is the translation of `A_0 A_1 ... A_i`
-/// (Baser & Konukseven eq. (4), the product broken off after row i), at the output angles that the
+/// (Baser & Konukseven eq. (4), the product broken off after row i; constant origins
+/// of rows are part of it), at the output angles that the
 /// device predicts from the motor-side readings (eq. (1), (2)).
 ///
 /// # Errors
@@ -42,8 +42,8 @@ pub fn frame_origins_m(
     device: &Device,
     recording: &Recording,
 ) -> Result<Vec<Vec<[f64; 3]>>, CalibrationError> {
-    let links = device.chain_links();
-    let motions = device.motions();
+    let chain = DeviceChain::new(device);
+    let mut variables = vec![0.0; chain.row_count().saturating_sub(1)];
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; device.joints.len()];
     let mut outputs = vec![0.0; device.joints.len()];
@@ -61,11 +61,13 @@ pub fn frame_origins_m(
         for (joint, output) in outputs.iter_mut().enumerate() {
             *output = evaluation.output_rad(joint);
         }
-        let mut origins = Vec::with_capacity(links.len() + 1);
+        chain.variables(&outputs, &mut variables);
+        let mut origins = Vec::with_capacity(chain.row_count() + 1);
         origins.push([0.0; 3]);
-        for last in 0..links.len() - 1 {
-            let pose = Chain::new(device.convention, &links[..=last], &motions[..=last])
-                .and_then(|chain| chain.pose(&outputs[..last]))
+        for last in 0..chain.row_count() - 1 {
+            let pose = chain
+                .part(last + 1)
+                .and_then(|chain| chain.pose(&variables[..last]))
                 .map_err(|source| at_row(source.into()))?;
             origins.push(pose.position_m.into());
         }

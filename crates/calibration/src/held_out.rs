@@ -12,6 +12,9 @@ pub enum HeldOut {
     Share(f64),
     /// None: the fit sees every row.
     None,
+    /// So many folds: fold k holds out the rows k, k + folds, ..., each fitted without its own rows; the device
+    /// itself is fitted to all rows. For postures that are not neighbours in time.
+    Folds(usize),
 }
 
 impl Default for HeldOut {
@@ -33,9 +36,31 @@ pub struct Split {
 
 /// Below this many rows a block of them is too few to judge by: folds are used instead.
 pub(crate) const SHORT_LOG: usize = 100;
+/// Folds of a recording, unless a user asks for others.
+pub(crate) const FOLDS: usize = 10;
+/// Most folds: each is a fit of its own.
+const MOST_FOLDS: usize = 100;
 /// Blocks that a recording is cut into, more for a share of less than one of them; every k-th is
 /// held out.
 const BLOCKS: usize = 20;
+
+/// Most rows of a log of postures that is checked by folds: ten fits more must not take long.
+#[cfg(feature = "rig")]
+const MOST_POSTURES: usize = 2000;
+
+/// Whether a recording is one of separate postures, at which something is touched or an unknown tracker looks,
+/// rather than of a motion: neighbours in the log say nothing of each other, so blocks would only waste rows.
+/// Where the log has several runs, whole runs are held out all the same.
+#[cfg(feature = "rig")]
+pub(crate) fn is_of_postures(device: &haptical_model::Device, recording: &Recording) -> bool {
+    let touches = recording.contact.is_some() || recording.plane.is_some();
+    let is_unknown = |tracker: &haptical_model::Tracker| !tracker.base_known || !tracker.tool_known;
+    let tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
+    let tracked = tracked && device.tracker.as_ref().is_some_and(is_unknown);
+    let runs = recording.run.as_ref();
+    let one_run = runs.is_none_or(|runs| runs.iter().all(|run| Some(run) == runs.first()));
+    (touches || tracked) && one_run && recording.len() <= MOST_POSTURES
+}
 
 /// Splits a recording.
 ///
@@ -58,6 +83,13 @@ pub fn split(recording: &Recording, held_out: HeldOut) -> Result<Split, Calibrat
 pub(crate) fn check_share(held_out: HeldOut) -> Result<f64, CalibrationError> {
     match held_out {
         HeldOut::None => Ok(0.0),
+        // the fit sees all rows, the folds are fitted beside it
+        HeldOut::Folds(2..=MOST_FOLDS) => Ok(0.0),
+        HeldOut::Folds(folds) => Err(CalibrationError::Option {
+            name: "folds",
+            value: folds.to_string(),
+            allowed: "from 2 to 100",
+        }),
         HeldOut::Share(share) if (0.0..=0.5).contains(&share) => Ok(share),
         HeldOut::Share(share) => Err(CalibrationError::Option {
             name: "held-out",
@@ -117,9 +149,9 @@ fn by_blocks(rows: usize, share: f64) -> Split {
     }
 }
 
-/// Folds of a short log: fold k holds out the rows k, k + folds, ...
-pub(crate) fn folds(rows: usize) -> Vec<Split> {
-    let count = 10.min(rows);
+/// Folds: fold k holds out the rows k, k + folds, ...
+pub(crate) fn folds(rows: usize, count: usize) -> Vec<Split> {
+    let count = count.min(rows);
     (0..count)
         .map(|fold| {
             let (held_out, fit) = (0..rows).partition(|row| row % count == fold);

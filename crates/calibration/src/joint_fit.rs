@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use haptical_identification::Loss;
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, Options, ParameterFit, TransmissionFit,
-    TransmissionTerms, Weighting, Weights, candidate_parameters, channel_residuals, channels,
-    fit_parameters, fit_transmissions, rows_with_known_errors,
+    CalibrationError, CalibrationMethod, Channel, LossChoice, Options, ParameterFit, Robustness,
+    TransmissionFit, TransmissionTerms, Weighting, Weights, automatic_loss, candidate_parameters,
+    channel_residuals, channels, fit_parameters, fit_transmissions, robust, rows_with_known_errors,
 };
 
 /// A fitted device with the fits that made it.
@@ -21,6 +22,8 @@ pub struct FittedDevice {
     pub whole: Option<ParameterFit>,
     /// Noise sizes that the last fit used.
     pub weights: Weights,
+    /// What a robust loss made of the readings; none for least squares.
+    pub robust: Option<Robustness>,
 }
 
 /// Rounds of re-estimating the channels' noise.
@@ -33,6 +36,24 @@ const WEIGHTING_CHANGE: f64 = 0.1;
 /// # Errors
 /// [`CalibrationError`].
 pub fn fit_device(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
+    #[cfg(feature = "rig")]
+    let device = &crate::prepare_device(device, recording)?;
+    match options.loss {
+        LossChoice::Fixed(Loss::Squares) => fit_squares(device, recording, options),
+        LossChoice::Fixed(loss) => robust::fit(device, recording, options, loss),
+        LossChoice::Auto => {
+            let plain = fit_squares(device, recording, options);
+            automatic_loss::automatic(device, recording, options, plain)
+        }
+    }
+}
+
+/// Least squares, with the channels' noise re-estimated.
+fn fit_squares(
     device: &Device,
     recording: &Recording,
     options: &Options,
@@ -61,7 +82,7 @@ pub fn fit_device(
     Ok(fitted)
 }
 
-fn fit_once(
+pub(crate) fn fit_once(
     device: &Device,
     recording: &Recording,
     channels: &[Channel],
@@ -75,6 +96,7 @@ fn fit_once(
         transmissions,
         whole: None,
         weights: weights.clone(),
+        robust: None,
     };
     let distant: Vec<Channel> = channels
         .iter()
@@ -98,6 +120,8 @@ fn fit_once(
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {
             let parameters = joint_candidates(&kinematics.device, &fitted.transmissions);
+            #[cfg(feature = "rig")]
+            let parameters = crate::scale::without_held(&fitted.device, channels, parameters);
             let what = "joint identification";
             let mut fit = fit_parameters(
                 what,
@@ -139,6 +163,8 @@ pub fn fit_kinematics(
     options: &Options,
 ) -> Result<ParameterFit, CalibrationError> {
     let parameters = candidate_parameters(device);
+    #[cfg(feature = "rig")]
+    let parameters = crate::scale::without_held(device, channels, parameters);
     let what = "kinematic parameters";
     fit_parameters(
         what,
@@ -202,7 +228,7 @@ fn estimate_noise(
 }
 
 /// The last fit that saw the channel decides: the joint one, or in two steps the transmission's own.
-fn parameters_paid_by(fitted: &FittedDevice, channel: Channel) -> f64 {
+pub(crate) fn parameters_paid_by(fitted: &FittedDevice, channel: Channel) -> f64 {
     let of = |fit: &ParameterFit| fit.channel_parameters.get(&channel).copied();
     let own = || {
         let fits = fitted.transmissions.iter();

@@ -2,9 +2,13 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod automatic_loss;
+mod cable_columns;
 mod calibration;
 mod candidates;
+mod capstan_rows;
 mod channel;
+mod considered;
 mod distances;
 mod error;
 mod error_rows;
@@ -13,15 +17,36 @@ mod fit;
 mod force_direction;
 mod form;
 mod frame_origins;
+mod free_set;
+mod geometry_rank;
+#[cfg(feature = "rig")]
+mod hand_eye;
 mod held_out;
 mod joint_fit;
+mod lane_pass;
+mod lane_rows;
+mod lanes;
+mod loads;
+mod measurement;
+mod merged;
+mod multi_start;
+mod open_direction;
 mod outputs;
+mod prediction;
+#[cfg(feature = "rig")]
+mod prepare;
 mod problem;
+mod propagated;
 mod reduced;
 mod residuals;
+mod robust;
 mod rotation;
 mod row_errors;
+mod rows;
+#[cfg(feature = "rig")]
+mod scale;
 mod sink;
+mod step_one_noise;
 mod sufficiency;
 mod transmission_step;
 mod warnings;
@@ -30,18 +55,28 @@ mod weights;
 pub use calibration::{Calibration, ChannelReport, calibrate};
 pub use candidates::{candidate_parameters, parameter_infos, preference_order};
 pub use channel::{Channel, channels};
+pub use considered::Considered;
 pub use error::CalibrationError;
 pub use evidence::{EvidenceEntry, TransmissionTerms};
 pub use fit::{
-    CalibrationMethod, Degree, Options, ParameterFit, Weighting, fit_parameters, identifiability_at,
+    CalibrationMethod, Degree, LossChoice, Options, ParameterFit, Weighting, fit_parameters,
+    identifiability_at,
 };
 pub use force_direction::{ForceDirection, force_direction};
 pub use frame_origins::frame_origins_m;
+pub use geometry_rank::GeometryRank;
 pub use held_out::{HeldOut, Split, split};
 pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};
+pub use merged::{ChannelRows, MergedProblem};
+pub use multi_start::Starts;
+pub use prediction::{Prediction, predict_distances, predict_positions};
+#[cfg(feature = "rig")]
+pub use prepare::prepare_device;
 pub use problem::DeviceProblem;
 pub use reduced::ReducedProblem;
 pub use residuals::{ChannelResiduals, channel_residuals, rows_with_known_errors};
+pub use robust::{Outlier, RobustChannel, Robustness, far_out};
+pub use step_one_noise::with_step_one_noise;
 pub use sufficiency::check as check_recording;
 pub use transmission_step::{TransmissionFit, fit_transmission, fit_transmissions};
 pub use weights::Weights;

@@ -28,6 +28,8 @@ struct Room {
     error: Vec<f64>,
     at: ErrorValues,
     residuals: Vec<f64>,
+    /// Weighted derivatives with respect to one free parameter after the other.
+    columns: Vec<f64>,
 }
 
 impl Outputs {
@@ -133,16 +135,16 @@ impl Problem for Outputs {
         let room = &mut *self.room.borrow_mut();
         self.fill(parameters, jacobian.is_some(), room)?;
         let free = jacobian.as_ref().map_or(&[][..], |(free, _)| free);
-        for &index in free {
-            let derivatives = &mut room.at.derivatives[self.places[index]];
-            for (value, weight) in derivatives.iter_mut().zip(&self.weights) {
-                *value *= weight;
+        let rows = self.weights.len();
+        room.columns.resize(free.len() * rows, 0.0);
+        let derivatives = self.law.derivatives(&room.at);
+        for (into, &index) in room.columns.chunks_exact_mut(rows).zip(free) {
+            let slopes = derivatives[self.places[index]].iter();
+            for (into, (slope, weight)) in into.iter_mut().zip(slopes.zip(&self.weights)) {
+                *into = slope * weight;
             }
         }
-        let columns: Vec<&[f64]> = free
-            .iter()
-            .map(|&index| room.at.derivatives[self.places[index]].as_slice())
-            .collect();
+        let columns: Vec<&[f64]> = room.columns.chunks_exact(rows).collect();
         let mut triangle = Triangle::new(free.len());
         triangle.fold_rows(&columns, &room.residuals)?;
         residuals.fill(0.0);

@@ -1,45 +1,47 @@
 //! The least-squares problem of a device and a recording: weighted residuals and derivatives.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use haptical_identification::{IdentificationError, Matrix, Problem, SparseProblem, Triplet};
-use haptical_model::kinematics::nalgebra::Vector3;
-use haptical_model::kinematics::{Twist, distance_m};
-use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};
-use rayon::prelude::*;
+use haptical_model::{Device, ModelError, ParameterId, Recording};
 
 use crate::distances::Distances;
 use crate::error_rows::outputs_in_bulk;
+use crate::loads::Loads;
+use crate::measurement::subject;
 use crate::outputs::Outputs;
-use crate::rotation::{inverse_left_jacobian, measured_rotation, rotation_vector};
-use crate::sink::{Place, Sink};
+use crate::sink::Sink;
 use crate::{CalibrationError, Channel, Weights};
 
 /// Residuals (model minus measurement, over standard deviation) of chosen channels as functions of
 /// chosen parameters.
 #[derive(Debug)]
 pub struct DeviceProblem<'a> {
-    device: &'a Device,
-    recording: &'a Recording,
-    parameters: &'a [ParameterId],
-    blocks: Vec<Block>,
+    pub(crate) device: &'a Device,
+    pub(crate) recording: &'a Recording,
+    pub(crate) parameters: &'a [ParameterId],
+    pub(crate) blocks: Vec<Block>,
     residual_count: usize,
-    sees_chain: bool,
+    pub(crate) sees_chain: bool,
     /// Output angles, row by row, where no transmission parameter can change them: a fit of the chain
     /// alone then evaluates each transmission once, not at every step.
-    outputs: Option<Vec<f64>>,
+    pub(crate) outputs: Option<Vec<f64>>,
+    /// Torques that compliant joints yield to.
+    pub(crate) loads: Option<Loads>,
 }
 
 /// The residuals of one channel: consecutive, in row order.
 #[derive(Debug)]
-struct Block {
-    channel: Channel,
+pub(crate) struct Block {
+    pub(crate) channel: Channel,
     /// Rows with a reading.
-    rows: Vec<usize>,
+    pub(crate) rows: Vec<usize>,
     /// One over the standard deviation, per entry of `rows`.
-    weights: Vec<f64>,
-    first: usize,
+    pub(crate) weights: Vec<f64>,
+    /// Which touched point or plane each entry of `rows` is about; empty for other kinds.
+    pub(crate) subjects: Vec<usize>,
+    /// First residual.
+    pub(crate) first: usize,
 }
 
 impl Block {
@@ -47,19 +49,7 @@ impl Block {
     fn end(&self) -> usize {
         self.first + self.rows.len() * self.channel.width()
     }
-
-    /// Where the residuals of a part's rows stand, from `start` on.
-    fn within(&self, start: usize) -> Range<usize> {
-        let place = |row: usize| {
-            let before = self.rows.partition_point(|&other| other < row);
-            self.first + before * self.channel.width()
-        };
-        place(start)..place(start + ROWS_AT_ONCE)
-    }
 }
-
-/// Rows that one thread works out at a time.
-const ROWS_AT_ONCE: usize = 512;
 
 impl<'a> DeviceProblem<'a> {
     /// A problem over `parameters` of `device`; its parameter vector holds their absolute values.
@@ -77,6 +67,9 @@ impl<'a> DeviceProblem<'a> {
         for &channel in channels {
             let deviations = weights.residual_sd(device, recording, channel)?;
             add_block(&mut blocks, recording, channel, |row| 1.0 / deviations[row]);
+            if let Some(block) = blocks.last_mut() {
+                block.subjects = subjects(device, recording, block)?;
+            }
         }
         let sees_chain = channels.iter().any(|channel| channel.sees_chain());
         let outputs = fixed_outputs(device, recording, parameters, sees_chain)?;
@@ -88,6 +81,7 @@ impl<'a> DeviceProblem<'a> {
             blocks,
             sees_chain,
             outputs,
+            loads: Loads::new(device, recording)?,
         })
     }
 
@@ -121,6 +115,7 @@ impl<'a> DeviceProblem<'a> {
             blocks,
             sees_chain,
             outputs,
+            loads: None,
         })
     }
 
@@ -194,201 +189,6 @@ impl<'a> DeviceProblem<'a> {
             })
             .collect()
     }
-
-    pub(crate) fn run(
-        &self,
-        values: &[f64],
-        residuals: &mut [f64],
-        mut sink: Sink<'_>,
-    ) -> Result<(), IdentificationError> {
-        let device = self.device_with(values);
-        let rows = self.recording.len();
-        if rows > ROWS_AT_ONCE {
-            match &mut sink {
-                Sink::None => return self.run_in_parallel(&device, residuals, None),
-                Sink::Dense(free, matrix) => {
-                    return self.run_in_parallel(&device, residuals, Some((free, matrix)));
-                }
-                Sink::Sparse(..) | Sink::Triangles(_) => {}
-            }
-        }
-        let firsts: Vec<usize> = self.blocks.iter().map(|block| block.first).collect();
-        self.run_rows(&device, 0..rows, &firsts, residuals, &mut sink)
-    }
-
-    /// All rows, some at a time; each is worked out as it is alone.
-    fn run_in_parallel(
-        &self,
-        device: &Device,
-        residuals: &mut [f64],
-        mut jacobian: Option<(&[usize], &mut Matrix)>,
-    ) -> Result<(), IdentificationError> {
-        let free = jacobian.as_ref().map(|(free, _)| *free);
-        let starts: Vec<usize> = (0..self.recording.len()).step_by(ROWS_AT_ONCE).collect();
-        // per part: every block's residuals, one block after the other, and their derivatives
-        let parts: Vec<(Vec<f64>, Option<Matrix>)> = starts
-            .par_iter()
-            .map(|&start| {
-                let mut firsts = Vec::with_capacity(self.blocks.len());
-                let mut count = 0;
-                for block in &self.blocks {
-                    firsts.push(count);
-                    count += block.within(start).len();
-                }
-                let mut part = vec![0.0; count];
-                let mut matrix = free.map(|free| Matrix::zeros(count, free.len()));
-                let mut sink = match (free, &mut matrix) {
-                    (Some(free), Some(matrix)) => Sink::Dense(free, matrix),
-                    _ => Sink::None,
-                };
-                let end = (start + ROWS_AT_ONCE).min(self.recording.len());
-                self.run_rows(device, start..end, &firsts, &mut part, &mut sink)?;
-                Ok((part, matrix))
-            })
-            .collect::<Result<_, IdentificationError>>()?;
-        for (start, (part, derivatives)) in starts.into_iter().zip(&parts) {
-            let mut first = 0;
-            for block in &self.blocks {
-                let whole = block.within(start);
-                let own = first..first + whole.len();
-                first = own.end;
-                residuals[whole.clone()].copy_from_slice(&part[own.clone()]);
-                if let (Some((_, matrix)), Some(derivatives)) = (&mut jacobian, derivatives) {
-                    for column in 0..derivatives.columns() {
-                        matrix.column_mut(column)[whole.clone()]
-                            .copy_from_slice(&derivatives.column(column)[own.clone()]);
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Rows of the recording, each block's residuals written from its entry of `firsts` on.
-    fn run_rows(
-        &self,
-        device: &Device,
-        rows: Range<usize>,
-        firsts: &[usize],
-        residuals: &mut [f64],
-        sink: &mut Sink<'_>,
-    ) -> Result<(), IdentificationError> {
-        let mut evaluation = Evaluation::new(device);
-        let mut readings = vec![0.0; device.joints.len()];
-        let begins: Vec<usize> = self
-            .blocks
-            .iter()
-            .map(|block| block.rows.partition_point(|&row| row < rows.start))
-            .collect();
-        let mut cursors = begins.clone();
-        for row in rows {
-            for (reading, column) in readings.iter_mut().zip(&self.recording.joint) {
-                *reading = column[row];
-            }
-            if self.sees_chain {
-                match &self.outputs {
-                    Some(outputs) => {
-                        let first = row * readings.len();
-                        evaluation.move_outputs(&outputs[first..first + readings.len()])
-                    }
-                    None if matches!(sink, Sink::None) => evaluation.move_pose_to(&readings),
-                    None => evaluation.move_to(&readings),
-                }
-                .map_err(|error| self.at_row(row, &error))?;
-            }
-            for (position, (block, cursor)) in self.blocks.iter().zip(&mut cursors).enumerate() {
-                if block.rows.get(*cursor) != Some(&row) {
-                    continue;
-                }
-                if let Channel::Output { joint } = block.channel
-                    && !self.sees_chain
-                {
-                    evaluation
-                        .move_joint(joint, readings[joint])
-                        .map_err(|error| self.at_row(row, &error))?;
-                }
-                let place = Place {
-                    block: position,
-                    channel: block.channel,
-                    index: firsts[position] + (*cursor - begins[position]) * block.channel.width(),
-                    weight: block.weights[*cursor],
-                    row,
-                };
-                self.residual(&place, device, &evaluation, residuals, sink)
-                    .map_err(|error| self.at_row(row, &error))?;
-                *cursor += 1;
-            }
-        }
-        Ok(())
-    }
-
-    fn residual(
-        &self,
-        place: &Place,
-        device: &Device,
-        evaluation: &Evaluation<'_>,
-        residuals: &mut [f64],
-        sink: &mut Sink<'_>,
-    ) -> Result<(), ModelError> {
-        let (index, weight, row) = (place.index, place.weight, place.row);
-        match place.channel {
-            Channel::Output { joint } => {
-                let measured = column(&self.recording.output[joint], row);
-                residuals[index] = weight * (evaluation.output_rad(joint) - measured);
-                sink.put(self.parameters, place, residuals, |parameter| {
-                    Ok([
-                        weight * evaluation.output_derivative(joint, parameter),
-                        0.0,
-                        0.0,
-                    ])
-                })
-            }
-            Channel::Cable { index: cable } => {
-                let anchor =
-                    Vector3::from(device.cables.get(cable).map_or([0.0; 3], |c| c.anchor_m));
-                let pose = evaluation.pose()?;
-                let distance = distance_m(&pose.position_m, &anchor)?;
-                let measured = column(&self.recording.cable_m[cable], row);
-                residuals[index] = weight * (distance - measured);
-                // docs/equations.md, "Distance derivative": the direction once for all parameters.
-                let direction = (pose.position_m - anchor) * (weight / distance);
-                sink.put(self.parameters, place, residuals, |parameter| {
-                    let along = direction.dot(&evaluation.pose_derivative(parameter).linear);
-                    Ok([along, 0.0, 0.0])
-                })
-            }
-            Channel::Position => {
-                let pose = evaluation.pose()?;
-                if let Some(axes) = &self.recording.position_m {
-                    for axis in 0..3 {
-                        residuals[index + axis] =
-                            weight * (pose.position_m[axis] - axes[axis][row]);
-                    }
-                }
-                sink.put(self.parameters, place, residuals, |parameter| {
-                    Ok((evaluation.pose_derivative(parameter).linear * weight).into())
-                })
-            }
-            Channel::Orientation => {
-                let measured = measured_rotation(self.recording, row);
-                let rest = rotation_vector(&(evaluation.pose()?.rotation * measured.transpose()));
-                for axis in 0..3 {
-                    residuals[index + axis] = weight * rest[axis];
-                }
-                let inverse = inverse_left_jacobian(&rest);
-                sink.put(self.parameters, place, residuals, |parameter| {
-                    let Twist { angular, .. } = evaluation.pose_derivative(parameter);
-                    Ok((inverse * angular * weight).into())
-                })
-            }
-        }
-    }
-
-    fn at_row(&self, row: usize, error: &ModelError) -> IdentificationError {
-        IdentificationError::Evaluation {
-            reason: format!("line {} of the log: {error}", self.recording.line[row]),
-        }
-    }
 }
 
 impl Problem for DeviceProblem<'_> {
@@ -441,8 +241,32 @@ fn add_block(
         channel,
         weights: rows.iter().map(|&row| weight(row)).collect(),
         rows,
+        subjects: Vec::new(),
         first: blocks.last().map_or(0, Block::end),
     });
+}
+
+/// Which of the device's touched points or planes each row of a block is about.
+fn subjects(
+    device: &Device,
+    recording: &Recording,
+    block: &Block,
+) -> Result<Vec<usize>, CalibrationError> {
+    let mut subjects = Vec::new();
+    for &row in &block.rows {
+        match subject(device, recording, block.channel, row) {
+            None => break,
+            Some(Ok(subject)) => subjects.push(subject),
+            Some(Err(id)) => {
+                return Err(CalibrationError::UnknownTouch {
+                    line: recording.line.get(row).copied().unwrap_or(0),
+                    column: block.channel.name(),
+                    id,
+                });
+            }
+        }
+    }
+    Ok(subjects)
 }
 
 /// Every row's output angles, unless a parameter can change them or nothing asks for the chain.
@@ -457,6 +281,10 @@ fn fixed_outputs(
     if !sees_chain || parameters.iter().any(is_transmission) {
         return Ok(None);
     }
+    if let Some(outputs) = outputs_in_bulk(device, recording, parameters) {
+        return Ok(Some(outputs));
+    }
+    // refused: row by row it is told which one
     let mut outputs = Vec::with_capacity(recording.len() * device.joints.len());
     for row in 0..recording.len() {
         for (index, (joint, column)) in device.joints.iter().zip(&recording.joint).enumerate() {
@@ -473,9 +301,4 @@ fn fixed_outputs(
         }
     }
     Ok(Some(outputs))
-}
-
-/// A reading; channels are only asked for rows that have one.
-fn column(column: &Option<Vec<f64>>, row: usize) -> f64 {
-    column.as_ref().map_or(f64::NAN, |column| column[row])
 }

@@ -1,10 +1,14 @@
 //! The same least-squares problem with few rows: each channel is reduced to a triangle on the way.
 
+use std::cell::OnceCell;
+
 use haptical_identification::{
     IdentificationError, Matrix, Observability, Problem, Reduction, Uncertainty,
 };
 use haptical_model::ModelError;
 
+use crate::lane_rows::seen_columns;
+use crate::lanes::{ChannelTriangle, Lanes, as_rows};
 use crate::sink::{Sink, can_see};
 use crate::{Channel, DeviceProblem};
 
@@ -27,11 +31,42 @@ const CHUNK_ROWS: usize = 512;
 /// filled up with zero rows, are this problem's derivatives and residuals: its cost, its steps, its
 /// rank and its covariance are those of the full problem, at sum (k_b + 1) rows instead of one for
 /// each reading. Where no derivatives are asked for, the first residual is |r| and the others are 0.
+///
+/// Outputs of transmissions that equation (1) or a polynomial describes, and distances of a chain, are worked
+/// out and reduced in lanes, in parallel; everything else row by row.
 #[derive(Debug)]
 pub struct ReducedProblem<'p> {
     problem: &'p DeviceProblem<'p>,
     /// Channel and number of rows, k_b + 1 for all parameters.
     blocks: Vec<(Channel, usize)>,
+    /// Made when first asked for; none where the problem has no form in lanes.
+    lanes: OnceCell<Option<Lanes>>,
+}
+
+/// `[F q]` of one channel.
+pub(crate) struct ChannelFactor {
+    /// Position within the free parameters of each column.
+    pub(crate) columns: Vec<usize>,
+    /// Which column of `rows` each is.
+    pub(crate) of: Vec<usize>,
+    /// As many rows as columns at most; the last column is q.
+    pub(crate) rows: Matrix,
+}
+
+impl ChannelFactor {
+    /// A triangle as rows.
+    pub(crate) fn new(channel: ChannelTriangle) -> Self {
+        Self {
+            columns: channel.columns,
+            of: channel.of,
+            rows: as_rows(&channel.triangle),
+        }
+    }
+
+    /// q.
+    pub(crate) fn projected(&self) -> &[f64] {
+        self.rows.column(self.rows.columns() - 1)
+    }
 }
 
 impl<'p> ReducedProblem<'p> {
@@ -45,7 +80,11 @@ impl<'p> ReducedProblem<'p> {
                 (channel, count.count() + 1)
             })
             .collect();
-        Self { problem, blocks }
+        Self {
+            problem,
+            blocks,
+            lanes: OnceCell::new(),
+        }
     }
 
     /// Channels with the rows of their triangles, in order.
@@ -53,17 +92,60 @@ impl<'p> ReducedProblem<'p> {
         &self.blocks
     }
 
-    fn triangles(&self, free: &[usize]) -> Vec<Triangle> {
-        let parameters = self.problem.parameters();
-        self.blocks
-            .iter()
-            .map(|&(channel, _)| {
-                let seen =
-                    |&(_, parameter): &(usize, usize)| can_see(channel, parameters[parameter]);
-                let columns = free.iter().copied().enumerate().filter(seen).collect();
-                Triangle::new(columns, parameters.len())
+    pub(crate) fn problem(&self) -> &'p DeviceProblem<'p> {
+        self.problem
+    }
+
+    pub(crate) fn lanes(&self) -> Option<&Lanes> {
+        self.lanes.get_or_init(|| Lanes::new(self.problem)).as_ref()
+    }
+
+    /// Every channel's columns and triangle in lanes; none where there are no lanes or they refuse a number.
+    pub(crate) fn triangles(
+        &self,
+        parameters: &[f64],
+        free: &[usize],
+    ) -> Option<Vec<ChannelTriangle>> {
+        self.lanes()?.reduce(self.problem, parameters, free)
+    }
+
+    /// Every channel's triangle, in lanes or row by row.
+    fn factors(
+        &self,
+        parameters: &[f64],
+        free: &[usize],
+    ) -> Result<Vec<ChannelFactor>, IdentificationError> {
+        match self.triangles(parameters, free) {
+            Some(triangles) => Ok(triangles.into_iter().map(ChannelFactor::new).collect()),
+            None => self.factors_by_row(parameters, free),
+        }
+    }
+
+    /// Every channel's triangle, row by row: what the lanes refuse is refused here with its line of the log.
+    pub(crate) fn factors_by_row(
+        &self,
+        parameters: &[f64],
+        free: &[usize],
+    ) -> Result<Vec<ChannelFactor>, IdentificationError> {
+        let mut all = vec![0.0; self.problem.residual_count()];
+        let count = self.problem.parameter_count();
+        let mut triangles: Vec<Triangle> = seen_columns(self.problem, free)
+            .into_iter()
+            .map(|columns| {
+                let with_parameter = columns.iter().map(|&position| (position, free[position]));
+                Triangle::new(with_parameter.collect(), count)
             })
-            .collect()
+            .collect();
+        self.problem
+            .run(parameters, &mut all, Sink::Triangles(&mut triangles))?;
+        let finish = |triangle: Triangle| {
+            Ok(ChannelFactor {
+                columns: triangle.columns.iter().map(|(column, _)| *column).collect(),
+                of: (0..triangle.columns.len()).collect(),
+                rows: triangle.finish()?,
+            })
+        };
+        triangles.into_iter().map(finish).collect()
     }
 }
 
@@ -82,34 +164,43 @@ impl Problem for ReducedProblem<'_> {
         residuals: &mut [f64],
         jacobian: Option<(&[usize], &mut Matrix)>,
     ) -> Result<(), IdentificationError> {
-        let mut all = vec![0.0; self.problem.residual_count()];
         residuals.fill(0.0);
         let Some((free, matrix)) = jacobian else {
-            self.problem.evaluate(parameters, &mut all, None)?;
+            let square = self.cost(parameters)?;
             if let Some(first) = residuals.first_mut() {
-                *first = all.iter().map(|value| value * value).sum::<f64>().sqrt();
+                *first = square.sqrt();
             }
             return Ok(());
         };
-        let mut triangles = self.triangles(free);
-        self.problem
-            .run(parameters, &mut all, Sink::Triangles(&mut triangles))?;
+        let factors = self.factors(parameters, free)?;
         for column in 0..matrix.columns() {
             matrix.column_mut(column).fill(0.0);
         }
         let mut first = 0;
-        for (triangle, (_, rows)) in triangles.into_iter().zip(&self.blocks) {
-            let columns = triangle.columns.clone();
-            let factor = triangle.finish()?;
-            for row in 0..factor.rows() {
-                for (position, &(column, _)) in columns.iter().enumerate() {
-                    matrix[(first + row, column)] = factor[(row, position)];
-                }
-                residuals[first + row] = factor[(row, columns.len())];
+        for (factor, (_, count)) in factors.iter().zip(&self.blocks) {
+            let rows = first..first + factor.rows.rows();
+            for (&column, &own) in factor.columns.iter().zip(&factor.of) {
+                matrix.column_mut(column)[rows.clone()].copy_from_slice(factor.rows.column(own));
             }
-            first += rows;
+            residuals[rows].copy_from_slice(factor.projected());
+            first += count;
         }
         Ok(())
+    }
+}
+
+impl ReducedProblem<'_> {
+    /// Sum of squares of all residuals.
+    fn cost(&self, parameters: &[f64]) -> Result<f64, IdentificationError> {
+        if let Some(triangles) = self.triangles(parameters, &[]) {
+            let rests = triangles
+                .iter()
+                .map(|channel| channel.triangle.rest_square());
+            return Ok(rests.sum());
+        }
+        let mut all = vec![0.0; self.problem.residual_count()];
+        self.problem.evaluate(parameters, &mut all, None)?;
+        Ok(all.iter().map(|value| value * value).sum())
     }
 }
 

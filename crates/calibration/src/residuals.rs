@@ -3,6 +3,7 @@
 use haptical_identification::Problem;
 use haptical_model::{Device, Recording};
 
+use crate::measurement::is_placed;
 use crate::{CalibrationError, Channel, DeviceProblem, Weights};
 
 /// Residuals of one channel.
@@ -47,6 +48,8 @@ pub fn channel_residuals(
 ) -> Result<Vec<ChannelResiduals>, CalibrationError> {
     channels
         .iter()
+        // a part of a recording may have one member of a pair alone
+        .filter(|channel| is_placed(device, **channel))
         .map(|&channel| {
             let (known, unknown): (Vec<usize>, Vec<usize>) = (0..recording.len())
                 .filter(|&row| channel.has_reading(recording, row))
@@ -54,7 +57,7 @@ pub fn channel_residuals(
             let part = recording.select(&known);
             let floor = Weights {
                 factor: Default::default(),
-                ..weights.clone()
+                ..weights.trusting()
             };
             let deviations = floor.residual_sd(device, &part, channel)?;
             let problem =
@@ -113,7 +116,7 @@ fn all_known(device: &Device, recording: &Recording, row: usize) -> bool {
 fn unit_weights(channel: Channel) -> Weights {
     Weights {
         channel_sd: [(channel, 1.0)].into(),
-        factor: Default::default(),
+        ..Weights::default()
     }
 }
 

@@ -4,6 +4,7 @@ use haptical_identification::{Matrix, Triplet};
 use haptical_model::{ModelError, ParameterId};
 
 use crate::Channel;
+use crate::measurement::{Measurement, with_kind};
 use crate::reduced::Triangle;
 
 /// Receiver of derivatives; all but the last know parameters by their position within `free`.
@@ -29,6 +30,8 @@ pub(crate) struct Place {
     pub(crate) weight: f64,
     /// Row of the recording.
     pub(crate) row: usize,
+    /// Which touched point or plane the row is about.
+    pub(crate) subject: usize,
 }
 
 impl Sink<'_> {
@@ -81,13 +84,7 @@ impl Sink<'_> {
 }
 
 /// Whether a channel can depend on a parameter at all: an external encoder sees its own
-/// transmission, everything else sees the whole chain.
+/// transmission, a touched point is seen by its touches, and what is behind the handle sees the whole chain.
 pub(crate) fn can_see(channel: Channel, parameter: ParameterId) -> bool {
-    match (channel, parameter) {
-        (Channel::Output { joint: output }, ParameterId::Transmission { joint, .. }) => {
-            output == joint
-        }
-        (Channel::Output { .. }, ParameterId::Link { .. }) => false,
-        _ => true,
-    }
+    with_kind!(channel, kind => kind.sees(parameter))
 }

@@ -30,6 +30,8 @@ const ADVISED_SAMPLES: usize = 120;
 /// Difference of a criterion below which the form with fewer parameters is taken
 /// (Burnham & Anderson 2002, section 2.6: models within 2 have substantial support).
 const SUBSTANTIAL_SUPPORT: f64 = 2.0;
+/// Weight above which a sample has a say in the choice of the form.
+const TRUSTED: f64 = 0.25;
 /// Samples below which AICc decides instead of BIC.
 const FEW_SAMPLES: usize = 100;
 
@@ -88,7 +90,23 @@ pub fn fit_transmission(
         .map(|(out, at)| out - at)
         .collect();
     let range_rad = range_of(&readings);
-    let (terms, evidence) = choose(&what, device, joint, &readings, &differences, options)?;
+    let trusted: Vec<usize> = (0..part.len())
+        .filter(|&row| {
+            part.line
+                .get(row)
+                .is_none_or(|&line| weights.trust(channel, line) > TRUSTED)
+        })
+        .collect();
+    let of_trusted = |values: &[f64]| trusted.iter().map(|&row| values[row]).collect::<Vec<f64>>();
+    let (readings_trusted, differences_trusted) = (of_trusted(&readings), of_trusted(&differences));
+    let (terms, evidence) = choose(
+        &what,
+        device,
+        joint,
+        &readings_trusted,
+        &differences_trusted,
+        options,
+    )?;
     let mut start = device.clone();
     start.joints[joint].transmission_error = form(terms, range_rad);
     let parameters: Vec<ParameterId> = terms

@@ -19,6 +19,16 @@ pub(crate) fn of_recording(
                 .to_owned(),
         );
     }
+    #[cfg(feature = "rig")]
+    if let Some(held) = crate::scale::held_length(device, channels) {
+        warnings.push(format!(
+            "touches of unknown points and planes do not tell a device from a larger one: {} is held, and all \
+             other lengths are in proportion to it; give the distance of two points ([[contact_pair]]), a cable \
+             or a tracker's position",
+            held.name(device)
+        ));
+    }
+    #[cfg(not(feature = "rig"))]
     if recording.contact.is_some() || recording.plane.is_some() {
         warnings.push(
             "the columns `contact` and `plane` are not used: identification from touched points and \
@@ -84,6 +94,24 @@ pub(crate) fn of_result(
             report.channel, report.outside_range
         ));
     }
+    if let Some(robust) = &fitted.robust {
+        if !robust.settled {
+            warnings.push(format!(
+                "the weights of the {} loss still moved after {} fits: look at the outliers before you \
+                 trust the values",
+                robust.loss, robust.rounds
+            ));
+        }
+        if !robust.outliers.is_empty() {
+            warnings.push(format!(
+                "{} readings lie farther from the model than noise explains; the {} loss was used, so they \
+                 count little or nothing. They are listed as outliers: look whether a sensor failed there or \
+                 the model lacks an effect",
+                robust.outliers.len(),
+                robust.loss
+            ));
+        }
+    }
     let fits: Vec<&ParameterFit> = match &fitted.whole {
         Some(whole) if method == CalibrationMethod::Joint => vec![whole],
         whole => {
@@ -107,15 +135,15 @@ pub(crate) fn of_result(
         ));
     }
     for report in channels {
-        if report.rms_after > ABOVE_FLOOR * report.noise_floor {
+        if report.rms_after_good > ABOVE_FLOOR * report.noise_floor {
             warnings.push(format!(
                 "{}: the residual left, {:.3e} {}, is {:.1} times the noise floor: the model lacks \
                  an effect, rows are disturbed, or the stated noise is too small; look at the \
                  residual figures for what it depends on",
                 report.channel,
-                report.rms_after,
+                report.rms_after_good,
                 report.unit,
-                report.rms_after / report.noise_floor
+                report.rms_after_good / report.noise_floor
             ));
         }
     }
@@ -138,10 +166,15 @@ fn implausible(nominal: &Device, fit: &ParameterFit) -> Vec<String> {
         .iter()
         .filter_map(|&position| {
             let parameter = fit.parameters[position];
+            #[cfg(feature = "rig")]
+            if let haptical_model::ParameterId::Surrounding(_) = parameter {
+                // nobody knows beforehand where these are
+                return None;
+            }
             let before = match parameter {
                 haptical_model::ParameterId::Link { .. } => parameter.value(nominal),
                 // a transmission's nominal error is zero, whatever form it now has
-                haptical_model::ParameterId::Transmission { .. } => 0.0,
+                _ => 0.0,
             };
             let moved = parameter.value(&fit.device) - before;
             let device = &fit.device;

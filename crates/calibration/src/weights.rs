@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use haptical_model::{Device, Evaluation, Joint, Recording};
+use haptical_model::{Device, Joint, Recording};
 
+use crate::propagated::propagated_variances;
 use crate::{CalibrationError, Channel};
 
 /// Stated noise where neither the device file nor the recording gives one: one tenth of a
@@ -17,7 +18,12 @@ pub struct Weights {
     pub channel_sd: BTreeMap<Channel, f64>,
     /// Factor on each channel's total standard deviation, from the residuals of an earlier fit.
     pub factor: BTreeMap<Channel, f64>,
+    /// Weights below 1 of single readings, by line of the log: those that a robust loss distrusts.
+    pub distrusted: BTreeMap<Channel, BTreeMap<u64, f64>>,
 }
+
+/// Least weight of a reading: none would leave its standard deviation without a number.
+const LEAST_WEIGHT: f64 = 1e-12;
 
 impl Weights {
     /// The device file's figures.
@@ -25,18 +31,31 @@ impl Weights {
         let channel_sd = channels
             .iter()
             .map(|&channel| {
-                let sd = match channel {
-                    Channel::Output { joint } => device.joints[joint].output_sd_rad(),
-                    Channel::Cable { index } => device.cable_sd_m(index),
-                    Channel::Position => device.tracker.and_then(|t| t.position_sd_m),
-                    Channel::Orientation => device.tracker.and_then(|t| t.rotation_sd_rad),
-                };
+                let sd = channel.stated_sd(device);
                 (channel, sd.unwrap_or(UNSTATED_SD))
             })
             .collect();
         Self {
             channel_sd,
             factor: BTreeMap::new(),
+            distrusted: BTreeMap::new(),
+        }
+    }
+
+    /// Weight of one reading, 0 to 1.
+    pub fn trust(&self, channel: Channel, line: u64) -> f64 {
+        let lines = self.distrusted.get(&channel);
+        lines
+            .and_then(|lines| lines.get(&line))
+            .map_or(1.0, |weight| weight.clamp(0.0, 1.0))
+    }
+
+    /// The same without the look at single readings: what the noise is, not what each reading counts.
+    #[must_use]
+    pub fn trusting(&self) -> Self {
+        Self {
+            distrusted: BTreeMap::new(),
+            ..self.clone()
         }
     }
 
@@ -49,7 +68,8 @@ impl Weights {
             _ => device.joints.iter().any(has_steps),
         };
         let (own, factor) = self.own_sd(channel);
-        (!is_stepped).then(|| factor * (own * own).sqrt())
+        let is_common = !is_stepped && !self.distrusted.contains_key(&channel);
+        is_common.then(|| factor * (own * own).sqrt())
     }
 
     /// A channel's own standard deviation, and the factor on the whole.
@@ -73,68 +93,12 @@ impl Weights {
         channel: Channel,
     ) -> Result<Vec<f64>, CalibrationError> {
         let (own, factor) = self.own_sd(channel);
-        let quantum_variances: Vec<f64> = device
-            .joints
-            .iter()
-            .map(|joint| {
-                joint
-                    .reading_quantum_rad()
-                    .map_or(0.0, |step| step * step / 12.0)
-            })
-            .collect();
-        let mut evaluation = Evaluation::new(device);
-        let mut readings = vec![0.0; device.joints.len()];
-        let mut deviations = Vec::with_capacity(recording.len());
-        for row in 0..recording.len() {
-            for (reading, column) in readings.iter_mut().zip(&recording.joint) {
-                *reading = column[row];
-            }
-            let at_row = |source| CalibrationError::Row {
-                line: recording.line[row],
-                source,
-            };
-            let propagated = match channel {
-                Channel::Output { joint } => {
-                    evaluation
-                        .move_joint(joint, readings[joint])
-                        .map_err(at_row)?;
-                    evaluation.output_slope(joint).powi(2) * quantum_variances[joint]
-                }
-                _ => {
-                    evaluation.move_to(&readings).map_err(at_row)?;
-                    let mut sum = 0.0;
-                    for (joint, variance) in quantum_variances.iter().enumerate() {
-                        let twist = evaluation.reading_twist(joint);
-                        sum += variance
-                            * sensitivity_square(&evaluation, device, channel, &twist)
-                                .map_err(at_row)?;
-                    }
-                    sum
-                }
-            };
-            deviations.push(factor * (own * own + propagated).sqrt());
+        let mut deviations = propagated_variances(device, recording, channel)?;
+        for (row, value) in deviations.iter_mut().enumerate() {
+            let line = recording.line.get(row).copied().unwrap_or(0);
+            let trust = self.trust(channel, line).max(LEAST_WEIGHT);
+            *value = factor * (own * own + *value).sqrt() / trust.sqrt();
         }
         Ok(deviations)
     }
-}
-
-fn sensitivity_square(
-    evaluation: &Evaluation<'_>,
-    device: &Device,
-    channel: Channel,
-    twist: &haptical_model::kinematics::Twist,
-) -> Result<f64, haptical_model::ModelError> {
-    use haptical_model::kinematics::{distance_derivative, nalgebra::Vector3};
-    Ok(match channel {
-        Channel::Cable { index } => {
-            let anchor = device
-                .cables
-                .get(index)
-                .map_or([0.0; 3], |cable| cable.anchor_m);
-            distance_derivative(evaluation.pose()?, &Vector3::from(anchor), twist)?.powi(2)
-        }
-        Channel::Position => twist.linear.norm_squared() / 3.0,
-        Channel::Orientation => twist.angular.norm_squared() / 3.0,
-        Channel::Output { .. } => 0.0,
-    })
 }

@@ -8,6 +8,7 @@
 /* SI units. Joint values are in rad, for a prismatic joint in m. Vectors are in frame (-1). */
 
 #define HAPTICAL_JOINTS /*@JOINTS@*/
+#define HAPTICAL_ROWS /*@ROWS@*/ /* rows that move: some may follow another one's joint */
 #define HAPTICAL_TERMS /*@TERMS@*/
 #define HAPTICAL_LARGEST_VALUE 1e6
 #define HAPTICAL_SINGULAR_MARGIN 1e-9
@@ -28,18 +29,28 @@ enum haptical_transmission {
     HAPTICAL_POLYNOMIAL = 3
 };
 
-/* One Denavit-Hartenberg row, home included. */
+/* A constant rigid transform; rotation[row][column]. */
+typedef struct haptical_frame {
+    double position_m[3];
+    double rotation[3][3];
+} haptical_frame;
+
+/* One Denavit-Hartenberg row, home included, and what drives it. */
 typedef struct haptical_row {
     double a_m;
+    double b_m; /* along y */
     double d_m;
     double theta_rad;
     double sin_alpha, cos_alpha;
     double sin_beta, cos_beta;
+    haptical_frame origin; /* before the row */
+    int prismatic;
+    int joint;         /* from 0 */
+    double multiplier; /* row variable per joint variable */
 } haptical_row;
 
 /* One joint. Drums: centre at home over the denominator, and its angle there. */
 typedef struct haptical_joint {
-    int prismatic;
     int transmission;
     double lower, upper;
     double offset, ratio, ratio_slope;
@@ -76,6 +87,26 @@ static inline void haptical_slide(double origin[3], const double axis[3], double
 {
     for (int i = 0; i < 3; ++i) {
         origin[i] += axis[i] * length_m;
+    }
+}
+
+/* Goes on to a frame that is fixed in this one. */
+static inline void haptical_place(double origin[3], double x[3], double y[3], double z[3],
+                                  const haptical_frame *frame)
+{
+    double axes[3][3];
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            axes[k][i] = x[i] * frame->rotation[0][k] + y[i] * frame->rotation[1][k]
+                         + z[i] * frame->rotation[2][k];
+        }
+        origin[i] += x[i] * frame->position_m[0] + y[i] * frame->position_m[1]
+                     + z[i] * frame->position_m[2];
+    }
+    for (int i = 0; i < 3; ++i) {
+        x[i] = axes[0][i];
+        y[i] = axes[1][i];
+        z[i] = axes[2][i];
     }
 }
 
@@ -180,40 +211,56 @@ static inline int haptical_step(const double readings[HAPTICAL_JOINTS], haptical
 {
     double origin[3] = {0.0, 0.0, 0.0};
     double x[3] = {1.0, 0.0, 0.0}, y[3] = {0.0, 1.0, 0.0}, z[3] = {0.0, 0.0, 1.0};
+    double points[HAPTICAL_ROWS + 1][3], axes[HAPTICAL_ROWS + 1][3];
     state->joint = 0;
-    for (int row = 0; row <= HAPTICAL_JOINTS; ++row) {
+    for (int index = 0; index < HAPTICAL_JOINTS; ++index) {
+        const int status = haptical_output(&haptical_joints[index], readings[index],
+                                           &state->outputs[index], &state->output_slopes[index]);
+        if (status != HAPTICAL_OK) {
+            state->joint = index + 1;
+            return status;
+        }
+        for (int i = 0; i < 3; ++i) {
+            state->jacobian_linear[index][i] = 0.0;
+            state->jacobian_angular[index][i] = 0.0;
+        }
+    }
+    for (int row = 0; row <= HAPTICAL_ROWS; ++row) {
         const haptical_row *constants = &haptical_rows[row];
         double theta_rad = constants->theta_rad, d_m = constants->d_m;
+        if (HAPTICAL_GENERAL) {
+            haptical_place(origin, x, y, z, &constants->origin);
+        }
         if (HAPTICAL_MODIFIED) {
             haptical_slide(origin, x, constants->a_m);
+            if (HAPTICAL_GENERAL) {
+                haptical_slide(origin, y, constants->b_m);
+            }
             haptical_turn(y, z, constants->sin_alpha, constants->cos_alpha);
             haptical_turn(z, x, constants->sin_beta, constants->cos_beta);
         }
         if (row > 0) {
-            const int index = row - 1;
-            const haptical_joint *joint = &haptical_joints[index];
-            double *linear = state->jacobian_linear[index];
-            double *angular = state->jacobian_angular[index];
-            const int status = haptical_output(joint, readings[index], &state->outputs[index],
-                                               &state->output_slopes[index]);
-            if (status != HAPTICAL_OK) {
-                state->joint = row;
-                return status;
+            const double variable = constants->multiplier * state->outputs[constants->joint];
+            if (!(fabs(variable) <= HAPTICAL_LARGEST_VALUE)) {
+                state->joint = constants->joint + 1;
+                return HAPTICAL_VALUE_TOO_LARGE;
             }
-            if (joint->prismatic) {
-                d_m += state->outputs[index];
+            if (constants->prismatic) {
+                d_m += variable;
             } else {
-                theta_rad += state->outputs[index];
+                theta_rad += variable;
             }
             for (int i = 0; i < 3; ++i) {
-                /* a turn's point on the axis is replaced by the velocity once the end is known */
-                linear[i] = joint->prismatic ? z[i] : origin[i];
-                angular[i] = joint->prismatic ? 0.0 : z[i];
+                points[row][i] = origin[i];
+                axes[row][i] = z[i];
             }
         }
         haptical_turn(x, y, sin(theta_rad), cos(theta_rad));
         if (!HAPTICAL_MODIFIED) {
             haptical_slide(origin, x, constants->a_m);
+            if (HAPTICAL_GENERAL) {
+                haptical_slide(origin, y, constants->b_m);
+            }
         }
         haptical_slide(origin, z, d_m);
         if (!HAPTICAL_MODIFIED) {
@@ -221,23 +268,33 @@ static inline int haptical_step(const double readings[HAPTICAL_JOINTS], haptical
             haptical_turn(z, x, constants->sin_beta, constants->cos_beta);
         }
     }
+    if (HAPTICAL_GENERAL) {
+        haptical_place(origin, x, y, z, &haptical_handle);
+    }
     for (int i = 0; i < 3; ++i) {
         state->position_m[i] = origin[i];
         state->rotation[i][0] = x[i];
         state->rotation[i][1] = y[i];
         state->rotation[i][2] = z[i];
     }
-    for (int index = 0; index < HAPTICAL_JOINTS; ++index) {
-        if (!haptical_joints[index].prismatic) {
-            double *linear = state->jacobian_linear[index];
-            const double *angular = state->jacobian_angular[index];
-            double arm[3];
-            for (int i = 0; i < 3; ++i) {
-                arm[i] = origin[i] - linear[i];
+    for (int row = 1; row <= HAPTICAL_ROWS; ++row) {
+        const haptical_row *constants = &haptical_rows[row];
+        double *linear = state->jacobian_linear[constants->joint];
+        double *angular = state->jacobian_angular[constants->joint];
+        const double *axis = axes[row];
+        double arm[3];
+        for (int i = 0; i < 3; ++i) {
+            arm[i] = origin[i] - points[row][i];
+            if (constants->prismatic) {
+                linear[i] += constants->multiplier * axis[i];
+            } else {
+                angular[i] += constants->multiplier * axis[i];
             }
-            linear[0] = angular[1] * arm[2] - angular[2] * arm[1];
-            linear[1] = angular[2] * arm[0] - angular[0] * arm[2];
-            linear[2] = angular[0] * arm[1] - angular[1] * arm[0];
+        }
+        if (!constants->prismatic) {
+            linear[0] += constants->multiplier * (axis[1] * arm[2] - axis[2] * arm[1]);
+            linear[1] += constants->multiplier * (axis[2] * arm[0] - axis[0] * arm[2]);
+            linear[2] += constants->multiplier * (axis[0] * arm[1] - axis[1] * arm[0]);
         }
     }
     return HAPTICAL_OK;

@@ -10,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use haptical_calibration::Degree;
 use haptical_diagnosis::effect_names;
 
+use crate::device_source::DeviceOptions;
 use crate::export::ExportArguments;
 use crate::failure::Failure;
 use crate::{STATUS_BAD_INPUT, terminal};
@@ -26,8 +27,8 @@ Example:
   haptical identify --device demo/device.toml --log demo/log.csv --out demo/result
   haptical diagnose --device demo/device.toml --log demo/log.csv --out demo/gap
 
-Exit status: 0 done; 2 bad arguments or input; 3 nothing can be identified from these numbers;
-130 interrupted by Ctrl-C."
+Exit status: 0 done; 1 a result is not what its inputs give (`verify` alone); 2 bad arguments or input;
+3 nothing can be identified from these numbers; 130 interrupted by Ctrl-C."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -67,6 +68,12 @@ Writes demo/device.toml and demo/log.csv.")]
 Example:
   haptical export --device result/identified.toml --format c-header --out model.h")]
     Export(ExportArguments),
+    /// Write recordings of other makers as a log
+    #[command(after_help = crate::import::HELP)]
+    Import(crate::import::ImportArguments),
+    /// Say which rig tells which parameters, and choose the poses to measure next
+    #[command(after_help = crate::plan::help())]
+    Plan(crate::plan::PlanArguments),
     /// Write a page that plays a log: the arm, its errors, a slider
     #[command(after_help = "\
 Example:
@@ -74,6 +81,9 @@ Example:
 
 Writes one HTML file without outside references.")]
     Play(crate::play::PlayArguments),
+    /// Recompute a result from its inputs, and compare every number
+    #[command(after_help = crate::verify::HELP)]
+    Verify(crate::verify::VerifyArguments),
     /// Print a completion script for a shell
     #[command(after_help = "\
 Example:
@@ -86,9 +96,11 @@ Example:
 
 #[derive(Debug, Args)]
 pub(crate) struct IdentifyArguments {
-    /// Device file (TOML)
+    /// Device file (TOML or URDF)
     #[arg(long, value_name = "FILE")]
     pub(crate) device: PathBuf,
+    #[command(flatten)]
+    pub(crate) device_options: DeviceOptions,
     /// Log (CSV, plain or gzip)
     #[arg(long, value_name = "FILE")]
     pub(crate) log: PathBuf,
@@ -111,6 +123,9 @@ pub(crate) struct IdentifyArguments {
     /// Sizes of the noise: the device file's, or estimated from the residuals
     #[arg(long, value_enum, default_value_t = NoiseName::Estimated)]
     pub(crate) noise: NoiseName,
+    /// What large residuals cost; a robust loss names the readings that it distrusts
+    #[arg(long, value_enum, default_value_t = LossName::Auto)]
+    pub(crate) loss: LossName,
     /// Denominator of the input drum's term of equation (1) for all joints with drums, in place of
     /// the device file's
     #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true, conflicts_with = "paper_preset")]
@@ -122,9 +137,11 @@ pub(crate) struct IdentifyArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct DiagnoseArguments {
-    /// Device file (TOML)
+    /// Device file (TOML or URDF)
     #[arg(long, value_name = "FILE")]
     pub(crate) device: PathBuf,
+    #[command(flatten)]
+    pub(crate) device_options: DeviceOptions,
     /// Log (CSV, plain or gzip)
     #[arg(long, value_name = "FILE")]
     pub(crate) log: PathBuf,
@@ -155,8 +172,10 @@ pub(crate) struct DiagnoseArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArguments {
-    /// Device file (TOML)
+    /// Device file (TOML or URDF)
     pub(crate) device: PathBuf,
+    #[command(flatten)]
+    pub(crate) device_options: DeviceOptions,
     /// Log (CSV, plain or gzip)
     pub(crate) log: Option<PathBuf>,
     /// Print the findings as JSON
@@ -188,6 +207,22 @@ pub(crate) enum NoiseName {
     Stated,
     /// The residuals' own size, channel by channel
     Estimated,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LossName {
+    /// Least squares, unless single readings lie farther out than noise explains: then Tukey's
+    Auto,
+    /// Least squares
+    Squares,
+    /// Linear beyond 1.3 standard deviations
+    Huber,
+    /// Logarithmic
+    Cauchy,
+    /// Readings beyond 4.7 standard deviations do not count
+    Tukey,
+    /// Student's t with 4 degrees of freedom
+    StudentT,
 }
 
 /// Highest polynomial degree: beyond it the powers of the angle lose all digits.

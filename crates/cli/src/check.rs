@@ -12,7 +12,7 @@ use crate::arguments::CheckArguments;
 use crate::check_text;
 use crate::failure::Failure;
 use crate::identified::{NotIdentified, RankEntry, status_name};
-use crate::inputs::{InputDrumDenominators, read_device, read_recording};
+use crate::inputs::{InputDrumDenominators, LogInput, read_equipped_device, read_recording};
 use crate::terminal;
 use crate::terminal::Progress;
 
@@ -79,12 +79,21 @@ const TERMS_WITHOUT_DRUMS: usize = 4;
 /// Runs the command.
 pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let progress = Progress::start("checking");
-    let input = read_device(&arguments.device, InputDrumDenominators::Stated)?;
+    let input = read_equipped_device(
+        &arguments.device,
+        arguments.device_options.tip.as_deref(),
+        arguments.device_options.rig.as_deref(),
+        InputDrumDenominators::Stated,
+    )?;
     let mut warnings = input.warnings;
     let (recording, log) = match &arguments.log {
         None => (None, None),
         Some(path) => {
-            let (recording, log_warnings) = read_recording(path, &input.device)?;
+            let LogInput {
+                recording,
+                warnings: log_warnings,
+                ..
+            } = read_recording(path, &input.device)?;
             warnings.extend(log_warnings);
             let file = path.display().to_string();
             let found = look_at_log(&input.device, &recording, file)

@@ -6,10 +6,13 @@ use haptical_diagnosis::{Diagnosis, Options, Prediction, diagnose};
 use haptical_model::{Device, Recording};
 
 use crate::arguments::DiagnoseArguments;
+use crate::device_source::Equipment;
 use crate::failure::Failure;
 use crate::gap_file::GapFile;
-use crate::inputs::{InputDrumDenominators, read_device, read_recording, refuse_other_device};
-use crate::output_files::{check_folder, check_outputs, write_all};
+use crate::input_files::{InputFile, Source};
+use crate::inputs::{InputDrumDenominators, read_recording, refuse_other_device};
+use crate::output_files::{NewFile, check_folder, check_outputs, write_all};
+use crate::provenance::{Record, VERSION};
 use crate::terminal::Progress;
 use crate::{gap_report, gap_summary, terminal};
 
@@ -17,7 +20,26 @@ use crate::{gap_report, gap_summary, terminal};
 const PREDICTION_COLUMNS: [&str; 5] = ["row", "channel", "measured", "before", "after"];
 
 /// What is written; the last with a second log only.
-const FILES: [&str; 3] = ["gap.json", "report.html", "predictions.csv"];
+pub(crate) const FILES: [&str; 3] = ["gap.json", "report.html", "predictions.csv"];
+
+/// Seed of the moving-block bootstrap behind `reduction_ci95`, as in `haptical-diagnosis`.
+const BOOTSTRAP_SEED: u64 = 1;
+
+/// The files that are read.
+pub(crate) struct Sources {
+    pub(crate) device: Source,
+    pub(crate) equipment: Equipment,
+    pub(crate) log: Source,
+    pub(crate) model: Option<Source>,
+    pub(crate) validate: Option<Source>,
+}
+
+/// A diagnosis with the files that it gives.
+pub(crate) struct Outcome {
+    diagnosis: Diagnosis,
+    pub(crate) files: Vec<NewFile<'static>>,
+    json: String,
+}
 
 /// Runs the command.
 pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
@@ -27,52 +49,131 @@ pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         &arguments.inputs(),
     )?;
     let progress = Progress::start("reading");
-    let input = read_device(&arguments.device, InputDrumDenominators::Stated)?;
-    let (recording, log_warnings) = read_recording(&arguments.log, &input.device)?;
-    let mut warnings = input.warnings;
-    warnings.extend(log_warnings);
-    let model = read_model(arguments, &input.device, &mut warnings)?;
-    let validation = read_validation(arguments, &input.device, &mut warnings)?;
+    let given = |path: &Option<PathBuf>| path.as_deref().map(Source::given);
+    let sources = Sources {
+        device: Source::given(&arguments.device),
+        equipment: arguments.device_options.equipment(),
+        log: Source::given(&arguments.log),
+        model: given(&arguments.model),
+        validate: given(&arguments.validate),
+    };
+    let outcome = outcome(&arguments.without, &sources, VERSION, &progress)?;
+    progress.say("writing");
+    let written = write_all(&arguments.out, &outcome.files)?;
+    drop(progress);
+    terminal::warn(&outcome.diagnosis.warnings);
+    if arguments.json {
+        terminal::write_output(outcome.json.as_bytes())
+    } else {
+        terminal::write_output(gap_summary::text(&outcome.diagnosis, &written).as_bytes())
+    }
+}
+
+/// Diagnoses `without` these effects, and makes the files in memory; `version` is the one that the
+/// files name.
+pub(crate) fn outcome(
+    without: &[String],
+    sources: &Sources,
+    version: &str,
+    progress: &Progress,
+) -> Result<Outcome, Failure> {
+    let (device, log) = (&sources.device, &sources.log);
+    let mut read = Read::default();
+    let nominal = read.device("device", device, &sources.equipment)?;
+    let recording = read.log("log", log, &nominal)?;
+    let model = match &sources.model {
+        None => None,
+        Some(source) => {
+            let model = read.device("model", source, &Equipment::default())?;
+            refuse_other_device(&nominal, &model, &source.path)?;
+            Some(model)
+        }
+    };
+    let validation = match &sources.validate {
+        None => None,
+        Some(source) => Some(read.log("validate", source, &nominal)?),
+    };
     progress.say(format!(
         "diagnosing {} joints from {} rows",
-        input.device.joints.len(),
+        nominal.joints.len(),
         recording.len()
     ));
     let options = Options {
-        without: arguments.without.clone(),
+        without: without.to_vec(),
         model: model.as_ref(),
         validation: validation.as_ref(),
     };
-    let mut diagnosis = diagnose(&input.device, &recording, &options)
-        .map_err(|error| Failure::diagnosis(&error, &arguments.device, &arguments.log))?;
-    refuse_overflow(&diagnosis, arguments)?;
-    progress.say("writing");
-    warnings.append(&mut diagnosis.warnings);
-    diagnosis.warnings = warnings;
-    let gap = GapFile::new(&diagnosis, arguments);
-    let json = gap.to_json()?;
-    let page = gap_report::page(&gap)?;
-    let mut files = vec![
-        (FILES[0], json.clone().into_bytes()),
-        (FILES[1], page.into_bytes()),
-    ];
-    if validation.is_some() {
-        files.push((FILES[2], predictions_csv(&diagnosis.predictions)?));
+    let mut diagnosis = diagnose(&nominal, &recording, &options)
+        .map_err(|error| Failure::diagnosis(&error, &device.path, &log.path))?;
+    refuse_overflow(&diagnosis, &log.path)?;
+    read.warnings.append(&mut diagnosis.warnings);
+    diagnosis.warnings = read.warnings;
+    let mut arguments: Vec<String> = read.files.iter().map(InputFile::argument).collect();
+    let tip = sources.equipment.tip.as_ref();
+    arguments.extend(tip.map(|tip| format!("--tip={tip}")));
+    if !without.is_empty() {
+        arguments.push(format!("--without={}", without.join(",")));
     }
-    let written = write_all(&arguments.out, &files)?;
-    drop(progress);
-    terminal::warn(&diagnosis.warnings);
-    if arguments.json {
-        terminal::write_output(json.as_bytes())
-    } else {
-        terminal::write_output(gap_summary::text(&diagnosis, &written).as_bytes())
+    let mut record = Record::new(version, "diagnose", arguments, read.files);
+    record.seeds.insert("bootstrap", BOOTSTRAP_SEED);
+    let label = |source: &Option<Source>| source.as_ref().map(|source| source.label.clone());
+    let mut gap = GapFile {
+        diagnosis: &diagnosis,
+        device: device.label.clone(),
+        log: log.label.clone(),
+        validate: label(&sources.validate),
+        model: label(&sources.model),
+        record,
+    };
+    let [json_name, page_name, predictions_name] = FILES;
+    let mut files = vec![(page_name, gap_report::page(&gap)?.into_bytes())];
+    if validation.is_some() {
+        files.push((predictions_name, predictions_csv(&diagnosis.predictions)?));
+    }
+    gap.record = gap.record.with_outputs(&files);
+    let json = gap.to_json()?;
+    files.insert(0, (json_name, json.clone().into_bytes()));
+    Ok(Outcome {
+        diagnosis,
+        files,
+        json,
+    })
+}
+
+/// What was read so far, and what is odd about it.
+#[derive(Default)]
+struct Read {
+    files: Vec<InputFile>,
+    warnings: Vec<String>,
+}
+
+impl Read {
+    fn device(
+        &mut self,
+        flag: &str,
+        source: &Source,
+        equipment: &Equipment,
+    ) -> Result<Device, Failure> {
+        let stated = InputDrumDenominators::Stated;
+        let (mut input, files) = equipment.read(flag, source, stated)?;
+        self.files.extend(files);
+        self.warnings.append(&mut input.warnings);
+        Ok(input.device)
+    }
+
+    fn log(&mut self, flag: &str, source: &Source, device: &Device) -> Result<Recording, Failure> {
+        let mut input = read_recording(&source.path, device)?;
+        source.relabel(&mut input.warnings);
+        self.files.push(source.input(flag, input.fingerprint));
+        self.warnings.append(&mut input.warnings);
+        Ok(input.recording)
     }
 }
 
 impl DiagnoseArguments {
     /// The files that are read.
     fn inputs(&self) -> Vec<&Path> {
-        let further = [&self.model, &self.validate];
+        let further = [&self.device_options.rig, &self.model, &self.validate];
         [&self.device, &self.log]
             .into_iter()
             .chain(further.into_iter().flatten())
@@ -81,37 +182,8 @@ impl DiagnoseArguments {
     }
 }
 
-/// The model identified earlier; it must be of the same device.
-fn read_model(
-    arguments: &DiagnoseArguments,
-    device: &Device,
-    warnings: &mut Vec<String>,
-) -> Result<Option<Device>, Failure> {
-    let Some(path) = &arguments.model else {
-        return Ok(None);
-    };
-    let model = read_device(path, InputDrumDenominators::Stated)?;
-    warnings.extend(model.warnings);
-    refuse_other_device(device, &model.device, path)?;
-    Ok(Some(model.device))
-}
-
-/// The second recording.
-fn read_validation(
-    arguments: &DiagnoseArguments,
-    device: &Device,
-    warnings: &mut Vec<String>,
-) -> Result<Option<Recording>, Failure> {
-    let Some(path) = &arguments.validate else {
-        return Ok(None);
-    };
-    let (recording, more) = read_recording(path, device)?;
-    warnings.extend(more);
-    Ok(Some(recording))
-}
-
 /// A reading such as 1e300 is met by nobody before its square is taken.
-fn refuse_overflow(diagnosis: &Diagnosis, arguments: &DiagnoseArguments) -> Result<(), Failure> {
+fn refuse_overflow(diagnosis: &Diagnosis, log: &Path) -> Result<(), Failure> {
     let odd = diagnosis.gap.channels.iter().find(|channel| {
         let sizes = [channel.rms_before, channel.rms_after, channel.noise_floor];
         sizes.iter().any(|size| !size.is_finite())
@@ -124,7 +196,7 @@ fn refuse_overflow(diagnosis: &Diagnosis, arguments: &DiagnoseArguments) -> Resu
                 "a residual of {} is too large to be squared",
                 channel.channel
             ),
-            arguments.log.display().to_string(),
+            log.display().to_string(),
             format!(
                 "correct the reading of {} or leave its cell empty",
                 channel.channel

@@ -1,7 +1,8 @@
-//! `haptical export`: a calibrated device as numbers for a control loop, in Rust, C or JSON.
+//! `haptical export`: a calibrated device for a control loop (Rust, C, JSON) or a simulator (URDF, MJCF).
 
 mod c_header;
 mod described;
+mod description;
 mod flat_json;
 mod rust_module;
 
@@ -9,26 +10,32 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use sha2::{Digest, Sha256};
 
 use self::described::Described;
+use crate::device_source::DeviceOptions;
 use crate::failure::Failure;
-use crate::inputs::{InputDrumDenominators, read_device};
+use crate::input_files::Source;
 use crate::output_files::{check_folder, check_outputs, write_all};
 use crate::terminal;
 
 /// Flags of `haptical export`.
 #[derive(Debug, Args)]
 pub(crate) struct ExportArguments {
-    /// Device file (TOML), usually identified.toml
+    /// Device file (TOML or URDF), usually identified.toml
     #[arg(long, value_name = "FILE")]
     device: PathBuf,
+    #[command(flatten)]
+    device_options: DeviceOptions,
     /// What to write
     #[arg(long, value_enum)]
     format: FormatName,
     /// File to write; its folder is made if it is missing
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// URDF that the device came from, with --format urdf: its text with corrected origins is written;
+    /// --tip names the link at which the chain ended
+    #[arg(long, value_name = "FILE")]
+    urdf: Option<PathBuf>,
     /// Print what was written as JSON
     #[arg(long)]
     json: bool,
@@ -43,6 +50,12 @@ enum FormatName {
     CHeader,
     /// Flat arrays with names and units
     Json,
+    /// A device file with all that a URDF and a rig file say, to be edited
+    Toml,
+    /// The URDF given by --urdf with corrected origins, or a minimal new one
+    Urdf,
+    /// A minimal model for MuJoCo
+    Mjcf,
 }
 
 impl FormatName {
@@ -51,6 +64,9 @@ impl FormatName {
             Self::Rust => "rust",
             Self::CHeader => "c-header",
             Self::Json => "json",
+            Self::Toml => "toml",
+            Self::Urdf => "urdf",
+            Self::Mjcf => "mjcf",
         }
     }
 }
@@ -73,18 +89,29 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let (folder, name) = place(&arguments.out)?;
     check_folder(folder)?;
-    check_outputs(std::slice::from_ref(&arguments.out), &[&arguments.device])?;
-    let input = read_device(&arguments.device, InputDrumDenominators::Stated)?;
+    let mut inputs: Vec<&Path> = vec![&arguments.device];
+    inputs.extend(arguments.urdf.as_deref());
+    inputs.extend(arguments.device_options.rig.as_deref());
+    check_outputs(std::slice::from_ref(&arguments.out), &inputs)?;
+    let mut input = description::read(arguments)?;
     let provenance = Provenance {
         device: input.device.name.clone(),
         file: file_name(&arguments.device),
-        sha256: hexadecimal(&Sha256::digest(input.text.as_bytes())),
+        sha256: Source::given(&arguments.device)
+            .fingerprint_text(&input.text)
+            .sha256,
     };
-    let described = Described::new(&input.device, &arguments.device)?;
+    let described = || Described::new(&input.device, &arguments.device);
     let content = match arguments.format {
-        FormatName::Rust => rust_module::text(&described, &provenance),
-        FormatName::CHeader => c_header::text(&described, &provenance),
-        FormatName::Json => flat_json::text(&described, &provenance)?,
+        FormatName::Rust => rust_module::text(&described()?, &provenance),
+        FormatName::CHeader => c_header::text(&described()?, &provenance),
+        FormatName::Json => flat_json::text(&described()?, &provenance)?,
+        FormatName::Toml => input.text.clone(),
+        FormatName::Urdf | FormatName::Mjcf => {
+            let (text, warnings) = description::text(arguments, &input.device)?;
+            input.warnings.extend(warnings);
+            text
+        }
     };
     write_all(folder, &[(name, content.into_bytes())])?;
     terminal::warn(&input.warnings);
@@ -95,7 +122,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
             "device": provenance.device,
             "device_file": arguments.device.display().to_string(),
             "device_sha256": provenance.sha256,
-            "joints": described.joints.len(),
+            "joints": input.device.joints.len(),
             "version": VERSION,
             "warnings": input.warnings,
         });
@@ -104,7 +131,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         let said = format!(
             "Written:\n  {}: {} joints of `{}`\n",
             arguments.out.display(),
-            described.joints.len(),
+            input.device.joints.len(),
             one_line(&provenance.device),
         );
         terminal::write_output(said.as_bytes())
@@ -127,10 +154,6 @@ fn place(out: &Path) -> Result<(&Path, &str), Failure> {
 fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
     name.to_string_lossy().into_owned()
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Neither a control character nor one that changes the direction of text, which rustc refuses.

@@ -1,6 +1,8 @@
 //! What went wrong, as three lines for people (what, where, next step) or as JSON for programs.
 
 mod device_file;
+mod place;
+mod urdf_file;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -11,6 +13,7 @@ use haptical_diagnosis::DiagnosisError;
 use haptical_report::ReportError;
 use serde_json::json;
 
+use self::place::Place;
 use crate::interrupt::STATUS_INTERRUPTED;
 use crate::{STATUS_BAD_INPUT, terminal};
 
@@ -26,17 +29,6 @@ pub(crate) struct Failure {
     place: Box<Place>,
     next: String,
     status: u8,
-}
-
-/// Where it is; `file` may also be words such as "the command line".
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Place {
-    file: String,
-    line: Option<u64>,
-    /// Column of the cell in a log, of the character in a device file; from 1.
-    column: Option<u64>,
-    /// Header of a log's column.
-    column_name: Option<String>,
 }
 
 impl Failure {
@@ -67,6 +59,24 @@ impl Failure {
         let mut failure = Self::bad_input(kind, what, log.display().to_string(), next);
         failure.place.line = line;
         failure
+    }
+
+    /// Bad input at a line and a column of a file; column 0 is none.
+    pub(crate) fn placed(
+        kind: &'static str,
+        what: impl Into<String>,
+        file: &Path,
+        (line, column): (u64, u64),
+        next: impl Into<String>,
+    ) -> Self {
+        let mut failure = Self::log_line(kind, what, file, Some(line), next);
+        failure.place.column = (column > 0).then_some(column);
+        failure
+    }
+
+    /// What is wrong.
+    pub(crate) fn what(&self) -> &str {
+        &self.what
     }
 
     /// Bad arguments.
@@ -198,32 +208,6 @@ impl Failure {
             one_line(&self.next)
         ));
         ExitCode::from(self.status)
-    }
-}
-
-impl Place {
-    /// Boxed, so that a `Result` with a failure stays small.
-    fn in_file(file: impl Into<String>) -> Box<Self> {
-        Box::new(Self {
-            file: file.into(),
-            ..Self::default()
-        })
-    }
-}
-
-impl std::fmt::Display for Place {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.write_str(&self.file)?;
-        if let Some(line) = self.line {
-            write!(formatter, ":{line}")?;
-            if let Some(column) = self.column {
-                write!(formatter, ":{column}")?;
-            }
-        }
-        match &self.column_name {
-            Some(name) => write!(formatter, ", column `{name}`"),
-            None => Ok(()),
-        }
     }
 }
 

@@ -7,7 +7,7 @@ use clap::Parser;
 use crate::arguments::{Arguments, failure_of};
 
 /// Words that a command line is made of, and others.
-const WORDS: [&str; 48] = [
+const WORDS: [&str; 49] = [
     "identify",
     "diagnose",
     "simulate",
@@ -15,6 +15,7 @@ const WORDS: [&str; 48] = [
     "init",
     "export",
     "play",
+    "verify",
     "completions",
     "help",
     "--device",
@@ -72,7 +73,7 @@ fn command_lines() {
         .with_type::<(u8, Vec<(u8, bool, u8)>)>()
         .for_each(|(command, picks)| {
             let word = |pick: u8| WORDS[usize::from(pick) % WORDS.len()];
-            let mut words = vec!["haptical".to_owned(), word(command % 9).to_owned()];
+            let mut words = vec!["haptical".to_owned(), word(command % 10).to_owned()];
             for (pick, is_joined, value) in picks.iter().take(12) {
                 words.push(if *is_joined {
                     format!("{}={}", word(*pick), word(*value))

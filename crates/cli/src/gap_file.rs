@@ -1,48 +1,112 @@
 //! The content of gap.json: the diagnosis with what it was made from.
 
-use haptical_diagnosis::Diagnosis;
+use haptical_diagnosis::{
+    CandidateAnswer, CauseAnswer, Detectable, Diagnosis, Gap, Hint, Invisible, NoiseAnswer, Place,
+    Provenance, Untestable, Verdict,
+};
 use serde::Serialize;
 
-use crate::arguments::DiagnoseArguments;
 use crate::failure::Failure;
+use crate::provenance::{Record, sealed_json};
 
-/// gap.json.
-#[derive(Debug, Serialize)]
+/// A diagnosis, and the names of its files as results give them.
+#[derive(Debug)]
 pub(crate) struct GapFile<'a> {
-    #[serde(flatten)]
     pub(crate) diagnosis: &'a Diagnosis,
-    pub(crate) haptical_version: &'static str,
     pub(crate) device: String,
     pub(crate) log: String,
     /// Second log; none where blocks of the first were held out.
     pub(crate) validate: Option<String>,
     /// Model identified earlier; none where it was identified from the log.
     pub(crate) model: Option<String>,
+    pub(crate) record: Record,
 }
 
-impl<'a> GapFile<'a> {
-    /// The diagnosis and the names of its files as they were given.
-    pub(crate) fn new(diagnosis: &'a Diagnosis, arguments: &DiagnoseArguments) -> Self {
-        Self {
-            diagnosis,
-            haptical_version: env!("CARGO_PKG_VERSION"),
-            device: arguments.device.display().to_string(),
-            log: arguments.log.display().to_string(),
-            validate: arguments
-                .validate
-                .as_ref()
-                .map(|path| path.display().to_string()),
-            model: arguments
-                .model
-                .as_ref()
-                .map(|path| path.display().to_string()),
-        }
-    }
+/// gap.json: every field of the diagnosis that is no picture, and in `provenance` both what the answer
+/// rests on and how the file came about.
+#[derive(Debug, Serialize)]
+struct GapJson<'a> {
+    verdict: Verdict,
+    gap: &'a Gap,
+    r#where: &'a Option<Place>,
+    causes: &'a [CauseAnswer],
+    unexplained_share: f64,
+    probability_unknown: f64,
+    untestable: &'a [Untestable],
+    invisible: &'a [Invisible],
+    detectable: &'a [Detectable],
+    noise: &'a [NoiseAnswer],
+    candidates: &'a [CandidateAnswer],
+    plausibility: &'a [Hint],
+    next_experiment: &'a Option<String>,
+    warnings: &'a [String],
+    held_out: &'a str,
+    provenance: GapProvenance<'a>,
+    haptical_version: &'a str,
+    device: &'a str,
+    log: &'a str,
+    validate: &'a Option<String>,
+    model: &'a Option<String>,
+}
 
+#[derive(Debug, Serialize)]
+struct GapProvenance<'a> {
+    #[serde(flatten)]
+    answer: &'a Provenance,
+    #[serde(flatten)]
+    record: &'a Record,
+}
+
+impl GapFile<'_> {
     /// The text of the file.
     pub(crate) fn to_json(&self) -> Result<String, Failure> {
-        let mut json = serde_json::to_string_pretty(self).map_err(Failure::internal)?;
-        json.push('\n');
-        Ok(json)
+        // Without `..`, so that a new field of the diagnosis is not forgotten here.
+        let Diagnosis {
+            verdict,
+            gap,
+            place,
+            causes,
+            unexplained_share,
+            probability_unknown,
+            untestable,
+            invisible,
+            detectable,
+            noise,
+            candidates,
+            plausibility,
+            next_experiment,
+            warnings,
+            held_out,
+            provenance,
+            device: _,
+            traces: _,
+            predictions: _,
+        } = self.diagnosis;
+        sealed_json(&GapJson {
+            verdict: *verdict,
+            gap,
+            r#where: place,
+            causes,
+            unexplained_share: *unexplained_share,
+            probability_unknown: *probability_unknown,
+            untestable,
+            invisible,
+            detectable,
+            noise,
+            candidates,
+            plausibility,
+            next_experiment,
+            warnings,
+            held_out,
+            provenance: GapProvenance {
+                answer: provenance,
+                record: &self.record,
+            },
+            haptical_version: &self.record.haptical_version,
+            device: &self.device,
+            log: &self.log,
+            validate: &self.validate,
+            model: &self.model,
+        })
     }
 }

@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use haptical_calibration::{Calibration, ChannelReport, ForceDirection, ParameterFit};
-use haptical_identification::{Convergence, Identifiability, Observability, Status, Term};
+use haptical_calibration::{
+    Calibration, ChannelReport, ForceDirection, Outlier, ParameterFit, RobustChannel, Robustness,
+};
+use haptical_identification::{Convergence, Identifiability, Loss, Observability, Status, Term};
 use haptical_model::{Device, ParameterId, TransmissionError};
 use serde::Serialize;
 
+use crate::provenance::Record;
 use crate::transmissions::{TransmissionEntry, transmissions};
 
 /// Correlations above this are listed.
@@ -15,7 +18,7 @@ const HIGH_CORRELATION: f64 = 0.95;
 /// identified.json.
 #[derive(Debug, Serialize)]
 pub(crate) struct Identified {
-    pub(crate) haptical_version: &'static str,
+    pub(crate) haptical_version: String,
     pub(crate) device: String,
     pub(crate) log: String,
     pub(crate) method: &'static str,
@@ -36,7 +39,11 @@ pub(crate) struct Identified {
     /// not tell.
     pub(crate) force_direction: Option<ForceDirection>,
     pub(crate) noise: BTreeMap<String, NoiseEntry>,
+    pub(crate) loss: LossEntry,
+    /// Readings that noise does not explain, farthest first, where a robust loss was used.
+    pub(crate) outliers: Vec<Outlier>,
     pub(crate) warnings: Vec<String>,
+    pub(crate) provenance: Record,
 }
 
 /// One candidate parameter.
@@ -97,19 +104,51 @@ pub(crate) struct NoiseEntry {
     pub(crate) factor: f64,
 }
 
+/// What large residuals cost.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct LossEntry {
+    pub(crate) used: Loss,
+    /// Reweighted fits; 0 for least squares.
+    pub(crate) rounds: usize,
+    /// Whether the weights stood still in the end.
+    pub(crate) settled: bool,
+    /// The channels' noise by their good readings; empty for least squares.
+    pub(crate) scales: Vec<RobustChannel>,
+}
+
+impl LossEntry {
+    fn of(robust: Option<&Robustness>) -> Self {
+        match robust {
+            Some(robust) => Self {
+                used: robust.loss,
+                rounds: robust.rounds,
+                settled: robust.settled,
+                scales: robust.channels.clone(),
+            },
+            None => Self {
+                used: Loss::Squares,
+                rounds: 0,
+                settled: true,
+                scales: Vec::new(),
+            },
+        }
+    }
+}
+
 /// What was calibrated, in names.
-pub(crate) struct Provenance {
+pub(crate) struct Described {
     pub(crate) device: String,
     pub(crate) log: String,
     pub(crate) method: &'static str,
     pub(crate) rows: usize,
+    pub(crate) record: Record,
 }
 
 /// Collects everything for identified.json.
 pub(crate) fn identified(
     calibration: &Calibration,
     nominal: &Device,
-    provenance: Provenance,
+    described: Described,
     force_direction: Option<ForceDirection>,
     warnings: Vec<String>,
 ) -> Identified {
@@ -139,11 +178,11 @@ pub(crate) fn identified(
         calibration.held_out_channels.clone()
     };
     Identified {
-        haptical_version: env!("CARGO_PKG_VERSION"),
-        device: provenance.device,
-        log: provenance.log,
-        method: provenance.method,
-        rows: provenance.rows,
+        haptical_version: described.record.haptical_version.clone(),
+        device: described.device,
+        log: described.log,
+        method: described.method,
+        rows: described.rows,
         held_out: calibration.held_out.clone(),
         convergence: fits.first().map(|fit| fit.convergence),
         iterations: fits.iter().map(|fit| fit.iterations).sum(),
@@ -166,8 +205,11 @@ pub(crate) fn identified(
                 (channel.name(), NoiseEntry { stated, factor })
             })
             .collect(),
+        loss: LossEntry::of(fitted.robust.as_ref()),
+        outliers: calibration.outliers.clone(),
         parameters,
         warnings,
+        provenance: described.record,
     }
 }
 

@@ -5,16 +5,27 @@ use std::path::Path;
 use haptical_calibration::{Calibration, calibrate, force_direction};
 use haptical_model::Recording;
 
-use crate::arguments::IdentifyArguments;
+use crate::arguments::{IdentifyArguments, NoiseName};
+use crate::device_source::{DeviceOptions, Equipment};
 use crate::failure::Failure;
-use crate::identified::{Provenance, identified};
-use crate::inputs::{read_device, read_recording};
-use crate::output_files::{check_folder, check_outputs, write_all};
+use crate::identified::{Described, Identified, identified};
+use crate::input_files::{InputFile, Source};
+use crate::inputs::read_recording;
+use crate::method::{degree_text, loss_text};
+use crate::output_files::{NewFile, check_folder, check_outputs, write_all};
+use crate::provenance::{Record, Thresholds, VERSION, sealed_json, without_comments};
 use crate::terminal::Progress;
 use crate::{report, summary, terminal};
 
 /// What is written.
-const FILES: [&str; 3] = ["identified.toml", "identified.json", "report.html"];
+pub(crate) const FILES: [&str; 3] = ["identified.toml", "identified.json", "report.html"];
+
+/// An identification with the files that it gives.
+pub(crate) struct Outcome {
+    result: Identified,
+    pub(crate) files: Vec<NewFile<'static>>,
+    json: String,
+}
 
 /// Runs the command.
 pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
@@ -22,53 +33,123 @@ pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let outputs = FILES.map(|name| arguments.out.join(name));
     check_outputs(&outputs, &[&arguments.device, &arguments.log])?;
     let progress = Progress::start("reading");
-    let input = read_device(&arguments.device, arguments.denominators())?;
-    let (recording, log_warnings) = read_recording(&arguments.log, &input.device)?;
+    let sources = [&arguments.device, &arguments.log].map(|path| Source::given(path));
+    let equipment = arguments.device_options.equipment();
+    let outcome = outcome(arguments, &sources, &equipment, VERSION, &progress)?;
+    progress.say("writing");
+    let written = write_all(&arguments.out, &outcome.files)?;
+    drop(progress);
+    terminal::warn(&outcome.result.warnings);
+    if arguments.json {
+        terminal::write_output(outcome.json.as_bytes())
+    } else {
+        terminal::write_output(summary::text(&outcome.result, &written)?.as_bytes())
+    }
+}
+
+/// Identifies, and makes the files in memory. Device file and log are where `[device, log]` say, the
+/// options as in `arguments`; `version` is the one that the files name.
+pub(crate) fn outcome(
+    arguments: &IdentifyArguments,
+    [device, log]: &[Source; 2],
+    equipment: &Equipment,
+    version: &str,
+    progress: &Progress,
+) -> Result<Outcome, Failure> {
+    let denominators = arguments.denominators();
+    let (input, mut inputs) = equipment.read("device", device, denominators)?;
+    let mut read = read_recording(&log.path, &input.device)?;
+    log.relabel(&mut read.warnings);
+    // behind the device, before the rig: the order of the flags
+    inputs.insert(1, log.input("log", read.fingerprint));
+    let recording = read.recording;
     let options = arguments.options();
     progress.say(format!(
         "calibrating {} joints from {} rows",
         input.device.joints.len(),
         recording.len()
     ));
-    let calibration = calibrate(&input.device, &recording, &options)
-        .map_err(|error| Failure::calibration(&error, &arguments.device, &arguments.log))?;
-    refuse_overflow(&calibration, &recording, &arguments.log)?;
-    progress.say("writing");
-    let mut warnings = input.warnings.clone();
-    warnings.extend(log_warnings);
+    let refuse = |error| Failure::calibration(&error, &device.path, &log.path);
+    let calibration = calibrate(&input.device, &recording, &options).map_err(refuse)?;
+    refuse_overflow(&calibration, &recording, &log.path)?;
+    let mut warnings = input.warnings;
+    warnings.extend(read.warnings);
     warnings.extend(calibration.warnings.iter().cloned());
-    let provenance = Provenance {
-        device: arguments.device.display().to_string(),
-        log: arguments.log.display().to_string(),
+    let mut record = Record::new(version, "identify", recorded(arguments, &inputs), inputs);
+    record.thresholds = Some(Thresholds::of(&options));
+    let described = Described {
+        device: device.label.clone(),
+        log: log.label.clone(),
         method: Calibration::method_name(options.method),
         rows: recording.len(),
+        record,
     };
     let force = match &calibration.fitted.whole {
-        Some(whole) => force_direction(whole, &recording)
-            .map_err(|error| Failure::calibration(&error, &arguments.device, &arguments.log))?,
+        Some(whole) => force_direction(whole, &recording).map_err(refuse)?,
         None => None,
     };
-    let result = identified(&calibration, &input.device, provenance, force, warnings);
-    let device_text = calibration
+    let mut result = identified(&calibration, &input.device, described, force, warnings);
+    let calibrated = calibration
         .device
-        .to_toml(&input.text, &arguments.device.display().to_string())
-        .map_err(|error| Failure::device_file(&error, &arguments.device))?;
-    let mut json = serde_json::to_string_pretty(&result).map_err(Failure::internal)?;
-    json.push('\n');
+        .to_toml(without_comments(&input.text), &device.label)
+        .map_err(|error| Failure::device_file(&error, &device.path))?;
+    let toml = result.provenance.toml_comments()? + &calibrated;
     let page = report::page(&result, &calibration, &input.device, &recording)?;
-    let files = [
-        (FILES[0], device_text.into_bytes()),
-        (FILES[1], json.clone().into_bytes()),
-        (FILES[2], page.into_bytes()),
+    let [toml_name, json_name, page_name] = FILES;
+    let mut files = vec![
+        (toml_name, toml.into_bytes()),
+        (page_name, page.into_bytes()),
     ];
-    let written = write_all(&arguments.out, &files)?;
-    drop(progress);
-    terminal::warn(&result.warnings);
-    if arguments.json {
-        terminal::write_output(json.as_bytes())
-    } else {
-        terminal::write_output(summary::text(&result, &written)?.as_bytes())
+    result.provenance = result.provenance.with_outputs(&files);
+    let json = sealed_json(&result)?;
+    files.insert(1, (json_name, json.clone().into_bytes()));
+    Ok(Outcome {
+        result,
+        files,
+        json,
+    })
+}
+
+/// The flags that decide the result, defaults included.
+fn recorded(arguments: &IdentifyArguments, inputs: &[InputFile]) -> Vec<String> {
+    // Without `..`, so that a new flag is not forgotten here: `verify` runs what is recorded.
+    let IdentifyArguments {
+        device: _,
+        device_options: DeviceOptions { tip, rig: _ },
+        log: _,
+        out: _,
+        json: _,
+        method: _,
+        held_out,
+        degree,
+        noise,
+        loss,
+        input_drum_denominator_m,
+        paper_preset,
+    } = arguments;
+    let method = Calibration::method_name(arguments.options().method);
+    let noise = match noise {
+        NoiseName::Stated => "stated",
+        NoiseName::Estimated => "estimated",
+    };
+    let mut recorded: Vec<String> = inputs.iter().map(InputFile::argument).collect();
+    recorded.extend([
+        format!("--method={method}"),
+        format!("--held-out={held_out}"),
+        format!("--degree={}", degree_text(*degree)),
+        format!("--noise={noise}"),
+        format!("--loss={}", loss_text(*loss)),
+    ]);
+    if let Some(length_m) = input_drum_denominator_m {
+        recorded.push(format!("--input-drum-denominator-m={length_m}"));
     }
+    if let Some(tip) = tip {
+        recorded.push(format!("--tip={tip}"));
+    }
+    if *paper_preset {
+        recorded.push("--paper-preset".to_owned());
+    }
+    recorded
 }
 
 /// A reading such as 1e308 in a row that the fit did not see is met by nobody before its square is

@@ -1,5 +1,7 @@
 //! `haptical init`: a template device file and a small simulated log of a device that deviates.
 
+use std::path::Path;
+
 use haptical_data::write_log_to;
 use haptical_model::Device;
 use haptical_simulator::{CableSigma, Settings, apply_deviations, simulate};
@@ -8,6 +10,7 @@ use crate::arguments::InitArguments;
 use crate::failure::Failure;
 use crate::inputs::log_shape;
 use crate::output_files::{check_folder, write_all};
+use crate::provenance::shell_word;
 use crate::terminal;
 
 /// The template: the 7-DOF device of the paper.
@@ -96,9 +99,9 @@ pub(crate) fn run(arguments: &InitArguments) -> Result<(), Failure> {
              --log {} --out {}\n",
             device.display(),
             log.display(),
-            shell_word(&device),
-            shell_word(&log),
-            shell_word(&folder.join("result")),
+            shell_path(&device),
+            shell_path(&log),
+            shell_path(&folder.join("result")),
         )
         .as_bytes(),
     )
@@ -120,13 +123,6 @@ fn sample_log() -> Result<Vec<u8>, Failure> {
     Ok(log)
 }
 
-/// A path as one word of a command line.
-fn shell_word(path: &std::path::Path) -> String {
-    let text = path.display().to_string();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+".contains(c);
-    if text.chars().all(plain) {
-        text
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
-    }
+fn shell_path(path: &Path) -> String {
+    shell_word(&path.display().to_string())
 }

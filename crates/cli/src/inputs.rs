@@ -1,12 +1,15 @@
 //! Reads the device file and the log that a command was given.
 
+use std::fs::File;
 use std::path::Path;
 
-use haptical_data::{JointShape, LogShape, read_log};
-use haptical_model::{Device, JointType, Recording, read_toml_text};
+use haptical_data::{JointShape, LogShape, read_log, read_log_from};
+use haptical_model::{Device, JointType, Recording};
 use toml_edit::{DocumentMut, Item, value};
 
+use crate::device_source::{DeviceText, read_device_text};
 use crate::failure::Failure;
+use crate::input_files::{Fingerprint, HashingReader};
 use crate::reach::refuse_millimetres;
 
 /// A device with the text it came from.
@@ -39,26 +42,27 @@ impl InputDrumDenominators {
     }
 }
 
-/// Reads a device file.
+/// Reads a device file, TOML or URDF.
 pub(crate) fn read_device(
     path: &Path,
     denominators: InputDrumDenominators,
 ) -> Result<DeviceInput, Failure> {
+    read_equipped_device(path, None, None, denominators)
+}
+
+/// Reads a device file; `tip` is the link of a URDF at which the chain ends, `rig` a file with sensors
+/// that take the place of the device file's.
+pub(crate) fn read_equipped_device(
+    path: &Path,
+    tip: Option<&str>,
+    rig: Option<&Path>,
+    denominators: InputDrumDenominators,
+) -> Result<DeviceInput, Failure> {
     let name = path.display().to_string();
-    let is_urdf = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("urdf"));
-    if is_urdf {
-        return Err(Failure::bad_input(
-            "not-supported",
-            "a .urdf device is not supported yet",
-            name,
-            "write the device as TOML; `haptical init` writes a template",
-        ));
-    }
     let refuse = |error: &_| Failure::device_file(error, path);
-    let text = read_toml_text(path).map_err(|error| refuse(&error))?;
-    let loaded = Device::from_toml(&text, &name).map_err(|error| refuse(&error))?;
+    let DeviceText { text, mut warnings } = read_device_text(path, tip, rig)?;
+    let mut loaded = Device::from_toml(&text, &name).map_err(|error| refuse(&error))?;
+    warnings.append(&mut loaded.warnings);
     let (device, text) = if denominators == InputDrumDenominators::Stated {
         (loaded.device, text)
     } else {
@@ -69,7 +73,7 @@ pub(crate) fn read_device(
     Ok(DeviceInput {
         device,
         text,
-        warnings: loaded.warnings,
+        warnings,
     })
 }
 
@@ -102,14 +106,36 @@ fn with_denominators(
     Ok(document.to_string())
 }
 
-/// Reads a log of a device; returns what is odd about it too.
-pub(crate) fn read_recording(
-    path: &Path,
-    device: &Device,
-) -> Result<(Recording, Vec<String>), Failure> {
-    let log = read_log(path, &log_shape(device))?;
+/// A log that was read.
+pub(crate) struct LogInput {
+    pub(crate) recording: Recording,
+    /// What is odd about it.
+    pub(crate) warnings: Vec<String>,
+    pub(crate) fingerprint: Fingerprint,
+}
+
+/// Reads a log of a device, once: it may be a pipe.
+pub(crate) fn read_recording(path: &Path, device: &Device) -> Result<LogInput, Failure> {
+    let shape = log_shape(device);
+    let name = path.display().to_string();
+    let file = match File::open(path) {
+        Ok(file) => file,
+        Err(error) => {
+            let said = read_log(path, &shape).err();
+            return Err(said.map_or_else(|| Failure::internal(error), Failure::from));
+        }
+    };
+    let mut reader = HashingReader::new(file);
+    let log = read_log_from(&mut reader, &name, &shape)?;
+    // The log was read without error, but its end may not have been asked for.
+    let _ = std::io::copy(&mut reader, &mut std::io::sink());
+    let fingerprint = reader.fingerprint();
     refuse_millimetres(device, &log.recording, path)?;
-    Ok((log.recording, log.warnings))
+    Ok(LogInput {
+        recording: log.recording,
+        warnings: log.warnings,
+        fingerprint,
+    })
 }
 
 /// What a device says of its logs.

@@ -3,6 +3,7 @@
 mod arguments;
 mod check;
 mod check_text;
+mod device_source;
 mod diagnose;
 mod diagnosis_words;
 mod effect_words;
@@ -17,12 +18,16 @@ mod gap_report;
 mod gap_summary;
 mod identified;
 mod identify;
+mod import;
 mod init;
+mod input_files;
 mod inputs;
 mod interrupt;
 mod method;
 mod output_files;
+mod plan;
 mod play;
+mod provenance;
 mod quantity;
 mod reach;
 mod report;
@@ -31,6 +36,7 @@ mod summary;
 mod terminal;
 mod transmissions;
 mod units;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -51,25 +57,30 @@ fn main() -> ExitCode {
     };
     interrupt::listen();
     match run(arguments.command) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(status) => status,
         Err(failure) => failure.report(wants_json),
     }
 }
 
-fn run(command: Command) -> Result<(), Failure> {
-    match command {
+fn run(command: Command) -> Result<ExitCode, Failure> {
+    let done = match command {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Init(arguments) => init::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
         Command::Play(arguments) => play::run(&arguments),
+        // It alone has a status of its own.
+        Command::Verify(arguments) => return verify::run(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             let mut command = Arguments::command();
             clap_complete::generate(shell, &mut command, "haptical", &mut script);
             terminal::write_output(&script)
         }
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }

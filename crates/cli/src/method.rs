@@ -1,8 +1,9 @@
 //! From flags to the calibration's options, and back to words.
 
-use haptical_calibration::{CalibrationMethod, HeldOut, Options, Weighting};
+use haptical_calibration::{CalibrationMethod, Degree, HeldOut, LossChoice, Options, Weighting};
+use haptical_identification::Loss;
 
-use crate::arguments::{IdentifyArguments, MethodName, NoiseName};
+use crate::arguments::{IdentifyArguments, LossName, MethodName, NoiseName};
 use crate::inputs::InputDrumDenominators;
 
 impl IdentifyArguments {
@@ -18,6 +19,7 @@ impl IdentifyArguments {
                 NoiseName::Stated => Weighting::Stated,
                 NoiseName::Estimated => Weighting::Estimated,
             },
+            loss: self.loss.choice(),
             held_out: if self.held_out > 0.0 {
                 HeldOut::Share(self.held_out)
             } else {
@@ -34,5 +36,34 @@ impl IdentifyArguments {
             None if self.paper_preset => InputDrumDenominators::Paper,
             None => InputDrumDenominators::Stated,
         }
+    }
+}
+
+impl LossName {
+    fn choice(self) -> LossChoice {
+        LossChoice::Fixed(match self {
+            Self::Auto => return LossChoice::Auto,
+            Self::Squares => Loss::Squares,
+            Self::Huber => Loss::Huber,
+            Self::Cauchy => Loss::Cauchy,
+            Self::Tukey => Loss::Tukey,
+            Self::StudentT => Loss::StudentT,
+        })
+    }
+}
+
+/// A loss as the flag takes it.
+pub(crate) fn loss_text(loss: LossName) -> String {
+    match loss.choice() {
+        LossChoice::Auto => "auto".to_owned(),
+        LossChoice::Fixed(loss) => loss.to_string(),
+    }
+}
+
+/// A degree as the flag takes it.
+pub(crate) fn degree_text(degree: Degree) -> String {
+    match degree {
+        Degree::Fixed(degree) => degree.to_string(),
+        Degree::UpTo(_) => "evidence".to_owned(),
     }
 }

@@ -12,11 +12,14 @@ use haptical_model::Device;
 use haptical_report::{ReportError, write_atomically};
 
 use crate::arguments::one_or_more;
+use crate::device_source::DeviceOptions;
 use crate::failure::Failure;
+use crate::input_files::{InputFile, Source, file_name};
 use crate::inputs::{InputDrumDenominators, read_device, read_recording, refuse_other_device};
 use crate::interrupt::Writing;
 use crate::output_files::{check_folder, check_outputs, make_folder, reason};
 use crate::play::recorded::Recorded;
+use crate::provenance::{Record, VERSION};
 use crate::terminal;
 use crate::terminal::Progress;
 
@@ -26,9 +29,11 @@ const LARGE_PAGE_BYTES: usize = 3_000_000;
 
 #[derive(Debug, Args)]
 pub(crate) struct PlayArguments {
-    /// Device file (TOML): the nominal device
+    /// Device file (TOML or URDF): the nominal device
     #[arg(long, value_name = "FILE")]
     device: PathBuf,
+    #[command(flatten)]
+    device_options: DeviceOptions,
     /// Calibrated device, the identified.toml of this device; without it only the nominal arm is
     /// drawn
     #[arg(long, value_name = "FILE")]
@@ -51,13 +56,17 @@ pub(crate) struct PlayArguments {
 pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     check_place(arguments)?;
     let progress = Progress::start("reading");
-    let nominal = read_device(&arguments.device, InputDrumDenominators::Stated)?;
+    let source = Source::given(&arguments.device);
+    let equipment = arguments.device_options.equipment();
+    let (nominal, mut files) = equipment.read("device", &source, InputDrumDenominators::Stated)?;
     refuse_no_links(&nominal.device, &arguments.device)?;
     let mut warnings = nominal.warnings;
     let model = match &arguments.model {
         None => None,
         Some(path) => {
-            let model = read_device(path, InputDrumDenominators::Stated)?;
+            let mut model = read_device(path, InputDrumDenominators::Stated)?;
+            let source = Source::given(path);
+            files.push(source.input("model", source.fingerprint_device(&mut model)));
             warnings.extend(model.warnings);
             refuse_other_device(&nominal.device, &model.device, path)?;
             if nominal.device.name != model.device.name {
@@ -69,8 +78,10 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
             Some(model.device)
         }
     };
-    let (recording, log_warnings) = read_recording(&arguments.log, &nominal.device)?;
-    warnings.extend(log_warnings);
+    let log = read_recording(&arguments.log, &nominal.device)?;
+    let recording = log.recording;
+    warnings.extend(log.warnings);
+    files.push(Source::given(&arguments.log).input("log", log.fingerprint));
     progress.say(format!("placing the arm at {} rows", recording.len()));
     let recorded = Recorded::new(
         &nominal.device,
@@ -84,7 +95,12 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
         &mut warnings,
     )?;
     progress.say("writing");
-    let page = page::page(&recorded, &file_name(&arguments.log))?;
+    let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
+    let tip = arguments.device_options.tip.as_ref();
+    flags.extend(tip.map(|tip| format!("--tip={tip}")));
+    flags.push(format!("--every={}", recorded.every));
+    let record = Record::new(VERSION, "play", flags, files);
+    let page = page::page(&recorded, &file_name(&arguments.log), &record)?;
     if page.len() > LARGE_PAGE_BYTES {
         warnings.push(format!(
             "the page has {:.1} MB and may be slow to open: a larger --every makes it smaller",
@@ -148,12 +164,4 @@ fn refuse_no_links(device: &Device, path: &Path) -> Result<(), Failure> {
         "add the Denavit-Hartenberg rows as [[link]] tables; errors of transmissions alone are in \
          the report.html of `haptical identify`",
     ))
-}
-
-/// The last part of a path, for a title.
-fn file_name(path: &Path) -> String {
-    path.file_name()
-        .unwrap_or(path.as_os_str())
-        .to_string_lossy()
-        .into_owned()
 }

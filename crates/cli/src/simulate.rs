@@ -12,10 +12,13 @@ use haptical_simulator::{
 use serde::Serialize;
 
 use crate::arguments::{above_zero, whole_number};
+use crate::device_source::DeviceOptions;
 use crate::failure::Failure;
+use crate::input_files::{Fingerprint, InputFile, Source, file_name};
 use crate::inputs::{InputDrumDenominators, log_shape, read_device};
 use crate::interrupt::Writing;
-use crate::output_files::{check_outputs, make_folder};
+use crate::output_files::{check_outputs, make_folder, write_all};
+use crate::provenance::{OutputFile, Record, VERSION, sealed_json};
 use crate::terminal::{self, Progress};
 
 /// Rows made at a time: enough that progress costs nothing, few enough to take no memory.
@@ -27,9 +30,11 @@ const LARGEST_SIZE: f64 = 1e12;
 /// The arguments of the command.
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArguments {
-    /// Device file (TOML): what the log is to be read with
+    /// Device file (TOML or URDF): what the log is to be read with
     #[arg(long, value_name = "FILE")]
     device: PathBuf,
+    #[command(flatten)]
+    device_options: DeviceOptions,
     /// Device file whose numbers are the true ones; without it the device has no errors
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
@@ -74,6 +79,7 @@ pub(crate) struct SimulateArguments {
 /// What was written.
 #[derive(Debug, Serialize)]
 struct Written<'a> {
+    /// Its place on standard output, its name in the file beside it.
     log: String,
     rows: u64,
     seconds: f64,
@@ -83,6 +89,7 @@ struct Written<'a> {
     truth: Option<String>,
     effects: &'a [Effect],
     haptical_version: &'static str,
+    provenance: Record,
 }
 
 /// Example and the names of the effects, for `--help`.
@@ -105,14 +112,21 @@ Names of effects: {}",
 
 /// Runs the command.
 pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
-    let out = arguments.out.display().to_string();
     check_outputs(std::slice::from_ref(&arguments.out), &arguments.inputs())?;
-    let mut input = read_device(&arguments.device, InputDrumDenominators::Stated)?;
+    let (folder, beside) = place_beside(&arguments.out)?;
+    let place = folder.join(&beside);
+    check_outputs(std::slice::from_ref(&place), &arguments.inputs())?;
+    let source = Source::given(&arguments.device);
+    let equipment = arguments.device_options.equipment();
+    let (mut input, mut files) =
+        equipment.read("device", &source, InputDrumDenominators::Stated)?;
     let truth_path = arguments.truth.as_ref().unwrap_or(&arguments.device);
     let truth = match &arguments.truth {
         None => None,
         Some(path) => {
-            let truth = read_device(path, InputDrumDenominators::Stated)?;
+            let mut truth = read_device(path, InputDrumDenominators::Stated)?;
+            let source = Source::given(path);
+            files.push(source.input("truth", source.fingerprint_device(&mut truth)));
             check_likeness(&input.device, &truth.device, path)?;
             input.warnings.extend(truth.warnings);
             Some(truth.device)
@@ -121,7 +135,11 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let truth = truth.as_ref().unwrap_or(&input.device);
     let effects = match &arguments.effects {
         None => Effects::none(),
-        Some(path) => read_effects(path)?,
+        Some(path) => {
+            let (effects, file) = read_effects(path)?;
+            files.push(file);
+            effects
+        }
     };
     let settings = MotionSettings {
         motion: HandMotion {
@@ -158,28 +176,55 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         progress.say("closing the log");
         log.finish()?;
     }
-    drop(progress);
-    terminal::warn(&input.warnings);
-    let summary = Written {
-        log: out,
+    let log = Source::given(&arguments.out);
+    let hashed = Fingerprint::of_file(&arguments.out)
+        .map_err(|error| Failure::internal(format!("the log that was written: {error}")))?;
+    let label = |path: &PathBuf| Source::given(path).label;
+    let mut summary = Written {
+        log: label(&arguments.out),
         rows,
         seconds: arguments.seconds,
         rate_hz: arguments.rate_hz,
         seed: arguments.seed,
-        device: arguments.device.display().to_string(),
-        truth: arguments
-            .truth
-            .as_ref()
-            .map(|path| path.display().to_string()),
+        device: label(&arguments.device),
+        truth: arguments.truth.as_ref().map(label),
         effects: effects.as_slice(),
-        haptical_version: env!("CARGO_PKG_VERSION"),
+        haptical_version: VERSION,
+        provenance: arguments.record(files, &log, hashed),
     };
+    let json = sealed_json(&summary)?;
+    write_all(folder, &[(beside.as_str(), json.into_bytes())])?;
+    drop(progress);
+    terminal::warn(&input.warnings);
+    summary.log = arguments.out.display().to_string();
     let text = if arguments.json {
         serde_json::to_string_pretty(&summary).map_err(Failure::internal)? + "\n"
     } else {
-        summary.text()
+        summary.text() + &format!("Beside it: {}\n", place.display())
     };
     terminal::write_output(text.as_bytes())
+}
+
+/// Folder and name of the file that says how the log came about: a log itself cannot.
+fn place_beside(out: &Path) -> Result<(&Path, String), Failure> {
+    match (out.parent(), out.file_name()) {
+        (Some(folder), Some(name)) => {
+            let folder = if folder.as_os_str().is_empty() {
+                Path::new(".")
+            } else {
+                folder
+            };
+            Ok((
+                folder,
+                format!("{}.provenance.json", name.to_string_lossy()),
+            ))
+        }
+        _ => Err(Failure::command_line(
+            "arguments",
+            format!("--out is {}, which names no file", out.display()),
+            "give the path of the log to write",
+        )),
+    }
 }
 
 impl SimulateArguments {
@@ -190,6 +235,26 @@ impl SimulateArguments {
             .chain(further.into_iter().flatten())
             .map(PathBuf::as_path)
             .collect()
+    }
+
+    /// How the log came about.
+    fn record(&self, files: Vec<InputFile>, log: &Source, hashed: Fingerprint) -> Record {
+        let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
+        let tip = self.device_options.tip.as_ref();
+        flags.extend(tip.map(|tip| format!("--tip={tip}")));
+        flags.extend([
+            format!("--seconds={}", self.seconds),
+            format!("--rate-hz={}", self.rate_hz),
+            format!("--seed={}", self.seed),
+        ]);
+        let mut record = Record::new(VERSION, "simulate", flags, files);
+        record.seeds.insert("simulation", self.seed);
+        record.outputs.push(OutputFile {
+            file: file_name(&log.path),
+            bytes: hashed.bytes,
+            sha256: hashed.sha256,
+        });
+        record
     }
 }
 
@@ -234,14 +299,18 @@ fn check_likeness(device: &Device, truth: &Device, path: &Path) -> Result<(), Fa
     ))
 }
 
-fn read_effects(path: &Path) -> Result<Effects, Failure> {
+fn read_effects(path: &Path) -> Result<(Effects, InputFile), Failure> {
     let name = path.display().to_string();
     let text = read_toml_text(path).map_err(|error| Failure::device_file(&error, path))?;
     check_toml_syntax(&text, &name).map_err(|error| Failure::device_file(&error, path))?;
     let effects =
         Effects::from_toml(&text, &name).map_err(|error| effects_refusal(&error, &name))?;
     refuse_huge(&effects, &name)?;
-    Ok(effects)
+    let source = Source::given(path);
+    Ok((
+        effects,
+        source.input("effects", source.fingerprint_text(&text)),
+    ))
 }
 
 /// Refuses sizes with which the simulation would leave the range of numbers.

@@ -97,6 +97,31 @@ impl Column {
         ))
     }
 
+    /// Adds a number, `NaN` for none, by the rules of [`Column::push`]; returns the memory that it takes
+    /// \[bytes\].
+    pub(crate) fn push_number(
+        &mut self,
+        value: f64,
+        line: u64,
+        file: &str,
+    ) -> Result<u64, DataError> {
+        let is_beyond = value.abs() > LARGEST_READING && self.role.is_measured();
+        match &mut self.values {
+            Values::Numbers(numbers)
+                if self.role != Role::Unnamed
+                    && self.text.is_none()
+                    && !value.is_infinite()
+                    && !is_beyond
+                    && !(value.is_nan() && matches!(self.role, Role::Joint(_))) =>
+            {
+                numbers.push(value);
+                Ok(NUMBER_BYTES)
+            }
+            _ if value.is_nan() => self.push("", line, file),
+            _ => self.push(&value.to_string(), line, file),
+        }
+    }
+
     /// The numbers; none with a warning if there is not one reading.
     fn into_numbers(self, file: &str, warnings: &mut Vec<String>) -> Option<Vec<f64>> {
         match self.values {

@@ -118,6 +118,41 @@ pub enum DataError {
         /// Length allowed \[bytes\].
         most: usize,
     },
+    /// A binary file that is read only with a feature that this build lacks.
+    #[error(
+        "{at}: {format} data, which this build does not read; build haptical with `--features \
+         {feature}`, or save the log as CSV"
+    )]
+    NotBuiltIn {
+        /// The file.
+        at: Box<Place>,
+        /// What the file is.
+        format: &'static str,
+        /// Name of the feature.
+        feature: &'static str,
+    },
+    /// A binary file that does not hold together.
+    #[error(
+        "{at}: the {format} data is damaged or cut off ({what}); copy or record the file again"
+    )]
+    Damaged {
+        /// The file.
+        at: Box<Place>,
+        /// What the file is.
+        format: &'static str,
+        /// What does not fit.
+        what: String,
+    },
+    /// A binary file or a table in memory that is sound but no log.
+    #[error("{at}: {what}; {advice}")]
+    NotALog {
+        /// The file, and the column where it is known.
+        at: Box<Place>,
+        /// What stands in the way.
+        what: String,
+        /// What to do.
+        advice: String,
+    },
     /// The cells are not separated by commas.
     #[error(
         "{at}: the cells are separated by {saw}; a log is separated by commas, with a point as \

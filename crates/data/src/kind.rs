@@ -17,6 +17,9 @@ impl DataError {
             | Self::TooManyColumns { at, .. }
             | Self::TooLarge { at, .. }
             | Self::LongId { at, .. }
+            | Self::NotBuiltIn { at, .. }
+            | Self::Damaged { at, .. }
+            | Self::NotALog { at, .. }
             | Self::WrongSeparator { at, .. }
             | Self::NoHeader { at, .. }
             | Self::DuplicateColumn { at, .. }
@@ -73,6 +76,9 @@ impl DataError {
             Self::TooManyColumns { .. } => "too-many-columns",
             Self::TooLarge { .. } => "too-large",
             Self::LongId { .. } => "long-id",
+            Self::NotBuiltIn { .. } => "not-built-in",
+            Self::Damaged { .. } => "damaged",
+            Self::NotALog { .. } => "not-a-log",
             Self::WrongSeparator { .. } => "wrong-separator",
             Self::NoHeader { .. } => "no-header",
             Self::DuplicateColumn { .. } => "duplicate-column",

@@ -1,5 +1,7 @@
 //! Logs of calibration measurements: comma-separated text in and out, plain or gzip, with errors
-//! that name the line and the column.
+//! that name the line and the column; columns in memory, Parquet and MCAP in.
+//!
+//! Feature `parquet` reads Parquet files, feature `mcap` reads joint states of ROS 2 from MCAP files.
 //!
 //! ```
 //! use haptical_data::{JointShape, LogShape, read_log_from, write_log_to};
@@ -23,30 +25,39 @@ mod assemble;
 mod cell;
 mod column;
 mod error;
+mod format;
 mod groups;
 mod header;
 mod kind;
 mod limits;
 mod log_file;
+#[cfg(feature = "mcap")]
+mod mcap_log;
 mod near_miss;
 mod order;
 mod orientation;
+#[cfg(feature = "parquet")]
+mod parquet_log;
 mod place;
 mod read;
 mod rows;
 mod shape;
 mod size;
 mod source;
+mod table;
 mod write;
 mod write_column;
 mod write_file;
 
 pub use error::DataError;
 pub use log_file::LogFile;
+#[cfg(feature = "mcap")]
+pub use mcap_log::{McapOptions, read_mcap, read_mcap_from};
 pub use near_miss::NearMiss;
 pub use place::Place;
 pub use read::{LoadedLog, read_log, read_log_from};
 pub use shape::{JointShape, LogShape};
+pub use table::{Cells, log_from_columns};
 pub use write::LogWriter;
 pub use write_file::{write_log, write_log_to};
 

@@ -1,19 +1,20 @@
 //! A log file to a recording.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use haptical_model::Recording;
 
 use crate::assemble::{Column, assemble};
 use crate::error::DataError;
+use crate::format::{Format, read_binary};
 use crate::header::Header;
 use crate::place::Place;
 use crate::rows::Rows;
 use crate::shape::LogShape;
 use crate::size::{MOST_COLUMNS, MOST_MEMORY_BYTES, NUMBER_BYTES};
-use crate::source::open_error;
+use crate::source::{N_FIRST, first_bytes, open_error};
 use crate::{limits, order, orientation};
 
 /// A log that was read, and what was odd about it.
@@ -26,7 +27,11 @@ pub struct LoadedLog {
     pub warnings: Vec<String>,
 }
 
-/// Reads a log, plain or gzip (told by its first bytes, not by its name).
+/// Reads a log: CSV, plain or gzip, and with the features of these names Parquet and MCAP. What it is
+/// is told by its first bytes, not by its name.
+///
+/// In errors and warnings the first row of a Parquet file or of an MCAP file's joint states is line 2, as in
+/// the CSV log of the same rows.
 ///
 /// # Errors
 /// Everything that can be wrong with a log is a variant of [`DataError`].
@@ -36,7 +41,7 @@ pub fn read_log(path: &Path, shape: &LogShape) -> Result<LoadedLog, DataError> {
     read_log_from(file, &name, shape)
 }
 
-/// Reads a log, plain or gzip, from a reader that errors call `name`.
+/// Reads a log as [`read_log`] from a reader that errors call `name`.
 ///
 /// # Errors
 /// As [`read_log`].
@@ -61,11 +66,32 @@ pub fn read_log_from(
             at: Place::file(name),
         });
     }
-    let mut rows = Rows::new(reader, name)?;
+    let mut reader = reader;
+    let first = first_bytes(&mut reader, N_FIRST).map_err(|source| DataError::Unreadable {
+        at: Place::file(name),
+        source,
+    })?;
+    let format = Format::of(&first);
+    let whole = Cursor::new(first).chain(reader);
+    if format != Format::Text {
+        return read_binary(format, whole, name, shape);
+    }
+    let mut rows = Rows::new(whole, name)?;
     let parsed =
         parse(&mut rows, name, shape, MOST_MEMORY_BYTES).map_err(|refusal| rows.explain(refusal));
     let (header, lines, columns) = parsed?;
     drop(rows);
+    checked(header, lines, columns, name, shape)
+}
+
+/// The recording of columns whose cells were checked one by one.
+pub(crate) fn checked(
+    header: Header,
+    lines: Vec<u64>,
+    columns: Vec<Column>,
+    name: &str,
+    shape: &LogShape,
+) -> Result<LoadedLog, DataError> {
     check_row_count(&lines, header.line, name)?;
     let mut log = assemble(columns, lines, name, shape)?;
     log.warnings.splice(0..0, header.warnings);

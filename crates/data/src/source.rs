@@ -6,6 +6,7 @@ use std::io::{self, BufReader, Cursor, Read};
 use flate2::bufread::MultiGzDecoder;
 
 use crate::error::DataError;
+use crate::format::{MCAP_MAGIC, PARQUET_MAGIC};
 use crate::place::Place;
 use crate::size::{LONGEST_GAP_BYTES, LONGEST_LINE_BYTES};
 
@@ -14,7 +15,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Text that is decompressed after a refusal, in search of damage \[bytes\].
 const SEARCHED_BYTES: u64 = 16 << 20;
 /// Bytes that tell what a file is.
-const N_FIRST: usize = 8;
+pub(crate) const N_FIRST: usize = 8;
 
 /// The text of a log as it comes, so that neither a long line nor a small file that decompresses
 /// to a large one fills the memory.
@@ -299,7 +300,7 @@ fn read_again(reader: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
 }
 
 /// The first `count` bytes, fewer at the end.
-fn first_bytes(reader: &mut impl Read, count: usize) -> io::Result<Vec<u8>> {
+pub(crate) fn first_bytes(reader: &mut impl Read, count: usize) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(count);
     reader.take(count as u64).read_to_end(&mut bytes)?;
     Ok(bytes)
@@ -319,7 +320,7 @@ fn unreadable_or_corrupt(source: io::Error, file: &str, is_gzip: bool) -> DataEr
 
 /// Advice by the first bytes of files that are taken for a log.
 fn what_it_is(bytes: &[u8]) -> Option<&'static str> {
-    const KNOWN: [(&[u8], &str); 7] = [
+    const KNOWN: [(&[u8], &str); 9] = [
         (b"\xff\xfe", "it looks like UTF-16: save it as UTF-8"),
         (b"\xfe\xff", "it looks like UTF-16: save it as UTF-8"),
         (
@@ -339,6 +340,14 @@ fn what_it_is(bytes: &[u8]) -> Option<&'static str> {
             "it looks compressed with bzip2: decompress it, or use gzip",
         ),
         (&GZIP_MAGIC, "it was compressed twice: decompress it once"),
+        (
+            &PARQUET_MAGIC,
+            "it is a Parquet file that was compressed again: decompress it",
+        ),
+        (
+            &MCAP_MAGIC,
+            "it is an MCAP file that was compressed again: decompress it",
+        ),
     ];
     KNOWN
         .iter()

@@ -1,8 +1,8 @@
 //! Where the links stand at every row, and the loads that hand and gravity put on them.
 
 use haptical_model::kinematics::nalgebra::Vector3;
-use haptical_model::kinematics::{Chain, Convention, Twist};
-use haptical_model::{Device, JointType};
+use haptical_model::kinematics::{Convention, Twist};
+use haptical_model::{Device, DeviceChain, JointType};
 
 /// Frames and masses of a device along a recording.
 #[derive(Debug, Default)]
@@ -17,17 +17,17 @@ pub(crate) struct Frames {
 }
 
 impl Frames {
-    /// Frames at given output angles; nothing for a device without links.
+    /// Frames at given output angles; nothing for a device without links, nor for one with rows that
+    /// follow another's joint: a joint then moves what is behind it about several axes.
     pub(crate) fn new(device: &Device, output: &[Vec<f64>], rows: usize) -> Self {
         let mut frames = Self {
             gravity_mps2: device.gravity_mps2.map(Vector3::from),
             ..Self::default()
         };
-        if !device.has_links() {
+        if !device.has_links() || !device.drives_are_plain() {
             return frames;
         }
-        let links = device.chain_links();
-        let motions = device.motions();
+        let chain = DeviceChain::new(device);
         let joints = output.len();
         frames.origin = vec![Vec::with_capacity(rows); joints];
         let mut masses: Vec<(usize, f64, Vec<Vector3<f64>>)> = device
@@ -41,19 +41,24 @@ impl Frames {
             let angles: Vec<f64> = output.iter().map(|column| column[row]).collect();
             for link in 0..joints {
                 // rows 0 to `link` end in the frame that joint link + 1 moves in
-                let pose = Chain::new(device.convention, &links[..=link], &motions[..=link])
+                let pose = chain
+                    .part(link + 1)
                     .and_then(|chain| chain.pose(&angles[..link]));
-                let Ok(pose) = pose else {
+                let Ok(mut pose) = pose else {
                     return Self::default();
                 };
                 if link == 0 {
                     frames.base.push(pose.position_m);
                 }
-                let mut own = links[link + 1];
+                if let Some(Some(origin)) = chain.origins().get(link + 1) {
+                    pose.position_m += pose.rotation * origin.position_m;
+                    pose.rotation *= origin.rotation;
+                }
+                let mut own = chain.links[link + 1];
                 let mut origin = pose.position_m;
                 if device.convention == Convention::Modified {
                     // Craig's rows turn and shift along x before the joint moves
-                    origin += pose.rotation * Vector3::new(own.a_m, 0.0, 0.0);
+                    origin += pose.rotation * Vector3::new(own.a_m, own.b_m, 0.0);
                 }
                 frames.origin[link].push(origin);
                 if let Some((_, _, places)) = masses.iter_mut().find(|(of, _, _)| *of == link + 1)

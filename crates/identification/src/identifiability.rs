@@ -1,9 +1,10 @@
 //! Which parameters the data can fix: invisible, combinations of others, weak, or identifiable.
 
-use haptical_linalg::{LinalgError, OrderedRank, RANK_TOLERANCE, Reduction};
+use haptical_linalg::{LinalgError, Reduction, singular_values};
 use serde::Serialize;
 
-use crate::proven::{Variances, variances};
+use crate::rules::{IdentifiabilityRules, positive};
+use crate::selection::{is_clear, keep_strong};
 use crate::{IdentificationError, Observability};
 
 /// What a report needs to know of a parameter.
@@ -15,66 +16,6 @@ pub struct ParameterInfo {
     pub unit: String,
     /// Size that a deviation of this parameter may plausibly have, in its unit.
     pub plausible_size: f64,
-}
-
-/// Thresholds of the analysis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct IdentifiabilityRules {
-    /// A column whose plausible effect is below this share of the largest is invisible.
-    pub zero_tolerance: f64,
-    /// Remainder of a unit-norm column below which it is a combination of others.
-    pub rank_tolerance: f64,
-    /// Standard deviation, as a share of the plausible size, above which a parameter is weak.
-    pub weak_share: f64,
-    /// Work out singular values, condition number and observability. Statuses, rank and standard
-    /// deviations are the same without them, and take a fifth of the time: for many simulated devices.
-    pub singular_values: bool,
-}
-
-impl Default for IdentifiabilityRules {
-    fn default() -> Self {
-        // zero_tolerance: analytic derivatives of an absent effect are rounding, about 1e-16 of the
-        // others; weak_share: data that shrink the plausible size by less than half say little.
-        Self {
-            zero_tolerance: 1e-11,
-            rank_tolerance: RANK_TOLERANCE,
-            weak_share: 0.5,
-            singular_values: true,
-        }
-    }
-}
-
-impl IdentifiabilityRules {
-    /// Refuses thresholds outside their range.
-    ///
-    /// # Errors
-    /// [`IdentificationError::Setting`].
-    pub fn check(&self) -> Result<(), IdentificationError> {
-        for (name, value) in [
-            ("zero_tolerance", self.zero_tolerance),
-            ("rank_tolerance", self.rank_tolerance),
-        ] {
-            if !(0.0..1.0).contains(&value) {
-                return Err(IdentificationError::Setting {
-                    name,
-                    value,
-                    allowed: "from 0 to below 1",
-                });
-            }
-        }
-        positive("weak_share", self.weak_share)
-    }
-}
-
-fn positive(name: &'static str, value: f64) -> Result<(), IdentificationError> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(IdentificationError::Setting {
-        name,
-        value,
-        allowed: "finite and above 0",
-    })
 }
 
 /// One term of a combination.
@@ -245,7 +186,10 @@ pub fn analyse(
     if !rules.singular_values && is_clear(&ordered, least, visible.len(), rules) {
         return Ok(judged);
     }
-    let (singular_values, _) = reduction.singular_values(&visible)?;
+    let at_unit_norm = |columns: &[usize]| -> Result<Vec<f64>, LinalgError> {
+        singular_values(&reduction.scaled_factor(columns, &vec![1.0; columns.len()])?)
+    };
+    let singular_values = at_unit_norm(&visible)?;
     let cut = rules.rank_tolerance * singular_values[0];
     let singular_rank = singular_values
         .iter()
@@ -254,7 +198,7 @@ pub fn analyse(
     let independent_values = if rank == visible.len() {
         singular_values.clone()
     } else {
-        reduction.singular_values(&judged.independent)?.0
+        at_unit_norm(&judged.independent)?
     };
     Ok(Identifiability {
         singular_rank,
@@ -265,110 +209,6 @@ pub fn analyse(
         ..judged
     })
 }
-
-/// Whether bounds prove that the singular values would give the same rank.
-///
-/// The largest is at least the norm of a column, 1, and at most the root of their number. As many as
-/// there are kept columns are at least the `least` of these; the next is at most the distance from a
-/// matrix of that rank, the norm of all remainders (Weyl; Golub & Van Loan, section 2.4).
-fn is_clear(
-    ordered: &OrderedRank,
-    least: f64,
-    visible: usize,
-    rules: &IdentifiabilityRules,
-) -> bool {
-    let dropped = (visible - ordered.independent.len()) as f64;
-    let tolerance = rules.rank_tolerance;
-    // twice, as the bounds themselves are rounded
-    least > 2.0 * tolerance * (visible as f64).sqrt()
-        && 2.0 * dropped.sqrt() * ordered.largest_dropped <= tolerance
-}
-
-/// Takes weak parameters out one at a time, the least preferred first, until every kept one is
-/// fixed to a useful size; writes the statuses of all visible parameters and
-/// returns the structural verdict, weak parameters included, with the bound of [`Variances::least`].
-///
-/// One at a time, because a single bad direction makes all of its members weak: two offsets along
-/// nearly parallel axes are each unknown, but with one of them held the other is known well, and
-/// what depended on them may come back (docs/equations.md, "Column scaling and the order of
-/// preference").
-fn keep_strong(
-    reduction: &Reduction,
-    parameters: &[ParameterInfo],
-    visible: &[usize],
-    rules: &IdentifiabilityRules,
-    statuses: &mut [Status],
-) -> Result<(OrderedRank, f64), IdentificationError> {
-    let mut candidates = visible.to_vec();
-    let (mut ordered, mut spread) = independent_columns(reduction, &candidates, rules)?;
-    let structural = (ordered.clone(), spread.least);
-    loop {
-        let deviation = |position: usize| spread.variances[position].sqrt();
-        let weak = (0..ordered.independent.len()).rev().find(|&position| {
-            let size = parameters[ordered.independent[position]].plausible_size;
-            deviation(position) > rules.weak_share * size
-        });
-        if let Some(position) = weak {
-            let index = ordered.independent[position];
-            statuses[index] = Status::Weak {
-                standard_deviation: deviation(position),
-            };
-            candidates.retain(|&candidate| candidate != index);
-            if candidates.is_empty() {
-                return Ok(structural);
-            }
-            (ordered, spread) = independent_columns(reduction, &candidates, rules)?;
-            continue;
-        }
-        for (position, &index) in ordered.independent.iter().enumerate() {
-            statuses[index] = Status::Identifiable {
-                standard_deviation: deviation(position),
-            };
-        }
-        for dependence in &ordered.dependent {
-            let combination = dependence
-                .combination
-                .iter()
-                .map(|&(parameter, coefficient)| Term {
-                    parameter,
-                    name: parameters[parameter].name.clone(),
-                    coefficient,
-                })
-                .collect();
-            statuses[dependence.column] = Status::Dependent { combination };
-        }
-        return Ok(structural);
-    }
-}
-
-/// Independent columns in the order given, and the variances that prove them independent.
-///
-/// A column that depends on nearly dependent ones leaves a remainder of rounding times their
-/// condition number, which can exceed the tolerance. Then the kept set has no covariance; the
-/// tolerance is raised until it has one.
-fn independent_columns(
-    reduction: &Reduction,
-    candidates: &[usize],
-    rules: &IdentifiabilityRules,
-) -> Result<(OrderedRank, Variances), IdentificationError> {
-    let mut tolerance = rules.rank_tolerance;
-    loop {
-        let ordered = reduction.ordered_rank(candidates, tolerance)?;
-        match variances(reduction, &ordered.independent, SMALLEST_PIVOT) {
-            Ok(variances) => return Ok((ordered, variances)),
-            Err(LinalgError::RankDeficient { .. }) if tolerance < LARGEST_REMAINDER => {
-                tolerance *= 10.0;
-            }
-            Err(error) => return Err(error.into()),
-        }
-    }
-}
-
-/// Relative pivot below which a set of unit-norm columns is dependent to rounding.
-const SMALLEST_PIVOT: f64 = 1e-13;
-/// Remainder that no dependent column of finite rounding reaches: far above 1e-16 times the square
-/// of any condition number whose columns are still told apart.
-const LARGEST_REMAINDER: f64 = 1e-4;
 
 fn check(
     count: usize,

@@ -11,7 +11,9 @@ mod observability;
 mod problem;
 mod proven;
 mod robust;
+mod rules;
 mod search;
+mod selection;
 mod settings;
 mod solver;
 mod sparse;
@@ -21,13 +23,12 @@ pub use derivative_check::{DerivativeMismatch, worst_derivative};
 pub use error::IdentificationError;
 pub use estimate::{Estimate, NoiseScale, Uncertainty, estimates, uncertainty};
 pub use haptical_linalg::{Matrix, Reduction, Triplet};
-pub use identifiability::{
-    Identifiability, IdentifiabilityRules, ParameterInfo, Status, Term, analyse,
-};
+pub use identifiability::{Identifiability, ParameterInfo, Status, Term, analyse};
 pub use loss::{Loss, robust_scale};
 pub use observability::Observability;
 pub use problem::{Form, Problem, SparseProblem, evaluate_jacobian};
 pub use robust::{RobustFit, solve_robust};
+pub use rules::IdentifiabilityRules;
 pub use settings::{Convergence, Method, Settings};
 pub use solver::{Fit, solve};
 pub use sparse::{SparseFit, solve_sparse};

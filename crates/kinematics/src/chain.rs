@@ -1,5 +1,7 @@
 //! Joins rows into a chain and computes the pose of its end.
 
+use nalgebra::Matrix3;
+
 use crate::frame::Frame;
 use crate::{Convention, KinematicsError, Link, Motion, Parameter, Pose};
 
@@ -26,6 +28,7 @@ pub struct Chain<'a> {
     convention: Convention,
     links: &'a [Link],
     motions: &'a [Motion],
+    origins: &'a [Option<Pose>],
 }
 
 impl<'a> Chain<'a> {
@@ -65,7 +68,60 @@ impl<'a> Chain<'a> {
             convention,
             links,
             motions,
+            origins: &[],
         })
+    }
+
+    /// Joins `links` with a constant rigid transform before rows: the chain is
+    /// `O_0 A_0 O_1 A_1 ... O_n A_n O_(n+1)`, the last one carrying the last row's frame to the
+    /// chain's end.
+    ///
+    /// `origins` has up to one entry more than there are rows; where it ends, and where an entry is
+    /// `None`, there is no transform. A row behind an origin may have six numbers of 0 and still have
+    /// six independent derivatives, whichever way the axes stand: see [`Link`].
+    ///
+    /// ```
+    /// use haptical_kinematics::{Chain, Convention, Link, Motion, Pose, nalgebra::Vector3};
+    /// // A joint 0.4 m above the base, and an end 0.1 m in front of it.
+    /// let at = |x, z| Some(Pose { position_m: Vector3::new(x, 0.0, z), ..Pose::default() });
+    /// let origins = [at(0.0, 0.4), at(0.1, 0.0)];
+    /// let (links, motions) = ([Link::default()], [Motion::Revolute]);
+    /// let chain = Chain::with_origins(Convention::Standard, &links, &motions, &origins)?;
+    /// let pose = chain.pose(&[core::f64::consts::FRAC_PI_2])?;
+    /// assert!((pose.position_m - Vector3::new(0.0, 0.1, 0.4)).norm() < 1e-15);
+    /// # Ok::<(), haptical_kinematics::KinematicsError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`Chain::new`]; [`KinematicsError::OriginCount`] for too many origins,
+    /// [`KinematicsError::Origin`] for one that is not finite or whose rotation is none.
+    pub fn with_origins(
+        convention: Convention,
+        links: &'a [Link],
+        motions: &'a [Motion],
+        origins: &'a [Option<Pose>],
+    ) -> Result<Self, KinematicsError> {
+        let chain = Self::new(convention, links, motions)?;
+        if origins.len() > links.len() + 1 {
+            return Err(KinematicsError::OriginCount {
+                rows: links.len(),
+                origins: origins.len(),
+            });
+        }
+        for (row, origin) in origins.iter().enumerate() {
+            if let Some(origin) = origin
+                && !is_rigid(origin)
+            {
+                return Err(KinematicsError::Origin { row });
+            }
+        }
+        Ok(Self { origins, ..chain })
+    }
+
+    /// The constant transform before a row; of the number behind the last row, that before the end.
+    pub fn origin(&self, row: usize) -> Option<&'a Pose> {
+        self.origins.get(row).and_then(Option::as_ref)
     }
 
     /// The convention that reads the table.
@@ -137,6 +193,9 @@ impl<'a> Chain<'a> {
         let mut frame = Frame::identity();
         let mut joint = 0;
         for (row, (link, motion)) in self.links.iter().zip(self.motions).enumerate() {
+            if let Some(origin) = self.origin(row) {
+                frame.place(origin);
+            }
             let mut link = *link;
             if let Some(parameter) = motion.variable() {
                 let value = joints[joint];
@@ -155,21 +214,42 @@ impl<'a> Chain<'a> {
                 visit(row, joint, parameter, &frame);
                 frame.step(parameter, link.get(parameter));
             }
-            // Not `> limit`: a NaN from infinity times zero must be caught as well.
-            if !frame
-                .origin
-                .iter()
-                .all(|coordinate| coordinate.abs() <= POSITION_LIMIT_M)
-            {
-                return Err(KinematicsError::PositionOutOfRange {
-                    row,
-                    limit_m: POSITION_LIMIT_M,
-                });
-            }
+            check_range(&frame, row)?;
             if *motion != Motion::Fixed {
                 joint += 1;
             }
         }
+        if let Some(origin) = self.origin(self.links.len()) {
+            frame.place(origin);
+            check_range(&frame, self.links.len() - 1)?;
+        }
         Ok(frame)
     }
+}
+
+/// Refuses a frame that is too far away for its distance to be squared.
+fn check_range(frame: &Frame, row: usize) -> Result<(), KinematicsError> {
+    // Not `> limit`: a NaN from infinity times zero must be caught as well.
+    let is_near = |coordinate: &f64| coordinate.abs() <= POSITION_LIMIT_M;
+    if frame.origin.iter().all(is_near) {
+        return Ok(());
+    }
+    Err(KinematicsError::PositionOutOfRange {
+        row,
+        limit_m: POSITION_LIMIT_M,
+    })
+}
+
+/// How far the product of a rotation with its transpose may be from the identity: what six digits in
+/// a file leave.
+const ROTATION_TOLERANCE: f64 = 1e-6;
+
+/// Whether a constant transform is finite and turns without stretching or mirroring. NaN is not.
+fn is_rigid(pose: &Pose) -> bool {
+    let error = pose.rotation.transpose() * pose.rotation - Matrix3::identity();
+    pose.position_m
+        .iter()
+        .all(|coordinate| coordinate.abs() <= POSITION_LIMIT_M)
+        && error.iter().all(|entry| entry.abs() <= ROTATION_TOLERANCE)
+        && pose.rotation.determinant() > 0.0
 }

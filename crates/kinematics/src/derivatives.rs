@@ -4,7 +4,7 @@ use crate::chain::Chain;
 use crate::frame::complete_turn;
 use crate::{KinematicsError, Motion, Parameter, Pose, Twist};
 
-/// Derivatives of the end pose with respect to the five parameters of one row.
+/// Derivatives of the end pose with respect to the six parameters of one row.
 ///
 /// The frames and units are those of [`Twist`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +19,8 @@ pub struct LinkDerivatives {
     pub theta: Twist,
     /// With respect to `beta_rad`.
     pub beta: Twist,
+    /// With respect to `b_m`.
+    pub b: Twist,
 }
 
 impl LinkDerivatives {
@@ -30,6 +32,7 @@ impl LinkDerivatives {
             Parameter::D => self.d,
             Parameter::Theta => self.theta,
             Parameter::Beta => self.beta,
+            Parameter::B => self.b,
         }
     }
 
@@ -47,6 +50,7 @@ impl LinkDerivatives {
             Parameter::D => &mut self.d,
             Parameter::Theta => &mut self.theta,
             Parameter::Beta => &mut self.beta,
+            Parameter::B => &mut self.b,
         }
     }
 }

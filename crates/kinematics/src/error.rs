@@ -17,6 +17,24 @@ pub enum KinematicsError {
         /// Entries in the list of motions.
         motions: usize,
     },
+    /// More constant transforms than there are places for them.
+    #[error(
+        "{origins} origins for {rows} rows; one before each row and one behind the last are the most"
+    )]
+    OriginCount {
+        /// Rows of the parameter table.
+        rows: usize,
+        /// Origins given.
+        origins: usize,
+    },
+    /// A constant transform that is not finite, or whose matrix is not a rotation.
+    #[error(
+        "the constant transform before row {row} is not a finite position with a rotation matrix"
+    )]
+    Origin {
+        /// Row before which it stands, counted from 0; the number of rows for that before the end.
+        row: usize,
+    },
     /// A parameter is infinite or not a number.
     #[error("row {row}: {parameter} is {value}; a finite number of {} is needed", parameter.unit())]
     NonFiniteParameter {

@@ -30,11 +30,22 @@ impl Frame {
     pub(crate) fn step(&mut self, parameter: Parameter, value: f64) {
         match parameter {
             Parameter::A => self.origin += self.x * value,
+            Parameter::B => self.origin += self.y * value,
             Parameter::D => self.origin += self.z * value,
             Parameter::Alpha => turn(&mut self.y, &mut self.z, value),
             Parameter::Beta => turn(&mut self.z, &mut self.x, value),
             Parameter::Theta => turn(&mut self.x, &mut self.y, value),
         }
+    }
+
+    /// Multiplies the frame from the right by a constant transform.
+    pub(crate) fn place(&mut self, constant: &Pose) {
+        let rotation = Matrix3::from_columns(&[self.x, self.y, self.z]);
+        self.origin += rotation * constant.position_m;
+        let turned = rotation * constant.rotation;
+        self.x = turned.column(0).into_owned();
+        self.y = turned.column(1).into_owned();
+        self.z = turned.column(2).into_owned();
     }
 
     /// What the parameter's motion, made from this frame, does to a body attached after it.
@@ -52,6 +63,7 @@ impl Frame {
         };
         match parameter {
             Parameter::A => slide(self.x),
+            Parameter::B => slide(self.y),
             Parameter::D => slide(self.z),
             Parameter::Alpha => turn(self.x),
             Parameter::Beta => turn(self.y),

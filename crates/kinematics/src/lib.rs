@@ -8,7 +8,7 @@
 //!
 //! # Why every derivative is a unit twist
 //!
-//! A chain is a product of elementary motions `E_1(x_1) E_2(x_2) ... E_m(x_m)`, five per row, each a
+//! A chain is a product of elementary motions `E_1(x_1) E_2(x_2) ... E_m(x_m)`, six per row, each a
 //! turn about or a slide along one axis of the frame reached so far. Split the product at motion
 //! `k` into `U E_k(x_k) V`. Changing `x_k` by `dx` moves everything after it, `V`, rigidly:
 //!
@@ -16,7 +16,8 @@
 //! - a turn about the axis `w` through `U`'s origin `p`: `dP = w x (P - p) dx`, `dR = [w]x R dx`.
 //!
 //! `w` and `p` depend only on what comes before motion `k`, and the turn itself leaves both
-//! unchanged. One forward pass therefore stores `(p, w)` for every parameter; a second loop over
+//! unchanged. A constant transform between two motions ([`Chain::with_origins`]) is part of `U` or of
+//! `V` and has no derivative. One forward pass therefore stores `(p, w)` for every parameter; a second loop over
 //! the rows, which needs no sine or cosine, adds the end point `P`. Nothing is approximated.
 //!
 //! Sines and cosines come from `libm`, so the same input gives the same bits on every machine.

@@ -1,18 +1,18 @@
-//! Names and holds the five parameters of a chain's row, and says in which order they act.
+//! Names and holds the six parameters of a chain's row, and says in which order they act.
 
 use core::fmt;
 
-/// The order in which the five elementary motions of a row act.
+/// The order in which the six elementary motions of a row act.
 ///
 /// Each row's transform leads from the frame before it to its own frame; the chain is the product
 /// of its rows' transforms, the first row starting in frame (-1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Convention {
-    /// Distal (standard) convention, `A = Rz(theta) T(a, 0, d) Rx(alpha) Ry(beta)`:
-    /// Baser & Konukseven eq. (3), with Hayati's `beta`.
+    /// Distal (standard) convention, `A = Rz(theta) T(a, b, d) Rx(alpha) Ry(beta)`:
+    /// Baser & Konukseven eq. (3), with Hayati's `beta` and the slide `b` of a general row.
     Standard,
-    /// Proximal (modified, Craig's) convention, `A = Tx(a) Rx(alpha) Ry(beta) Rz(theta) Tz(d)`:
-    /// Craig, *Introduction to Robotics*, chapter 3, with Hayati's `beta`.
+    /// Proximal (modified, Craig's) convention, `A = T(a, b, 0) Rx(alpha) Ry(beta) Rz(theta) Tz(d)`:
+    /// Craig, *Introduction to Robotics*, chapter 3, with Hayati's `beta` and the slide `b`.
     Modified,
 }
 
@@ -22,13 +22,13 @@ impl Convention {
     /// ```
     /// use haptical_kinematics::{Convention, Parameter};
     /// assert_eq!(Convention::Standard.order()[0], Parameter::Theta);
-    /// assert_eq!(Convention::Modified.order()[4], Parameter::D);
+    /// assert_eq!(Convention::Modified.order()[5], Parameter::D);
     /// ```
-    pub const fn order(self) -> [Parameter; 5] {
-        use Parameter::{A, Alpha, Beta, D, Theta};
+    pub const fn order(self) -> [Parameter; 6] {
+        use Parameter::{A, Alpha, B, Beta, D, Theta};
         match self {
-            Self::Standard => [Theta, A, D, Alpha, Beta],
-            Self::Modified => [A, Alpha, Beta, Theta, D],
+            Self::Standard => [Theta, A, B, D, Alpha, Beta],
+            Self::Modified => [A, B, Alpha, Beta, Theta, D],
         }
     }
 }
@@ -55,12 +55,17 @@ impl Motion {
     }
 }
 
-/// One row of a Denavit-Hartenberg table, with Hayati's `beta` as fifth parameter.
+/// One row of a Denavit-Hartenberg table, with Hayati's `beta` as fifth parameter and `b` as sixth.
 ///
 /// Every parameter is one elementary motion: `a` slides along x, `alpha` turns about x, `d` slides
-/// along z, `theta` turns about z, `beta` turns about y. Their order is the [`Convention`]'s.
+/// along z, `theta` turns about z, `beta` turns about y, `b` slides along y. Their order is the
+/// [`Convention`]'s.
 /// `beta` is meant for rows whose successive axes are (nearly) parallel, where `d` and `alpha`
-/// alone would have to jump for a small tilt; elsewhere it stays 0.
+/// alone would have to jump for a small tilt; elsewhere it stays 0. `b` stays 0 in every
+/// Denavit-Hartenberg table. With it a row whose numbers are all near 0 reaches every small rigid
+/// displacement: to first order the six are the local coordinates of a product of exponentials,
+/// which have no singular arrangement of axes (Brockett 1984; Okamura & Park 1996). Such a row stands
+/// behind a constant origin: [`Chain::with_origins`](crate::Chain::with_origins).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Link {
     /// Length along the common normal, x.
@@ -73,6 +78,8 @@ pub struct Link {
     pub theta_rad: f64,
     /// Tilt about y (Hayati).
     pub beta_rad: f64,
+    /// Length along y, of a general row.
+    pub b_m: f64,
 }
 
 impl Link {
@@ -84,6 +91,7 @@ impl Link {
             Parameter::D => self.d_m,
             Parameter::Theta => self.theta_rad,
             Parameter::Beta => self.beta_rad,
+            Parameter::B => self.b_m,
         }
     }
 
@@ -102,11 +110,12 @@ impl Link {
             Parameter::D => self.d_m = value,
             Parameter::Theta => self.theta_rad = value,
             Parameter::Beta => self.beta_rad = value,
+            Parameter::B => self.b_m = value,
         }
     }
 }
 
-/// Names one of the five parameters of a [`Link`].
+/// Names one of the six parameters of a [`Link`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Parameter {
     /// `a`: slide along x, in m.
@@ -119,13 +128,22 @@ pub enum Parameter {
     Theta,
     /// `beta`: turn about y, in rad.
     Beta,
+    /// `b`: slide along y, in m.
+    B,
 }
 
 impl Parameter {
-    /// All five, in the order of [`Link`]'s fields.
-    pub const ALL: [Self; 5] = [Self::A, Self::Alpha, Self::D, Self::Theta, Self::Beta];
+    /// All six, in the order of [`Link`]'s fields.
+    pub const ALL: [Self; 6] = [
+        Self::A,
+        Self::Alpha,
+        Self::D,
+        Self::Theta,
+        Self::Beta,
+        Self::B,
+    ];
 
-    /// The parameter's name: `a`, `alpha`, `d`, `theta` or `beta`.
+    /// The parameter's name: `a`, `alpha`, `d`, `theta`, `beta` or `b`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::A => "a",
@@ -133,13 +151,14 @@ impl Parameter {
             Self::D => "d",
             Self::Theta => "theta",
             Self::Beta => "beta",
+            Self::B => "b",
         }
     }
 
-    /// The parameter's unit: `m` for the two slides, `rad` for the three turns.
+    /// The parameter's unit: `m` for the three slides, `rad` for the three turns.
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::A | Self::D => "m",
+            Self::A | Self::B | Self::D => "m",
             Self::Alpha | Self::Theta | Self::Beta => "rad",
         }
     }

@@ -10,7 +10,7 @@
 //! - K's slide along z goes to the other side of the joint before it.
 //!
 //! What is left is a slide along x and y and one turn about x, whatever the convention, the tilt beta
-//! and the number of fixed rows.
+//! the number of fixed rows, and the constant origins of the rows.
 
 use nalgebra::Vector3;
 
@@ -125,11 +125,11 @@ pub(crate) fn prepare<const JOINTS: usize>(
     let mut start = Frame::identity();
     let mut moving = 0;
     for (row, (link, motion)) in chain.links().iter().zip(chain.motions()).enumerate() {
+        if let Some(origin) = chain.origin(row) {
+            behind(&mut start, &mut constants, moving).place(origin);
+        }
         for parameter in chain.convention().order() {
-            let frame = match moving {
-                0 => &mut start,
-                behind => &mut constants[behind - 1],
-            };
+            let frame = behind(&mut start, &mut constants, moving);
             frame.step(parameter, link.get(parameter));
             // the variable is of the same turn or slide as the parameter: it goes behind it
             if motion.variable() == Some(parameter) {
@@ -139,14 +139,13 @@ pub(crate) fn prepare<const JOINTS: usize>(
             }
         }
     }
+    if let Some(origin) = chain.origin(chain.links().len()) {
+        behind(&mut start, &mut constants, moving).place(origin);
+    }
     // from the end to the base, because what is passed on is passed on again
     for joint in (0..JOINTS).rev() {
         let slide_m = core::mem::take(&mut constants[joint].origin.z);
-        let before = match joint {
-            0 => &mut start,
-            behind => &mut constants[behind - 1],
-        };
-        before.step(Parameter::D, slide_m);
+        behind(&mut start, &mut constants, joint).step(Parameter::D, slide_m);
     }
     let mut psi_rad = 0.0;
     for (joint, constant) in joints.iter_mut().zip(&constants) {
@@ -166,11 +165,24 @@ pub(crate) fn prepare<const JOINTS: usize>(
     })
 }
 
+/// What stands behind the first `moving` joints.
+fn behind<'f>(start: &'f mut Frame, constants: &'f mut [Frame], moving: usize) -> &'f mut Frame {
+    match moving {
+        0 => start,
+        joints => &mut constants[joints - 1],
+    }
+}
+
 /// Refuses lengths whose sum leaves the range of positions: then no posture can leave it.
 fn check_reach(chain: &Chain<'_>) -> Result<(), KinematicsError> {
     let mut reach_m = 0.0;
     for (row, link) in chain.links().iter().enumerate() {
-        reach_m += link.a_m.abs() + link.d_m.abs();
+        reach_m += link.a_m.abs() + link.b_m.abs() + link.d_m.abs();
+        let behind_last = usize::from(row + 1 == chain.links().len());
+        for origin in (row..=row + behind_last).filter_map(|row| chain.origin(row)) {
+            let length_m = |coordinate: &f64| coordinate.abs();
+            reach_m += origin.position_m.iter().map(length_m).sum::<f64>();
+        }
         if reach_m > POSITION_LIMIT_M {
             return Err(KinematicsError::PositionOutOfRange {
                 row,

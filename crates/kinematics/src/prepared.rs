@@ -11,7 +11,7 @@ use crate::{Chain, ChainConstants, KinematicsError, Pose, Twist};
 
 /// A chain of `JOINTS` moving rows whose constants are worked out once.
 ///
-/// [`Chain::geometric_jacobian`] works out five elementary motions a row at every call; here a joint
+/// [`Chain::geometric_jacobian`] works out six elementary motions a row at every call; here a joint
 /// costs one turn about z, one slide and one turn about x, and the sines of all joints are worked out
 /// together. The numbers are those of the chain but for rounding: lengths of order 1 m agree to 1e-14,
 /// plus the spacing of numbers of the joint variables' size. They are the same on every machine.

@@ -1,5 +1,6 @@
 //! Covariance from a triangle: (R'R)^-1 = R^-1 R^-T, refused where R is singular.
 
+use crate::lanes::{product, subtract};
 use crate::pivoted::PivotedQr;
 use crate::{LinalgError, Matrix};
 
@@ -22,19 +23,24 @@ pub(crate) fn covariance(
             columns: count,
         });
     }
-    let mut inverse = Matrix::zeros(count, count);
-    let mut unit = vec![0.0; count];
+    // row i of R^-1 from its diagonal on; before that it is zero
+    let mut rows = Matrix::zeros(count, count);
+    let mut solved = vec![0.0; count];
     for column in 0..count {
-        unit[column] = 1.0;
-        inverse
-            .column_mut(column)
-            .copy_from_slice(&qr.back_substitute(count, &unit));
-        unit[column] = 0.0;
+        // R x = e_column has nothing beyond its entry `column`
+        solved[..column].fill(0.0);
+        solved[column] = 1.0;
+        for row in (0..=column).rev() {
+            let above = &qr.factor.column(row)[..=row];
+            let value = solved[row] / above[row];
+            rows[(column, row)] = value;
+            subtract(&mut solved[..row], value, &above[..row]);
+        }
     }
     let mut result = Matrix::zeros(count, count);
     for i in 0..count {
         for j in 0..=i {
-            let sum: f64 = (0..count).map(|k| inverse[(i, k)] * inverse[(j, k)]).sum();
+            let sum = product(&rows.column(i)[i..], &rows.column(j)[i..]);
             let (a, b) = (qr.pivots[i], qr.pivots[j]);
             let value = sum / norms[a] / norms[b];
             if !value.is_finite() {

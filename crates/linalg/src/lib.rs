@@ -5,6 +5,7 @@
 mod basis;
 mod covariance;
 mod error;
+mod lanes;
 mod matrix;
 mod ordered;
 mod pivoted;
@@ -26,7 +27,7 @@ pub use step::Solution;
 /// [`LinalgError`] for an empty matrix, an entry that is not finite, or no convergence.
 pub fn singular_values(matrix: &Matrix) -> Result<Vec<f64>, LinalgError> {
     matrix.check()?;
-    Ok(pivoted::singular_values(matrix)?.0)
+    pivoted::singular_values(matrix)
 }
 
 /// Relative size below which a direction counts as absent: columns are scaled to unit norm first,

@@ -7,6 +7,7 @@
 //! and a column whose remainder is negligible is left out and does not use up a direction.
 
 use crate::Matrix;
+use crate::lanes::{product, subtract};
 
 /// Which columns are kept, which vanish, which depend on kept ones.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,18 +61,12 @@ pub(crate) fn ordered_rank(
         let mut components = vec![0.0; basis.len()];
         for _ in 0..2 {
             for (direction, component) in basis.iter().zip(&mut components) {
-                let share: f64 = direction.iter().zip(&remainder).map(|(a, b)| a * b).sum();
+                let share = product(direction, &remainder);
                 *component += share;
-                for (rest, part) in remainder.iter_mut().zip(direction) {
-                    *rest -= share * part;
-                }
+                subtract(&mut remainder, share, direction);
             }
         }
-        let size = remainder
-            .iter()
-            .map(|value| value * value)
-            .sum::<f64>()
-            .sqrt();
+        let size = product(&remainder, &remainder).sqrt();
         if size > tolerance && basis.len() < scaled.rows() {
             remainder.iter_mut().for_each(|value| *value /= size);
             basis.push(remainder);

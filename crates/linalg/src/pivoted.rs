@@ -122,33 +122,62 @@ pub(crate) fn thin_factors(matrix: &Matrix, tolerance: f64) -> ThinFactors {
     }
 }
 
+/// Singular values, largest first, of a checked matrix.
+pub(crate) fn singular_values(matrix: &Matrix) -> Result<Vec<f64>, LinalgError> {
+    let count = matrix.rows().min(matrix.columns());
+    let Some((scaled, largest)) = at_unit_size(matrix) else {
+        return Ok(vec![0.0; count]);
+    };
+    let values = scaled.as_faer().singular_values();
+    let mut values = values.map_err(|_| unsuccessful(matrix))?;
+    values.iter_mut().for_each(|value| *value *= largest);
+    all_finite(values)
+}
+
 /// Singular values, largest first, and the right singular vectors as columns.
-pub(crate) fn singular_values(matrix: &Matrix) -> Result<(Vec<f64>, Matrix), LinalgError> {
-    let (rows, columns) = (matrix.rows(), matrix.columns());
-    let count = rows.min(columns);
-    let largest = (0..columns)
-        .flat_map(|column| matrix.column(column))
-        .fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
-    if largest == 0.0 {
+pub(crate) fn singular_vectors(matrix: &Matrix) -> Result<(Vec<f64>, Matrix), LinalgError> {
+    let columns = matrix.columns();
+    let count = matrix.rows().min(columns);
+    let Some((scaled, largest)) = at_unit_size(matrix) else {
         let identity = |row, column| f64::from(u8::from(row == column));
         return Ok((vec![0.0; count], Matrix::from_fn(columns, count, identity)));
-    }
-    // Entries of unit size: squares of 1e300 or 1e-300 inside the iteration would overflow or vanish.
-    let scaled = Matrix::from_fn(rows, columns, |row, column| matrix[(row, column)] / largest);
-    let svd = scaled
-        .as_faer()
-        .thin_svd()
-        .map_err(|_| LinalgError::Decomposition {
-            what: "singular value decomposition",
-            rows,
-            columns,
-        })?;
-    let values: Vec<f64> = (0..count).map(|index| svd.S()[index] * largest).collect();
-    if values.iter().any(|value| !value.is_finite()) {
-        return Err(LinalgError::Overflow {
-            what: "a singular value",
-        });
-    }
+    };
+    let svd = scaled.as_faer().thin_svd();
+    let svd = svd.map_err(|_| unsuccessful(matrix))?;
+    let values = (0..count).map(|index| svd.S()[index] * largest).collect();
     let vectors = Matrix::from_fn(columns, count, |row, column| svd.V()[(row, column)]);
-    Ok((values, vectors))
+    Ok((all_finite(values)?, vectors))
+}
+
+/// The matrix over its largest entry, and that: squares of 1e300 or 1e-300 inside the iteration would overflow or
+/// vanish. None for a matrix of zeros.
+fn at_unit_size(matrix: &Matrix) -> Option<(Matrix, f64)> {
+    let largest = (0..matrix.columns())
+        .flat_map(|column| matrix.column(column))
+        .fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+    let entry = |row, column| matrix[(row, column)] / largest;
+    (largest > 0.0).then(|| {
+        (
+            Matrix::from_fn(matrix.rows(), matrix.columns(), entry),
+            largest,
+        )
+    })
+}
+
+fn unsuccessful(matrix: &Matrix) -> LinalgError {
+    LinalgError::Decomposition {
+        what: "singular value decomposition",
+        rows: matrix.rows(),
+        columns: matrix.columns(),
+    }
+}
+
+fn all_finite(values: Vec<f64>) -> Result<Vec<f64>, LinalgError> {
+    if values.iter().all(|value| value.is_finite()) {
+        Ok(values)
+    } else {
+        Err(LinalgError::Overflow {
+            what: "a singular value",
+        })
+    }
 }

@@ -1,6 +1,6 @@
 //! One decomposition of a tall matrix, from which every later question is answered.
 
-use crate::pivoted::{PivotedQr, singular_values};
+use crate::pivoted::{PivotedQr, singular_vectors};
 use crate::{LinalgError, Matrix, OrderedRank, covariance, ordered};
 
 /// A least-squares problem min |A x - b| reduced to a small triangle.
@@ -173,7 +173,7 @@ impl Reduction {
     /// # Errors
     /// [`LinalgError::Column`] for a bad index, [`LinalgError::Decomposition`] without convergence.
     pub fn singular_values(&self, columns: &[usize]) -> Result<(Vec<f64>, Matrix), LinalgError> {
-        singular_values(&self.chosen(columns)?)
+        singular_vectors(&self.chosen(columns)?)
     }
 
     /// The inverse of A'A for the chosen columns: the covariance for unit noise.
@@ -258,11 +258,12 @@ impl Reduction {
                 columns: 0,
             });
         }
-        Ok(Matrix::from_fn(
-            self.factor.rows(),
-            columns.len(),
-            |row, position| self.factor[(row, columns[position])],
-        ))
+        let mut chosen = Matrix::zeros(self.factor.rows(), columns.len());
+        for (position, &column) in columns.iter().enumerate() {
+            let into = chosen.column_mut(position);
+            into.copy_from_slice(self.factor.column(column));
+        }
+        Ok(chosen)
     }
 }
 

@@ -6,14 +6,17 @@
 
 mod bootstrap;
 mod correlation;
+mod coverage;
 mod error;
 mod improvement;
 mod inference;
 mod pose;
+mod quadratic_form;
 mod quantile;
 
 pub use bootstrap::Bootstrap;
 pub use correlation::{correlation, spearman};
+pub use coverage::{binomial_two_sided_p, holm_adjusted};
 pub use error::MetricsError;
 pub use improvement::{
     RmsImprovement, gap_reduction_percent, parameter_improvement_percent, rms,
@@ -24,6 +27,7 @@ pub use inference::{
     wilson_interval,
 };
 pub use pose::{best_rotation, orientation_angle_rad, position_errors_m};
+pub use quadratic_form::quadratic_form_interval;
 pub use quantile::{Interval, median, percentile_interval, quantile};
 
 #[cfg(doctest)]

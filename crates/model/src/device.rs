@@ -1,8 +1,10 @@
 //! A device: links, joints with their transmissions, and the sensors around it.
 
-use haptical_kinematics::{Convention, Link, Motion};
+use haptical_kinematics::{Convention, Link};
 
-use crate::Joint;
+#[cfg(feature = "rig")]
+use crate::Surroundings;
+use crate::{Cable, Drive, Joint, Origin};
 
 /// A device as its file describes it. Without links it has transmissions only.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,9 +13,15 @@ pub struct Device {
     pub name: String,
     /// Denavit-Hartenberg convention of the rows.
     pub convention: Convention,
-    /// Rows; row 0 carries frame (-1) to the base, row i belongs to joint i. `theta_rad` is the
+    /// Rows; row 0 carries frame (-1) to the base, row i belongs to joint i unless
+    /// [`Device::drives`] says otherwise. `theta_rad` is the
     /// joint offset alone: home and reading are added when the device is evaluated.
     pub links: Vec<Link>,
+    /// Constant rigid transforms: entry i stands before row i, the last one (as many as there are links)
+    /// carries the last row's frame to the handle. Empty where the device has none.
+    pub origins: Vec<Option<Origin>>,
+    /// What drives rows 1 to n; empty where row i moves with joint i alone.
+    pub drives: Vec<Drive>,
     /// Masses of the rows, where known.
     pub bodies: Vec<Option<Body>>,
     /// Joints 1 to n.
@@ -28,6 +36,9 @@ pub struct Device {
     pub gravity_mps2: Option<[f64; 3]>,
     /// Rows before calibration, where the file keeps them.
     pub nominal_links: Option<Vec<Link>>,
+    /// Numbers beside the chain that may have to be fitted with it: the tracker's place, touched points.
+    #[cfg(feature = "rig")]
+    pub surroundings: Surroundings,
 }
 
 /// Mass of one link.
@@ -37,21 +48,6 @@ pub struct Body {
     pub mass_kg: f64,
     /// Centre of mass in the frame after Rz(theta_i), before the translation \[m\].
     pub centre_of_mass_m: [f64; 3],
-}
-
-/// A cable encoder that measures the distance from its anchor to the handle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cable {
-    /// Where the cable leaves its guide, in frame (-1) \[m\].
-    pub anchor_m: [f64; 3],
-    /// Radius of the encoder's drum \[m\].
-    pub drum_radius_m: Option<f64>,
-    /// Counts per revolution of the drum.
-    pub counts_per_rev: Option<f64>,
-    /// Standard deviation of a distance \[m\].
-    pub distance_sd_m: Option<f64>,
-    /// Direction in which the cable leaves its guide straight.
-    pub exit_axis: Option<[f64; 3]>,
 }
 
 /// An external tracker of the handle.
@@ -84,34 +80,5 @@ impl Device {
     /// Whether the device has links, so that a handle pose can be computed.
     pub fn has_links(&self) -> bool {
         !self.links.is_empty()
-    }
-
-    /// What each row's joint variable does: row 0 is fixed, row i moves with joint i.
-    pub fn motions(&self) -> Vec<Motion> {
-        std::iter::once(Motion::Fixed)
-            .chain(self.joints.iter().map(Joint::motion))
-            .collect()
-    }
-
-    /// The rows as the chain wants them: home added to each joint's offset.
-    pub fn chain_links(&self) -> Vec<Link> {
-        let mut links = self.links.clone();
-        for (link, joint) in links.iter_mut().skip(1).zip(&self.joints) {
-            match joint.motion() {
-                Motion::Prismatic => link.d_m += joint.home_rad,
-                Motion::Revolute | Motion::Fixed => link.theta_rad += joint.home_rad,
-            }
-        }
-        links
-    }
-
-    /// Standard deviation of the cable encoder at `index` \[m\]: as stated, or one third of the
-    /// largest quantization error as the paper takes it for encoders.
-    pub fn cable_sd_m(&self, index: usize) -> Option<f64> {
-        let cable = self.cables.get(index)?;
-        cable.distance_sd_m.or_else(|| {
-            let quantum = std::f64::consts::TAU * cable.drum_radius_m? / cable.counts_per_rev?;
-            Some(quantum / 3.0)
-        })
     }
 }

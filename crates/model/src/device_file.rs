@@ -6,11 +6,12 @@ use haptical_kinematics::{Convention, Link};
 use toml::de::DeTable;
 
 use crate::DeviceFileError;
-use crate::device::{Body, Device};
+use crate::device::Device;
 use crate::joint::Joint;
-use crate::joint_file::{LARGEST_ANGLE_RAD, angle, read_joint};
+use crate::joint_file::read_joint;
 use crate::reader::{Section, Source};
-use crate::sensor_file::{read_cables, read_contact_pairs, read_tracker};
+use crate::row_file::{read_link, read_rows};
+use crate::sensor_file::{read_cables, read_contact_pairs, read_gravity, read_tracker};
 use crate::toml_file::read_toml_text;
 use crate::toml_syntax::syntax_error;
 
@@ -75,6 +76,9 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
         let allowed = format!("at most {MOST_JOINTS} joints are read");
         return Err(root.refuse("joint", found, &allowed));
     }
+    // before the joints are read: they name every key that nobody asked for
+    #[cfg(feature = "rig")]
+    let compliance = crate::surrounding_file::read_compliance(&joints)?;
     let joints = joints
         .iter()
         .enumerate()
@@ -86,22 +90,30 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
             message: "there is no [[joint]]: add one table for each joint".to_owned(),
         });
     }
+    let rows = read_rows(root, head.as_ref(), &joints, warnings)?;
+    let tracker = read_tracker(root, warnings)?;
+    #[cfg(feature = "rig")]
+    let surroundings =
+        crate::surrounding_file::read_surroundings(root, tracker.as_ref(), compliance, warnings)?;
     if let Some(head) = &head {
         check_dof(head, joints.len())?;
         head.unknown_keys(warnings);
     }
-    let (links, bodies) = read_links(root, joints.len(), warnings)?;
     Ok(Device {
         name,
         convention,
-        nominal_links: read_nominal(root, links.len(), warnings)?,
-        links,
-        bodies,
+        nominal_links: read_nominal(root, rows.links.len(), warnings)?,
+        links: rows.links,
+        origins: rows.origins,
+        drives: rows.drives,
+        bodies: rows.bodies,
         joints,
         cables: read_cables(root, warnings)?,
-        tracker: read_tracker(root, warnings)?,
+        tracker,
         contact_pairs: read_contact_pairs(root, warnings)?,
         gravity_mps2: read_gravity(root, warnings)?,
+        #[cfg(feature = "rig")]
+        surroundings,
     })
 }
 
@@ -113,32 +125,6 @@ fn check_dof(head: &Section<'_, '_>, joints: usize) -> Result<()> {
         }
         _ => Ok(()),
     }
-}
-
-fn read_links(
-    root: &Section<'_, '_>,
-    joints: usize,
-    warnings: &mut Vec<String>,
-) -> Result<(Vec<Link>, Vec<Option<Body>>)> {
-    let rows = root.tables("link", 0)?;
-    let links = rows
-        .iter()
-        .map(|row| read_link(row, warnings))
-        .collect::<Result<Vec<Link>>>()?;
-    let bodies = rows
-        .iter()
-        .map(read_body)
-        .collect::<Result<Vec<Option<Body>>>>()?;
-    rows.iter().for_each(|row| row.unknown_keys(warnings));
-    if !links.is_empty() && links.len() != joints + 1 {
-        let found = format!("a list of {} rows", links.len());
-        let allowed = format!(
-            "{joints} joints need {} [[link]] rows: row 0 carries frame (-1) to the base",
-            joints + 1
-        );
-        return Err(root.refuse("link", found, &allowed));
-    }
-    Ok((links, bodies))
 }
 
 fn read_nominal(
@@ -162,46 +148,4 @@ fn read_nominal(
         return Err(nominal.refuse("link", found, &allowed));
     }
     Ok(Some(nominal_links))
-}
-
-fn read_gravity(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Option<[f64; 3]>> {
-    let Some(gravity) = root.table("gravity")? else {
-        return Ok(None);
-    };
-    let vector = gravity.vector("vector_mps2")?;
-    gravity.unknown_keys(warnings);
-    match vector {
-        Some(vector) => Ok(Some(vector)),
-        None => Err(gravity.missing("vector_mps2", "give gravity in frame (-1) in m/s^2")),
-    }
-}
-
-fn read_link(section: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Link> {
-    let advice = "give the Denavit-Hartenberg row in full";
-    for key in ["a_m", "d_m"] {
-        section.warn_of_millimetres(key, warnings)?;
-    }
-    Ok(Link {
-        a_m: section.required("a_m", advice)?,
-        alpha_rad: angle(section, "alpha_rad", LARGEST_ANGLE_RAD)?
-            .ok_or_else(|| section.missing("alpha_rad", advice))?,
-        d_m: section.required("d_m", advice)?,
-        theta_rad: angle(section, "theta_offset_rad", LARGEST_ANGLE_RAD)?.unwrap_or(0.0),
-        beta_rad: angle(section, "beta_rad", LARGEST_ANGLE_RAD)?.unwrap_or(0.0),
-    })
-}
-
-fn read_body(section: &Section<'_, '_>) -> Result<Option<Body>> {
-    let mass = section.number("mass_kg")?;
-    let centre = section.vector("centre_of_mass_m")?;
-    match mass {
-        Some(mass) if mass < 0.0 => {
-            Err(section.refuse("mass_kg", mass.to_string(), "a mass is not negative"))
-        }
-        Some(mass_kg) => Ok(Some(Body {
-            mass_kg,
-            centre_of_mass_m: centre.unwrap_or([0.0; 3]),
-        })),
-        None => Ok(None),
-    }
 }

@@ -54,6 +54,8 @@ impl Device {
         for (row, joint) in rows(&mut document, "joint").into_iter().zip(&self.joints) {
             set_error(row, &joint.transmission_error, joint.unit());
         }
+        #[cfg(feature = "rig")]
+        crate::surrounding_text::write_changes(&mut document, self, &before);
         Ok(document.to_string())
     }
 
@@ -64,13 +66,14 @@ impl Device {
         self.link_parameters(true)
             .into_iter()
             .chain(transmissions)
+            .chain(self.further_parameters())
             .find(|id| !id.value(self).is_finite())
             .map(|id| id.name(self))
     }
 }
 
 /// The tables of a list, whether each is written as `[[key]]` or all as `key = [{ .. }, ..]`.
-fn rows<'d>(document: &'d mut DocumentMut, key: &str) -> Vec<&'d mut dyn TableLike> {
+pub(crate) fn rows<'d>(document: &'d mut DocumentMut, key: &str) -> Vec<&'d mut dyn TableLike> {
     match document.get_mut(key) {
         Some(Item::ArrayOfTables(tables)) => tables
             .iter_mut()
@@ -86,7 +89,7 @@ fn rows<'d>(document: &'d mut DocumentMut, key: &str) -> Vec<&'d mut dyn TableLi
 }
 
 /// Sets a value; where there was one, the comments around it stay.
-fn set(row: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
+pub(crate) fn set(row: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
     let mut new = new.into();
     match row.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) => {
@@ -107,6 +110,7 @@ fn set_link(row: &mut dyn TableLike, now: &Link, was: &Link) {
         ("d_m", now.d_m, was.d_m),
         ("theta_offset_rad", now.theta_rad, was.theta_rad),
         ("beta_rad", now.beta_rad, was.beta_rad),
+        ("b_m", now.b_m, was.b_m),
     ] {
         if new.to_bits() != old.to_bits() {
             set(row, key, new);
@@ -114,18 +118,25 @@ fn set_link(row: &mut dyn TableLike, now: &Link, was: &Link) {
     }
 }
 
-fn nominal(links: &[Link]) -> Table {
+/// A row's numbers; those that few rows have only where they are not 0.
+pub(crate) fn link_table(link: &Link) -> Table {
+    let mut row = Table::new();
+    row.insert("a_m", value(link.a_m));
+    row.insert("alpha_rad", value(link.alpha_rad));
+    row.insert("d_m", value(link.d_m));
+    row.insert("theta_offset_rad", value(link.theta_rad));
+    for (key, number) in [("beta_rad", link.beta_rad), ("b_m", link.b_m)] {
+        if number.to_bits() != 0 {
+            row.insert(key, value(number));
+        }
+    }
+    row
+}
+
+pub(crate) fn nominal(links: &[Link]) -> Table {
     let mut nominal_rows = ArrayOfTables::new();
     for link in links {
-        let mut row = Table::new();
-        row.insert("a_m", value(link.a_m));
-        row.insert("alpha_rad", value(link.alpha_rad));
-        row.insert("d_m", value(link.d_m));
-        row.insert("theta_offset_rad", value(link.theta_rad));
-        if link.beta_rad != 0.0 {
-            row.insert("beta_rad", value(link.beta_rad));
-        }
-        nominal_rows.push(row);
+        nominal_rows.push(link_table(link));
     }
     let mut nominal = Table::new();
     nominal.set_implicit(true);
@@ -134,7 +145,7 @@ fn nominal(links: &[Link]) -> Table {
 }
 
 /// Writes `[joint.transmission_error]`; a joint without one gets none for an error of zero.
-fn set_error(row: &mut dyn TableLike, error: &TransmissionError, unit: &str) {
+pub(crate) fn set_error(row: &mut dyn TableLike, error: &TransmissionError, unit: &str) {
     const KEY: &str = "transmission_error";
     if !row.contains_key(KEY) {
         if *error == TransmissionError::default() {

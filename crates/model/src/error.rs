@@ -140,6 +140,15 @@ pub enum ModelError {
     /// The chain.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
+    /// A device with rows that follow another row's joint, where only one row per joint is served.
+    #[error(
+        "the device `{device}` has rows that follow another row's joint (`driven_by`); here only \
+         devices with one row per joint are served"
+    )]
+    FollowingRows {
+        /// Device name.
+        device: String,
+    },
     /// A joint that the device does not have.
     #[error("the device has {joints} joints, no joint {joint}")]
     NoJoint {

@@ -1,9 +1,8 @@
 //! One pose of a device, with every derivative that an identification needs, without allocation.
 
-use haptical_kinematics::{Chain, Convention, Link, LinkDerivatives, Motion, Pose, Twist};
+use haptical_kinematics::{LinkDerivatives, Pose, Twist};
 
-use crate::parameters::LinkParameter;
-use crate::{Device, ModelError, ParameterId};
+use crate::{Device, DeviceChain, JointType, ModelError, ParameterId};
 
 /// Evaluates a device at joint readings; made once, used for every row of a recording.
 ///
@@ -12,9 +11,13 @@ use crate::{Device, ModelError, ParameterId};
 #[derive(Debug, Clone)]
 pub struct Evaluation<'d> {
     device: &'d Device,
-    convention: Convention,
-    links: Vec<Link>,
-    motions: Vec<Motion>,
+    chain: DeviceChain,
+    outputs: Vec<f64>,
+    /// Where the links stand: the outputs, less what a joint yields behind its encoder.
+    link_angles: Vec<f64>,
+    /// Drive torques at this row; empty where nothing yields to them.
+    torque_nm: Vec<f64>,
+    /// What the rows but row 0 move by.
     variables: Vec<f64>,
     errors: Vec<JointError>,
     link_derivatives: Vec<LinkDerivatives>,
@@ -42,10 +45,11 @@ impl<'d> Evaluation<'d> {
             .collect();
         Self {
             device,
-            convention: device.convention,
-            links: device.chain_links(),
-            motions: device.motions(),
-            variables: vec![0.0; device.joints.len()],
+            chain: DeviceChain::new(device),
+            outputs: vec![0.0; device.joints.len()],
+            link_angles: vec![0.0; device.joints.len()],
+            torque_nm: Vec::new(),
+            variables: vec![0.0; device.links.len().saturating_sub(1)],
             errors,
             link_derivatives: vec![LinkDerivatives::default(); device.links.len()],
             pose: None,
@@ -73,7 +77,7 @@ impl<'d> Evaluation<'d> {
     /// [`ModelError`] where the chain has no value.
     pub fn move_outputs(&mut self, outputs: &[f64]) -> Result<(), ModelError> {
         self.check_count(outputs)?;
-        self.variables.copy_from_slice(outputs);
+        self.outputs.copy_from_slice(outputs);
         self.move_chain()
     }
 
@@ -92,13 +96,34 @@ impl<'d> Evaluation<'d> {
                 source,
             })?;
             self.errors[index].value = error;
-            self.variables[index] = reading + error;
+            self.outputs[index] = reading + error;
         }
         if self.device.has_links() {
-            let chain = Chain::new(self.convention, &self.links, &self.motions)?;
+            self.take_link_angles();
+            self.chain.variables(&self.link_angles, &mut self.variables);
+            let chain = self.chain.chain()?;
             self.pose = Some(chain.pose(&self.variables)?);
         }
         Ok(())
+    }
+
+    /// The drive torques \[N m\] (one per joint, positive along +theta) of the next moves: a compliant
+    /// joint's link lags its external encoder by torque times compliance. A torque that is not known is none.
+    pub fn set_torques(&mut self, torque_nm: &[f64]) {
+        self.torque_nm.clear();
+        let known = torque_nm
+            .iter()
+            .map(|torque| if torque.is_finite() { *torque } else { 0.0 });
+        self.torque_nm.extend(known);
+        self.torque_nm.resize(self.outputs.len(), 0.0);
+    }
+
+    fn take_link_angles(&mut self) {
+        self.link_angles.copy_from_slice(&self.outputs);
+        #[cfg(feature = "rig")]
+        for (joint, torque) in self.torque_nm.iter().enumerate() {
+            self.link_angles[joint] -= torque * self.device.compliance_rad_per_nm(joint);
+        }
     }
 
     fn check_count(&self, numbers: &[f64]) -> Result<(), ModelError> {
@@ -114,7 +139,9 @@ impl<'d> Evaluation<'d> {
         // a pose of earlier readings must not outlive a failure below
         self.pose = None;
         if self.device.has_links() {
-            let chain = Chain::new(self.convention, &self.links, &self.motions)?;
+            self.take_link_angles();
+            self.chain.variables(&self.link_angles, &mut self.variables);
+            let chain = self.chain.chain()?;
             self.pose = Some(chain.derivatives(&self.variables, &mut self.link_derivatives)?);
         }
         Ok(())
@@ -134,13 +161,13 @@ impl<'d> Evaluation<'d> {
             })?;
         error.value = value;
         error.slope = slope;
-        self.variables[joint] = reading + value;
+        self.outputs[joint] = reading + value;
         Ok(())
     }
 
     /// Joints of the device.
     pub fn joint_count(&self) -> usize {
-        self.variables.len()
+        self.outputs.len()
     }
 
     /// Handle pose in frame (-1).
@@ -153,9 +180,18 @@ impl<'d> Evaluation<'d> {
         })
     }
 
+    /// Pose of the frame behind row 0, the robot's base, in frame (-1).
+    ///
+    /// # Errors
+    /// [`ModelError::NoLinks`], or as [`haptical_kinematics::Chain::pose`].
+    pub fn base_pose(&self) -> Result<Pose, ModelError> {
+        self.pose()?;
+        Ok(self.chain.part(1)?.pose(&[])?)
+    }
+
     /// What the external encoder of a joint (from 0) should read: reading + error.
     pub fn output_rad(&self, joint: usize) -> f64 {
-        self.variables[joint]
+        self.outputs[joint]
     }
 
     /// Transmission error of a joint (from 0).
@@ -178,9 +214,21 @@ impl<'d> Evaluation<'d> {
         }
     }
 
-    /// Derivative of the handle's pose with respect to any parameter, as a twist in frame (-1).
+    /// Derivative of the handle's pose with respect to any parameter, as a twist in frame (-1). What stands
+    /// beside the chain does not move the handle.
     pub fn pose_derivative(&self, parameter: ParameterId) -> Twist {
         match parameter {
+            #[cfg(feature = "rig")]
+            ParameterId::Compliance { joint } => {
+                let torque = self.torque_nm.get(joint).copied().unwrap_or(0.0);
+                let twist = self.joint_twist(joint);
+                Twist {
+                    linear: twist.linear * -torque,
+                    angular: twist.angular * -torque,
+                }
+            }
+            #[cfg(feature = "rig")]
+            ParameterId::Surrounding(_) => Twist::default(),
             ParameterId::Link { row, parameter } => {
                 self.link_derivatives[row].get(parameter.kinematic())
             }
@@ -195,14 +243,28 @@ impl<'d> Evaluation<'d> {
         }
     }
 
-    /// Derivative of the handle's pose with respect to a joint's output angle (joint from 0).
+    /// Derivative of the handle's pose with respect to a joint's output angle (joint from 0): the sum
+    /// over the rows that it drives, each times its multiplier.
     pub fn joint_twist(&self, joint: usize) -> Twist {
-        let row = &self.link_derivatives[joint + 1];
-        let parameter = match self.motions[joint + 1] {
-            Motion::Prismatic => LinkParameter::D,
-            Motion::Revolute | Motion::Fixed => LinkParameter::Theta,
+        let of_row = |row: usize, motion: JointType| {
+            let row = &self.link_derivatives[row];
+            match motion {
+                JointType::Prismatic => row.d,
+                JointType::Revolute => row.theta,
+            }
         };
-        row.get(parameter.kinematic())
+        if self.device.drives_are_plain() {
+            return of_row(joint + 1, self.device.joints[joint].joint_type);
+        }
+        let mut sum = Twist::default();
+        for (index, drive) in self.chain.drives().iter().enumerate() {
+            if drive.joint == joint {
+                let twist = of_row(index + 1, drive.motion);
+                sum.linear += twist.linear * drive.multiplier;
+                sum.angular += twist.angular * drive.multiplier;
+            }
+        }
+        sum
     }
 
     /// Derivative of the handle's pose with respect to a joint's motor-side reading.

@@ -96,10 +96,7 @@ pub struct Joint {
 impl Joint {
     /// The kinematics' word for the joint type.
     pub fn motion(&self) -> Motion {
-        match self.joint_type {
-            JointType::Revolute => Motion::Revolute,
-            JointType::Prismatic => Motion::Prismatic,
-        }
+        self.joint_type.motion()
     }
 
     /// Unit of readings: `rad` or `m`.

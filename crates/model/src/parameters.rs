@@ -4,6 +4,8 @@ use haptical_kinematics::Parameter;
 use haptical_transmission::CapstanError;
 
 use crate::{Device, ModelError, TransmissionError};
+#[cfg(feature = "rig")]
+use crate::{JointCompliance, SurroundingParameter};
 
 /// One parameter of a device.
 ///
@@ -16,7 +18,7 @@ pub enum ParameterId {
     Link {
         /// Row.
         row: usize,
-        /// Which of the five.
+        /// Which of the six.
         parameter: LinkParameter,
     },
     /// A parameter of a joint's transmission error.
@@ -26,9 +28,18 @@ pub enum ParameterId {
         /// Position within the error's parameters.
         index: usize,
     },
+    /// What a joint yields behind its external encoder, per torque.
+    #[cfg(feature = "rig")]
+    Compliance {
+        /// Joint, from 0.
+        joint: usize,
+    },
+    /// A number of a cable, the tracker, a touched point or plane.
+    #[cfg(feature = "rig")]
+    Surrounding(SurroundingParameter),
 }
 
-/// The five numbers of a row. (The kinematics' [`Parameter`] with an order.)
+/// The six numbers of a row. (The kinematics' [`Parameter`] with an order.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LinkParameter {
     /// Length along x.
@@ -41,11 +52,20 @@ pub enum LinkParameter {
     Theta,
     /// Hayati's rotation about y.
     Beta,
+    /// Length along y, of a general row.
+    B,
 }
 
 impl LinkParameter {
-    /// All five.
-    pub const ALL: [Self; 5] = [Self::A, Self::Alpha, Self::D, Self::Theta, Self::Beta];
+    /// All six.
+    pub const ALL: [Self; 6] = [
+        Self::A,
+        Self::Alpha,
+        Self::D,
+        Self::Theta,
+        Self::Beta,
+        Self::B,
+    ];
 
     /// The kinematics' word for it.
     pub fn kinematic(self) -> Parameter {
@@ -55,6 +75,7 @@ impl LinkParameter {
             Self::D => Parameter::D,
             Self::Theta => Parameter::Theta,
             Self::Beta => Parameter::Beta,
+            Self::B => Parameter::B,
         }
     }
 }
@@ -67,6 +88,9 @@ const PLAUSIBLE_ANGLE_RAD: f64 = 2e-2;
 const PLAUSIBLE_OUTPUT_ECCENTRICITY_M: f64 = 1e-3;
 /// Plausible input drum eccentricity \[m\]: Table 4 reaches 0.02 mm; the drum is an eighth in size.
 const PLAUSIBLE_INPUT_ECCENTRICITY_M: f64 = 1e-4;
+/// Plausible compliance of a joint \[rad/(N m)\]: a capstan's cable yields 4e-3, a harmonic drive 1e-4.
+#[cfg(feature = "rig")]
+const PLAUSIBLE_COMPLIANCE: f64 = 1e-3;
 /// Plausible ratio deviation as a share of the ratio: Table 4 reaches 4 % of 8.
 const PLAUSIBLE_RATIO_SHARE: f64 = 0.05;
 
@@ -75,9 +99,16 @@ impl ParameterId {
     pub fn unit(self, device: &Device) -> &'static str {
         match self {
             Self::Link {
-                parameter: LinkParameter::A | LinkParameter::D,
+                parameter: LinkParameter::A | LinkParameter::B | LinkParameter::D,
                 ..
             } => "m",
+            #[cfg(feature = "rig")]
+            Self::Compliance { joint } => match device.joints[joint].joint_type {
+                crate::JointType::Revolute => "rad/(N m)",
+                crate::JointType::Prismatic => "m/N",
+            },
+            #[cfg(feature = "rig")]
+            Self::Surrounding(parameter) => parameter.unit(),
             Self::Link { .. } => "rad",
             Self::Transmission { joint, index } => {
                 let joint = &device.joints[joint];
@@ -96,6 +127,10 @@ impl ParameterId {
     /// Short name, as in the paper's tables: `alpha4`, `d0`, `ratio_deviation2`.
     pub fn name(self, device: &Device) -> String {
         match self {
+            #[cfg(feature = "rig")]
+            Self::Compliance { joint } => format!("joint_compliance{}", joint + 1),
+            #[cfg(feature = "rig")]
+            Self::Surrounding(parameter) => parameter.name(device),
             Self::Link { row, parameter } => format!("{}{row}", parameter.kinematic().name()),
             Self::Transmission { joint, index } => {
                 let number = joint + 1;
@@ -113,6 +148,13 @@ impl ParameterId {
     /// Key in the device file: `link[4].alpha_rad`, `joint[2].transmission_error.ratio_deviation`.
     pub fn key(self, device: &Device) -> String {
         match self {
+            #[cfg(feature = "rig")]
+            Self::Compliance { joint } => {
+                let key = compliance_key(device.joints[joint].joint_type);
+                format!("joint[{}].{key}", joint + 1)
+            }
+            #[cfg(feature = "rig")]
+            Self::Surrounding(parameter) => parameter.key(device),
             Self::Link { row, parameter } => {
                 let key = match parameter {
                     LinkParameter::A => "a_m",
@@ -120,6 +162,7 @@ impl ParameterId {
                     LinkParameter::D => "d_m",
                     LinkParameter::Theta => "theta_offset_rad",
                     LinkParameter::Beta => "beta_rad",
+                    LinkParameter::B => "b_m",
                 };
                 format!("link[{row}].{key}")
             }
@@ -143,10 +186,14 @@ impl ParameterId {
     pub fn plausible_size(self, device: &Device) -> f64 {
         match self {
             Self::Link {
-                parameter: LinkParameter::A | LinkParameter::D,
+                parameter: LinkParameter::A | LinkParameter::B | LinkParameter::D,
                 ..
             } => PLAUSIBLE_LENGTH_M,
             Self::Link { .. } => PLAUSIBLE_ANGLE_RAD,
+            #[cfg(feature = "rig")]
+            Self::Compliance { .. } => PLAUSIBLE_COMPLIANCE,
+            #[cfg(feature = "rig")]
+            Self::Surrounding(parameter) => parameter.plausible_size(),
             Self::Transmission { joint, index } => {
                 let joint = &device.joints[joint];
                 let drum = joint.drum_distance_m.is_some();
@@ -165,6 +212,10 @@ impl ParameterId {
     /// Value in a device.
     pub fn value(self, device: &Device) -> f64 {
         match self {
+            #[cfg(feature = "rig")]
+            Self::Compliance { joint } => device.compliance_rad_per_nm(joint),
+            #[cfg(feature = "rig")]
+            Self::Surrounding(parameter) => parameter.value(device),
             Self::Link { row, parameter } => device.links[row].get(parameter.kinematic()),
             Self::Transmission { joint, index } => match &device.joints[joint].transmission_error {
                 TransmissionError::Capstan(error) => error.to_array()[index],
@@ -183,6 +234,15 @@ impl ParameterId {
     /// Sets the value in a device.
     pub fn set(self, device: &mut Device, value: f64) {
         match self {
+            #[cfg(feature = "rig")]
+            Self::Compliance { joint } => {
+                let joints = device.joints.len();
+                let compliance = &mut device.surroundings.compliance;
+                compliance.resize(joints, JointCompliance::default());
+                compliance[joint].rad_per_nm = value;
+            }
+            #[cfg(feature = "rig")]
+            Self::Surrounding(parameter) => parameter.set(device, value),
             Self::Link { row, parameter } => device.links[row].set(parameter.kinematic(), value),
             Self::Transmission { joint, index } => {
                 match &mut device.joints[joint].transmission_error {
@@ -203,6 +263,15 @@ impl ParameterId {
     }
 }
 
+/// Key of `[[joint]]` for what the joint yields.
+#[cfg(feature = "rig")]
+pub(crate) fn compliance_key(joint_type: crate::JointType) -> &'static str {
+    match joint_type {
+        crate::JointType::Revolute => "compliance_rad_per_nm",
+        crate::JointType::Prismatic => "compliance_m_per_n",
+    }
+}
+
 fn set_capstan(error: &mut CapstanError, index: usize, value: f64) {
     let mut values = error.to_array();
     values[index] = value;
@@ -211,13 +280,17 @@ fn set_capstan(error: &mut CapstanError, index: usize, value: f64) {
 
 impl Device {
     /// The 4 (n + 1) Denavit-Hartenberg parameters, row by row; Hayati's angle only where
-    /// `with_beta`.
+    /// `with_beta`. A general row ([`Device::is_general_row`]) has all six either way.
     pub fn link_parameters(&self, with_beta: bool) -> Vec<ParameterId> {
         (0..self.links.len())
             .flat_map(|row| {
                 LinkParameter::ALL
                     .into_iter()
-                    .filter(move |parameter| with_beta || *parameter != LinkParameter::Beta)
+                    .filter(move |parameter| match parameter {
+                        LinkParameter::Beta => with_beta || self.is_general_row(row),
+                        LinkParameter::B => self.is_general_row(row),
+                        _ => true,
+                    })
                     .map(move |parameter| ParameterId::Link { row, parameter })
             })
             .collect()
@@ -230,7 +303,23 @@ impl Device {
             .collect()
     }
 
-    /// Finds a link or transmission parameter by its short name.
+    /// What may be fitted beside links and transmissions: what cables, tracker, touched points and planes
+    /// leave open, and compliances that are to be found.
+    pub fn further_parameters(&self) -> Vec<ParameterId> {
+        #[cfg(not(feature = "rig"))]
+        let parameters = Vec::new();
+        #[cfg(feature = "rig")]
+        let parameters = {
+            let open = self.surrounding_parameters().into_iter();
+            let yielding = self.surroundings.compliance.iter().enumerate();
+            let yielding = yielding.filter(|(_, joint)| joint.fit);
+            let yielding = yielding.map(|(joint, _)| ParameterId::Compliance { joint });
+            open.map(ParameterId::Surrounding).chain(yielding).collect()
+        };
+        parameters
+    }
+
+    /// Finds a parameter by its short name.
     ///
     /// # Errors
     /// [`ModelError::NoParameter`].
@@ -240,6 +329,7 @@ impl Device {
         self.link_parameters(true)
             .into_iter()
             .chain(transmissions)
+            .chain(self.further_parameters())
             .find(|id| id.name(self) == name)
             .ok_or_else(|| ModelError::NoParameter {
                 name: name.to_owned(),

@@ -226,6 +226,26 @@ impl<'s, 't> Section<'s, 't> {
         }
     }
 
+    /// A list of texts.
+    pub(crate) fn texts(&self, key: &str) -> Result<Option<Vec<&'t str>>> {
+        let wrong = |value: &DeValue<'_>, offset: usize| {
+            let found = value.type_str().to_owned();
+            self.refuse_at(offset, key, found, "a list of texts in quotes is expected")
+        };
+        match self.find(key) {
+            None => Ok(None),
+            Some((DeValue::Array(items), _)) => items
+                .iter()
+                .map(|item| match item.get_ref() {
+                    DeValue::String(text) => Ok(text.as_ref()),
+                    other => Err(wrong(other, item.span().start)),
+                })
+                .collect::<Result<Vec<&str>>>()
+                .map(Some),
+            Some((value, offset)) => Err(wrong(value, offset)),
+        }
+    }
+
     /// A list of exactly `N` finite numbers.
     pub(crate) fn vector<const N: usize>(&self, key: &str) -> Result<Option<[f64; N]>> {
         let Some(values) = self.numbers(key)? else {

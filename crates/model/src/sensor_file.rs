@@ -1,7 +1,8 @@
-//! Reads the sensors of a device file: cable encoders, tracker, contact pairs.
+//! Reads what surrounds a device: cable encoders, tracker, contact pairs, gravity.
 
 use crate::DeviceFileError;
-use crate::device::{Cable, ContactPair, Tracker};
+use crate::cable::{Cable, CableFit};
+use crate::device::{ContactPair, Tracker};
 use crate::reader::Section;
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
@@ -34,12 +35,47 @@ pub(crate) fn read_cables(
                 counts_per_rev: section.positive("counts_per_rev")?,
                 distance_sd_m: section.positive("distance_sd_m")?,
                 exit_axis: section.vector("exit_axis")?,
+                zero_m: section.number("zero_m")?.unwrap_or(0.0),
+                scale: section.positive("scale")?.unwrap_or(1.0),
+                exit_radius_m: read_radius(section)?,
+                fit: read_fit(section)?,
             };
             section.unknown_keys(warnings);
             Ok(cable)
         })
         .collect()
 }
+
+fn read_radius(section: &Section<'_, '_>) -> Result<f64> {
+    match section.number("exit_radius_m")? {
+        Some(radius_m) if radius_m < 0.0 => {
+            let allowed = "a radius is not negative";
+            Err(section.refuse("exit_radius_m", radius_m.to_string(), allowed))
+        }
+        other => Ok(other.unwrap_or(0.0)),
+    }
+}
+
+fn read_fit(section: &Section<'_, '_>) -> Result<CableFit> {
+    let mut fit = CableFit::default();
+    for word in section.texts("fit")?.unwrap_or_default() {
+        match word {
+            "anchor" => fit.anchor = true,
+            "zero" => fit.zero = true,
+            "scale" => fit.scale = true,
+            "exit_radius" => fit.exit_radius = true,
+            other => {
+                let allowed = "it may list \"anchor\", \"zero\", \"scale\" and \"exit_radius\"";
+                return Err(section.refuse("fit", format!("\"{other}\""), allowed));
+            }
+        }
+    }
+    Ok(fit)
+}
+
+/// Keys of `[tracker]` that say where its base and its tool are.
+pub(crate) const PLACEMENT_KEYS: [[&str; 2]; 2] =
+    [["base_xyz_m", "base_wxyz"], ["tool_xyz_m", "tool_wxyz"]];
 
 pub(crate) fn read_tracker(
     root: &Section<'_, '_>,
@@ -62,6 +98,12 @@ pub(crate) fn read_tracker(
         position_sd_m: section.positive("position_sd_m")?,
         rotation_sd_rad: section.positive("rotation_sd_rad")?,
     };
+    // read with the surroundings
+    let _ = PLACEMENT_KEYS
+        .as_flattened()
+        .iter()
+        .filter(|key| section.has(key))
+        .count();
     section.unknown_keys(warnings);
     Ok(Some(tracker))
 }
@@ -90,4 +132,19 @@ pub(crate) fn read_contact_pairs(
             Ok(pair)
         })
         .collect()
+}
+
+pub(crate) fn read_gravity(
+    root: &Section<'_, '_>,
+    warnings: &mut Vec<String>,
+) -> Result<Option<[f64; 3]>> {
+    let Some(gravity) = root.table("gravity")? else {
+        return Ok(None);
+    };
+    let vector = gravity.vector("vector_mps2")?;
+    gravity.unknown_keys(warnings);
+    match vector {
+        Some(vector) => Ok(Some(vector)),
+        None => Err(gravity.missing("vector_mps2", "give gravity in frame (-1) in m/s^2")),
+    }
 }

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use crate::DeviceFileError;
 
-/// Largest file that is read \[bytes\]: two hundred times the file of a 7-joint device.
-const LARGEST_BYTES: u64 = 1 << 20;
+/// Largest file that is read \[MiB\]: two hundred times the file of a 7-joint device.
+const LARGEST_MEBIBYTES: u64 = 1;
 
 /// Reads a device file, or another TOML file, as text. A byte order mark is dropped.
 ///
@@ -26,18 +26,27 @@ const LARGEST_BYTES: u64 = 1 << 20;
 /// [`DeviceFileError::Unreadable`] from the file system, [`DeviceFileError::TooLarge`] above 1 MiB,
 /// [`DeviceFileError::NotText`] for what is not UTF-8.
 pub fn read_toml_text(path: &Path) -> Result<String, DeviceFileError> {
+    read_text_file(path, LARGEST_MEBIBYTES)
+}
+
+/// Reads a file of at most `mebibytes` MiB as text. A byte order mark is dropped.
+///
+/// # Errors
+/// As [`read_toml_text`].
+pub fn read_text_file(path: &Path, mebibytes: u64) -> Result<String, DeviceFileError> {
+    let largest = mebibytes << 20;
     let unreadable = |source| DeviceFileError::Unreadable {
         path: path.to_owned(),
         source,
     };
     let mut bytes = Vec::new();
     File::open(path)
-        .and_then(|file| file.take(LARGEST_BYTES + 1).read_to_end(&mut bytes))
+        .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
         .map_err(unreadable)?;
-    if bytes.len() as u64 > LARGEST_BYTES {
+    if bytes.len() as u64 > largest {
         return Err(DeviceFileError::TooLarge {
             path: path.to_owned(),
-            mebibytes: LARGEST_BYTES >> 20,
+            mebibytes,
         });
     }
     let not_text = |advice| DeviceFileError::NotText {

@@ -15,6 +15,24 @@ pub enum DeviceError {
         /// Its value.
         value: f64,
     },
+    /// The constant transform before a row is not one.
+    #[error(
+        "the constant transform before row {row} is no rotation with a position of at most 1e6 in size"
+    )]
+    Origin {
+        /// Row, from 0; the number behind the last row's for the transform before the handle.
+        row: usize,
+    },
+    /// A row is driven by a joint that the device does not have.
+    #[error("row {row} is driven by joint {joint}; the device has {joints} joints")]
+    Drive {
+        /// Row, from 1.
+        row: usize,
+        /// Joint, from 1.
+        joint: usize,
+        /// Joints of the device.
+        joints: usize,
+    },
     /// A number of a joint is out of its range.
     #[error("joint {joint}: {quantity} is {value}; allowed: {allowed}")]
     Joint {

@@ -5,8 +5,10 @@
 #![forbid(unsafe_code)]
 
 mod capstan;
+mod coupled;
 mod device;
 mod error;
+mod general_row;
 mod model;
 mod parallelogram;
 mod polynomial;
@@ -16,8 +18,10 @@ mod transmission;
 mod trigonometry;
 
 pub use capstan::Capstan;
+pub use coupled::{CoupledModel, RowDrive};
 pub use device::{Convention, Joint, Motion, Row};
 pub use error::{DeviceError, RuntimeError};
+pub use general_row::{Frame, GeneralRow};
 pub use model::Model;
 pub use parallelogram::Parallelogram;
 pub use polynomial::{POLYNOMIAL_TERMS, padded};

@@ -4,7 +4,7 @@ use crate::error::{DeviceError, bounded};
 use crate::state::cross;
 use crate::transform::Transform;
 use crate::transmission::PreparedTransmission;
-use crate::{Convention, Joint, Motion, Row, RuntimeError, State, Twist};
+use crate::{Convention, Frame, GeneralRow, Joint, Motion, Row, RuntimeError, State, Twist};
 
 /// A calibrated device of `JOINTS` joints, ready for a control loop.
 ///
@@ -51,11 +51,51 @@ impl<const JOINTS: usize> Model<JOINTS> {
         rows: [Row; JOINTS],
         joints: [Joint; JOINTS],
     ) -> Result<Self, DeviceError> {
+        let mut general = [GeneralRow::IDENTITY; JOINTS];
+        let mut index = 0;
+        while index < JOINTS {
+            general[index].row = rows[index];
+            index += 1;
+        }
+        let base = GeneralRow {
+            row: base,
+            ..GeneralRow::IDENTITY
+        };
+        Self::general(convention, base, general, None, joints)
+    }
+
+    /// As [`Model::new`], for rows with a slide along y and with constant transforms before them;
+    /// `handle` carries the last row's frame to the handle.
+    ///
+    /// # Errors
+    /// As [`Model::new`]; [`DeviceError::Origin`].
+    ///
+    /// ```
+    /// use haptical_runtime::{Convention, Frame, GeneralRow, Joint, Model, Motion, Transmission};
+    /// // A joint 0.4 m above the base, and a handle 0.1 m in front of it.
+    /// let at = |x, z| Some(Frame { position_m: [x, 0.0, z], ..Frame::IDENTITY });
+    /// let row = GeneralRow { origin: at(0.0, 0.4), ..GeneralRow::IDENTITY };
+    /// let joint = Joint { motion: Motion::Revolute, home: 0.0, transmission: Transmission::Exact };
+    /// let base = GeneralRow::IDENTITY;
+    /// let model = Model::general(Convention::Standard, base, [row], at(0.1, 0.0), [joint])?;
+    /// let position_m = model.step(&[core::f64::consts::FRAC_PI_2])?.position_m;
+    /// assert!((position_m[1] - 0.1).abs() < 1e-15);
+    /// assert_eq!(position_m[2], 0.4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub const fn general(
+        convention: Convention,
+        base: GeneralRow,
+        rows: [GeneralRow; JOINTS],
+        handle: Option<Frame>,
+        joints: [Joint; JOINTS],
+    ) -> Result<Self, DeviceError> {
         if let Err(error) = base.check(0) {
             return Err(error);
         }
         let mut chain = Self {
             base: Transform::IDENTITY
+                .placed(&base.origin)
                 .before_joint(convention, &base)
                 .after_joint(convention, &base),
             axes: [Axis {
@@ -76,12 +116,11 @@ impl<const JOINTS: usize> Model<JOINTS> {
                 Ok(transmission) => transmission,
                 Err(refusal) => return Err(refusal.at(index + 1)),
             };
-            if index == 0 {
-                chain.base = chain.base.before_joint(convention, &row);
-            } else {
-                chain.axes[index - 1].after =
-                    chain.axes[index - 1].after.before_joint(convention, &row);
-            }
+            let before = match index {
+                0 => &mut chain.base,
+                _ => &mut chain.axes[index - 1].after,
+            };
+            *before = before.placed(&row.origin).before_joint(convention, &row);
             chain.axes[index] = Axis {
                 motion: joint.motion,
                 range: transmission.range(),
@@ -90,6 +129,16 @@ impl<const JOINTS: usize> Model<JOINTS> {
             };
             index += 1;
         }
+        if let Some(frame) = &handle
+            && !frame.is_rigid()
+        {
+            return Err(DeviceError::Origin { row: JOINTS + 1 });
+        }
+        let before = match JOINTS {
+            0 => &mut chain.base,
+            _ => &mut chain.axes[JOINTS - 1].after,
+        };
+        *before = before.placed(&handle);
         Ok(chain)
     }
 
@@ -169,7 +218,7 @@ impl<const JOINTS: usize> Model<JOINTS> {
 }
 
 /// The row with the joint's home added to what the joint moves.
-const fn at_home(index: usize, row: &Row, joint: &Joint) -> Result<Row, DeviceError> {
+const fn at_home(index: usize, row: &GeneralRow, joint: &Joint) -> Result<GeneralRow, DeviceError> {
     if let Err(error) = row.check(index + 1) {
         return Err(error);
     }
@@ -178,8 +227,8 @@ const fn at_home(index: usize, row: &Row, joint: &Joint) -> Result<Row, DeviceEr
     }
     let mut row = *row;
     match joint.motion {
-        Motion::Revolute => row.theta_rad += joint.home,
-        Motion::Prismatic => row.d_m += joint.home,
+        Motion::Revolute => row.row.theta_rad += joint.home,
+        Motion::Prismatic => row.row.d_m += joint.home,
     }
     Ok(row)
 }

@@ -1,7 +1,7 @@
 //! Rigid transforms: what is fixed between two joint axes, and the frame that a step carries along.
 
 use crate::trigonometry::sine_cosine;
-use crate::{Convention, Row};
+use crate::{Convention, Frame, GeneralRow, Row};
 
 /// A point or direction in frame (-1), or a column of a rotation.
 pub(crate) type Vector = [f64; 3];
@@ -87,9 +87,32 @@ impl Transform {
         Self { x, y, ..self }
     }
 
+    /// This frame, and then a constant transform, where there is one.
+    pub(crate) const fn placed(&self, constant: &Option<Frame>) -> Self {
+        match constant {
+            None => *self,
+            Some(frame) => {
+                let [[x0, y0, z0], [x1, y1, z1], [x2, y2, z2]] = frame.rotation;
+                self.then(&Self {
+                    origin: frame.position_m,
+                    x: [x0, x1, x2],
+                    y: [y0, y1, y2],
+                    z: [z0, z1, z2],
+                })
+            }
+        }
+    }
+
     const fn slid_along_x(self, length_m: f64) -> Self {
         Self {
             origin: along(self.origin, self.x, length_m),
+            ..self
+        }
+    }
+
+    const fn slid_along_y(self, length_m: f64) -> Self {
+        Self {
+            origin: along(self.origin, self.y, length_m),
             ..self
         }
     }
@@ -102,21 +125,27 @@ impl Transform {
     }
 
     /// This frame, moved by the part of a row that lies before the joint's motion.
-    pub(crate) const fn before_joint(self, convention: Convention, row: &Row) -> Self {
+    pub(crate) const fn before_joint(self, convention: Convention, row: &GeneralRow) -> Self {
+        let b_m = row.b_m;
+        let row = &row.row;
         match convention {
             Convention::Standard => self.turned_about_z(row.theta_rad),
             Convention::Modified => self
                 .slid_along_x(row.a_m)
+                .slid_along_y(b_m)
                 .twisted(row)
                 .turned_about_z(row.theta_rad),
         }
     }
 
     /// This frame, moved by the part of a row that lies behind the joint's motion.
-    pub(crate) const fn after_joint(self, convention: Convention, row: &Row) -> Self {
+    pub(crate) const fn after_joint(self, convention: Convention, row: &GeneralRow) -> Self {
+        let b_m = row.b_m;
+        let row = &row.row;
         match convention {
             Convention::Standard => self
                 .slid_along_x(row.a_m)
+                .slid_along_y(b_m)
                 .slid_along_z(row.d_m)
                 .twisted(row),
             Convention::Modified => self.slid_along_z(row.d_m),

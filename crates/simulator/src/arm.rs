@@ -2,7 +2,7 @@
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Chain, Convention, Link, Motion as RowMotion, Pose, Twist};
-use haptical_model::{Device, ModelError};
+use haptical_model::{Device, DeviceChain, ModelError};
 
 use crate::effect::Effect;
 
@@ -58,6 +58,7 @@ pub(crate) struct Arm {
     has_links: bool,
     convention: Convention,
     motions: Vec<RowMotion>,
+    origins: Vec<Option<Pose>>,
     /// Twists of the rows without wobble.
     twists_rad: Vec<f64>,
     links: Vec<Link>,
@@ -88,6 +89,10 @@ impl Arm {
         let joints = device.joints.len();
         let links = device.chain_links();
         let motions = device.motions();
+        if !device.drives_are_plain() {
+            let device = device.name.clone();
+            return Err(ModelError::FollowingRows { device }.into());
+        }
         let bodies = bodies(device, &links);
         let mut arm = Self {
             has_links: device.has_links(),
@@ -110,11 +115,10 @@ impl Arm {
             pose: Pose::default(),
             links,
             motions,
+            origins: device.chain_origins(),
         };
-        if let (Some(links), Some(motions)) = (arm.links.get(..1), arm.motions.get(..1)) {
-            arm.base_origin_m = Chain::new(arm.convention, links, motions)?
-                .pose(&[])?
-                .position_m;
+        if device.has_links() {
+            arm.base_origin_m = DeviceChain::new(device).part(1)?.pose(&[])?.position_m;
         }
         for effect in effects {
             arm.add(effect);
@@ -192,7 +196,8 @@ impl Arm {
         self.tilt_axes();
         let back_rad = -self.base_turn_rad;
         let gravity_mps2 = turned(&self.gravity_mps2, &back_rad);
-        let chain = Chain::new(self.convention, &self.links, &self.motions)?;
+        let chain =
+            Chain::with_origins(self.convention, &self.links, &self.motions, &self.origins)?;
         let mut pose = chain.geometric_jacobian(&self.angles, &mut self.jacobian)?;
         let force_n = pose.rotation * force_n;
         pose.position_m += force_n * self.tool_give;
@@ -203,7 +208,9 @@ impl Arm {
         }
         for body in &self.bodies {
             let rows = body.links.len();
-            let chain = Chain::new(self.convention, &body.links, &self.motions[..rows])?;
+            let (motions, origins) = (&self.motions[..rows], self.origins.get(..rows));
+            let origins = origins.unwrap_or_default();
+            let chain = Chain::with_origins(self.convention, &body.links, motions, origins)?;
             let (angles, columns) = (&self.angles[..rows - 1], &mut self.jacobian[..rows - 1]);
             let frame = chain.geometric_jacobian(angles, columns)?;
             let weight_n = gravity_mps2 * body.mass_kg;

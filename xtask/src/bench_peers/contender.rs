@@ -46,7 +46,7 @@ pub(crate) trait Contender {
     /// What it is, for tables.
     fn name(&self) -> &str;
 
-    /// Whose it is: `ours`, `Ceres`, `SciPy` or `Pinocchio`.
+    /// Whose it is: `ours`, `ours, warm start`, `Ceres`, `SciPy` or `Pinocchio`.
     fn family(&self) -> &str;
 
     /// Threads that it uses.

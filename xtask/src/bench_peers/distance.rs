@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use super::agreement::check_costs;
 use super::contender::Contender;
 use super::files::DataSet;
-use super::ours::solvers;
+use super::ours::{COLD, WARM, solvers};
 use super::peer::{Peer, PeerContender};
 use super::report::{Results, Solution};
 use super::rounds::{Label, Plan, compare, repeats, time_s};
@@ -24,6 +24,8 @@ pub(crate) struct Work {
     pub(crate) rounds: usize,
     /// Whether ours runs on two threads as well.
     pub(crate) two_threads: bool,
+    /// Whether ours takes part with a warm start as well: a recording of one block has no subset to start from.
+    pub(crate) warm: bool,
     /// Ways of SciPy: `DERIVATIVES METHOD`.
     scipy: &'static [&'static str],
 }
@@ -35,6 +37,7 @@ pub(crate) const SMALL: Work = Work {
     tolerance: 1e-10,
     rounds: 15,
     two_threads: false,
+    warm: false,
     scipy: &[
         "analytic lm",
         "analytic trf",
@@ -50,6 +53,7 @@ pub(crate) const LARGE: Work = Work {
     tolerance: 1e-8,
     rounds: 5,
     two_threads: true,
+    warm: true,
     scipy: &["analytic lm", "analytic trf"],
 };
 
@@ -73,8 +77,9 @@ pub(crate) struct Peers {
 
 /// Solves by everyone, checks that all found the same, and only then times the pairs.
 ///
-/// Ours in a pair is the fastest of ours on as many threads; it meets everyone else. `file` is the
-/// set's place among the peers' files.
+/// Ours in a pair is the fastest of ours on as many threads; it meets everyone else. Those of ours with a warm
+/// start are a family of their own, whose fastest meets every peer as well. `file` is the set's place among
+/// the peers' files.
 pub(crate) fn run(
     work: &Work,
     set: &DataSet,
@@ -86,7 +91,9 @@ pub(crate) fn run(
     let mut contenders: Vec<Box<dyn Contender + '_>> = Vec::new();
     for threads in 1..=if work.two_threads { 2 } else { 1 } {
         for ours in solvers(set, work.tolerance, threads)? {
-            contenders.push(Box::new(ours));
+            if work.warm || ours.family() != WARM {
+                contenders.push(Box::new(ours));
+            }
         }
     }
     for theirs in theirs(work, file, peers) {
@@ -114,24 +121,30 @@ pub(crate) fn run(
         progress.step();
     }
     check_costs(work.name, &costs)?;
-    let champion = |contenders: &[Box<dyn Contender + '_>], threads: usize| {
+    let champion = |contenders: &[Box<dyn Contender + '_>], family: &str, threads: usize| {
         (0..contenders.len())
-            .filter(|&index| contenders[index].family() == "ours")
+            .filter(|&index| contenders[index].family() == family)
             .filter(|&index| contenders[index].threads() == threads)
             .min_by(|&a, &b| times_s[a].total_cmp(&times_s[b]))
     };
-    let alone = champion(&contenders, 1).context("nothing of ours")?;
+    let alone = champion(&contenders, COLD, 1).context("nothing of ours")?;
     results.alone(work.name, contenders[alone].as_ref(), times_s[alone]);
+    let mut pairs = Vec::new();
     for other in 0..contenders.len() {
         let threads = contenders[other].threads();
-        let mut ours = champion(&contenders, threads).unwrap_or(alone);
-        if other == alone {
+        let cold = champion(&contenders, COLD, threads).unwrap_or(alone);
+        if other != alone {
+            pairs.push((cold, other));
+        } else if let Some(two) = champion(&contenders, COLD, 2) {
             // ours on two threads meets ours on one
-            match champion(&contenders, 2) {
-                Some(two) => ours = two,
-                None => continue,
-            }
+            pairs.push((two, other));
         }
+        let is_peer = ![COLD, WARM].contains(&contenders[other].family());
+        if is_peer && let Some(warm) = champion(&contenders, WARM, threads) {
+            pairs.push((warm, other));
+        }
+    }
+    for (ours, other) in pairs {
         progress.step();
         let Ok([first, second]) = contenders.get_disjoint_mut([ours, other]) else {
             continue;

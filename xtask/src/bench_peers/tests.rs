@@ -10,7 +10,7 @@ use super::contender::{Answer, Contender};
 use super::files::{DataSet, read};
 use super::kinematics::{Poses, check_values};
 use super::load::{Ticks, of_process};
-use super::ours::solvers;
+use super::ours::{COLD, WARM, solvers};
 use super::ratio::MedianRatio;
 use super::report::{PeerRecord, Results, pairs, presence, write};
 use super::rounds::{Comparison, Label, Plan, compare, repeats};
@@ -248,6 +248,40 @@ fn a_bar_is_judged_by_the_fastest_way_and_only_where_all_have_a_ratio() {
     // the fast one was disturbed in every round
     pairs[1].ratios.clear();
     assert_eq!(verdicts(&pairs), []);
+}
+
+#[test]
+fn a_warm_start_is_judged_by_its_own_bar_alone() {
+    let pair = |ours: &str, ratio: f64| {
+        let label = |family: &str| Label {
+            family: family.to_owned(),
+            name: "solve".to_owned(),
+            threads: 1,
+        };
+        Comparison {
+            work: "100 000 poses".to_owned(),
+            ours: label(ours),
+            other: label("Ceres"),
+            ratios: vec![ratio; 3],
+            ..Comparison::default()
+        }
+    };
+    // 25 would pass the cold bar of 15 and fails the warm one of 30
+    let found = verdicts(&[pair(COLD, 14.0), pair(WARM, 25.0)]);
+    assert_eq!(found.len(), 2);
+    assert!(
+        !found[0].0 && found[0].1.contains("14.00 times as long as ours: solve"),
+        "{found:?}"
+    );
+    assert!(
+        !found[1].0
+            && found[1]
+                .1
+                .contains("25.00 times as long as ours, warm start"),
+        "{found:?}"
+    );
+    let found = verdicts(&[pair(COLD, 16.0), pair(WARM, 31.0)]);
+    assert!(found.iter().all(|(reached, _)| *reached), "{found:?}");
 }
 
 #[test]

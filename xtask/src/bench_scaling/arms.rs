@@ -32,6 +32,7 @@ impl Arm {
                 d_m: 0.05 + 0.015 * row as f64,
                 theta_rad: 0.3 * row as f64,
                 beta_rad: 0.0,
+                b_m: 0.0,
             });
         }
         let mut motions = vec![Motion::Revolute; joints + 1];

@@ -1,6 +1,7 @@
 //! How time and memory of the distance identification grow with poses, parameters and joints.
 
 mod arms;
+mod peak;
 mod stream;
 
 use std::path::{Path, PathBuf};
@@ -41,6 +42,9 @@ const HELD: [usize; 6] = [200, 1000, 10_000, 100_000, 300_000, 1_000_000];
 /// Joints of the arms that are compared, and their poses.
 const ARMS: [usize; 6] = [2, 3, 5, 7, 10, 14];
 const ARM_POSES: usize = 20_000;
+/// Flops of the derivatives of one row of a chain, forth and back: a joint's turn with its sine and cosine turned by
+/// the offset, a constant turn, and what each derivative takes.
+const FLOPS_PER_ROW: usize = 30;
 /// A time is the least of repeats that take this long together \[s\].
 const REPEATED_S: f64 = 0.4;
 
@@ -58,8 +62,20 @@ pub(crate) fn measure(arguments: &Arguments) -> Result<()> {
     });
     let seed = arguments.seed;
     let progress = Progress::new("scaling", HELD.len() + ARMS.len() + 3);
-    let by_poses = poses_section(&mut output, seed, &progress)?;
-    let by_parameters = parameters_section(&mut output, seed, &progress)?;
+    let peak = peak::flops_per_s();
+    output.section("The floor");
+    output.words(format!(
+        "One core computes {:.1} GFlop/s (fused multiply-adds in lanes, on numbers in registers). A pass over n poses of \
+         an arm of m joints with k parameters needs about n (2 k^2 + {FLOPS_PER_ROW} (m + 1)) flops, {:.0} a pose for the \
+         28 parameters of 7 joints: at that rate {:.1} ns a pose.",
+        peak / 1e9,
+        flops(JOINTS, 4 * JOINTS),
+        1e9 * flops(JOINTS, 4 * JOINTS) / peak,
+    ));
+    output.value("peak_flops_per_s", peak.into());
+    output.terminal(format!("one core: {:.1} GFlop/s", peak / 1e9));
+    let by_poses = poses_section(&mut output, seed, peak, &progress)?;
+    let by_parameters = parameters_section(&mut output, seed, peak, &progress)?;
     stream_section(&mut output, arguments, &progress)?;
     let panel = |title: &str, label: &str, points: &[(f64, f64)]| {
         let mut figure = Figure::new(title, label, "log10 of the time [s]");
@@ -89,6 +105,11 @@ pub(crate) fn measure(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// Flops of a pass, a pose.
+fn flops(joints: usize, parameters: usize) -> f64 {
+    (2 * parameters * parameters + FLOPS_PER_ROW * (joints + 1)) as f64
+}
+
 /// Least time of one fit \[s\], and its steps.
 fn fit_s(arm: &Arm, poses: &PoseBatch, threads: usize) -> Result<(f64, usize)> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
@@ -112,7 +133,12 @@ fn fit_s(arm: &Arm, poses: &PoseBatch, threads: usize) -> Result<(f64, usize)> {
     })
 }
 
-fn poses_section(output: &mut Output, seed: u64, progress: &Progress) -> Result<Vec<(f64, f64)>> {
+fn poses_section(
+    output: &mut Output,
+    seed: u64,
+    peak: f64,
+    progress: &Progress,
+) -> Result<Vec<(f64, f64)>> {
     let arm = Arm::new(JOINTS, seed)?;
     let columns = [
         ("poses", ""),
@@ -121,6 +147,7 @@ fn poses_section(output: &mut Output, seed: u64, progress: &Progress) -> Result<
         ("one over two", ""),
         ("steps", ""),
         ("each pose and pass", "ns"),
+        ("over the floor", ""),
     ];
     let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
     let mut table = Table::new("Time over the number of poses, 28 parameters", columns);
@@ -132,30 +159,36 @@ fn poses_section(output: &mut Output, seed: u64, progress: &Progress) -> Result<
         points.push((poses as f64, one_s));
         // a pass at the start and one for each step
         let passes = (steps + 1) as f64;
+        let each_s = one_s / passes / poses as f64;
         table.push(vec![
             Cell::number(poses as f64, 0),
             Cell::number(1e3 * one_s, 3),
             Cell::number(1e3 * two_s, 3),
             Cell::number(one_s / two_s, 2),
             Cell::number(steps as f64, 0),
-            Cell::number(1e9 * one_s / passes / poses as f64, 1),
+            Cell::number(1e9 * each_s, 1),
+            Cell::number(each_s * peak / flops(JOINTS, arm.free.len()), 2),
         ])?;
         progress.step();
     }
     output.section("Poses in memory");
-    output.terminal_table(&table, &[0, 1, 2, 3, 4, 5]);
+    output.terminal_table(&table, &[0, 1, 2, 3, 4, 5, 6]);
     output.table("poses", table)?;
     let most: Vec<(f64, f64)> = points.iter().copied().filter(|(n, _)| *n >= 1e4).collect();
-    output.words(format!(
-        "Exponent from 10 000 poses on: {:.3}.",
-        exponent(&most)?
-    ));
+    let words = format!(
+        "Exponent of the time over the poses: {:.3} from 10 000 on, {:.3} from 200 on.",
+        exponent(&most)?,
+        exponent(&points)?
+    );
+    output.terminal(words.clone());
+    output.words(words);
     Ok(points)
 }
 
 fn parameters_section(
     output: &mut Output,
     seed: u64,
+    peak: f64,
     progress: &Progress,
 ) -> Result<Vec<(f64, f64)>> {
     let columns = [
@@ -164,6 +197,7 @@ fn parameters_section(
         ("one thread", "ms"),
         ("steps", ""),
         ("each pose and pass", "ns"),
+        ("over the floor", ""),
     ];
     let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
     let mut table = Table::new("Time over the number of joints, 20 000 poses", columns);
@@ -180,17 +214,33 @@ fn parameters_section(
             Cell::number(1e3 * one_s, 3),
             Cell::number(steps as f64, 0),
             Cell::number(1e9 * each_s / ARM_POSES as f64, 1),
+            Cell::number(
+                each_s * peak / ARM_POSES as f64 / flops(joints, arm.free.len()),
+                2,
+            ),
         ])?;
         progress.step();
     }
     output.section("Parameters");
-    output.terminal_table(&table, &[0, 1, 2, 3, 4]);
+    output.terminal_table(&table, &[0, 1, 2, 3, 4, 5]);
     output.table("parameters", table)?;
-    output.words(format!(
-        "Exponent of a pass over the parameters: {:.2}; derivatives grow with the first power, the reduction with the \
-         second.",
-        exponent(&points)?
-    ));
+    // the parameters are four times the joints, so the floor's own slope over either is one number
+    let floor: Vec<(f64, f64)> = ARMS
+        .iter()
+        .map(|&joints| ((4 * joints) as f64, flops(joints, 4 * joints)))
+        .collect();
+    let upper = |points: &[(f64, f64)]| exponent(&points[ARMS.len() / 2 - 1..]);
+    let words = format!(
+        "Exponent of a pass over the parameters, and over the joints, as there are four of them to a joint: {:.2} from 8 \
+         parameters on, {:.2} from 20 on; that of the floor's flops: {:.2} and {:.2}. The derivatives alone have the \
+         exponent 1, the reduction alone 2.",
+        exponent(&points)?,
+        upper(&points)?,
+        exponent(&floor)?,
+        upper(&floor)?,
+    );
+    output.terminal(words.clone());
+    output.words(words);
     Ok(points)
 }
 

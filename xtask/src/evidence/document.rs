@@ -21,9 +21,17 @@ pub(super) fn check(document: &str, run: &str) -> Result<()> {
     Ok(())
 }
 
+/// The text without its figures, which stand in the report alone.
+pub(super) fn without_figures(text: &str) -> String {
+    let blocks = text
+        .split("\n\n")
+        .filter(|block| !block.trim_start().starts_with("!["));
+    blocks.collect::<Vec<_>>().join("\n\n")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::check;
+    use super::{check, without_figures};
 
     const DOCUMENT: &str = "# E\n\nlead\n\n## A\n\n1 2\n\n## B\n\n3\n";
 
@@ -31,6 +39,12 @@ mod tests {
     fn a_run_of_some_sections_is_found() {
         assert!(check(DOCUMENT, DOCUMENT).is_ok());
         assert!(check(DOCUMENT, "# E\n\nlead\n\n## B\n\n3\n\n").is_ok());
+    }
+
+    #[test]
+    fn figures_stay_in_the_report() {
+        let text = "# E\n\nlead\n\n![a](figures/a.svg)\n\n- **yes**: so\n\n";
+        assert_eq!(without_figures(text), "# E\n\nlead\n\n- **yes**: so\n\n");
     }
 
     #[test]

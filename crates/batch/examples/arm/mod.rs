@@ -50,6 +50,7 @@ impl Arm {
             d_m,
             theta_rad: theta * quarter,
             beta_rad: 0.0,
+            b_m: 0.0,
         });
         let mut motions = [Motion::Revolute; 8];
         motions[0] = Motion::Fixed;

@@ -14,7 +14,7 @@ const STEP: f64 = 1e-5;
 const DIFFERENCE: f64 = 3e-9;
 
 /// What the chain says: derivative of the distance of a pose, by row and parameter.
-fn by_the_chain(case: &Case, pose: usize) -> Vec<[f64; 5]> {
+fn by_the_chain(case: &Case, pose: usize) -> Vec<[f64; 6]> {
     let chain = Chain::new(case.convention, &case.links, &case.motions).unwrap();
     let mut out = vec![LinkDerivatives::default(); case.links.len()];
     let end = chain.derivatives(&case.variables(pose), &mut out).unwrap();

@@ -24,7 +24,7 @@ impl Case {
         DistanceModel::new(self.convention, &self.links, &self.motions, self.anchor_m).unwrap()
     }
 
-    /// All five parameters of every row.
+    /// All six parameters of every row.
     pub(crate) fn full_model(&self) -> DistanceModel {
         let rows = 0..self.links.len();
         let all: Vec<(usize, Parameter)> = rows
@@ -82,6 +82,7 @@ pub(crate) fn random_case(
             d_m: 0.3 * number(),
             theta_rad: 3.0 * number(),
             beta_rad: if number() > 0.0 { 0.2 * number() } else { 0.0 },
+            b_m: if number() > 0.0 { 0.2 * number() } else { 0.0 },
         })
         .collect();
     let moving = motions.iter().filter(|motion| **motion != Motion::Fixed);

@@ -39,6 +39,7 @@ fn generic_link() -> impl Strategy<Value = Link> {
             d_m,
             theta_rad,
             beta_rad: 0.0,
+            b_m: 0.0,
         }
     })
 }
@@ -57,6 +58,8 @@ pub(crate) fn device_of(links: Vec<Link>) -> Device {
         name: "random chain".to_owned(),
         convention: Convention::Standard,
         bodies: vec![None; links.len()],
+        origins: Vec::new(),
+        drives: Vec::new(),
         joints: (1..links.len()).map(direct_joint).collect(),
         links,
         cables: vec![cable_at([0.0; 3])],
@@ -69,16 +72,16 @@ pub(crate) fn device_of(links: Vec<Link>) -> Device {
         contact_pairs: Vec::new(),
         gravity_mps2: None,
         nominal_links: None,
+        #[cfg(feature = "rig")]
+        surroundings: Default::default(),
     }
 }
 
 pub(crate) fn cable_at(anchor_m: [f64; 3]) -> Cable {
     Cable {
         anchor_m,
-        drum_radius_m: None,
-        counts_per_rev: None,
         distance_sd_m: Some(1e-5),
-        exit_axis: None,
+        ..Cable::default()
     }
 }
 

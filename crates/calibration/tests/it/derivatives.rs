@@ -22,6 +22,7 @@ fn device(convention: Convention) -> Device {
         d_m: 0.2 - 0.06 * row as f64,
         theta_rad: 0.3 * row as f64,
         beta_rad: 0.02 * row as f64,
+        b_m: 0.0,
     };
     let mut device = device_of((0..5).map(link).collect());
     device.convention = convention;

@@ -9,6 +9,7 @@
 mod agreement;
 mod chain;
 mod counts;
+mod dense;
 mod derivatives;
 mod evidence;
 mod force_direction;
@@ -17,10 +18,25 @@ mod haptic;
 mod held_out;
 mod in_bulk;
 mod incomplete;
+mod intervals;
 mod invariance;
+mod joint_lanes;
+#[cfg(feature = "rig")]
+mod measured;
+mod multi_start;
 mod null_space;
+mod parallel_joints;
 mod planted;
 mod recovery;
 mod refusals;
+#[cfg(feature = "rig")]
+mod rig;
+#[cfg(feature = "rig")]
+mod rig_rank;
+#[cfg(feature = "rig")]
+mod rig_recovery;
+#[cfg(feature = "rig")]
+mod rig_scene;
+mod robust;
 mod statistics;
 mod warnings;

@@ -149,6 +149,7 @@ fn off_by_millimetres(convention: Convention, prismatic: Option<usize>) -> (Devi
                 d_m: 0.3 - 0.05 * row as f64,
                 theta_rad: 0.2 * row as f64,
                 beta_rad: 0.0,
+                b_m: 0.0,
             });
     let mut nominal = device_of(links.collect());
     nominal.convention = convention;

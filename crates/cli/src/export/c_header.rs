@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use haptical_runtime::{
-    Capstan, Convention, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Row, Transmission,
+    Capstan, Convention, Frame, GeneralRow, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram,
+    RowDrive, Transmission,
 };
 
 use super::described::Described;
@@ -25,6 +26,7 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
     // The comment comes last: a device's name may look like a mark.
     TEMPLATE
         .replacen("/*@JOINTS@*/", &described.joints.len().to_string(), 1)
+        .replacen("/*@ROWS@*/", &described.rows.len().to_string(), 1)
         .replacen("/*@TERMS@*/", &POLYNOMIAL_TERMS.to_string(), 1)
         .replacen("/*@DATA@*/\n", &data(described), 1)
         .replacen("/*@PROVENANCE@*/", &comment, 1)
@@ -32,15 +34,29 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
 
 fn data(described: &Described) -> String {
     let modified = i32::from(described.convention == Convention::Modified);
+    let general = i32::from(!described.is_plain_table);
     let mut text = format!(
-        "#define HAPTICAL_MODIFIED {modified} /* 1: Craig's convention */\n\n\
-         static const haptical_row haptical_rows[HAPTICAL_JOINTS + 1] = {{\n"
+        "#define HAPTICAL_MODIFIED {modified} /* 1: Craig's convention */\n\
+         #define HAPTICAL_GENERAL {general} /* 1: rows have origins, or slides along y */\n\n\
+         static const haptical_row haptical_rows[HAPTICAL_ROWS + 1] = {{\n"
     );
-    push_row(&mut text, &described.base);
-    for (row, joint) in described.rows.iter().zip(&described.joints) {
-        push_row(&mut text, &at_home(row, joint));
+    let is_general = !described.is_plain_table;
+    push_row(&mut text, &described.base, None, is_general);
+    for (row, drive) in described.rows.iter().zip(&described.drives) {
+        let home = described
+            .joints
+            .get(drive.joint)
+            .map_or(0.0, |own| own.home);
+        push_row(
+            &mut text,
+            &at_home(row, drive, home),
+            Some(drive),
+            is_general,
+        );
     }
-    text.push_str("};\n\nstatic const haptical_joint haptical_joints[HAPTICAL_JOINTS] = {\n");
+    text.push_str("};\n\nstatic const haptical_frame haptical_handle = ");
+    push_frame(&mut text, described.handle);
+    text.push_str(";\n\nstatic const haptical_joint haptical_joints[HAPTICAL_JOINTS] = {\n");
     for (joint, range) in described.joints.iter().zip(&described.ranges) {
         push_joint(&mut text, joint, *range);
     }
@@ -48,16 +64,24 @@ fn data(described: &Described) -> String {
     text
 }
 
-fn at_home(row: &Row, joint: &Joint) -> Row {
+fn at_home(row: &GeneralRow, drive: &RowDrive, home: f64) -> GeneralRow {
     let mut row = *row;
-    match joint.motion {
-        Motion::Revolute => row.theta_rad += joint.home,
-        Motion::Prismatic => row.d_m += joint.home,
+    let constant = drive.multiplier * home + drive.offset;
+    match drive.motion {
+        Motion::Revolute => row.row.theta_rad += constant,
+        Motion::Prismatic => row.row.d_m += constant,
     }
     row
 }
 
-fn push_row(text: &mut String, row: &Row) {
+fn push_frame(text: &mut String, frame: Option<Frame>) {
+    let frame = frame.unwrap_or(Frame::IDENTITY);
+    let [x, y, z] = frame.rotation.map(|row| list(&row));
+    let _ = write!(text, "{{{}, {{{x}, {y}, {z}}}}}", list(&frame.position_m));
+}
+
+fn push_row(text: &mut String, general: &GeneralRow, drive: Option<&RowDrive>, is_general: bool) {
+    let row = &general.row;
     let (sin_alpha, cos_alpha) = haptical_runtime::sine_cosine(row.alpha_rad);
     let (sin_beta, cos_beta) = haptical_runtime::sine_cosine(row.beta_rad);
     // `write!` to a String cannot fail.
@@ -65,9 +89,22 @@ fn push_row(text: &mut String, row: &Row) {
         text,
         "    {{.a_m = {:?}, .d_m = {:?}, .theta_rad = {:?},\n     \
          .sin_alpha = {sin_alpha:?}, .cos_alpha = {cos_alpha:?},\n     \
-         .sin_beta = {sin_beta:?}, .cos_beta = {cos_beta:?}}},\n",
+         .sin_beta = {sin_beta:?}, .cos_beta = {cos_beta:?}",
         row.a_m, row.d_m, row.theta_rad
     );
+    if is_general {
+        let _ = write!(text, ",\n     .b_m = {:?}, .origin = ", general.b_m);
+        push_frame(text, general.origin);
+    }
+    if let Some(drive) = drive {
+        let prismatic = i32::from(drive.motion == Motion::Prismatic);
+        let (joint, multiplier) = (drive.joint, drive.multiplier);
+        let _ = write!(
+            text,
+            ",\n     .prismatic = {prismatic}, .joint = {joint}, .multiplier = {multiplier:?}"
+        );
+    }
+    text.push_str("},\n");
 }
 
 /// A drum's centre over the denominator, and its angle at home.
@@ -120,7 +157,6 @@ fn list(numbers: &[f64]) -> String {
 }
 
 fn push_joint(text: &mut String, joint: &Joint, [lower, upper]: [f64; 2]) {
-    let prismatic = i32::from(joint.motion == Motion::Prismatic);
     let mut members = String::new();
     let name = match &joint.transmission {
         Transmission::Exact => "HAPTICAL_EXACT",
@@ -140,7 +176,7 @@ fn push_joint(text: &mut String, joint: &Joint, [lower, upper]: [f64; 2]) {
     };
     let _ = write!(
         text,
-        "    {{.prismatic = {prismatic}, .transmission = {name},\n     \
+        "    {{.transmission = {name},\n     \
          .lower = {lower:?}, .upper = {upper:?},\n{members}    }},\n"
     );
 }

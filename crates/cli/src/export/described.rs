@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use haptical_model::kinematics::{Convention as ModelConvention, Link};
+use haptical_model::kinematics::{Convention as ModelConvention, Link, Pose};
 use haptical_model::{Device, Joint as ModelJoint, JointType, TransmissionError};
 use haptical_runtime::{
-    Capstan, Convention, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Row, Transmission,
+    Capstan, Convention, Frame, GeneralRow, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Row,
+    RowDrive, Transmission,
 };
 
 use crate::failure::Failure;
@@ -15,9 +16,17 @@ use crate::failure::Failure;
 pub(super) struct Described {
     pub(super) convention: Convention,
     /// Row 0.
-    pub(super) base: Row,
+    pub(super) base: GeneralRow,
     /// Rows 1 to n.
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<GeneralRow>,
+    /// From the last row's frame to the handle.
+    pub(super) handle: Option<Frame>,
+    /// What drives rows 1 to n.
+    pub(super) drives: Vec<RowDrive>,
+    /// Whether each row has a joint of its own.
+    pub(super) drives_are_plain: bool,
+    /// Whether rows are their Denavit-Hartenberg numbers alone.
+    pub(super) is_plain_table: bool,
     pub(super) joints: Vec<Joint>,
     /// Names of the joints.
     pub(super) names: Vec<String>,
@@ -37,36 +46,54 @@ impl Described {
                 "add one [[link]] for the base and one for each joint",
             ));
         };
+        let origins = device.chain_origins();
+        let origin = |row: usize| origins.get(row).copied().flatten().map(frame);
         let mut described = Self {
             convention: match device.convention {
                 ModelConvention::Standard => Convention::Standard,
                 ModelConvention::Modified => Convention::Modified,
             },
-            base: row(base),
-            rows: rows.iter().map(row).collect(),
+            base: row(base, origin(0)),
+            rows: rows
+                .iter()
+                .enumerate()
+                .map(|(index, link)| row(link, origin(index + 1)))
+                .collect(),
+            handle: origin(device.links.len()),
+            drives: Vec::new(),
+            drives_are_plain: device.drives_are_plain(),
+            is_plain_table: device.is_plain_table(),
             joints: Vec::new(),
             names: Vec::new(),
             ranges: Vec::new(),
         };
         let advice = "correct this number in the device file, or identify the device again";
-        described
-            .base
-            .check(0)
-            .map_err(|error| refuse(error.to_string(), advice))?;
-        for (index, (joint, row)) in device.joints.iter().zip(&described.rows).enumerate() {
+        let rows = std::iter::once(&described.base).chain(&described.rows);
+        for (index, row) in rows.enumerate() {
+            row.check(index)
+                .map_err(|error| refuse(error.to_string(), advice))?;
+        }
+        for row in 1..device.links.len() {
+            let Some(drive) = device.drive(row) else {
+                return Err(refuse(format!("no joint drives row {row}"), advice));
+            };
+            described.drives.push(RowDrive {
+                motion: motion(drive.motion),
+                joint: drive.joint,
+                multiplier: drive.multiplier,
+                offset: drive.offset,
+            });
+        }
+        for (index, joint) in device.joints.iter().enumerate() {
             let transmission = transmission(joint)
                 .map_err(|(what, next)| refuse(format!("joint {}: {what}", index + 1), &next))?;
             let exported = Joint {
-                motion: match joint.joint_type {
-                    JointType::Revolute => Motion::Revolute,
-                    JointType::Prismatic => Motion::Prismatic,
-                },
+                motion: motion(joint.joint_type),
                 home: joint.home_rad,
                 transmission,
             };
-            let range = row
-                .check(index + 1)
-                .and_then(|()| exported.range(index + 1))
+            let range = exported
+                .range(index + 1)
                 .map_err(|error| refuse(error.to_string(), advice))?;
             described.joints.push(exported);
             described.names.push(joint.name.clone());
@@ -76,13 +103,33 @@ impl Described {
     }
 }
 
-fn row(link: &Link) -> Row {
-    Row {
+fn motion(joint_type: JointType) -> Motion {
+    match joint_type {
+        JointType::Revolute => Motion::Revolute,
+        JointType::Prismatic => Motion::Prismatic,
+    }
+}
+
+fn frame(pose: Pose) -> Frame {
+    // nalgebra's arrays are columns
+    Frame {
+        position_m: pose.position_m.into(),
+        rotation: pose.rotation.transpose().into(),
+    }
+}
+
+fn row(link: &Link, origin: Option<Frame>) -> GeneralRow {
+    let row = Row {
         a_m: link.a_m,
         alpha_rad: link.alpha_rad,
         d_m: link.d_m,
         theta_rad: link.theta_rad,
         beta_rad: link.beta_rad,
+    };
+    GeneralRow {
+        origin,
+        row,
+        b_m: link.b_m,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Writes a device as JSON: one flat array per quantity, with names and units.
 
-use haptical_runtime::{Capstan, Convention, Joint, Motion, Row, Transmission};
+use haptical_runtime::{Capstan, Convention, Frame, GeneralRow, Joint, Motion, Transmission};
 use serde_json::{Value, json};
 
 use super::described::Described;
@@ -9,10 +9,19 @@ use crate::failure::Failure;
 
 /// The text of the file.
 pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<String, Failure> {
-    let rows: Vec<&Row> = std::iter::once(&described.base)
+    let rows: Vec<&GeneralRow> = std::iter::once(&described.base)
         .chain(&described.rows)
         .collect();
-    let row_column = |get: fn(&Row) -> f64| rows.iter().map(|row| get(row)).collect::<Vec<f64>>();
+    let place = |frame: Option<&Frame>| frame.map(|frame| frame.position_m);
+    let turn = |frame: Option<&Frame>| frame.map(|frame| frame.rotation);
+    let origins = || rows.iter().map(|row| row.origin.as_ref());
+    let driven_by: Vec<usize> = described
+        .drives
+        .iter()
+        .map(|drive| drive.joint + 1)
+        .collect();
+    let row_column =
+        |get: fn(&GeneralRow) -> f64| rows.iter().map(|row| get(row)).collect::<Vec<f64>>();
     let joint_column = |get: fn(&Joint) -> Value| {
         let column: Vec<Value> = described.joints.iter().map(get).collect();
         column
@@ -43,18 +52,27 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
             "others": "in their names",
         },
         "rows": {
-            "a_m": row_column(|row| row.a_m),
-            "alpha_rad": row_column(|row| row.alpha_rad),
-            "d_m": row_column(|row| row.d_m),
-            "theta_offset_rad": row_column(|row| row.theta_rad),
-            "beta_rad": row_column(|row| row.beta_rad),
+            "a_m": row_column(|row| row.row.a_m),
+            "alpha_rad": row_column(|row| row.row.alpha_rad),
+            "d_m": row_column(|row| row.row.d_m),
+            "theta_offset_rad": row_column(|row| row.row.theta_rad),
+            "beta_rad": row_column(|row| row.row.beta_rad),
+            "b_m": row_column(|row| row.b_m),
+            "origin_xyz_m": origins().map(place).collect::<Vec<_>>(),
+            "origin_rotation": origins().map(turn).collect::<Vec<_>>(),
         },
+        // of rows 1 to n; the row's variable is multiplier (home + output) + offset
+        "drives": {
+            "driven_by": driven_by,
+            "type": described.drives.iter().map(|drive| motion(drive.motion)).collect::<Vec<_>>(),
+            "multiplier": described.drives.iter().map(|drive| drive.multiplier).collect::<Vec<_>>(),
+            "offset": described.drives.iter().map(|drive| drive.offset).collect::<Vec<_>>(),
+        },
+        "handle_xyz_m": place(described.handle.as_ref()),
+        "handle_rotation": turn(described.handle.as_ref()),
         "joints": {
             "name": described.names,
-            "type": joint_column(|joint| json!(match joint.motion {
-                Motion::Revolute => "revolute",
-                Motion::Prismatic => "prismatic",
-            })),
+            "type": joint_column(|joint| json!(motion(joint.motion))),
             "home": joint_column(|joint| json!(joint.home)),
             "lowest_reading": ends(0),
             "highest_reading": ends(1),
@@ -85,6 +103,13 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
     let mut text = serde_json::to_string_pretty(&export).map_err(Failure::internal)?;
     text.push('\n');
     Ok(text)
+}
+
+fn motion(motion: Motion) -> &'static str {
+    match motion {
+        Motion::Revolute => "revolute",
+        Motion::Prismatic => "prismatic",
+    }
 }
 
 /// A number of a joint's capstan; null for a joint without one.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use haptical_runtime::{Capstan, Convention, Motion, Row, Transmission};
+use haptical_runtime::{Capstan, Convention, Frame, GeneralRow, Motion, Row, Transmission};
 
 use super::described::Described;
 use super::{Provenance, VERSION, one_line};
@@ -21,26 +21,46 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
         Convention::Standard => "Standard",
         Convention::Modified => "Modified",
     };
+    let (model, constructor, rows) = if described.is_plain_table {
+        ("Model<JOINTS>", "Model::new", String::new())
+    } else if described.drives_are_plain {
+        ("Model<JOINTS>", "Model::general", String::new())
+    } else {
+        let rows = format!(
+            "/// Number of rows that move.\npub const ROWS: usize = {};\n",
+            described.rows.len()
+        );
+        ("CoupledModel<JOINTS, ROWS>", "CoupledModel::new", rows)
+    };
     // `write!` to a String cannot fail.
     let _ = write!(
         text,
         "/// Name of the device.\npub const DEVICE: &str = {:?};\n\
          /// SHA-256 of the device file.\npub const DEVICE_SHA256: &str = {:?};\n\
-         /// Number of joints.\npub const JOINTS: usize = {};\n\n\
+         /// Number of joints.\npub const JOINTS: usize = {};\n{rows}\n\
          /// The device, worked out by the compiler.\n\
          #[allow(\n    clippy::approx_constant,\n    clippy::panic,\n    \
          reason = \"numbers of a device; the compiler alone meets the panic\"\n)]\n\
-         pub static MODEL: haptical_runtime::Model<JOINTS> = match haptical_runtime::Model::new(\n    \
+         pub static MODEL: haptical_runtime::{model} = match haptical_runtime::{constructor}(\n    \
          haptical_runtime::Convention::{convention},\n",
         provenance.device,
         provenance.sha256,
         described.joints.len(),
     );
-    let _ = writeln!(text, "    {},\n    [", row(&described.base));
+    let row = |own: &GeneralRow| match described.is_plain_table {
+        true => row(&own.row),
+        false => general_row(own),
+    };
+    let base = row(&described.base).replace("\n        ", "\n    ");
+    let _ = writeln!(text, "    {base},\n    [");
     for joint_row in &described.rows {
         let _ = writeln!(text, "        {},", row(joint_row));
     }
-    text.push_str("    ],\n    [\n");
+    text.push_str("    ],\n");
+    if !described.is_plain_table {
+        let _ = writeln!(text, "    {},", frame(described.handle.as_ref()));
+    }
+    text.push_str("    [\n");
     for (joint, name) in described.joints.iter().zip(&described.names) {
         let motion = match joint.motion {
             Motion::Revolute => "Revolute",
@@ -56,8 +76,21 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
             transmission(&joint.transmission)
         );
     }
+    text.push_str("    ],\n");
+    if !described.drives_are_plain {
+        text.push_str("    [\n");
+        for drive in &described.drives {
+            let _ = writeln!(
+                text,
+                "        haptical_runtime::RowDrive {{ motion: haptical_runtime::Motion::{:?}, joint: {}, \
+                 multiplier: {:?}, offset: {:?} }},",
+                drive.motion, drive.joint, drive.multiplier, drive.offset
+            );
+        }
+        text.push_str("    ],\n");
+    }
     text.push_str(
-        "    ],\n) {\n    Ok(model) => model,\n    \
+        ") {\n    Ok(model) => model,\n    \
          // met by the compiler alone, where the numbers above were changed\n    \
          Err(_) => panic!(\"this is not a device that the runtime can hold\"),\n};\n",
     );
@@ -69,6 +102,28 @@ fn row(row: &Row) -> String {
         "haptical_runtime::Row {{ a_m: {:?}, alpha_rad: {:?}, d_m: {:?}, theta_rad: {:?}, \
          beta_rad: {:?} }}",
         row.a_m, row.alpha_rad, row.d_m, row.theta_rad, row.beta_rad
+    )
+}
+
+fn frame(frame: Option<&Frame>) -> String {
+    frame.map_or_else(
+        || "None".to_owned(),
+        |frame| {
+            format!(
+                "Some(haptical_runtime::Frame {{ position_m: {:?}, rotation: {:?} }})",
+                frame.position_m, frame.rotation
+            )
+        },
+    )
+}
+
+fn general_row(general: &GeneralRow) -> String {
+    format!(
+        "haptical_runtime::GeneralRow {{\n            origin: {},\n            row: {},\n            \
+         b_m: {:?},\n        }}",
+        frame(general.origin.as_ref()),
+        row(&general.row),
+        general.b_m
     )
 }
 

@@ -36,7 +36,10 @@ pub(crate) fn page(gap: &GapFile<'_>) -> Result<String, Failure> {
         sections.push(Section::new("Warnings", vec![list]));
     }
     sections.push(Section::new("Noise", vec![tables::noise(diagnosis)?]));
-    sections.push(Section::new("Provenance", vec![provenance(gap)?]));
+    sections.push(Section::new(
+        "Provenance",
+        vec![gap.record.table()?, provenance(gap)?],
+    ));
     let name = &diagnosis.device.name;
     let title = format!("Diagnosis of {name}");
     Ok(Document::new(title, lead(diagnosis), sections).to_html())
@@ -169,20 +172,12 @@ fn provenance(gap: &GapFile<'_>) -> Result<Block, Failure> {
     let diagnosis = gap.diagnosis;
     let from = &diagnosis.provenance;
     let columns = vec![Column::new("what", ""), Column::new("value", "")];
-    let mut table = Table::new("", columns);
-    let command: Vec<String> = std::env::args().collect();
+    let mut table = Table::new("What the answer rests on", columns);
     let mut row = |what: &str, value: String| table.push(vec![what.into(), value.into()]);
-    row("version", format!("haptical {}", gap.haptical_version))?;
-    row("command line", command.join(" "))?;
-    row("device", gap.device.clone())?;
-    row("log", format!("{}, {} rows", gap.log, from.rows))?;
-    if let Some(validate) = &gap.validate {
-        row("second log", validate.clone())?;
+    row("rows", from.rows.to_string())?;
+    if !diagnosis.held_out.is_empty() {
+        row("held out", diagnosis.held_out.clone())?;
     }
-    if let Some(model) = &gap.model {
-        row("model identified earlier", model.clone())?;
-    }
-    row("held out", diagnosis.held_out.clone())?;
     row(
         "parameters of the model",
         format!(
@@ -211,15 +206,24 @@ fn provenance(gap: &GapFile<'_>) -> Result<Block, Failure> {
 mod tests {
     use super::*;
     use crate::example_diagnosis::{named, no_gap, unknown};
+    use crate::input_files::InputFile;
+    use crate::provenance::Record;
 
     fn html(diagnosis: &Diagnosis) -> String {
+        let input = |flag: &str, file: &str| InputFile {
+            flag: flag.to_owned(),
+            file: file.to_owned(),
+            bytes: 1,
+            sha256: "0".to_owned(),
+        };
+        let inputs = vec![input("log", "log.csv"), input("validate", "log2.csv")];
         page(&GapFile {
             diagnosis,
-            haptical_version: "0",
             device: "device.toml".to_owned(),
             log: "log.csv".to_owned(),
             validate: Some("log2.csv".to_owned()),
             model: None,
+            record: Record::new("0", "diagnose", Vec::new(), inputs),
         })
         .unwrap()
     }

@@ -5,6 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::recorded::Recorded;
 use super::summary::rms_texts;
 use crate::failure::Failure;
+use crate::provenance::Record;
 
 const STYLE: &str = include_str!("page.css");
 /// The scripts run one after the other in one element: the first two hold functions only.
@@ -16,9 +17,10 @@ const SCRIPTS: [&str; 3] = [
 /// Speeds to choose from: how many times as fast as the device moved.
 const SPEEDS: [&str; 6] = ["0.1", "0.25", "0.5", "1", "2", "5"];
 
-/// The page of a recorded log; `log` is the name to show.
-pub(super) fn page(recorded: &Recorded, log: &str) -> Result<String, Failure> {
+/// The page of a recorded log; `log` is the name to show, `record` how it came about.
+pub(super) fn page(recorded: &Recorded, log: &str, record: &Record) -> Result<String, Failure> {
     let title = "Playback of a log";
+    let lines = record.lines()?;
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -48,6 +50,7 @@ pub(super) fn page(recorded: &Recorded, log: &str) -> Result<String, Failure> {
                     (controls(recorded))
                     (plots(recorded))
                     (keys())
+                    (provenance(&lines))
                 }
                 script type="application/json" id="data" { (PreEscaped(embedded(recorded)?)) }
                 script { @for script in SCRIPTS { (PreEscaped(script)) } }
@@ -216,6 +219,21 @@ fn keys() -> Markup {
     }
 }
 
+/// How the page came about, folded away.
+fn provenance(lines: &[(String, String)]) -> Markup {
+    html! {
+        details.note {
+            summary { "Provenance" }
+            dl {
+                @for (what, value) in lines {
+                    dt { (what) }
+                    dd { (printable(value)) }
+                }
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,7 +261,8 @@ mod tests {
     #[test]
     fn names_cannot_leave_their_place() {
         let name = "a</script><script>alert(1)</script><!-- \u{7}&";
-        let page = page(&recorded(name), name).unwrap();
+        let record = Record::new("0", "play", vec![name.to_owned()], Vec::new());
+        let page = page(&recorded(name), name, &record).unwrap();
         // the two elements of the page itself
         assert_eq!(page.matches("<script").count(), 2);
         assert_eq!(page.matches("</script").count(), 2);

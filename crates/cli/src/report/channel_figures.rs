@@ -198,6 +198,8 @@ mod tests {
             sd_before: 1.0,
             rms_after: 1.0,
             sd_after: 1.0,
+            rms_after_good: 1.0,
+            outliers: 0,
             noise_floor: 1.0,
             reduction_percent: None,
             before: Vec::new(),

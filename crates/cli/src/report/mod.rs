@@ -1,6 +1,7 @@
 //! report.html: the result in words, tables and figures.
 
 mod channel_figures;
+mod outliers;
 mod parameter_tables;
 mod transmission_figures;
 
@@ -30,6 +31,9 @@ pub(crate) fn page(
         "Residuals",
         channel_figures::blocks(calibration, recording)?,
     ));
+    if !result.outliers.is_empty() {
+        sections.push(outliers::section(result)?);
+    }
     let transmissions = transmission_figures::blocks(result, calibration, recording)?;
     if !transmissions.is_empty() {
         sections.push(Section::new("Transmissions", transmissions));
@@ -112,17 +116,13 @@ fn residuals(result: &Identified) -> Result<Section, Failure> {
 
 fn provenance(result: &Identified) -> Result<Section, Failure> {
     let columns = vec![Column::new("what", ""), Column::new("value", "")];
-    let mut table = Table::new("", columns);
-    let command: Vec<String> = std::env::args().collect();
+    let mut table = Table::new("What was fitted", columns);
     let convergence = result.convergence.map_or_else(
         || "no parameter was fitted".to_owned(),
         |convergence| convergence.to_string(),
     );
     for (what, value) in [
-        ("version", format!("haptical {}", result.haptical_version)),
-        ("command line", command.join(" ")),
-        ("device", result.device.clone()),
-        ("log", format!("{}, {} rows", result.log, result.rows)),
+        ("rows", result.rows.to_string()),
         ("method", result.method.to_owned()),
         ("held out", result.held_out.clone()),
         (
@@ -132,7 +132,7 @@ fn provenance(result: &Identified) -> Result<Section, Failure> {
     ] {
         table.push(vec![what.into(), value.into()])?;
     }
-    let mut blocks = vec![Block::Table(table)];
+    let mut blocks = vec![result.provenance.table()?, Block::Table(table)];
     let columns = vec![
         Column::new("channel", ""),
         Column::new("unit", ""),

@@ -276,20 +276,6 @@ fn a_log_of_more_joints_than_the_device_is_refused_or_warned_of() {
 }
 
 #[test]
-fn a_urdf_device_is_not_supported_yet() {
-    let sandbox = Sandbox::new();
-    haptical()
-        .args([
-            "identify", "--device", "arm.urdf", "--log", "log.csv", "--out", "result",
-        ])
-        .current_dir(sandbox.folder.path())
-        .assert()
-        .code(2)
-        .stderr(predicate_contains(".urdf device is not supported yet"));
-    assert!(!sandbox.path("result").exists());
-}
-
-#[test]
 fn an_unknown_flag_is_refused() {
     let sandbox = Sandbox::new();
     let output = sandbox.identify(&["--frobnicate"]);
@@ -357,9 +343,4 @@ fn sandbox_identify_to(sandbox: &Sandbox, out: &str) -> std::process::Output {
         ])
         .output()
         .unwrap()
-}
-
-/// Standard error holds this text.
-fn predicate_contains(wanted: &'static str) -> predicates::str::ContainsPredicate {
-    predicates::str::contains(wanted)
 }

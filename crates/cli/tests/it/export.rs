@@ -44,7 +44,7 @@ fn exported(device: &Path, format: &str) -> String {
 #[test]
 fn the_committed_modules_are_what_the_command_writes() {
     // they are compiled and compared with the model in the runtime's tests
-    for name in ["identified", "parallelogram"] {
+    for name in ["identified", "parallelogram", "general", "coupled"] {
         let (Some(device), Some(module)) = (
             fixture(&format!("{name}.toml")),
             fixture(&format!("{name}.rs")),

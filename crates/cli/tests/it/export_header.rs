@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use haptical_model::kinematics::{joint_torques_nm, nalgebra::Vector3};
+use haptical_model::kinematics::{Convention, joint_torques_nm, nalgebra::Vector3};
 use haptical_model::{Device, Evaluation};
 
 use crate::export::{export, fixture};
@@ -248,6 +248,32 @@ fn the_header_of_another_kind_of_device_gives_the_same_numbers() {
     let path = folder.path().join("other.toml");
     std::fs::write(&path, OTHER_DEVICE).unwrap();
     header_agrees(&path);
+}
+
+/// Origins, slides along y, a handle, and rows that follow: in both conventions.
+#[test]
+fn the_header_of_general_rows_gives_the_same_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, rows) in [("arm.urdf", 6), ("linkage.urdf", 5)] {
+        let Some(urdf) = crate::urdf::fixture(name) else {
+            return;
+        };
+        let urdf = std::fs::read_to_string(urdf).unwrap();
+        let mut device = haptical_urdf::device_from_urdf(&urdf, name, None)
+            .unwrap()
+            .device;
+        assert_eq!(device.links.len(), rows + 1);
+        for (index, id) in device.link_parameters(false).into_iter().enumerate() {
+            id.set(&mut device, 0.03 * (index as f64).sin());
+        }
+        device.joints[0].home_rad = 0.4;
+        for convention in [Convention::Standard, Convention::Modified] {
+            device.convention = convention;
+            let path = folder.path().join("general.toml");
+            std::fs::write(&path, device.to_new_toml().unwrap()).unwrap();
+            header_agrees(&path);
+        }
+    }
 }
 
 #[test]

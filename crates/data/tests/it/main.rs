@@ -10,8 +10,15 @@ mod gap_set;
 mod gzip;
 mod headers;
 mod hostile;
+#[cfg(feature = "mcap")]
+mod mcap;
+#[cfg(not(all(feature = "mcap", feature = "parquet")))]
+mod not_built_in;
 mod order;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod properties;
 mod reading;
 mod support;
+mod tables;
 mod writing;

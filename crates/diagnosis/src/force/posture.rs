@@ -4,7 +4,7 @@
 //! docs/diagnosis-force.md, "Torques of the drives", derives the formulas. All vectors are in frame
 //! (-1).
 
-use haptical_model::kinematics::{Convention, Link, Motion, Parameter};
+use haptical_model::kinematics::{Convention, Link, Motion, Parameter, Pose};
 use haptical_model::{Device, JointType};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
@@ -18,6 +18,7 @@ pub(super) struct Rows {
     convention: Convention,
     links: Vec<Link>,
     motions: Vec<Motion>,
+    origins: Vec<Option<Pose>>,
     slides: Vec<bool>,
     pub(super) gravity_mps2: Vector3<f64>,
 }
@@ -75,6 +76,7 @@ impl Rows {
             convention: device.convention,
             links: device.chain_links(),
             motions: device.motions(),
+            origins: device.chain_origins(),
             slides: device
                 .joints
                 .iter()
@@ -98,13 +100,16 @@ impl Rows {
             acceleration: Vector3::zeros(),
         };
         for (row, (link, motion)) in self.links.iter().zip(&self.motions).enumerate() {
+            if let Some(Some(origin)) = self.origins.get(row) {
+                at.place(origin);
+            }
             let variable = motion.variable();
             for parameter in self.convention.order() {
                 let mut value = link.get(parameter);
                 let (mut speed, mut change) = (0.0, 0.0);
                 let column = match parameter {
                     Parameter::A | Parameter::Alpha => 0,
-                    Parameter::Beta => 1,
+                    Parameter::B | Parameter::Beta => 1,
                     Parameter::D | Parameter::Theta => 2,
                 };
                 let direction: Vector3<f64> = at.rotation.column(column).into_owned();
@@ -127,7 +132,7 @@ impl Rows {
                     first_joint: posture.axes.len(),
                     first_body: posture.bodies.len(),
                 });
-                if matches!(parameter, Parameter::A | Parameter::D) {
+                if parameter.unit() == "m" {
                     at.slide(&direction, value, speed, change);
                 } else {
                     at.turn(&direction, value, speed, change);
@@ -137,12 +142,23 @@ impl Rows {
                 }
             }
         }
+        if let Some(Some(origin)) = self.origins.get(self.links.len()) {
+            at.place(origin);
+        }
         posture.handle_m = at.origin_m;
         posture.handle = at.rotation;
     }
 }
 
 impl Body {
+    /// Goes on to a frame that is fixed in this one.
+    fn place(&mut self, constant: &Pose) {
+        let arm = self.rotation * constant.position_m;
+        self.acceleration += self.spin_rate.cross(&arm) + self.spin.cross(&self.spin.cross(&arm));
+        self.origin_m += arm;
+        self.rotation *= constant.rotation;
+    }
+
     fn turn(&mut self, axis: &Vector3<f64>, angle: f64, rate: f64, acceleration: f64) {
         self.spin_rate += axis * acceleration + self.spin.cross(axis) * rate;
         self.spin += axis * rate;
@@ -242,7 +258,7 @@ impl Posture {
         force: &Vector3<f64>,
         torque: &mut [f64],
     ) {
-        let slides = matches!(step.parameter, Parameter::A | Parameter::D);
+        let slides = step.parameter.unit() == "m";
         let force = self.handle * force;
         let moved = &carried[step.first_body];
         // shift of the moved masses, of the handle, and turn of the hand's force

@@ -246,7 +246,8 @@ fn noise_of(context: &Context<'_>, values: &[f64], size: f64) -> Option<(f64, f6
 
 /// What nothing can be said without.
 fn needed<'a>(context: &'a Context<'a>) -> Result<&'a [LocalMotion], String> {
-    if !context.device.has_links() || context.twist.is_empty() {
+    let device = context.device;
+    if !device.has_links() || !device.drives_are_plain() || context.twist.is_empty() {
         return Err("the device file has no [[link]]".to_owned());
     }
     if !context.ordered {

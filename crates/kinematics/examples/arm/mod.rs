@@ -28,6 +28,7 @@ pub(crate) fn links() -> [Link; JOINTS + 1] {
             d_m: 0.1 * side + off,
             theta_rad: 0.2 * off,
             beta_rad: if row == 3 { off } else { 0.0 },
+            b_m: 0.0,
         }
     })
 }

@@ -15,6 +15,7 @@ const LINK: Link = Link {
     d_m: -0.23,
     theta_rad: 1.9,
     beta_rad: -0.4,
+    b_m: 0.17,
 };
 
 fn single(convention: Convention) -> Case {
@@ -23,6 +24,7 @@ fn single(convention: Convention) -> Case {
         links: vec![LINK],
         motions: vec![Motion::Fixed],
         joints: vec![],
+        origins: Vec::new(),
     }
 }
 
@@ -35,6 +37,7 @@ fn parameters_have_names_units_and_values() {
         ("d", "m", LINK.d_m),
         ("theta", "rad", LINK.theta_rad),
         ("beta", "rad", LINK.beta_rad),
+        ("b", "m", LINK.b_m),
     ];
     assert_eq!(described, expected);
     let mut link = Link::default();
@@ -48,7 +51,11 @@ fn parameters_have_names_units_and_values() {
 fn one_standard_row() {
     let (s, c) = LINK.theta_rad.sin_cos();
     let expected = Pose {
-        position_m: Vector3::new(LINK.a_m * c, LINK.a_m * s, LINK.d_m),
+        position_m: Vector3::new(
+            LINK.a_m * c - LINK.b_m * s,
+            LINK.a_m * s + LINK.b_m * c,
+            LINK.d_m,
+        ),
         rotation: rotation_z(LINK.theta_rad)
             * rotation_x(LINK.alpha_rad)
             * rotation_y(LINK.beta_rad),
@@ -61,7 +68,7 @@ fn one_modified_row() {
     let (sa, ca) = LINK.alpha_rad.sin_cos();
     let (sb, cb) = LINK.beta_rad.sin_cos();
     let expected = Pose {
-        position_m: Vector3::new(LINK.a_m, 0.0, 0.0)
+        position_m: Vector3::new(LINK.a_m, LINK.b_m, 0.0)
             + Vector3::new(sb, -sa * cb, ca * cb) * LINK.d_m,
         rotation: rotation_x(LINK.alpha_rad)
             * rotation_y(LINK.beta_rad)
@@ -83,6 +90,7 @@ fn planar_arm_of_two_links() {
             .to_vec(),
         motions: vec![Motion::Revolute; 2],
         joints: vec![0.4, -1.3],
+        origins: Vec::new(),
     };
     let (s1, c1) = case.joints[0].sin_cos();
     let (s12, c12) = (case.joints[0] + case.joints[1]).sin_cos();
@@ -149,6 +157,7 @@ fn spherical_arm(convention: Convention, joints: [f64; 3]) -> Case {
             .to_vec(),
         motions: vec![Motion::Revolute, Motion::Revolute, Motion::Prismatic],
         joints: joints.to_vec(),
+        origins: Vec::new(),
     }
 }
 
@@ -225,9 +234,10 @@ fn bits_do_not_depend_on_the_machine() {
         let joint = f64::from(index) * 0.515_625; // exact, up to 1030 rad
         let case = Case {
             convention: Convention::Standard,
-            links: vec![LINK; 3],
+            links: vec![Link { b_m: 0.0, ..LINK }; 3],
             motions: vec![Motion::Revolute, Motion::Prismatic, Motion::Revolute],
             joints: vec![joint, 0.125, 0.5 - joint],
+            origins: Vec::new(),
         };
         let position_m = case.pose().position_m;
         let product = homogeneous_product(&case)

@@ -6,12 +6,12 @@ use haptical_kinematics::{distance_derivative, distance_m};
 use proptest::prelude::*;
 
 use crate::support::{
-    CASES, Case, ROUNDING, case, convention, gap, pose_gap, rotation_z, twist_gap,
+    CASES, Case, ROUNDING, case, convention, gap, pose_gap, rotation_z, table, twist_gap,
 };
 
 /// A standard chain re-expressed as a modified one with one row more.
 ///
-/// `Rz(theta) Tz(d)` of a row and `Tx(a) Rx(alpha) Ry(beta)` of the row before it make one modified
+/// `Rz(theta) Tz(d)` of a row and `T(a, b, 0) Rx(alpha) Ry(beta)` of the row before it make one modified
 /// row, because slides along x and z commute; the last row's second half stands alone at the end.
 fn as_modified(standard: &Case) -> Case {
     let mut links = vec![Link::default(); standard.links.len() + 1];
@@ -21,6 +21,7 @@ fn as_modified(standard: &Case) -> Case {
         links[row + 1].a_m = link.a_m;
         links[row + 1].alpha_rad = link.alpha_rad;
         links[row + 1].beta_rad = link.beta_rad;
+        links[row + 1].b_m = link.b_m;
     }
     let mut motions = standard.motions.clone();
     motions.push(Motion::Fixed);
@@ -29,6 +30,7 @@ fn as_modified(standard: &Case) -> Case {
         links,
         motions,
         joints: standard.joints.clone(),
+        origins: Vec::new(),
     }
 }
 
@@ -47,7 +49,7 @@ proptest! {
     /// distance from a point of that axis changes.
     #[test]
     fn first_theta_turns_everything(
-        case in case(Just(Convention::Standard)),
+        case in table(Just(Convention::Standard)),
         turn in -3.0..3.0_f64,
         height_m in -1.0..1.0_f64,
     ) {
@@ -68,7 +70,7 @@ proptest! {
 
     /// The last standard row's alpha and beta turn the handle about its own origin.
     #[test]
-    fn last_twists_leave_the_position(case in case(Just(Convention::Standard))) {
+    fn last_twists_leave_the_position(case in table(Just(Convention::Standard))) {
         let derivatives = case.derivatives();
         let last = derivatives.last().unwrap();
         prop_assert_eq!(last.alpha.linear, Vector3::zeros());
@@ -77,7 +79,7 @@ proptest! {
     }
 
     #[test]
-    fn standard_chain_equals_its_modified_form(standard in case(Just(Convention::Standard))) {
+    fn standard_chain_equals_its_modified_form(standard in table(Just(Convention::Standard))) {
         let modified = as_modified(&standard);
         prop_assert!(pose_gap(&standard.pose(), &modified.pose()) < ROUNDING);
         let (left, right) = (standard.derivatives(), modified.derivatives());
@@ -88,6 +90,7 @@ proptest! {
                 (Parameter::A, 1),
                 (Parameter::Alpha, 1),
                 (Parameter::Beta, 1),
+                (Parameter::B, 1),
             ] {
                 let (l, r) = (left[row].get(parameter), right[row + shift].get(parameter));
                 prop_assert!(twist_gap(&l, &r) < ROUNDING, "row {row} {parameter}");
@@ -100,14 +103,16 @@ proptest! {
     fn chains_compose(case in case(convention()), cut in 1..10_usize) {
         prop_assume!(cut < case.links.len());
         let moving = case.motions[..cut].iter().filter(|motion| **motion != Motion::Fixed).count();
-        let half = |rows: core::ops::Range<usize>, joints: &[f64]| Case {
+        // the origin at the cut belongs to one half
+        let half = |rows: core::ops::Range<usize>, origins: core::ops::Range<usize>, joints: &[f64]| Case {
             convention: case.convention,
             links: case.links[rows.clone()].to_vec(),
             motions: case.motions[rows].to_vec(),
             joints: joints.to_vec(),
+            origins: case.origins.get(origins).unwrap_or_default().to_vec(),
         };
-        let first = half(0..cut, &case.joints[..moving]).pose();
-        let second = half(cut..case.links.len(), &case.joints[moving..]).pose();
+        let first = half(0..cut, 0..cut, &case.joints[..moving]).pose();
+        let second = half(cut..case.links.len(), cut..case.links.len() + 1, &case.joints[moving..]).pose();
         let joined = Pose {
             position_m: first.position_m + first.rotation * second.position_m,
             rotation: first.rotation * second.rotation,
@@ -122,6 +127,10 @@ proptest! {
         for link in &mut scaled.links {
             link.a_m *= scale;
             link.d_m *= scale;
+            link.b_m *= scale;
+        }
+        for origin in scaled.origins.iter_mut().flatten() {
+            origin.position_m *= scale;
         }
         for (joint, motion) in scaled.joints.iter_mut().zip(
             case.motions.iter().filter(|motion| **motion != Motion::Fixed),

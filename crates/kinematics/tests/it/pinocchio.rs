@@ -30,7 +30,11 @@ fn twist(value: &Value) -> Twist {
 fn link(value: &Value) -> Link {
     let mut link = Link::default();
     for parameter in Parameter::ALL {
-        link.set(parameter, value[parameter.name()].as_f64().unwrap());
+        // the file's chains have no slide along y
+        let number = &value[parameter.name()];
+        if !(parameter == Parameter::B && number.is_null()) {
+            link.set(parameter, number.as_f64().unwrap());
+        }
     }
     link
 }
@@ -84,7 +88,7 @@ fn compare(case: &Case, expected: &Value) {
     let derivatives = case.derivatives();
     assert_eq!(derivatives.len(), rows.len());
     for (row, (link, value)) in derivatives.iter().zip(rows).enumerate() {
-        for parameter in Parameter::ALL {
+        for parameter in Parameter::ALL.into_iter().filter(|p| *p != Parameter::B) {
             let gap = twist_gap(&link.get(parameter), &twist(&value[parameter.name()]));
             assert!(gap < PINOCCHIO, "row {row} {parameter} of {case:?}");
         }
@@ -121,6 +125,7 @@ fn chains_agree_with_pinocchio() {
                     .map(motion)
                     .collect(),
                 joints: joints.iter().map(|joint| joint.as_f64().unwrap()).collect(),
+                origins: Vec::new(),
             };
             compare(&case, configuration);
             compared += 1;

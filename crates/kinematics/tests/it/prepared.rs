@@ -62,12 +62,14 @@ fn on_axes(convention: Convention, quarters: u32) -> Case {
         d_m: 0.2,
         theta_rad: quarter(row as u32 + 1),
         beta_rad: quarter(row as u32 + 2),
+        b_m: 0.1,
     });
     Case {
         convention,
         links: links.to_vec(),
         motions: motions.to_vec(),
         joints: vec![0.4, -0.1, 0.9],
+        origins: Vec::new(),
     }
 }
 
@@ -118,12 +120,14 @@ fn nearly_parallel_axes_agree() {
                 d_m: 0.2,
                 theta_rad: 0.1,
                 beta_rad,
+                b_m: 0.1,
             };
             let case = Case {
                 convention: Convention::Standard,
                 links: vec![link; 4],
                 motions: vec![Motion::Revolute; 4],
                 joints: vec![0.3, -1.2, 2.0, 0.5],
+                origins: Vec::new(),
             };
             let gap = gap(&case);
             assert!(gap < PREPARED, "{gap:e}: {case:?}");
@@ -254,12 +258,12 @@ proptest! {
     #[test]
     fn every_finite_input_gives_finite_numbers_or_a_refusal(
         convention in convention(),
-        numbers in prop::collection::vec(any_finite(), 15),
+        numbers in prop::collection::vec(any_finite(), 18),
         joints in prop::array::uniform2(any_finite()),
     ) {
         let links: Vec<_> = numbers
-            .chunks(5)
-            .map(|n| Link { a_m: n[0], alpha_rad: n[1], d_m: n[2], theta_rad: n[3], beta_rad: n[4] })
+            .chunks(6)
+            .map(|n| Link { a_m: n[0], alpha_rad: n[1], d_m: n[2], theta_rad: n[3], beta_rad: n[4], b_m: n[5] })
             .collect();
         let motions = [Motion::Revolute, Motion::Fixed, Motion::Prismatic];
         let chain = Chain::new(convention, &links, &motions).unwrap();

@@ -15,6 +15,7 @@ const LINKS: [Link; 3] = [Link {
     d_m: 0.3,
     theta_rad: 0.4,
     beta_rad: 0.5,
+    b_m: 0.6,
 }; 3];
 const MOTIONS: [Motion; 3] = [Motion::Revolute, Motion::Fixed, Motion::Prismatic];
 
@@ -253,12 +254,12 @@ proptest! {
     #[test]
     fn every_finite_input_gives_finite_numbers_or_a_refusal(
         convention in convention(),
-        numbers in prop::collection::vec(any_finite(), 15),
+        numbers in prop::collection::vec(any_finite(), 18),
         joints in prop::array::uniform2(any_finite()),
     ) {
         let links: Vec<_> = numbers
-            .chunks(5)
-            .map(|n| Link { a_m: n[0], alpha_rad: n[1], d_m: n[2], theta_rad: n[3], beta_rad: n[4] })
+            .chunks(6)
+            .map(|n| Link { a_m: n[0], alpha_rad: n[1], d_m: n[2], theta_rad: n[3], beta_rad: n[4], b_m: n[5] })
             .collect();
         let chain = Chain::new(convention, &links, &MOTIONS).unwrap();
         let mut out = [LinkDerivatives::default(); 3];

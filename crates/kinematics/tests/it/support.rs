@@ -20,11 +20,14 @@ pub(crate) struct Case {
     pub(crate) links: Vec<Link>,
     pub(crate) motions: Vec<Motion>,
     pub(crate) joints: Vec<f64>,
+    /// None, or one before each row and one behind the last.
+    pub(crate) origins: Vec<Option<Pose>>,
 }
 
 impl Case {
     pub(crate) fn chain(&self) -> Chain<'_> {
-        Chain::new(self.convention, &self.links, &self.motions).unwrap()
+        let (links, motions) = (&self.links, &self.motions);
+        Chain::with_origins(self.convention, links, motions, &self.origins).unwrap()
     }
 
     pub(crate) fn pose(&self) -> Pose {
@@ -69,11 +72,12 @@ fn row() -> impl Strategy<Value = (Link, Motion, f64)> {
         length(),
         angle(),
         angle(),
+        prop_oneof![Just(0.0), length()],
         motion,
         -1.0..1.0_f64,
     )
         .prop_map(
-            |(a_m, alpha_rad, d_m, theta_rad, beta_rad, motion, joint)| {
+            |(a_m, alpha_rad, d_m, theta_rad, beta_rad, b_m, motion, joint)| {
                 (
                     Link {
                         a_m,
@@ -81,6 +85,7 @@ fn row() -> impl Strategy<Value = (Link, Motion, f64)> {
                         d_m,
                         theta_rad,
                         beta_rad,
+                        b_m,
                     },
                     motion,
                     joint,
@@ -89,9 +94,18 @@ fn row() -> impl Strategy<Value = (Link, Motion, f64)> {
         )
 }
 
-/// Chains of 1 to 10 rows in the given convention.
+/// As [`case`], without origins: laws of the table alone.
+pub(crate) fn table(convention: impl Strategy<Value = Convention>) -> impl Strategy<Value = Case> {
+    case(convention).prop_map(|case| Case {
+        origins: Vec::new(),
+        ..case
+    })
+}
+
+/// Chains of 1 to 10 rows in the given convention, most of them with origins.
 pub(crate) fn case(convention: impl Strategy<Value = Convention>) -> impl Strategy<Value = Case> {
-    (convention, prop::collection::vec(row(), 1..=10)).prop_map(|(convention, rows)| Case {
+    let rows = prop::collection::vec(row(), 1..=10);
+    let cases = (convention, rows).prop_map(|(convention, rows)| Case {
         convention,
         links: rows.iter().map(|row| row.0).collect(),
         motions: rows.iter().map(|row| row.1).collect(),
@@ -100,6 +114,26 @@ pub(crate) fn case(convention: impl Strategy<Value = Convention>) -> impl Strate
             .filter(|row| row.1 != Motion::Fixed)
             .map(|row| row.2)
             .collect(),
+        origins: Vec::new(),
+    });
+    let origins = prop_oneof![
+        1 => Just(Vec::new()),
+        2 => prop::collection::vec(prop::option::of(origin()), 11),
+    ];
+    (cases, origins).prop_map(|(mut case, mut origins)| {
+        origins.truncate(case.links.len() + 1);
+        case.origins = origins;
+        case
+    })
+}
+
+/// A constant transform: up to 0.5 m along each axis, any turn.
+fn origin() -> impl Strategy<Value = Pose> {
+    let place = prop::array::uniform3(-0.5..0.5_f64);
+    let turns = prop::array::uniform3(-3.2..3.2_f64);
+    (place, turns).prop_map(|(place_m, [first, second, third])| Pose {
+        position_m: Vector3::from(place_m),
+        rotation: rotation_z(first) * rotation_x(second) * rotation_y(third),
     })
 }
 
@@ -129,8 +163,17 @@ fn slide(x: f64, y: f64, z: f64) -> Matrix4<f64> {
 /// The pose as the product of 4x4 matrices, written as in the conventions' definitions.
 pub(crate) fn homogeneous_product(case: &Case) -> Matrix4<f64> {
     let mut joints = case.joints.iter();
-    let mut product = Matrix4::identity();
-    for (link, motion) in case.links.iter().zip(&case.motions) {
+    let mut product = Matrix4::<f64>::identity();
+    let origin = |row: usize| match case.origins.get(row) {
+        Some(Some(origin)) => {
+            let mut matrix = turn(&origin.rotation);
+            matrix.set_column(3, &origin.position_m.push(1.0));
+            matrix
+        }
+        _ => Matrix4::identity(),
+    };
+    for (row, (link, motion)) in case.links.iter().zip(&case.motions).enumerate() {
+        product *= origin(row);
         let (mut theta, mut d) = (link.theta_rad, link.d_m);
         match motion {
             Motion::Fixed => {}
@@ -144,11 +187,13 @@ pub(crate) fn homogeneous_product(case: &Case) -> Matrix4<f64> {
         ]
         .map(|rotation| turn(&rotation));
         product *= match case.convention {
-            Convention::Standard => rz * slide(link.a_m, 0.0, d) * rx * ry,
-            Convention::Modified => slide(link.a_m, 0.0, 0.0) * rx * ry * rz * slide(0.0, 0.0, d),
+            Convention::Standard => rz * slide(link.a_m, link.b_m, d) * rx * ry,
+            Convention::Modified => {
+                slide(link.a_m, link.b_m, 0.0) * rx * ry * rz * slide(0.0, 0.0, d)
+            }
         };
     }
-    product
+    product * origin(case.links.len())
 }
 
 /// Rotation vector of a rotation by less than a quarter turn: `sin(angle) axis` is the vector of

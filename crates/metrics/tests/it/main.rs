@@ -1,7 +1,9 @@
 //! Integration tests of haptical-metrics.
 
 mod bootstrap;
+mod coverage;
 mod improvement;
 mod inference;
 mod pose;
+mod quadratic_form;
 mod quantile;

@@ -150,6 +150,7 @@ fn head_and_links() {
         d_m: 1.0,
         theta_rad: 0.01,
         beta_rad: 0.02,
+        b_m: 0.0,
     };
     assert_eq!(device.links[0], row);
     assert_eq!(device.links.len(), 5);
@@ -270,6 +271,7 @@ fn sensors() {
         counts_per_rev: counts,
         distance_sd_m: sd,
         exit_axis,
+        ..Cable::default()
     };
     let cables = [
         cable(

@@ -42,7 +42,7 @@ fn standard_deviations_stated_and_by_default() {
         drum_radius_m: Some(0.015),
         counts_per_rev: Some(20_000.0),
         distance_sd_m: None,
-        exit_axis: None,
+        ..Cable::default()
     };
     let mut device = device_of(Convention::Standard, Vec::new(), vec![plain_joint()]);
     let no_counts = Cable {

@@ -14,6 +14,10 @@ mod parameters;
 mod properties;
 mod recording;
 mod refusals;
+mod rig;
+mod rows;
 mod support;
+#[cfg(feature = "rig")]
+mod surroundings;
 mod warnings;
 mod writer;

@@ -61,6 +61,8 @@ pub(crate) fn device_of(convention: Convention, links: Vec<Link>, joints: Vec<Jo
         name: "random".to_owned(),
         convention,
         bodies: vec![None; links.len()],
+        origins: Vec::new(),
+        drives: Vec::new(),
         links,
         joints,
         cables: Vec::new(),
@@ -68,6 +70,8 @@ pub(crate) fn device_of(convention: Convention, links: Vec<Link>, joints: Vec<Jo
         contact_pairs: Vec::new(),
         gravity_mps2: None,
         nominal_links: None,
+        #[cfg(feature = "rig")]
+        surroundings: Default::default(),
     }
 }
 
@@ -85,6 +89,7 @@ fn link() -> impl Strategy<Value = Link> {
             d_m,
             theta_rad,
             beta_rad,
+            b_m: 0.0,
         })
 }
 

@@ -37,7 +37,7 @@ proptest! {
             for parameter in Parameter::ALL {
                 link.set(parameter, 0.125 * (row + 1) as f64);
             }
-            link.beta_rad = 0.0;
+            (link.beta_rad, link.b_m) = (0.0, 0.0);
         }
         let original = nominal_text(&nominal);
         prop_assert_eq!(&load(&original).links, &nominal.links);

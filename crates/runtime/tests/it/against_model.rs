@@ -3,11 +3,11 @@
 
 use haptical_model::kinematics::{joint_torques_nm, nalgebra::Vector3};
 use haptical_model::{Device, Evaluation};
-use haptical_runtime::Twist;
+use haptical_runtime::{RuntimeError, State, Twist};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use crate::devices::{any_device, model};
+use crate::devices::{any_device, any_drives, any_general_device, coupled, model};
 
 /// Numbers here are of the size of 1; both sides round some hundred times.
 const TOLERANCE: f64 = 1e-12;
@@ -26,10 +26,30 @@ fn all_near(ours: [f64; 3], theirs: &Vector3<f64>, what: &str) {
 
 /// A step of both, and every number compared; refusals must agree too.
 pub(crate) fn compare<const JOINTS: usize>(device: &Device, readings: &[f64], force_n: [f64; 3]) {
+    let step = |readings: &[f64; JOINTS]| model::<JOINTS>(device).step(readings);
+    compare_step(device, step, readings, force_n);
+}
+
+/// As [`compare`], for rows that follow a joint.
+fn compare_coupled<const JOINTS: usize, const ROWS: usize>(
+    device: &Device,
+    readings: &[f64],
+    force_n: [f64; 3],
+) {
+    let step = |readings: &[f64; JOINTS]| coupled::<JOINTS, ROWS>(device).step(readings);
+    compare_step(device, step, readings, force_n);
+}
+
+fn compare_step<const JOINTS: usize>(
+    device: &Device,
+    step: impl Fn(&[f64; JOINTS]) -> Result<State<JOINTS>, RuntimeError>,
+    readings: &[f64],
+    force_n: [f64; 3],
+) {
     let readings: [f64; JOINTS] = std::array::from_fn(|joint| readings[joint]);
     let mut evaluation = Evaluation::new(device);
     let theirs = evaluation.move_to(&readings);
-    let ours = model::<JOINTS>(device).step(&readings);
+    let ours = step(&readings);
     let (Ok(()), Ok(state)) = (&theirs, &ours) else {
         assert!(
             theirs.is_err() && ours.is_err(),
@@ -68,14 +88,30 @@ pub(crate) fn compare<const JOINTS: usize>(device: &Device, readings: &[f64], fo
     }
 }
 
-/// A device of one to seven joints, readings, a force.
+/// A device of one to seven joints, readings, a force; half of the devices with origins before rows.
 fn any_case() -> impl Strategy<Value = (Device, Vec<f64>, [f64; 3])> {
     (1..=7_usize).prop_flat_map(|joints| {
         (
-            any_device(joints),
+            prop_oneof![
+                any_device(joints).boxed(),
+                any_general_device(joints, joints).boxed()
+            ],
             vec(-1.2..1.2_f64, joints),
-            [-10.0..10.0_f64, -10.0..10.0_f64, -10.0..10.0_f64],
+            any_force_n(),
         )
+    })
+}
+
+fn any_force_n() -> impl Strategy<Value = [f64; 3]> {
+    [-10.0..10.0_f64, -10.0..10.0_f64, -10.0..10.0_f64]
+}
+
+/// A device of two joints that drive three or five rows, in any order.
+fn any_coupled_case() -> impl Strategy<Value = (Device, Vec<f64>, [f64; 3])> {
+    prop_oneof![Just(3_usize), Just(5)].prop_flat_map(|rows| {
+        let device = (any_general_device(2, rows), any_drives(2, rows));
+        let device = device.prop_map(|(device, drives)| Device { drives, ..device });
+        (device, vec(-1.2..1.2_f64, 2), any_force_n())
     })
 }
 
@@ -92,6 +128,14 @@ proptest! {
             5 => compare::<5>(&device, &readings, force_n),
             6 => compare::<6>(&device, &readings, force_n),
             _ => compare::<7>(&device, &readings, force_n),
+        }
+    }
+
+    #[test]
+    fn every_device_with_rows_that_follow((device, readings, force_n) in any_coupled_case()) {
+        match device.drives.len() {
+            3 => compare_coupled::<2, 3>(&device, &readings, force_n),
+            _ => compare_coupled::<2, 5>(&device, &readings, force_n),
         }
     }
 }

@@ -2,9 +2,12 @@
 
 use haptical_model::kinematics::{Convention as ModelConvention, Link};
 use haptical_model::transmission::CapstanError;
-use haptical_model::{Device, Joint as ModelJoint, JointType, TransmissionError, TransmissionKind};
+use haptical_model::{
+    Device, Drive, Joint as ModelJoint, JointType, Origin, TransmissionError, TransmissionKind,
+};
 use haptical_runtime::{
-    Capstan, Convention, Joint, Model, Motion, POLYNOMIAL_TERMS, Parallelogram, Row, Transmission,
+    Capstan, Convention, CoupledModel, Frame, GeneralRow, Joint, Model, Motion, POLYNOMIAL_TERMS,
+    Parallelogram, Row, RowDrive, Transmission,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -24,29 +27,77 @@ pub(crate) fn model<const JOINTS: usize>(device: &Device) -> Model<JOINTS> {
         ModelConvention::Standard => Convention::Standard,
         ModelConvention::Modified => Convention::Modified,
     };
-    let row = |index: usize| {
-        let link = device.links[index];
-        Row {
+    let rows = std::array::from_fn(|index| row(device, index + 1));
+    let joints = std::array::from_fn(|index| joint(&device.joints[index]));
+    if device.is_plain_table() {
+        let rows = rows.map(|row: GeneralRow| row.row);
+        return Model::new(convention, row(device, 0).row, rows, joints).unwrap();
+    }
+    let handle = frame(device, device.links.len());
+    Model::general(convention, row(device, 0), rows, handle, joints).unwrap()
+}
+
+/// A device with rows that follow, as a device file with it would give the runtime.
+pub(crate) fn coupled<const JOINTS: usize, const ROWS: usize>(
+    device: &Device,
+) -> CoupledModel<JOINTS, ROWS> {
+    let convention = match device.convention {
+        ModelConvention::Standard => Convention::Standard,
+        ModelConvention::Modified => Convention::Modified,
+    };
+    let rows = std::array::from_fn(|index| row(device, index + 1));
+    let joints = std::array::from_fn(|index| joint(&device.joints[index]));
+    let drives = std::array::from_fn(|index| {
+        let drive = device.drives[index];
+        RowDrive {
+            motion: motion(drive.motion),
+            joint: drive.joint,
+            multiplier: drive.multiplier,
+            offset: drive.offset,
+        }
+    });
+    let handle = frame(device, device.links.len());
+    CoupledModel::new(convention, row(device, 0), rows, handle, joints, drives).unwrap()
+}
+
+fn motion(joint_type: JointType) -> Motion {
+    match joint_type {
+        JointType::Revolute => Motion::Revolute,
+        JointType::Prismatic => Motion::Prismatic,
+    }
+}
+
+fn joint(joint: &ModelJoint) -> Joint {
+    Joint {
+        motion: motion(joint.joint_type),
+        home: joint.home_rad,
+        transmission: transmission(joint),
+    }
+}
+
+fn frame(device: &Device, row: usize) -> Option<Frame> {
+    let origin = device.origins.get(row).copied().flatten()?.pose();
+    Some(Frame {
+        position_m: origin.position_m.into(),
+        rotation: std::array::from_fn(|row| {
+            std::array::from_fn(|column| origin.rotation[(row, column)])
+        }),
+    })
+}
+
+fn row(device: &Device, index: usize) -> GeneralRow {
+    let link = device.links[index];
+    GeneralRow {
+        origin: frame(device, index),
+        row: Row {
             a_m: link.a_m,
             alpha_rad: link.alpha_rad,
             d_m: link.d_m,
             theta_rad: link.theta_rad,
             beta_rad: link.beta_rad,
-        }
-    };
-    let rows = std::array::from_fn(|index| row(index + 1));
-    let joints = std::array::from_fn(|index| {
-        let joint = &device.joints[index];
-        Joint {
-            motion: match joint.joint_type {
-                JointType::Revolute => Motion::Revolute,
-                JointType::Prismatic => Motion::Prismatic,
-            },
-            home: joint.home_rad,
-            transmission: transmission(joint),
-        }
-    });
-    Model::new(convention, row(0), rows, joints).unwrap()
+        },
+        b_m: link.b_m,
+    }
 }
 
 fn transmission(joint: &ModelJoint) -> Transmission {
@@ -106,6 +157,8 @@ pub(crate) fn any_device(joints: usize) -> impl Strategy<Value = Device> {
                 ModelConvention::Standard
             },
             bodies: vec![None; links.len()],
+            origins: Vec::new(),
+            drives: Vec::new(),
             links,
             joints,
             cables: Vec::new(),
@@ -114,6 +167,60 @@ pub(crate) fn any_device(joints: usize) -> impl Strategy<Value = Device> {
             gravity_mps2: None,
             nominal_links: None,
         })
+}
+
+/// Devices of `joints` joints and `rows` moving rows with origins before some of them and slides along y.
+/// Where there are more rows than joints, drives must be given to it.
+pub(crate) fn any_general_device(joints: usize, rows: usize) -> impl Strategy<Value = Device> {
+    let origin = (
+        [-0.5..0.5_f64, -0.5..0.5_f64, -0.5..0.5_f64],
+        [-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64, 0.1..1.0_f64],
+    )
+        .prop_map(|(position_m, quaternion)| {
+            let length = quaternion
+                .iter()
+                .map(|part| part * part)
+                .sum::<f64>()
+                .sqrt();
+            Origin {
+                position_m,
+                orientation_wxyz: quaternion.map(|part| part / length),
+            }
+        });
+    (
+        any_device(joints),
+        vec((any_link(), -0.3..0.3_f64), rows + 1),
+        vec(proptest::option::of(origin), rows + 2),
+    )
+        .prop_map(|(device, links, origins)| Device {
+            bodies: vec![None; links.len()],
+            links: links
+                .into_iter()
+                .map(|(link, b_m)| Link { b_m, ..link })
+                .collect(),
+            origins,
+            ..device
+        })
+}
+
+/// What drives `rows` rows of `joints` joints, each joint at least one of the first.
+pub(crate) fn any_drives(joints: usize, rows: usize) -> impl Strategy<Value = Vec<Drive>> {
+    let drive = (0..joints, any::<bool>(), -2.0..2.0_f64, -0.5..0.5_f64);
+    let drive = drive.prop_map(|(joint, slides, multiplier, offset)| Drive {
+        joint,
+        motion: match slides {
+            true => JointType::Prismatic,
+            false => JointType::Revolute,
+        },
+        multiplier,
+        offset,
+    });
+    vec(drive, rows).prop_map(move |mut drives| {
+        for (joint, drive) in drives.iter_mut().take(joints).enumerate() {
+            drive.joint = joint;
+        }
+        drives
+    })
 }
 
 fn any_link() -> impl Strategy<Value = Link> {
@@ -131,6 +238,7 @@ fn any_link() -> impl Strategy<Value = Link> {
             d_m,
             theta_rad,
             beta_rad,
+            b_m: 0.0,
         })
 }
 

@@ -1,10 +1,10 @@
 //! The modules that `haptical export --format rust` wrote, compiled here, against their device files.
 
-use haptical_runtime::{Model, RuntimeError};
+use haptical_runtime::{CoupledModel, Model, RuntimeError};
 use proptest::prelude::*;
 
 use crate::against_model::compare;
-use crate::devices::{fixture, model};
+use crate::devices::{self, fixture, model};
 
 /// Joint 4 as a polynomial, as identified from a log.
 pub(crate) mod identified {
@@ -13,6 +13,29 @@ pub(crate) mod identified {
 /// Joint 4 as a parallelogram.
 pub(crate) mod parallelogram {
     include!("../fixtures/parallelogram.rs");
+}
+
+/// Rows behind origins, with slides along y, tilts and a handle.
+pub(crate) mod general {
+    include!("../fixtures/general.rs");
+}
+/// Two joints that move three rows.
+pub(crate) mod coupled {
+    include!("../fixtures/coupled.rs");
+}
+
+#[test]
+fn the_exported_constants_of_general_rows_are_those_of_the_files() {
+    let there: Model<2> = model(&fixture("general.toml"));
+    assert_eq!((general::MODEL, general::JOINTS), (there, 2));
+    assert_eq!(
+        (general::DEVICE, coupled::DEVICE),
+        ("general rows", "coupled rows")
+    );
+    assert_ne!(general::DEVICE_SHA256, coupled::DEVICE_SHA256);
+    let there: CoupledModel<2, 3> = devices::coupled(&fixture("coupled.toml"));
+    assert_eq!((coupled::JOINTS, coupled::ROWS), (2, 3));
+    assert_eq!(coupled::MODEL, there);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! What a step and a model refuse, and that nothing else ever comes out than finite numbers.
 
 use haptical_runtime::{
-    Capstan, Convention, DeviceError, Joint, Model, Motion, Parallelogram, Row, RuntimeError,
-    Transmission, padded,
+    Capstan, Convention, CoupledModel, DeviceError, Frame, GeneralRow, Joint, Model, Motion,
+    Parallelogram, Row, RowDrive, RuntimeError, Transmission, padded,
 };
 use proptest::prelude::*;
 
@@ -39,6 +39,102 @@ fn refused_key(transmission: Transmission) -> &'static str {
         }) => quantity,
         other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn origins_that_are_no_rigid_transforms_are_refused_with_their_row() {
+    let joint = Joint {
+        motion: Motion::Revolute,
+        home: 0.0,
+        transmission: Transmission::Exact,
+    };
+    let mut bad = [Frame::IDENTITY; 5];
+    bad[0].rotation[1][1] = f64::NAN;
+    bad[1].rotation[2][2] = -1.0; // mirrors
+    bad[2].rotation[0][0] = 1.001; // stretches
+    bad[3].position_m[2] = f64::INFINITY;
+    bad[4].rotation[0][1] = 0.01; // shears
+    for frame in bad {
+        for row in 0..3 {
+            let general = |index| GeneralRow {
+                origin: (index == row).then_some(frame),
+                ..GeneralRow::IDENTITY
+            };
+            let handle = (row == 2).then_some(frame);
+            let convention = Convention::Modified;
+            let model = Model::general(convention, general(0), [general(1)], handle, [joint]);
+            assert_eq!(model, Err(DeviceError::Origin { row }), "{frame:?}");
+        }
+    }
+    let row = GeneralRow {
+        b_m: 2e6,
+        ..GeneralRow::IDENTITY
+    };
+    let Err(DeviceError::Row {
+        row: 1,
+        quantity: "b_m",
+        ..
+    }) = Model::general(
+        Convention::Standard,
+        GeneralRow::IDENTITY,
+        [row],
+        None,
+        [joint],
+    )
+    else {
+        panic!("a slide of 2000 km is no length");
+    };
+}
+
+#[test]
+fn rows_that_follow_are_refused_with_their_joint() {
+    let joint = Joint {
+        motion: Motion::Revolute,
+        home: 0.0,
+        transmission: Transmission::Exact,
+    };
+    let coupled = |joint_index, multiplier| {
+        let drive = |joint, multiplier| RowDrive {
+            motion: Motion::Revolute,
+            joint,
+            multiplier,
+            offset: 0.0,
+        };
+        CoupledModel::new(
+            Convention::Standard,
+            GeneralRow::IDENTITY,
+            [GeneralRow::IDENTITY; 2],
+            None,
+            [joint],
+            [drive(0, 1.0), drive(joint_index, multiplier)],
+        )
+    };
+    let expected = DeviceError::Drive {
+        row: 2,
+        joint: 2,
+        joints: 1,
+    };
+    assert_eq!(coupled(1, 1.0), Err(expected));
+    let Err(DeviceError::Joint {
+        joint: 1,
+        quantity: "driven_multiplier",
+        ..
+    }) = coupled(0, f64::NAN)
+    else {
+        panic!("a multiplier must be a number");
+    };
+    // a reading that is allowed may still drive a row too far
+    let model = coupled(0, 1e5).unwrap();
+    assert!(model.step(&[1.0]).is_ok());
+    let far = RuntimeError::OutputOutOfRange {
+        joint: 1,
+        reading: 11.0,
+        output: 1.1e6,
+    };
+    assert_eq!(model.step(&[11.0]), Err(far));
+    let Err(RuntimeError::NonFiniteReading { joint: 1, .. }) = model.step(&[f64::NAN]) else {
+        panic!("a reading must be a number");
+    };
 }
 
 #[test]

@@ -1,0 +1,119 @@
+//! Whether a recording needs a robust loss: wild readings, told from effects that the model lacks.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use haptical_identification::Loss;
+use haptical_model::{Device, Recording};
+
+use crate::robust::{fit, judge};
+use crate::{
+    CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, Options, Outlier,
+    channel_residuals, channels, far_out,
+};
+
+/// Rows on which it is tried whether a robust loss is needed.
+const SCREENED: usize = 600;
+/// Share of the outliers that stand before another one from which on they are no single wild readings but an
+/// effect in time: of independent ones, the share is that of the outliers among all readings.
+const IN_STRETCHES: f64 = 0.6;
+/// Residual over noise floor beyond which more than noise is left.
+const ABOVE_FLOOR: f64 = 1.5;
+
+/// Least squares, unless there are wild readings: then Tukey's loss.
+///
+/// Wild readings show as such among the residuals of least squares, or they have bent its fit so far that they
+/// do not: then a robust fit of some of the rows finds that most of them are at their noise, which least squares
+/// is not. An effect that the model lacks disturbs most rows, and its fit stays that of least squares.
+pub(crate) fn automatic(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+    plain: Result<FittedDevice, CalibrationError>,
+) -> Result<FittedDevice, CalibrationError> {
+    let (mut wild, mut disturbed) = (true, Vec::new());
+    if let Ok(fitted) = &plain {
+        let (scales, _) = judge(fitted, recording, Loss::Squares)?;
+        wild = !far_out(&fitted.device, recording, &scales, &fitted.weights)?.is_empty();
+        disturbed = above_floor(fitted, recording)?;
+        if !wild && disturbed.is_empty() {
+            return plain;
+        }
+    }
+    let step = recording.len().div_ceil(SCREENED).max(1);
+    let some: Vec<usize> = (0..recording.len()).step_by(step).collect();
+    let sample = recording.select(&some);
+    let quick = Options {
+        method: CalibrationMethod::TwoStep,
+        ..*options
+    };
+    let Ok(screen) = fit(device, &sample, &quick, Loss::Tukey) else {
+        return plain;
+    };
+    let floors = noise_floors(&screen, &sample)?;
+    let found = screen.robust.iter().flat_map(|robust| &robust.channels);
+    let at_noise = found
+        .filter(|found| disturbed.contains(&found.channel))
+        .any(|found| {
+            let floor = floors.get(&found.channel).copied().unwrap_or(0.0);
+            found.scale <= ABOVE_FLOOR * floor
+        });
+    let outliers = screen.robust.map_or(Vec::new(), |robust| robust.outliers);
+    if outliers.is_empty() || !(wild || at_noise) || are_in_stretches(&outliers, &sample) {
+        return plain;
+    }
+    match fit(device, recording, options, Loss::Tukey) {
+        Ok(robust) if plain.is_err() || is_settled(&robust) => Ok(robust),
+        _ => plain,
+    }
+}
+
+fn is_settled(fitted: &FittedDevice) -> bool {
+    fitted.robust.as_ref().is_some_and(|robust| robust.settled)
+}
+
+/// Whether outliers stand beside each other, as those of an effect do and wild readings do not.
+fn are_in_stretches(outliers: &[Outlier], recording: &Recording) -> bool {
+    let wild: BTreeSet<(Channel, u64)> = outliers
+        .iter()
+        .map(|outlier| (outlier.channel, outlier.line))
+        .collect();
+    let lines = recording.line.windows(2);
+    let next: BTreeMap<u64, u64> = lines.map(|pair| (pair[0], pair[1])).collect();
+    let beside = wild.iter().filter(|(channel, line)| {
+        let next = next.get(line);
+        next.is_some_and(|&next| wild.contains(&(*channel, next)))
+    });
+    beside.count() as f64 > IN_STRETCHES * wild.len() as f64
+}
+
+/// Channels whose residuals are above their noise floor.
+fn above_floor(
+    fitted: &FittedDevice,
+    recording: &Recording,
+) -> Result<Vec<Channel>, CalibrationError> {
+    let present = channels(&fitted.device, recording)?;
+    let (device, weights) = (&fitted.device, &fitted.weights);
+    let residuals = channel_residuals(device, device, recording, &present, weights)?;
+    let is_above = |channel: &&ChannelResiduals| {
+        let rms = channel.rms().unwrap_or(0.0);
+        rms > ABOVE_FLOOR * channel.noise_floor
+    };
+    Ok(residuals
+        .iter()
+        .filter(is_above)
+        .map(|channel| channel.channel)
+        .collect())
+}
+
+fn noise_floors(
+    fitted: &FittedDevice,
+    recording: &Recording,
+) -> Result<BTreeMap<Channel, f64>, CalibrationError> {
+    let present = channels(&fitted.device, recording)?;
+    let (device, weights) = (&fitted.device, &fitted.weights);
+    let residuals = channel_residuals(device, device, recording, &present, weights)?;
+    let pairs = residuals
+        .iter()
+        .map(|channel| (channel.channel, channel.noise_floor));
+    Ok(pairs.collect())
+}

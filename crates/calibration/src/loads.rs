@@ -1,0 +1,54 @@
+//! The drive torques at each row, to which compliant joints yield.
+
+use haptical_model::{Device, Recording};
+
+use crate::CalibrationError;
+
+/// Torques, row by row, joint by joint.
+#[derive(Debug)]
+pub(crate) struct Loads {
+    joints: usize,
+    torque_nm: Vec<f64>,
+}
+
+impl Loads {
+    /// None where no joint of the device yields. Torques are those of the log where it has them, else those
+    /// that hold the device's masses and the hand at rest; what is not known is 0. They do not change in a
+    /// fit: a millimetre of geometry moves them by a thousandth.
+    ///
+    /// # Errors
+    /// [`CalibrationError::Row`] where the chain has no pose.
+    pub(crate) fn new(
+        device: &Device,
+        recording: &Recording,
+    ) -> Result<Option<Self>, CalibrationError> {
+        #[cfg(feature = "rig")]
+        if device.has_compliance() {
+            let joints = device.joints.len();
+            let held = haptical_model::holding_torques_nm(device, recording);
+            let held = held.map_err(|source| CalibrationError::Row {
+                line: recording.line.first().copied().unwrap_or(0),
+                source: source.into(),
+            })?;
+            let mut torque_nm = Vec::with_capacity(joints * recording.len());
+            for row in 0..recording.len() {
+                for joint in 0..joints {
+                    let logged = recording.torque_nm.get(joint).and_then(Option::as_ref);
+                    let logged = logged
+                        .map(|column| column[row])
+                        .filter(|torque| torque.is_finite());
+                    let held = || held.as_ref().map(|columns| columns[joint][row]);
+                    torque_nm.push(logged.or_else(held).unwrap_or(0.0));
+                }
+            }
+            return Ok(Some(Self { joints, torque_nm }));
+        }
+        let _ = (device, recording);
+        Ok(None)
+    }
+
+    /// Torques of one row, joint by joint.
+    pub(crate) fn at(&self, row: usize) -> &[f64] {
+        &self.torque_nm[row * self.joints..][..self.joints]
+    }
+}

@@ -1,0 +1,108 @@
+//! The frames between which a tracker sees: its own, and the one that is fixed to the handle.
+
+use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
+use haptical_model::kinematics::{Pose, Twist};
+use haptical_model::{Device, ParameterId, SurroundingParameter};
+
+/// Pose of what is tracked in the tracker's frame, `B T X`: B frame (-1) seen from the tracker, T the
+/// handle's pose, X what is tracked seen from the handle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tracked {
+    base: Pose,
+    tool: Pose,
+    /// Rotation vectors per unit of the base's turn, in the tracker's frame.
+    base_turn: Matrix3<f64>,
+    /// Rotation vectors per unit of the tool's turn, in the handle frame.
+    tool_turn: Matrix3<f64>,
+    handle: Pose,
+}
+
+impl Tracked {
+    /// None where the tracker's base and tool are known: then it sees the handle itself in frame (-1).
+    pub(crate) fn new(device: &Device, handle: &Pose) -> Option<Self> {
+        let surroundings = &device.surroundings;
+        let (base, tool) = (surroundings.tracker_base, surroundings.tracker_tool);
+        if base.is_none() && tool.is_none() {
+            return None;
+        }
+        let (base, tool) = (base.unwrap_or_default(), tool.unwrap_or_default());
+        Some(Self {
+            base: base.pose(),
+            tool: tool.pose(),
+            base_turn: base.turn_axes(),
+            tool_turn: tool.turn_axes(),
+            handle: *handle,
+        })
+    }
+
+    /// From the handle to what is tracked, in frame (-1).
+    fn arm(&self) -> Vector3<f64> {
+        self.handle.rotation * self.tool.position_m
+    }
+
+    /// From frame (-1)'s origin to what is tracked, turned into the tracker's frame.
+    fn reach(&self) -> Vector3<f64> {
+        self.base.rotation * (self.handle.position_m + self.arm())
+    }
+
+    /// What the tracker should see.
+    pub(crate) fn pose(&self) -> Pose {
+        Pose {
+            position_m: self.reach() + self.base.position_m,
+            rotation: self.base.rotation * self.handle.rotation * self.tool.rotation,
+        }
+    }
+
+    /// How what it sees changes when the handle moves by a twist in frame (-1).
+    pub(crate) fn carried(&self, twist: &Twist) -> Twist {
+        let linear = twist.linear + twist.angular.cross(&self.arm());
+        Twist {
+            linear: self.base.rotation * linear,
+            angular: self.base.rotation * twist.angular,
+        }
+    }
+
+    /// How what it sees changes with a number of base or tool; none for another parameter.
+    pub(crate) fn derivative(&self, parameter: ParameterId) -> Option<Twist> {
+        let unit = |index: usize| Vector3::ith(index, 1.0);
+        let slide = |linear: Vector3<f64>| Twist {
+            linear,
+            angular: Vector3::zeros(),
+        };
+        match parameter {
+            ParameterId::Surrounding(SurroundingParameter::TrackerBase { index }) => {
+                Some(match index.checked_sub(3) {
+                    None => slide(unit(index)),
+                    Some(turn) => {
+                        let angular = self.base_turn.column(turn).into_owned();
+                        Twist {
+                            linear: angular.cross(&self.reach()),
+                            angular,
+                        }
+                    }
+                })
+            }
+            ParameterId::Surrounding(SurroundingParameter::TrackerTool { index }) => {
+                let turned = self.base.rotation * self.handle.rotation;
+                Some(match index.checked_sub(3) {
+                    None => slide(turned * unit(index)),
+                    Some(turn) => Twist {
+                        linear: Vector3::zeros(),
+                        angular: turned * self.tool_turn.column(turn),
+                    },
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Whether a parameter is one of the tracker's own.
+pub(crate) fn is_of_tracker(parameter: ParameterId) -> bool {
+    matches!(
+        parameter,
+        ParameterId::Surrounding(
+            SurroundingParameter::TrackerBase { .. } | SurroundingParameter::TrackerTool { .. }
+        )
+    )
+}

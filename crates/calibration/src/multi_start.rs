@@ -1,0 +1,262 @@
+//! Searches from other places where the first one failed or ended where no good fit ends.
+
+use haptical_identification::{Fit, Problem, Settings, solve};
+use haptical_model::{Device, ParameterId};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use crate::fit::{Task, wrap};
+use crate::form::Prepared;
+use crate::{CalibrationError, DeviceProblem, ParameterFit};
+
+/// What searches from other places said of a fit.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Starts {
+    /// Why the first search, from the device's own values, was doubted; none where it was not, and then no other
+    /// place was tried.
+    pub doubt: Option<String>,
+    /// Why the fit that was kept is doubted still: it may be another minimum than the device's, or the model lacks
+    /// an effect.
+    pub doubt_that_remains: Option<String>,
+    /// Random places tried.
+    pub tried: usize,
+    /// How many of them led to the lowest minimum that any reached.
+    pub reached_best: usize,
+    /// Whether the first search had ended at another minimum, or at none, and a random place led to this one.
+    pub replaced: bool,
+    /// How many places led to plausible values that are others and fit as well: the recording does not tell which
+    /// are the device's.
+    pub rivals: usize,
+    /// Seed of the random places.
+    pub seed: u64,
+}
+
+/// Deviation, in plausible sizes, beyond which a value is hardly the device's: half a decimetre, a fifth of a
+/// radian.
+pub(crate) const IMPLAUSIBLE: f64 = 10.0;
+/// Residual over stated noise beyond which a search may have ended at a wrong minimum.
+const ABOVE_NOISE: f64 = 5.0;
+/// Fall of the residuals' sum, in units of the noise's variance, that held weak parameters do not hold back by
+/// plausible deviations: one that is half fixed does with a probability of 1e-5.
+const MISSED: f64 = 100.0;
+/// Sizes of the random deviations, in plausible sizes, in turn.
+const REACHES: [f64; 3] = [1.0, 3.0, IMPLAUSIBLE];
+/// Rows that the random places are tried on: which valley is deepest shows on few.
+const MOST_ROWS: usize = 240;
+/// Steps of a search from a random place: those that arrive need ten to thirty.
+const MOST_STEPS: usize = 100;
+/// Share by which a minimum must be lower than another to be a better one.
+const BETTER: f64 = 0.1;
+/// Difference of two minima, in units of the noise's variance, that the noise may make.
+const AS_GOOD: f64 = 10.0;
+/// Any number does; results name it.
+const SEED: u64 = 0x6361_6c69_6272;
+
+/// Tries random places where the first fit is doubted, and returns the better fit.
+///
+/// # Errors
+/// [`CalibrationError`] of the problem on fewer rows; a place from which no search works is passed over.
+pub(crate) fn improve(
+    task: &Task<'_>,
+    first: ParameterFit,
+) -> Result<ParameterFit, CalibrationError> {
+    let Some(doubt) = doubt(task, &first) else {
+        return Ok(first);
+    };
+    // transmissions and joint fits begin where an earlier step ended
+    let is_chain = |parameter: &ParameterId| matches!(parameter, ParameterId::Link { .. });
+    let begins_afresh = task.parameters.iter().all(is_chain);
+    let is_failed = !first.convergence.was_successful();
+    if task.options.starts == 0 || !(begins_afresh || is_failed) {
+        let starts = Starts {
+            doubt_that_remains: Some(doubt.clone()),
+            doubt: Some(doubt),
+            ..Starts::default()
+        };
+        return Ok(ParameterFit { starts, ..first });
+    }
+    let part = task.recording.select(&spread_rows(task.recording.len()));
+    let (channels, parameters) = (task.channels, task.parameters);
+    let problem = DeviceProblem::new(task.device, &part, channels, parameters, task.weights)?;
+    if problem.residual_count() <= first.fitted.len() {
+        return Ok(first);
+    }
+    let prepared = Prepared::new(&problem);
+    let lanes = prepared.lanes();
+    let searched = prepared.searched(lanes.as_ref());
+    let settings = Settings {
+        max_iterations: task.options.search.max_iterations.min(MOST_STEPS),
+        ..task.options.search
+    };
+    let search = |values: &[f64]| solve(searched, values, &first.fitted, &settings);
+    let nominal = problem.start();
+    let ended: Vec<f64> = values_of(parameters, &first.device);
+    let again = search(&ended).map_err(|source| wrap(task.what, source))?;
+    let found: Vec<Fit> = (0..task.options.starts)
+        .filter_map(|number| search(&random_place(task, &first.fitted, &nominal, number)).ok())
+        .filter(|fit| fit.convergence.was_successful())
+        .collect();
+    let mut starts = Starts {
+        doubt_that_remains: Some(doubt.clone()),
+        doubt: Some(doubt),
+        tried: task.options.starts,
+        seed: SEED,
+        ..Starts::default()
+    };
+    let best = found.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+    let Some(best) = best else {
+        return Ok(ParameterFit { starts, ..first });
+    };
+    let is_better = best.cost < (1.0 - BETTER) * again.cost;
+    let lowest = best.cost.min(again.cost);
+    let freedom = (problem.residual_count() - first.fitted.len()) as f64;
+    let noise = (lowest / freedom).max(1.0);
+    let as_good = |fit: &&Fit| fit.cost - lowest <= AS_GOOD * noise;
+    starts.reached_best = found.iter().filter(as_good).count();
+    let kept = if is_better {
+        &best.parameters
+    } else {
+        &again.parameters
+    };
+    starts.rivals = found
+        .iter()
+        .filter(as_good)
+        .filter(|fit| {
+            let is_near = |reach, from: &[f64]| is_within(task, reach, &fit.parameters, from);
+            is_near(IMPLAUSIBLE, &nominal) && !is_near(1.0, kept)
+        })
+        .count();
+    if !is_better && first.convergence.was_successful() {
+        return Ok(ParameterFit { starts, ..first });
+    }
+    let Ok(second) = task.fit_from(Some(&best.parameters)) else {
+        return Ok(ParameterFit { starts, ..first });
+    };
+    starts.replaced = is_preferred(task, &second, &first);
+    if starts.replaced {
+        starts.doubt_that_remains = self::doubt(task, &second);
+    }
+    let fit = if starts.replaced { second } else { first };
+    Ok(ParameterFit { starts, ..fit })
+}
+
+/// Whether a fit from a random place takes the place of the first.
+fn is_preferred(task: &Task<'_>, second: &ParameterFit, first: &ParameterFit) -> bool {
+    if !second.convergence.was_successful() {
+        return false;
+    }
+    let is_plausible = |fit: &ParameterFit| implausible(task.device, fit).is_empty();
+    let is_lower = second.cost < (1.0 - BETTER) * first.cost;
+    let was_none =
+        !first.convergence.was_successful() && second.cost <= (1.0 + BETTER) * first.cost;
+    // a mirror image may fit an incomplete model better than the device itself
+    (is_lower || was_none) && (is_plausible(second) || !is_plausible(first))
+}
+
+/// Why a fit is doubted.
+fn doubt(task: &Task<'_>, fit: &ParameterFit) -> Option<String> {
+    if !fit.convergence.was_successful() {
+        return Some(fit.convergence.to_string());
+    }
+    let above = above_noise(task, fit);
+    if above > ABOVE_NOISE {
+        return Some(format!("its residual is {above:.1} times the stated noise"));
+    }
+    if let Some(names) = missed(fit) {
+        return Some(format!(
+            "the recording hardly fixes {names}, so they are held, but no plausible value of theirs explains the \
+             residual"
+        ));
+    }
+    let names = implausible(task.device, fit);
+    (!names.is_empty()).then(|| {
+        format!(
+            "over {IMPLAUSIBLE} times what devices show: {}",
+            names.join(", ")
+        )
+    })
+}
+
+/// Largest ratio of a channel's residual to its stated noise.
+fn above_noise(task: &Task<'_>, fit: &ParameterFit) -> f64 {
+    let mut first = 0;
+    let mut most = 0.0_f64;
+    for channel in task.channels {
+        let rows = 0..task.recording.len();
+        let readings = rows.filter(|&row| channel.has_reading(task.recording, row));
+        let end = (first + readings.count() * channel.width()).min(fit.residuals.len());
+        let residuals = &fit.residuals[first..end];
+        first = end;
+        let paid = fit.channel_parameters.get(channel).copied().unwrap_or(0.0);
+        let freedom = residuals.len() as f64 - paid;
+        if freedom >= 1.0 {
+            let square: f64 = residuals.iter().map(|value| value * value).sum();
+            let factor = task.weights.factor.get(channel).copied().unwrap_or(1.0);
+            most = most.max(factor * (square / freedom).sqrt());
+        }
+    }
+    most
+}
+
+/// Names of the held weak parameters, where what they hold back is more than plausible deviations would.
+///
+/// A weak parameter's standard deviation is at least half its plausible size, so a deviation of that size promises a
+/// fall of at most 4.
+fn missed(fit: &ParameterFit) -> Option<String> {
+    let considered = &fit.considered;
+    let freedom = fit.residuals.len() as f64 - fit.fitted.len() as f64;
+    let noise = (fit.cost - considered.promised_fall).max(0.0) / freedom;
+    let is_missed = considered.promised_fall > MISSED * noise.max(f64::MIN_POSITIVE);
+    (freedom >= 1.0 && is_missed && !considered.parameters.is_empty()).then(|| {
+        let held = considered.parameters.iter();
+        let names: Vec<String> = held.map(|parameter| parameter.name(&fit.device)).collect();
+        names.join(", ")
+    })
+}
+
+/// Names of fitted link parameters that moved by more than is plausible.
+pub(crate) fn implausible(nominal: &Device, fit: &ParameterFit) -> Vec<String> {
+    let fitted = fit.fitted.iter().map(|&index| fit.parameters[index]);
+    fitted
+        .filter(|parameter| matches!(parameter, ParameterId::Link { .. }))
+        .filter(|parameter| {
+            let moved = parameter.value(&fit.device) - parameter.value(nominal);
+            moved.abs() > IMPLAUSIBLE * parameter.plausible_size(nominal)
+        })
+        .map(|parameter| parameter.name(nominal))
+        .collect()
+}
+
+fn values_of(parameters: &[ParameterId], device: &Device) -> Vec<f64> {
+    parameters
+        .iter()
+        .map(|parameter| parameter.value(device))
+        .collect()
+}
+
+/// Whether all values are within so many plausible sizes of others.
+fn is_within(task: &Task<'_>, sizes: f64, values: &[f64], from: &[f64]) -> bool {
+    let parameters = task.parameters.iter().zip(values).zip(from);
+    parameters
+        .map(|((parameter, value), from)| (parameter.plausible_size(task.device), value - from))
+        .all(|(size, moved)| moved.abs() <= sizes * size)
+}
+
+/// The device's values, the free ones moved at random.
+fn random_place(task: &Task<'_>, free: &[usize], nominal: &[f64], number: usize) -> Vec<f64> {
+    let mut generator = ChaCha8Rng::seed_from_u64(SEED.wrapping_add(number as u64));
+    let reach = REACHES[number % REACHES.len()];
+    let mut values = nominal.to_vec();
+    for &index in free {
+        let size = task.parameters[index].plausible_size(task.device);
+        values[index] += reach * size * generator.random_range(-1.0..1.0);
+    }
+    values
+}
+
+/// At most [`MOST_ROWS`] rows, spread evenly.
+fn spread_rows(rows: usize) -> Vec<usize> {
+    let count = rows.min(MOST_ROWS);
+    (0..count).map(|index| index * rows / count).collect()
+}

@@ -1,0 +1,38 @@
+//! Where something is wrong.
+
+/// Where it is; `file` may also be words such as "the command line".
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Place {
+    pub(super) file: String,
+    pub(super) line: Option<u64>,
+    /// Column of the cell in a log, of the character in a device file; from 1.
+    pub(super) column: Option<u64>,
+    /// Header of a log's column.
+    pub(super) column_name: Option<String>,
+}
+
+impl Place {
+    /// Boxed, so that a `Result` with a failure stays small.
+    pub(super) fn in_file(file: impl Into<String>) -> Box<Self> {
+        Box::new(Self {
+            file: file.into(),
+            ..Self::default()
+        })
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(&self.file)?;
+        if let Some(line) = self.line {
+            write!(formatter, ":{line}")?;
+            if let Some(column) = self.column {
+                write!(formatter, ":{column}")?;
+            }
+        }
+        match &self.column_name {
+            Some(name) => write!(formatter, ", column `{name}`"),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! What is said of a refused URDF.
+
+use std::path::Path;
+
+use haptical_urdf::UrdfError;
+
+use super::Failure;
+
+impl Failure {
+    /// A refused URDF, or a device that is not of it.
+    pub(crate) fn urdf(error: &UrdfError, path: &Path) -> Self {
+        let file = path.display().to_string();
+        let mut text = error.to_string();
+        let (kind, next) = match error {
+            UrdfError::File(error) => return Self::device_file(error, path),
+            UrdfError::Xml { .. } => (
+                "syntax",
+                "correct the XML at this place; a document type (DTD) must be removed".to_owned(),
+            ),
+            UrdfError::NotUrdf { at, found, advice } => {
+                text = format!("{at}: the outermost element is <{found}>, not <robot>");
+                ("shape", (*advice).to_owned())
+            }
+            UrdfError::Missing { what, .. } => ("missing-key", format!("add its {what}")),
+            UrdfError::Value {
+                at,
+                place,
+                what,
+                found,
+                allowed,
+            } => {
+                text = format!("{at}: {place}: {what} is {found}");
+                ("value", format!("correct it: {allowed}"))
+            }
+            UrdfError::Tree { .. } => (
+                "shape",
+                "correct links and joints: one root, one parent for each link, no joint that follows \
+                 itself"
+                    .to_owned(),
+            ),
+            UrdfError::Chain { .. } => (
+                "chain",
+                "name a link behind a joint that moves with --tip".to_owned(),
+            ),
+            UrdfError::Device { .. } => (
+                "other-device",
+                "give --urdf and --tip as the device came from them".to_owned(),
+            ),
+            _ => ("shape", "correct the file".to_owned()),
+        };
+        let Some(at) = error.position() else {
+            let what = text.strip_prefix(&format!("{file}: ")).unwrap_or(&text);
+            return Self::bad_input(kind, what, file, next);
+        };
+        let what = text.strip_prefix(&format!("{at}: ")).unwrap_or(&text);
+        Self::placed(kind, what, path, (at.line as u64, at.column as u64), next)
+    }
+}

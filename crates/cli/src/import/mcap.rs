@@ -1,0 +1,74 @@
+//! Joint states of ROS 2 in an MCAP file to a CSV log, joints and topics chosen by name.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use haptical_data::{McapOptions, read_mcap, write_log_to};
+
+use super::{Imported, Target};
+use crate::device_source::DeviceOptions;
+use crate::failure::Failure;
+use crate::inputs::{InputDrumDenominators, log_shape, read_equipped_device};
+
+/// What stands below the help of `haptical import mcap`.
+pub(super) const HELP: &str = "\
+Example:
+  haptical import mcap bag.mcap --device device.toml --joints shoulder,elbow,wrist --out log.csv
+
+Without --joints the messages must name the joints as the device does; then identify and diagnose read
+bag.mcap itself.";
+
+/// Flags of `haptical import mcap`.
+#[derive(Debug, Args)]
+pub(super) struct McapArguments {
+    /// Recording (MCAP with sensor_msgs/msg/JointState)
+    #[arg(value_name = "FILE")]
+    recording: PathBuf,
+    /// Device file (TOML or URDF)
+    #[arg(long, value_name = "FILE")]
+    device: PathBuf,
+    #[command(flatten)]
+    device_options: DeviceOptions,
+    #[command(flatten)]
+    target: Target,
+    /// Names of the joints in the messages, in the order of the device's joints
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    joints: Vec<String>,
+    /// Topic of the joint states
+    #[arg(long, value_name = "TOPIC")]
+    topic: Option<String>,
+    /// Topic of the handle's poses (geometry_msgs/msg/PoseStamped or TransformStamped)
+    #[arg(long, value_name = "TOPIC")]
+    pose_topic: Option<String>,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &McapArguments) -> Result<(), Failure> {
+    let target = &arguments.target;
+    target.check(None, &[&arguments.recording, &arguments.device])?;
+    let DeviceOptions { tip, rig, .. } = &arguments.device_options;
+    let device = read_equipped_device(
+        &arguments.device,
+        tip.as_deref(),
+        rig.as_deref(),
+        InputDrumDenominators::Stated,
+    )?;
+    let shape = log_shape(&device.device);
+    let options = McapOptions {
+        joint_names: arguments.joints.clone(),
+        joint_topic: arguments.topic.clone(),
+        pose_topic: arguments.pose_topic.clone(),
+    };
+    let read = read_mcap(&arguments.recording, &options, &shape)?;
+    let mut log = Vec::new();
+    write_log_to(&mut log, &read.recording, &shape)?;
+    let mut warnings = device.warnings;
+    warnings.extend(read.warnings);
+    target.write(Imported {
+        log,
+        rows: read.recording.len(),
+        joints: shape.joints.len(),
+        beside: None,
+        warnings,
+    })
+}

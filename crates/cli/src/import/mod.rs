@@ -1,0 +1,178 @@
+//! `haptical import`: recordings of other makers as logs of this program, written whole or not at all.
+
+#[cfg(feature = "mcap")]
+mod mcap;
+mod mukca;
+mod poses;
+mod renamed;
+mod sockets;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use haptical_data::{JointShape, LogShape};
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::output_files::{check_folder, check_outputs, write_all};
+use crate::terminal;
+
+/// What stands below the help of `haptical import`.
+pub(crate) const HELP: &str = "\
+Example:
+  haptical import mukca panda_1 --out log.csv
+  haptical import poses table.csv --map theta1_rad=q1,theta2_rad=q2,x_m=px,y_m=py,z_m=pz --out log.csv";
+
+/// Flags of `haptical import`.
+#[derive(Debug, Args)]
+pub(crate) struct ImportArguments {
+    #[command(subcommand)]
+    from: From,
+}
+
+/// Where a recording comes from.
+#[derive(Debug, Subcommand)]
+enum From {
+    /// Postures with a ball in one of two sockets: DIR/<position of the tool>/hole_{0,1}.csv
+    #[command(after_help = mukca::HELP)]
+    Mukca(mukca::MukcaArguments),
+    /// Any CSV table, its columns renamed and scaled
+    #[command(after_help = poses::HELP)]
+    Poses(poses::PosesArguments),
+    /// Joint states (and poses) of ROS 2 in an MCAP file, the joints chosen by name
+    #[cfg(feature = "mcap")]
+    #[command(after_help = mcap::HELP)]
+    Mcap(mcap::McapArguments),
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &ImportArguments) -> Result<(), Failure> {
+    match &arguments.from {
+        From::Mukca(arguments) => mukca::run(arguments),
+        From::Poses(arguments) => poses::run(arguments),
+        #[cfg(feature = "mcap")]
+        From::Mcap(arguments) => mcap::run(arguments),
+    }
+}
+
+/// Where an import goes, and how it is told.
+#[derive(Debug, Args)]
+struct Target {
+    /// Log to write (CSV); its folder is made if it is missing
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What an import found.
+struct Imported {
+    log: Vec<u8>,
+    rows: usize,
+    joints: usize,
+    /// Further file beside the log: the end of its name, and its content.
+    beside: Option<(&'static str, Vec<u8>)>,
+    warnings: Vec<String>,
+}
+
+impl Target {
+    /// Folder and name of the log.
+    fn place(&self) -> Result<(&Path, &str), Failure> {
+        let name = self.out.file_name().and_then(|name| name.to_str());
+        let refuse = |what: String, next: &str| Err(Failure::command_line("arguments", what, next));
+        let Some(name) = name else {
+            let what = format!("--out is {}, which names no file", self.out.display());
+            return refuse(what, "give the path of the file to write");
+        };
+        let is = |end: &str| name.to_ascii_lowercase().ends_with(end);
+        if [".gz", ".parquet", ".mcap", ".toml"]
+            .iter()
+            .any(|end| is(end))
+        {
+            let what = format!(
+                "--out is {}, and a log is written as CSV",
+                self.out.display()
+            );
+            return refuse(what, "give a name that ends in .csv");
+        }
+        let folder = self.out.parent().unwrap_or(Path::new(""));
+        if folder.as_os_str().is_empty() {
+            return Ok((Path::new("."), name));
+        }
+        Ok((folder, name))
+    }
+
+    /// Path of a file beside the log: its name without `.csv`, then `end`.
+    fn beside(&self, end: &str) -> PathBuf {
+        self.out.with_extension(end)
+    }
+
+    /// Refuses what cannot be written, before any work.
+    fn check(&self, end: Option<&str>, inputs: &[&Path]) -> Result<(), Failure> {
+        let (folder, _) = self.place()?;
+        check_folder(folder)?;
+        let mut outputs = vec![self.out.clone()];
+        outputs.extend(end.map(|end| self.beside(end)));
+        check_outputs(&outputs, inputs)
+    }
+
+    /// Writes the log and the file beside it: both or none.
+    fn write(&self, imported: Imported) -> Result<(), Failure> {
+        let (folder, name) = self.place()?;
+        let Imported {
+            log,
+            rows,
+            joints,
+            beside,
+            warnings,
+        } = imported;
+        let further = beside.as_ref().map(|(end, _)| self.beside(end));
+        let further_name = further.as_ref().and_then(|path| path.file_name()?.to_str());
+        let mut files = vec![(name, log)];
+        if let (Some(name), Some((_, content))) = (further_name, beside) {
+            files.push((name, content));
+        }
+        write_all(folder, &files)?;
+        terminal::warn(&warnings);
+        let written: Vec<String> = [Some(&self.out), further.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(|path| path.display().to_string())
+            .collect();
+        if self.json {
+            let report = json!({
+                "written": written,
+                "rows": rows,
+                "joints": joints,
+                "warnings": warnings,
+            });
+            return terminal::write_output(format!("{report:#}\n").as_bytes());
+        }
+        let mut said = format!(
+            "Written:\n  {}: {rows} rows of {joints} joints\n",
+            written[0]
+        );
+        if let Some(further) = written.get(1) {
+            said.push_str(&format!("  {further}: give it as --rig\n"));
+        }
+        terminal::write_output(said.as_bytes())
+    }
+}
+
+/// A log of joints without limits; `is_prismatic` by joint.
+fn shape_without_limits(is_prismatic: &[bool], cable_count: usize) -> LogShape {
+    let joints = is_prismatic
+        .iter()
+        .enumerate()
+        .map(|(index, &prismatic)| JointShape {
+            name: (index + 1).to_string(),
+            prismatic,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+        });
+    LogShape {
+        joints: joints.collect(),
+        cable_count,
+    }
+}

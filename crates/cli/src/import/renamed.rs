@@ -1,0 +1,156 @@
+//! Columns of a table under new names and in other units, as flags say it.
+
+use std::collections::BTreeSet;
+
+/// `TARGET=SOURCE` of `--map`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Renaming {
+    pub(super) target: String,
+    /// Name in the table's header, or `#3` for its third column.
+    pub(super) source: String,
+}
+
+/// `TARGET=FACTOR` of `--scale`; `theta*` stands for all targets that begin so.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Scaling {
+    target: String,
+    factor: f64,
+}
+
+/// Reads one entry of `--map`.
+pub(super) fn renaming(text: &str) -> Result<Renaming, String> {
+    let (target, source) = two_sides(text)?;
+    Ok(Renaming { target, source })
+}
+
+/// Reads one entry of `--scale`.
+pub(super) fn scaling(text: &str) -> Result<Scaling, String> {
+    let (target, factor) = two_sides(text)?;
+    let factor = match factor.as_str() {
+        "deg" => 1.0_f64.to_radians(),
+        "mm" | "ms" => 1e-3,
+        "um" | "us" => 1e-6,
+        "ns" => 1e-9,
+        number => match number.parse::<f64>() {
+            Ok(factor) if factor.is_finite() && factor != 0.0 => factor,
+            _ => {
+                return Err(
+                    "TARGET=FACTOR with a number, deg, mm, um, ms, us or ns is expected".into(),
+                );
+            }
+        },
+    };
+    Ok(Scaling { target, factor })
+}
+
+fn two_sides(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((left, right)) if !left.trim().is_empty() && !right.trim().is_empty() => {
+            Ok((left.trim().to_owned(), right.trim().to_owned()))
+        }
+        _ => Err("NAME=VALUE is expected, such as theta1_rad=q1".to_owned()),
+    }
+}
+
+impl Scaling {
+    fn fits(&self, target: &str) -> bool {
+        match self.target.strip_suffix('*') {
+            Some(begin) => target.starts_with(begin),
+            None => self.target == target,
+        }
+    }
+}
+
+/// The factor on a column; none where it is taken as it is. Of several the last counts.
+pub(super) fn factor(scalings: &[Scaling], target: &str) -> Option<f64> {
+    let fitting = scalings.iter().rev().find(|scaling| scaling.fits(target));
+    fitting.map(|scaling| scaling.factor)
+}
+
+/// A target that is given twice, or a scaling without a target, in words.
+pub(super) fn fault(renamings: &[Renaming], scalings: &[Scaling]) -> Option<String> {
+    let mut seen = BTreeSet::new();
+    if let Some(twice) = renamings
+        .iter()
+        .find(|renaming| !seen.insert(&renaming.target))
+    {
+        return Some(format!("--map gives `{}` twice", twice.target));
+    }
+    let is_idle = |scaling: &&Scaling| {
+        !renamings
+            .iter()
+            .any(|renaming| scaling.fits(&renaming.target))
+    };
+    let idle = scalings.iter().find(is_idle)?;
+    Some(format!(
+        "--scale names `{}`, which --map does not",
+        idle.target
+    ))
+}
+
+/// Which joints slide, by the targets `theta1_rad`, `theta2_m`, ... up to the first that is missing; and the
+/// number of cables.
+pub(super) fn joints_and_cables(renamings: &[Renaming]) -> (Vec<bool>, usize) {
+    let has = |name: &str| renamings.iter().any(|renaming| renaming.target == name);
+    let mut slides = Vec::new();
+    loop {
+        let number = slides.len() + 1;
+        let (turns, slide) = (
+            has(&format!("theta{number}_rad")),
+            has(&format!("theta{number}_m")),
+        );
+        if !turns && !slide {
+            break;
+        }
+        slides.push(!turns);
+    }
+    let cables = renamings.iter().filter(|renaming| {
+        let number = renaming
+            .target
+            .strip_prefix("cable")
+            .and_then(|rest| rest.strip_suffix("_m"));
+        number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+    });
+    (slides, cables.count())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_are_found_by_name_and_by_begin() {
+        let scalings = ["theta*=deg", "theta2_rad=-1", "x_m=mm"].map(|text| scaling(text).unwrap());
+        let degree = std::f64::consts::PI / 180.0;
+        assert_eq!(factor(&scalings, "theta1_rad"), Some(degree));
+        assert_eq!(factor(&scalings, "theta2_rad"), Some(-1.0));
+        assert_eq!(factor(&scalings, "x_m"), Some(1e-3));
+        assert_eq!(factor(&scalings, "y_m"), None);
+        for wrong in ["x_m", "=1", "x_m=", "x_m=0", "x_m=inf", "x_m=inch"] {
+            assert!(scaling(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn faults_of_the_flags_are_named() {
+        let map = |texts: &[&str]| -> Vec<Renaming> {
+            texts.iter().map(|text| renaming(text).unwrap()).collect()
+        };
+        assert_eq!(fault(&map(&["a=b", "c=b"]), &[]), None);
+        assert!(
+            fault(&map(&["a=b", "a=c"]), &[])
+                .unwrap()
+                .contains("`a` twice")
+        );
+        let idle = [scaling("x_m=mm").unwrap()];
+        assert!(fault(&map(&["a=b"]), &idle).unwrap().contains("`x_m`"));
+        let joints = map(&[
+            "theta1_rad=a",
+            "theta2_m=b",
+            "theta4_rad=c",
+            "cable_m=d",
+            "cable2_m=e",
+        ]);
+        assert_eq!(joints_and_cables(&joints), (vec![false, true], 2));
+    }
+}

@@ -1,0 +1,247 @@
+//! Flags of `haptical plan`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use haptical_design::{Criterion, KINDS, Limits, Region, Spread, Terms};
+
+use crate::arguments::{above_zero, one_or_more, whole_number};
+use crate::device_source::DeviceOptions;
+
+/// The arguments of the command.
+#[derive(Debug, Args)]
+pub(crate) struct PlanArguments {
+    /// Device file (TOML or URDF)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) device: PathBuf,
+    #[command(flatten)]
+    pub(crate) device_options: DeviceOptions,
+    /// A rig: measurements separated by commas; give it again to compare rigs. The first one is what
+    /// --poses plans for. Without it: what the device file describes, beside a position and a pose
+    #[arg(long, value_name = "RIG")]
+    pub(crate) measure: Vec<String>,
+    /// Folder for plan.json, report.html, rigs.svg and poses.csv; made if it is missing
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Number of poses to choose, written to poses.csv
+    #[arg(long, value_name = "N", value_parser = one_or_more, allow_negative_numbers = true)]
+    pub(crate) poses: Option<NonZeroUsize>,
+    /// What the poses are best for
+    #[arg(long, value_enum, default_value_t = CriterionName::D)]
+    pub(crate) criterion: CriterionName,
+    /// Where the task is done: x,y,z,r of a ball in m, or low:high of each joint's reading
+    #[arg(long, value_name = "REGION", value_parser = region, allow_hyphen_values = true)]
+    pub(crate) region: Option<Region>,
+    /// Poses to choose from
+    #[arg(long, value_name = "M", default_value = "2000", value_parser = one_or_more, allow_negative_numbers = true)]
+    pub(crate) candidates: NonZeroUsize,
+    /// Seed of the candidates and of the search's random starts
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole_number, allow_negative_numbers = true)]
+    pub(crate) seed: u64,
+    /// Log of poses that were measured with the first rig already: the next ones add to them
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+    /// How candidates are spread between the joint limits
+    #[arg(long, value_enum, default_value_t = SpreadName::Uniform)]
+    pub(crate) spread: SpreadName,
+    /// Box that the handle stays in: lowest x,y,z then highest x,y,z in frame (-1), in m
+    #[arg(long, value_name = "BOX", value_parser = workspace, allow_hyphen_values = true)]
+    pub(crate) workspace: Option<[[f64; 3]; 2]>,
+    /// Shortest and longest length of every cable in m
+    #[arg(long, value_name = "MIN,MAX", value_parser = lengths)]
+    pub(crate) cable_length: Option<[f64; 2]>,
+    /// Radius of the links in m: poses in which links that are no neighbours overlap are left out
+    #[arg(long, value_name = "METRES", value_parser = above_zero, allow_negative_numbers = true)]
+    pub(crate) link_radius: Option<f64>,
+    /// Take the transmissions as known, as the second step of a two-step calibration does
+    #[arg(long)]
+    pub(crate) known_transmissions: bool,
+    /// Print plan.json instead of the tables
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CriterionName {
+    /// Smallest confidence ellipsoid of all parameters
+    D,
+    /// Smallest mean variance of the parameters over their plausible sizes
+    A,
+    /// Largest observability index O1
+    O1,
+    /// Smallest error of the handle's position in the region
+    TaskPosition,
+    /// Smallest error of the force's direction in the region
+    TaskForce,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SpreadName {
+    /// Uniform between the limits
+    Uniform,
+    /// Normal about home, with the device file's sampling_sd_rad
+    Normal,
+}
+
+/// Poses that the table is about where none are asked for.
+pub(crate) const USUAL_POSES: usize = 200;
+
+impl PlanArguments {
+    pub(crate) fn limits(&self) -> Limits {
+        let usual = Limits::default();
+        Limits {
+            spread: match self.spread {
+                SpreadName::Uniform => Spread::Uniform,
+                SpreadName::Normal => Spread::Normal,
+            },
+            workspace_m: self.workspace,
+            cable_m: self.cable_length.unwrap_or(usual.cable_m),
+            link_radius_m: self.link_radius,
+        }
+    }
+
+    pub(crate) fn terms(&self) -> Terms {
+        match self.known_transmissions {
+            true => Terms::Known,
+            false => Terms::Degree(haptical_design::DEGREE),
+        }
+    }
+
+    pub(crate) fn pose_count(&self) -> usize {
+        self.poses.map_or(USUAL_POSES, NonZeroUsize::get)
+    }
+
+    /// Flags as `--flag=value`, defaults included; files are not among them.
+    pub(crate) fn flags(&self) -> Vec<String> {
+        let name = |value: &dyn ValueName| value.name();
+        let mut flags: Vec<String> = self
+            .measure
+            .iter()
+            .map(|rig| format!("--measure={rig}"))
+            .collect();
+        flags.extend(self.poses.map(|poses| format!("--poses={poses}")));
+        flags.push(format!("--criterion={}", name(&self.criterion)));
+        flags.extend(
+            self.region
+                .as_ref()
+                .map(|region| format!("--region={}", region_text(region))),
+        );
+        flags.push(format!("--candidates={}", self.candidates));
+        flags.push(format!("--seed={}", self.seed));
+        flags.push(format!("--spread={}", name(&self.spread)));
+        let list = |numbers: &[f64]| -> String {
+            numbers
+                .iter()
+                .map(f64::to_string)
+                .collect::<Vec<_>>()
+                .join(",")
+        };
+        let sides = self.workspace.as_ref();
+        flags.extend(sides.map(|sides| format!("--workspace={}", list(sides.as_flattened()))));
+        let cable = self.cable_length.as_ref();
+        flags.extend(cable.map(|cable| format!("--cable-length={}", list(cable))));
+        flags.extend(
+            self.link_radius
+                .map(|radius| format!("--link-radius={radius}")),
+        );
+        flags.extend(
+            self.known_transmissions
+                .then(|| "--known-transmissions".to_owned()),
+        );
+        flags
+    }
+}
+
+/// The name that a value has on the command line.
+trait ValueName {
+    fn name(&self) -> String;
+}
+
+impl<T: ValueEnum> ValueName for T {
+    fn name(&self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
+impl From<CriterionName> for Criterion {
+    fn from(name: CriterionName) -> Self {
+        match name {
+            CriterionName::D => Self::D,
+            CriterionName::A => Self::A,
+            CriterionName::O1 => Self::O1,
+            CriterionName::TaskPosition => Self::TaskPosition,
+            CriterionName::TaskForce => Self::TaskForce,
+        }
+    }
+}
+
+fn numbers<const N: usize>(text: &str, wanted: &str) -> Result<[f64; N], String> {
+    let refuse = || format!("{wanted} are expected, separated by commas");
+    let parts = text
+        .split(',')
+        .map(|part| match part.trim().parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => Err(refuse()),
+        });
+    let parts: Vec<f64> = parts.collect::<Result<_, _>>()?;
+    parts.try_into().map_err(|_| refuse())
+}
+
+fn region(text: &str) -> Result<Region, String> {
+    if !text.contains(':') {
+        let [x, y, z, radius_m] = numbers(text, "four numbers x,y,z,r in m")?;
+        let centre_m = [x, y, z];
+        return Ok(Region::Ball { centre_m, radius_m });
+    }
+    let ranges = text.split(',').map(|range| {
+        let ends = range
+            .split_once(':')
+            .ok_or("low:high is expected for each joint")?;
+        let [low, high] = numbers(&format!("{},{}", ends.0, ends.1), "two numbers low:high")?;
+        Ok([low, high])
+    });
+    Ok(Region::Joints(ranges.collect::<Result<_, String>>()?))
+}
+
+fn region_text(region: &Region) -> String {
+    match region {
+        Region::Everywhere => String::new(),
+        Region::Ball {
+            centre_m: [x, y, z],
+            radius_m,
+        } => format!("{x},{y},{z},{radius_m}"),
+        Region::Joints(ranges) => {
+            let range = |[low, high]: &[f64; 2]| format!("{low}:{high}");
+            ranges.iter().map(range).collect::<Vec<_>>().join(",")
+        }
+    }
+}
+
+fn workspace(text: &str) -> Result<[[f64; 3]; 2], String> {
+    let [x, y, z, x2, y2, z2] = numbers(text, "six numbers x,y,z,x,y,z in m")?;
+    Ok([[x, y, z], [x2, y2, z2]])
+}
+
+fn lengths(text: &str) -> Result<[f64; 2], String> {
+    numbers(text, "two lengths in m")
+}
+
+/// Example and kinds of measurement, for `--help`.
+pub(crate) fn help() -> String {
+    let mut help = "\
+Example:
+  haptical plan --device device.toml --measure out,cable --measure out,cable,cable2:0.4,0,0.3 --out plan
+  haptical plan --device device.toml --measure out,cable --poses 100 --out plan
+
+Writes plan/plan.json, plan/report.html and plan/rigs.svg, with --poses plan/poses.csv too: all or none.
+
+Measurements of a rig:
+"
+    .to_owned();
+    for kind in KINDS {
+        help.push_str(&format!("  {}\n      {}\n", kind.form, kind.meaning));
+    }
+    help
+}

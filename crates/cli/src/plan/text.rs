@@ -1,0 +1,159 @@
+//! A plan as text for a terminal.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use haptical_design::{Criterion, Suggestion};
+use haptical_report::{Cell, Column, Table};
+
+use super::outcome::{NextPoses, ParameterEntry, Plan, RigEntry};
+use crate::failure::Failure;
+
+/// Remedies that are told of a parameter.
+const REMEDIES: usize = 3;
+
+/// The plan as text.
+pub(super) fn text(plan: &Plan, written: &[PathBuf]) -> Result<String, Failure> {
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{}: what {} poses of average worth would tell (standard deviation, or why not)\n",
+        plan.device, plan.poses
+    );
+    let _ = writeln!(text, "{}\n", table(plan)?.to_terminal());
+    for rig in &plan.rigs {
+        for line in lines(rig) {
+            let _ = writeln!(text, "{line}");
+        }
+    }
+    if let Some(next) = &plan.next_poses {
+        let _ = writeln!(text, "{}", said(next, plan.measured_poses));
+    }
+    for path in written {
+        let _ = writeln!(text, "written: {}", path.display());
+    }
+    Ok(text)
+}
+
+/// Parameters beside rigs.
+pub(super) fn table(plan: &Plan) -> Result<Table, Failure> {
+    let mut columns = vec![Column::new("parameter", ""), Column::new("unit", "")];
+    columns.extend(plan.rig_names().iter().map(|name| Column::new(name, "")));
+    let mut table = Table::new("", columns);
+    for (name, unit) in parameters(plan) {
+        let mut row: Vec<Cell> = vec![name.as_str().into(), unit.as_str().into()];
+        for rig in &plan.rigs {
+            row.push(match find(rig, &name) {
+                None => Cell::Text("not there".to_owned()),
+                Some(entry) => Cell::Text(word(entry)),
+            });
+        }
+        table.push(row)?;
+    }
+    Ok(table)
+}
+
+/// Names and units of all rigs' parameters, in the order in which they come.
+pub(super) fn parameters(plan: &Plan) -> Vec<(String, String)> {
+    let mut seen = BTreeMap::new();
+    let entries = plan.rigs.iter().flat_map(|rig| &rig.parameters);
+    let new = entries.filter(|entry| seen.insert(entry.name.clone(), ()).is_none());
+    new.map(|entry| (entry.name.clone(), entry.unit.clone()))
+        .collect()
+}
+
+pub(super) fn find<'r>(rig: &'r RigEntry, name: &str) -> Option<&'r ParameterEntry> {
+    rig.parameters.iter().find(|entry| entry.name == name)
+}
+
+/// A cell in words.
+pub(super) fn word(entry: &ParameterEntry) -> String {
+    match (entry.status, entry.standard_deviation) {
+        ("identifiable", Some(sd)) => format!("{sd:.2e}"),
+        (status, Some(sd)) => format!("{status} {sd:.2e}"),
+        (status, None) => status.to_owned(),
+    }
+}
+
+/// What a rig does not tell, and what would.
+pub(super) fn lines(rig: &RigEntry) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{}: {} of {} parameters; readings a pose: {}",
+        rig.measure,
+        rig.rank,
+        rig.parameters.len(),
+        rig.readings_per_pose
+    )];
+    for suggestion in &rig.suggestions {
+        lines.push(format!("  {}", suggested(suggestion)));
+    }
+    lines
+}
+
+fn suggested(suggestion: &Suggestion) -> String {
+    let remedies: Vec<String> = suggestion
+        .remedies
+        .iter()
+        .take(REMEDIES)
+        .map(|remedy| {
+            let (measure, sd) = (&remedy.measure, remedy.standard_deviation);
+            format!("{measure} (sd {sd:.2e} {})", suggestion.unit)
+        })
+        .collect();
+    let own = &suggestion.parameter;
+    let reason = match suggestion.not_told_from.as_slice() {
+        [other] => format!(
+            "{own} and {other} cannot be told apart with this rig ({})",
+            suggestion.reason
+        ),
+        _ => suggestion.reason.clone(),
+    };
+    match remedies.is_empty() {
+        true => format!("{reason}; nothing that was tried beside this rig tells it"),
+        false => format!("{reason}; adding {} would tell it", remedies.join(", or ")),
+    }
+}
+
+/// The chosen poses in words.
+pub(super) fn said(next: &NextPoses, measured: usize) -> String {
+    let besides = match measured {
+        0 => String::new(),
+        _ => format!(" beside {measured} that were measured"),
+    };
+    let mut text = format!(
+        "{} of {} poses{besides} for {}, {} parameters, {} exchanges.\n",
+        next.count,
+        next.candidates,
+        next.measure,
+        next.parameters.len(),
+        next.exchanges
+    );
+    let mut compare = |what: &str, own: f64, random: Option<f64>| {
+        let random = random.map_or_else(String::new, |random| {
+            format!(" (as many at random: {random:.4e})")
+        });
+        let _ = writeln!(text, "  {what}: {own:.4e}{random}");
+    };
+    let (own, random) = (&next.figures, next.random.as_ref());
+    let what = "geometric mean of sd over plausible size";
+    compare(
+        what,
+        own.geometric_mean_sd,
+        random.map(|random| random.geometric_mean_sd),
+    );
+    compare("observability O1", own.o1, random.map(|random| random.o1));
+    if let Some(value) = own.root_mean_square {
+        let what = match next.criterion {
+            Criterion::TaskPosition => "handle position error in the region, rms [m]",
+            Criterion::TaskForce => "force direction error in the region, rms [rad]",
+            _ => "root mean square of sd over plausible size",
+        };
+        compare(
+            what,
+            value,
+            random.and_then(|random| random.root_mean_square),
+        );
+    }
+    text
+}

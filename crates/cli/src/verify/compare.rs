@@ -1,0 +1,345 @@
+//! Compares a file of a result with what its inputs give.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::leaves::{Leaf, leaves};
+
+/// Largest difference of two numbers, as a share of the larger one, that another machine may make.
+const TOLERANCE: f64 = 1e-9;
+/// Differences that are listed; all are counted.
+const MOST_LISTED: usize = 1000;
+/// Characters of a text that are shown.
+const SHOWN: usize = 60;
+/// Places that hold hashes of a result's own files: on another machine they are others.
+const HASHES: [&str; 2] = ["provenance.outputs", "provenance.result_sha256"];
+
+/// How a file agrees with what its inputs give.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Agreement {
+    SameBytes,
+    /// Within [`TOLERANCE`], and not changed since it was written.
+    SameNumbers,
+    Differs,
+    Missing,
+    /// It is not there, or it is the other command's, and it need not be there.
+    NotKept,
+}
+
+/// What is said of one file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct FileVerdict {
+    pub(super) file: String,
+    pub(super) agreement: Agreement,
+    /// Its SHA-256 is not the one that was recorded when it was written.
+    pub(super) changed_since_written: bool,
+    /// Of the numbers that agree without having the same bytes.
+    pub(super) largest_relative_difference: Option<f64>,
+    pub(super) difference_count: usize,
+    /// At most 1000.
+    pub(super) differences: Vec<Difference>,
+}
+
+/// A value that differs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Difference {
+    #[serde(rename = "where")]
+    pub(super) place: String,
+    pub(super) recorded: String,
+    pub(super) recomputed: String,
+}
+
+/// A file as it was found.
+pub(super) struct Written {
+    pub(super) bytes: Vec<u8>,
+    pub(super) is_changed: bool,
+}
+
+impl FileVerdict {
+    fn new(file: &str, agreement: Agreement) -> Self {
+        Self {
+            file: file.to_owned(),
+            agreement,
+            changed_since_written: false,
+            largest_relative_difference: None,
+            difference_count: 0,
+            differences: Vec::new(),
+        }
+    }
+
+    pub(super) fn not_kept(file: &str) -> Self {
+        Self::new(file, Agreement::NotKept)
+    }
+
+    /// Whether the file is what its inputs give.
+    pub(super) fn holds(&self) -> bool {
+        !matches!(self.agreement, Agreement::Differs | Agreement::Missing)
+    }
+}
+
+/// Compares a file, if it is there, with its recomputed bytes.
+pub(super) fn compare(name: &str, written: Option<Written>, recomputed: &[u8]) -> FileVerdict {
+    let Some(Written { bytes, is_changed }) = written else {
+        return FileVerdict::new(name, Agreement::Missing);
+    };
+    if bytes == recomputed {
+        return FileVerdict::new(name, Agreement::SameBytes);
+    }
+    // What was changed after it was written is no other machine's.
+    let tolerance = if is_changed { 0.0 } else { TOLERANCE };
+    let mut found = Differences::default();
+    if name.ends_with(".html") {
+        compare_pages(&mut found, &bytes, recomputed, tolerance);
+    } else {
+        match (leaves(name, &bytes), leaves(name, recomputed)) {
+            (Ok(was), Ok(is)) => compare_leaves(&mut found, &was, &is, is_changed),
+            (Err(why), _) | (_, Err(why)) => found.push("the file", &why, "a file of its kind"),
+        }
+    }
+    if is_changed && found.count == 0 {
+        // Spacing, comments, or how a number is written.
+        first_line(&mut found, &bytes, recomputed);
+    }
+    FileVerdict {
+        changed_since_written: is_changed,
+        agreement: if found.count == 0 {
+            Agreement::SameNumbers
+        } else {
+            Agreement::Differs
+        },
+        largest_relative_difference: (found.count == 0).then_some(found.largest),
+        difference_count: found.count,
+        differences: found.listed,
+        ..FileVerdict::new(name, Agreement::Differs)
+    }
+}
+
+#[derive(Default)]
+struct Differences {
+    count: usize,
+    listed: Vec<Difference>,
+    /// Largest relative difference within the tolerance.
+    largest: f64,
+}
+
+impl Differences {
+    fn push(&mut self, place: impl Into<String>, recorded: &str, recomputed: &str) {
+        self.count += 1;
+        if self.listed.len() < MOST_LISTED {
+            self.listed.push(Difference {
+                place: place.into(),
+                recorded: shortened(recorded),
+                recomputed: shortened(recomputed),
+            });
+        }
+    }
+
+    /// Whether two numbers agree.
+    fn agree(&mut self, was: f64, is: f64, tolerance: f64) -> bool {
+        let relative = relative_difference(was, is);
+        if relative > tolerance {
+            return false;
+        }
+        self.largest = self.largest.max(relative);
+        true
+    }
+}
+
+fn relative_difference(was: f64, is: f64) -> f64 {
+    if was == is {
+        return 0.0;
+    }
+    // Halves, so that numbers of opposite signs do not overflow.
+    let half = (0.5 * was - 0.5 * is).abs();
+    2.0 * (half / was.abs().max(is.abs()))
+}
+
+fn compare_leaves(
+    found: &mut Differences,
+    was: &[(String, Leaf)],
+    is: &[(String, Leaf)],
+    is_changed: bool,
+) {
+    let tolerance = if is_changed { 0.0 } else { TOLERANCE };
+    let skipped = |place: &str| !is_changed && HASHES.iter().any(|hash| place.starts_with(hash));
+    let recomputed: BTreeMap<&str, &Leaf> = is
+        .iter()
+        .map(|(place, leaf)| (place.as_str(), leaf))
+        .collect();
+    let recorded: BTreeMap<&str, &Leaf> = was
+        .iter()
+        .map(|(place, leaf)| (place.as_str(), leaf))
+        .collect();
+    for (place, leaf) in was.iter().filter(|(place, _)| !skipped(place)) {
+        match (leaf, recomputed.get(place.as_str())) {
+            (Leaf::Number(was), Some(Leaf::Number(is))) if found.agree(*was, *is, tolerance) => {}
+            (was, Some(is)) if was == *is => {}
+            (was, Some(is)) => found.push(place, &was.to_string(), &is.to_string()),
+            (was, None) => found.push(place, &was.to_string(), "nothing"),
+        }
+    }
+    for (place, leaf) in is.iter().filter(|(place, _)| !skipped(place)) {
+        if !recorded.contains_key(place.as_str()) {
+            found.push(place, "nothing", &leaf.to_string());
+        }
+    }
+}
+
+/// Pages hold rounded numbers between texts: the texts must be the same, and the numbers agree within one
+/// unit of their last digit where another machine may have rounded the other way.
+fn compare_pages(found: &mut Differences, was: &[u8], is: &[u8], tolerance: f64) {
+    let (was_text, is_text) = (String::from_utf8_lossy(was), String::from_utf8_lossy(is));
+    let (was_parts, is_parts) = (parts(&was_text), parts(&is_text));
+    let agrees = tolerance > 0.0
+        && was_parts.len() == is_parts.len()
+        && was_parts.iter().zip(&is_parts).all(|(was, is)| {
+            was == is
+                || match (was.parse::<f64>(), is.parse::<f64>()) {
+                    (Ok(a), Ok(b)) => {
+                        found.agree(a, b, tolerance) || (a - b).abs() <= 1.01 * last_digit(is)
+                    }
+                    _ => false,
+                }
+        });
+    if !agrees {
+        first_line(found, was, is);
+    }
+}
+
+/// A text as numbers and what stands between them.
+fn parts(text: &str) -> Vec<&str> {
+    let is_digit = |byte: u8| byte.is_ascii_digit() || byte == b'.';
+    text.as_bytes()
+        .chunk_by(|a, b| is_digit(*a) == is_digit(*b))
+        .scan(0, |start, chunk| {
+            let from = *start;
+            *start += chunk.len();
+            text.get(from..*start)
+        })
+        .collect()
+}
+
+/// One unit of the last digit of a number without exponent.
+fn last_digit(number: &str) -> f64 {
+    let decimals = number.split_once('.').map_or(0, |(_, after)| after.len());
+    10_f64.powi(-i32::try_from(decimals).unwrap_or(i32::MAX))
+}
+
+/// Puts down the first line that differs.
+fn first_line(found: &mut Differences, was: &[u8], is: &[u8]) {
+    let (was, is) = (String::from_utf8_lossy(was), String::from_utf8_lossy(is));
+    let (mut was_lines, mut is_lines) = (was.split('\n'), is.split('\n'));
+    for line in 1_usize.. {
+        let (was, is) = (was_lines.next(), is_lines.next());
+        if was == is && was.is_some() {
+            continue;
+        }
+        let (was, is) = (was.unwrap_or("nothing"), is.unwrap_or("nothing"));
+        // From shortly before the first character that differs.
+        let same = was
+            .chars()
+            .zip(is.chars())
+            .take_while(|(a, b)| a == b)
+            .count();
+        let from = |text: &str| {
+            text.chars()
+                .skip(same.saturating_sub(SHOWN / 3))
+                .collect::<String>()
+        };
+        found.push(format!("line {line}"), &from(was), &from(is));
+        return;
+    }
+}
+
+fn shortened(text: &str) -> String {
+    let mut characters = text.chars().map(|c| if c.is_control() { ' ' } else { c });
+    let shown: String = characters.by_ref().take(SHOWN).collect();
+    if characters.next().is_some() {
+        shown + "…"
+    } else {
+        shown
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(name: &str, was: &str, is: &str, is_changed: bool) -> FileVerdict {
+        let bytes = was.as_bytes().to_vec();
+        compare(name, Some(Written { bytes, is_changed }), is.as_bytes())
+    }
+
+    #[test]
+    fn another_machine_may_differ_in_the_tenth_digit() {
+        let is = r#"{"a": [1.0, -2.0e-7], "provenance": {"result_sha256": "12"}}"#;
+        let was = r#"{"a": [1.0000000009, -2.0e-7], "provenance": {"result_sha256": "34"}}"#;
+        let close = verdict("gap.json", was, is, false);
+        assert_eq!(close.agreement, Agreement::SameNumbers);
+        let largest = close.largest_relative_difference.unwrap();
+        assert!((largest - 9e-10).abs() < 1e-15, "{largest}");
+        let far = verdict(
+            "gap.json",
+            &was.replace("1.0000000009", "1.0000000011"),
+            is,
+            false,
+        );
+        assert_eq!(
+            (far.agreement, far.difference_count),
+            (Agreement::Differs, 1)
+        );
+        assert_eq!(far.differences[0].place, "a[0]");
+        assert_eq!(far.differences[0].recorded, "1.0000000011");
+        assert_eq!(far.differences[0].recomputed, "1.0");
+        // The same digits in a file that somebody changed are no other machine's.
+        let changed = verdict("gap.json", was, is, true);
+        assert_eq!(changed.difference_count, 2);
+        assert!(!changed.holds() && close.holds());
+    }
+
+    #[test]
+    fn relative_to_the_larger_and_without_overflow() {
+        assert_eq!(relative_difference(0.0, 0.0), 0.0);
+        assert_eq!(relative_difference(0.0, 1e-300), 1.0);
+        assert_eq!(relative_difference(f64::MAX, -f64::MAX), 2.0);
+        assert_eq!(relative_difference(1.0, 4.0), 0.75);
+    }
+
+    #[test]
+    fn what_one_side_has_alone_differs() {
+        let found = verdict("x.toml", "a = 1\nb = 2\n", "a = 1\nc = 3\n", false);
+        let shown: Vec<String> = found
+            .differences
+            .iter()
+            .map(|d| format!("{} {} {}", d.place, d.recorded, d.recomputed))
+            .collect();
+        assert_eq!(shown, ["b 2.0 nothing", "c nothing 3.0"]);
+    }
+
+    #[test]
+    fn a_changed_comment_is_a_change() {
+        let found = verdict("x.toml", "# me\na = 1\n", "# you\na = 1\n", true);
+        assert_eq!(found.differences[0].place, "line 1");
+        assert_eq!(found.differences[0].recorded, "# me");
+        assert_eq!(found.agreement, Agreement::Differs);
+    }
+
+    #[test]
+    fn a_page_may_round_the_other_way() {
+        let agrees =
+            |was: &str, is: &str, is_changed| verdict("report.html", was, is, is_changed).holds();
+        assert!(agrees("<td>12.35 µm</td>", "<td>12.34 µm</td>", false));
+        assert!(!agrees("<td>12.36 µm</td>", "<td>12.34 µm</td>", false));
+        assert!(!agrees("<td>12.34 mm</td>", "<td>12.34 µm</td>", false));
+        assert!(!agrees("<td>12.35 µm</td>", "<td>12.34 µm</td>", true));
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_missing() {
+        let missing = compare("x.toml", None, b"a = 1\n");
+        assert_eq!(missing.agreement, Agreement::Missing);
+        assert!(!missing.holds());
+    }
+}

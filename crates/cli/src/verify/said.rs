@@ -1,0 +1,172 @@
+//! What `haptical verify` says of a result, for people and for programs.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::compare::{Agreement, FileVerdict};
+use super::recorded::Recorded;
+use super::sought::Found;
+use crate::failure::Failure;
+use crate::provenance::VERSION;
+
+/// Differences of a file that the terminal lists; `--json` has more.
+const LISTED: usize = 10;
+
+/// All results of a folder.
+#[derive(Debug, Serialize)]
+pub(super) struct Verification {
+    /// The weakest agreement of all files: `same-bytes`, `same-numbers` or `differs`.
+    verdict: Agreement,
+    haptical_version: &'static str,
+    results: Vec<CheckedResult>,
+}
+
+/// One result.
+#[derive(Debug, Serialize)]
+pub(super) struct CheckedResult {
+    result: String,
+    command: &'static str,
+    /// Version that wrote it.
+    recorded_version: String,
+    inputs: Vec<CheckedInput>,
+    files: Vec<FileVerdict>,
+}
+
+#[derive(Debug, Serialize)]
+struct CheckedInput {
+    flag: String,
+    /// Recorded name.
+    file: String,
+    /// Where it was found.
+    found: String,
+    sha256: String,
+}
+
+impl CheckedResult {
+    pub(super) fn new(result: &Recorded, inputs: &[Found], files: Vec<FileVerdict>) -> Self {
+        let input = |found: &Found| CheckedInput {
+            flag: found.recorded.flag.clone(),
+            file: found.recorded.file.clone(),
+            found: found.source.path.display().to_string(),
+            sha256: found.recorded.sha256.clone(),
+        };
+        Self {
+            result: result.path.display().to_string(),
+            command: result.command.name(),
+            recorded_version: result.version.clone(),
+            inputs: inputs.iter().map(input).collect(),
+            files,
+        }
+    }
+}
+
+impl Verification {
+    pub(super) fn new(results: Vec<CheckedResult>) -> Self {
+        let files = || results.iter().flat_map(|result| &result.files);
+        let verdict = if files().any(|file| !file.holds()) {
+            Agreement::Differs
+        } else if files().any(|file| file.agreement == Agreement::SameNumbers) {
+            Agreement::SameNumbers
+        } else {
+            Agreement::SameBytes
+        };
+        Self {
+            verdict,
+            haptical_version: VERSION,
+            results,
+        }
+    }
+
+    pub(super) fn holds(&self) -> bool {
+        self.verdict != Agreement::Differs
+    }
+
+    pub(super) fn json(&self) -> Result<String, Failure> {
+        let mut json = serde_json::to_string_pretty(self).map_err(Failure::internal)?;
+        json.push('\n');
+        Ok(json)
+    }
+
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        for result in &self.results {
+            result.say(&mut text);
+        }
+        let last = match self.verdict {
+            Agreement::SameBytes => "Verified: these inputs give the same bytes.",
+            Agreement::SameNumbers => {
+                "Verified: these inputs give the same numbers within 1e-9 of each, not the same bytes, as on \
+                 another machine."
+            }
+            _ => "Not verified: these inputs give something else.",
+        };
+        text + last + "\n"
+    }
+}
+
+impl CheckedResult {
+    /// `write!` to a String cannot fail.
+    fn say(&self, text: &mut String) {
+        let Self {
+            result,
+            command,
+            recorded_version,
+            ..
+        } = self;
+        let _ = writeln!(
+            text,
+            "{result}: haptical {command}, written by version {recorded_version}"
+        );
+        if recorded_version != VERSION {
+            let _ = writeln!(text, "  recomputed by another version: {VERSION}");
+        }
+        for input in &self.inputs {
+            let _ = writeln!(
+                text,
+                "  --{} {}: the recorded bytes",
+                input.flag, input.found
+            );
+        }
+        let width = self.files.iter().map(|file| file.file.len()).max();
+        for file in &self.files {
+            let name = format!("{:<1$}", file.file, width.unwrap_or_default());
+            let _ = writeln!(text, "  {name}  {}", file.sentence());
+            for difference in file.differences.iter().take(LISTED) {
+                let _ = writeln!(
+                    text,
+                    "    {}: recorded {}, recomputed {}",
+                    difference.place, difference.recorded, difference.recomputed
+                );
+            }
+            if file.difference_count > LISTED {
+                let more = file.difference_count - LISTED;
+                let _ = writeln!(text, "    and {more} more");
+            }
+        }
+        text.push('\n');
+    }
+}
+
+impl FileVerdict {
+    fn sentence(&self) -> String {
+        let changed = if self.changed_since_written {
+            ", changed after it was written"
+        } else {
+            ""
+        };
+        match self.agreement {
+            Agreement::SameBytes => "the same bytes".to_owned(),
+            Agreement::SameNumbers => format!(
+                "the same numbers, the largest relative difference is {:.1e}",
+                self.largest_relative_difference.unwrap_or_default()
+            ),
+            Agreement::Differs if self.difference_count == 1 => format!("differs{changed}"),
+            Agreement::Differs => {
+                format!("differs in {} values{changed}", self.difference_count)
+            }
+            Agreement::Missing => "missing".to_owned(),
+            Agreement::NotKept => "not kept with this result".to_owned(),
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! What each pose of a rig tells of the parameters: weighted derivatives, pose by pose.
+
+use haptical_calibration::{Channel, DeviceProblem, Weights, parameter_infos, preference_order};
+use haptical_identification::{
+    Identifiability, IdentifiabilityRules, Matrix, ParameterInfo, Reduction, analyse,
+    evaluate_jacobian,
+};
+use haptical_linalg::RANK_TOLERANCE;
+
+use crate::posture::recording;
+use crate::{DesignError, Equipped, Posture};
+
+/// Weighted derivatives of a rig's readings at poses, with respect to all parameters that could be free.
+///
+/// A reading's row is its derivative over its standard deviation, so that the sum of the rows' outer
+/// products is Fisher's information matrix (Seber & Wild 2003, section 2.8).
+#[derive(Debug, Clone)]
+pub struct Information {
+    /// The device with the rig.
+    pub equipped: Equipped,
+    /// Names, units and plausible sizes of the parameters.
+    pub infos: Vec<ParameterInfo>,
+    order: Vec<usize>,
+    rules: IdentifiabilityRules,
+    /// Row by row; those that are there whatever is chosen come first.
+    rows: Vec<f64>,
+    /// First row of each pose, and the end.
+    first: Vec<usize>,
+}
+
+impl Information {
+    /// The information of `postures`; `measured` are poses that were measured already and count always.
+    ///
+    /// # Errors
+    /// [`DesignError::Pose`], [`DesignError::Calibration`] where the device has no value.
+    pub fn new(
+        equipped: &Equipped,
+        postures: &[Posture],
+        measured: &[Posture],
+    ) -> Result<Self, DesignError> {
+        let has_reference = equipped.channels.iter().any(|channel| is_once(*channel));
+        let home = Posture::free(vec![0.0; equipped.device.joints.len()]);
+        let reference: &[Posture] = if has_reference { &[home] } else { &[] };
+        let all: Vec<Posture> = [reference, measured, postures].concat();
+        let mut recording = recording(equipped, &all)?;
+        add_references(equipped, &mut recording);
+        let weights = Weights::stated(&equipped.device, &equipped.channels);
+        let parameters = &equipped.parameters;
+        let problem = DeviceProblem::new(
+            &equipped.device,
+            &recording,
+            &equipped.channels,
+            parameters,
+            &weights,
+        )?;
+        let free: Vec<usize> = (0..parameters.len()).collect();
+        let (jacobian, _) = evaluate_jacobian(&problem, &problem.start(), &free)?;
+        let always = all.len() - postures.len();
+        let mut of_row: Vec<Vec<usize>> = vec![Vec::new(); all.len()];
+        for (channel, (mut residual, _)) in problem.layout() {
+            for (row, residuals) in of_row.iter_mut().enumerate() {
+                if channel.has_reading(&recording, row) {
+                    residuals.extend(residual..residual + channel.width());
+                    residual += channel.width();
+                }
+            }
+        }
+        let mut rows = Vec::with_capacity(jacobian.rows() * parameters.len());
+        let mut first = vec![0];
+        for (row, residuals) in of_row.iter().enumerate() {
+            for &residual in residuals {
+                rows.extend(free.iter().map(|&column| jacobian[(residual, column)]));
+            }
+            let end = first.last().copied().unwrap_or(0) + residuals.len();
+            match row < always {
+                true => first[0] = end,
+                false => first.push(end),
+            }
+        }
+        Ok(Self {
+            infos: parameter_infos(&equipped.device, parameters),
+            order: preference_order(parameters),
+            rules: IdentifiabilityRules {
+                singular_values: false,
+                ..IdentifiabilityRules::default()
+            },
+            equipped: equipped.clone(),
+            rows,
+            first,
+        })
+    }
+
+    /// Number of poses.
+    pub fn poses(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    /// Number of parameters.
+    pub fn parameters(&self) -> usize {
+        self.infos.len()
+    }
+
+    /// Readings that a pose gives; those that are always there for none.
+    pub fn readings(&self, pose: Option<usize>) -> usize {
+        pose.map_or(self.first[0], |pose| {
+            self.first[pose + 1] - self.first[pose]
+        })
+    }
+
+    fn row(&self, row: usize) -> &[f64] {
+        let width = self.parameters();
+        &self.rows[row * width..(row + 1) * width]
+    }
+
+    /// The rows of a pose, or those that are always there.
+    pub(crate) fn rows_of(&self, pose: Option<usize>) -> impl Iterator<Item = &[f64]> {
+        let (start, end) = pose.map_or((0, self.first[0]), |pose| {
+            (self.first[pose], self.first[pose + 1])
+        });
+        (start..end).map(|row| self.row(row))
+    }
+
+    /// Reduced rows of chosen poses and those that are always there, the chosen times a factor.
+    pub(crate) fn reduce(
+        &self,
+        chosen: impl Iterator<Item = usize>,
+        factor: f64,
+    ) -> Result<Reduction, DesignError> {
+        let always = self.rows_of(None).map(|row| (row, 1.0));
+        let chosen = chosen.flat_map(|pose| self.rows_of(Some(pose)).map(|row| (row, factor)));
+        let rows: Vec<(&[f64], f64)> = always.chain(chosen).collect();
+        // a matrix without rows has no reduction
+        let count = rows.len().max(1);
+        let mut matrix = Matrix::zeros(count, self.parameters());
+        for (index, (row, factor)) in rows.iter().enumerate() {
+            for (column, value) in row.iter().enumerate() {
+                matrix[(index, column)] = value * factor;
+            }
+        }
+        Ok(Reduction::new(&matrix, &vec![0.0; count])?)
+    }
+
+    /// Judges every parameter for `count` poses of the kind of these: their mean information times `count`.
+    ///
+    /// # Errors
+    /// Refusals of the analysis.
+    pub fn judge(&self, count: usize) -> Result<Identifiability, DesignError> {
+        let factor = (count as f64 / self.poses().max(1) as f64).sqrt();
+        self.analyse(&self.reduce(0..self.poses(), factor)?)
+    }
+
+    /// Judges every parameter for chosen poses alone.
+    ///
+    /// # Errors
+    /// Refusals of the analysis.
+    ///
+    /// # Panics
+    /// For a pose that is not there.
+    pub fn judge_chosen(&self, chosen: &[usize]) -> Result<Identifiability, DesignError> {
+        self.analyse(&self.reduce(chosen.iter().copied(), 1.0)?)
+    }
+
+    /// As [`Information::judge_chosen`], with condition number and observability from singular values.
+    ///
+    /// # Errors
+    /// Refusals of the analysis.
+    ///
+    /// # Panics
+    /// For a pose that is not there.
+    pub fn judge_with_singular_values(
+        &self,
+        chosen: &[usize],
+    ) -> Result<Identifiability, DesignError> {
+        let rules = IdentifiabilityRules::default();
+        let reduction = self.reduce(chosen.iter().copied(), 1.0)?;
+        Ok(analyse(&reduction, &self.infos, &self.order, &rules)?)
+    }
+
+    /// Fisher's information matrix of chosen poses, over all parameters.
+    ///
+    /// # Panics
+    /// For a pose that is not there.
+    pub fn gram(&self, chosen: &[usize]) -> Vec<Vec<f64>> {
+        let width = self.parameters();
+        let mut gram = vec![vec![0.0; width]; width];
+        let poses = std::iter::once(None).chain(chosen.iter().copied().map(Some));
+        for row in poses.flat_map(|pose| self.rows_of(pose)) {
+            for (line, left) in gram.iter_mut().zip(row) {
+                let entries = line.iter_mut().zip(row);
+                entries.for_each(|(entry, right)| *entry += left * right);
+            }
+        }
+        gram
+    }
+
+    fn analyse(&self, reduction: &Reduction) -> Result<Identifiability, DesignError> {
+        Ok(analyse(reduction, &self.infos, &self.order, &self.rules)?)
+    }
+
+    /// Standard deviations that chosen poses give the parameters `columns`, the others known (Cramér-Rao).
+    ///
+    /// # Errors
+    /// [`DesignError::Identification`] where the poses do not fix them.
+    ///
+    /// # Panics
+    /// For a pose that is not there.
+    pub fn deviations(&self, chosen: &[usize], columns: &[usize]) -> Result<Vec<f64>, DesignError> {
+        let reduction = self.reduce(chosen.iter().copied(), 1.0)?;
+        let covariance = reduction.covariance(columns, RANK_TOLERANCE)?;
+        let diagonal = (0..columns.len()).map(|index| covariance[(index, index)].sqrt());
+        Ok(diagonal.collect())
+    }
+}
+
+/// Whether a channel is read once, at the start, whatever poses follow.
+fn is_once(channel: Channel) -> bool {
+    #[cfg(feature = "rig")]
+    {
+        matches!(
+            channel,
+            Channel::Fixture { .. } | Channel::ContactPair { .. } | Channel::PlanePair { .. }
+        )
+    }
+    #[cfg(not(feature = "rig"))]
+    {
+        let _ = channel;
+        false
+    }
+}
+
+/// Puts the readings of fixtures into the first row, which has nothing else but them.
+fn add_references(equipped: &Equipped, recording: &mut haptical_model::Recording) {
+    if !equipped.channels.iter().any(|channel| is_once(*channel)) {
+        return;
+    }
+    let blank = |column: &mut Vec<f64>| {
+        if let Some(first) = column.first_mut() {
+            *first = f64::NAN;
+        }
+    };
+    let columns = recording.output.iter_mut().chain(&mut recording.cable_m);
+    columns.flatten().for_each(blank);
+    recording.position_m.iter_mut().flatten().for_each(blank);
+    recording
+        .orientation_wxyz
+        .iter_mut()
+        .flatten()
+        .for_each(blank);
+    #[cfg(feature = "rig")]
+    for channel in &equipped.channels {
+        if let Channel::Fixture { joint } = *channel {
+            let unit = equipped.device.joints[joint].unit();
+            let mut column = vec![f64::NAN; recording.len()];
+            if let Some(first) = column.first_mut() {
+                *first = 0.0;
+            }
+            let name = format!("fixture{}_{unit}", joint + 1);
+            recording.covariates.push((name, column));
+        }
+    }
+}

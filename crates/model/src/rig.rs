@@ -1,0 +1,98 @@
+//! Puts the sensors of a rig file into a device file: one device, many rigs.
+
+use toml::de::DeTable;
+
+use crate::reader::{Section, Source};
+use crate::sensor_file::{read_cables, read_contact_pairs, read_gravity, read_tracker};
+use crate::toml_syntax::syntax_error;
+use crate::{Device, DeviceFileError};
+
+/// What a rig file holds.
+const SECTIONS: [&str; 11] = [
+    "cable_encoder",
+    "cable",
+    "tracker",
+    "contact_pair",
+    "contact",
+    "contact_point",
+    "plane",
+    "plane_pair",
+    "touched_plane",
+    "fixture",
+    "gravity",
+];
+
+/// What stays with the device file.
+const OF_A_DEVICE: [&str; 4] = ["device", "link", "joint", "nominal"];
+
+impl Device {
+    /// The text of a device file with the sections of a rig file (`[cable_encoder]`, `[[cable]]`,
+    /// `[tracker]`, `[contact]`, `[[contact_pair]]`, `[plane]`, `[[plane_pair]]`, `[fixture]`, `[gravity]`) in the place of its own; those that the rig file does
+    /// not have stay. A rig with cables replaces all cables. Returns the text, and what is odd about the
+    /// rig file. `file` and `rig_file` name the two in errors.
+    ///
+    /// ```
+    /// use haptical_model::Device;
+    /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+    /// let text = haptical_model::read_toml_text(path.as_ref())?;
+    /// let rig = "[tracker]\nbase = \"unknown\"\nposition_sd_m = 1e-4\n";
+    /// let (text, warnings) = Device::with_rig(&text, "haptic7.toml", rig, "rig.toml")?;
+    /// assert!(warnings.is_empty());
+    /// let tracker = Device::from_toml(&text, "haptic7.toml")?.device.tracker;
+    /// assert!(tracker.is_some_and(|tracker| !tracker.base_known));
+    /// # Ok::<(), haptical_model::DeviceFileError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`DeviceFileError`] with line and column; a rig file with parts of a device is refused.
+    pub fn with_rig(
+        text: &str,
+        file: &str,
+        rig_text: &str,
+        rig_file: &str,
+    ) -> Result<(String, Vec<String>), DeviceFileError> {
+        let source = Source {
+            file: rig_file,
+            text: rig_text,
+        };
+        let document = DeTable::parse(rig_text)
+            .map_err(|error| syntax_error(&source, error.span(), error.message()))?;
+        let root = Section::root(source, document.get_ref());
+        for key in OF_A_DEVICE {
+            if root.has(key) {
+                let found = format!("part of a device, [{key}]");
+                let allowed = "a rig file holds sensors alone: leave it in the device file";
+                return Err(root.refuse(key, found, allowed));
+            }
+        }
+        let mut warnings = Vec::new();
+        read_cables(&root, &mut warnings)?;
+        let tracker = read_tracker(&root, &mut warnings)?;
+        #[cfg(feature = "rig")]
+        crate::surrounding_file::read_surroundings(
+            &root,
+            tracker.as_ref(),
+            Vec::new(),
+            &mut warnings,
+        )?;
+        let _ = tracker;
+        read_contact_pairs(&root, &mut warnings)?;
+        read_gravity(&root, &mut warnings)?;
+        root.unknown_keys(&mut warnings);
+        let rig = source.editable()?;
+        let mut device = Source { file, text }.editable()?;
+        if ["cable_encoder", "cable"]
+            .iter()
+            .any(|key| rig.contains_key(key))
+        {
+            device.remove("cable_encoder");
+            device.remove("cable");
+        }
+        for key in SECTIONS {
+            if let Some(item) = rig.get(key) {
+                device.insert(key, item.clone());
+            }
+        }
+        Ok((device.to_string(), warnings))
+    }
+}

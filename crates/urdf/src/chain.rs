@@ -1,0 +1,129 @@
+//! The moving rows of a path: what stands between them, and which joint drives each.
+
+use haptical_model::kinematics::Pose;
+use haptical_model::{Drive, JointType, Position};
+
+use crate::UrdfError;
+use crate::rigid::{inverse, then, turn, z_to};
+use crate::robot::{Robot, RobotJoint, RobotJointType};
+use crate::tip::Path;
+
+/// A moving joint of the path.
+#[derive(Debug, Clone)]
+pub(crate) struct Row {
+    /// Joint of the robot, from 0.
+    pub(crate) joint: usize,
+    /// From the frame behind the row before (its axis along z) to this row's, axis along z.
+    pub(crate) origin: Pose,
+    pub(crate) drive: Drive,
+}
+
+/// A path as rows.
+#[derive(Debug, Clone)]
+pub(crate) struct Rows {
+    pub(crate) rows: Vec<Row>,
+    /// From the last row's frame, axis along z, to the tip.
+    pub(crate) handle: Pose,
+    /// Joints of the robot whose variables drive the rows, in the order of the device's joints.
+    pub(crate) drivers: Vec<usize>,
+}
+
+/// Most mimics one behind another.
+const MOST_MIMICS: usize = 32;
+
+/// Splits a path into its moving rows; `at` gives a byte's place.
+pub(crate) fn rows(
+    robot: &Robot,
+    path: &Path,
+    at: &dyn Fn(usize) -> Box<Position>,
+) -> Result<Rows, UrdfError> {
+    let mut split = Rows {
+        rows: Vec::new(),
+        handle: Pose::default(),
+        drivers: Vec::new(),
+    };
+    let mut behind = Pose::default();
+    for &index in &path.joints {
+        let joint = &robot.joints[index];
+        behind = then(&behind, &joint.origin);
+        let motion = match joint.joint_type {
+            RobotJointType::Fixed => continue,
+            RobotJointType::Revolute | RobotJointType::Continuous => JointType::Revolute,
+            RobotJointType::Prismatic => JointType::Prismatic,
+            RobotJointType::Other => {
+                let message = format!(
+                    "joint `{}` is floating or planar: a chain has one variable per joint",
+                    joint.name
+                );
+                return Err(UrdfError::Tree {
+                    at: at(joint.place),
+                    message,
+                });
+            }
+        };
+        let (driver, multiplier, offset) = driver(robot, index, at)?;
+        let known = split.drivers.iter().position(|own| *own == driver);
+        let number = known.unwrap_or_else(|| {
+            split.drivers.push(driver);
+            split.drivers.len() - 1
+        });
+        let along_z = turn(z_to(&joint.axis));
+        split.rows.push(Row {
+            joint: index,
+            origin: then(&behind, &along_z),
+            drive: Drive {
+                joint: number,
+                motion,
+                multiplier,
+                offset,
+            },
+        });
+        behind = inverse(&along_z);
+    }
+    split.handle = behind;
+    Ok(split)
+}
+
+/// The joint whose variable drives a joint, with multiplier and offset.
+fn driver(
+    robot: &Robot,
+    joint: usize,
+    at: &dyn Fn(usize) -> Box<Position>,
+) -> Result<(usize, f64, f64), UrdfError> {
+    let (mut driver, mut multiplier, mut offset) = (joint, 1.0, 0.0);
+    let refuse = |place: usize, message: String| UrdfError::Tree {
+        at: at(place),
+        message,
+    };
+    for _ in 0..MOST_MIMICS {
+        let Some(mimic) = &robot.joints[driver].mimic else {
+            return Ok((driver, multiplier, offset));
+        };
+        let name = &robot.joints[driver].name;
+        let is_source = |joint: &RobotJoint| joint.name == mimic.joint;
+        let source = robot.joints.iter().position(is_source);
+        let source = source.filter(|source| match robot.joints[*source].joint_type {
+            RobotJointType::Fixed | RobotJointType::Other => false,
+            RobotJointType::Revolute | RobotJointType::Continuous | RobotJointType::Prismatic => {
+                true
+            }
+        });
+        let Some(source) = source else {
+            let message = format!(
+                "joint `{name}` follows `{}`, which is no joint with one variable",
+                mimic.joint
+            );
+            return Err(refuse(mimic.place, message));
+        };
+        if mimic.multiplier == 0.0 {
+            let message = format!("joint `{name}` follows with the multiplier 0: make it fixed");
+            return Err(refuse(mimic.place, message));
+        }
+        offset += multiplier * mimic.offset;
+        multiplier *= mimic.multiplier;
+        driver = source;
+    }
+    let name = &robot.joints[joint].name;
+    let message = format!("joint `{name}` follows itself, through the joints that it follows");
+    Err(refuse(robot.joints[joint].place, message))
+}

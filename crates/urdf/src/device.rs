@@ -1,0 +1,301 @@
+//! A device from a chain of a URDF.
+
+use std::path::Path as FilePath;
+
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::kinematics::{Convention, Link};
+use haptical_model::{
+    Body, Device, Joint, JointType, Origin, Position, Tracker, TransmissionError, TransmissionKind,
+    read_text_file,
+};
+
+use crate::UrdfError;
+use crate::chain::{Rows, rows};
+use crate::parse::parse;
+use crate::rigid::z_to;
+use crate::robot::{Robot, RobotJoint};
+use crate::tip::{Path, choose, listed};
+
+/// Largest file \[MiB\]: a humanoid's has some hundred kilobytes.
+const LARGEST_MEBIBYTES: u64 = 8;
+/// Most joints of a chain, as of a device file.
+const MOST_JOINTS: usize = 256;
+/// Gravity where the file says nothing, z being up \[m/s^2\].
+const GRAVITY_MPS2: [f64; 3] = [0.0, 0.0, -9.81];
+/// Largest joint limit that a device file takes \[rad\]: what is beyond it is no limit.
+const LARGEST_LIMIT_RAD: f64 = 29.0;
+/// Uncertainty of a torque's scale where nothing is known of it.
+const TORQUE_SCALE_SD: f64 = 0.03;
+
+/// A device from a URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UrdfDevice {
+    /// The device.
+    pub device: Device,
+    /// Link at which its chain ends: its handle.
+    pub tip: String,
+    /// What was chosen or left out.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a URDF as text: at most 8 MiB of UTF-8.
+///
+/// # Errors
+/// [`UrdfError::File`].
+pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
+    Ok(read_text_file(path, LARGEST_MEBIBYTES)?)
+}
+
+/// The chain of a URDF from its root to the link `tip` as a device; `file` names it in errors.
+///
+/// Frame (-1) is the root link. Joint i of the chain becomes row i behind the constant origin
+/// `T(xyz) R(rpy) R(axis -> z)`, its own six numbers 0; `R(axis -> z)^-1` and fixed joints are part of the
+/// next origin, the last one being the handle's. So every row is general: its six numbers, to first order
+/// the local coordinates of a product of exponentials, may be identified whichever way the axes stand
+/// ([`Link`]). Home is 0 everywhere. Joints that follow another one (`<mimic>`)
+/// are rows that its joint drives, and no joints of a log. Masses are those of the links, with what is
+/// fixed to them; a branch that moves beside the chain, such as a hand, is left out.
+///
+/// Without `tip` the chain with the most moving joints is taken; joints that follow one of another branch
+/// (fingers) do not count.
+///
+/// ```
+/// let text = r#"<robot name="lever">
+///   <link name="base"/> <link name="arm"/> <link name="tool"/>
+///   <joint name="shoulder" type="revolute">
+///     <origin xyz="0 0 0.4"/> <parent link="base"/> <child link="arm"/> <axis xyz="0 1 0"/>
+///     <limit lower="-1" upper="1" effort="10" velocity="1"/>
+///   </joint>
+///   <joint name="flange" type="fixed">
+///     <origin xyz="0.1 0 0"/> <parent link="arm"/> <child link="tool"/>
+///   </joint>
+/// </robot>"#;
+/// let lever = haptical_urdf::device_from_urdf(text, "lever.urdf", None)?;
+/// assert_eq!((lever.tip.as_str(), lever.device.joints[0].name.as_str()), ("tool", "shoulder"));
+/// let pose = haptical_model::DeviceChain::new(&lever.device).pose(&[0.5])?;
+/// assert!((pose.position_m.z - (0.4 - 0.1 * 0.5_f64.sin())).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`UrdfError`] with line and column, or with what there is to choose from.
+pub fn device_from_urdf(
+    text: &str,
+    file: &str,
+    tip: Option<&str>,
+) -> Result<UrdfDevice, UrdfError> {
+    let read = ReadChain::new(text, file, tip)?;
+    let ReadChain {
+        robot,
+        path,
+        rows,
+        mut warnings,
+    } = read;
+    if rows.rows.len() > MOST_JOINTS {
+        return Err(UrdfError::Chain {
+            file: file.to_owned(),
+            message: format!(
+                "the chain to `{}` has {} moving joints; at most {MOST_JOINTS} are read",
+                robot.links[path.tip].name,
+                rows.rows.len()
+            ),
+        });
+    }
+    let mut beside = beside(&robot, &path);
+    // what drives a row of the chain is no loss
+    beside.retain(|joint| {
+        rows.drivers
+            .iter()
+            .all(|own| robot.joints[*own].name != *joint)
+    });
+    if !beside.is_empty() {
+        warnings.push(format!(
+            "{file}: left out, because they move beside the chain: {}",
+            listed(beside.into_iter())
+        ));
+    }
+    let mut origins = vec![Some(Origin::IDENTITY)];
+    origins.extend(
+        rows.rows
+            .iter()
+            .map(|row| Some(Origin::from_pose(&row.origin))),
+    );
+    origins.push(Some(Origin::from_pose(&rows.handle)));
+    let joints = rows.drivers.iter().map(|driver| {
+        let joint = &robot.joints[*driver];
+        let (joint, warning) = device_joint(joint, file);
+        warnings.extend(warning);
+        joint
+    });
+    let joints: Vec<Joint> = joints.collect();
+    let drives: Vec<_> = rows.rows.iter().map(|row| row.drive).collect();
+    let is_plain = drives.iter().enumerate().all(|(index, drive)| {
+        drive.joint == index
+            && drive.motion == joints[index].joint_type
+            && drive.multiplier == 1.0
+            && drive.offset == 0.0
+    });
+    let mut bodies = vec![None];
+    bodies.extend(rows.rows.iter().map(|row| body(&robot, row.joint)));
+    // what a URDF says nothing of is as in a device file that does not mention it
+    let rest = Device::from_toml("[[joint]]\n", file)?.device;
+    let device = Device {
+        name: robot.name.clone(),
+        convention: Convention::Standard,
+        links: vec![Link::default(); rows.rows.len() + 1],
+        origins,
+        drives: if is_plain { Vec::new() } else { drives },
+        bodies,
+        joints,
+        // nobody measures in the root's frame by luck
+        tracker: Some(Tracker {
+            base_known: false,
+            tool_known: false,
+            position_sd_m: None,
+            rotation_sd_rad: None,
+        }),
+        gravity_mps2: Some(GRAVITY_MPS2),
+        ..rest
+    };
+    Ok(UrdfDevice {
+        device,
+        tip: robot.links[path.tip].name.clone(),
+        warnings,
+    })
+}
+
+/// A URDF with its chain.
+#[derive(Debug)]
+pub(crate) struct ReadChain {
+    pub(crate) robot: Robot,
+    pub(crate) path: Path,
+    pub(crate) rows: Rows,
+    pub(crate) warnings: Vec<String>,
+}
+
+impl ReadChain {
+    pub(crate) fn new(text: &str, file: &str, tip: Option<&str>) -> Result<Self, UrdfError> {
+        let robot = parse(text, file)?;
+        let (path, warning) = choose(&robot, file, tip)?;
+        let rows = rows(&robot, &path, &|byte| position(text, file, byte))?;
+        Ok(Self {
+            robot,
+            path,
+            rows,
+            warnings: warning.into_iter().collect(),
+        })
+    }
+}
+
+/// Line and column, from 1, of a byte.
+fn position(text: &str, file: &str, byte: usize) -> Box<Position> {
+    let before = text.get(..byte).unwrap_or(text);
+    let last = before.rsplit('\n').next().unwrap_or_default();
+    Box::new(Position {
+        file: file.to_owned(),
+        line: before.matches('\n').count() + 1,
+        column: last.chars().count() + 1,
+    })
+}
+
+/// Joints that move beside the chain, the first of each branch.
+fn beside<'r>(robot: &'r Robot, path: &Path) -> Vec<&'r str> {
+    let mut names = Vec::new();
+    let mut links = vec![path.tip];
+    links.extend(path.joints.iter().map(|joint| robot.joints[*joint].parent));
+    while let Some(link) = links.pop() {
+        for &joint in &robot.links[link].child_joints {
+            if path.joints.contains(&joint) {
+                continue;
+            }
+            if robot.joints[joint].moves() {
+                names.push(robot.joints[joint].name.as_str());
+            } else {
+                links.push(robot.joints[joint].child);
+            }
+        }
+    }
+    names
+}
+
+/// A joint and what is odd about its limits.
+fn device_joint(joint: &RobotJoint, file: &str) -> (Joint, Option<String>) {
+    let joint_type = match joint.joint_type {
+        crate::robot::RobotJointType::Prismatic => JointType::Prismatic,
+        _ => JointType::Revolute,
+    };
+    let is_continuous = joint.joint_type == crate::robot::RobotJointType::Continuous;
+    let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut warning = None;
+    if let Some(limits) = joint.limits.filter(|_| !is_continuous) {
+        if limits.0 < limits.1 {
+            let largest = match joint_type {
+                JointType::Revolute => LARGEST_LIMIT_RAD,
+                JointType::Prismatic => 1e6,
+            };
+            lower = if limits.0 < -largest { lower } else { limits.0 };
+            upper = if limits.1 > largest { upper } else { limits.1 };
+        } else {
+            warning = Some(format!(
+                "{file}: joint `{}` has the limits {} to {}, between which nothing is: it is taken as \
+                 without limits",
+                joint.name, limits.0, limits.1
+            ));
+        }
+    }
+    let joint = Joint {
+        name: joint.name.clone(),
+        joint_type,
+        home_rad: 0.0,
+        lower_rad: lower,
+        upper_rad: upper,
+        sampling_sd_rad: None,
+        transmission: TransmissionKind::Direct,
+        transmission_ratio: 1.0,
+        drum_distance_m: None,
+        input_drum_denominator_m: None,
+        encoder_counts_per_rev: None,
+        external_encoder_counts_per_rev: None,
+        external_encoder_sd_rad: None,
+        torque_scale_sd: TORQUE_SCALE_SD,
+        parallelogram_lengths_m: None,
+        transmission_error: TransmissionError::default(),
+    };
+    (joint, warning)
+}
+
+/// Mass and centre of what moves with a joint: its link, and what is fixed to that on any branch. The
+/// centre is in the frame behind the joint's motion, axis along z.
+fn body(robot: &Robot, joint: usize) -> Option<Body> {
+    let mut mass_kg = 0.0;
+    let mut moment = Vector3::zeros();
+    let start = robot.joints[joint].child;
+    let mut links = vec![(start, haptical_model::kinematics::Pose::default())];
+    let mut is_known = false;
+    while let Some((link, pose)) = links.pop() {
+        if let Some((own_kg, centre_m)) = robot.links[link].mass {
+            is_known = true;
+            mass_kg += own_kg;
+            moment += (pose.position_m + pose.rotation * Vector3::from(centre_m)) * own_kg;
+        }
+        for &child in &robot.links[link].child_joints {
+            let child = &robot.joints[child];
+            if !child.moves() {
+                links.push((child.child, crate::rigid::then(&pose, &child.origin)));
+            }
+        }
+    }
+    if !is_known {
+        return None;
+    }
+    let centre = if mass_kg > 0.0 {
+        moment / mass_kg
+    } else {
+        moment
+    };
+    let centre = z_to(&robot.joints[joint].axis).transpose() * centre;
+    Some(Body {
+        mass_kg,
+        centre_of_mass_m: centre.into(),
+    })
+}

@@ -1,0 +1,97 @@
+//! Why a URDF gives no device, or a device no robot description.
+
+use haptical_model::kinematics::KinematicsError;
+use haptical_model::{DeviceFileError, Position};
+
+/// What was wrong, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum UrdfError {
+    /// The file cannot be read as text.
+    #[error(transparent)]
+    File(#[from] DeviceFileError),
+    /// The text is not well-formed XML.
+    #[error("{at}: not XML that is read: {message}")]
+    Xml {
+        /// Where.
+        at: Box<Position>,
+        /// What the parser said.
+        message: String,
+    },
+    /// The text is XML of another kind.
+    #[error("{at}: the outermost element is <{found}>, not <robot>: {advice}")]
+    NotUrdf {
+        /// Where.
+        at: Box<Position>,
+        /// Outermost element.
+        found: String,
+        /// What it probably is and what to do.
+        advice: &'static str,
+    },
+    /// An attribute or element that must be there is not.
+    #[error("{at}: {place} has no {what}")]
+    Missing {
+        /// Where.
+        at: Box<Position>,
+        /// Element, in words.
+        place: String,
+        /// What is missing.
+        what: &'static str,
+    },
+    /// A value that cannot be used.
+    #[error("{at}: {place}: {what} is {found}, but {allowed}")]
+    Value {
+        /// Where.
+        at: Box<Position>,
+        /// Element, in words.
+        place: String,
+        /// Which value.
+        what: &'static str,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        allowed: String,
+    },
+    /// Links and joints that make no tree, or too many of them.
+    #[error("{at}: {message}")]
+    Tree {
+        /// Where.
+        at: Box<Position>,
+        /// What does not fit.
+        message: String,
+    },
+    /// No chain between the root and the tip that was asked for.
+    #[error("{file}: {message}")]
+    Chain {
+        /// File.
+        file: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// A device that this URDF does not describe, or that no robot description can.
+    #[error("the device `{device}`: {message}")]
+    Device {
+        /// Device name.
+        device: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// The device's chain has no value.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+}
+
+impl UrdfError {
+    /// The place in the file, where there is one.
+    pub fn position(&self) -> Option<&Position> {
+        match self {
+            Self::File(error) => error.position(),
+            Self::Xml { at, .. }
+            | Self::NotUrdf { at, .. }
+            | Self::Missing { at, .. }
+            | Self::Value { at, .. }
+            | Self::Tree { at, .. } => Some(at),
+            Self::Chain { .. } | Self::Device { .. } | Self::Kinematics(_) => None,
+        }
+    }
+}

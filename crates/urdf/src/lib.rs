@@ -1,0 +1,23 @@
+//! Robot descriptions in XML: a device from a chain of a URDF, and URDF or MJCF from a device.
+//!
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod chain;
+mod correct;
+mod device;
+mod error;
+mod mjcf;
+mod new_urdf;
+mod numbers;
+mod parse;
+mod rigid;
+mod robot;
+mod segments;
+mod tip;
+
+pub use correct::{CorrectedUrdf, corrected_urdf};
+pub use device::{UrdfDevice, device_from_urdf, read_urdf_text};
+pub use error::UrdfError;
+pub use mjcf::new_mjcf;
+pub use new_urdf::new_urdf;

@@ -1,0 +1,105 @@
+//! A device's chain as joints along z with constant transforms between them, whatever its convention.
+
+use haptical_model::kinematics::{Chain, Convention, Link, Motion, Pose};
+use haptical_model::{Device, Drive};
+
+use crate::UrdfError;
+use crate::rigid::then;
+
+/// A moving row: everything constant before its motion, and what is known of its mass.
+#[derive(Debug, Clone)]
+pub(crate) struct Segment {
+    /// From the frame behind the motion of the row before (from frame (-1) for the first) to this row's.
+    pub(crate) before: Pose,
+    pub(crate) drive: Drive,
+    /// Mass \[kg\] and its centre in the frame behind the motion \[m\].
+    pub(crate) body: Option<(f64, [f64; 3])>,
+}
+
+/// All of it. The motion of a row is its joint's variable, home included: offsets are constants.
+#[derive(Debug, Clone)]
+pub(crate) struct Segments {
+    pub(crate) rows: Vec<Segment>,
+    /// From the frame behind the last motion to the handle.
+    pub(crate) handle: Pose,
+}
+
+/// A row's constant parts before and behind its motion: Rz(variable) and T(0, 0, variable) change places
+/// with Rz(theta) and T(0, 0, d).
+fn parts(convention: Convention, link: &Link) -> Result<[Pose; 2], UrdfError> {
+    let [before, behind] = match convention {
+        Convention::Standard => [Link::default(), *link],
+        Convention::Modified => [
+            Link {
+                theta_rad: 0.0,
+                d_m: 0.0,
+                ..*link
+            },
+            Link {
+                theta_rad: link.theta_rad,
+                d_m: link.d_m,
+                ..Link::default()
+            },
+        ],
+    };
+    let pose = |link| Chain::new(convention, &[link], &[Motion::Fixed])?.pose(&[]);
+    Ok([pose(before)?, pose(behind)?])
+}
+
+/// Takes a device apart.
+pub(crate) fn segments(device: &Device) -> Result<Segments, UrdfError> {
+    let refuse = |message: &str| UrdfError::Device {
+        device: device.name.clone(),
+        message: message.to_owned(),
+    };
+    if !device.has_links() {
+        return Err(refuse(
+            "it has no [[link]] rows, so there is no chain to write",
+        ));
+    }
+    let origins = device.chain_origins();
+    let origin = |row: usize| origins.get(row).copied().flatten().unwrap_or_default();
+    let mut rows = Vec::new();
+    let mut behind = Pose::default();
+    for (row, link) in device.links.iter().enumerate() {
+        let [own_before, own_behind] = parts(device.convention, link)?;
+        behind = then(&behind, &origin(row));
+        behind = then(&behind, &own_before);
+        let Some(drive) = device.drive(row) else {
+            if row > 0 {
+                return Err(refuse("it has rows that no joint drives"));
+            }
+            behind = then(&behind, &own_behind);
+            continue;
+        };
+        let body = device.bodies.get(row).copied().flatten().map(|body| {
+            let home = device
+                .joints
+                .get(drive.joint)
+                .map_or(0.0, |own| own.home_rad);
+            (
+                body.mass_kg,
+                centre(link, &drive, home, body.centre_of_mass_m),
+            )
+        });
+        rows.push(Segment {
+            before: behind,
+            drive,
+            body,
+        });
+        behind = own_behind;
+    }
+    let handle = then(&behind, &origin(device.links.len()));
+    Ok(Segments { rows, handle })
+}
+
+/// A centre of mass in the frame behind the motion: the device has it behind Rz(theta), before the
+/// translation, which carries it along from home.
+fn centre(link: &Link, drive: &Drive, home: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    let (sine, cosine) = libm::sincos(link.theta_rad);
+    let slide = match drive.motion {
+        haptical_model::JointType::Revolute => 0.0,
+        haptical_model::JointType::Prismatic => drive.multiplier * home + drive.offset,
+    };
+    [x * cosine - y * sine, x * sine + y * cosine, z - slide]
+}

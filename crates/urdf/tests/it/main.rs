@@ -1,0 +1,15 @@
+//! URDF in, URDF and MJCF out: against Pinocchio's numbers, an independent product, and hostile text.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test that cannot go on fails there; a skipped one says so"
+)]
+
+mod corrected;
+mod described;
+mod pinocchio;
+mod random;
+mod refusals;
+mod structure;
+mod support;

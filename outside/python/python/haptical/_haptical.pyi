@@ -1,0 +1,57 @@
+"""The compiled module; `haptical` is what to import."""
+
+from typing import List, Optional, Sequence, Union, final
+
+from .types import Array, Identification, Log, Loss, Method, Noise, Source
+
+__all__ = ["Device", "HapticalError", "__version__", "diagnose", "forward_kinematics", "identify"]
+
+__version__: str
+
+class HapticalError(Exception):
+    """The numbers are sound, but nothing can be identified from them."""
+
+@final
+class Device:
+    """A device, read once and used many times; what other functions take in the place of a file."""
+
+    def __new__(cls, source: Source, *, tip: Optional[str] = None, rig: Optional[Source] = None) -> Device: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def joints(self) -> int: ...
+    @property
+    def columns(self) -> List[str]: ...
+    @property
+    def warnings(self) -> List[str]: ...
+    def to_toml(self) -> str: ...
+
+def identify(
+    device: Union[Device, Source],
+    log: Log,
+    *,
+    method: Method = "joint",
+    held_out: float = 0.2,
+    degree: Union[int, str, None] = None,
+    noise: Noise = "estimated",
+    loss: Loss = "squares",
+    tip: Optional[str] = None,
+    rig: Optional[Source] = None,
+) -> Identification: ...
+def diagnose(
+    device: Union[Device, Source],
+    log: Log,
+    *,
+    model: Union[Device, Source, None] = None,
+    validate: Optional[Log] = None,
+    without: Sequence[str] = ...,
+    tip: Optional[str] = None,
+    rig: Optional[Source] = None,
+) -> str: ...
+def forward_kinematics(
+    device: Union[Device, Source],
+    readings: Array,
+    *,
+    tip: Optional[str] = None,
+    rig: Optional[Source] = None,
+) -> tuple[Array, Array]: ...

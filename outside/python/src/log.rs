@@ -1,0 +1,124 @@
+//! Recordings: from a file (CSV, Parquet, MCAP) or from a dictionary of columns.
+
+use std::path::PathBuf;
+
+use haptical_data::{Cells, LoadedLog, LogShape, log_from_columns, read_log};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::failure::Failure;
+
+/// A recording that was taken from Python, still to be checked.
+#[derive(Debug)]
+pub(crate) enum Log {
+    File(PathBuf),
+    Columns(Vec<(String, Column)>),
+}
+
+/// Cells of one column.
+#[derive(Debug)]
+pub(crate) enum Column {
+    Numbers(Vec<f64>),
+    Integers(Vec<i64>),
+    Texts(Vec<String>),
+}
+
+/// Name of a recording in memory in messages.
+const IN_MEMORY: &str = "the log";
+
+/// Takes a path or a dictionary of columns.
+pub(crate) fn log_of(log: &Bound<'_, PyAny>) -> PyResult<Log> {
+    let Ok(columns) = log.cast::<PyDict>() else {
+        return match log.extract::<PathBuf>() {
+            Ok(path) => Ok(Log::File(path)),
+            Err(_) => {
+                let kind = log.get_type().name()?;
+                Err(Failure::value(format!(
+                    "the log is of the type {kind}; give a path or a dictionary of columns"
+                ))
+                .into())
+            }
+        };
+    };
+    let numpy = log.py().import("numpy")?;
+    let mut taken = Vec::new();
+    for (name, cells) in columns {
+        let name: String = name.extract().map_err(|_| {
+            Failure::value(format!("the key {name} of the log is no name of a column"))
+        })?;
+        let cells = column(&numpy, &name, &cells)?;
+        taken.push((name, cells));
+    }
+    Ok(Log::Columns(taken))
+}
+
+/// Numbers where the array is of numbers, texts where it is of texts; None and NaN are no readings.
+fn column(numpy: &Bound<'_, PyModule>, name: &str, cells: &Bound<'_, PyAny>) -> PyResult<Column> {
+    let array = numpy.call_method1("asarray", (cells,))?;
+    let (kind, dimensions): (String, usize) = (
+        array.getattr("dtype")?.getattr("kind")?.extract()?,
+        array.getattr("ndim")?.extract()?,
+    );
+    if dimensions != 1 {
+        return Err(Failure::value(format!(
+            "column `{name}` has {dimensions} dimensions; give one number or text for each row"
+        ))
+        .into());
+    }
+    match kind.as_str() {
+        "f" => {
+            let numbers = array.call_method1("astype", ("float64",))?;
+            Ok(Column::Numbers(numbers.cast::<PyArray1<f64>>()?.to_vec()?))
+        }
+        "i" | "u" | "b" => {
+            let integers = array.call_method1("astype", ("int64",))?;
+            Ok(Column::Integers(
+                integers.cast::<PyArray1<i64>>()?.to_vec()?,
+            ))
+        }
+        "U" | "O" | "T" => {
+            let cells: Vec<Bound<'_, PyAny>> = array.call_method0("tolist")?.extract()?;
+            let text = |cell: &Bound<'_, PyAny>| -> PyResult<String> {
+                let is_nan = cell.extract::<f64>().is_ok_and(f64::is_nan);
+                if cell.is_none() || is_nan {
+                    Ok(String::new())
+                } else {
+                    Ok(cell.str()?.to_string())
+                }
+            };
+            Ok(Column::Texts(
+                cells.iter().map(text).collect::<PyResult<_>>()?,
+            ))
+        }
+        _ => {
+            let dtype = array.getattr("dtype")?.str()?;
+            Err(Failure::value(format!(
+                "column `{name}` is of the type {dtype}; give numbers (times in seconds) or texts"
+            ))
+            .into())
+        }
+    }
+}
+
+impl Log {
+    /// Checks it against a device.
+    pub(crate) fn read(&self, shape: &LogShape) -> Result<LoadedLog, Failure> {
+        let columns = match self {
+            Self::File(path) => return Ok(read_log(path, shape)?),
+            Self::Columns(columns) => columns,
+        };
+        let columns: Vec<(&str, Cells<'_>)> = columns
+            .iter()
+            .map(|(name, column)| {
+                let cells = match column {
+                    Column::Numbers(cells) => Cells::Numbers(cells),
+                    Column::Integers(cells) => Cells::Integers(cells),
+                    Column::Texts(cells) => Cells::Texts(cells),
+                };
+                (name.as_str(), cells)
+            })
+            .collect();
+        Ok(log_from_columns(&columns, IN_MEMORY, shape)?)
+    }
+}

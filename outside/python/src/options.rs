@@ -1,0 +1,95 @@
+//! Keyword arguments of `identify` as options of a calibration; names and defaults are the command's.
+
+use haptical_calibration::{CalibrationMethod, Degree, HeldOut, LossChoice, Options, Weighting};
+use haptical_identification::Loss;
+use pyo3::prelude::*;
+
+use crate::failure::Failure;
+
+/// Highest degree of a polynomial, as the command has it.
+const HIGHEST_DEGREE: usize = 24;
+/// Degrees that the evidence chooses from.
+const CHOSEN_DEGREE: usize = 14;
+
+/// What `identify` takes beside device and log.
+#[derive(Debug)]
+pub(crate) struct Keywords<'k, 'py> {
+    pub(crate) method: &'k str,
+    pub(crate) held_out: f64,
+    pub(crate) degree: Option<&'k Bound<'py, PyAny>>,
+    pub(crate) noise: &'k str,
+    pub(crate) loss: &'k str,
+}
+
+impl Keywords<'_, '_> {
+    pub(crate) fn options(&self) -> Result<Options, Failure> {
+        let method = match self.method {
+            "joint" => CalibrationMethod::Joint,
+            "two-step" => CalibrationMethod::TwoStep,
+            other => return Err(unknown("method", other, "joint, two-step")),
+        };
+        let weighting = match self.noise {
+            "estimated" => Weighting::Estimated,
+            "stated" => Weighting::Stated,
+            other => return Err(unknown("noise", other, "estimated, stated")),
+        };
+        let loss = match self.loss {
+            "auto" => LossChoice::Auto,
+            "squares" => LossChoice::Fixed(Loss::Squares),
+            "huber" => LossChoice::Fixed(Loss::Huber),
+            "cauchy" => LossChoice::Fixed(Loss::Cauchy),
+            "tukey" => LossChoice::Fixed(Loss::Tukey),
+            "student-t" => LossChoice::Fixed(Loss::StudentT),
+            other => {
+                return Err(unknown(
+                    "loss",
+                    other,
+                    "auto, squares, huber, cauchy, tukey, student-t",
+                ));
+            }
+        };
+        if !(0.0..=0.5).contains(&self.held_out) {
+            let text = format!(
+                "held_out is {}; a share from 0 to 0.5 is expected",
+                self.held_out
+            );
+            return Err(Failure::value(text));
+        }
+        Ok(Options {
+            method,
+            degree: self.degree()?,
+            weighting,
+            loss,
+            held_out: if self.held_out > 0.0 {
+                HeldOut::Share(self.held_out)
+            } else {
+                HeldOut::None
+            },
+            ..Options::default()
+        })
+    }
+
+    fn degree(&self) -> Result<Degree, Failure> {
+        let Some(degree) = self.degree else {
+            return Ok(Degree::UpTo(CHOSEN_DEGREE));
+        };
+        if degree
+            .extract::<String>()
+            .is_ok_and(|word| word == "evidence")
+        {
+            return Ok(Degree::UpTo(CHOSEN_DEGREE));
+        }
+        match degree.extract::<usize>() {
+            Ok(degree) if (1..=HIGHEST_DEGREE).contains(&degree) => Ok(Degree::Fixed(degree)),
+            _ => Err(Failure::value(format!(
+                "degree is {degree}; a whole number from 1 to {HIGHEST_DEGREE}, or \"evidence\", is expected"
+            ))),
+        }
+    }
+}
+
+fn unknown(keyword: &str, found: &str, known: &str) -> Failure {
+    Failure::value(format!(
+        "{keyword} is \"{found}\"; one of these is expected: {known}"
+    ))
+}

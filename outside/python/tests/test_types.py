@@ -1,0 +1,44 @@
+"""The types of the package, judged by mypy."""
+
+import subprocess
+import sys
+
+import pytest
+
+USE = """
+import haptical
+import numpy as np
+from haptical.types import Identification
+
+result: Identification = haptical.identify("device.toml", {"theta1_rad": np.zeros(3)}, method="two-step")
+value: float = float(result["parameters"]["value"][0])
+position, rotation = haptical.forward_kinematics(haptical.Device("device.toml"), [[0.0]])
+shape: tuple[int, ...] = position.shape
+verdict: str = haptical.diagnose("device.toml", "log.csv")["verdict"]
+"""
+
+
+def mypy(tmp_path, text):
+    pytest.importorskip("mypy")
+    path = tmp_path / "use.py"
+    path.write_text(text, encoding="utf-8")
+    arguments = ["--strict", "--cache-dir", str(tmp_path / "cache"), str(path)]
+    return subprocess.run([sys.executable, "-m", "mypy", *arguments], capture_output=True, text=True, check=False)
+
+
+def test_right_use_passes(tmp_path):
+    done = mypy(tmp_path, USE)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_wrong_use_does_not(tmp_path):
+    done = mypy(tmp_path, USE.replace('"two-step"', '"three-step"').replace("verdict: str", "verdict: str = 3\nother: str"))
+    assert done.returncode == 1
+    assert "three-step" in done.stdout or "arg-type" in done.stdout, done.stdout
+
+
+def test_the_stub_has_what_the_module_has(tmp_path):
+    pytest.importorskip("mypy")
+    names = ["haptical._haptical", "--ignore-disjoint-bases"]
+    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", *names], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -1,0 +1,127 @@
+//! Counts for people and as JSON.
+
+use anyhow::Result;
+use haptical_report::{Cell, Column, Table};
+use serde_json::{Value, json};
+
+use super::compare::{Comparison, Row, TOLERANCE_PERCENT};
+use super::environment::Environment;
+use super::workloads::Workload;
+
+/// Everything that is shown.
+#[derive(Debug)]
+pub(crate) struct Results<'r> {
+    pub(crate) environment: &'r Environment,
+    pub(crate) workloads: &'r [Workload],
+    /// In the order of the workloads.
+    pub(crate) counts: &'r [(&'static str, u64)],
+    pub(crate) comparison: Option<&'r Comparison>,
+    /// Why there is no comparison.
+    pub(crate) why_not: Option<&'r String>,
+}
+
+/// Says why there are no counts.
+pub(crate) fn nothing_counted(why: &str, as_json: bool) -> Result<()> {
+    if as_json {
+        let value = json!({ "compared": false, "why_not": why, "workloads": [] });
+        println!("{}", serde_json::to_string_pretty(&value)?);
+    } else {
+        println!("not compared: {why}");
+    }
+    Ok(())
+}
+
+impl Results<'_> {
+    /// Prints a table, or JSON alone.
+    pub(crate) fn print(&self, as_json: bool) -> Result<()> {
+        if as_json {
+            println!("{}", serde_json::to_string_pretty(&self.to_json())?);
+            return Ok(());
+        }
+        println!("{}", self.table()?.to_terminal());
+        let Environment {
+            rustc,
+            target,
+            lanes,
+            valgrind,
+            ..
+        } = self.environment;
+        println!("{rustc}, {target}, lanes: {lanes}, {valgrind}, one thread");
+        match self.why_not {
+            Some(why) => println!("not compared: {why}"),
+            None => println!("compared: {TOLERANCE_PERCENT} % either way is the same"),
+        }
+        Ok(())
+    }
+
+    fn rows(&self) -> impl Iterator<Item = (&Workload, u64, Option<&Row>)> {
+        self.workloads
+            .iter()
+            .zip(self.counts)
+            .enumerate()
+            .map(|(index, (workload, (_, count)))| {
+                let row = self.comparison.and_then(|all| all.rows.get(index));
+                (workload, *count, row)
+            })
+    }
+
+    fn table(&self) -> Result<Table> {
+        let columns = [
+            "workload",
+            "instructions",
+            "committed",
+            "ratio",
+            "each",
+            "of",
+            "",
+        ];
+        let columns = columns.map(|name| Column::new(name, "")).to_vec();
+        let mut table = Table::new("Instructions", columns);
+        for (workload, count, row) in self.rows() {
+            let committed = row.and_then(|row| row.committed).map(|count| count as f64);
+            let ratio = committed.map(|committed| count as f64 / committed);
+            table.push(vec![
+                workload.name.into(),
+                Cell::number(count as f64, 0),
+                Cell::number_or_missing(committed, 0),
+                Cell::number_or_missing(ratio, 3),
+                Cell::number(count as f64 / workload.units as f64, 1),
+                workload.unit.into(),
+                row.map_or("not compared", |row| row.verdict.word()).into(),
+            ])?;
+        }
+        Ok(table)
+    }
+
+    /// As `--json` prints it.
+    pub(crate) fn to_json(&self) -> Value {
+        let workloads: Vec<Value> = self
+            .rows()
+            .map(|(workload, count, row)| {
+                let committed = row.and_then(|row| row.committed);
+                json!({
+                    "name": workload.name,
+                    "what": workload.what,
+                    "unit": workload.unit,
+                    "units": workload.units,
+                    "instructions": count,
+                    "instructions_per_unit": count as f64 / workload.units as f64,
+                    "committed": committed,
+                    "ratio": committed.map(|committed| count as f64 / committed as f64),
+                    "verdict": row.map(|row| row.verdict),
+                })
+            })
+            .collect();
+        json!({
+            "compared": self.comparison.is_some(),
+            "why_not": self.why_not,
+            "tolerance_percent": TOLERANCE_PERCENT,
+            "rustc": self.environment.rustc,
+            "target": self.environment.target,
+            "lanes": self.environment.lanes,
+            "valgrind": self.environment.valgrind,
+            "left_over": self.comparison.map(|all| &all.left_over),
+            "workloads": workloads,
+        })
+    }
+}
