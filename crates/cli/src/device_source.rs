@@ -16,8 +16,8 @@ pub(crate) struct DeviceOptions {
     /// Link at which the chain of a URDF ends; without it the longest chain is taken
     #[arg(long, value_name = "LINK")]
     pub(crate) tip: Option<String>,
-    /// Sensors around the device (TOML: [cable_encoder], [[cable]], [tracker], [[contact_pair]],
-    /// [gravity]), in the place of the device file's
+    /// Sensors around the device (TOML: `[cable_encoder]`, `[[cable]]`, `[tracker]`, `[[contact_pair]]`,
+    /// `[gravity]`), in the place of the device file's
     #[arg(long, value_name = "FILE")]
     pub(crate) rig: Option<PathBuf>,
 }

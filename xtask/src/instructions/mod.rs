@@ -27,7 +27,7 @@ use workloads::{Workload, all};
                          cargo xtask instructions --only csv-rows,fit-200-poses --json\n          \
                          cargo xtask instructions --record     after a change that moves counts")]
 pub(crate) struct Arguments {
-    /// Commit these counts instead of comparing them: writes fixtures/instructions/<rustc version>.toml.
+    /// Commit these counts instead of comparing them: writes `fixtures/instructions/VERSION.toml`.
     #[arg(long)]
     record: bool,
     /// Only these workloads.

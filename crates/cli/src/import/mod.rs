@@ -33,7 +33,7 @@ pub(crate) struct ImportArguments {
 /// Where a recording comes from.
 #[derive(Debug, Subcommand)]
 enum From {
-    /// Postures with a ball in one of two sockets: DIR/<position of the tool>/hole_{0,1}.csv
+    /// Postures with a ball in one of two sockets: `DIR/POSITION/hole_{0,1}.csv`
     #[command(after_help = mukca::HELP)]
     Mukca(mukca::MukcaArguments),
     /// Any CSV table, its columns renamed and scaled
