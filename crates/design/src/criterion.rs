@@ -59,6 +59,14 @@ impl Score {
         }
     }
 
+    /// What a change of the score is small or large against: variances have units, logarithms have none.
+    pub(crate) fn scale(&self, score: f64) -> f64 {
+        match self {
+            Self::LogDet | Self::PerReading => 1.0,
+            Self::Trace(_) => score.abs(),
+        }
+    }
+
     /// The score with one more pose.
     pub(crate) fn with(&self, state: &State<'_>, pose: usize) -> f64 {
         match self {

@@ -43,10 +43,11 @@ pub(crate) struct Found {
 /// Ridge of the greedy start, as a share of the information that poses of average worth would give: it lets the
 /// first poses, which do not fix every parameter, be compared.
 const RIDGE_SHARE: f64 = 1e-4;
-/// Least relative gain of an exchange: below it rounding decides.
+/// Least gain of an exchange, as a share of the score's scale: below it rounding decides.
 const LEAST_GAIN: f64 = 1e-9;
-/// A pass that improves the score by less than this share is the last one: more say nothing of accuracy.
-const LEAST_PASS_GAIN: f64 = 1e-5;
+/// A pass that improves the score by less than this share of its scale is the last one: further ones change no digit
+/// of a standard deviation that anyone reads.
+const LEAST_PASS_GAIN: f64 = 1e-4;
 
 /// The best selection of `count` poses, after starts that fix every parameter; none where no start does.
 ///
@@ -112,6 +113,7 @@ fn best(state: &State<'_>, score: &Score) -> Option<(usize, f64)> {
 fn exchange(rows: &Whitened, score: &Score, chosen: Vec<bool>, passes: usize) -> Option<Found> {
     let mut state = State::new(rows, score.weight(), chosen, 0.0)?;
     let mut history = vec![score.now(&state)];
+    let mut kept_state = state.clone();
     for _ in 0..passes {
         let before = state.clone();
         let mut exchanged = false;
@@ -120,16 +122,21 @@ fn exchange(rows: &Whitened, score: &Score, chosen: Vec<bool>, passes: usize) ->
             .collect();
         for pose in slots {
             let kept = score.now(&state);
+            kept_state.take_from(&state);
             if !state.remove(pose) {
                 continue;
             }
-            let better = best(&state, score)
-                .filter(|(_, value)| value - kept > LEAST_GAIN * (1.0 + kept.abs()));
-            let (into, _) = better.unwrap_or((pose, kept));
-            state.add(into);
-            if into != pose {
-                exchanged = true;
-                history.push(score.now(&state));
+            let better = best(&state, score).filter(|(into, value)| {
+                *into != pose && value - kept > LEAST_GAIN * score.scale(kept)
+            });
+            match better {
+                Some((into, _)) => {
+                    state.add(into);
+                    exchanged = true;
+                    history.push(score.now(&state));
+                }
+                // cheaper than to work it out again
+                None => state.take_from(&kept_state),
             }
         }
         // a covariance that rounding spoilt is no step
@@ -138,7 +145,7 @@ fn exchange(rows: &Whitened, score: &Score, chosen: Vec<bool>, passes: usize) ->
             break;
         }
         let (was, is) = (score.now(&before), score.now(&state));
-        if !exchanged || is - was < LEAST_PASS_GAIN * was.abs() {
+        if !exchanged || is - was < LEAST_PASS_GAIN * score.scale(was) {
             break;
         }
     }

@@ -42,18 +42,21 @@ pub(crate) struct State<'w> {
 /// parameter.
 const LEAST_LEFT: f64 = 1e-9;
 
-/// Dot product in four lanes: a fixed order, whatever the machine.
+/// Lanes of a dot product: so many sums run side by side.
+const LANES: usize = 8;
+
+/// Dot product in lanes: a fixed order, whatever the machine.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (left, right) = (a.chunks_exact(4), b.chunks_exact(4));
+    let (left, right) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
     let (rest_a, rest_b) = (left.remainder(), right.remainder());
-    let mut sums = [0.0; 4];
+    let mut sums = [0.0; LANES];
     for (a, b) in left.zip(right) {
-        for lane in 0..4 {
+        for lane in 0..LANES {
             sums[lane] += a[lane] * b[lane];
         }
     }
     let rest: f64 = rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    sums.iter().sum::<f64>() + rest
 }
 
 /// ln det(I + G), and trace((I + G)^-1 H) where H is given, of a pose with `count` readings. Sizes known to the
@@ -220,6 +223,18 @@ impl<'w> State<'w> {
             ([one], [gained]) => gained / (1.0 + one),
             (spread, gained) => gains(self.rows.readings(pose), spread, Some(gained)).1,
         }
+    }
+
+    /// Takes the place of another state of the same candidates, without allocation.
+    pub(crate) fn take_from(&mut self, other: &Self) {
+        self.chosen.clone_from(&other.chosen);
+        self.covariance.copy_from(&other.covariance);
+        self.weighted.copy_from(&other.weighted);
+        self.log_det = other.log_det;
+        self.trace = other.trace;
+        self.readings = other.readings;
+        self.spread.clone_from(&other.spread);
+        self.gained.clone_from(&other.gained);
     }
 
     /// Takes a pose in.

@@ -171,7 +171,6 @@ fn covariance(
 #[test]
 fn every_exchange_is_an_improvement_and_random_choices_are_worse() {
     let (information, _) = plan(&haptic7(), "cable", Terms::Known, 400);
-    let mut exchanges = 0;
     for criterion in [
         Criterion::D,
         Criterion::A,
@@ -184,7 +183,12 @@ fn every_exchange_is_an_improvement_and_random_choices_are_worse() {
             chosen.history.windows(2).all(|pair| pair[1] >= pair[0]),
             "{criterion:?}"
         );
-        exchanges += chosen.history.len() - 1;
+        // a threshold with a unit in it would stop the tasks, whose squares are small
+        assert!(
+            chosen.history.len() > 5,
+            "{criterion:?}: {} exchanges",
+            chosen.history.len() - 1
+        );
         let random = chosen.random.unwrap();
         match criterion {
             Criterion::D | Criterion::O1 => assert!(chosen.figures.o1 > 1.2 * random.o1),
@@ -200,7 +204,6 @@ fn every_exchange_is_an_improvement_and_random_choices_are_worse() {
         sorted.dedup();
         assert_eq!(sorted.len(), 60);
     }
-    assert!(exchanges > 20, "only {exchanges} poses were exchanged");
 }
 
 #[test]
