@@ -4,10 +4,8 @@ use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 use serde::Serialize;
 
-#[cfg(feature = "rig")]
 use crate::held_out::is_of_postures;
 use crate::held_out::{FOLDS, SHORT_LOG, check_share, folds};
-#[cfg(feature = "rig")]
 use crate::prepare::with_unseen_touches;
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut, Options,
@@ -95,13 +93,11 @@ pub fn calibrate(
 ) -> Result<Calibration, CalibrationError> {
     let channels = channels(device, recording)?;
     sufficiency::check(device, recording, &channels)?;
-    #[cfg(feature = "rig")]
     crate::prepare::check_rig(device, recording)?;
     let mut warnings = warnings::of_recording(device, recording, &channels);
     let stated = Weights::stated(device, &channels);
     check_share(options.held_out)?;
     let short = recording.len() < SHORT_LOG;
-    #[cfg(feature = "rig")]
     let short = short || is_of_postures(device, recording);
     let count = match options.held_out {
         HeldOut::Folds(count) => Some(count),
@@ -113,7 +109,6 @@ pub fn calibrate(
     let seen = recording.select(&split.fit);
     let fitted = fit_device(device, &seen, options)?;
     let nominal = device.clone();
-    #[cfg(feature = "rig")]
     let nominal = crate::prepare_device(&nominal, &seen)?;
     let mut fit_channels = compare(&nominal, &fitted.device, &seen, &channels, &stated)?;
     in_recording(&mut fit_channels, &split.fit);
@@ -175,7 +170,6 @@ fn compare(
     channels: &[Channel],
     stated: &Weights,
 ) -> Result<Vec<ChannelReport>, CalibrationError> {
-    #[cfg(feature = "rig")]
     let (nominal, fitted) = (
         &with_unseen_touches(nominal, recording)?,
         &with_unseen_touches(fitted, recording)?,
@@ -254,10 +248,8 @@ fn cross_validate(
         let unseen = recording.select(&fold.held_out);
         let range_free = without_ranges(&fitted.device);
         let nominal = device.clone();
-        #[cfg(feature = "rig")]
         let nominal = crate::prepare_device(&nominal, &seen)?;
         for (device, kept) in [(&nominal, &mut before), (&fitted.device, &mut after)] {
-            #[cfg(feature = "rig")]
             let device = &with_unseen_touches(device, &unseen)?;
             let part = channel_residuals(device, &range_free, &unseen, channels, stated)?;
             append(kept, part, &fold.held_out);

@@ -1,7 +1,6 @@
 //! Which parameters a calibration may free, and which it prefers to keep.
 
 use haptical_identification::ParameterInfo;
-#[cfg(feature = "rig")]
 use haptical_model::SurroundingParameter;
 use haptical_model::{Device, LinkParameter, ParameterId};
 
@@ -70,11 +69,8 @@ pub fn preference_order(parameters: &[ParameterId]) -> Vec<usize> {
             ParameterId::Transmission { index: 0, .. } => 6,
             ParameterId::Transmission { .. } => 5,
             // as much as a joint's other terms that are not constant
-            #[cfg(feature = "rig")]
             ParameterId::Compliance { .. } => 5,
-            #[cfg(feature = "rig")]
             ParameterId::Surrounding(SurroundingParameter::CableScale { .. }) => 10,
-            #[cfg(feature = "rig")]
             ParameterId::Surrounding(_) => -1,
         }
     };

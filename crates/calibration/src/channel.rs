@@ -23,25 +23,20 @@ pub enum Channel {
     /// Handle orientation, three residuals a row.
     Orientation,
     /// Touches of points, three residuals a row.
-    #[cfg(feature = "rig")]
     Contact,
     /// Known distance between two touched points; its reading stands with the first row.
-    #[cfg(feature = "rig")]
     ContactPair {
         /// Position in `[[contact_pair]]`, from 0.
         index: usize,
     },
     /// Touches of planes.
-    #[cfg(feature = "rig")]
     Plane,
     /// Known angle between two touched planes; its reading stands with the first row.
-    #[cfg(feature = "rig")]
     PlanePair {
         /// Position in `[[plane_pair]]`, from 0.
         index: usize,
     },
     /// Known angles at which a homing fixture holds a joint (from 0).
-    #[cfg(feature = "rig")]
     Fixture {
         /// Joint, from 0.
         joint: usize,
@@ -58,19 +53,12 @@ impl Channel {
             Self::Cable { index } => format!("cable{}", index + 1),
             Self::Position => "position".to_owned(),
             Self::Orientation => "orientation".to_owned(),
-            #[cfg(feature = "rig")]
             Self::Contact => "contact".to_owned(),
-            #[cfg(feature = "rig")]
             Self::ContactPair { index: 0 } => "contact-pair".to_owned(),
-            #[cfg(feature = "rig")]
             Self::ContactPair { index } => format!("contact-pair{}", index + 1),
-            #[cfg(feature = "rig")]
             Self::Plane => "plane".to_owned(),
-            #[cfg(feature = "rig")]
             Self::PlanePair { index: 0 } => "plane-pair".to_owned(),
-            #[cfg(feature = "rig")]
             Self::PlanePair { index } => format!("plane-pair{}", index + 1),
-            #[cfg(feature = "rig")]
             Self::Fixture { joint } => format!("fixture{}", joint + 1),
         }
     }
@@ -115,11 +103,8 @@ pub fn channels(device: &Device, recording: &Recording) -> Result<Vec<Channel>, 
     if device.has_links() {
         found.extend((0..recording.cable_m.len()).map(|index| Channel::Cable { index }));
         if recording.position_m.is_some() || recording.orientation_wxyz.is_some() {
-            #[cfg(not(feature = "rig"))]
-            check_tracker(device)?;
             found.extend([Channel::Position, Channel::Orientation]);
         }
-        #[cfg(feature = "rig")]
         found.extend(touches(device, recording));
     }
     found.retain(|channel| (0..recording.len()).any(|row| channel.has_reading(recording, row)));
@@ -130,21 +115,7 @@ pub fn channels(device: &Device, recording: &Recording) -> Result<Vec<Channel>, 
     }
 }
 
-#[cfg(not(feature = "rig"))]
-fn check_tracker(device: &Device) -> Result<(), CalibrationError> {
-    match &device.tracker {
-        Some(tracker) if !tracker.base_known => {
-            Err(CalibrationError::UnknownTracker { which: "base" })
-        }
-        Some(tracker) if !tracker.tool_known => {
-            Err(CalibrationError::UnknownTracker { which: "tool" })
-        }
-        _ => Ok(()),
-    }
-}
-
 /// Touches and fixtures, and the pairs of which the recording has both.
-#[cfg(feature = "rig")]
 fn touches(device: &Device, recording: &Recording) -> Vec<Channel> {
     let touched = |ids: Option<&Vec<String>>, id: &str| {
         ids.is_some_and(|ids| ids.iter().any(|other| other == id))

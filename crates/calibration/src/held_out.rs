@@ -45,13 +45,11 @@ const MOST_FOLDS: usize = 100;
 const BLOCKS: usize = 20;
 
 /// Most rows of a log of postures that is checked by folds: ten fits more must not take long.
-#[cfg(feature = "rig")]
 const MOST_POSTURES: usize = 2000;
 
 /// Whether a recording is one of separate postures, at which something is touched or an unknown tracker looks,
 /// rather than of a motion: neighbours in the log say nothing of each other, so blocks would only waste rows.
 /// Where the log has several runs, whole runs are held out all the same.
-#[cfg(feature = "rig")]
 pub(crate) fn is_of_postures(device: &haptical_model::Device, recording: &Recording) -> bool {
     let touches = recording.contact.is_some() || recording.plane.is_some();
     let is_unknown = |tracker: &haptical_model::Tracker| !tracker.base_known || !tracker.tool_known;

@@ -40,7 +40,6 @@ pub fn fit_device(
     recording: &Recording,
     options: &Options,
 ) -> Result<FittedDevice, CalibrationError> {
-    #[cfg(feature = "rig")]
     let device = &crate::prepare_device(device, recording)?;
     match options.loss {
         LossChoice::Fixed(Loss::Squares) => fit_squares(device, recording, options),
@@ -120,7 +119,6 @@ pub(crate) fn fit_once(
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {
             let parameters = joint_candidates(&kinematics.device, &fitted.transmissions);
-            #[cfg(feature = "rig")]
             let parameters = crate::scale::without_held(&fitted.device, channels, parameters);
             let what = "joint identification";
             let mut fit = fit_parameters(
@@ -163,7 +161,6 @@ pub fn fit_kinematics(
     options: &Options,
 ) -> Result<ParameterFit, CalibrationError> {
     let parameters = candidate_parameters(device);
-    #[cfg(feature = "rig")]
     let parameters = crate::scale::without_held(device, channels, parameters);
     let what = "kinematic parameters";
     fit_parameters(

@@ -19,7 +19,6 @@ mod form;
 mod frame_origins;
 mod free_set;
 mod geometry_rank;
-#[cfg(feature = "rig")]
 mod hand_eye;
 mod held_out;
 mod joint_fit;
@@ -33,7 +32,6 @@ mod multi_start;
 mod open_direction;
 mod outputs;
 mod prediction;
-#[cfg(feature = "rig")]
 mod prepare;
 mod problem;
 mod propagated;
@@ -43,7 +41,6 @@ mod robust;
 mod rotation;
 mod row_errors;
 mod rows;
-#[cfg(feature = "rig")]
 mod scale;
 mod sink;
 mod step_one_noise;
@@ -70,7 +67,6 @@ pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};
 pub use merged::{ChannelRows, MergedProblem};
 pub use multi_start::Starts;
 pub use prediction::{Prediction, predict_distances, predict_positions};
-#[cfg(feature = "rig")]
 pub use prepare::prepare_device;
 pub use problem::DeviceProblem;
 pub use reduced::ReducedProblem;

@@ -22,7 +22,6 @@ impl Loads {
         device: &Device,
         recording: &Recording,
     ) -> Result<Option<Self>, CalibrationError> {
-        #[cfg(feature = "rig")]
         if device.has_compliance() {
             let joints = device.joints.len();
             let held = haptical_model::holding_torques_nm(device, recording);
@@ -43,7 +42,6 @@ impl Loads {
             }
             return Ok(Some(Self { joints, torque_nm }));
         }
-        let _ = (device, recording);
         Ok(None)
     }
 

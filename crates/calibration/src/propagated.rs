@@ -162,7 +162,6 @@ fn by_row(
             evaluation.set_torques(loads.at(row));
         }
         evaluation.move_to(&readings).map_err(at_row)?;
-        #[cfg(feature = "rig")]
         if let Channel::Fixture { joint } = channel {
             variances.push(evaluation.output_slope(joint).powi(2) * quanta[joint]);
             continue;

@@ -19,7 +19,6 @@ pub(crate) fn of_recording(
                 .to_owned(),
         );
     }
-    #[cfg(feature = "rig")]
     if let Some(held) = crate::scale::held_length(device, channels) {
         warnings.push(format!(
             "touches of unknown points and planes do not tell a device from a larger one: {} is held, and all \
@@ -27,14 +26,6 @@ pub(crate) fn of_recording(
              or a tracker's position",
             held.name(device)
         ));
-    }
-    #[cfg(not(feature = "rig"))]
-    if recording.contact.is_some() || recording.plane.is_some() {
-        warnings.push(
-            "the columns `contact` and `plane` are not used: identification from touched points and \
-             planes is not supported yet"
-                .to_owned(),
-        );
     }
     if device.has_links()
         && device.cables.is_empty()
@@ -166,7 +157,6 @@ fn implausible(nominal: &Device, fit: &ParameterFit) -> Vec<String> {
         .iter()
         .filter_map(|&position| {
             let parameter = fit.parameters[position];
-            #[cfg(feature = "rig")]
             if let haptical_model::ParameterId::Surrounding(_) = parameter {
                 // nobody knows beforehand where these are
                 return None;

@@ -116,6 +116,12 @@ pub(crate) struct IdentifyArguments {
     /// Share of the rows that the fit does not see, 0 to 0.5
     #[arg(long, value_name = "SHARE", default_value = "0.2", value_parser = share, allow_negative_numbers = true)]
     pub(crate) held_out: f64,
+    /// Check by folds instead: fold k holds out the rows k, k + N, ..., each fitted without its own rows
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=100), conflicts_with = "held_out")]
+    pub(crate) folds: Option<u64>,
+    /// Fit this too: what joints yield to their torque behind the external encoder
+    #[arg(long, value_name = "EFFECT", value_parser = ["joint-compliance"])]
+    pub(crate) with: Vec<String>,
     /// Degree of the polynomial of a parallelogram: a number, or `evidence` for the degree up to
     /// 14 that the Bayes criterion favours
     #[arg(long, value_name = "N|evidence", default_value = "evidence", value_parser = degree, allow_negative_numbers = true)]

@@ -57,13 +57,20 @@ pub(crate) fn outcome(
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
     let denominators = arguments.denominators();
-    let (input, mut inputs) = equipment.read("device", device, denominators)?;
+    let (mut input, mut inputs) = equipment.read("device", device, denominators)?;
     let mut read = read_recording(&log.path, &input.device)?;
     log.relabel(&mut read.warnings);
     // behind the device, before the rig: the order of the flags
     inputs.insert(1, log.input("log", read.fingerprint));
     let recording = read.recording;
     let options = arguments.options();
+    if arguments
+        .with
+        .iter()
+        .any(|effect| effect == "joint-compliance")
+    {
+        input.device.fit_compliance();
+    }
     progress.say(format!(
         "calibrating {} joints from {} rows",
         input.device.joints.len(),
@@ -88,13 +95,19 @@ pub(crate) fn outcome(
         Some(whole) => force_direction(whole, &recording).map_err(refuse)?,
         None => None,
     };
-    let mut result = identified(&calibration, &input.device, described, force, warnings);
+    let mut result = identified(
+        &calibration,
+        &calibration.nominal,
+        described,
+        force,
+        warnings,
+    );
     let calibrated = calibration
         .device
         .to_toml(without_comments(&input.text), &device.label)
         .map_err(|error| Failure::device_file(&error, &device.path))?;
     let toml = result.provenance.toml_comments()? + &calibrated;
-    let page = report::page(&result, &calibration, &input.device, &recording)?;
+    let page = report::page(&result, &calibration, &calibration.nominal, &recording)?;
     let [toml_name, json_name, page_name] = FILES;
     let mut files = vec![
         (toml_name, toml.into_bytes()),
@@ -121,6 +134,8 @@ fn recorded(arguments: &IdentifyArguments, inputs: &[InputFile]) -> Vec<String> 
         json: _,
         method: _,
         held_out,
+        folds,
+        with,
         degree,
         noise,
         loss,
@@ -135,11 +150,15 @@ fn recorded(arguments: &IdentifyArguments, inputs: &[InputFile]) -> Vec<String> 
     let mut recorded: Vec<String> = inputs.iter().map(InputFile::argument).collect();
     recorded.extend([
         format!("--method={method}"),
-        format!("--held-out={held_out}"),
+        match folds {
+            Some(folds) => format!("--folds={folds}"),
+            None => format!("--held-out={held_out}"),
+        },
         format!("--degree={}", degree_text(*degree)),
         format!("--noise={noise}"),
         format!("--loss={}", loss_text(*loss)),
     ]);
+    recorded.extend(with.iter().map(|effect| format!("--with={effect}")));
     if let Some(length_m) = input_drum_denominator_m {
         recorded.push(format!("--input-drum-denominator-m={length_m}"));
     }

@@ -20,10 +20,10 @@ impl IdentifyArguments {
                 NoiseName::Estimated => Weighting::Estimated,
             },
             loss: self.loss.choice(),
-            held_out: if self.held_out > 0.0 {
-                HeldOut::Share(self.held_out)
-            } else {
-                HeldOut::None
+            held_out: match self.folds {
+                Some(folds) => HeldOut::Folds(folds as usize),
+                None if self.held_out > 0.0 => HeldOut::Share(self.held_out),
+                None => HeldOut::None,
             },
             ..Options::default()
         }

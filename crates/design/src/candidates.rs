@@ -163,7 +163,6 @@ impl<'d> Draws<'d> {
     }
 
     /// Whether the joints' limits allow readings.
-    #[cfg(feature = "rig")]
     pub(crate) fn is_within(&self, readings: &[f64]) -> bool {
         let ranges = self.ranges.iter().zip(readings);
         let mut within = ranges.map(|([lower, upper], reading)| (lower..=upper).contains(&reading));

@@ -138,12 +138,7 @@ impl Equipped {
                 if orientation {
                     self.channels.push(Channel::Orientation);
                 }
-                #[cfg(feature = "rig")]
                 self.place_tracker(base_known, tool_known);
-                #[cfg(not(feature = "rig"))]
-                if !base_known || !tool_known {
-                    return Err(self.refuse(WITHOUT_RIG));
-                }
             }
             Measure::Fixture { joint: Some(joint) } | Measure::Output { joint }
                 if joint >= joints =>
@@ -151,7 +146,6 @@ impl Equipped {
                 let what = format!("there is no joint {}: the device has {joints}", joint + 1);
                 return Err(self.refuse(what));
             }
-            #[cfg(feature = "rig")]
             Measure::Fixture { joint } => {
                 let one = |joint| Channel::Fixture { joint };
                 match joint {
@@ -159,23 +153,18 @@ impl Equipped {
                     None => self.channels.extend((0..joints).map(one)),
                 }
             }
-            #[cfg(feature = "rig")]
             Measure::Contact { distance_m, .. } => {
                 self.channels.push(Channel::Contact);
                 if distance_m.is_some() {
                     self.channels.push(Channel::ContactPair { index: 0 });
                 }
             }
-            #[cfg(feature = "rig")]
             Measure::Plane { planes } => {
                 self.channels.push(Channel::Plane);
                 if planes > 1 {
                     self.channels.push(Channel::PlanePair { index: 0 });
                 }
             }
-            #[cfg(not(feature = "rig"))]
-            _ => return Err(self.refuse(WITHOUT_RIG)),
-            #[cfg(feature = "rig")]
             Measure::Output { .. } => {}
         }
         Ok(())
@@ -214,14 +203,9 @@ impl Equipped {
             cable.fit.anchor = index > 0;
         }
         self.channels.push(Channel::Cable { index });
-        #[cfg(not(feature = "rig"))]
-        if unknown {
-            return Err(self.refuse(WITHOUT_RIG));
-        }
         Ok(())
     }
 
-    #[cfg(feature = "rig")]
     fn place_tracker(&mut self, base_known: bool, tool_known: bool) {
         use haptical_model::{Origin, Placement};
         let places = &mut self.device.surroundings;
@@ -287,7 +271,3 @@ impl Equipped {
         parameters
     }
 }
-
-#[cfg(not(feature = "rig"))]
-const WITHOUT_RIG: &str =
-    "this kind is not part of the program that you have: build it with the feature `rig`";

@@ -214,18 +214,10 @@ impl Information {
 
 /// Whether a channel is read once, at the start, whatever poses follow.
 fn is_once(channel: Channel) -> bool {
-    #[cfg(feature = "rig")]
-    {
-        matches!(
-            channel,
-            Channel::Fixture { .. } | Channel::ContactPair { .. } | Channel::PlanePair { .. }
-        )
-    }
-    #[cfg(not(feature = "rig"))]
-    {
-        let _ = channel;
-        false
-    }
+    matches!(
+        channel,
+        Channel::Fixture { .. } | Channel::ContactPair { .. } | Channel::PlanePair { .. }
+    )
 }
 
 /// Puts the readings of fixtures into the first row, which has nothing else but them.
@@ -246,7 +238,6 @@ fn add_references(equipped: &Equipped, recording: &mut haptical_model::Recording
         .iter_mut()
         .flatten()
         .for_each(blank);
-    #[cfg(feature = "rig")]
     for channel in &equipped.channels {
         if let Channel::Fixture { joint } = *channel {
             let unit = equipped.device.joints[joint].unit();

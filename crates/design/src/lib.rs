@@ -15,7 +15,6 @@ mod select;
 mod state;
 mod suggest;
 mod task;
-#[cfg(feature = "rig")]
 mod touches;
 mod whitened;
 

@@ -37,7 +37,6 @@ pub fn postures(
     count: usize,
     seed: u64,
 ) -> Result<Vec<Posture>, DesignError> {
-    #[cfg(feature = "rig")]
     if let Some(touching) = crate::touches::postures(equipped, limits, count, seed)? {
         return Ok(touching);
     }
@@ -115,22 +114,12 @@ fn tracked(
     device: &Device,
     handle: &haptical_model::kinematics::Pose,
 ) -> haptical_model::kinematics::Pose {
-    #[cfg(feature = "rig")]
-    {
-        let places = &device.surroundings;
-        let base = places.tracker_base.unwrap_or_default().pose();
-        let tool = places.tracker_tool.unwrap_or_default().pose();
-        let turned = base.rotation * handle.rotation;
-        haptical_model::kinematics::Pose {
-            position_m: base.position_m
-                + base.rotation * handle.position_m
-                + turned * tool.position_m,
-            rotation: turned * tool.rotation,
-        }
-    }
-    #[cfg(not(feature = "rig"))]
-    {
-        let _ = device;
-        *handle
+    let places = &device.surroundings;
+    let base = places.tracker_base.unwrap_or_default().pose();
+    let tool = places.tracker_tool.unwrap_or_default().pose();
+    let turned = base.rotation * handle.rotation;
+    haptical_model::kinematics::Pose {
+        position_m: base.position_m + base.rotation * handle.position_m + turned * tool.position_m,
+        rotation: turned * tool.rotation,
     }
 }

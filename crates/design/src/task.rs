@@ -72,10 +72,9 @@ pub fn task_rows(
 }
 
 fn sizes(information: &Information, columns: &[usize]) -> Vec<Vec<f64>> {
-    let of_device = |&&column: &&usize| match information.equipped.parameters[column] {
-        #[cfg(feature = "rig")]
-        ParameterId::Surrounding(_) => false,
-        _ => true,
+    let of_device = |&&column: &&usize| {
+        let parameter = information.equipped.parameters[column];
+        !matches!(parameter, ParameterId::Surrounding(_))
     };
     let own: Vec<usize> = columns.iter().filter(of_device).copied().collect();
     let share = (own.len().max(1) as f64).sqrt();

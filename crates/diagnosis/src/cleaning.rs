@@ -76,6 +76,18 @@ pub(crate) fn without_readings(recording: &Recording, gone: &[(Channel, usize)])
                     column[row] = f64::NAN;
                 }
             }
+            Channel::Contact => {
+                if let Some(ids) = &mut cleaned.contact {
+                    ids[row].clear();
+                }
+            }
+            Channel::Plane => {
+                if let Some(ids) = &mut cleaned.plane {
+                    ids[row].clear();
+                }
+            }
+            // one reading of a whole recording, or one in front of any motion: nothing to clean
+            Channel::ContactPair { .. } | Channel::PlanePair { .. } | Channel::Fixture { .. } => {}
         }
     }
     cleaned

@@ -226,6 +226,7 @@ impl<'a> Context<'a> {
             Channel::Cable { index } => self.along_cable(index, row, &twist.linear),
             Channel::Position => twist.linear[self.streams[stream].axis],
             Channel::Orientation => twist.angular[self.streams[stream].axis],
+            _ => 0.0,
         }
     }
 
@@ -290,7 +291,7 @@ impl<'a> Context<'a> {
                         let axis = self.streams[*stream].axis;
                         *value = moved[row][axis] - self.position[row][axis];
                     }
-                    Channel::Orientation | Channel::Output { .. } => {}
+                    _ => {}
                 }
             }
         }
@@ -342,7 +343,7 @@ impl<'a> Context<'a> {
                         Channel::Cable { index } => self.along_cable(index, row, linear),
                         Channel::Position => linear[self.streams[stream].axis],
                         Channel::Orientation => angular[self.streams[stream].axis],
-                        Channel::Output { .. } => 0.0,
+                        _ => 0.0,
                     }
                 });
                 (stream, values.collect())

@@ -197,6 +197,9 @@ fn groups(engine: &Engine<'_>) -> Vec<Group> {
     for (column, &position) in engine.base.free.iter().enumerate() {
         let (name, joint, in_drive) = match engine.base.parameters[position] {
             ParameterId::Link { row, .. } => ("link-geometry", row.checked_sub(1), false),
+            ParameterId::Compliance { joint } => ("joint-compliance", Some(joint), false),
+            // where a rig stands is no effect of the device
+            ParameterId::Surrounding(_) => continue,
             ParameterId::Transmission { joint, index } => {
                 (term_name(device, joint, index), Some(joint), true)
             }

@@ -205,7 +205,8 @@ fn predictions(
             Channel::Cable { index } => recording.cable_m[index].as_ref().map(|c| c[row]),
             Channel::Position => recording.position_m.as_ref().map(|c| c[stream.axis][row]),
             // an orientation is predicted as the rotation vector from the measured one
-            Channel::Orientation => Some(0.0),
+            // so are touches, whose measured value is that nothing is left between
+            _ => Some(0.0),
         };
         for (row, known) in known.iter().enumerate() {
             let Some(measured) = measured(row).filter(|value| value.is_finite()) else {

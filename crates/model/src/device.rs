@@ -2,7 +2,6 @@
 
 use haptical_kinematics::{Convention, Link};
 
-#[cfg(feature = "rig")]
 use crate::Surroundings;
 use crate::{Cable, Drive, Joint, Origin};
 
@@ -37,7 +36,6 @@ pub struct Device {
     /// Rows before calibration, where the file keeps them.
     pub nominal_links: Option<Vec<Link>>,
     /// Numbers beside the chain that may have to be fitted with it: the tracker's place, touched points.
-    #[cfg(feature = "rig")]
     pub surroundings: Surroundings,
 }
 

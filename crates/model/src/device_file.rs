@@ -77,7 +77,6 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
         return Err(root.refuse("joint", found, &allowed));
     }
     // before the joints are read: they name every key that nobody asked for
-    #[cfg(feature = "rig")]
     let compliance = crate::surrounding_file::read_compliance(&joints)?;
     let joints = joints
         .iter()
@@ -92,7 +91,6 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
     }
     let rows = read_rows(root, head.as_ref(), &joints, warnings)?;
     let tracker = read_tracker(root, warnings)?;
-    #[cfg(feature = "rig")]
     let surroundings =
         crate::surrounding_file::read_surroundings(root, tracker.as_ref(), compliance, warnings)?;
     if let Some(head) = &head {
@@ -112,7 +110,6 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
         tracker,
         contact_pairs: read_contact_pairs(root, warnings)?,
         gravity_mps2: read_gravity(root, warnings)?,
-        #[cfg(feature = "rig")]
         surroundings,
     })
 }

@@ -31,16 +31,11 @@ impl Device {
         let file = "the device";
         // what is written must be readable: whatever the reader refuses is refused here
         let again = Self::from_toml(&text, file)?.device;
-        #[cfg(feature = "rig")]
         let written = Self {
             surroundings: self.surroundings.settled(),
             ..self.clone()
         };
-        #[cfg(not(feature = "rig"))]
-        let written = self;
-        #[cfg(feature = "rig")]
-        let written = &written;
-        if again == *written {
+        if again == written {
             return Ok(text);
         }
         Err(DeviceFileError::Shape {
@@ -82,7 +77,6 @@ impl Device {
             table
         });
         insert_tables(&mut document, "contact_pair", pairs.collect());
-        #[cfg(feature = "rig")]
         crate::surrounding_text::write_all(&mut document, self);
         if let Some(gravity) = &self.gravity_mps2 {
             let mut table = Table::new();

@@ -54,7 +54,6 @@ impl Device {
         for (row, joint) in rows(&mut document, "joint").into_iter().zip(&self.joints) {
             set_error(row, &joint.transmission_error, joint.unit());
         }
-        #[cfg(feature = "rig")]
         crate::surrounding_text::write_changes(&mut document, self, &before);
         Ok(document.to_string())
     }

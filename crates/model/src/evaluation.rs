@@ -120,7 +120,6 @@ impl<'d> Evaluation<'d> {
 
     fn take_link_angles(&mut self) {
         self.link_angles.copy_from_slice(&self.outputs);
-        #[cfg(feature = "rig")]
         for (joint, torque) in self.torque_nm.iter().enumerate() {
             self.link_angles[joint] -= torque * self.device.compliance_rad_per_nm(joint);
         }
@@ -218,7 +217,6 @@ impl<'d> Evaluation<'d> {
     /// beside the chain does not move the handle.
     pub fn pose_derivative(&self, parameter: ParameterId) -> Twist {
         match parameter {
-            #[cfg(feature = "rig")]
             ParameterId::Compliance { joint } => {
                 let torque = self.torque_nm.get(joint).copied().unwrap_or(0.0);
                 let twist = self.joint_twist(joint);
@@ -227,7 +225,6 @@ impl<'d> Evaluation<'d> {
                     angular: twist.angular * -torque,
                 }
             }
-            #[cfg(feature = "rig")]
             ParameterId::Surrounding(_) => Twist::default(),
             ParameterId::Link { row, parameter } => {
                 self.link_derivatives[row].get(parameter.kinematic())

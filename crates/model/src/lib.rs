@@ -21,13 +21,9 @@ mod rig;
 mod row_file;
 mod rows;
 mod sensor_file;
-#[cfg(feature = "rig")]
 mod surrounding_file;
-#[cfg(feature = "rig")]
 mod surrounding_parameter;
-#[cfg(feature = "rig")]
 mod surrounding_text;
-#[cfg(feature = "rig")]
 mod surroundings;
 mod toml_file;
 mod toml_syntax;
@@ -46,9 +42,7 @@ pub use joint::{Joint, JointType, TransmissionError, TransmissionKind};
 pub use parameters::{LinkParameter, ParameterId};
 pub use recording::Recording;
 pub use rows::{Drive, Origin};
-#[cfg(feature = "rig")]
 pub use surrounding_parameter::SurroundingParameter;
-#[cfg(feature = "rig")]
 pub use surroundings::{
     ContactPoint, JointCompliance, Placement, PlanePair, Surroundings, TouchedPlane,
 };

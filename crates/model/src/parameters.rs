@@ -4,7 +4,6 @@ use haptical_kinematics::Parameter;
 use haptical_transmission::CapstanError;
 
 use crate::{Device, ModelError, TransmissionError};
-#[cfg(feature = "rig")]
 use crate::{JointCompliance, SurroundingParameter};
 
 /// One parameter of a device.
@@ -29,13 +28,11 @@ pub enum ParameterId {
         index: usize,
     },
     /// What a joint yields behind its external encoder, per torque.
-    #[cfg(feature = "rig")]
     Compliance {
         /// Joint, from 0.
         joint: usize,
     },
     /// A number of a cable, the tracker, a touched point or plane.
-    #[cfg(feature = "rig")]
     Surrounding(SurroundingParameter),
 }
 
@@ -89,7 +86,6 @@ const PLAUSIBLE_OUTPUT_ECCENTRICITY_M: f64 = 1e-3;
 /// Plausible input drum eccentricity \[m\]: Table 4 reaches 0.02 mm; the drum is an eighth in size.
 const PLAUSIBLE_INPUT_ECCENTRICITY_M: f64 = 1e-4;
 /// Plausible compliance of a joint \[rad/(N m)\]: a capstan's cable yields 4e-3, a harmonic drive 1e-4.
-#[cfg(feature = "rig")]
 const PLAUSIBLE_COMPLIANCE: f64 = 1e-3;
 /// Plausible ratio deviation as a share of the ratio: Table 4 reaches 4 % of 8.
 const PLAUSIBLE_RATIO_SHARE: f64 = 0.05;
@@ -102,12 +98,10 @@ impl ParameterId {
                 parameter: LinkParameter::A | LinkParameter::B | LinkParameter::D,
                 ..
             } => "m",
-            #[cfg(feature = "rig")]
             Self::Compliance { joint } => match device.joints[joint].joint_type {
                 crate::JointType::Revolute => "rad/(N m)",
                 crate::JointType::Prismatic => "m/N",
             },
-            #[cfg(feature = "rig")]
             Self::Surrounding(parameter) => parameter.unit(),
             Self::Link { .. } => "rad",
             Self::Transmission { joint, index } => {
@@ -127,9 +121,7 @@ impl ParameterId {
     /// Short name, as in the paper's tables: `alpha4`, `d0`, `ratio_deviation2`.
     pub fn name(self, device: &Device) -> String {
         match self {
-            #[cfg(feature = "rig")]
             Self::Compliance { joint } => format!("joint_compliance{}", joint + 1),
-            #[cfg(feature = "rig")]
             Self::Surrounding(parameter) => parameter.name(device),
             Self::Link { row, parameter } => format!("{}{row}", parameter.kinematic().name()),
             Self::Transmission { joint, index } => {
@@ -148,12 +140,10 @@ impl ParameterId {
     /// Key in the device file: `link[4].alpha_rad`, `joint[2].transmission_error.ratio_deviation`.
     pub fn key(self, device: &Device) -> String {
         match self {
-            #[cfg(feature = "rig")]
             Self::Compliance { joint } => {
                 let key = compliance_key(device.joints[joint].joint_type);
                 format!("joint[{}].{key}", joint + 1)
             }
-            #[cfg(feature = "rig")]
             Self::Surrounding(parameter) => parameter.key(device),
             Self::Link { row, parameter } => {
                 let key = match parameter {
@@ -190,9 +180,7 @@ impl ParameterId {
                 ..
             } => PLAUSIBLE_LENGTH_M,
             Self::Link { .. } => PLAUSIBLE_ANGLE_RAD,
-            #[cfg(feature = "rig")]
             Self::Compliance { .. } => PLAUSIBLE_COMPLIANCE,
-            #[cfg(feature = "rig")]
             Self::Surrounding(parameter) => parameter.plausible_size(),
             Self::Transmission { joint, index } => {
                 let joint = &device.joints[joint];
@@ -212,9 +200,7 @@ impl ParameterId {
     /// Value in a device.
     pub fn value(self, device: &Device) -> f64 {
         match self {
-            #[cfg(feature = "rig")]
             Self::Compliance { joint } => device.compliance_rad_per_nm(joint),
-            #[cfg(feature = "rig")]
             Self::Surrounding(parameter) => parameter.value(device),
             Self::Link { row, parameter } => device.links[row].get(parameter.kinematic()),
             Self::Transmission { joint, index } => match &device.joints[joint].transmission_error {
@@ -234,14 +220,12 @@ impl ParameterId {
     /// Sets the value in a device.
     pub fn set(self, device: &mut Device, value: f64) {
         match self {
-            #[cfg(feature = "rig")]
             Self::Compliance { joint } => {
                 let joints = device.joints.len();
                 let compliance = &mut device.surroundings.compliance;
                 compliance.resize(joints, JointCompliance::default());
                 compliance[joint].rad_per_nm = value;
             }
-            #[cfg(feature = "rig")]
             Self::Surrounding(parameter) => parameter.set(device, value),
             Self::Link { row, parameter } => device.links[row].set(parameter.kinematic(), value),
             Self::Transmission { joint, index } => {
@@ -264,7 +248,6 @@ impl ParameterId {
 }
 
 /// Key of `[[joint]]` for what the joint yields.
-#[cfg(feature = "rig")]
 pub(crate) fn compliance_key(joint_type: crate::JointType) -> &'static str {
     match joint_type {
         crate::JointType::Revolute => "compliance_rad_per_nm",
@@ -306,17 +289,11 @@ impl Device {
     /// What may be fitted beside links and transmissions: what cables, tracker, touched points and planes
     /// leave open, and compliances that are to be found.
     pub fn further_parameters(&self) -> Vec<ParameterId> {
-        #[cfg(not(feature = "rig"))]
-        let parameters = Vec::new();
-        #[cfg(feature = "rig")]
-        let parameters = {
-            let open = self.surrounding_parameters().into_iter();
-            let yielding = self.surroundings.compliance.iter().enumerate();
-            let yielding = yielding.filter(|(_, joint)| joint.fit);
-            let yielding = yielding.map(|(joint, _)| ParameterId::Compliance { joint });
-            open.map(ParameterId::Surrounding).chain(yielding).collect()
-        };
-        parameters
+        let open = self.surrounding_parameters().into_iter();
+        let yielding = self.surroundings.compliance.iter().enumerate();
+        let yielding = yielding.filter(|(_, joint)| joint.fit);
+        let yielding = yielding.map(|(joint, _)| ParameterId::Compliance { joint });
+        open.map(ParameterId::Surrounding).chain(yielding).collect()
     }
 
     /// Finds a parameter by its short name.

@@ -68,14 +68,12 @@ impl Device {
         let mut warnings = Vec::new();
         read_cables(&root, &mut warnings)?;
         let tracker = read_tracker(&root, &mut warnings)?;
-        #[cfg(feature = "rig")]
         crate::surrounding_file::read_surroundings(
             &root,
             tracker.as_ref(),
             Vec::new(),
             &mut warnings,
         )?;
-        let _ = tracker;
         read_contact_pairs(&root, &mut warnings)?;
         read_gravity(&root, &mut warnings)?;
         root.unknown_keys(&mut warnings);

@@ -128,11 +128,7 @@ impl Device {
 
     /// Whether no joint yields to its torque, nor may be found to.
     fn is_rigid(&self) -> bool {
-        #[cfg(not(feature = "rig"))]
-        let is_rigid = true;
-        #[cfg(feature = "rig")]
-        let is_rigid = !self.has_compliance();
-        is_rigid
+        !self.has_compliance()
     }
 
     /// What each row's variable does: row 0 is fixed, row i moves with the joint that drives it.

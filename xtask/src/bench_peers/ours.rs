@@ -128,7 +128,7 @@ fn lanes(
                 .iter()
                 .filter_map(|id| match id {
                     ParameterId::Link { row, parameter } => Some((*row, parameter.kinematic())),
-                    ParameterId::Transmission { .. } => None,
+                    _ => None,
                 })
                 .collect();
             let motions = device.motions();

@@ -40,7 +40,7 @@ fn parameters(device: &Device) -> Vec<ParameterId> {
     let all = device.link_parameters(false).into_iter();
     all.filter(|id| match id {
         ParameterId::Link { row, parameter } => !fixed.contains(&(*row, *parameter)),
-        ParameterId::Transmission { .. } => false,
+        _ => false,
     })
     .collect()
 }
@@ -103,7 +103,7 @@ fn both(rows: usize, sines: Sines) -> Option<Both> {
         .iter()
         .filter_map(|id| match id {
             ParameterId::Link { row, parameter } => Some((*row, parameter.kinematic())),
-            ParameterId::Transmission { .. } => None,
+            _ => None,
         })
         .collect();
     let motions = device.motions();

@@ -2,7 +2,6 @@
 
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{Twist, distance_derivative, distance_m};
-#[cfg(feature = "rig")]
 use haptical_model::{CableReading, SurroundingParameter};
 use haptical_model::{Device, ModelError, ParameterId, Recording};
 
@@ -19,9 +18,7 @@ pub(crate) struct Cable {
 pub(crate) struct Seen {
     /// Derivative by the handle's position.
     by_position: Vector3<f64>,
-    #[cfg(feature = "rig")]
     weight: f64,
-    #[cfg(feature = "rig")]
     read: Option<CableReading>,
 }
 
@@ -45,7 +42,6 @@ impl Measurement for Cable {
     }
 
     fn sees(&self, parameter: ParameterId) -> bool {
-        #[cfg(feature = "rig")]
         if let ParameterId::Surrounding(
             SurroundingParameter::CableAnchor { cable, .. }
             | SurroundingParameter::CableZero { cable }
@@ -66,9 +62,7 @@ impl Measurement for Cable {
             let read = cable.reading(&pose.position_m)?;
             let seen = Seen {
                 by_position: read.by_position * weight,
-                #[cfg(feature = "rig")]
                 weight,
-                #[cfg(feature = "rig")]
                 read: Some(read),
             };
             return Ok(([weight * (read.reading_m - measured), 0.0, 0.0], seen));
@@ -78,16 +72,13 @@ impl Measurement for Cable {
         let seen = Seen {
             // docs/equations.md, "Distance derivative": the direction once for all parameters.
             by_position: (pose.position_m - anchor) * (weight / distance),
-            #[cfg(feature = "rig")]
             weight,
-            #[cfg(feature = "rig")]
             read: None,
         };
         Ok(([weight * (distance - measured), 0.0, 0.0], seen))
     }
 
     fn derivative(&self, seen: &Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
-        #[cfg(feature = "rig")]
         if let ParameterId::Surrounding(parameter) = parameter {
             let length_m = seen.read.map_or(0.0, |read| read.length_m);
             let by_radius = seen.read.map_or(0.0, |read| read.by_exit_radius);

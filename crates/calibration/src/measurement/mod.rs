@@ -1,37 +1,26 @@
 //! What a rig measures of a device: one file for each kind, all behind one trait.
 
 mod cable;
-#[cfg(feature = "rig")]
 mod contact;
-#[cfg(feature = "rig")]
 mod contact_pair;
-#[cfg(feature = "rig")]
 mod fixture;
 mod orientation;
 mod output;
-#[cfg(feature = "rig")]
 mod plane;
-#[cfg(feature = "rig")]
 mod plane_pair;
 mod position;
-#[cfg(feature = "rig")]
 mod tracked;
 
 use haptical_model::kinematics::Twist;
 use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};
 
 pub(crate) use cable::Cable;
-#[cfg(feature = "rig")]
 pub(crate) use contact::Contact;
-#[cfg(feature = "rig")]
 pub(crate) use contact_pair::ContactPair;
-#[cfg(feature = "rig")]
 pub(crate) use fixture::Fixture;
 pub(crate) use orientation::Orientation;
 pub(crate) use output::Output;
-#[cfg(feature = "rig")]
 pub(crate) use plane::Plane;
-#[cfg(feature = "rig")]
 pub(crate) use plane_pair::PlanePair;
 pub(crate) use position::Position;
 
@@ -80,10 +69,6 @@ pub(crate) struct Posture<'e> {
     pub(crate) recording: &'e Recording,
     pub(crate) row: usize,
     /// Which of the device's touched points or planes the row is about; 0 for other kinds.
-    #[cfg_attr(
-        not(feature = "rig"),
-        expect(dead_code, reason = "touches alone have one")
-    )]
     pub(crate) subject: usize,
 }
 
@@ -107,27 +92,22 @@ macro_rules! with_kind {
                 let $kind = $crate::measurement::Orientation;
                 $body
             }
-            #[cfg(feature = "rig")]
             $crate::Channel::Contact => {
                 let $kind = $crate::measurement::Contact;
                 $body
             }
-            #[cfg(feature = "rig")]
             $crate::Channel::ContactPair { index } => {
                 let $kind = $crate::measurement::ContactPair { index };
                 $body
             }
-            #[cfg(feature = "rig")]
             $crate::Channel::Plane => {
                 let $kind = $crate::measurement::Plane;
                 $body
             }
-            #[cfg(feature = "rig")]
             $crate::Channel::PlanePair { index } => {
                 let $kind = $crate::measurement::PlanePair { index };
                 $body
             }
-            #[cfg(feature = "rig")]
             $crate::Channel::Fixture { joint } => {
                 let $kind = $crate::measurement::Fixture { joint };
                 $body
@@ -151,16 +131,13 @@ pub(crate) fn reading(column: Option<&Vec<f64>>, row: usize) -> f64 {
 pub(crate) fn is_of_chain(parameter: ParameterId) -> bool {
     match parameter {
         ParameterId::Link { .. } | ParameterId::Transmission { .. } => true,
-        #[cfg(feature = "rig")]
         ParameterId::Compliance { .. } => true,
-        #[cfg(feature = "rig")]
         ParameterId::Surrounding(_) => false,
     }
 }
 
 /// Whether the device has what a channel is about: both members of a pair.
 pub(crate) fn is_placed(device: &Device, channel: crate::Channel) -> bool {
-    #[cfg(feature = "rig")]
     {
         let surroundings = &device.surroundings;
         match channel {
@@ -177,7 +154,6 @@ pub(crate) fn is_placed(device: &Device, channel: crate::Channel) -> bool {
             _ => {}
         }
     }
-    let _ = (device, channel);
     true
 }
 
@@ -189,7 +165,6 @@ pub(crate) fn subject(
     channel: crate::Channel,
     row: usize,
 ) -> Option<Result<usize, String>> {
-    #[cfg(feature = "rig")]
     {
         let surroundings = &device.surroundings;
         let id = |ids: &Option<Vec<String>>| {
@@ -208,6 +183,5 @@ pub(crate) fn subject(
             _ => {}
         }
     }
-    let _ = (device, recording, channel, row);
     None
 }

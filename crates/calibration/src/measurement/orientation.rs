@@ -4,7 +4,6 @@ use haptical_model::kinematics::Twist;
 use haptical_model::kinematics::nalgebra::Matrix3;
 use haptical_model::{Device, ModelError, ParameterId, Recording};
 
-#[cfg(feature = "rig")]
 use super::tracked::{Tracked, is_of_tracker};
 use super::{Measurement, Posture, is_of_chain};
 use crate::rotation::{inverse_left_jacobian, measured_rotation, rotation_vector};
@@ -17,7 +16,6 @@ pub(crate) struct Orientation;
 pub(crate) struct Seen {
     inverse: Matrix3<f64>,
     weight: f64,
-    #[cfg(feature = "rig")]
     tracked: Option<Tracked>,
 }
 
@@ -39,7 +37,6 @@ impl Measurement for Orientation {
     }
 
     fn sees(&self, parameter: ParameterId) -> bool {
-        #[cfg(feature = "rig")]
         if is_of_tracker(parameter) {
             return true;
         }
@@ -50,15 +47,12 @@ impl Measurement for Orientation {
         let measured = measured_rotation(at.recording, at.row);
         let pose = at.evaluation.pose()?;
         let predicted = pose.rotation;
-        #[cfg(feature = "rig")]
         let tracked = Tracked::new(at.device, pose);
-        #[cfg(feature = "rig")]
         let predicted = tracked.map_or(predicted, |tracked| tracked.pose().rotation);
         let rest = rotation_vector(&(predicted * measured.transpose()));
         let seen = Seen {
             inverse: inverse_left_jacobian(&rest),
             weight,
-            #[cfg(feature = "rig")]
             tracked,
         };
         Ok(([weight * rest[0], weight * rest[1], weight * rest[2]], seen))
@@ -66,7 +60,6 @@ impl Measurement for Orientation {
 
     fn derivative(&self, seen: &Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
         let weight = seen.weight;
-        #[cfg(feature = "rig")]
         if let Some(tracked) = &seen.tracked {
             let own = tracked.derivative(parameter);
             let twist =

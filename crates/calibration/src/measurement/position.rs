@@ -3,7 +3,6 @@
 use haptical_model::kinematics::Twist;
 use haptical_model::{Device, ModelError, ParameterId, Recording};
 
-#[cfg(feature = "rig")]
 use super::tracked::{Tracked, is_of_tracker};
 use super::{Measurement, Posture, is_of_chain};
 
@@ -13,7 +12,6 @@ pub(crate) struct Position;
 /// The weight, and the tracker's frames where they are not those of the chain.
 pub(crate) struct Seen {
     weight: f64,
-    #[cfg(feature = "rig")]
     tracked: Option<Tracked>,
 }
 
@@ -35,7 +33,6 @@ impl Measurement for Position {
     }
 
     fn sees(&self, parameter: ParameterId) -> bool {
-        #[cfg(feature = "rig")]
         if is_of_tracker(parameter) {
             return true;
         }
@@ -45,9 +42,7 @@ impl Measurement for Position {
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
         let pose = at.evaluation.pose()?;
         let predicted_m = pose.position_m;
-        #[cfg(feature = "rig")]
         let tracked = Tracked::new(at.device, pose);
-        #[cfg(feature = "rig")]
         let predicted_m = tracked.map_or(predicted_m, |tracked| tracked.pose().position_m);
         let mut residuals = [0.0; 3];
         if let Some(axes) = &at.recording.position_m {
@@ -55,17 +50,12 @@ impl Measurement for Position {
                 residuals[axis] = weight * (predicted_m[axis] - axes[axis][at.row]);
             }
         }
-        let seen = Seen {
-            weight,
-            #[cfg(feature = "rig")]
-            tracked,
-        };
+        let seen = Seen { weight, tracked };
         Ok((residuals, seen))
     }
 
     fn derivative(&self, seen: &Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
         let weight = seen.weight;
-        #[cfg(feature = "rig")]
         if let Some(tracked) = &seen.tracked {
             let own = tracked.derivative(parameter);
             let twist =
@@ -76,11 +66,9 @@ impl Measurement for Position {
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
-        #[cfg(feature = "rig")]
         if let Some(tracked) = Tracked::new(at.device, at.evaluation.pose()?) {
             return Ok(tracked.carried(twist).linear.norm_squared() / 3.0);
         }
-        let _ = at;
         Ok(twist.linear.norm_squared() / 3.0)
     }
 }

@@ -72,7 +72,6 @@ pub(crate) fn device_of(links: Vec<Link>) -> Device {
         contact_pairs: Vec::new(),
         gravity_mps2: None,
         nominal_links: None,
-        #[cfg(feature = "rig")]
         surroundings: Default::default(),
     }
 }

@@ -21,7 +21,6 @@ mod incomplete;
 mod intervals;
 mod invariance;
 mod joint_lanes;
-#[cfg(feature = "rig")]
 mod measured;
 mod multi_start;
 mod null_space;
@@ -29,13 +28,9 @@ mod parallel_joints;
 mod planted;
 mod recovery;
 mod refusals;
-#[cfg(feature = "rig")]
 mod rig;
-#[cfg(feature = "rig")]
 mod rig_rank;
-#[cfg(feature = "rig")]
 mod rig_recovery;
-#[cfg(feature = "rig")]
 mod rig_scene;
 mod robust;
 mod statistics;

@@ -293,6 +293,7 @@ fn title(device: &Device, channel: Channel) -> String {
         Channel::Cable { index } => format!("distance of cable {}", index + 1),
         Channel::Position => "handle position, distance from the tracked one".to_owned(),
         Channel::Orientation => "handle orientation, angle to the tracked one".to_owned(),
+        other => other.name(),
     }
 }
 

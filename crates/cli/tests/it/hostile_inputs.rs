@@ -112,9 +112,11 @@ fn every_file_of_the_folder_is_run_and_every_run_is_another() {
     assert_eq!(runs.len(), cases.len());
     let words: BTreeSet<&str> = runs.iter().flat_map(|run| run.split(' ')).collect();
     for name in contents(&folder()).keys() {
-        let is_bad = ["device-", "log-", "model-", "effects-", "result-", "urdf-", "rig-"]
-            .iter()
-            .any(|kind| name.starts_with(kind));
+        let is_bad = [
+            "device-", "log-", "model-", "effects-", "result-", "urdf-", "rig-",
+        ]
+        .iter()
+        .any(|kind| name.starts_with(kind));
         assert!(
             !is_bad || words.contains(name.as_str()),
             "{name} is not in the index"

@@ -11,5 +11,4 @@ mod refusals;
 mod selection;
 mod support;
 mod task;
-#[cfg(feature = "rig")]
 mod touches;

@@ -17,7 +17,6 @@ mod refusals;
 mod rig;
 mod rows;
 mod support;
-#[cfg(feature = "rig")]
 mod surroundings;
 mod warnings;
 mod writer;

@@ -70,7 +70,6 @@ pub(crate) fn device_of(convention: Convention, links: Vec<Link>, joints: Vec<Jo
         contact_pairs: Vec::new(),
         gravity_mps2: None,
         nominal_links: None,
-        #[cfg(feature = "rig")]
         surroundings: Default::default(),
     }
 }
