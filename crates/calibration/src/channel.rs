@@ -95,7 +95,7 @@ impl Channel {
 /// The channels that a recording has readings of and the device can predict, outputs first.
 ///
 /// # Errors
-/// [`CalibrationError::NoChannel`], or [`CalibrationError::UnknownTracker`].
+/// [`CalibrationError::NoChannel`].
 pub fn channels(device: &Device, recording: &Recording) -> Result<Vec<Channel>, CalibrationError> {
     let mut found: Vec<Channel> = (0..device.joints.len())
         .map(|joint| Channel::Output { joint })

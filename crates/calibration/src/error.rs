@@ -10,18 +10,10 @@ pub enum CalibrationError {
     /// The recording has no column that a device can be calibrated with.
     #[error(
         "the recording has no measurement for this device: it needs external encoders (outN_rad), \
-         or [[link]] rows in the device and a distance (cable_m), position or orientation"
+         or [[link]] rows in the device and a distance (cable_m), position, orientation, contact, plane or \
+         fixture"
     )]
     NoChannel,
-    /// A tracker whose frame is not known.
-    #[error(
-        "[tracker] {which} = \"unknown\" is not supported yet: give positions in frame (-1) and of \
-         the handle frame itself"
-    )]
-    UnknownTracker {
-        /// `base` or `tool`.
-        which: &'static str,
-    },
     /// No joint moves, so nothing can be told apart.
     #[error(
         "no joint moves in the recording ({rows} rows at one pose): record at many different poses"

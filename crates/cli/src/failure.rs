@@ -118,7 +118,7 @@ impl Failure {
                 place.line = Some(*line);
                 place.column_name = Some(column.clone());
             }
-            CalibrationError::UnknownTracker { .. } => place.file = device.display().to_string(),
+            CalibrationError::Rig { .. } => place.file = device.display().to_string(),
             CalibrationError::Option { .. } => "the command line".clone_into(&mut place.file),
             _ => {}
         }

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use haptical_calibration::{
     CalibrationError, Channel, ChannelResiduals, Weights, channel_residuals, channels,
-    frame_origins_m,
+    frame_origins_m, prepare_device,
 };
+use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Recording};
 use serde::Serialize;
 
@@ -94,6 +95,12 @@ impl Recorded {
         request: &Request<'_>,
         warnings: &mut Vec<String>,
     ) -> Result<Self, Failure> {
+        let refuse = |error| Failure::calibration(&error, request.device_file, request.log_file);
+        // a tracker's frame and touched points that a file leaves open: where they fit this log best
+        let nominal = &prepare_device(nominal, recording).map_err(refuse)?;
+        let placed = model.map(|model| prepare_device(model, recording));
+        let placed = placed.transpose().map_err(refuse)?;
+        let model = placed.as_ref();
         let found = drawable_channels(nominal, recording, request, warnings)?;
         let every = match request.every {
             Some(every) => every,
@@ -101,7 +108,6 @@ impl Recorded {
         };
         let kept: Vec<usize> = (0..recording.len()).step_by(every).collect();
         let part = recording.select(&kept);
-        let refuse = |error| Failure::calibration(&error, request.device_file, request.log_file);
         let origins = frame_origins_m(nominal, &part).map_err(refuse)?;
         let calibrated = match model {
             None => None,
@@ -121,7 +127,7 @@ impl Recorded {
             }
         }
         let tracked_um = if found.contains(&Channel::Position) {
-            tracked_um(&part, request.log_file)?
+            tracked_um(model.unwrap_or(nominal), &part, request.log_file)?
         } else {
             None
         };
@@ -175,21 +181,7 @@ fn drawable_channels(
     request: &Request<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Channel>, Failure> {
-    let found = match channels(device, recording) {
-        Err(CalibrationError::UnknownTracker { which }) => {
-            warnings.push(format!(
-                "the tracker's {which} is unknown, so its readings are not shown"
-            ));
-            let without_tracker = Recording {
-                position_m: None,
-                orientation_wxyz: None,
-                ..recording.clone()
-            };
-            channels(device, &without_tracker)
-        }
-        other => other,
-    };
-    match found {
+    match channels(device, recording) {
         Err(CalibrationError::NoChannel) => {
             warnings.push(
                 "the log has no outN_rad, cable_m or position that this device predicts, so the \
@@ -316,12 +308,20 @@ fn exit_um(device: &Device, index: usize, file: &Path) -> Result<[i64; 3], Failu
     })
 }
 
-fn tracked_um(part: &Recording, log: &Path) -> Result<Option<Vec<Option<[i64; 3]>>>, Failure> {
-    let Some([x, y, z]) = &part.position_m else {
+/// The tracked handle in frame (-1); none where the tracker sees a marker beside the handle.
+fn tracked_um(
+    device: &Device,
+    part: &Recording,
+    log: &Path,
+) -> Result<Option<Vec<Option<[i64; 3]>>>, Failure> {
+    let places = &device.surroundings;
+    let (Some([x, y, z]), None) = (&part.position_m, &places.tracker_tool) else {
         return Ok(None);
     };
+    let base = places.tracker_base.unwrap_or_default().pose();
     let points = (0..part.len()).map(|row| {
-        let point = [x[row], y[row], z[row]];
+        let seen = Vector3::new(x[row], y[row], z[row]);
+        let point: [f64; 3] = (base.rotation.transpose() * (seen - base.position_m)).into();
         if !point.iter().all(|axis| axis.is_finite()) {
             return Ok(None);
         }
