@@ -1,5 +1,6 @@
 //! The whole calibration: look at the recording, fit, and check on rows that the fit did not see.
 
+use haptical_identification::Loss;
 use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 use serde::Serialize;
@@ -8,9 +9,9 @@ use crate::held_out::is_of_postures;
 use crate::held_out::{FOLDS, SHORT_LOG, check_share, folds};
 use crate::prepare::with_unseen_touches;
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut, Options,
-    Outlier, Weights, channel_residuals, channels, fit_device, robust, split, sufficiency,
-    warnings,
+    CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut,
+    LossChoice, Options, Outlier, Weights, channel_residuals, channels, fit_device, robust, split,
+    sufficiency, warnings,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -118,7 +119,11 @@ pub fn calibrate(
             recording,
             &channels,
             &stated,
-            options,
+            &Options {
+                // the folds check the fit that was made, not others
+                loss: LossChoice::Fixed(fitted.robust.as_ref().map_or(Loss::Squares, |r| r.loss)),
+                ..*options
+            },
             count,
             &mut warnings,
         )?,

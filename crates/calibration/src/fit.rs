@@ -298,6 +298,7 @@ impl Task<'_> {
         let considered = considered.map_err(wrap)?;
         let mut estimates = estimates(&infos, &fit.parameters, &identifiability, &spread, noise);
         considered.widen(&mut estimates, &free, &spread, noise);
+        self.add_torque_scale(&mut estimates, &spread, noise);
         let residuals = prepared.residuals(&fit.parameters).map_err(wrap)?;
         Ok(ParameterFit {
             device,
@@ -316,6 +317,34 @@ impl Task<'_> {
             residuals,
             channel_parameters: shares,
         })
+    }
+
+    /// A compliance is in proportion to the torque that it was told from: the scale error of a logged torque,
+    /// which no reading shows, is its own.
+    fn add_torque_scale(
+        &self,
+        estimates: &mut [Estimate],
+        spread: &Uncertainty,
+        noise: NoiseScale,
+    ) {
+        let half_width = spread.half_width_95(noise);
+        for (parameter, estimate) in self.parameters.iter().zip(estimates) {
+            let ParameterId::Compliance { joint } = *parameter else {
+                continue;
+            };
+            let is_logged = self
+                .recording
+                .torque_nm
+                .get(joint)
+                .is_some_and(Option::is_some);
+            let described = self.device.joints.get(joint).filter(|_| is_logged);
+            if let (Some(described), Some(value), Some(sd)) =
+                (described, estimate.value, &mut estimate.standard_deviation)
+            {
+                *sd = sd.hypot(described.torque_scale_sd * value);
+                estimate.ci95 = Some([value - half_width * *sd, value + half_width * *sd]);
+            }
+        }
     }
 }
 

@@ -199,7 +199,7 @@ fn joint_candidates(device: &Device, transmissions: &[TransmissionFit]) -> Vec<P
 
 /// Each channel's residual size over its stated noise: sqrt(RSS / (m - p)) over the stated rms, with
 /// m its readings and p the parameters that they pay for ([`ParameterFit::channel_parameters`]). A
-/// channel with less than one degree of freedom keeps the size that it had.
+/// channel with too few degrees of freedom keeps the size that it had.
 fn estimate_noise(
     fitted: &FittedDevice,
     recording: &Recording,
@@ -213,7 +213,7 @@ fn estimate_noise(
         .filter_map(|channel| {
             let readings = channel.residuals.len() as f64;
             let freedom = readings - parameters_paid_by(fitted, channel.channel);
-            if freedom < 1.0 || channel.noise_floor == 0.0 {
+            if freedom < LEAST_FREEDOM || channel.noise_floor == 0.0 {
                 let factor = weights.factor.get(&channel.channel)?;
                 return Some((channel.channel, *factor));
             }
@@ -223,6 +223,10 @@ fn estimate_noise(
         })
         .collect())
 }
+
+/// Degrees of freedom from which on a channel's residuals say what its noise is: one or two may be zero by chance,
+/// and its readings would count as exact.
+pub(crate) const LEAST_FREEDOM: f64 = 4.0;
 
 /// The last fit that saw the channel decides: the joint one, or in two steps the transmission's own.
 pub(crate) fn parameters_paid_by(fitted: &FittedDevice, channel: Channel) -> f64 {

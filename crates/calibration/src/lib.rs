@@ -67,7 +67,7 @@ pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};
 pub use merged::{ChannelRows, MergedProblem};
 pub use multi_start::Starts;
 pub use prediction::{Prediction, predict_distances, predict_positions};
-pub use prepare::prepare_device;
+pub use prepare::{check_rig, prepare_device};
 pub use problem::DeviceProblem;
 pub use reduced::ReducedProblem;
 pub use residuals::{ChannelResiduals, channel_residuals, rows_with_known_errors};

@@ -71,7 +71,7 @@ pub fn prepare_device(device: &Device, recording: &Recording) -> Result<Device, 
 ///
 /// # Errors
 /// [`CalibrationError::Rig`].
-pub(crate) fn check_rig(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
+pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
     let refuse = |what: &str, message: String| {
         Err(CalibrationError::Rig {
             what: what.to_owned(),

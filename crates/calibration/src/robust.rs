@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use haptical_identification::{Loss, robust_scale};
 use haptical_model::{Device, Recording};
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::joint_fit::{fit_once, parameters_paid_by};
+use crate::joint_fit::{LEAST_FREEDOM, fit_once, parameters_paid_by};
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelReport, FittedDevice, Options, Weighting,
     Weights, channel_residuals, channels,
@@ -89,10 +89,18 @@ fn scale_of(channel: Channel, sizes: &[f64], parameters: f64, floor: f64) -> f64
     scale.max(1e-3 * floor).max(f64::MIN_POSITIVE)
 }
 
-/// Standard deviations beyond which the loss of one in a thousand recordings of noise would begin.
+/// Efficiency of the median size as a scale: n sizes say as much of it as 0.37 n squares do (Huber & Ronchetti
+/// 2009, section 5.1).
+const MEDIAN_EFFICIENCY: f64 = 0.37;
+
+/// Standard deviations beyond which the loss of one in a thousand recordings of noise would begin. The scale is
+/// found from the same readings: Student's distribution, with as many degrees of freedom as it is worth.
 fn limit(readings: usize) -> f64 {
-    let share = FALSE_ALARM / 2.0 / readings.max(1) as f64;
-    Normal::new(0.0, 1.0).map_or(f64::INFINITY, |normal| -normal.inverse_cdf(share))
+    let readings = readings.max(1) as f64;
+    let share = FALSE_ALARM / 2.0 / readings;
+    let freedom = (MEDIAN_EFFICIENCY * readings).max(1.0);
+    let spread = StudentsT::new(0.0, 1.0, freedom);
+    spread.map_or(f64::INFINITY, |spread| -spread.inverse_cdf(share))
 }
 
 /// Readings of a recording farther from the device than noise of the given scales explains, farthest first.
@@ -185,6 +193,15 @@ pub(crate) fn judge(
     for channel in &residuals {
         let sizes = sizes(channel.channel, &channel.residuals);
         let parameters = parameters_paid_by(fitted, channel.channel);
+        if channel.residuals.len() as f64 - parameters < LEAST_FREEDOM {
+            let factor = weights.factor.get(&channel.channel);
+            scales.push(RobustChannel {
+                channel: channel.channel,
+                scale: channel.noise_floor * factor.copied().unwrap_or(1.0),
+                variance_factor: 1.0,
+            });
+            continue;
+        }
         let scale = scale_of(channel.channel, &sizes, parameters, channel.noise_floor);
         let deviations: Vec<f64> = sizes.iter().map(|size| size / scale).collect();
         let variance_factor = loss.variance_factor(&deviations).unwrap_or(1.0);

@@ -7,12 +7,17 @@ use crate::Channel;
 /// Shortest length that holds the others' scale \[m\].
 const SHORT_M: f64 = 0.01;
 
+/// Sine of the angle below which two axes count as parallel.
+const PARALLEL_SINE: f64 = 0.1;
+
 /// The length that a fit of these channels must hold; none where something measured has a length of its own.
 ///
 /// Touches of unknown points and planes are as true of a device of any size, the points moved with it: all
 /// lengths and places times one factor fit as well. They would fit even better, as every residual shrinks with
-/// the device, so the direction cannot be left to the data. Held is the longest length across a joint axis,
-/// or where there is none the longest along one.
+/// the device, so the direction cannot be left to the data. Held is the longest length, whose relative error is
+/// the smallest: across a joint axis, or along one that stands across both of its neighbours. (Along the first
+/// axis, or along parallel ones, a length only moves the points, or is told from another one.) Where there is
+/// none, it is the longest along any.
 pub(crate) fn held_length(device: &Device, channels: &[Channel]) -> Option<ParameterId> {
     let is_metric = |channel: &Channel| match channel {
         Channel::Cable { index } => device
@@ -36,10 +41,35 @@ pub(crate) fn held_length(device: &Device, channels: &[Channel]) -> Option<Param
         let sized = all.map(|(row, parameter)| (length_m(device, row, parameter), row, parameter));
         sized.max_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let across = lengths(&[LinkParameter::A, LinkParameter::B]);
     let along = lengths(&[LinkParameter::D]);
-    let chosen = across.filter(|(length, _, _)| *length > SHORT_M).or(along);
+    let across = lengths(&[LinkParameter::A, LinkParameter::B]);
+    let between = (2..device.links.len())
+        .filter(|&row| stands_across(device, row))
+        .map(|row| {
+            (
+                length_m(device, row, LinkParameter::D),
+                row,
+                LinkParameter::D,
+            )
+        })
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let longest = across
+        .into_iter()
+        .chain(between)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let chosen = longest.filter(|(length, _, _)| *length > SHORT_M).or(along);
     chosen.map(|(_, row, parameter)| ParameterId::Link { row, parameter })
+}
+
+/// Whether the axis that a row's offset lies along is parallel to neither of its neighbours; the rows of URDFs,
+/// whose axes their origins turn, are left out.
+fn stands_across(device: &Device, row: usize) -> bool {
+    let turned = |row: usize| match device.links.get(row) {
+        Some(link) => link.alpha_rad.sin().abs() > PARALLEL_SINE,
+        None => true,
+    };
+    let is_general = device.is_general_row(row) || device.is_general_row(row - 1);
+    !is_general && turned(row - 1) && turned(row)
 }
 
 /// Size of what a length moves: its own, and that of the constant origin behind its row, which it corrects.

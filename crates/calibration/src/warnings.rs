@@ -1,6 +1,7 @@
 //! Things that a user should know of a recording and of a result, in sentences.
 
 use haptical_model::{Device, Recording};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::{CalibrationMethod, Channel, ChannelReport, FittedDevice, ParameterFit, sufficiency};
 
@@ -70,6 +71,19 @@ const IMPLAUSIBLE: f64 = 10.0;
 /// from stays below.
 const ABOVE_FLOOR: f64 = 1.5;
 
+/// Chance that noise alone is called more than noise.
+const FALSE_ALARM: f64 = 1e-3;
+
+/// Residual over noise floor beyond which more than noise is left among so many readings: of few, chance alone
+/// reaches more (chi-square over its degrees of freedom).
+fn above_floor(readings: usize) -> f64 {
+    let freedom = readings.max(1) as f64;
+    let largest = ChiSquared::new(freedom).map(|chi| chi.inverse_cdf(1.0 - FALSE_ALARM));
+    largest.map_or(ABOVE_FLOOR, |largest| {
+        ABOVE_FLOOR.max((largest / freedom).sqrt())
+    })
+}
+
 /// What a result has that no good result has.
 pub(crate) fn of_result(
     nominal: &Device,
@@ -95,7 +109,7 @@ pub(crate) fn of_result(
         }
         if !robust.outliers.is_empty() {
             warnings.push(format!(
-                "{} readings lie farther from the model than noise explains; the {} loss was used, so they \
+                "readings farther from the model than noise explains: {}; the {} loss was used, so they \
                  count little or nothing. They are listed as outliers: look whether a sensor failed there or \
                  the model lacks an effect",
                 robust.outliers.len(),
@@ -126,7 +140,7 @@ pub(crate) fn of_result(
         ));
     }
     for report in channels {
-        if report.rms_after_good > ABOVE_FLOOR * report.noise_floor {
+        if report.rms_after_good > above_floor(report.readings) * report.noise_floor {
             warnings.push(format!(
                 "{}: the residual left, {:.3e} {}, is {:.1} times the noise floor: the model lacks \
                  an effect, rows are disturbed, or the stated noise is too small; look at the \

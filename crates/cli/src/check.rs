@@ -1,7 +1,8 @@
 //! `haptical check`: validate a device file and a log, and say what the log could identify.
 
 use haptical_calibration::{
-    CalibrationError, Channel, Options, Weights, candidate_parameters, channels, identifiability_at,
+    CalibrationError, Channel, Options, Weights, candidate_parameters, channels, check_rig,
+    identifiability_at, prepare_device,
 };
 use haptical_model::{
     Device, JointType, ParameterId, Recording, TransmissionError, TransmissionKind,
@@ -157,6 +158,9 @@ fn look_at_log(
     file: String,
 ) -> Result<LogFindings, CalibrationError> {
     let channels = channels(device, recording)?;
+    check_rig(device, recording)?;
+    let prepared = prepare_device(device, recording)?;
+    let device = &prepared;
     let (device, parameters) = candidates(device, recording, &channels);
     let weights = Weights::stated(&device, &channels);
     let rules = Options::default().rules;
@@ -206,6 +210,12 @@ fn look_at_log(
             .covariates
             .iter()
             .map(|(name, _)| name.clone())
+            // homing fixtures are channels too
+            .filter(|name| {
+                channels
+                    .iter()
+                    .all(|channel| !name.starts_with(&format!("{}_", channel.name())))
+            })
             .collect(),
         identifiability: RankEntry::of(std::iter::once(&judged)),
         identifiable,

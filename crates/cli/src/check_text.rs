@@ -16,7 +16,7 @@ pub(crate) fn text(findings: &Findings) -> Result<String, Failure> {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{}: {}, {} joints, {} links, {} cable encoders",
+        "{}: {}; joints: {}, links: {}, cable encoders: {}",
         device.file,
         device.name,
         device.joints.len(),

@@ -166,7 +166,8 @@ pub(crate) fn identified(
     // In two steps the whole fit has the kinematics alone; the transmissions come from step 1.
     for fit in fits.iter().chain(&steps) {
         for entry in entries(fit, nominal, &calibration.device) {
-            if parameters.iter().all(|other| other.key != entry.key) {
+            // not by key: the three turns of a frame share one
+            if parameters.iter().all(|other| other.name != entry.name) {
                 parameters.push(entry);
             }
         }

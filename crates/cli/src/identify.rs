@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use haptical_calibration::{Calibration, calibrate, force_direction};
-use haptical_model::Recording;
+use haptical_model::{Recording, TransmissionKind};
 
 use crate::arguments::{IdentifyArguments, NoiseName};
 use crate::device_source::{DeviceOptions, Equipment};
@@ -92,8 +92,17 @@ pub(crate) fn outcome(
         record,
     };
     let force = match &calibration.fitted.whole {
-        Some(whole) => force_direction(whole, &recording).map_err(refuse)?,
-        None => None,
+        // an arm without drives of this kind renders no force at its handle
+        Some(whole)
+            if input
+                .device
+                .joints
+                .iter()
+                .any(|joint| joint.transmission != TransmissionKind::Direct) =>
+        {
+            force_direction(whole, &recording).map_err(refuse)?
+        }
+        _ => None,
     };
     let mut result = identified(
         &calibration,

@@ -49,6 +49,10 @@ const PLACES: [[f64; 3]; 10] = [
     [-1.5, -1.5, 1.5],
 ];
 
+/// Half of the room that a workspace has at least: of touches of one point there is none, and a cable's exit must
+/// not be where the handle is \[m\].
+const LEAST_ROOM_M: f64 = 0.3;
+
 /// One trial: what is added, and what is known then.
 struct Trial {
     measure: String,
@@ -61,7 +65,7 @@ struct Trial {
 }
 
 /// Tries further measurements beside a rig, for `count` poses: a cable at ten places around the workspace, of which
-/// the best is kept, an external encoder on each joint without one, the handle's position, its pose. `postures`
+/// the best is kept, an external encoder or a homing fixture on each joint without one, the handle's position, its pose. `postures`
 /// are candidates of the rig.
 ///
 /// # Errors
@@ -194,6 +198,12 @@ fn further(
             further.push((format!("out{}", joint + 1), Measure::Output { joint }));
         }
     }
+    for joint in 0..equipped.device.joints.len() {
+        if !has(Channel::Fixture { joint }) {
+            let measure = Measure::Fixture { joint: Some(joint) };
+            further.push((format!("fixture{}", joint + 1), measure));
+        }
+    }
     if !has(Channel::Position) && !has(Channel::Orientation) {
         for (name, orientation) in [("position", false), ("pose", true)] {
             let measure = Measure::Tracker {
@@ -226,7 +236,7 @@ fn workspace_m(
         high = high.sup(&pose.position_m);
     }
     // an arm that moves in a plane still has room beside it
-    let least = 0.2 * (high - low).max();
+    let least = (0.2 * (high - low).max()).max(LEAST_ROOM_M);
     Ok([
         (high + low) / 2.0,
         ((high - low) / 2.0).sup(&Vector3::repeat(least)),

@@ -177,7 +177,7 @@ fn wild_readings_are_named_and_set_aside_in_the_held_out_figures() {
     }
     let words = found.warnings.join("\n");
     assert!(
-        words.contains("lie farther from the model than noise explains"),
+        words.contains("farther from the model than noise explains"),
         "{words}"
     );
     assert!(!words.contains("times the noise floor"), "{words}");

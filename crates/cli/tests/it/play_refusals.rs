@@ -147,7 +147,7 @@ fn a_tracker_in_its_own_frame_is_played_where_it_fits_best() {
         let apart_um = tracked[axis].as_i64().unwrap() - origin.as_i64().unwrap();
         assert!(apart_um.abs() < 20_000, "{axis}: {apart_um}");
     }
-    assert_eq!(data["channels"].as_array().unwrap().len(), 7);
+    assert_eq!(data["channels"].as_array().unwrap().len(), 6);
 }
 
 #[test]
