@@ -8,6 +8,7 @@ mod criterion;
 mod equip;
 mod error;
 mod exchange;
+mod gains;
 mod information;
 mod kind;
 mod posture;

@@ -153,6 +153,8 @@ fn sockets_m(cloud: &[Vector3<f64>], points: usize, distance_m: Option<f64>) -> 
         let best = inner
             .iter()
             .copied()
+            // the first one is nearer to a short distance than any other
+            .filter(|place| nearest(place) > 0.0)
             .max_by(|a, b| rank(a).total_cmp(&rank(b)));
         let Some(best) = best else {
             break;

@@ -49,6 +49,17 @@ fn touching_poses_touch() {
 }
 
 #[test]
+fn two_sockets_may_be_nearer_to_each_other_than_any_two_poses() {
+    let rig = Rig::parse("contact:2:0.001").unwrap();
+    let mut equipped = equip(&haptic7(), &rig, Terms::Known).unwrap();
+    postures(&mut equipped, &Limits::default(), 20, 3).unwrap();
+    let places = &equipped.device.surroundings;
+    let [a, b] = [0, 1].map(|index| places.contacts[index].position_m);
+    let apart_m = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+    assert!((apart_m - 1e-3).abs() < 1e-12, "{apart_m}");
+}
+
+#[test]
 fn a_known_distance_gives_sockets_their_scale() {
     let device = haptic7();
     let (one, _) = rank(&device, "contact");
