@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::held_out::is_of_postures;
 use crate::held_out::{FOLDS, SHORT_LOG, check_share, folds};
+use crate::joint_fit::add_step_one_noise;
 use crate::prepare::with_unseen_touches;
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut,
@@ -108,7 +109,10 @@ pub fn calibrate(
     let rows = count.map_or(options.held_out, |_| HeldOut::None);
     let split = split(recording, rows)?;
     let seen = recording.select(&split.fit);
-    let fitted = fit_device(device, &seen, options)?;
+    let mut fitted = fit_device(device, &seen, options)?;
+    if options.method == CalibrationMethod::TwoStep {
+        fitted = add_step_one_noise(fitted, &channels, &seen)?;
+    }
     let nominal = device.clone();
     let nominal = crate::prepare_device(&nominal, &seen)?;
     let mut fit_channels = compare(&nominal, &fitted.device, &seen, &channels, &stated)?;

@@ -7,8 +7,9 @@ use haptical_model::{Device, ParameterId, Recording};
 
 use crate::{
     CalibrationError, CalibrationMethod, Channel, LossChoice, Options, ParameterFit, Robustness,
-    TransmissionFit, TransmissionTerms, Weighting, Weights, automatic_loss, candidate_parameters,
-    channel_residuals, channels, fit_parameters, fit_transmissions, robust, rows_with_known_errors,
+    Starts, TransmissionFit, TransmissionTerms, Weighting, Weights, automatic_loss,
+    candidate_parameters, channel_residuals, channels, fit_parameters, fit_transmissions, robust,
+    rows_with_known_errors, with_step_one_noise,
 };
 
 /// A fitted device with the fits that made it.
@@ -105,9 +106,7 @@ pub(crate) fn fit_once(
     if distant.is_empty() {
         return Ok(fitted);
     }
-    let within = rows_with_known_errors(&fitted.device, recording);
-    let inside = (within.len() < recording.len() && 2 * within.len() >= recording.len())
-        .then(|| recording.select(&within));
+    let inside = rows_of_step_two(&fitted.device, recording);
     let kinematics = fit_kinematics(
         &fitted.device,
         inside.as_ref().unwrap_or(recording),
@@ -139,6 +138,14 @@ pub(crate) fn fit_once(
                 weights,
                 &options.rules,
             )?;
+            if fit.starts.tried == 0 {
+                // it began where step 2 had ended, which may have looked elsewhere
+                fit.starts = Starts {
+                    doubt: fit.starts.doubt.or(kinematics.starts.doubt),
+                    doubt_that_remains: fit.starts.doubt_that_remains,
+                    ..kinematics.starts
+                };
+            }
             fit
         }
     };
@@ -147,6 +154,34 @@ pub(crate) fn fit_once(
         whole: Some(whole),
         ..fitted
     })
+}
+
+/// The rows whose transmission errors are known, unless they are all or less than half.
+fn rows_of_step_two(device: &Device, recording: &Recording) -> Option<Recording> {
+    let within = rows_with_known_errors(device, recording);
+    let are_some = within.len() < recording.len() && 2 * within.len() >= recording.len();
+    are_some.then(|| recording.select(&within))
+}
+
+/// Gives the kinematic fit of two steps the noise of the first.
+pub(crate) fn add_step_one_noise(
+    mut fitted: FittedDevice,
+    channels: &[Channel],
+    recording: &Recording,
+) -> Result<FittedDevice, CalibrationError> {
+    let Some(whole) = fitted.whole.take() else {
+        return Ok(fitted);
+    };
+    let distant: Vec<Channel> = channels
+        .iter()
+        .copied()
+        .filter(|channel| channel.sees_chain())
+        .collect();
+    let inside = rows_of_step_two(&fitted.device, recording);
+    let rows = inside.as_ref().unwrap_or(recording);
+    let (steps, weights) = (&fitted.transmissions, &fitted.weights);
+    fitted.whole = Some(with_step_one_noise(whole, steps, rows, &distant, weights)?);
+    Ok(fitted)
 }
 
 /// Step 2: the kinematic parameters from distances (or positions) at corrected joint angles.

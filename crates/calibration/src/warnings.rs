@@ -3,7 +3,9 @@
 use haptical_model::{Device, Recording};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::{CalibrationMethod, Channel, ChannelReport, FittedDevice, ParameterFit, sufficiency};
+use crate::{
+    CalibrationMethod, Channel, ChannelReport, FittedDevice, ParameterFit, Starts, sufficiency,
+};
 
 /// What a recording lacks for this device.
 pub(crate) fn of_recording(
@@ -84,6 +86,38 @@ fn above_floor(readings: usize) -> f64 {
     })
 }
 
+/// What searches from other places said.
+fn of_search(starts: &Starts) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if starts.replaced {
+        warnings.push(format!(
+            "the search from the device file's values ended at another minimum ({}); the values are those of the \
+             best of {} random starts, which {} of them reached",
+            starts.doubt.as_deref().unwrap_or("doubted"),
+            starts.tried,
+            starts.reached_best
+        ));
+    }
+    if starts.rivals > 0 {
+        warnings.push(format!(
+            "{} of {} random starts ended at other plausible values that fit as well: this recording does not tell \
+             which are the device's; record more poses, farther apart",
+            starts.rivals, starts.tried
+        ));
+    }
+    if starts.tried > 0
+        && !starts.replaced
+        && let Some(doubt) = &starts.doubt_that_remains
+    {
+        warnings.push(format!(
+            "{doubt}; none of {} random starts found a better minimum, so the cause is rather the model or the \
+             readings than the search",
+            starts.tried
+        ));
+    }
+    warnings
+}
+
 /// What a result has that no good result has.
 pub(crate) fn of_result(
     nominal: &Device,
@@ -127,6 +161,9 @@ pub(crate) fn of_result(
             whole.iter().chain(steps).collect()
         }
     };
+    if let Some(whole) = &fitted.whole {
+        warnings.extend(of_search(&whole.starts));
+    }
     let implausible: Vec<String> = fits
         .iter()
         .flat_map(|fit| implausible(nominal, fit))

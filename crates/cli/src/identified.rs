@@ -4,8 +4,11 @@ use std::collections::BTreeMap;
 
 use haptical_calibration::{
     Calibration, ChannelReport, ForceDirection, Outlier, ParameterFit, RobustChannel, Robustness,
+    Starts,
 };
-use haptical_identification::{Convergence, Identifiability, Loss, Observability, Status, Term};
+use haptical_identification::{
+    Convergence, Identifiability, Loss, NoiseScale, Observability, Status, Term,
+};
 use haptical_model::{Device, ParameterId, TransmissionError};
 use serde::Serialize;
 
@@ -33,6 +36,10 @@ pub(crate) struct Identified {
     /// All candidates.
     pub(crate) parameters: Vec<ParameterEntry>,
     pub(crate) not_identified: Vec<NotIdentified>,
+    /// How the intervals were made; none where nothing but transmissions was fitted.
+    pub(crate) intervals: Option<IntervalEntry>,
+    /// Searches from other places than the device file's values, where the first one was doubted.
+    pub(crate) search: Option<Starts>,
     pub(crate) identifiability: IdentifiabilityEntry,
     pub(crate) correlations_above_0_95: Vec<(String, String, f64)>,
     /// How far the force may still lean from the wanted direction; none where the device or the log does
@@ -44,6 +51,51 @@ pub(crate) struct Identified {
     pub(crate) outliers: Vec<Outlier>,
     pub(crate) warnings: Vec<String>,
     pub(crate) provenance: Record,
+}
+
+/// How intervals were made.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct IntervalEntry {
+    pub(crate) level: f64,
+    pub(crate) kind: String,
+    pub(crate) degrees_of_freedom: usize,
+    /// Parameters that were not fitted (weak, or those of step 1) and whose plausible errors widen the intervals.
+    pub(crate) considered: Vec<String>,
+}
+
+impl IntervalEntry {
+    fn of(fit: &ParameterFit) -> Self {
+        let kind = match fit.noise {
+            NoiseScale::Stated => "linearised at the solution, normal, with the stated noise",
+            NoiseScale::Estimated => {
+                "linearised at the solution, Student's t, with the noise that the residuals show"
+            }
+        };
+        let considered = fit.considered.parameters.iter();
+        Self {
+            level: 0.95,
+            kind: kind.to_owned(),
+            degrees_of_freedom: fit.uncertainty.degrees_of_freedom,
+            considered: considered
+                .map(|parameter| parameter.name(&fit.device))
+                .collect(),
+        }
+    }
+
+    /// The same as a sentence.
+    pub(crate) fn sentence(&self) -> String {
+        let considered = match self.considered.as_slice() {
+            [] => String::new(),
+            names => format!(
+                " They are widened by what plausible errors of parameters that were not fitted here do: {}.",
+                names.join(", ")
+            ),
+        };
+        format!(
+            "95 % intervals: {}, {} degrees of freedom.{considered} No interval is given for what is not identified.",
+            self.kind, self.degrees_of_freedom
+        )
+    }
 }
 
 /// One candidate parameter.
@@ -191,6 +243,8 @@ pub(crate) fn identified(
         channels_fit: calibration.fit_channels.clone(),
         transmissions: transmissions(calibration, &parameters),
         not_identified,
+        intervals: fits.first().map(|fit| IntervalEntry::of(fit)),
+        search: fitted.whole.as_ref().map(|whole| whole.starts.clone()),
         identifiability: IdentifiabilityEntry {
             solution: RankEntry::of(fits.iter().map(|fit| &fit.identifiability)),
             at_nominal: RankEntry::of(fits.iter().map(|fit| &fit.nominal_identifiability)),

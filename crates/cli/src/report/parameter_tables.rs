@@ -3,7 +3,7 @@
 use haptical_report::{Block, Cell, Column, Table};
 
 use crate::failure::Failure;
-use crate::identified::{Identified, ParameterEntry};
+use crate::identified::{Identified, IntervalEntry, ParameterEntry};
 use crate::units::Shown;
 
 /// Values of all identified parameters with their intervals.
@@ -31,6 +31,9 @@ pub(super) fn identified(result: &Identified) -> Result<Vec<Block>, Failure> {
          the device file, listed in identified.json."
             .to_owned(),
     ];
+    table
+        .notes
+        .extend(result.intervals.as_ref().map(IntervalEntry::sentence));
     Ok(vec![Block::Table(table)])
 }
 
