@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use haptical_diagnosis::{Diagnosis, Options, Prediction, diagnose};
+use haptical_diagnosis::{BOOTSTRAP_SEED, Diagnosis, Options, Prediction, diagnose};
 use haptical_model::{Device, Recording};
 
 use crate::arguments::DiagnoseArguments;
@@ -21,9 +21,6 @@ const PREDICTION_COLUMNS: [&str; 5] = ["row", "channel", "measured", "before", "
 
 /// What is written; the last with a second log only.
 pub(crate) const FILES: [&str; 3] = ["gap.json", "report.html", "predictions.csv"];
-
-/// Seed of the moving-block bootstrap behind `reduction_ci95`, as in `haptical-diagnosis`.
-const BOOTSTRAP_SEED: u64 = 1;
 
 /// The files that are read.
 pub(crate) struct Sources {

@@ -222,8 +222,8 @@ const WORDS: [EffectWords; 52] = [
     ),
     effect(
         "tool-changed",
-        "the last link or the handle is not the same in all runs",
-        "the handle and its fastening between the runs",
+        "the last link or the handle is not the same in all runs, or not the earlier model's",
+        "the handle and its fastening, now and before",
     ),
     effect(
         "noise-level",

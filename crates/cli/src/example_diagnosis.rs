@@ -123,6 +123,7 @@ pub(crate) fn named() -> Diagnosis {
         depends_on: vec!["torque2_nm".to_owned()],
         region: "everywhere".to_owned(),
         explained: vec![0.95],
+        dependence: Vec::new(),
     });
     diagnosis.causes = vec![CauseAnswer {
         effect: "capstan-compliance".to_owned(),
@@ -179,6 +180,7 @@ pub(crate) fn unknown() -> Diagnosis {
         depends_on: vec!["theta2_rad".to_owned()],
         region: "near theta2 = 0.25 rad".to_owned(),
         explained: vec![0.88],
+        dependence: Vec::new(),
     });
     diagnosis
 }

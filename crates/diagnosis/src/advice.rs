@@ -17,7 +17,10 @@ pub(crate) fn next_experiment(
         Verdict::Named => first.map(confirm),
         Verdict::Ambiguous if confused_with.is_empty() => first.map(confirm),
         Verdict::Ambiguous => Some(separate(first, confused_with)),
-        Verdict::Unknown => Some(explore(place)),
+        Verdict::Unknown => Some(match place {
+            Some(place) if !place.answer.dependence.is_empty() => explore_postures(place),
+            _ => explore(place),
+        }),
     }
 }
 
@@ -105,6 +108,24 @@ fn separate(first: Option<&dyn Effect>, confused_with: &[String]) -> String {
         .joint()
         .map_or(String::new(), |joint| format!("@{}", joint + 1));
     format!("to tell {}{joint} from {names}: {how}", first.name())
+}
+
+/// What confirms another tool.
+pub(crate) fn of_tool() -> String {
+    "to confirm: look at what the last link carries, and measure it; then put the shift into the last row of the \
+     earlier model, whose other numbers hold"
+        .to_owned()
+}
+
+/// What single postures cannot show, and how they would.
+fn explore_postures(place: &Located) -> String {
+    let joint = place.answer.joint;
+    let which = joint.map_or("every joint".to_owned(), |joint| format!("joint {joint}"));
+    format!(
+        "the postures of this log have no direction of motion, so play and friction loops cannot be told from \
+         noise: touch the same points again, coming to each posture twice, with {which} from below and from above, \
+         each way as a run of its own; a play shows as a difference of the two runs that no load changes"
+    )
 }
 
 /// An experiment that takes the covariates of an unknown effect apart.

@@ -121,6 +121,26 @@ pub struct Place {
     pub region: String,
     /// Share of the channel's gap that each column of `depends_on` explains by itself.
     pub explained: Vec<f64>,
+    /// Of touches: everything that was asked; first what is sure, by what it explains, then by probability.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub dependence: Vec<Dependence>,
+}
+
+/// How surely the residuals of touches depend on something.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dependence {
+    /// Column of the log; `contact` for the direction of approach.
+    pub column: String,
+    /// Joint (from 1), where it acts at one.
+    pub joint: Option<usize>,
+    /// What of the column it is, in words.
+    pub on: String,
+    /// Probability that chance gives as much.
+    pub p_value: f64,
+    /// The same for all questions together (Holm 1979).
+    pub p_adjusted: f64,
+    /// Share of the squared residual that it explains.
+    pub share: f64,
 }
 
 /// A cause.

@@ -4,17 +4,21 @@ use haptical_calibration::Channel;
 use haptical_model::{Device, Recording};
 
 use crate::adequacy::{Adequacy, adequacy};
-use crate::advice::next_experiment;
+use crate::advice::{next_experiment, of_tool};
 use crate::answer::{CandidateAnswer, CauseAnswer, Diagnosis, Gap, Provenance, Verdict};
 use crate::base::Base;
 use crate::causes::{base_term, cause_answer, force_findings, noise_findings};
+use crate::context::Stream;
 use crate::earlier::{Difference, difference};
+use crate::engine::Engine;
 use crate::force::answer::ForceAnswer;
 use crate::place::{locate, of_base_term};
+use crate::place_touched::by_dependence;
 use crate::rivals::{Rival, settle};
-use crate::select::{Selection, Selector};
+use crate::select::{Selection, Selector, excess};
 use crate::shrink::{Shrink, model_residual, on_held_back, on_second};
 use crate::tables::{channel_gaps, noise, torque_gaps, traces, untestable};
+use crate::touched::Touched;
 use crate::unseen::{hints, unseen};
 use crate::wrong_angles::torque_nm;
 use crate::{DiagnosisError, Options};
@@ -42,14 +46,10 @@ pub(crate) fn assemble(
     let (selector, selection) = (&*selector, &*selection);
     let engine = selector.engine;
     let adequacy = adequacy(selector, selection);
-    let earlier_residual = match inputs.earlier {
-        Some(model) => Some(model_residual(model, inputs.recording, engine)?),
-        None => None,
-    };
-    let base_terms = match &earlier_residual {
-        Some(residual) => difference(engine, residual),
-        None => Difference::default(),
-    };
+    let Against {
+        residual: earlier_residual,
+        difference: base_terms,
+    } = against_earlier(engine, inputs)?;
     let (shrink, force) = beside_each_other(
         selector,
         selection,
@@ -66,31 +66,31 @@ pub(crate) fn assemble(
         &base_terms,
         &shrink,
     );
-    let mut verdict = verdict(selector, selection, &adequacy, &causes);
-    let on_forces = force_findings(&force);
-    if let (Verdict::NoGap, Some(first)) = (verdict, on_forces.first()) {
-        let sure = first.probability >= selector.thresholds.named_probability;
-        verdict = if sure {
-            Verdict::Named
-        } else {
-            Verdict::Ambiguous
-        };
+    let mut verdict = verdict(selector, selection, &adequacy, &causes, &base_terms);
+    let touches = Touched::new(selector, verdict)?;
+    if selection.refit.model.causes.is_empty() {
+        let is_quiet = adequacy.worst < selector.thresholds.omnibus_z;
+        let p = selector.thresholds.family_wise_p;
+        verdict = touches.verdict(verdict, is_quiet, !causes.is_empty(), p);
     }
+    let on_forces = force_findings(&force);
+    verdict = with_forces(selector, verdict, on_forces.first());
     causes.extend(on_forces);
+    let is_adequate = adequacy.is_adequate;
     let located = match verdict {
         Verdict::NoGap => None,
-        _ => match base_terms.terms.first() {
-            Some(term) if verdict != Verdict::Unknown => of_base_term(engine, term),
-            _ => locate(selector, selection, adequacy.is_adequate),
+        Verdict::Unknown if touches.are_postures => {
+            by_dependence(&engine.context, selection, touches.dependence)
+        }
+        Verdict::Unknown => locate(selector, selection, is_adequate),
+        Verdict::Named | Verdict::Ambiguous => match base_terms.terms.first() {
+            Some(term) => of_base_term(engine, term),
+            None => locate(selector, selection, is_adequate),
         },
     };
     let noise = noise(selector, inputs.gone);
-    let joints: Vec<Option<usize>> = engine
-        .context
-        .streams
-        .iter()
-        .map(crate::context::Stream::joint)
-        .collect();
+    let streams = engine.context.streams.iter();
+    let joints: Vec<Option<usize>> = streams.map(Stream::joint).collect();
     // next to a gap, what its effect leaves in fast motion would pass for noise
     if causes.is_empty() {
         causes.extend(noise_findings(&noise, &joints));
@@ -104,6 +104,7 @@ pub(crate) fn assemble(
         .map_or(&[][..], |cause| &cause.confusable_with);
     let mut warnings = shrink.warnings.clone();
     warnings.extend(implausible(&causes));
+    warnings.extend(touches.unstated);
     Ok(Diagnosis {
         verdict,
         gap: Gap {
@@ -113,13 +114,17 @@ pub(crate) fn assemble(
             ]
             .concat(),
         },
-        next_experiment: next_experiment(verdict, first_effect, confused, located.as_ref()),
+        next_experiment: match base_terms.is_tool() {
+            true => Some(of_tool()),
+            false => next_experiment(verdict, first_effect, confused, located.as_ref()),
+        },
         traces: traces(selector, selection, before, located.as_ref()),
         place: located.map(|located| located.answer),
-        unexplained_share: if verdict == Verdict::NoGap {
-            0.0
-        } else {
-            adequacy.unexplained
+        unexplained_share: match verdict {
+            Verdict::NoGap => 0.0,
+            // of touches whose noise is what is left, the excess over noise says nothing
+            Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
+            _ => adequacy.unexplained,
         },
         probability_unknown: adequacy.probability_unknown(verdict),
         causes,
@@ -138,6 +143,39 @@ pub(crate) fn assemble(
         device: engine.problem.device_with(&engine.start.model.values),
         predictions: shrink.predictions,
     })
+}
+
+/// The recording against a model identified earlier, where there is one.
+#[derive(Default)]
+struct Against {
+    /// Per stream and row.
+    residual: Option<Vec<Vec<f64>>>,
+    difference: Difference,
+}
+
+fn against_earlier(engine: &Engine<'_>, inputs: &Inputs<'_>) -> Result<Against, DiagnosisError> {
+    let Some(model) = inputs.earlier else {
+        return Ok(Against::default());
+    };
+    let residual = model_residual(model, inputs.recording, engine)?;
+    Ok(Against {
+        difference: difference(engine, &model.device, &residual),
+        residual: Some(residual),
+    })
+}
+
+/// Where positions show no gap, the first effect that forces show decides.
+fn with_forces(
+    selector: &Selector<'_, '_>,
+    verdict: Verdict,
+    first: Option<&CauseAnswer>,
+) -> Verdict {
+    let named = selector.thresholds.named_probability;
+    match (verdict, first) {
+        (Verdict::NoGap, Some(first)) if first.probability >= named => Verdict::Named,
+        (Verdict::NoGap, Some(_)) => Verdict::Ambiguous,
+        (verdict, _) => verdict,
+    }
 }
 
 /// What unseen rows and what forces show.
@@ -259,8 +297,17 @@ fn verdict(
     selection: &Selection,
     adequacy: &Adequacy,
     causes: &[CauseAnswer],
+    base_terms: &Difference,
 ) -> Verdict {
     let thresholds = selector.thresholds;
+    let is_sure = |cause: &CauseAnswer| cause.probability >= thresholds.named_probability;
+    // beside a tool that was changed the rest may be as small as the tool's own law gets wrong
+    if base_terms.accounts_for(excess(&selection.after).0) {
+        return match causes.first().is_some_and(is_sure) {
+            true => Verdict::Named,
+            false => Verdict::Ambiguous,
+        };
+    }
     let found = !selection.refit.model.causes.is_empty();
     if !found {
         return match (quiet(selector, selection, adequacy), causes.is_empty()) {
@@ -275,10 +322,7 @@ fn verdict(
     if !adequacy.is_adequate || hedged {
         return Verdict::Unknown;
     }
-    let sure = causes
-        .first()
-        .is_some_and(|cause| cause.probability >= thresholds.named_probability);
-    if sure {
+    if causes.first().is_some_and(is_sure) {
         Verdict::Named
     } else {
         Verdict::Ambiguous

@@ -82,6 +82,11 @@ const STEADY: f64 = 0.8;
 /// Probability of a settling drift's name when everything else speaks for it.
 const SETTLING: f64 = 0.75;
 
+/// Prior odds of another tool against another link: tools are made to be exchanged.
+const TOOLS: f64 = 10.0;
+/// Probability of a term that an earlier model has wrong.
+const SURE: f64 = 0.98;
+
 /// A term of the base model that an earlier model lacks.
 pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAnswer {
     let hook = if term.in_drive {
@@ -92,9 +97,9 @@ pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAn
     CauseAnswer {
         effect: term.name.to_owned(),
         joint: term.joint.map(|joint| joint + 1),
-        class_probability: 0.98,
-        probability: 0.98,
-        confusable_with: Vec::new(),
+        class_probability: SURE,
+        probability: SURE * TOOLS / (TOOLS + term.confusable_with.len() as f64),
+        confusable_with: term.confusable_with.clone(),
         parameters: term.parameters.clone(),
         plausible: true,
         implausible: false,
@@ -126,12 +131,16 @@ pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) ->
             held_out: None,
         };
     let mut found = Vec::new();
+    let mut told: Vec<&str> = Vec::new();
     for (channel, &joint) in noise.iter().zip(joints) {
         if channel.from_motion && (channel.ratio > LOUD || channel.speed_ratio > DEPENDS) {
             let sd = 0.03 * channel.ratio;
             found.push(finding("noise-level", joint, "ratio", channel.ratio, sd));
         }
-        if channel.outlier_share > MANY_OUTLIERS {
+        // a reading that stands alone is left out with all its axes: told once
+        let name = channel.channel.split('.').next().unwrap_or_default();
+        if channel.outlier_share > MANY_OUTLIERS && !told.contains(&name) {
+            told.push(name);
             let sd = (channel.outlier_share / channel.readings.max(1) as f64).sqrt();
             found.push(finding(
                 "outliers",

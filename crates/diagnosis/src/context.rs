@@ -10,7 +10,9 @@ use haptical_model::{Device, Evaluation, Recording};
 
 use crate::DiagnosisError;
 use crate::frames::Frames;
+use crate::loads::loads;
 use crate::signal::{LocalMotion, Signal, local_motion, smooth};
+use crate::touches::Touches;
 
 /// One measured quantity, an axis of a channel.
 #[derive(Debug, Clone)]
@@ -36,6 +38,27 @@ impl Stream {
             Channel::Output { joint } => Some(joint),
             _ => None,
         }
+    }
+
+    /// Whether it moves with the handle. Known distances and angles between touched places do not, nor do
+    /// encoders and fixtures.
+    pub(crate) fn shows_handle(&self) -> bool {
+        match self.channel {
+            Channel::Cable { .. }
+            | Channel::Position
+            | Channel::Orientation
+            | Channel::Contact
+            | Channel::Plane => true,
+            Channel::Output { .. }
+            | Channel::ContactPair { .. }
+            | Channel::PlanePair { .. }
+            | Channel::Fixture { .. } => false,
+        }
+    }
+
+    /// Whether its readings are touches: of a posture each, however close the postures are.
+    pub(crate) fn is_touch(&self) -> bool {
+        matches!(self.channel, Channel::Contact | Channel::Plane)
     }
 }
 
@@ -82,6 +105,7 @@ pub(crate) struct Context<'a> {
     pub(crate) force_n: Option<Vec<Vector3<f64>>>,
     /// Temperature less its mean.
     pub(crate) warming_k: Option<Vec<f64>>,
+    touches: Touches,
 }
 
 /// Samples on each side over which torques and forces are averaged at most, ...
@@ -102,7 +126,8 @@ impl<'a> Context<'a> {
         let runs = runs_of(recording);
         let step = step_of_range(recording, &runs);
         // so closely that noise differs from row to row and effects do not
-        let ordered = step.is_some_and(|step| step <= STEP_OF_A_MOTION);
+        let ordered = step.is_some_and(|step| step <= STEP_OF_A_MOTION)
+            && (recording.time_s.is_some() || !streams.iter().any(Stream::is_touch));
         let load_reach = step.map_or(0, load_reach);
         let streams = streams.to_vec();
         let joints = device.joints.len();
@@ -159,13 +184,14 @@ impl<'a> Context<'a> {
                     .map(|row| Vector3::new(axes[0][row], axes[1][row], axes[2][row]))
                     .collect()
             });
+        let loads = loads(device, recording, &output, force_n.as_deref())?;
         let torque_nm = (0..joints)
             .map(|joint| match recording.torque_nm.get(joint) {
                 Some(Some(column)) => Some(smoothed(column, load_reach)),
-                _ => frames.holding_torque(&twist, &position, force_n.as_deref(), joint),
+                _ => loads.as_ref().map(|loads| loads.torque_nm[joint].clone()),
             })
             .collect();
-        let base_moment_nm = frames.base_moment(&position, force_n.as_deref());
+        let base_moment_nm = loads.map(|loads| loads.base_moment_nm);
         let warming_k = recording.temperature_degc.as_ref().map(|column| {
             let smoothed = smoothed(column, TEMPERATURE_REACH);
             let mean = smoothed.iter().sum::<f64>() / smoothed.len().max(1) as f64;
@@ -189,6 +215,7 @@ impl<'a> Context<'a> {
             torque_nm,
             force_n,
             warming_k,
+            touches: Touches::new(device, recording),
         })
     }
 
@@ -223,10 +250,30 @@ impl<'a> Context<'a> {
         let twist = &twist[row];
         match self.streams[stream].channel {
             Channel::Output { .. } => 0.0,
-            Channel::Cable { index } => self.along_cable(index, row, &twist.linear),
-            Channel::Position => twist.linear[self.streams[stream].axis],
-            Channel::Orientation => twist.angular[self.streams[stream].axis],
-            _ => 0.0,
+            _ => self.seen(stream, row, &twist.linear, &twist.angular),
+        }
+    }
+
+    /// What a stream of the chain shows of a small displacement of the handle, frame (-1).
+    fn seen(
+        &self,
+        stream: usize,
+        row: usize,
+        linear: &Vector3<f64>,
+        angular: &Vector3<f64>,
+    ) -> f64 {
+        let Stream { channel, axis, .. } = &self.streams[stream];
+        match channel {
+            Channel::Cable { index } => self.along_cable(*index, row, linear),
+            Channel::Position => linear[*axis],
+            Channel::Orientation => angular[*axis],
+            Channel::Contact => self.touches.along_contact(*axis, linear),
+            Channel::Plane => self.touches.along_plane(row, linear),
+            // pairs say nothing of the handle; encoders and fixtures read joints
+            Channel::ContactPair { .. }
+            | Channel::PlanePair { .. }
+            | Channel::Output { .. }
+            | Channel::Fixture { .. } => 0.0,
         }
     }
 
@@ -251,6 +298,11 @@ impl<'a> Context<'a> {
     pub(crate) fn upstream(&self, joint: usize, error: &[f64]) -> Signal {
         let mut signal = self.downstream(joint, error);
         if let Some(stream) = self.output_stream(joint) {
+            signal.parts.push((stream, error.to_vec()));
+        }
+        // a fixture holds the link: it shows the drive's error as it is
+        let fixture = Channel::Fixture { joint };
+        if let Some(stream) = self.streams.iter().position(|s| s.channel == fixture) {
             signal.parts.push((stream, error.to_vec()));
         }
         signal
@@ -287,9 +339,9 @@ impl<'a> Context<'a> {
                         *value =
                             (moved[row] - anchor).norm() - (self.position[row] - anchor).norm();
                     }
-                    Channel::Position => {
-                        let axis = self.streams[*stream].axis;
-                        *value = moved[row][axis] - self.position[row][axis];
+                    Channel::Position | Channel::Contact | Channel::Plane => {
+                        let way = moved[row] - self.position[row];
+                        *value = self.seen(*stream, row, &way, &Vector3::zeros());
                     }
                     _ => {}
                 }
@@ -312,7 +364,7 @@ impl<'a> Context<'a> {
     /// An error of a joint behind its external encoder (H4).
     pub(crate) fn downstream(&self, joint: usize, error: &[f64]) -> Signal {
         let parts = (0..self.streams.len())
-            .filter(|&stream| self.streams[stream].channel.sees_chain())
+            .filter(|&stream| self.streams[stream].shows_handle())
             .map(|stream| {
                 let values = error
                     .iter()
@@ -336,16 +388,11 @@ impl<'a> Context<'a> {
     pub(crate) fn handle(&self, moved: impl Fn(usize) -> (Vector3<f64>, Vector3<f64>)) -> Signal {
         let moved: Vec<_> = (0..self.rows()).map(moved).collect();
         let parts = (0..self.streams.len())
-            .filter(|&stream| self.streams[stream].channel.sees_chain())
+            .filter(|&stream| self.streams[stream].shows_handle())
             .map(|stream| {
-                let values = moved.iter().enumerate().map(|(row, (linear, angular))| {
-                    match self.streams[stream].channel {
-                        Channel::Cable { index } => self.along_cable(index, row, linear),
-                        Channel::Position => linear[self.streams[stream].axis],
-                        Channel::Orientation => angular[self.streams[stream].axis],
-                        _ => 0.0,
-                    }
-                });
+                let moved = moved.iter().enumerate();
+                let values =
+                    moved.map(|(row, (linear, angular))| self.seen(stream, row, linear, angular));
                 (stream, values.collect())
             })
             .collect();

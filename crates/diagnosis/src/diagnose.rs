@@ -8,6 +8,7 @@ use crate::assemble::{Inputs, assemble};
 use crate::base::{Base, Unfinished};
 use crate::catalogue::{Effect, catalogue};
 use crate::cleaning::without_readings;
+use crate::earlier_model::placed;
 use crate::engine::Prepared;
 use crate::select::{MOVED_FAR, Selector};
 use crate::thresholds::Thresholds;
@@ -84,13 +85,10 @@ fn by_base(
         .into_iter()
         .filter(|&index| effects[index].untestable(&engine.context).is_none())
         .collect();
-    let earlier = options.model.map(|model| Base {
-        device: model.clone(),
-        channels: base.channels.clone(),
-        parameters: Vec::new(),
-        free: Vec::new(),
-        unfinished: None,
-    });
+    let earlier = match options.model {
+        None => None,
+        Some(model) => Some(placed(model, device, &cleaned, &base.channels)?),
+    };
     let inputs = Inputs {
         nominal: device,
         recording: &cleaned,
@@ -159,6 +157,9 @@ fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {
         "ratio-error" | "drum-eccentricity" | "device-encoder-eccentricity" => {
             effect.joint().is_some_and(fitted)
         }
+        "joint-compliance" => effect
+            .joint()
+            .is_some_and(|joint| base.parameters.contains(&ParameterId::Compliance { joint })),
         _ => false,
     }
 }

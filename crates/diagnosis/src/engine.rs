@@ -11,8 +11,8 @@ use crate::base::{Base, BaseProblem};
 use crate::blocks::Blocks;
 use crate::catalogue::Effect;
 use crate::cleaning::outlying_rows;
-use crate::context::{Context, streams};
-use crate::measured::{KnownNoise, estimate_noise, floors};
+use crate::context::{Context, Stream, streams};
+use crate::measured::{KnownNoise, estimate_noise, floors, is_stated};
 use crate::model::{Cause, Model, Refit};
 use crate::noise::Noise;
 use crate::part::{Part, root_mean_square, square};
@@ -222,6 +222,15 @@ impl Engine<'_> {
             self.base.free.len(),
         );
         KnownNoise { noise, scale }
+    }
+
+    /// Whether the recording is one of touches in single postures whose noise no rig states: it is then taken
+    /// from what the base model leaves, gap and all.
+    pub(crate) fn is_noise_unknown(&self) -> bool {
+        let context = &self.context;
+        let unstated =
+            |stream: &Stream| stream.is_touch() && !is_stated(context.device, stream.channel);
+        !context.ordered && context.streams.iter().any(unstated)
     }
 
     /// The rows of this recording that `seen` picks.

@@ -13,8 +13,10 @@ mod causes;
 mod cleaning;
 mod contend;
 mod context;
+mod dependence;
 mod diagnose;
 mod earlier;
+mod earlier_model;
 mod engine;
 mod error;
 mod events;
@@ -22,31 +24,40 @@ mod force;
 mod frames;
 mod generic;
 mod laws;
+mod least;
+mod loads;
 mod measured;
 mod model;
 mod noise;
 mod options;
 mod part;
 mod place;
+mod place_touched;
 mod refit;
 mod rivals;
 mod scan;
 mod select;
 mod shrink;
 mod signal;
+#[cfg(test)]
+mod statics_tests;
 mod system;
 mod tables;
 mod thresholds;
+mod tool;
+mod touched;
+mod touches;
 mod trim;
 mod unseen;
 mod wrong_angles;
 
 pub use answer::{
-    CandidateAnswer, CauseAnswer, ChannelGap, Detectable, Diagnosis, Gap, HeldOutAnswer, Hint,
-    Invisible, NoiseAnswer, ParameterAnswer, Place, Prediction, Provenance, Trace, Untestable,
-    Verdict,
+    CandidateAnswer, CauseAnswer, ChannelGap, Dependence, Detectable, Diagnosis, Gap,
+    HeldOutAnswer, Hint, Invisible, NoiseAnswer, ParameterAnswer, Place, Prediction, Provenance,
+    Trace, Untestable, Verdict,
 };
 pub use catalogue::Hook;
 pub use diagnose::{diagnose, effect_names, plausible_range};
 pub use error::DiagnosisError;
 pub use options::Options;
+pub use shrink::BOOTSTRAP_SEED;

@@ -2,10 +2,11 @@
 
 use crate::answer::Place as Answer;
 use crate::catalogue::{Effect, Family, Hook};
-use crate::context::Context;
-use crate::earlier::BaseTerm;
+use crate::context::{Context, Stream};
+use crate::earlier::{BaseTerm, TOOL_CHANGED};
 use crate::engine::Engine;
 use crate::generic::{Covariate, Place, inner_range, score};
+use crate::place_touched::of_tool;
 use crate::select::{Selection, Selector};
 
 /// Where it lies, with the covariate that a picture should show.
@@ -36,6 +37,9 @@ fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) ->
     let joint = effect.joint();
     let covariate = law_covariate(effect, cause.shape);
     let mut depends_on = vec![covariate.column(context)];
+    if effect.name() == "tool-changed" && context.recording.run.is_some() {
+        depends_on = vec!["run".to_owned()];
+    }
     if effect.name() == "cross-coupling"
         && let Some(joint) = joint
     {
@@ -52,6 +56,7 @@ fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) ->
             explained: vec![1.0; depends_on.len()],
             depends_on,
             region: format!("{}; it follows {}", hook_words(place), covariate.words()),
+            dependence: Vec::new(),
         },
         stream,
         covariate,
@@ -64,9 +69,12 @@ pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Locat
     let own = term.joint.filter(|_| term.in_drive);
     let stream = own
         .and_then(|joint| context.output_stream(joint))
-        .or_else(|| context.streams.iter().position(|s| s.channel.sees_chain()))
+        .or_else(|| context.streams.iter().position(Stream::shows_handle))
         .unwrap_or(0);
     let covariate = Covariate::Angle(term.joint.unwrap_or(0));
+    if term.name == TOOL_CHANGED {
+        return of_tool(context, stream, term);
+    }
     let words = match term.joint {
         Some(joint) if term.in_drive => format!("in the drive of joint {}", joint + 1),
         Some(joint) => format!("in the geometry of link {}", joint + 1),
@@ -79,6 +87,7 @@ pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Locat
             depends_on: vec![covariate.column(context)],
             region: format!("{words}: the earlier model has other values there"),
             explained: vec![1.0],
+            dependence: Vec::new(),
         },
         stream,
         covariate,
@@ -113,7 +122,7 @@ fn law_covariate(effect: &dyn Effect, shape: f64) -> Covariate {
 }
 
 /// The stream in which an effect at a place shows most plainly.
-fn stream_of(
+pub(crate) fn stream_of(
     context: &Context<'_>,
     selection: &Selection,
     hook: Hook,
@@ -124,7 +133,7 @@ fn stream_of(
     {
         return Some(stream);
     }
-    let chain = |stream: &usize| context.streams[*stream].channel.sees_chain();
+    let chain = |stream: &usize| context.streams[*stream].shows_handle();
     let by_excess = |a: &usize, b: &usize| {
         selection.before[*a]
             .excess()
@@ -224,6 +233,7 @@ fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Opti
             depends_on,
             region,
             explained,
+            dependence: Vec::new(),
         },
         stream,
         covariate,
@@ -232,7 +242,7 @@ fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Opti
 
 fn places(context: &Context<'_>) -> Vec<Place> {
     let mut places = Vec::new();
-    let chain = context.streams.iter().any(|s| s.channel.sees_chain());
+    let chain = context.streams.iter().any(Stream::shows_handle);
     for joint in 0..context.device.joints.len() {
         let measured = context.output_stream(joint).is_some();
         let hooks = [

@@ -446,9 +446,14 @@ impl<'e, 'a> Selector<'e, 'a> {
 
     /// Whether a pick explains enough of what was left: a wrong effect nibbles at a gap.
     fn explains_enough(&self, score: &Score, before: &[SlowEnergy], after: &[SlowEnergy]) -> bool {
+        let share = self.thresholds.share_of_rest;
+        if self.engine.is_noise_unknown() {
+            // what is noise and what is gap only the cause itself tells
+            let all: f64 = before.iter().map(|stream| stream.energy).sum();
+            return score.score >= share * all;
+        }
         let (rest, uncertain) = excess(before);
         let (left, _) = excess(after);
-        let share = self.thresholds.share_of_rest;
         score.score >= share * (rest - 2.0 * uncertain) || rest - left >= share * rest
     }
 }
@@ -471,12 +476,28 @@ pub(crate) fn worst_excess(energy: &[SlowEnergy], noise: &[Noise]) -> f64 {
         .iter()
         .zip(noise)
         .map(|(stream, noise)| {
+            if stream.freedom <= 1.0 {
+                return of_one_reading(*stream);
+            }
             let spread = (2.0 * stream.freedom)
                 .sqrt()
                 .hypot(stream.freedom * noise.uncertainty);
             stream.excess() / spread.max(1.0)
         })
         .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Freedom below which the base model takes a single reading up: it says nothing.
+const TAKEN_UP: f64 = 0.1;
+
+/// Excess of a single reading, such as the known distance of two sockets, in standard deviations: its square is
+/// far from normal (Wilson & Hilferty 1931).
+fn of_one_reading(stream: SlowEnergy) -> f64 {
+    if stream.freedom <= TAKEN_UP {
+        return f64::NEG_INFINITY;
+    }
+    let spread = 2.0 / (9.0 * stream.freedom);
+    ((stream.energy / stream.freedom).max(0.0).cbrt() - (1.0 - spread)) / spread.sqrt()
 }
 
 /// Structured energy over all streams, and its standard deviation under noise.

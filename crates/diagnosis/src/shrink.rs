@@ -1,6 +1,8 @@
 //! How far the gap shrinks on data that the fit did not see: a second recording, or blocks held back.
 
-use haptical_calibration::{Channel, HeldOut, split};
+use std::collections::BTreeMap;
+
+use haptical_calibration::{Channel, HeldOut, channels, split};
 use haptical_metrics::{Bootstrap, gap_reduction_percent};
 use haptical_model::Recording;
 
@@ -9,10 +11,13 @@ use crate::answer::{HeldOutAnswer, Prediction};
 use crate::base::Base;
 use crate::catalogue::Effect;
 use crate::cleaning::without_readings;
+use crate::context::Stream;
+use crate::earlier_model::{placed, places};
 use crate::engine::{Engine, Prepared};
 use crate::events::{event_score, with_more_steps};
 use crate::model::Cause;
 use crate::select::{Selection, Selector};
+use crate::system::compress_rows;
 
 /// Residuals of one channel on unseen rows, without and with the causes.
 #[derive(Debug, Clone)]
@@ -35,6 +40,8 @@ pub(crate) struct Shrink {
     pub(crate) warnings: Vec<String>,
 }
 
+/// Seed of the moving-block bootstrap behind the intervals of a reduction.
+pub const BOOTSTRAP_SEED: u64 = 1;
 /// Rows in a block of the bootstrap.
 const BLOCK_ROWS: usize = 50;
 /// Share of the rows that is held back without a second recording.
@@ -48,13 +55,19 @@ pub(crate) fn on_held_back(
     earlier: Option<&[Vec<f64>]>,
 ) -> Result<Shrink, DiagnosisError> {
     let engine = selector.engine;
-    let split = split(recording, HeldOut::Share(HELD_BACK))?;
-    if split.held_out.len() < 8 {
+    let (held, description) = if of_postures(engine) {
+        let description = "every fifth touch of each point or plane".to_owned();
+        (every_fifth_touch(recording), description)
+    } else {
+        let split = split(recording, HeldOut::Share(HELD_BACK))?;
+        let mut held = vec![false; recording.len()];
+        for &row in &split.held_out {
+            held[row] = true;
+        }
+        (held, split.description)
+    };
+    if held.iter().filter(|held| **held).count() < 8 {
         return Ok(Shrink::default());
-    }
-    let mut held = vec![false; recording.len()];
-    for &row in &split.held_out {
-        held[row] = true;
     }
     let seen = |row: usize| !held[row];
     let part = engine.part(&seen)?;
@@ -66,9 +79,36 @@ pub(crate) fn on_held_back(
     Ok(Shrink {
         channels: collect(engine, &rows, before, after),
         predictions: Vec::new(),
-        description: split.description,
+        description,
         warnings: Vec::new(),
     })
+}
+
+/// Whether the rows are single postures at which something is touched: what was touched has no place where
+/// all its touches are held back, and neighbours say nothing of each other.
+fn of_postures(engine: &Engine<'_>) -> bool {
+    let context = &engine.context;
+    !context.ordered && context.streams.iter().any(Stream::is_touch)
+}
+
+/// Of each point and plane the fifth touch, the tenth, ...
+fn every_fifth_touch(recording: &Recording) -> Vec<bool> {
+    let mut touches: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    (0..recording.len())
+        .map(|row| {
+            let count = touches
+                .entry((id(&recording.contact, row), id(&recording.plane, row)))
+                .or_default();
+            *count += 1;
+            count.is_multiple_of(5)
+        })
+        .collect()
+}
+
+/// What a row touches; nothing where there is no such column.
+fn id(ids: &Option<Vec<String>>, row: usize) -> &str {
+    let id = ids.as_ref().and_then(|ids| ids.get(row));
+    id.map_or("", String::as_str)
 }
 
 /// Predicts a second recording with the models of the first. Events belong to one recording: their
@@ -80,7 +120,10 @@ pub(crate) fn on_second(
     outlier_sd: f64,
     earlier: Option<&Base>,
 ) -> Result<Shrink, DiagnosisError> {
-    let base = selector.engine.base;
+    let touched = Touched::new(selector, selection, validation)?;
+    let base = touched
+        .as_ref()
+        .map_or(selector.engine.base, |touched| &touched.with);
     let prepared = Prepared::new(base, validation)?;
     let gone = prepared.outlying(outlier_sd);
     let cleaned = without_readings(validation, &gone);
@@ -94,11 +137,20 @@ pub(crate) fn on_second(
         .iter()
         .filter_map(|cause| in_second(&second, effects, cause))
         .collect();
-    let before = match earlier {
-        Some(model) => model_residual(model, &cleaned, &second)?,
-        None => second.residual_of(effects, &selector.engine.start.model.values, &[])?,
+    let before = match (earlier, &touched) {
+        (Some(model), Some(_)) => {
+            let there = placed(&model.device, &base.device, validation, &base.channels)?;
+            model_residual(&there, &cleaned, &second)?
+        }
+        (Some(model), None) => model_residual(model, &cleaned, &second)?,
+        (None, Some(touched)) => model_residual(&touched.plain, &cleaned, &second)?,
+        (None, None) => second.residual_of(effects, &selector.engine.start.model.values, &[])?,
     };
-    let after = second.residual_of(effects, &selection.refit.model.values, &causes)?;
+    let with = match touched {
+        Some(_) => places_beside(&second, effects, &causes)?,
+        None => selection.refit.model.values.clone(),
+    };
+    let after = second.residual_of(effects, &with, &causes)?;
     let known: Vec<bool> = (0..validation.len())
         .map(|row| {
             base.device
@@ -122,6 +174,64 @@ pub(crate) fn on_second(
         description: "the second recording".to_owned(),
         warnings,
     })
+}
+
+/// The models of the first recording where the second one touches something: nobody knows where it stands, so its
+/// places are fitted with the models held.
+struct Touched {
+    /// Without the causes, and with them.
+    plain: Base,
+    with: Base,
+}
+
+impl Touched {
+    fn new(
+        selector: &Selector<'_, '_>,
+        selection: &Selection,
+        validation: &Recording,
+    ) -> Result<Option<Self>, DiagnosisError> {
+        if validation.contact.is_none() && validation.plane.is_none() {
+            return Ok(None);
+        }
+        let engine = selector.engine;
+        let rig = &engine.base.device;
+        let channels = channels(rig, validation)?;
+        let placed = |values: &[f64]| {
+            let device = engine.problem.device_with(values);
+            placed(&device, rig, validation, &channels)
+        };
+        let with = placed(&selection.refit.model.values)?;
+        let parameters = places(&with.device);
+        Ok(Some(Self {
+            plain: placed(&engine.start.model.values)?,
+            with: Base {
+                free: (0..parameters.len()).collect(),
+                parameters,
+                ..with
+            },
+        }))
+    }
+}
+
+/// Where the touched points and planes of a second recording stand once the causes are in the model: Gauss-Newton,
+/// exact in one step but for known distances.
+fn places_beside(
+    second: &Engine<'_>,
+    effects: &[Box<dyn Effect>],
+    causes: &[Cause],
+) -> Result<Vec<f64>, DiagnosisError> {
+    let mut values = second.start.model.values.clone();
+    for _ in 0..3 {
+        let Some(basis) = &second.whole.basis else {
+            break;
+        };
+        let residual = second.residual_of(effects, &values, causes)?;
+        let step = basis.solve(&compress_rows(&second.whole.blocks, &residual))?;
+        for (&parameter, change) in second.base.free.iter().zip(&step) {
+            values[parameter] += change;
+        }
+    }
+    Ok(values)
 }
 
 /// Residuals of a model identified earlier, stream by stream.
@@ -263,7 +373,7 @@ impl Unseen {
         }
         let bootstrap = Bootstrap {
             replicates: 400,
-            seed: 1,
+            seed: BOOTSTRAP_SEED,
             level: 0.95,
             block_length: BLOCK_ROWS.min(self.before.len() / 4).max(1),
         };

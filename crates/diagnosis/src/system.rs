@@ -112,6 +112,16 @@ impl System {
         }
     }
 
+    /// The row in the middle of every block.
+    pub(crate) fn postures(&self) -> Vec<usize> {
+        (0..self.windows.len())
+            .flat_map(|stream| {
+                let blocks = 0..self.blocks.range(stream).len();
+                blocks.map(move |block| self.blocks.row(stream, block))
+            })
+            .collect()
+    }
+
     /// Slow energy of a residual per stream, with the degrees of freedom that it has under noise:
     /// sums over windows of a quarter of a second, over the root of their number of blocks.
     pub(crate) fn slow_energy(&self, residual: &[f64]) -> Vec<SlowEnergy> {

@@ -32,30 +32,13 @@ pub fn holding_torques_nm(
     device: &Device,
     recording: &Recording,
 ) -> Result<Option<Vec<Vec<f64>>>, KinematicsError> {
-    let gravity = device.gravity_mps2.map(Vector3::from);
-    let bodies: Vec<(usize, Body)> = device
-        .bodies
-        .iter()
-        .enumerate()
-        .filter_map(|(row, body)| Some((row, (*body)?)))
-        .filter(|(row, body)| *row > 0 && body.mass_kg > 0.0)
-        .collect();
-    let is_heavy = gravity.is_some() && !bodies.is_empty();
-    if !device.has_links() || (!is_heavy && recording.force_n.is_none()) {
+    let mut statics = Statics::new(device);
+    let force_n = recording.force_n.as_ref();
+    if !device.has_links() || (!statics.has_weights() && force_n.is_none()) {
         return Ok(None);
     }
-    let chain = DeviceChain::new(device);
-    let arms: Vec<Arm> = match gravity {
-        Some(gravity) => bodies
-            .iter()
-            .map(|(row, body)| Arm::new(device, &chain, *row, body, &gravity))
-            .collect(),
-        None => Vec::new(),
-    };
     let rows = recording.len();
     let mut torques = vec![vec![0.0; rows]; device.joints.len()];
-    let mut variables = vec![0.0; chain.drives().len()];
-    let mut columns = vec![Twist::default(); chain.drives().len()];
     let mut outputs = vec![0.0; device.joints.len()];
     for row in 0..rows {
         for (joint, output) in outputs.iter_mut().enumerate() {
@@ -66,32 +49,129 @@ pub fn holding_torques_nm(
             // a transmission without a value moves its joint by next to nothing here
             *output = reading + device.joints[joint].error_rad(reading).unwrap_or(0.0);
         }
-        chain.variables(&outputs, &mut variables);
-        let mut add = |columns: &[Twist], force: &Vector3<f64>| {
-            for (column, drive) in columns.iter().zip(chain.drives()) {
-                torques[drive.joint][row] -= drive.multiplier * column.linear.dot(force);
-            }
-        };
-        for arm in &arms {
-            let count = arm.motions.len() - 1;
-            arm.chain(device.convention)?
-                .geometric_jacobian(&variables[..count], &mut columns[..count])?;
-            add(&columns[..count], &arm.weight_n);
-        }
-        if let Some(force) = &recording.force_n {
-            let force = Vector3::from(force.each_ref().map(|axis| axis[row]));
-            let pose = chain
-                .chain()?
-                .geometric_jacobian(&variables, &mut columns)?;
-            if force.iter().all(|part| part.is_finite()) {
-                add(&columns, &(pose.rotation * force));
-            }
+        let hand_n = force_n.map(|axes| Vector3::from(axes.each_ref().map(|axis| axis[row])));
+        let load = statics.load(&outputs, |handle| {
+            hand_n.map(|hand_n| handle.rotation * hand_n)
+        })?;
+        for (column, torque) in torques.iter_mut().zip(load.torques_nm) {
+            column[row] = *torque;
         }
     }
     Ok(Some(torques))
 }
 
+/// What a device at rest carries: its masses under gravity, and the hand.
+///
+/// The one place where torques are computed from statics: a calibration's compliances and a diagnosis's are
+/// those of the same torques.
+///
+/// ```
+/// use haptical_model::{Device, Statics};
+/// let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\
+///     [[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\nmass_kg = 2.0\ncentre_of_mass_m = [0.3, 0.0, 0.0]\n\
+///     [[joint]]\n[gravity]\nvector_mps2 = [0.0, -10.0, 0.0]\n";
+/// let lever = Device::from_toml(text, "lever.toml")?.device;
+/// let mut statics = Statics::new(&lever);
+/// let load = statics.load(&[0.0], |_| None)?;
+/// // held up by the drive, pulled down about the base
+/// assert!((load.torques_nm[0] - 6.0).abs() < 1e-12);
+/// assert!((load.base_moment_nm.z + 6.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Statics {
+    chain: DeviceChain,
+    convention: Convention,
+    arms: Vec<Arm>,
+    variables: Vec<f64>,
+    columns: Vec<Twist>,
+    torques_nm: Vec<f64>,
+}
+
+/// What drives and base bear at one posture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load<'s> {
+    /// Torque of each drive \[N m\] (\[N\] where it slides), positive along +theta.
+    pub torques_nm: &'s [f64],
+    /// Moment of weights and hand about the robot's base, the end of row 0 \[N m\], frame (-1).
+    pub base_moment_nm: Vector3<f64>,
+}
+
+impl Statics {
+    /// The masses of a device; without `[gravity]` they weigh nothing. The mass of row 0 stands still.
+    pub fn new(device: &Device) -> Self {
+        let chain = DeviceChain::new(device);
+        let gravity = device.gravity_mps2.map(Vector3::from);
+        let bodies = device.bodies.iter().enumerate();
+        let bodies = bodies.filter_map(|(row, body)| Some((row, (*body)?)));
+        let heavy = bodies.filter(|(row, body)| *row > 0 && body.mass_kg > 0.0);
+        let arms = gravity.map_or_else(Vec::new, |gravity| {
+            heavy
+                .map(|(row, body)| Arm::new(device, &chain, row, &body, &gravity))
+                .collect()
+        });
+        Self {
+            convention: device.convention,
+            arms,
+            variables: vec![0.0; chain.drives().len()],
+            columns: vec![Twist::default(); chain.drives().len()],
+            torques_nm: vec![0.0; device.joints.len()],
+            chain,
+        }
+    }
+
+    /// Whether gravity pulls at any moving mass.
+    pub fn has_weights(&self) -> bool {
+        !self.arms.is_empty()
+    }
+
+    /// The load at output angles (one per joint, \[rad\] or \[m\]). `hand` gives the force of the hand on the
+    /// handle \[N\], frame (-1), at the handle's pose; none, or one that is not finite, is no force.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] where the chain has no pose.
+    pub fn load(
+        &mut self,
+        outputs: &[f64],
+        hand: impl FnOnce(&Pose) -> Option<Vector3<f64>>,
+    ) -> Result<Load<'_>, KinematicsError> {
+        self.chain.variables(outputs, &mut self.variables);
+        self.torques_nm.fill(0.0);
+        let mut base_moment_nm = Vector3::zeros();
+        let base_m = self.chain.part(1)?.pose(&[])?.position_m;
+        let drives = self.chain.drives();
+        let torques_nm = &mut self.torques_nm;
+        let mut bear = |columns: &[Twist], place_m: &Vector3<f64>, force_n: &Vector3<f64>| {
+            for (column, drive) in columns.iter().zip(drives) {
+                torques_nm[drive.joint] -= drive.multiplier * column.linear.dot(force_n);
+            }
+            base_moment_nm += (place_m - base_m).cross(force_n);
+        };
+        for arm in &self.arms {
+            let count = arm.motions.len() - 1;
+            let columns = &mut self.columns[..count];
+            let centre = arm
+                .chain(self.convention)?
+                .geometric_jacobian(&self.variables[..count], columns)?;
+            bear(columns, &centre.position_m, &arm.weight_n);
+        }
+        let handle = self
+            .chain
+            .chain()?
+            .geometric_jacobian(&self.variables, &mut self.columns)?;
+        let hand_n = hand(&handle).filter(|hand_n| hand_n.iter().all(|part| part.is_finite()));
+        if let Some(hand_n) = hand_n {
+            bear(&self.columns, &handle.position_m, &hand_n);
+        }
+        Ok(Load {
+            torques_nm: &self.torques_nm,
+            base_moment_nm,
+        })
+    }
+}
+
 /// The rows up to a mass, ending at its centre.
+#[derive(Debug, Clone)]
 struct Arm {
     links: Vec<haptical_kinematics::Link>,
     motions: Vec<Motion>,

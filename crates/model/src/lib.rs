@@ -37,7 +37,7 @@ pub use evaluation::Evaluation;
 pub use force::{ForceTransmission, handle_force_n};
 pub use haptical_kinematics as kinematics;
 pub use haptical_transmission as transmission;
-pub use holding::holding_torques_nm;
+pub use holding::{Load, Statics, holding_torques_nm};
 pub use joint::{Joint, JointType, TransmissionError, TransmissionKind};
 pub use parameters::{LinkParameter, ParameterId};
 pub use recording::Recording;

@@ -85,6 +85,7 @@ fn place(diagnosis: &Diagnosis) -> Result<Vec<Block>, Failure> {
     if let Some(sentence) = place_sentence(diagnosis) {
         blocks.push(Block::Paragraph(format!("{sentence}.")));
     }
+    blocks.extend(tables::dependence(diagnosis)?);
     let mut traces = figures::traces(diagnosis)?;
     let folded = traces.split_off(OPEN_FIGURES.min(traces.len()));
     blocks.extend(traces);

@@ -70,6 +70,36 @@ pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Block, Failure> {
     Ok(Block::Table(table))
 }
 
+/// Of touches: everything that the residuals were asked for; none for other recordings.
+pub(super) fn dependence(diagnosis: &Diagnosis) -> Result<Option<Block>, Failure> {
+    let found = diagnosis.place.iter().flat_map(|place| &place.dependence);
+    let columns = [
+        "column",
+        "it depends on",
+        "p",
+        "p, all together",
+        "share [%]",
+    ];
+    let mut table = table("What the residuals of the touches depend on", &columns);
+    let mut is_empty = true;
+    for found in found {
+        is_empty = false;
+        table.push(vec![
+            found.column.as_str().into(),
+            found.on.as_str().into(),
+            Cell::scientific(found.p_value, 2),
+            Cell::scientific(found.p_adjusted, 2),
+            Cell::number(100.0 * found.share, 1),
+        ])?;
+    }
+    table.notes = vec![
+        "p: probability that chance gives as much, errors within one posture allowed to go together; all \
+         together: by Holm's method."
+            .to_owned(),
+    ];
+    Ok((!is_empty).then_some(Block::Table(table)))
+}
+
 /// How sure each cause is and how much it closes on unseen data.
 pub(super) fn causes(diagnosis: &Diagnosis) -> Result<Block, Failure> {
     let mut table = table(

@@ -230,12 +230,11 @@ impl dyn Effect {
     /// Why no measured stream can show it.
     fn unseen(&self, context: &Context<'_>) -> Option<String> {
         let joint = self.joint().filter(|_| self.hook() == Hook::Transmission)?;
-        let is_seen =
-            |stream: &Stream| stream.joint() == Some(joint) || stream.channel.sees_chain();
+        let is_seen = |stream: &Stream| stream.joint() == Some(joint) || stream.shows_handle();
         (!context.streams.iter().any(is_seen)).then(|| {
             let unit = context.device.joints[joint].unit();
             format!(
-                "no column out{}_{unit}, and no distance, position or orientation",
+                "no column out{}_{unit}, and no distance, position or orientation, and no touch",
                 joint + 1
             )
         })
@@ -298,8 +297,8 @@ fn missing(need: Need, context: &Context<'_>) -> Option<String> {
         {
             Some("no drum_radius_m in the device file".to_owned())
         }
-        Need::Chain if !context.streams.iter().any(|s| s.channel.sees_chain()) => {
-            Some("no distance, position or orientation".to_owned())
+        Need::Chain if !context.streams.iter().any(Stream::shows_handle) => {
+            Some("no distance, position or orientation, and no touch".to_owned())
         }
         Need::Runs if context.runs.len() < 2 => Some("one run only".to_owned()),
         Need::Counts(joint)

@@ -16,3 +16,5 @@ mod named;
 mod normal;
 mod refusals;
 mod several;
+mod touches;
+mod touching;

@@ -4,7 +4,7 @@ use haptical_model::kinematics::nalgebra::{Rotation3, Vector3};
 use haptical_model::kinematics::{Chain, Convention, Pose};
 use haptical_model::{
     Cable, Device, DeviceChain, DeviceFileError, Evaluation, Origin, ParameterId, Placement,
-    Recording, SurroundingParameter, holding_torques_nm,
+    Recording, Statics, SurroundingParameter, holding_torques_nm,
 };
 use proptest::prelude::*;
 
@@ -273,6 +273,14 @@ proptest! {
             };
             let slope = (moved(step) - moved(-step)) / (2.0 * step);
             prop_assert!((torques[joint][0] - slope).abs() < 1e-7, "{} for {slope}", torques[joint][0]);
+        }
+        // the base bears what the first drive holds, about that drive's own axis
+        if !modified {
+            let mut statics = Statics::new(&device);
+            let load = statics.load(&angles, |_| None).unwrap();
+            let axis = DeviceChain::new(&device).part(1).unwrap().pose(&[]).unwrap();
+            let about = load.base_moment_nm.dot(&axis.rotation.column(2));
+            prop_assert!((about + torques[0][0]).abs() < 1e-12, "{about}");
         }
         // the hand pushes the handle along its own x: the drive pushes back
         recording.force_n = Some([vec![push], vec![0.0], vec![0.0]]);

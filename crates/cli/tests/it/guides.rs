@@ -1,0 +1,205 @@
+//! The guides of docs/guides, run as they stand: every command, and every line that they say is printed.
+
+use std::path::{Path, PathBuf};
+
+use crate::{haptical, text};
+
+/// What a number may differ from the guide's: a held-out error moves by a per cent when a search stops elsewhere, a wrong model
+/// by far more.
+const RELATIVE: f64 = 0.03;
+
+/// Folders of fixtures/ that a guide may name.
+const FOLDERS: [&str; 5] = ["devices", "effects", "logs", "measured", "rigs"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A fenced block: its language and its lines.
+struct Block {
+    language: String,
+    lines: Vec<String>,
+}
+
+fn blocks(guide: &str) -> Vec<Block> {
+    let mut found = Vec::new();
+    let mut open: Option<Block> = None;
+    for line in guide.lines() {
+        match (line.strip_prefix("```"), open.take()) {
+            (Some(language), None) => {
+                open = Some(Block {
+                    language: language.to_owned(),
+                    lines: Vec::new(),
+                });
+            }
+            (Some(_), Some(block)) => found.push(block),
+            (None, Some(mut block)) => {
+                block.lines.push(line.to_owned());
+                open = Some(block);
+            }
+            (None, None) => {}
+        }
+    }
+    assert!(open.is_none(), "a block is not closed");
+    found
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let target = to.join(entry.file_name());
+        if entry.file_type().unwrap().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            std::fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+/// Whether a printed line is what the guide shows: the same words, numbers within the tolerance.
+fn is_shown(printed: &str, shown: &str) -> bool {
+    let words =
+        |line: &str| -> Vec<String> { line.split_whitespace().map(str::to_owned).collect() };
+    let (printed, shown) = (words(printed), words(shown));
+    let alike = |(have, want): (&String, &String)| match (have.parse::<f64>(), want.parse::<f64>())
+    {
+        (Ok(have), Ok(want)) => (have - want).abs() <= RELATIVE * want.abs(),
+        // numbers within brackets, and words
+        _ => have == want,
+    };
+    printed.len() == shown.len() && printed.iter().zip(&shown).all(alike)
+}
+
+/// Runs a guide in a folder of its own.
+fn run(name: &str) {
+    let guide = std::fs::read_to_string(root().join("docs/guides").join(name)).unwrap();
+    let sandbox = tempfile::tempdir().unwrap();
+    for folder in FOLDERS {
+        copy(
+            &root().join("fixtures").join(folder),
+            &sandbox.path().join("fixtures").join(folder),
+        );
+    }
+    let (mut commands, mut shown) = (0, 0);
+    let mut printed = String::new();
+    for block in blocks(&guide) {
+        match block.language.as_str() {
+            "sh" => {
+                printed.clear();
+                for line in &block.lines {
+                    let arguments = line.strip_prefix("haptical ");
+                    let arguments = arguments.unwrap_or_else(|| panic!("{name}: not ours: {line}"));
+                    let output = haptical()
+                        .current_dir(sandbox.path())
+                        .args(arguments.split_whitespace())
+                        .output()
+                        .unwrap();
+                    let said = text(&output.stderr);
+                    assert!(output.status.success(), "{name}: {line}\n{said}");
+                    printed.push_str(&text(&output.stdout));
+                    printed.push('\n');
+                    commands += 1;
+                }
+            }
+            "text" => {
+                // in the order in which the guide shows them
+                let mut rest = printed.lines();
+                for line in &block.lines {
+                    let found = rest.any(|own| is_shown(own, line));
+                    assert!(
+                        found,
+                        "{name}: not printed, or not in this order:\n{line}\n{printed}"
+                    );
+                    shown += 1;
+                }
+            }
+            "toml" => {}
+            other => panic!("{name}: a block of `{other}`"),
+        }
+    }
+    assert!(commands >= 3, "{name}: {commands} commands");
+    assert!(shown >= 2, "{name}: {shown} lines are shown");
+}
+
+#[test]
+fn the_table_names_every_guide() {
+    let folder = root().join("docs/guides");
+    let table = std::fs::read_to_string(folder.join("README.md")).unwrap();
+    let mut guides = 0;
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if name == "README.md" {
+            continue;
+        }
+        assert!(table.contains(&format!("]({name})")), "{name}");
+        let lines = std::fs::read_to_string(folder.join(&name)).unwrap();
+        assert!(lines.lines().count() <= 120, "{name} is long");
+        guides += 1;
+    }
+    assert_eq!(guides, 8, "add a test for the new guide");
+}
+
+#[test]
+fn numbers_that_differ_are_seen() {
+    assert!(is_shown(
+        "│ cable │ µm │  10.06 │",
+        "│ cable │ µm │ 10.06 │"
+    ));
+    assert!(is_shown(
+        "│ cable │ µm │  10.061 │",
+        "│ cable │ µm │ 10.06 │"
+    ));
+    assert!(!is_shown(
+        "│ cable │ µm │  12.06 │",
+        "│ cable │ µm │ 10.06 │"
+    ));
+    assert!(!is_shown(
+        "│ cable2 │ µm │ 10.06 │",
+        "│ cable │ µm │ 10.06 │"
+    ));
+    assert!(!is_shown(
+        "51 of 55 parameters",
+        "51 of 55 parameters identified"
+    ));
+}
+
+#[test]
+fn one_cable() {
+    run("cable.md");
+}
+
+#[test]
+fn two_cables() {
+    run("two-cables.md");
+}
+
+#[test]
+fn a_tracker_in_its_own_frame() {
+    run("tracker.md");
+}
+
+#[test]
+fn a_ball_in_sockets() {
+    run("sockets.md");
+}
+
+#[test]
+fn plates() {
+    run("planes.md");
+}
+
+#[test]
+fn a_homing_fixture() {
+    run("homing-fixture.md");
+}
+
+#[test]
+fn a_camera_in_the_hand() {
+    run("camera.md");
+}
+
+#[test]
+fn elastic_joints() {
+    run("elastic-joints.md");
+}

@@ -1,0 +1,49 @@
+//! What drives and base bear at rest, row by row, by the model's statics.
+
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::{Device, Recording, Statics};
+
+use crate::DiagnosisError;
+
+/// Loads at rest, by the model's statics.
+pub(crate) struct Loads {
+    /// Per joint and row.
+    pub(crate) torque_nm: Vec<Vec<f64>>,
+    /// Per row, frame (-1).
+    pub(crate) base_moment_nm: Vec<Vector3<f64>>,
+}
+
+/// Torques of the drives and moment about the base that hold masses and hand; none where neither masses
+/// with gravity nor forces are known.
+pub(crate) fn loads(
+    device: &Device,
+    recording: &Recording,
+    output: &[Vec<f64>],
+    force_n: Option<&[Vector3<f64>]>,
+) -> Result<Option<Loads>, DiagnosisError> {
+    let mut statics = Statics::new(device);
+    if !device.has_links() || (!statics.has_weights() && force_n.is_none()) {
+        return Ok(None);
+    }
+    let rows = output.first().map_or(0, Vec::len);
+    let mut loads = Loads {
+        torque_nm: vec![Vec::with_capacity(rows); output.len()],
+        base_moment_nm: Vec::with_capacity(rows),
+    };
+    let mut angles = vec![0.0; output.len()];
+    for row in 0..rows {
+        for (angle, column) in angles.iter_mut().zip(output) {
+            *angle = column[row];
+        }
+        let load = statics.load(&angles, |_| force_n.map(|force| force[row]));
+        let load = load.map_err(|source| DiagnosisError::Row {
+            line: recording.line.get(row).copied().unwrap_or(0),
+            source: source.into(),
+        })?;
+        for (column, torque) in loads.torque_nm.iter_mut().zip(load.torques_nm) {
+            column.push(*torque);
+        }
+        loads.base_moment_nm.push(load.base_moment_nm);
+    }
+    Ok(Some(loads))
+}

@@ -1,0 +1,90 @@
+//! Where a gap lies that touches of points and planes show: in the tool, or in what the residuals depend on.
+
+use crate::answer::{Dependence, Place as Answer};
+use crate::catalogue::Hook;
+use crate::context::Context;
+use crate::dependence::TOLD;
+use crate::earlier::BaseTerm;
+use crate::generic::Covariate;
+use crate::place::{Located, stream_of};
+use crate::select::Selection;
+
+/// Behind the last joint, in the handle's frame.
+pub(crate) fn of_tool(context: &Context<'_>, stream: usize, term: &BaseTerm) -> Option<Located> {
+    let joint = context.device.joints.len();
+    let parts: Vec<String> = ["shift_x_m", "shift_y_m", "shift_z_m"]
+        .iter()
+        .filter_map(|name| term.parameters.get(*name))
+        .map(|part| format!("{:.2}", 1e3 * part.value))
+        .collect();
+    Some(Located {
+        answer: Answer {
+            channel: context.streams.get(stream)?.channel.name(),
+            joint: Some(joint),
+            depends_on: Vec::new(),
+            region: format!(
+                "behind joint {joint}: what the last link carries sits ({}) mm elsewhere in the handle's frame \
+                 than in the earlier model, whose other numbers hold",
+                parts.join(", ")
+            ),
+            explained: Vec::new(),
+            dependence: Vec::new(),
+        },
+        stream,
+        covariate: Covariate::Angle(joint.saturating_sub(1)),
+    })
+}
+
+/// Of touches: by what their residuals depend on, posture by posture.
+pub(crate) fn by_dependence(
+    context: &Context<'_>,
+    selection: &Selection,
+    dependence: Vec<Dependence>,
+) -> Option<Located> {
+    let stream = stream_of(context, selection, Hook::Joint, None)?;
+    let told = || dependence.iter().filter(|found| found.p_adjusted < TOLD);
+    let surest = told().next();
+    let joint = surest.and_then(|found| found.joint);
+    let region = match surest {
+        None => {
+            "no joint's angle or torque and no direction of approach explains it: no place can be told"
+                .to_owned()
+        }
+        Some(found) => {
+            let place = joint.map_or("at the handle".to_owned(), |joint| format!("at joint {joint}"));
+            format!(
+                "{place}; it depends on {} (probability by chance {:.1e}), which explains {:.0} % of it",
+                found.on,
+                found.p_adjusted,
+                100.0 * found.share
+            )
+        }
+    };
+    let mut depends_on: Vec<String> = Vec::new();
+    let mut explained = Vec::new();
+    for found in told() {
+        if !depends_on.contains(&found.column) {
+            depends_on.push(found.column.clone());
+            explained.push(found.share);
+        }
+    }
+    let of_joint = joint.map_or(0, |joint| joint - 1);
+    let is_torque = surest.is_some_and(|found| found.column.starts_with("torque"));
+    let covariate = if is_torque {
+        Covariate::Torque(of_joint)
+    } else {
+        Covariate::Angle(of_joint)
+    };
+    Some(Located {
+        answer: Answer {
+            channel: context.streams[stream].channel.name(),
+            joint,
+            depends_on,
+            region,
+            explained,
+            dependence,
+        },
+        stream,
+        covariate,
+    })
+}
