@@ -4,3 +4,5 @@
 mod device_file;
 mod effects;
 mod log;
+mod rig;
+mod urdf;
