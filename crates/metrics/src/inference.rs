@@ -44,7 +44,8 @@ pub fn chi_square_p_value(statistic: f64, degrees_of_freedom: f64) -> Result<f64
 
 /// The x with `P(X <= x) = probability` for a chi-square variable X.
 ///
-/// `degrees_of_freedom` need not be whole. Source: Abramowitz & Stegun 26.4.
+/// `degrees_of_freedom` need not be whole. It is found to about 1e-9, so a quantile below 1e-6 (one or less degree
+/// of freedom, a probability below 1e-3) is not to be relied on. Source: Abramowitz & Stegun 26.4.
 ///
 /// # Errors
 /// [`MetricsError::OutOfRange`] for a probability outside 0 to 1 (both excluded) or degrees of

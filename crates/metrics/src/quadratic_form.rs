@@ -127,10 +127,10 @@ fn below(weights: &[f64], q: f64) -> f64 {
         .fold(0.0_f64, |most, weight| most.max(*weight));
     let normal = Normal::standard();
     if (q - mean).abs() < NEAR_MEAN * variance.sqrt() {
-        // the limit of the formula below at the mean
+        // the limit of the formula below at the mean: ln(v / w) / w goes to skewness / 6 (Kuonen 1999)
         let third: f64 = 8.0 * weights.iter().map(|weight| weight.powi(3)).sum::<f64>();
         let skewness = third / variance.powf(1.5);
-        return 0.5 + skewness / (6.0 * std::f64::consts::TAU.sqrt());
+        return normal.cdf(skewness / 6.0);
     }
     // K' grows from 0 (s to minus infinity) to infinity at s = 1 / (2 largest)
     let slope = |s: f64| -> f64 { weights.iter().map(|w| w / (1.0 - 2.0 * s * w)).sum() };
@@ -159,4 +159,25 @@ fn below(weights: &[f64], q: f64) -> f64 {
         return 0.5;
     }
     normal.cdf(w + (v / w).ln() / w)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NEAR_MEAN, below};
+
+    #[test]
+    fn the_distribution_has_no_step_at_the_mean() {
+        for weights in [vec![1.0], vec![1.0, 0.3], vec![2.0, 2.0, 0.1]] {
+            let mean: f64 = weights.iter().sum();
+            let sd = (2.0 * weights.iter().map(|w| w * w).sum::<f64>()).sqrt();
+            let at = |steps: f64| below(&weights, mean + steps * NEAR_MEAN * sd);
+            let (inside, before, after) = (at(0.0), at(-1.5), at(1.5));
+            assert!(
+                before < inside && inside < after,
+                "{before} {inside} {after}"
+            );
+            // its density is below 1 / sd
+            assert!(after - before < 3.0 * NEAR_MEAN, "{before} {after}");
+        }
+    }
 }

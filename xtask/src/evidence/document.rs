@@ -21,6 +21,24 @@ pub(super) fn check(document: &str, run: &str) -> Result<()> {
     Ok(())
 }
 
+/// The document with the sections of a run in the place of its own of the same headings; new ones come last.
+pub(super) fn with_sections(document: &str, run: &str) -> String {
+    let heading = |section: &str| section.lines().next().unwrap_or_default().to_owned();
+    let mut held: Vec<&str> = sections(document).collect();
+    // the first is what stands before all sections
+    for new in sections(run).skip(1) {
+        let place = held
+            .iter()
+            .skip(1)
+            .position(|old| heading(old) == heading(new));
+        match place {
+            Some(place) => held[place + 1] = new,
+            None => held.push(new),
+        }
+    }
+    held.join("\n\n## ") + "\n"
+}
+
 /// The text without its figures, which stand in the report alone.
 pub(super) fn without_figures(text: &str) -> String {
     let blocks = text
@@ -31,7 +49,7 @@ pub(super) fn without_figures(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{check, without_figures};
+    use super::{check, with_sections, without_figures};
 
     const DOCUMENT: &str = "# E\n\nlead\n\n## A\n\n1 2\n\n## B\n\n3\n";
 
@@ -39,6 +57,13 @@ mod tests {
     fn a_run_of_some_sections_is_found() {
         assert!(check(DOCUMENT, DOCUMENT).is_ok());
         assert!(check(DOCUMENT, "# E\n\nlead\n\n## B\n\n3\n\n").is_ok());
+    }
+
+    #[test]
+    fn a_part_replaces_its_own_sections() {
+        let new = with_sections(DOCUMENT, "# E\n\nother\n\n## C\n\n4\n\n## A\n\n9\n");
+        assert_eq!(new, "# E\n\nlead\n\n## A\n\n9\n\n## B\n\n3\n\n## C\n\n4\n");
+        assert!(check(&new, "# E\n\nlead\n\n## A\n\n9\n").is_ok());
     }
 
     #[test]

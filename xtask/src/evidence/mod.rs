@@ -6,11 +6,13 @@ mod document;
 mod force_truth;
 mod formats;
 mod intervals;
+mod licences;
 mod mgh;
 mod nist;
 mod parallel_joints;
 mod poses;
 mod python;
+mod quality;
 mod rigs;
 
 use std::path::{Path, PathBuf};
@@ -33,7 +35,7 @@ pub(crate) struct Arguments {
     /// Simulated devices of each trial of the intervals.
     #[arg(long, default_value_t = 1000)]
     devices: usize,
-    /// One part alone; docs/evidence.md is not written then.
+    /// One part alone: its sections replace those of docs/evidence.md.
     #[arg(long, value_parser = PARTS)]
     only: Option<String>,
     /// Do not write docs/evidence.md: fail where it does not hold this run's sections.
@@ -45,7 +47,7 @@ pub(crate) struct Arguments {
 const DOCUMENT: &str = "docs/evidence.md";
 
 /// What `--only` names.
-const PARTS: [&str; 7] = [
+const PARTS: [&str; 10] = [
     "solver",
     "intervals",
     "basin",
@@ -53,6 +55,9 @@ const PARTS: [&str; 7] = [
     "poses",
     "formats",
     "python",
+    "licences",
+    "coverage",
+    "mutants",
 ];
 
 /// Devices of each trial with `--quick`.
@@ -111,6 +116,15 @@ pub(crate) fn evidence(arguments: &Arguments) -> Result<()> {
     if runs("python") && !arguments.quick {
         python::section(&mut output, &root())?;
     }
+    if runs("licences") {
+        licences::section(&mut output)?;
+    }
+    if runs("coverage") && !arguments.quick {
+        quality::coverage(&mut output, &arguments.out)?;
+    }
+    if runs("mutants") && !arguments.quick {
+        quality::mutants(&mut output, &arguments.out)?;
+    }
     let lines = output.write(&arguments.out, "Evidence", LEAD)?;
     for text in lines {
         println!("{text}");
@@ -122,7 +136,14 @@ pub(crate) fn evidence(arguments: &Arguments) -> Result<()> {
     if arguments.check {
         document::check(&std::fs::read_to_string(&path).unwrap_or_default(), &text)?;
         println!("{DOCUMENT} is up to date");
-    } else if !arguments.quick && arguments.only.is_none() {
+    } else if !arguments.quick {
+        let text = match &arguments.only {
+            None => text,
+            Some(_) => document::with_sections(
+                &std::fs::read_to_string(&path).unwrap_or(text.clone()),
+                &text,
+            ),
+        };
         haptical_report::write_atomically(&path, text.as_bytes())?;
         println!("written: {DOCUMENT}");
     }

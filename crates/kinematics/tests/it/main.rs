@@ -7,6 +7,7 @@
 
 mod closed_form;
 mod derivatives;
+mod edges;
 mod invariance;
 mod pinocchio;
 mod prepared;
