@@ -43,20 +43,20 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<(), Failure> {
         Some(path) => measured(&input.device, path, &mut files, &mut warnings)?,
     };
     let refuse = |error: DesignError| refusal(&error, &arguments.device);
-    let (mut plan, poses) =
-        outcome::plan(arguments, &input.device, &measured, &progress).map_err(refuse)?;
+    let request = arguments.request().map_err(refuse)?;
+    let mut plan = Plan::new(&request, &input.device, &measured, &progress).map_err(refuse)?;
     plan.device = source.label;
     plan.warnings = warnings;
     plan.provenance.inputs = files.clone();
     plan.provenance = arguments.record(files);
     let mut written: Vec<NewFile<'_>> = Vec::new();
-    if !plan.rigs.is_empty() {
+    if !plan.rigs().is_empty() {
         let svg = page::picture(&plan)?;
         written.push((FILES[1], page::page(&plan, &svg)?.into_bytes()));
         written.push((FILES[2], svg.into_bytes()));
     }
-    if let Some(poses) = poses {
-        written.push((FILES[3], poses_csv(&input.device, &poses)?));
+    if let Some(next) = plan.next_poses() {
+        written.push((FILES[3], poses_csv(&input.device, &next.postures)?));
     }
     plan.provenance = plan.provenance.with_outputs(&written);
     let json = sealed_json(&plan)?;
@@ -170,12 +170,5 @@ impl PlanArguments {
         let mut record = Record::new(VERSION, "plan", flags, files);
         record.seeds.insert("poses", self.seed);
         record
-    }
-}
-
-impl Plan {
-    /// Rigs side by side: names of the columns.
-    fn rig_names(&self) -> Vec<String> {
-        self.rigs.iter().map(|rig| rig.measure.clone()).collect()
     }
 }

@@ -24,6 +24,11 @@ impl Posture {
             ..Self::default()
         }
     }
+
+    /// Whether the handle touches a socket or a plane.
+    pub fn touches(&self) -> bool {
+        !self.contact.is_empty() || !self.plane.is_empty()
+    }
 }
 
 /// Draws the candidate poses of a rig: as [`candidates`]; where the rig has sockets or planes these are placed

@@ -119,9 +119,26 @@ fn too_few(information: &Information, rows: &Whitened, count: usize) -> DesignEr
         poses: count,
         readings: information.readings(None) + (each * count as f64) as usize,
         parameters,
-        // half as many again as there are parameters
-        advised: (1.5 * parameters as f64 / each.max(f64::MIN_POSITIVE)).ceil() as usize,
+        // half as many again as there are parameters, and enough for each of them: encoders do not pay for links
+        advised: usize::max(
+            (1.5 * parameters as f64 / each.max(f64::MIN_POSITIVE)).ceil() as usize,
+            enough(rows, count),
+        ),
     }
+}
+
+/// Fewest of the candidates, in their order, that fix every parameter; `count` are too few, all are enough.
+fn enough(rows: &Whitened, count: usize) -> usize {
+    let (mut few, mut many) = (count, rows.poses());
+    while many > few + 1 {
+        let middle = few + (many - few) / 2;
+        let flags = (0..rows.poses()).map(|pose| pose < middle).collect();
+        match State::new(rows, None, flags, 0.0) {
+            Some(_) => many = middle,
+            None => few = middle,
+        }
+    }
+    many
 }
 
 fn figures(state: &State<'_>, shift: f64, has_task: bool) -> Figures {

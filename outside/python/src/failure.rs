@@ -2,7 +2,9 @@
 
 use haptical_calibration::CalibrationError;
 use haptical_data::DataError;
+use haptical_design::DesignError;
 use haptical_diagnosis::DiagnosisError;
+use haptical_identification::IdentificationError;
 use haptical_model::{DeviceFileError, ModelError};
 use haptical_urdf::UrdfError;
 use pyo3::PyErr;
@@ -90,6 +92,19 @@ impl From<CalibrationError> for Failure {
             return Self::Unidentifiable(error.to_string());
         }
         Self::Value(error.to_string())
+    }
+}
+
+impl From<DesignError> for Failure {
+    fn from(error: DesignError) -> Self {
+        match error {
+            DesignError::NothingIdentifiable { .. }
+            | DesignError::Identification(IdentificationError::NothingFree) => {
+                Self::Unidentifiable(error.to_string())
+            }
+            DesignError::Calibration(error) => Self::from(error),
+            _ => Self::Value(error.to_string()),
+        }
     }
 }
 

@@ -1,7 +1,9 @@
 //! `haptical.identify`: a calibration, its parameters and residuals as arrays.
 
-use haptical_calibration::{Calibration, ChannelReport, ParameterFit, calibrate};
-use haptical_identification::{Identifiability, Status};
+use haptical_calibration::{
+    Calibration, ChannelReport, Outlier, ParameterFit, Robustness, calibrate,
+};
+use haptical_identification::{Identifiability, Loss, Status};
 use haptical_model::{Device as Model, ParameterId, TransmissionError};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -22,7 +24,7 @@ struct Outcome {
 
 /// Identifies the parameters of a device from a log; see the stub for arguments and result.
 #[pyfunction]
-#[pyo3(signature = (device, log, *, method="joint", held_out=0.2, degree=None, noise="estimated", loss="squares", tip=None, rig=None))]
+#[pyo3(signature = (device, log, *, method="joint", held_out=0.2, folds=None, with_=Vec::new(), degree=None, noise="estimated", loss="auto", tip=None, rig=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn identify<'py>(
     py: Python<'py>,
@@ -30,21 +32,28 @@ pub(crate) fn identify<'py>(
     log: &Bound<'py, PyAny>,
     method: &str,
     held_out: f64,
+    folds: Option<&Bound<'py, PyAny>>,
+    with_: Vec<String>,
     degree: Option<&Bound<'py, PyAny>>,
     noise: &str,
     loss: &str,
     tip: Option<&str>,
     rig: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let options = Keywords {
+    let keywords = Keywords {
         method,
         held_out,
+        folds,
+        with: &with_,
         degree,
         noise,
         loss,
+    };
+    let options = keywords.options()?;
+    let mut device = device_of(device, tip, rig)?;
+    if keywords.fits_compliance()? {
+        device.model.fit_compliance();
     }
-    .options()?;
-    let device = device_of(device, tip, rig)?;
     let log = log_of(log)?;
     let outcome = py.detach(|| -> Result<Outcome, Failure> {
         let read = log.read(&log_shape(&device.model))?;
@@ -60,14 +69,10 @@ pub(crate) fn identify<'py>(
             rows: read.recording.len(),
         })
     })?;
-    result(py, &device.model, &outcome)
+    result(py, &outcome)
 }
 
-fn result<'py>(
-    py: Python<'py>,
-    nominal: &Model,
-    outcome: &Outcome,
-) -> PyResult<Bound<'py, PyDict>> {
+fn result<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bound<'py, PyDict>> {
     let calibration = &outcome.calibration;
     let fitted = &calibration.fitted;
     let steps: Vec<&ParameterFit> = fitted
@@ -81,10 +86,7 @@ fn result<'py>(
     };
     let judged: Vec<&Identifiability> = fits.iter().map(|fit| &fit.identifiability).collect();
     let result = PyDict::new(py);
-    result.set_item(
-        "parameters",
-        parameters(py, nominal, &calibration.device, &fits, &steps)?,
-    )?;
+    result.set_item("parameters", parameters(py, calibration, &fits, &steps)?)?;
     let held_out = &calibration.held_out_channels;
     let shown = if held_out.is_empty() {
         &calibration.fit_channels
@@ -110,16 +112,43 @@ fn result<'py>(
         "iterations",
         fits.iter().map(|fit| fit.iterations).sum::<usize>(),
     )?;
+    result.set_item("loss", loss(py, fitted.robust.as_ref())?)?;
+    result.set_item("outliers", outliers(py, &calibration.outliers)?)?;
     result.set_item("warnings", &outcome.warnings)?;
     result.set_item("identified_toml", &outcome.toml)?;
     Ok(result)
 }
 
+/// What large residuals cost.
+fn loss<'py>(py: Python<'py>, robust: Option<&Robustness>) -> PyResult<Bound<'py, PyDict>> {
+    let entry = PyDict::new(py);
+    let used = robust.map_or(Loss::Squares, |robust| robust.loss);
+    entry.set_item("used", used.to_string())?;
+    entry.set_item("rounds", robust.map_or(0, |robust| robust.rounds))?;
+    entry.set_item("settled", robust.is_none_or(|robust| robust.settled))?;
+    Ok(entry)
+}
+
+/// Readings that noise does not explain, farthest first, column by column.
+fn outliers<'py>(py: Python<'py>, found: &[Outlier]) -> PyResult<Bound<'py, PyDict>> {
+    let columns = PyDict::new(py);
+    let lines = found
+        .iter()
+        .map(|wild| i64::try_from(wild.line).unwrap_or(i64::MAX));
+    let channels: Vec<String> = found.iter().map(|wild| wild.channel.name()).collect();
+    let residuals: Vec<f64> = found.iter().map(|wild| wild.residual).collect();
+    let deviations: Vec<f64> = found.iter().map(|wild| wild.deviations).collect();
+    columns.set_item("line", PyArray1::from_vec(py, lines.collect::<Vec<_>>()))?;
+    columns.set_item("channel", channels)?;
+    columns.set_item("residual", PyArray1::from_vec(py, residuals))?;
+    columns.set_item("deviations", PyArray1::from_vec(py, deviations))?;
+    Ok(columns)
+}
+
 /// The candidates of all fits, column by column.
 fn parameters<'py>(
     py: Python<'py>,
-    nominal: &Model,
-    device: &Model,
+    calibration: &Calibration,
     fits: &[&ParameterFit],
     steps: &[&ParameterFit],
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -127,25 +156,27 @@ fn parameters<'py>(
     let (statuses, reasons) = (PyList::empty(py), PyList::empty(py));
     let (mut was, mut values, mut deviations, mut ci95) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut seen: Vec<String> = Vec::new();
+    let mut seen: Vec<&str> = Vec::new();
+    // with the starts of the rig's unknown frames and places, which the log gave
+    let (nominal, device) = (&calibration.nominal, &calibration.device);
     // In two steps the whole fit has the kinematics alone; the transmissions come from step 1.
     for fit in fits.iter().chain(steps) {
         for (index, (&parameter, estimate)) in fit.parameters.iter().zip(&fit.estimates).enumerate()
         {
-            let key = parameter.key(device);
-            if seen.contains(&key) {
+            // not by key: the three turns of a frame share one
+            if seen.contains(&estimate.name.as_str()) {
                 continue;
             }
             names.append(&estimate.name)?;
-            keys.append(&key)?;
+            keys.append(parameter.key(device))?;
             units.append(&estimate.unit)?;
             statuses.append(status_name(&estimate.status))?;
-            reasons.append(fit.identifiability.reason(index))?;
+            reasons.append(reason(fit, index))?;
             was.push(nominal_value(parameter, nominal, device).unwrap_or(f64::NAN));
             values.push(estimate.value.unwrap_or(f64::NAN));
             deviations.push(estimate.standard_deviation.unwrap_or(f64::NAN));
             ci95.push(estimate.ci95.unwrap_or([f64::NAN; 2]).to_vec());
-            seen.push(key);
+            seen.push(&estimate.name);
         }
     }
     let columns = PyDict::new(py);
@@ -159,6 +190,20 @@ fn parameters<'py>(
     columns.set_item("status", statuses)?;
     columns.set_item("reason", reasons)?;
     Ok(columns)
+}
+
+/// Why a parameter has no value.
+fn reason(fit: &ParameterFit, index: usize) -> Option<String> {
+    let estimate = &fit.estimates[index];
+    fit.identifiability.reason(index).or_else(|| {
+        let held = || {
+            format!(
+                "{} was held: it could not be fitted at the nominal device",
+                estimate.name
+            )
+        };
+        estimate.value.is_none().then(held)
+    })
 }
 
 /// Rows of two numbers as an array, of shape [0, 2] where there are none.

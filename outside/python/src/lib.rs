@@ -8,6 +8,8 @@ mod kinematics;
 mod log;
 mod options;
 mod plain;
+mod plan;
+mod plan_options;
 
 use pyo3::prelude::*;
 
@@ -22,6 +24,7 @@ fn _haptical(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<device::Device>()?;
     module.add_function(wrap_pyfunction!(identify::identify, module)?)?;
     module.add_function(wrap_pyfunction!(diagnose::diagnose, module)?)?;
+    module.add_function(wrap_pyfunction!(plan::plan, module)?)?;
     module.add_function(wrap_pyfunction!(kinematics::forward_kinematics, module)?)?;
     Ok(())
 }

@@ -11,11 +11,18 @@ const HIGHEST_DEGREE: usize = 24;
 /// Degrees that the evidence chooses from.
 const CHOSEN_DEGREE: usize = 14;
 
+/// Numbers of folds, as the command has them.
+const FOLDS: std::ops::RangeInclusive<usize> = 2..=100;
+/// The one effect that `identify` can fit besides.
+const COMPLIANCE: &str = "joint-compliance";
+
 /// What `identify` takes beside device and log.
 #[derive(Debug)]
 pub(crate) struct Keywords<'k, 'py> {
     pub(crate) method: &'k str,
     pub(crate) held_out: f64,
+    pub(crate) folds: Option<&'k Bound<'py, PyAny>>,
+    pub(crate) with: &'k [String],
     pub(crate) degree: Option<&'k Bound<'py, PyAny>>,
     pub(crate) noise: &'k str,
     pub(crate) loss: &'k str,
@@ -60,13 +67,35 @@ impl Keywords<'_, '_> {
             degree: self.degree()?,
             weighting,
             loss,
-            held_out: if self.held_out > 0.0 {
-                HeldOut::Share(self.held_out)
-            } else {
-                HeldOut::None
+            held_out: match self.folds()? {
+                Some(folds) => HeldOut::Folds(folds),
+                None if self.held_out > 0.0 => HeldOut::Share(self.held_out),
+                None => HeldOut::None,
             },
             ..Options::default()
         })
+    }
+
+    /// Whether what joints yield to their torque is fitted too.
+    pub(crate) fn fits_compliance(&self) -> Result<bool, Failure> {
+        match self.with.iter().find(|effect| *effect != COMPLIANCE) {
+            Some(other) => Err(unknown("with_", other, COMPLIANCE)),
+            None => Ok(!self.with.is_empty()),
+        }
+    }
+
+    fn folds(&self) -> Result<Option<usize>, Failure> {
+        let Some(folds) = self.folds else {
+            return Ok(None);
+        };
+        match folds.extract::<usize>() {
+            Ok(count) if FOLDS.contains(&count) => Ok(Some(count)),
+            _ => Err(Failure::value(format!(
+                "folds is {folds}; a whole number from {} to {} is expected",
+                FOLDS.start(),
+                FOLDS.end()
+            ))),
+        }
     }
 
     fn degree(&self) -> Result<Degree, Failure> {
@@ -88,7 +117,8 @@ impl Keywords<'_, '_> {
     }
 }
 
-fn unknown(keyword: &str, found: &str, known: &str) -> Failure {
+/// A word that a keyword does not know.
+pub(crate) fn unknown(keyword: &str, found: &str, known: &str) -> Failure {
     Failure::value(format!(
         "{keyword} is \"{found}\"; one of these is expected: {known}"
     ))

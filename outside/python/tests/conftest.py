@@ -53,7 +53,7 @@ def recording(a1, a2, rows=400, seed=3, sd_m=1e-4):
 def write_csv(path, columns):
     names = list(columns)
     rows = zip(*(np.asarray(columns[name]).tolist() for name in names))
-    lines = [",".join(names)] + [",".join(repr(cell) for cell in row) for row in rows]
+    lines = [",".join(names)] + [",".join(cell if isinstance(cell, str) else repr(cell) for cell in row) for row in rows]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -66,8 +66,10 @@ def command(tmp_path):
 
     def run(name, device_toml, columns, *flags):
         (tmp_path / "device.toml").write_text(device_toml, encoding="utf-8")
-        write_csv(tmp_path / "log.csv", columns)
-        arguments = [program, name, "--device", "device.toml", "--log", "log.csv", "--out", "out", "--json"]
+        arguments = [program, name, "--device", "device.toml", "--out", "out", "--json"]
+        if columns is not None:
+            write_csv(tmp_path / "log.csv", columns)
+            arguments += ["--log", "log.csv"]
         done = subprocess.run([*arguments, *flags], cwd=tmp_path, capture_output=True, text=True, check=True)
         return json.loads(done.stdout), tmp_path / "out"
 

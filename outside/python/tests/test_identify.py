@@ -55,11 +55,61 @@ def test_columns_of_parameters_have_one_entry_each(device):
     assert all(table["reason"][index] for index in np.flatnonzero(lacking))
 
 
-def test_the_command_says_the_same(device, command):
+def yielding(compliances, rows=400):
+    """A log of joints that yield to known torques behind their readings."""
+    log = recording(0.3, 0.2, rows=rows)
+    read = np.stack([log["theta1_rad"], log["theta2_rad"]], axis=1)
+    torque = np.stack([5 * np.cos(0.31 * np.arange(rows)), 3 * np.sin(0.23 * np.arange(rows))], axis=1)
+    position = planar_position(read - torque * compliances)
+    position += 1e-4 * np.random.default_rng(8).normal(size=position.shape)
+    torques = {"torque1_nm": torque[:, 0], "torque2_nm": torque[:, 1]}
+    return log | torques | dict(zip(["x_m", "y_m", "z_m"], position.T))
+
+
+def wild():
+    """A log with three readings that noise does not explain."""
     log = recording(0.3012, 0.1991)
+    log["x_m"][[20, 150, 333]] += [0.05, -0.04, 0.06]
+    return log
+
+
+def touching(rows=200):
+    """A log of postures of which some touch a wall at x = 0.35 m, and some a socket."""
+    log = recording(0.3, 0.2, rows=rows)
+    q1 = np.linspace(-0.6, 0.2, rows // 4)
+    q12 = np.arccos((0.35 - 0.3 * np.cos(q1)) / 0.2)
+    wall = np.stack([q1, q12 - q1], axis=1)
+    log["theta1_rad"][: rows // 4], log["theta2_rad"][: rows // 4] = wall.T
+    log["theta1_rad"][rows // 4 : rows // 2], log["theta2_rad"][rows // 4 : rows // 2] = 0.4, 0.9
+    q = np.stack([log["theta1_rad"], log["theta2_rad"]], axis=1)
+    position = planar_position(q) + 1e-4 * np.random.default_rng(5).normal(size=(rows, 3))
+    plane = np.array(["wall"] * (rows // 4) + [""] * (rows - rows // 4))
+    contact = np.array([""] * (rows // 4) + ["socket"] * (rows // 4) + [""] * (rows - rows // 2))
+    return log | dict(zip(["x_m", "y_m", "z_m"], position.T)) | {"plane": plane, "contact": contact}
+
+
+SOMEWHERE = {"tracker": {"base": "unknown", "tool": "known", "position_sd_m": 1e-4}}
+TOUCHES = {"plane": {"sd_m": 1e-4}, "contact": {"sd_m": 1e-4}}
+
+
+@pytest.mark.parametrize(
+    ("log", "further", "keywords", "flags"),
+    [
+        (recording(0.3012, 0.1991), {}, {}, []),
+        (recording(0.3012, 0.1991), SOMEWHERE, {}, []),
+        (recording(0.3012, 0.1991), {}, {"folds": 4, "noise": "stated"}, ["--folds=4", "--noise=stated"]),
+        (yielding([2e-3, 5e-3]), {}, {"with_": ["joint-compliance"]}, ["--with=joint-compliance"]),
+        (wild(), {}, {}, []),
+        (wild(), {}, {"loss": "huber", "held_out": 0.3}, ["--loss=huber", "--held-out=0.3"]),
+        (touching(), TOUCHES, {}, []),
+    ],
+    ids=["plain", "tracker somewhere", "folds", "compliance", "wild", "huber", "touches"],
+)
+def test_the_command_says_the_same(device, command, log, further, keywords, flags):
+    device |= further
     text = haptical.Device(device).to_toml()
-    theirs, out = command("identify", text, log)
-    ours = haptical.identify(device, log)
+    theirs, out = command("identify", text, log, *flags)
+    ours = haptical.identify(device, log, **keywords)
     table = ours["parameters"]
     assert table["name"] == [entry["name"] for entry in theirs["parameters"]]
     for column in ["key", "unit", "status", "reason"]:
@@ -69,12 +119,67 @@ def test_the_command_says_the_same(device, command):
         np.testing.assert_array_equal(table[column], expected)
     assert ours["rank"] == theirs["identifiability"]["rank"]
     assert ours["held_out"] == theirs["held_out"]
+    assert ours["loss"] == {name: theirs["loss"][name] for name in ["used", "rounds", "settled"]}
+    for column, cells in ours["outliers"].items():
+        assert list(cells) == [entry[column] for entry in theirs["outliers"]], column
     for channel in theirs["channels"]:
         mine = ours["channels"][channel["channel"]]
         assert (mine["rms_before"], mine["rms_after"]) == (channel["rms_before"], channel["rms_after"])
     written = (out / "identified.toml").read_text(encoding="utf-8")
     without_comments = "\n".join(line for line in written.splitlines() if not line.startswith("#")).strip()
     assert without_comments == ours["identified_toml"].strip()
+
+
+def test_compliances_are_found_where_they_are_fitted(device):
+    log = yielding([2e-3, 5e-3])
+    result = haptical.identify(device, log, with_=["joint-compliance"])
+    table = result["parameters"]
+    found = [name for name in table["name"] if "compliance" in name]
+    assert len(found) == 2
+    for name, truth in zip(found, [2e-3, 5e-3]):
+        compliance, deviation, (low, high) = value(result, name)
+        assert abs(compliance - truth) < 5 * deviation + 1e-4 and low < truth < high
+    assert not any("compliance" in name for name in haptical.identify(device, log)["parameters"]["name"])
+
+
+def test_wild_readings_are_named_and_do_not_count(device):
+    robust, plain = (haptical.identify(device, wild(), loss=loss, held_out=0.0) for loss in ["auto", "squares"])
+    assert robust["loss"]["used"] == "tukey" and plain["loss"]["used"] == "squares"
+    # the header is line 1
+    assert set(robust["outliers"]["line"]) == {22, 152, 335}
+    assert robust["outliers"]["line"].dtype == np.int64 and plain["outliers"]["line"].shape == (0,)
+    assert robust["outliers"]["channel"][0] == "position"
+    error = {kind: abs(value(result, "a1")[0] - 0.3012) for kind, result in [("robust", robust), ("plain", plain)]}
+    assert error["robust"] < 5e-5 and error["robust"] < error["plain"]
+
+
+def test_every_turn_of_a_frame_is_a_parameter(device):
+    table = haptical.identify(device | SOMEWHERE, recording(0.3, 0.2))["parameters"]
+    base = [name for name in table["name"] if name.startswith("tracker_base")]
+    assert len(base) == 6 and len(set(table["name"])) == len(table["name"])
+
+
+def test_touches_are_read_from_columns_of_texts(device):
+    result = haptical.identify(device | TOUCHES, touching(), held_out=0.0)
+    plane, contact = (result["channels"][channel] for channel in ["plane", "contact"])
+    assert (plane["rows"] == np.arange(50)).all() and (contact["rows"] == np.arange(50, 100)).all()
+    assert plane["rms_after"] < 1e-4 and contact["rms_after"] < 1e-4
+    assert "contact.socket.x" in result["parameters"]["name"]
+
+
+def test_a_urdf_takes_a_tip_and_a_rig():
+    urdf, rig = ROOT / "fixtures/urdf/arm.urdf", {"tracker": {"base": "known", "tool": "known", "position_sd_m": 1e-4}}
+    read = haptical.Device(urdf, tip="tool", rig=rig)
+    random = np.random.default_rng(6)
+    q = random.uniform(-0.5, 0.5, size=(300, read.joints))
+    position, _ = haptical.forward_kinematics(urdf, q, tip="tool")
+    position += 1e-4 * random.normal(size=position.shape)
+    log = dict(zip(read.columns, q.T)) | dict(zip(["x_m", "y_m", "z_m"], position.T))
+    by_file, by_device = haptical.identify(urdf, log, tip="tool", rig=rig), haptical.identify(read, log)
+    np.testing.assert_array_equal(by_file["parameters"]["value"], by_device["parameters"]["value"])
+    assert by_file["channels_fit"]["position"]["rms_before"] == pytest.approx(1e-4, rel=0.1)
+    plan = haptical.plan(urdf, "position", poses=30, candidates=100, tip="tool", rig=rig)
+    assert plan["next_poses"]["readings"].shape == (30, read.joints)
 
 
 def test_a_log_is_the_same_as_a_dictionary_and_as_a_file(device, tmp_path):
@@ -88,20 +193,41 @@ def test_a_log_is_the_same_as_a_dictionary_and_as_a_file(device, tmp_path):
     assert value(single, "a1")[0] == pytest.approx(0.3012, abs=1e-4)
 
 
-@pytest.mark.parametrize("name", ["snappy.parquet", "zstd.mcap"])
-def test_parquet_and_mcap_are_read_as_their_csv_log(name):
-    folder = ROOT / "crates/data/tests/fixtures"
+FOLDER = ROOT / "crates/data/tests/fixtures"
+
+
+def from_random_poses():
+    """A device for the logs of that folder, poses at random that fit no device, and what CSV says of them."""
     joint = {"lower_rad": -2.0, "upper_rad": 2.0}
     device = planar()
     device["joint"] = [{"name": "shoulder", **joint}, {"name": "elbow", **joint}]
+    return device
 
+
+def test_mcap_is_read_as_its_csv_log():
     def said(path):
-        # poses at random fix nothing, and the message has numbers worked out from every reading
+        # nothing is fixed, and the message has numbers worked out from every reading
         with pytest.raises(haptical.HapticalError) as error:
-            haptical.identify(device, path, held_out=0.0)
+            haptical.identify(from_random_poses(), path, held_out=0.0)
         return str(error.value)
 
-    assert said(folder / name) == said(folder / "log.csv")
+    assert said(FOLDER / "zstd.mcap") == said(FOLDER / "log.csv")
+
+
+def test_parquet_is_read_as_the_same_columns():
+    log = FOLDER / "log.csv"
+    names = log.read_text(encoding="utf-8").splitlines()[0].split(",")
+    columns = dict(zip(names, np.genfromtxt(log, delimiter=",", skip_header=1).T, strict=True))
+    # what its generate.py adds
+    columns |= {"run": np.arange(40) // 20, "contact": ["left"] * 20 + [None] * 20}
+    ours, theirs = (
+        haptical.identify(from_random_poses(), form, held_out=0.0) for form in [columns, FOLDER / "snappy.parquet"]
+    )
+    assert ours["parameters"]["name"] == theirs["parameters"]["name"]
+    assert "contact.left.x" in ours["parameters"]["name"]
+    np.testing.assert_array_equal(ours["parameters"]["value"], theirs["parameters"]["value"])
+    for channel in ["position", "orientation", "contact"]:
+        np.testing.assert_array_equal(ours["channels"][channel]["after"], theirs["channels"][channel]["after"])
 
 
 def test_texts_and_gaps_are_taken_from_arrays(device):
@@ -131,12 +257,22 @@ def test_bad_input_is_a_value_error_with_place_and_advice(device):
     refused(r"`t_s` is of the type datetime64", t_s=np.zeros(400, dtype="datetime64[ns]"))
     refused(r"`x_m` has 2 dimensions", x_m=np.zeros((400, 1)))
     refused(r"`x_m`: the column has 3 rows, the first one 400", x_m=np.zeros(3))
+    refused(r"line 72, column 4 `x_m`: .* beyond what any device measures", x_m=np.where(np.arange(400) == 70, 1e200, log["x_m"]))
     refused(r"found `abc`", x_m=np.array(["abc"] * 400))
     with pytest.raises(FileNotFoundError, match="no_such.csv"):
         haptical.identify(device, "no_such.csv")
     with pytest.raises(ValueError, match="type int; give a path or a dictionary"):
         haptical.identify(device, 3)
-    for keyword, wrong in [("method", "both"), ("noise", "none"), ("loss", "huge"), ("degree", 99), ("held_out", 0.9)]:
+    for keyword, wrong in [
+        ("method", "both"),
+        ("noise", "none"),
+        ("loss", "huge"),
+        ("degree", 99),
+        ("held_out", 0.9),
+        ("folds", 1),
+        ("folds", 2.5),
+        ("with_", ["backlash"]),
+    ]:
         with pytest.raises(ValueError, match=keyword):
             haptical.identify(device, log, **{keyword: wrong})
 

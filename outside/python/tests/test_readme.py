@@ -10,4 +10,7 @@ def test_the_program_of_the_readme_runs(capsys):
     programs = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
     assert len(programs) == 1
     exec(compile(programs[0], str(README), "exec"), {})
-    assert capsys.readouterr().out.strip() in {"no-gap", "named", "ambiguous", "unknown"}
+    verdict, *parameters = capsys.readouterr().out.splitlines()
+    assert verdict in {"no-gap", "named", "ambiguous", "unknown"}
+    statuses = {line.split()[1] for line in parameters}
+    assert "identifiable" in statuses and statuses <= {"identifiable", "weak", "combination", "invisible"}

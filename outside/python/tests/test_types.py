@@ -8,13 +8,18 @@ import pytest
 USE = """
 import haptical
 import numpy as np
-from haptical.types import Identification
+from haptical.types import Identification, Plan
 
 result: Identification = haptical.identify("device.toml", {"theta1_rad": np.zeros(3)}, method="two-step")
 value: float = float(result["parameters"]["value"][0])
 position, rotation = haptical.forward_kinematics(haptical.Device("device.toml"), [[0.0]])
 shape: tuple[int, ...] = position.shape
 verdict: str = haptical.diagnose("device.toml", "log.csv")["verdict"]
+plan: Plan = haptical.plan("device.toml", ["out,cable"], poses=20, criterion="task-position", region=[0.3, 0, 0, 0.1])
+next_poses = plan["next_poses"]
+if next_poses is not None:
+    rows: tuple[int, ...] = next_poses["readings"].shape
+deviations: float = float(plan["rigs"][0]["parameters"]["standard_deviation"].max())
 """
 
 

@@ -4,7 +4,9 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use haptical_design::{Criterion, KINDS, Limits, Region, Spread, Terms};
+use haptical_design::{
+    Criterion, DEGREE, DesignError, KINDS, Limits, Region, Request, Rig, Spread, Terms,
+};
 
 use crate::arguments::{above_zero, one_or_more, whole_number};
 use crate::device_source::DeviceOptions;
@@ -84,11 +86,28 @@ pub(crate) enum SpreadName {
     Normal,
 }
 
-/// Poses that the table is about where none are asked for.
-pub(crate) const USUAL_POSES: usize = 200;
-
 impl PlanArguments {
-    pub(crate) fn limits(&self) -> Limits {
+    /// What is asked of the library.
+    pub(crate) fn request(&self) -> Result<Request, DesignError> {
+        let usual = Request::default();
+        let rigs = self.measure.iter().map(|text| Rig::parse(text));
+        Ok(Request {
+            rigs: rigs.collect::<Result<_, _>>()?,
+            terms: match self.known_transmissions {
+                true => Terms::Known,
+                false => Terms::Degree(DEGREE),
+            },
+            limits: self.limits(),
+            candidates: self.candidates.get(),
+            seed: self.seed,
+            poses: self.poses.map_or(usual.poses, NonZeroUsize::get),
+            chooses: self.poses.is_some(),
+            criterion: self.criterion.into(),
+            region: self.region.clone().unwrap_or(Region::Everywhere),
+        })
+    }
+
+    fn limits(&self) -> Limits {
         let usual = Limits::default();
         Limits {
             spread: match self.spread {
@@ -99,17 +118,6 @@ impl PlanArguments {
             cable_m: self.cable_length.unwrap_or(usual.cable_m),
             link_radius_m: self.link_radius,
         }
-    }
-
-    pub(crate) fn terms(&self) -> Terms {
-        match self.known_transmissions {
-            true => Terms::Known,
-            false => Terms::Degree(haptical_design::DEGREE),
-        }
-    }
-
-    pub(crate) fn pose_count(&self) -> usize {
-        self.poses.map_or(USUAL_POSES, NonZeroUsize::get)
     }
 
     /// Flags as `--flag=value`, defaults included; files are not among them.

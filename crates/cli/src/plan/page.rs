@@ -1,8 +1,9 @@
 //! A plan as a page and as a picture.
 
+use haptical_design::{NextPoses, ParameterTold, Told};
 use haptical_report::{Block, Cell, Column, Document, HeatCell, HeatMap, Section, Table};
 
-use super::outcome::{NextPoses, ParameterEntry, Plan};
+use super::outcome::Plan;
 use super::text;
 use crate::failure::Failure;
 
@@ -13,14 +14,17 @@ const RIG_PX: u32 = 170;
 /// Parameters beside rigs, darker the better they are told: by the decades that the standard deviation lies below
 /// the plausible size.
 pub(super) fn picture(plan: &Plan) -> Result<String, Failure> {
-    let title = format!("What {} poses tell, rig by rig", plan.poses);
+    let title = format!("What {} poses tell, rig by rig", plan.said.poses);
     let mut map = HeatMap::new(title, plan.rig_names());
     for (name, unit) in text::parameters(plan) {
-        let cell = |entry: &ParameterEntry| HeatCell {
+        let cell = |entry: &ParameterTold| HeatCell {
             shade: shade(entry),
             text: text::word(entry),
         };
-        let cells = plan.rigs.iter().map(|rig| text::find(rig, &name).map(cell));
+        let cells = plan
+            .rigs()
+            .iter()
+            .map(|rig| text::find(rig, &name).map(cell));
         let cells = cells.collect();
         let unit = match unit.as_str() {
             "1" => String::new(),
@@ -28,7 +32,7 @@ pub(super) fn picture(plan: &Plan) -> Result<String, Failure> {
         };
         map.rows.push((format!("{name}{unit}"), cells));
     }
-    let rigs = u32::try_from(plan.rigs.len()).unwrap_or(u32::MAX);
+    let rigs = u32::try_from(plan.rigs().len()).unwrap_or(u32::MAX);
     let width = rigs.saturating_mul(RIG_PX).saturating_add(NAMES_PX);
     Ok(map.to_svg(width.clamp(640, 4000))?)
 }
@@ -36,13 +40,13 @@ pub(super) fn picture(plan: &Plan) -> Result<String, Failure> {
 /// Decades of the standard deviation below the plausible size that make the full colour.
 const DECADES: f64 = 3.0;
 
-fn shade(entry: &ParameterEntry) -> f64 {
+fn shade(entry: &ParameterTold) -> f64 {
     match (entry.status, entry.standard_deviation) {
-        ("identifiable", Some(sd)) => {
+        (Told::Identifiable, Some(sd)) => {
             let decades = (entry.plausible_size / sd).log10();
             0.25 + 0.75 * (decades / DECADES).clamp(0.0, 1.0)
         }
-        ("weak", _) => 0.12,
+        (Told::Weak, _) => 0.12,
         _ => 0.0,
     }
 }
@@ -58,7 +62,7 @@ pub(super) fn page(plan: &Plan, picture: &str) -> Result<String, Failure> {
             svg: picture.to_owned(),
         }],
     )];
-    for rig in &plan.rigs {
+    for rig in plan.rigs() {
         let mut lines = text::lines(rig).into_iter();
         let mut blocks = vec![Block::Paragraph(lines.next().unwrap_or_default())];
         let told: Vec<String> = lines.map(|line| line.trim().to_owned()).collect();
@@ -68,8 +72,8 @@ pub(super) fn page(plan: &Plan, picture: &str) -> Result<String, Failure> {
         });
         sections.push(Section::new(format!("Rig {}", rig.measure), blocks));
     }
-    if let Some(next) = &plan.next_poses {
-        let said = text::said(next, plan.measured_poses);
+    if let Some(next) = plan.next_poses() {
+        let said = text::said(next, plan.said.measured_poses);
         let lines = said.lines().map(|line| line.trim().to_owned()).collect();
         let blocks = vec![Block::List(lines), Block::Table(predicted(next)?)];
         sections.push(Section::new("Next poses", blocks));

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use haptical_design::{Criterion, Suggestion};
+use haptical_design::{Criterion, NextPoses, ParameterTold, RigTells, Suggestion, Told};
 use haptical_report::{Cell, Column, Table};
 
-use super::outcome::{NextPoses, ParameterEntry, Plan, RigEntry};
+use super::outcome::Plan;
 use crate::failure::Failure;
 
 /// Remedies that are told of a parameter.
@@ -19,16 +19,16 @@ pub(super) fn text(plan: &Plan, written: &[PathBuf]) -> Result<String, Failure> 
     let _ = writeln!(
         text,
         "{}: what {} poses of average worth would tell (standard deviation, or why not)\n",
-        plan.device, plan.poses
+        plan.device, plan.said.poses
     );
     let _ = writeln!(text, "{}\n", table(plan)?.to_terminal());
-    for rig in &plan.rigs {
+    for rig in plan.rigs() {
         for line in lines(rig) {
             let _ = writeln!(text, "{line}");
         }
     }
-    if let Some(next) = &plan.next_poses {
-        let _ = writeln!(text, "{}", said(next, plan.measured_poses));
+    if let Some(next) = plan.next_poses() {
+        let _ = writeln!(text, "{}", said(next, plan.said.measured_poses));
     }
     for path in written {
         let _ = writeln!(text, "written: {}", path.display());
@@ -43,7 +43,7 @@ pub(super) fn table(plan: &Plan) -> Result<Table, Failure> {
     let mut table = Table::new("", columns);
     for (name, unit) in parameters(plan) {
         let mut row: Vec<Cell> = vec![name.as_str().into(), unit.as_str().into()];
-        for rig in &plan.rigs {
+        for rig in plan.rigs() {
             row.push(match find(rig, &name) {
                 None => Cell::Text("not there".to_owned()),
                 Some(entry) => Cell::Text(word(entry)),
@@ -57,27 +57,27 @@ pub(super) fn table(plan: &Plan) -> Result<Table, Failure> {
 /// Names and units of all rigs' parameters, in the order in which they come.
 pub(super) fn parameters(plan: &Plan) -> Vec<(String, String)> {
     let mut seen = BTreeMap::new();
-    let entries = plan.rigs.iter().flat_map(|rig| &rig.parameters);
+    let entries = plan.rigs().iter().flat_map(|rig| &rig.parameters);
     let new = entries.filter(|entry| seen.insert(entry.name.clone(), ()).is_none());
     new.map(|entry| (entry.name.clone(), entry.unit.clone()))
         .collect()
 }
 
-pub(super) fn find<'r>(rig: &'r RigEntry, name: &str) -> Option<&'r ParameterEntry> {
+pub(super) fn find<'r>(rig: &'r RigTells, name: &str) -> Option<&'r ParameterTold> {
     rig.parameters.iter().find(|entry| entry.name == name)
 }
 
 /// A cell in words.
-pub(super) fn word(entry: &ParameterEntry) -> String {
+pub(super) fn word(entry: &ParameterTold) -> String {
     match (entry.status, entry.standard_deviation) {
-        ("identifiable", Some(sd)) => format!("{sd:.2e}"),
-        (status, Some(sd)) => format!("{status} {sd:.2e}"),
-        (status, None) => status.to_owned(),
+        (Told::Identifiable, Some(sd)) => format!("{sd:.2e}"),
+        (status, Some(sd)) => format!("{} {sd:.2e}", status.name()),
+        (status, None) => status.name().to_owned(),
     }
 }
 
 /// What a rig does not tell, and what would.
-pub(super) fn lines(rig: &RigEntry) -> Vec<String> {
+pub(super) fn lines(rig: &RigTells) -> Vec<String> {
     let mut lines = vec![format!(
         "{}: {} of {} parameters; readings a pose: {}",
         rig.measure,

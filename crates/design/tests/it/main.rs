@@ -7,6 +7,7 @@
 
 mod candidates;
 mod identifiability;
+mod plan;
 mod refusals;
 mod selection;
 mod support;

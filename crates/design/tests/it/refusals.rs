@@ -129,6 +129,32 @@ fn too_few_poses_are_refused_with_a_number_that_does() {
 }
 
 #[test]
+fn encoders_do_not_pay_for_links() {
+    // three encoders and a cable: four readings a pose, but the links are seen by one of them
+    let (information, _) = plan(&arm(), "out,cable", Terms::Degree(4), 300);
+    let judged = information.judge(100).unwrap();
+    let choose = |count| {
+        select(
+            &information,
+            &judged,
+            count,
+            Criterion::D,
+            &[],
+            &Search::default(),
+        )
+    };
+    let count = judged.independent.len() * 3 / 8;
+    let DesignError::TooFewPoses { advised, .. } = choose(count).unwrap_err() else {
+        panic!("{count} poses are not too few");
+    };
+    assert!(
+        advised > count,
+        "{advised} advised to who asked for {count}"
+    );
+    assert_eq!(choose(advised).unwrap().chosen.len(), advised);
+}
+
+#[test]
 fn a_task_that_the_device_does_not_have_is_refused() {
     let (information, _) = plan(&arm(), "cable", Terms::Known, 50);
     let rows = |criterion, region: &Region| {

@@ -1,4 +1,4 @@
-"""Calibration of robots from their own logs: identification, diagnosis, forward kinematics.
+"""Calibration of robots from their own logs: identification, diagnosis, planning, forward kinematics.
 
 Numbers are in SI units; columns of logs and keys of device files are those of the command `haptical`.
 Bad input is a ValueError that says what, where and what to do; `HapticalError` says that sound numbers fix
@@ -18,9 +18,9 @@ from ._haptical import Device, HapticalError, __version__
 if TYPE_CHECKING:
     import numpy.typing as _npt
 
-    from .types import Array, Identification, Log, Loss, Method, Noise, Source
+    from .types import Array, Criterion, Effect, Identification, Log, Loss, Method, Noise, Plan, Source, Spread
 
-__all__ = ["Device", "HapticalError", "__version__", "diagnose", "forward_kinematics", "identify"]
+__all__ = ["Device", "HapticalError", "__version__", "diagnose", "forward_kinematics", "identify", "plan"]
 
 
 def identify(
@@ -29,16 +29,20 @@ def identify(
     *,
     method: Method = "joint",
     held_out: float = 0.2,
+    folds: Optional[int] = None,
+    with_: Sequence[Effect] = (),
     degree: Union[int, str] = "evidence",
     noise: Noise = "estimated",
-    loss: Loss = "squares",
+    loss: Loss = "auto",
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> Identification:
     """Identify the parameters of `device` from `log`, as `haptical identify` does.
 
-    Arguments have the names, the meaning and the defaults of the command's flags; `rig` holds the sensors
-    around the device, `tip` is the link at which the chain of a URDF ends.
+    Arguments have the names, the meaning and the defaults of the command's flags: `folds` (2 to 100) takes the
+    place of `held_out`, `with_=["joint-compliance"]` fits what joints yield to their torque too, `loss="auto"` is
+    least squares unless single readings lie farther out than noise explains. `rig` holds the sensors around the
+    device, `tip` is the link at which the chain of a URDF ends.
 
     Raises ValueError for bad input, HapticalError where nothing can be identified.
     """
@@ -47,6 +51,8 @@ def identify(
         log,
         method=method,
         held_out=held_out,
+        folds=folds,
+        with_=list(with_),
         degree=degree,
         noise=noise,
         loss=loss,
@@ -77,6 +83,58 @@ def diagnose(
     )
     answer: dict[str, Any] = _json.loads(text)
     return answer
+
+
+def plan(
+    device: Union[Device, Source],
+    measure: Union[str, Sequence[str]] = (),
+    *,
+    poses: Optional[int] = None,
+    criterion: Criterion = "d",
+    region: Optional[_npt.ArrayLike] = None,
+    candidates: int = 2000,
+    seed: int = 1,
+    spread: Spread = "uniform",
+    workspace: Optional[_npt.ArrayLike] = None,
+    cable_length: Optional[_npt.ArrayLike] = None,
+    link_radius: Optional[float] = None,
+    known_transmissions: bool = False,
+    log: Optional[Log] = None,
+    tip: Optional[str] = None,
+    rig: Optional[Source] = None,
+) -> Plan:
+    """Say which rig tells which parameters, and choose the poses to measure next, as `haptical plan` does.
+
+    `measure` are rigs to compare, each a text as "out,cable2:0.4,0,0.3" (`haptical plan --help` has the kinds);
+    without it what the device describes, beside a position and a pose. `poses` is how many poses to choose for
+    the first rig; without it none are chosen, and standard deviations are for 200. They are chosen among
+    `candidates` so that the `criterion` is best, where a task's criterion is about a `region`: a ball x, y, z, r
+    in m, [4], or low and high of each joint's reading, [n, 2].
+
+    Limits of the poses: `workspace`, lowest and highest x, y, z of the handle in frame (-1) in m, [2, 3];
+    `cable_length`, shortest and longest length of every cable in m; `link_radius` in m. `spread` is how
+    candidates lie between the joint limits. `known_transmissions` takes the transmissions as known. `log` holds
+    poses that were measured with the first rig already: those chosen add to them.
+
+    Raises ValueError for bad input, HapticalError for a rig that identifies nothing.
+    """
+    return _haptical.plan(
+        device,
+        [measure] if isinstance(measure, str) else list(measure),
+        poses=poses,
+        criterion=criterion,
+        region=region,
+        candidates=candidates,
+        seed=seed,
+        spread=spread,
+        workspace=workspace,
+        cable_length=cable_length,
+        link_radius=link_radius,
+        known_transmissions=known_transmissions,
+        log=log,
+        tip=tip,
+        rig=rig,
+    )
 
 
 def forward_kinematics(

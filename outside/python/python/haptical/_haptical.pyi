@@ -2,9 +2,11 @@
 
 from typing import List, Optional, Sequence, Union, final
 
-from .types import Array, Identification, Log, Loss, Method, Noise, Source
+import numpy.typing as npt
 
-__all__ = ["Device", "HapticalError", "__version__", "diagnose", "forward_kinematics", "identify"]
+from .types import Array, Criterion, Effect, Identification, Log, Loss, Method, Noise, Plan, Source, Spread
+
+__all__ = ["Device", "HapticalError", "__version__", "diagnose", "forward_kinematics", "identify", "plan"]
 
 __version__: str
 
@@ -32,9 +34,11 @@ def identify(
     *,
     method: Method = "joint",
     held_out: float = 0.2,
+    folds: Optional[int] = None,
+    with_: Sequence[Effect] = ...,
     degree: Union[int, str, None] = None,
     noise: Noise = "estimated",
-    loss: Loss = "squares",
+    loss: Loss = "auto",
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> Identification: ...
@@ -48,6 +52,24 @@ def diagnose(
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> str: ...
+def plan(
+    device: Union[Device, Source],
+    measure: Sequence[str],
+    *,
+    poses: Optional[int] = None,
+    criterion: Criterion = "d",
+    region: Optional[npt.ArrayLike] = None,
+    candidates: Optional[int] = None,
+    seed: Optional[int] = None,
+    spread: Spread = "uniform",
+    workspace: Optional[npt.ArrayLike] = None,
+    cable_length: Optional[npt.ArrayLike] = None,
+    link_radius: Optional[float] = None,
+    known_transmissions: bool = False,
+    log: Optional[Log] = None,
+    tip: Optional[str] = None,
+    rig: Optional[Source] = None,
+) -> Plan: ...
 def forward_kinematics(
     device: Union[Device, Source],
     readings: Array,

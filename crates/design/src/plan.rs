@@ -1,0 +1,300 @@
+//! One plan from rigs to poses: what each rig tells of each parameter, what would tell the rest, what to measure next.
+
+use haptical_identification::{Identifiability, Status};
+use haptical_model::Device;
+use serde::Serialize;
+
+use crate::{
+    Criterion, DEGREE, DesignError, Equipped, Information, Limits, NextPoses, Posture, Region, Rig,
+    Suggestion, Terms, equip, postures, suggestions,
+};
+
+/// Poses that a rig's table looks at, at most: statuses are the same with more.
+const TABLE_POSES: usize = 600;
+
+/// What is asked of a plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Rigs to compare; poses are chosen for the first. None for [`described_rigs`].
+    pub rigs: Vec<Rig>,
+    /// What of the transmissions is planned for.
+    pub terms: Terms,
+    /// Limits of the poses.
+    pub limits: Limits,
+    /// Candidates to choose from.
+    pub candidates: usize,
+    /// Seed of the candidates and of the search's random starts.
+    pub seed: u64,
+    /// Number of poses that standard deviations are for.
+    pub poses: usize,
+    /// Whether that many poses are to be chosen for the first rig.
+    pub chooses: bool,
+    /// What the chosen poses are best for.
+    pub criterion: Criterion,
+    /// Where the task of such a criterion is done.
+    pub region: Region,
+}
+
+impl Default for Request {
+    /// What `haptical plan` asks without flags: the device file's rigs, 200 poses, none chosen; D, 2000 candidates,
+    /// seed 1.
+    fn default() -> Self {
+        Self {
+            rigs: Vec::new(),
+            terms: Terms::Degree(DEGREE),
+            limits: Limits::default(),
+            candidates: 2000,
+            seed: 1,
+            poses: 200,
+            chooses: false,
+            criterion: Criterion::D,
+            region: Region::Everywhere,
+        }
+    }
+}
+
+/// What a plan says.
+#[derive(Debug, Clone, Serialize)]
+pub struct Plan {
+    /// Number of poses that standard deviations of the rigs are for, poses of average worth.
+    pub poses: usize,
+    /// Poses that were measured before, which count for the first rig.
+    pub measured_poses: usize,
+    /// What each rig tells.
+    pub rigs: Vec<RigTells>,
+    /// The chosen poses, where they were asked for.
+    pub next_poses: Option<NextPoses>,
+}
+
+/// What one rig tells.
+#[derive(Debug, Clone, Serialize)]
+pub struct RigTells {
+    /// The rig, as it was given.
+    pub measure: String,
+    /// Most readings of a pose.
+    pub readings_per_pose: usize,
+    /// Parameters that are identified, weak ones included.
+    pub rank: usize,
+    /// Every parameter that a calibration from this rig could free.
+    pub parameters: Vec<ParameterTold>,
+    /// For each parameter that it does not identify, what would.
+    pub suggestions: Vec<Suggestion>,
+}
+
+/// What a rig tells of a parameter.
+#[derive(Debug, Clone, Serialize)]
+pub struct ParameterTold {
+    /// Name.
+    pub name: String,
+    /// Unit of the plausible size and the standard deviation.
+    pub unit: String,
+    /// Plausible size of its deviation from nominal.
+    pub plausible_size: f64,
+    /// Whether it is told.
+    pub status: Told,
+    /// Standard deviation (Cramér-Rao); none where it is a combination of others or invisible.
+    pub standard_deviation: Option<f64>,
+    /// Why it is not identified.
+    pub reason: Option<String>,
+}
+
+/// Whether a rig tells a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Told {
+    /// Well enough.
+    Identifiable,
+    /// No better than it is plausibly large.
+    Weak,
+    /// It acts like others together.
+    Combination,
+    /// It moves no reading.
+    Invisible,
+}
+
+impl Told {
+    /// Its name in plan.json.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Identifiable => "identifiable",
+            Self::Weak => "weak",
+            Self::Combination => "combination",
+            Self::Invisible => "invisible",
+        }
+    }
+}
+
+/// A step of a plan, for whoever shows that work goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step<'r> {
+    /// This rig is judged.
+    Rig(&'r str),
+    /// Poses are chosen.
+    Choosing {
+        /// How many.
+        poses: usize,
+        /// From how many.
+        candidates: usize,
+    },
+}
+
+/// Judges rigs and, if asked, chooses the poses to measure next. `measured` are poses that were measured with the
+/// first rig already; `step` is told what is begun.
+///
+/// ```
+/// use haptical_design::{Request, Rig, Told, plan};
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+/// let device = haptical_model::Device::load(path.as_ref())?.device;
+/// let rigs = vec![Rig::parse("out,cable")?, Rig::parse("out,pose")?];
+/// let request = Request { rigs, candidates: 300, poses: 60, chooses: true, ..Request::default() };
+/// let plan = plan(&device, &request, &[], &|_| ())?;
+///
+/// let of_alpha7 = |rig: usize| {
+///     let mut parameters = plan.rigs[rig].parameters.iter();
+///     parameters.find(|told| told.name == "alpha7").map(|told| told.status)
+/// };
+/// assert_eq!(of_alpha7(0), Some(Told::Invisible));
+/// assert_eq!(of_alpha7(1), Some(Told::Identifiable));
+/// let next = plan.next_poses.unwrap();
+/// assert_eq!(next.postures.len(), 60);
+/// assert!(next.figures.o1 > next.random.unwrap().o1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`DesignError::Setting`] for no poses or candidates; [`DesignError::Measure`] for a rig that this device cannot have, or measured poses of a rig that touches;
+/// otherwise as [`postures`], [`crate::task_rows`] and [`crate::select`].
+pub fn plan(
+    device: &Device,
+    request: &Request,
+    measured: &[Posture],
+    step: &dyn Fn(Step<'_>),
+) -> Result<Plan, DesignError> {
+    for (setting, value) in [("poses", request.poses), ("candidates", request.candidates)] {
+        if value == 0 {
+            return Err(DesignError::Setting {
+                setting,
+                value: 0.0,
+                allowed: "1 or more",
+            });
+        }
+    }
+    let described = match request.rigs.is_empty() {
+        true => described_rigs(device)?,
+        false => Vec::new(),
+    };
+    let mut plan = Plan {
+        poses: request.poses,
+        measured_poses: measured.len(),
+        rigs: Vec::new(),
+        next_poses: None,
+    };
+    for (index, rig) in request.rigs.iter().chain(&described).enumerate() {
+        step(Step::Rig(&rig.name));
+        let mut equipped = equip(device, rig, request.terms)?;
+        let is_planned = index == 0 && request.chooses;
+        let count = match is_planned {
+            true => request.candidates,
+            false => request.candidates.min(TABLE_POSES),
+        };
+        let candidates = postures(&mut equipped, &request.limits, count, request.seed)?;
+        let looked_at = &candidates[..candidates.len().min(TABLE_POSES)];
+        let before = if index == 0 { measured } else { &[] };
+        if !before.is_empty() && candidates.iter().any(Posture::touches) {
+            return Err(DesignError::Measure {
+                item: rig.name.clone(),
+                message: "a log does not say which touch a pose was at: leave the log out"
+                    .to_owned(),
+            });
+        }
+        let information = Information::new(&equipped, looked_at, before)?;
+        let judged = information.judge(request.poses)?;
+        let further = suggestions(&equipped, request.terms, looked_at, &judged, request.poses)?;
+        let told = tells(&equipped, &information, &judged, further);
+        plan.rigs.push(told);
+        if is_planned {
+            let poses = request.poses;
+            step(Step::Choosing {
+                poses,
+                candidates: count,
+            });
+            let information = Information::new(&equipped, &candidates, before)?;
+            plan.next_poses = Some(NextPoses::choose(request, &information, &candidates)?);
+        }
+    }
+    Ok(plan)
+}
+
+/// The rigs that a device file describes: its external encoders and cables, and the same encoders beside a tracker
+/// of the position and of the pose.
+///
+/// ```
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+/// let device = haptical_model::Device::load(path.as_ref())?.device;
+/// let rigs = haptical_design::described_rigs(&device)?;
+/// let names: Vec<&str> = rigs.iter().map(|rig| rig.name.as_str()).collect();
+/// assert_eq!(names, ["out,cable", "out,position", "out,pose"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`DesignError::Measure`] where it describes neither sensors nor links.
+pub fn described_rigs(device: &Device) -> Result<Vec<Rig>, DesignError> {
+    let mut joints = device.joints.iter();
+    let has_encoder = joints.any(|joint| joint.output_sd_rad().is_some());
+    let encoders = has_encoder.then(|| "out".to_owned());
+    let of = |measures: Vec<String>| Rig::parse(&measures.join(","));
+    if !device.has_links() {
+        return Ok(vec![of(encoders.into_iter().collect())?]);
+    }
+    let beside = |measures: Vec<String>| of(encoders.clone().into_iter().chain(measures).collect());
+    let mut rigs = vec![
+        beside(vec!["position".to_owned()])?,
+        beside(vec!["pose".to_owned()])?,
+    ];
+    if !device.cables.is_empty() {
+        let cables = (0..device.cables.len()).map(|index| match index {
+            0 => "cable".to_owned(),
+            _ => format!("cable{}", index + 1),
+        });
+        rigs.insert(0, beside(cables.collect())?);
+    }
+    Ok(rigs)
+}
+
+fn tells(
+    equipped: &Equipped,
+    information: &Information,
+    judged: &Identifiability,
+    suggestions: Vec<Suggestion>,
+) -> RigTells {
+    let parameter = |index: usize| {
+        let info = &information.infos[index];
+        let (status, standard_deviation) = match judged.statuses[index] {
+            Status::Identifiable { standard_deviation } => {
+                (Told::Identifiable, Some(standard_deviation))
+            }
+            Status::Weak { standard_deviation } => (Told::Weak, Some(standard_deviation)),
+            Status::Invisible => (Told::Invisible, None),
+            Status::Dependent { .. } => (Told::Combination, None),
+        };
+        ParameterTold {
+            name: info.name.clone(),
+            unit: info.unit.clone(),
+            plausible_size: info.plausible_size,
+            status,
+            standard_deviation,
+            reason: judged.reason(index),
+        }
+    };
+    RigTells {
+        measure: equipped.rig.name.clone(),
+        readings_per_pose: (0..information.poses())
+            .map(|pose| information.readings(Some(pose)))
+            .max()
+            .unwrap_or(0),
+        rank: judged.rank,
+        parameters: (0..information.parameters()).map(parameter).collect(),
+        suggestions,
+    }
+}

@@ -1,0 +1,200 @@
+//! `haptical.plan`: what rigs tell before anything is measured, and the poses to measure next as an array.
+
+use haptical_data::LogShape;
+use haptical_design::{
+    Figures, NextPoses, ParameterTold, Plan, Posture, RigTells, Suggestion, plan as plan_rigs,
+};
+use numpy::ndarray::Array2;
+use numpy::{PyArray1, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::device::{device_of, log_shape};
+use crate::failure::Failure;
+use crate::log::{Log, log_of};
+use crate::plan_options::Keywords;
+
+/// A plan with all warnings.
+struct Outcome {
+    plan: Plan,
+    warnings: Vec<String>,
+}
+
+/// Plans for a device; see the stub for arguments and result.
+#[pyfunction]
+#[pyo3(signature = (
+    device, measure, *, poses=None, criterion="d", region=None, candidates=None, seed=None, spread="uniform",
+    workspace=None, cable_length=None, link_radius=None, known_transmissions=false, log=None, tip=None, rig=None
+))]
+#[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
+pub(crate) fn plan<'py>(
+    py: Python<'py>,
+    device: &Bound<'py, PyAny>,
+    measure: Vec<String>,
+    poses: Option<&Bound<'py, PyAny>>,
+    criterion: &str,
+    region: Option<&Bound<'py, PyAny>>,
+    candidates: Option<&Bound<'py, PyAny>>,
+    seed: Option<&Bound<'py, PyAny>>,
+    spread: &str,
+    workspace: Option<&Bound<'py, PyAny>>,
+    cable_length: Option<&Bound<'py, PyAny>>,
+    link_radius: Option<f64>,
+    known_transmissions: bool,
+    log: Option<&Bound<'py, PyAny>>,
+    tip: Option<&str>,
+    rig: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let request = Keywords {
+        measure,
+        poses,
+        criterion,
+        region,
+        candidates,
+        seed,
+        spread,
+        workspace,
+        cable_length,
+        link_radius,
+        known_transmissions,
+    }
+    .request()?;
+    let device = device_of(device, tip, rig)?;
+    let log = log.map(log_of).transpose()?;
+    let outcome = py.detach(|| -> Result<Outcome, Failure> {
+        let mut warnings = device.warnings.clone();
+        let measured = match &log {
+            None => Vec::new(),
+            Some(log) => measured(log, &log_shape(&device.model), &mut warnings)?,
+        };
+        let plan = plan_rigs(&device.model, &request, &measured, &|_| ())?;
+        Ok(Outcome { plan, warnings })
+    })?;
+    result(py, device.model.joints.len(), criterion, &outcome)
+}
+
+/// Poses of a log.
+fn measured(
+    log: &Log,
+    shape: &LogShape,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Posture>, Failure> {
+    let read = log.read(shape)?;
+    warnings.extend(read.warnings);
+    let joints = &read.recording.joint;
+    let row = |row: usize| Posture::free(joints.iter().map(|column| column[row]).collect());
+    Ok((0..read.recording.len()).map(row).collect())
+}
+
+fn result<'py>(
+    py: Python<'py>,
+    joints: usize,
+    criterion: &str,
+    Outcome { plan, warnings }: &Outcome,
+) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    result.set_item("poses", plan.poses)?;
+    result.set_item("measured_poses", plan.measured_poses)?;
+    let rigs = plan.rigs.iter().map(|rig| rig_entry(py, rig));
+    let rigs: Vec<_> = rigs.collect::<PyResult<_>>()?;
+    result.set_item("rigs", rigs)?;
+    let next = plan.next_poses.as_ref();
+    let next = next.map(|next| next_poses(py, joints, criterion, next));
+    let next = next.transpose()?;
+    result.set_item("next_poses", next)?;
+    result.set_item("warnings", warnings)?;
+    Ok(result)
+}
+
+fn rig_entry<'py>(py: Python<'py>, rig: &RigTells) -> PyResult<Bound<'py, PyDict>> {
+    let entry = PyDict::new(py);
+    entry.set_item("measure", &rig.measure)?;
+    entry.set_item("readings_per_pose", rig.readings_per_pose)?;
+    entry.set_item("rank", rig.rank)?;
+    entry.set_item("parameters", parameters(py, &rig.parameters)?)?;
+    let suggestions = rig.suggestions.iter().map(|found| suggestion(py, found));
+    entry.set_item("suggestions", suggestions.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(entry)
+}
+
+/// What a rig tells of each parameter, column by column.
+fn parameters<'py>(py: Python<'py>, told: &[ParameterTold]) -> PyResult<Bound<'py, PyDict>> {
+    let columns = PyDict::new(py);
+    let text = |of: &dyn Fn(&ParameterTold) -> String| PyList::new(py, told.iter().map(of));
+    let number = |of: &dyn Fn(&ParameterTold) -> f64| {
+        PyArray1::from_vec(py, told.iter().map(of).collect::<Vec<f64>>())
+    };
+    columns.set_item("name", text(&|told| told.name.clone())?)?;
+    columns.set_item("unit", text(&|told| told.unit.clone())?)?;
+    columns.set_item("plausible_size", number(&|told| told.plausible_size))?;
+    columns.set_item("status", text(&|told| told.status.name().to_owned())?)?;
+    let deviation = |told: &ParameterTold| told.standard_deviation.unwrap_or(f64::NAN);
+    columns.set_item("standard_deviation", number(&deviation))?;
+    let reasons: Vec<_> = told.iter().map(|told| told.reason.as_deref()).collect();
+    columns.set_item("reason", reasons)?;
+    Ok(columns)
+}
+
+fn suggestion<'py>(py: Python<'py>, found: &Suggestion) -> PyResult<Bound<'py, PyDict>> {
+    let entry = PyDict::new(py);
+    entry.set_item("parameter", &found.parameter)?;
+    entry.set_item("unit", &found.unit)?;
+    entry.set_item("reason", &found.reason)?;
+    entry.set_item("not_told_from", &found.not_told_from)?;
+    let remedies = PyList::empty(py);
+    for remedy in &found.remedies {
+        let one = PyDict::new(py);
+        one.set_item("measure", &remedy.measure)?;
+        one.set_item("standard_deviation", remedy.standard_deviation)?;
+        remedies.append(one)?;
+    }
+    entry.set_item("remedies", remedies)?;
+    Ok(entry)
+}
+
+fn next_poses<'py>(
+    py: Python<'py>,
+    joints: usize,
+    criterion: &str,
+    next: &NextPoses,
+) -> PyResult<Bound<'py, PyDict>> {
+    let entry = PyDict::new(py);
+    entry.set_item("measure", &next.measure)?;
+    entry.set_item("criterion", criterion)?;
+    entry.set_item("count", next.count)?;
+    entry.set_item("candidates", next.candidates)?;
+    entry.set_item("figures", figures(py, &next.figures)?)?;
+    let random = next.random.as_ref().map(|random| figures(py, random));
+    entry.set_item("random", random.transpose()?)?;
+    entry.set_item("exchanges", next.exchanges)?;
+    let predicted = PyDict::new(py);
+    let of = &next.parameters;
+    let names: Vec<&str> = of.iter().map(|told| told.name.as_str()).collect();
+    let units: Vec<&str> = of.iter().map(|told| told.unit.as_str()).collect();
+    let sizes: Vec<f64> = of.iter().map(|told| told.plausible_size).collect();
+    let deviations: Vec<f64> = of.iter().map(|told| told.standard_deviation).collect();
+    predicted.set_item("name", names)?;
+    predicted.set_item("unit", units)?;
+    predicted.set_item("plausible_size", PyArray1::from_vec(py, sizes))?;
+    predicted.set_item("standard_deviation", PyArray1::from_vec(py, deviations))?;
+    entry.set_item("parameters", predicted)?;
+    let postures = &next.postures;
+    let reading = |(pose, joint): (usize, usize)| postures[pose].readings[joint];
+    let readings = Array2::from_shape_fn((postures.len(), joints), reading);
+    entry.set_item("readings", readings.to_pyarray(py))?;
+    let touched = |of: fn(&Posture) -> &String| {
+        let names: Vec<&str> = postures.iter().map(|pose| of(pose).as_str()).collect();
+        names.iter().any(|name| !name.is_empty()).then_some(names)
+    };
+    entry.set_item("contact", touched(|posture| &posture.contact))?;
+    entry.set_item("plane", touched(|posture| &posture.plane))?;
+    Ok(entry)
+}
+
+fn figures<'py>(py: Python<'py>, figures: &Figures) -> PyResult<Bound<'py, PyDict>> {
+    let entry = PyDict::new(py);
+    entry.set_item("geometric_mean_sd", figures.geometric_mean_sd)?;
+    entry.set_item("o1", figures.o1)?;
+    entry.set_item("root_mean_square", figures.root_mean_square)?;
+    Ok(entry)
+}
