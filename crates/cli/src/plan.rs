@@ -13,6 +13,7 @@ use haptical_model::Device;
 
 pub(crate) use arguments::{PlanArguments, help};
 
+use crate::device_source::Equipment;
 use crate::failure::Failure;
 use crate::input_files::{InputFile, Source};
 use crate::inputs::{InputDrumDenominators, read_recording};
@@ -22,7 +23,7 @@ use crate::terminal::{self, Progress};
 use outcome::Plan;
 
 /// What is written; the last with `--poses` only.
-const FILES: [&str; 4] = ["plan.json", "report.html", "rigs.svg", "poses.csv"];
+pub(crate) const FILES: [&str; 4] = ["plan.json", "report.html", "rigs.svg", "poses.csv"];
 
 /// Runs the command.
 pub(crate) fn run(arguments: &PlanArguments) -> Result<(), Failure> {
@@ -34,22 +35,60 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<(), Failure> {
         return Err(Failure::command_line("arguments", what, "give --out DIR"));
     }
     let progress = Progress::start("planning");
-    let source = Source::given(&arguments.device);
-    let equipment = arguments.device_options.equipment();
-    let (input, mut files) = equipment.read("device", &source, InputDrumDenominators::Stated)?;
-    let mut warnings = input.warnings;
-    let measured = match &arguments.log {
-        None => Vec::new(),
-        Some(path) => measured(&input.device, path, &mut files, &mut warnings)?,
+    let sources = Sources {
+        device: Source::given(&arguments.device),
+        equipment: arguments.device_options.equipment(),
+        log: arguments.log.as_deref().map(Source::given),
     };
-    let refuse = |error: DesignError| refusal(&error, &arguments.device);
+    let Outcome { plan, files, json } = outcome(arguments, &sources, VERSION, &progress)?;
+    let written = match &arguments.out {
+        None => Vec::new(),
+        Some(out) => write_all(out, &files)?,
+    };
+    drop(progress);
+    terminal::warn(&plan.warnings);
+    let said = match arguments.json {
+        true => json,
+        false => text::text(&plan, &written)?,
+    };
+    terminal::write_output(said.as_bytes())
+}
+
+/// Where the files are that a plan is made from.
+pub(crate) struct Sources {
+    pub(crate) device: Source,
+    pub(crate) equipment: Equipment,
+    pub(crate) log: Option<Source>,
+}
+
+/// A plan with the files that it gives.
+pub(crate) struct Outcome {
+    plan: Plan,
+    pub(crate) files: Vec<NewFile<'static>>,
+    json: String,
+}
+
+/// Plans, and makes the files in memory; `version` is the one that they name.
+pub(crate) fn outcome(
+    arguments: &PlanArguments,
+    sources: &Sources,
+    version: &str,
+    progress: &Progress,
+) -> Result<Outcome, Failure> {
+    let (source, equipment) = (&sources.device, &sources.equipment);
+    let (input, mut files) = equipment.read("device", source, InputDrumDenominators::Stated)?;
+    let mut warnings = input.warnings;
+    let measured = match &sources.log {
+        None => Vec::new(),
+        Some(log) => measured(&input.device, log, &mut files, &mut warnings)?,
+    };
+    let refuse = |error: DesignError| refusal(&error, &source.path);
     let request = arguments.request().map_err(refuse)?;
-    let mut plan = Plan::new(&request, &input.device, &measured, &progress).map_err(refuse)?;
-    plan.device = source.label;
+    let mut plan = Plan::new(&request, &input.device, &measured, progress).map_err(refuse)?;
+    plan.device.clone_from(&source.label);
     plan.warnings = warnings;
-    plan.provenance.inputs = files.clone();
-    plan.provenance = arguments.record(files);
-    let mut written: Vec<NewFile<'_>> = Vec::new();
+    plan.provenance = arguments.record(files, version);
+    let mut written: Vec<NewFile<'static>> = Vec::new();
     if !plan.rigs().is_empty() {
         let svg = page::picture(&plan)?;
         written.push((FILES[1], page::page(&plan, &svg)?.into_bytes()));
@@ -61,28 +100,21 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<(), Failure> {
     plan.provenance = plan.provenance.with_outputs(&written);
     let json = sealed_json(&plan)?;
     written.insert(0, (FILES[0], json.clone().into_bytes()));
-    let written = match &arguments.out {
-        None => Vec::new(),
-        Some(out) => write_all(out, &written)?,
-    };
-    drop(progress);
-    terminal::warn(&plan.warnings);
-    let said = match arguments.json {
-        true => json,
-        false => text::text(&plan, &written)?,
-    };
-    terminal::write_output(said.as_bytes())
+    Ok(Outcome {
+        plan,
+        files: written,
+        json,
+    })
 }
 
 /// Poses of a log.
 fn measured(
     device: &Device,
-    path: &Path,
+    source: &Source,
     files: &mut Vec<InputFile>,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Posture>, Failure> {
-    let source = Source::given(path);
-    let mut input = read_recording(path, device)?;
+    let mut input = read_recording(&source.path, device)?;
     source.relabel(&mut input.warnings);
     files.push(source.input("log", input.fingerprint));
     warnings.append(&mut input.warnings);
@@ -162,12 +194,12 @@ impl PlanArguments {
     }
 
     /// How the plan came about.
-    fn record(&self, files: Vec<InputFile>) -> Record {
+    fn record(&self, files: Vec<InputFile>, version: &str) -> Record {
         let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
         let tip = self.device_options.tip.as_ref();
         flags.extend(tip.map(|tip| format!("--tip={tip}")));
         flags.extend(self.flags());
-        let mut record = Record::new(VERSION, "plan", flags, files);
+        let mut record = Record::new(version, "plan", flags, files);
         record.seeds.insert("poses", self.seed);
         record
     }

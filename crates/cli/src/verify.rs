@@ -15,7 +15,7 @@ use crate::device_source::{DeviceOptions, Equipment};
 use crate::failure::Failure;
 use crate::output_files::NewFile;
 use crate::terminal::{self, Progress};
-use crate::{diagnose, identify};
+use crate::{diagnose, identify, plan};
 
 use self::compare::{FileVerdict, Written, compare};
 use self::recorded::{Recorded, RecordedCommand};
@@ -30,7 +30,7 @@ pub(crate) const HELP: &str = "\
 Example:
   haptical verify result
 
-Reads the provenance in result/identified.json or result/gap.json, finds the inputs, checks their
+Reads the provenance in result/identified.json, gap.json or plan.json, finds the inputs, checks their
 SHA-256, computes the result again in memory, and compares every file of it: the same bytes, or the
 same numbers within 1e-9 of each (another machine), or what differs, with both values. Inputs are
 looked for by their recorded names from the current folder, the result's folder and the one above it.
@@ -42,7 +42,7 @@ no provenance, an input that is missing or not the recorded one; 3 nothing can b
 /// Flags of `haptical verify`.
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArguments {
-    /// Folder that `identify` or `diagnose` wrote, or identified.json or gap.json in it
+    /// Folder that `identify`, `diagnose` or `plan` wrote, or identified.json, gap.json or plan.json in it
     result: PathBuf,
     /// Where the device file is now
     #[arg(long, value_name = "FILE")]
@@ -155,6 +155,22 @@ fn recompute(
             };
             let outcome = diagnose::outcome(&options.without, &sources, &result.version, progress)?;
             let found = [Some(device), Some(log), rig, model, validate];
+            Ok((found.into_iter().flatten().collect(), outcome.files))
+        }
+        RecordedCommand::Plan(options) => {
+            let device = find("device", &options.device, &arguments.device)?;
+            let log = options.log.as_deref();
+            let log = log
+                .map(|path| find("log", path, &arguments.log))
+                .transpose()?;
+            let (equipment, rig) = equipped(&options.device_options, &arguments.rig, &search)?;
+            let sources = plan::Sources {
+                device: device.source.clone(),
+                equipment,
+                log: log.as_ref().map(|found| found.source.clone()),
+            };
+            let outcome = plan::outcome(options, &sources, &result.version, progress)?;
+            let found = [Some(device), rig, log];
             Ok((found.into_iter().flatten().collect(), outcome.files))
         }
     }

@@ -77,8 +77,8 @@ fn describe(output: &mut Output, wheel: &Path, tests: &str, fleet: &str) {
     output.section("Python package");
     output.words(
         "`outside/python` as a wheel, built by maturin in a virtual environment below `target/python`. Its tests \
-         compare forward kinematics with closed forms and a product of matrices, and identification and diagnosis \
-         with the command's JSON on the same log, number by number.",
+         compare forward kinematics with closed forms and a product of matrices, and identification, diagnosis and plans \
+         with the command's JSON on the same input, number by number.",
     );
     output.verdict(is_abi3, "one wheel for every Python from 3.10 on (abi3)");
     output.verdict(

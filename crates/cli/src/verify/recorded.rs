@@ -12,15 +12,16 @@ use crate::arguments::{Arguments, Command, DiagnoseArguments, IdentifyArguments,
 use crate::failure::Failure;
 use crate::input_files::{Fingerprint, InputFile};
 use crate::output_files::reason;
+use crate::plan::PlanArguments;
 use crate::provenance::{OutputFile, is_seal_whole};
-use crate::{diagnose, identify};
+use crate::{diagnose, identify, plan};
 
 /// Largest result that is read; a result takes some hundred kilobytes.
 const LARGEST_RESULT_BYTES: u64 = 64 << 20;
 /// A file beside it may be this much longer than what is computed before it counts as another file.
 const MOST_FURTHER_BYTES: u64 = 1 << 20;
 /// What to do where the result says too little.
-const AGAIN: &str = "run `haptical identify` or `haptical diagnose` again";
+const AGAIN: &str = "run `haptical identify`, `diagnose` or `plan` again";
 
 /// A result as it was found.
 pub(super) struct Recorded {
@@ -42,6 +43,7 @@ pub(super) struct Recorded {
 pub(super) enum RecordedCommand {
     Identify(Box<IdentifyArguments>),
     Diagnose(Box<DiagnoseArguments>),
+    Plan(Box<PlanArguments>),
 }
 
 impl RecordedCommand {
@@ -49,6 +51,7 @@ impl RecordedCommand {
         match self {
             Self::Identify(_) => "identify",
             Self::Diagnose(_) => "diagnose",
+            Self::Plan(_) => "plan",
         }
     }
 
@@ -57,6 +60,7 @@ impl RecordedCommand {
         match self {
             Self::Identify(_) => identify::FILES[1],
             Self::Diagnose(_) => diagnose::FILES[0],
+            Self::Plan(_) => plan::FILES[0],
         }
     }
 }
@@ -93,13 +97,13 @@ pub(super) fn read(given: &Path) -> Result<Vec<Recorded>, Failure> {
     let there = std::fs::metadata(given).map_err(|error| {
         refuse(
             format!("cannot be read: {}", reason(&error)),
-            "give the folder that `haptical identify` or `haptical diagnose` wrote",
+            "give the folder that `haptical identify`, `diagnose` or `plan` wrote",
         )
     })?;
     if !there.is_dir() {
         return Ok(vec![read_one(given, true)?]);
     }
-    let names = [identify::FILES[1], diagnose::FILES[0]];
+    let names = [identify::FILES[1], diagnose::FILES[0], plan::FILES[0]];
     let paths = names.map(|name| given.join(name));
     let results = paths
         .iter()
@@ -108,8 +112,8 @@ pub(super) fn read(given: &Path) -> Result<Vec<Recorded>, Failure> {
         .collect::<Result<Vec<Recorded>, Failure>>()?;
     if results.is_empty() {
         return Err(refuse(
-            format!("there is neither {} nor {}", names[0], names[1]),
-            "give the folder that `haptical identify` or `haptical diagnose` wrote",
+            format!("there is none of {}", names.join(", ")),
+            "give the folder that `haptical identify`, `diagnose` or `plan` wrote",
         ));
     }
     Ok(results)
@@ -122,8 +126,8 @@ fn read_one(path: &Path, stands_alone: bool) -> Result<Recorded, Failure> {
     };
     let value: Value = serde_json::from_str(&text).map_err(|error| not_json(path, &error))?;
     let Some(provenance) = value.get("provenance").filter(|_| value.is_object()) else {
-        let next = "give identified.json, gap.json or their folder";
-        let what = "it is no result of `haptical identify` or `haptical diagnose`";
+        let next = "give identified.json, gap.json, plan.json or their folder";
+        let what = "it is no result of `haptical identify`, `diagnose` or `plan`";
         return Err(
             match value.get("haptical_version").and_then(Value::as_str) {
                 Some(version) => no_provenance(path, version),
@@ -140,9 +144,9 @@ fn read_one(path: &Path, stands_alone: bool) -> Result<Recorded, Failure> {
         let what = format!("its provenance cannot be used: {why}");
         refuse("provenance", what, AGAIN)
     })?;
-    if !["identify", "diagnose"].contains(&fields.command.as_str()) {
+    if !["identify", "diagnose", "plan"].contains(&fields.command.as_str()) {
         let what = format!("what `haptical {}` writes is not verified", fields.command);
-        let next = "give a result of `haptical identify` or `haptical diagnose`; others are made again \
+        let next = "give a result of `haptical identify`, `diagnose` or `plan`; others are made again \
                     with their recorded arguments";
         return Err(refuse("no-result", what, next));
     }
@@ -183,6 +187,7 @@ fn replay(fields: &Fields) -> Result<RecordedCommand, String> {
     match Arguments::try_parse_from(words).map(|arguments| arguments.command) {
         Ok(Command::Identify(arguments)) => Ok(RecordedCommand::Identify(Box::new(arguments))),
         Ok(Command::Diagnose(arguments)) => Ok(RecordedCommand::Diagnose(Box::new(arguments))),
+        Ok(Command::Plan(arguments)) => Ok(RecordedCommand::Plan(Box::new(arguments))),
         Err(error) if error.use_stderr() => Err(failure_of(&error).what().to_owned()),
         _ => Err(format!("`{}` gives no result", fields.command)),
     }
@@ -198,7 +203,7 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     };
     // A pipe might wait for ever.
     if !path.is_file() {
-        let next = "give identified.json, gap.json or their folder";
+        let next = "give identified.json, gap.json, plan.json or their folder";
         return Err(refuse(
             "no-result",
             "it is no regular file".to_owned(),
@@ -211,11 +216,11 @@ fn read_text(path: &Path) -> Result<String, Failure> {
         .map_err(unreadable)?;
     if bytes.len() as u64 > LARGEST_RESULT_BYTES {
         let what = format!("larger than {} MiB", LARGEST_RESULT_BYTES >> 20);
-        let next = "give identified.json, gap.json or their folder";
+        let next = "give identified.json, gap.json, plan.json or their folder";
         return Err(refuse("too-large", what, next));
     }
     String::from_utf8(bytes).map_err(|_| {
-        let next = "give identified.json, gap.json or their folder";
+        let next = "give identified.json, gap.json, plan.json or their folder";
         refuse("not-text", "not a text in UTF-8".to_owned(), next)
     })
 }
@@ -225,7 +230,7 @@ fn not_json(path: &Path, error: &serde_json::Error) -> Failure {
     let next = if extension == "json" {
         "it was cut off or changed after it was written: run the command that wrote it again"
     } else {
-        "give the folder, or identified.json or gap.json in it"
+        "give the folder, or identified.json, gap.json or plan.json in it"
     };
     let said = error.to_string();
     let said = said

@@ -213,3 +213,35 @@ fn what_is_refused_leaves_no_file_and_says_what_to_do() {
         assert_eq!(names_in(sandbox.folder.path()), before, "{flags:?}");
     }
 }
+
+#[test]
+fn a_plan_is_verified_and_a_changed_digit_is_found() {
+    let sandbox = Sandbox::new();
+    let words = ["--measure", "out,cable", "--poses", "60", "--out", "plan"];
+    let output = plan(&sandbox, &words);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let verify = || {
+        let mut command = haptical();
+        let command = command.current_dir(sandbox.folder.path());
+        command.args(["verify", "plan"]).output().unwrap()
+    };
+    let output = verify();
+    let said = text(&output.stdout);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{said}{}",
+        text(&output.stderr)
+    );
+    assert_eq!(said.matches("the same bytes\n").count(), 4, "{said}");
+    let poses = sandbox.path("plan").join("poses.csv");
+    let written = std::fs::read_to_string(&poses).unwrap();
+    let changed = match written.replacen("0.1", "0.2", 1) {
+        same if same == written => written.replacen("0.2", "0.3", 1),
+        other => other,
+    };
+    std::fs::write(&poses, changed).unwrap();
+    let output = verify();
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stdout));
+    assert!(text(&output.stdout).contains("poses.csv"));
+}

@@ -133,7 +133,11 @@ fn a_folder_or_file_that_is_no_result_is_refused() {
         &["nothing"],
         &["where: nothing", "give the folder"],
     );
-    refused(&sandbox, &["."], &["neither identified.json nor gap.json"]);
+    refused(
+        &sandbox,
+        &["."],
+        &["none of identified.json, gap.json, plan.json"],
+    );
     for name in ["identified.toml", "report.html"] {
         let path = format!("result/{name}");
         refused(&sandbox, &[&path], &["not JSON", &path, "give the folder"]);
