@@ -2,7 +2,8 @@
 
 use std::io;
 
-use crate::near_miss::{NearMiss, advice, list};
+use crate::error_text as text;
+use crate::near_miss::NearMiss;
 use crate::place::Place;
 
 /// Why a log could not be read or written.
@@ -27,10 +28,7 @@ pub enum DataError {
         source: io::Error,
     },
     /// The file starts as gzip but does not decompress to its end.
-    #[error(
-        "{at}: the gzip data is {} ({source}); copy or record the file again",
-        if source.kind() == io::ErrorKind::UnexpectedEof { "cut off" } else { "damaged" }
-    )]
+    #[error(fmt = text::corrupt_gzip)]
     CorruptGzip {
         /// The file.
         at: Box<Place>,
@@ -165,14 +163,7 @@ pub enum DataError {
         saw: &'static str,
     },
     /// The first line with text is not a header, or there is none.
-    #[error(
-        "{at}: {}; the first line must name the columns, such as `t_s,theta1_rad,cable_m`",
-        if found.is_empty() {
-            "the file has no header, it is empty".to_owned()
-        } else {
-            format!("no header, the first line starts with the number `{found}`")
-        }
-    )]
+    #[error(fmt = text::no_header)]
     NoHeader {
         /// The line; line 1 of an empty file.
         at: Box<Place>,
@@ -188,12 +179,7 @@ pub enum DataError {
         first: usize,
     },
     /// A joint of the device has no column of readings.
-    #[error(
-        "{at}: missing {}; the device needs one column per joint: {}{}",
-        list(missing),
-        list(required),
-        advice(near_misses)
-    )]
+    #[error(fmt = text::missing_column)]
     MissingColumn {
         /// The header's line and the first missing column.
         at: Box<Place>,
@@ -205,11 +191,7 @@ pub enum DataError {
         near_misses: Vec<NearMiss>,
     },
     /// A joint column carries a unit that does not belong to this type of joint.
-    #[error(
-        "{at}: joint {joint} is {} in the device file, so this column must be `{expected}`; \
-         convert and rename it, or correct the joint's type",
-        if *prismatic { "prismatic" } else { "revolute" }
-    )]
+    #[error(fmt = text::wrong_unit)]
     WrongUnit {
         /// The column.
         at: Box<Place>,
@@ -221,11 +203,7 @@ pub enum DataError {
         expected: String,
     },
     /// Some columns of a vector or quaternion are there and some are not.
-    #[error(
-        "{at}: {} given without {}; add the missing columns or delete the others",
-        list(present),
-        list(missing)
-    )]
+    #[error(fmt = text::incomplete_group)]
     IncompleteGroup {
         /// The header's line and the first column that is there.
         at: Box<Place>,

@@ -25,6 +25,7 @@ mod assemble;
 mod cell;
 mod column;
 mod error;
+mod error_text;
 mod format;
 mod groups;
 mod header;

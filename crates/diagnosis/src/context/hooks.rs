@@ -1,0 +1,151 @@
+//! What an error shows on the measured streams, by the hook where it enters (docs/diagnosis.md).
+
+use haptical_calibration::Channel;
+use haptical_model::Evaluation;
+use haptical_model::kinematics::nalgebra::Vector3;
+
+use super::cable::anchor_m;
+use super::stream::stream_of;
+use super::{Context, Stream};
+use crate::signal::Signal;
+
+impl Context<'_> {
+    /// Derivative of a stream with respect to a joint's output angle, behind its external encoder.
+    pub(crate) fn sensitivity(&self, stream: usize, joint: usize, row: usize) -> f64 {
+        let Some(twist) = self.twist.get(joint) else {
+            return 0.0;
+        };
+        let twist = &twist[row];
+        self.seen(stream, row, &twist.linear, &twist.angular)
+    }
+
+    /// What a stream of the chain shows of a small displacement of the handle, frame (-1).
+    fn seen(
+        &self,
+        stream: usize,
+        row: usize,
+        linear: &Vector3<f64>,
+        angular: &Vector3<f64>,
+    ) -> f64 {
+        let Stream { channel, axis, .. } = &self.streams[stream];
+        match channel {
+            Channel::Cable { index } => self.along_cable(*index, row, linear),
+            Channel::Position => linear[*axis],
+            Channel::Orientation => angular[*axis],
+            Channel::Contact => self.touches.along_contact(*axis, linear),
+            Channel::Plane => self.touches.along_plane(row, linear),
+            // pairs say nothing of the handle; encoders and fixtures read joints
+            Channel::ContactPair { .. }
+            | Channel::PlanePair { .. }
+            | Channel::Output { .. }
+            | Channel::Fixture { .. } => 0.0,
+        }
+    }
+
+    /// Change of a cable's length when the handle moves.
+    fn along_cable(&self, index: usize, row: usize, moved: &Vector3<f64>) -> f64 {
+        let arm = self.position[row] - anchor_m(self.device, index);
+        let length = arm.norm();
+        if length > 0.0 {
+            arm.dot(moved) / length
+        } else {
+            0.0
+        }
+    }
+
+    /// An error of a joint between motor encoder and external encoder: both the encoder and
+    /// everything behind it see it (hook H2 of docs/diagnosis.md).
+    pub(crate) fn upstream(&self, joint: usize, error: &[f64]) -> Signal {
+        let mut signal = self.downstream(joint, error);
+        if let Some(stream) = self.output_stream(joint) {
+            signal.parts.push((stream, error.to_vec()));
+        }
+        // a fixture holds the link: it shows the drive's error as it is
+        let fixture = Channel::Fixture { joint };
+        if let Some(stream) = stream_of(&self.streams, fixture) {
+            signal.parts.push((stream, error.to_vec()));
+        }
+        signal
+    }
+
+    /// Errors of all joints at once in front of their external encoders, as large as they are: the chain is
+    /// evaluated again, because the square of a few hundredths of a radian is more than a cable
+    /// encoder's noise.
+    pub(crate) fn upstream_of_all(&self, errors: &[Vec<f64>]) -> Signal {
+        let mut signal = Signal::default();
+        for (joint, error) in errors.iter().enumerate() {
+            signal.add(&self.upstream(joint, error), 1.0);
+        }
+        if self.position.is_empty() {
+            return signal;
+        }
+        let mut evaluation = Evaluation::new(self.device);
+        let moved: Vec<Vector3<f64>> = (0..self.rows())
+            .map(|row| {
+                let output = self.output.iter().zip(errors);
+                let output: Vec<f64> = output.map(|(q, error)| q[row] + error[row]).collect();
+                let pose = evaluation
+                    .move_outputs(&output)
+                    .and_then(|()| evaluation.pose());
+                pose.map_or(self.position[row], |pose| pose.position_m)
+            })
+            .collect();
+        for (stream, values) in &mut signal.parts {
+            for (row, value) in values.iter_mut().enumerate() {
+                match self.streams[*stream].channel {
+                    Channel::Cable { index } => {
+                        let anchor = anchor_m(self.device, index);
+                        *value =
+                            (moved[row] - anchor).norm() - (self.position[row] - anchor).norm();
+                    }
+                    Channel::Position | Channel::Contact | Channel::Plane => {
+                        let way = moved[row] - self.position[row];
+                        *value = self.seen(*stream, row, &way, &Vector3::zeros());
+                    }
+                    _ => {}
+                }
+            }
+        }
+        signal
+    }
+
+    /// An error of an external encoder alone (H3).
+    pub(crate) fn encoder(&self, joint: usize, error: &[f64]) -> Signal {
+        on_one(self.output_stream(joint), error.to_vec())
+    }
+
+    /// An error of a joint behind its external encoder (H4).
+    pub(crate) fn downstream(&self, joint: usize, error: &[f64]) -> Signal {
+        self.on_handle(|stream, row| error[row] * self.sensitivity(stream, joint, row))
+    }
+
+    /// An error of the first cable's reading alone (H6).
+    pub(crate) fn cable_error(&self, error: Vec<f64>) -> Signal {
+        on_one(self.cable.as_ref().map(|cable| cable.stream), error)
+    }
+
+    /// A small displacement of the handle, `(translation, rotation)` in frame (-1) (H5).
+    pub(crate) fn handle(&self, moved: impl Fn(usize) -> (Vector3<f64>, Vector3<f64>)) -> Signal {
+        let moved: Vec<_> = (0..self.rows()).map(moved).collect();
+        self.on_handle(|stream, row| {
+            let (linear, angular) = &moved[row];
+            self.seen(stream, row, linear, angular)
+        })
+    }
+
+    /// A signal on every stream that moves with the handle, from its values by stream and row.
+    fn on_handle(&self, value: impl Fn(usize, usize) -> f64) -> Signal {
+        let shown = (0..self.streams.len()).filter(|&stream| self.streams[stream].shows_handle());
+        let values = |stream: usize| (0..self.rows()).map(|row| value(stream, row)).collect();
+        Signal {
+            parts: shown.map(|stream| (stream, values(stream))).collect(),
+        }
+    }
+}
+
+/// A signal on one stream, where the recording has it.
+fn on_one(stream: Option<usize>, values: Vec<f64>) -> Signal {
+    Signal {
+        parts: stream.map(|stream| (stream, values)).into_iter().collect(),
+    }
+}

@@ -1,0 +1,111 @@
+//! The base model's own fit to a recording, by Gauss-Newton.
+
+use super::Prepared;
+use crate::DiagnosisError;
+use crate::blocks::Blocks;
+use crate::measured::{KnownNoise, estimate_noise};
+use crate::noise::Noise;
+use crate::part::{Part, root_mean_square, square};
+use crate::refit::{HALVINGS, SMALL_STEP};
+use crate::system::compress_rows;
+
+/// Passes of the base model's own refit.
+const BASE_PASSES: usize = 3;
+
+/// Outcome of a base fit.
+pub(super) struct BaseFit {
+    pub(super) noise: Vec<Noise>,
+    pub(super) scale: Vec<Option<Vec<f64>>>,
+    pub(super) whole: Part,
+    pub(super) values: Vec<f64>,
+    pub(super) residual: Vec<Vec<f64>>,
+    pub(super) last_step: f64,
+}
+
+impl Prepared<'_> {
+    /// Fits the base model by Gauss-Newton; the noise is estimated anew when the first steps were large.
+    pub(super) fn base_fit(
+        &self,
+        mut residual: Vec<Vec<f64>>,
+        known: Option<&KnownNoise>,
+    ) -> Result<BaseFit, DiagnosisError> {
+        let mut values = self.problem.start();
+        let mut pass = 0;
+        loop {
+            let (noise, scale) = match known {
+                Some(known) => (known.noise.clone(), known.scale.clone()),
+                None => estimate_noise(
+                    &self.context,
+                    &self.problem,
+                    &residual,
+                    &self.usable,
+                    &self.own,
+                    self.base.free.len(),
+                ),
+            };
+            let blocks = Blocks::new(&self.context, &self.usable, &scale, &self.own, &noise);
+            let free = &self.base.free;
+            let whole = Part::new(
+                &self.context,
+                &self.problem,
+                blocks,
+                self.matrix.as_ref(),
+                free,
+            )?;
+            let mut last_step: f64 = 0.0;
+            // several steps with one decomposition
+            for _ in 0..BASE_PASSES {
+                let Some(basis) = &whole.basis else {
+                    break;
+                };
+                let step = basis.solve(&compress_rows(&whole.blocks, &residual))?;
+                last_step = root_mean_square(&whole.free.times(&step)?);
+                if last_step < SMALL_STEP {
+                    break;
+                }
+                let cost = square(&whole, &residual);
+                match self.base_step(&whole, &values, &step, cost) {
+                    Some((next, rest)) => (values, residual) = (next, rest),
+                    None => break,
+                }
+            }
+            pass += 1;
+            // a start far away has shown noise that is partly the step's
+            if pass > 1 || last_step < 10.0 * SMALL_STEP {
+                return Ok(BaseFit {
+                    noise,
+                    scale,
+                    whole,
+                    values,
+                    residual,
+                    last_step,
+                });
+            }
+        }
+    }
+
+    /// Values and residuals after a step of the base model, shortened until the cost falls; none where it
+    /// never does.
+    fn base_step(
+        &self,
+        part: &Part,
+        values: &[f64],
+        step: &[f64],
+        cost: f64,
+    ) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+        let mut share = 1.0;
+        for _ in 0..HALVINGS {
+            let mut next = values.to_vec();
+            for (&parameter, change) in self.base.free.iter().zip(step) {
+                next[parameter] += share * change;
+            }
+            if let Ok(evaluated) = self.problem.evaluate(&next, false)
+                && square(part, &evaluated.residual) < cost
+            {
+                return Some((next, evaluated.residual));
+            }
+            share *= 0.4;
+        }
+        None
+    }
+}

@@ -1,0 +1,175 @@
+//! A recording with the base model's residuals, before anything is fitted to it.
+
+use std::sync::Arc;
+
+use haptical_calibration::{Channel, Weights};
+use haptical_identification::Matrix;
+use haptical_model::Recording;
+
+use super::base_fit::BaseFit;
+use super::{Engine, beside};
+use crate::DiagnosisError;
+use crate::base::{Base, BaseProblem};
+use crate::catalogue::Effect;
+use crate::cleaning::outlying_rows;
+use crate::context::{Context, streams};
+use crate::measured::{KnownNoise, floors};
+use crate::model::{Model, Refit};
+use crate::system::{System, compress_matrix};
+
+/// A recording with the base model's residuals and derivatives, before anything is fitted to it.
+#[derive(Debug)]
+pub(crate) struct Prepared<'a> {
+    pub(super) context: Context<'a>,
+    pub(super) problem: BaseProblem<'a>,
+    pub(super) base: &'a Base,
+    pub(super) own: Vec<f64>,
+    pub(super) usable: Vec<Vec<bool>>,
+    pub(super) matrix: Option<Matrix>,
+    pub(super) residual: Vec<Vec<f64>>,
+}
+
+impl<'a> Prepared<'a> {
+    /// Evaluates the base model on a recording.
+    pub(crate) fn new(base: &'a Base, recording: &'a Recording) -> Result<Self, DiagnosisError> {
+        let weights = Weights::stated(&base.device, &base.channels);
+        let streams = streams(&base.device, &base.channels);
+        let (context, evaluated) = rayon::join(
+            || Context::new(&base.device, recording, &streams),
+            || {
+                let problem = BaseProblem::new(base, recording, &streams, &weights)?;
+                let first = problem.evaluate(&problem.start(), true)?;
+                Ok::<_, DiagnosisError>((problem, first))
+            },
+        );
+        let (problem, first) = evaluated?;
+        let own: Vec<f64> = streams
+            .iter()
+            .map(|stream| {
+                weights
+                    .channel_sd
+                    .get(&stream.channel)
+                    .copied()
+                    .unwrap_or(1e-4)
+            })
+            .collect();
+        let usable = first
+            .residual
+            .iter()
+            .map(|rows| rows.iter().map(|value| value.is_finite()).collect())
+            .collect();
+        Ok(Self {
+            context: context?,
+            problem,
+            base,
+            own,
+            usable,
+            matrix: first.matrix,
+            residual: first.residual,
+        })
+    }
+
+    /// Readings that stand alone.
+    pub(crate) fn outlying(&self, limit: f64) -> Vec<(Channel, usize)> {
+        outlying_rows(&self.context, &self.problem, &self.residual, limit)
+    }
+
+    /// Readings that stand alone once causes are in the model.
+    pub(crate) fn outlying_beside(
+        &self,
+        effects: &[Box<dyn Effect>],
+        model: &Model,
+        limit: f64,
+    ) -> Result<Vec<(Channel, usize)>, DiagnosisError> {
+        let residual = self.problem.evaluate(&model.values, false)?.residual;
+        let residual = beside(residual, &self.context, effects, &model.causes);
+        Ok(outlying_rows(
+            &self.context,
+            &self.problem,
+            &residual,
+            limit,
+        ))
+    }
+
+    /// The same recording after some of its readings were taken out, `cleaned`.
+    pub(crate) fn without(
+        mut self,
+        gone: &[(Channel, usize)],
+        cleaned: &'a Recording,
+    ) -> Prepared<'a> {
+        self.context.recording = cleaned;
+        for &(channel, row) in gone {
+            for (index, stream) in self.context.streams.iter().enumerate() {
+                if stream.channel == channel {
+                    self.usable[index][row] = false;
+                    self.residual[index][row] = f64::NAN;
+                    self.problem.forget(index, row);
+                }
+            }
+        }
+        self
+    }
+
+    /// Fits the base model; the noise is estimated where it is not `known`.
+    pub(crate) fn fit(mut self, known: Option<&KnownNoise>) -> Result<Engine<'a>, DiagnosisError> {
+        let readings = self.usable.iter().flatten();
+        let readings: usize = readings.filter(|usable| **usable).count();
+        let free = self.base.free.len();
+        if readings <= free + 4 {
+            return Err(DiagnosisError::TooFewReadings {
+                readings,
+                parameters: free,
+                advised: 20 * free.max(5),
+            });
+        }
+        let residual = std::mem::take(&mut self.residual);
+        let BaseFit {
+            noise,
+            scale,
+            whole,
+            values,
+            residual,
+            last_step,
+        } = self.base_fit(residual, known)?;
+        let Self {
+            context,
+            problem,
+            base,
+            own,
+            usable,
+            matrix,
+            ..
+        } = self;
+        let floor = floors(&problem, &noise, &usable);
+        let held: Vec<usize> = (0..base.parameters.len())
+            .filter(|parameter| !base.free.contains(parameter))
+            .collect();
+        let other = matrix
+            .as_ref()
+            .map(|matrix| compress_matrix(&context, &problem, &whole.blocks, matrix, &held));
+        let system = System::new(&context, &whole, other.as_ref(), &residual);
+        Ok(Engine {
+            context,
+            problem,
+            base,
+            noise,
+            floor,
+            usable,
+            system,
+            own,
+            scale,
+            matrix,
+            whole,
+            start: Refit {
+                model: Model {
+                    values,
+                    bare: Arc::new(residual.clone()),
+                    causes: Vec::new(),
+                },
+                residual,
+                covariance: None,
+                last_step,
+            },
+        })
+    }
+}

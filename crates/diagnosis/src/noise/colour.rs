@@ -1,0 +1,80 @@
+//! Size and colour of a noise by the moments of its segments.
+
+use super::Noise;
+use super::segments::{LAGS, SEGMENT, expected_moments, leave_undisturbed, segment_basis};
+
+/// Smallest and largest colours that are looked for.
+const LEAST_COLOUR: f64 = -0.9;
+const MOST_COLOUR: f64 = 0.97;
+
+/// The colour up to which the correlation of successive rows grows: a cubic takes most of a strongly
+/// coloured part out of a segment, and white rounding is what is left.
+fn most_colour(mixed: &dyn Fn(f64) -> [f64; LAGS]) -> f64 {
+    let correlation = |colour: f64| {
+        let [square, next] = mixed(colour);
+        next / square
+    };
+    let mut most = LEAST_COLOUR;
+    while most < MOST_COLOUR && correlation(most + COLOUR_STEP) > correlation(most) {
+        most += COLOUR_STEP;
+    }
+    most
+}
+
+/// Step in which the turning point is looked for.
+const COLOUR_STEP: f64 = 0.01;
+
+/// Solves for size and colour by the moments of the segments that nothing disturbs; the share of the
+/// variance that rounding has is white.
+pub(super) fn from_segments(mut moments: Vec<[f64; LAGS]>, rounding: f64) -> Noise {
+    let basis = segment_basis();
+    leave_undisturbed(&mut moments, |segment| segment[0]);
+    let count = moments.len();
+    let mut seen = [0.0; LAGS];
+    for segment in &moments {
+        for (sum, moment) in seen.iter_mut().zip(segment.iter()) {
+            *sum += moment / count as f64;
+        }
+    }
+    let white = expected_moments(0.0, &basis);
+    let scatter = 1.0 / ((count * (SEGMENT - 4)) as f64).sqrt();
+    let share = 1.0 - rounding.clamp(0.0, 0.9);
+    let mixed = |colour: f64| {
+        let coloured = expected_moments(colour, &basis);
+        let part = |lag: usize| share * coloured[lag] + (1.0 - share) * white[lag];
+        [part(0), part(1)]
+    };
+    let mut colour = 0.0;
+    let found = seen[1] / seen[0].max(1e-300);
+    let [square, next] = mixed(0.0);
+    // a colour within its scatter of white is white: it would only add noise to the whitening
+    if (found - next / square).abs() > 3.0 * scatter {
+        let (mut low, mut high) = (LEAST_COLOUR, most_colour(&mixed));
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            let [square, next] = mixed(middle);
+            if next / square < found {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        colour = 0.5 * (low + high);
+    }
+    let variance = (seen[0] / mixed(colour)[0]).max(1e-12);
+    let freedom = (SEGMENT - 4) as f64 * (1.0 - colour * colour) / (1.0 + colour * colour);
+    // the level at low frequency, (1 + c) / (1 - c), inherits the colour's scatter too
+    let slope = if colour == 0.0 {
+        0.0
+    } else {
+        4.0 * scatter / (1.0 - colour * colour)
+    };
+    Noise {
+        ratio: variance.sqrt(),
+        colour,
+        coloured_share: if colour == 0.0 { 0.0 } else { share },
+        uncertainty: (2.0 / (count as f64 * freedom)).sqrt().hypot(slope),
+        from_motion: true,
+        speed_ratio: 1.0,
+    }
+}

@@ -1,0 +1,56 @@
+//! Whether a pick is more than chance, and explains enough.
+
+use haptical_metrics::chi_square_p_value;
+
+use super::{Selector, excess, misfit};
+use crate::DiagnosisError;
+use crate::scan::Score;
+use crate::system::SlowEnergy;
+
+impl Selector<'_, '_> {
+    pub(crate) fn is_worth_a_refit(&self, score: &Score) -> Result<bool, DiagnosisError> {
+        Ok(self.family_wise_p(score, 1.0)? < self.thresholds.family_wise_p)
+    }
+
+    /// Probability that chance gives any effect of the catalogue a score like this, misfit allowed for
+    /// as more noise (Bonferroni over effects, shapes and instants).
+    pub(crate) fn family_wise_p(&self, score: &Score, misfit: f64) -> Result<f64, DiagnosisError> {
+        let effect = self.effects[score.effect].as_ref();
+        let tries = if effect.is_event() {
+            let instants = 0.15 * self.engine.system.blocks.count() as f64
+                / self.engine.context.streams.len().max(1) as f64;
+            instants.max(1.0).powi(score.times.len().max(1) as i32)
+        } else {
+            effect.shapes(&self.engine.context).len() as f64
+        };
+        let p = chi_square_p_value(score.score / misfit, score.rank as f64)?;
+        Ok((p * tries.max(1.0) * self.tested.len() as f64).min(1.0))
+    }
+
+    pub(crate) fn is_more_than_chance(
+        &self,
+        score: &Score,
+        after: &[SlowEnergy],
+    ) -> Result<bool, DiagnosisError> {
+        let p = self.family_wise_p(score, misfit(after))?;
+        Ok(p < self.thresholds.family_wise_p)
+    }
+
+    /// Whether a pick explains enough of what was left: a wrong effect nibbles at a gap.
+    pub(super) fn explains_enough(
+        &self,
+        score: &Score,
+        before: &[SlowEnergy],
+        after: &[SlowEnergy],
+    ) -> bool {
+        let share = self.thresholds.share_of_rest;
+        if self.engine.is_noise_unknown() {
+            // what is noise and what is gap only the cause itself tells
+            let all: f64 = before.iter().map(|stream| stream.energy).sum();
+            return score.score >= share * all;
+        }
+        let (rest, uncertain) = excess(before);
+        let (left, _) = excess(after);
+        score.score >= share * (rest - 2.0 * uncertain) || rest - left >= share * rest
+    }
+}

@@ -1,0 +1,127 @@
+//! Every effect that may be picked next, best first.
+
+use rayon::prelude::*;
+
+use super::Selector;
+use crate::catalogue::{Effect, under_load};
+use crate::events::{event_score, with_more_steps};
+use crate::model::{Cause, Model};
+use crate::scan::Score;
+use crate::system::System;
+
+/// Two steps so near to each other are one event, seen by more than one channel \[s\].
+const COINCIDENT_S: f64 = 0.8;
+/// Score from which an event may have further steps.
+const WORTH_MORE_STEPS: f64 = 60.0;
+
+impl Selector<'_, '_> {
+    /// Every effect's best score, best first by [`Selector::criterion`].
+    pub(crate) fn scan(&mut self, system: &System, model: &Model) -> Vec<Score> {
+        let known = self.engine.system.basis.len();
+        let mut scores: Vec<Score> = Vec::new();
+        self.candidates
+            .par_iter_mut()
+            .map(|candidate| {
+                candidate.reset(system, known);
+                candidate.score(system)
+            })
+            .collect_into_vec(&mut scores);
+        let largest = scores.iter().map(|score| score.score).fold(0.0, f64::max);
+        let events: Vec<Score> = self
+            .tested
+            .par_iter()
+            .filter_map(|&index| {
+                let effect = self.effects[index].as_ref();
+                let context = &self.engine.context;
+                if !effect.is_event() {
+                    return None;
+                }
+                let score = event_score(system, context, effect, index)?;
+                let several = score.score > WORTH_MORE_STEPS && score.score > 0.3 * largest;
+                Some(if several {
+                    with_more_steps(system, context, effect, score)
+                } else {
+                    score
+                })
+            })
+            .collect();
+        scores.extend(events);
+        scores.retain(|score| self.is_eligible(score, model));
+        scores.sort_by(|a, b| self.criterion(b).total_cmp(&self.criterion(a)));
+        let mut seen = vec![false; self.effects.len()];
+        scores.retain(|score| !std::mem::replace(&mut seen[score.effect], true));
+        scores
+    }
+
+    fn is_eligible(&self, score: &Score, model: &Model) -> bool {
+        let effect = self.effects[score.effect].as_ref();
+        let context = &self.engine.context;
+        let used = |cause: &Cause| {
+            cause.effect == score.effect || effect.is_kin_of(self.effects[cause.effect].as_ref())
+        };
+        let believable =
+            score.retained >= self.thresholds.retained || self.is_plausible(effect, score);
+        let loaded = effect.name() != "capstan-slip"
+            || effect.joint().is_some_and(|joint| {
+                score
+                    .times
+                    .iter()
+                    .any(|&time| under_load(context, joint, time))
+            });
+        let time_s = context.recording.time_s.as_ref();
+        let near = |a: f64, b: f64| {
+            time_s.is_some_and(|time_s| {
+                let at = |row: f64| time_s.get(row as usize).copied().unwrap_or(f64::NAN);
+                (at(a) - at(b)).abs() < COINCIDENT_S
+            })
+        };
+        let coincides = |cause: &Cause| {
+            let mut rows = cause.times.iter();
+            rows.any(|row| score.times.iter().any(|other| near(*row, *other)))
+        };
+        score.rank > 0
+            && !model.causes.iter().any(coincides)
+            && score.score.is_finite()
+            && effect.is_possible(&score.amplitudes)
+            && !model.causes.iter().any(used)
+            && believable
+            && loaded
+    }
+
+    fn is_plausible(&self, effect: &dyn Effect, score: &Score) -> bool {
+        values_are_plausible(
+            effect,
+            &effect.values(
+                &self.engine.context,
+                &score.amplitudes[..effect.amplitude_count()],
+                score.shape,
+            ),
+        )
+    }
+
+    /// Evidence of a score in nats: half the explained square, less what its freedom costs.
+    pub(crate) fn criterion(&self, score: &Score) -> f64 {
+        let effect = self.effects[score.effect].as_ref();
+        let readings = self.engine.system.blocks.count().max(2) as f64;
+        let shapes = if effect.is_event() {
+            let instants = readings / self.engine.context.streams.len().max(1) as f64;
+            instants.max(1.0).ln() * score.times.len() as f64
+        } else {
+            (effect.shapes(&self.engine.context).len().max(1) as f64).ln()
+        };
+        let mut criterion = 0.5 * score.score - 0.5 * score.rank as f64 * readings.ln() - shapes
+            + effect.log_prior();
+        if !self.is_plausible(effect, score) {
+            criterion -= self.thresholds.implausible_nats;
+        }
+        criterion
+    }
+}
+
+pub(crate) fn values_are_plausible(effect: &dyn Effect, values: &[f64]) -> bool {
+    effect
+        .parameters()
+        .iter()
+        .zip(values)
+        .all(|(spec, value)| value.abs() <= spec.plausible[1] && value.abs() >= spec.plausible[0])
+}

@@ -1,0 +1,80 @@
+//! Part of the one recording held back, and predicted by what was fitted to the rest.
+
+use std::collections::BTreeMap;
+
+use haptical_calibration::{HeldOut, split};
+use haptical_model::Recording;
+
+use super::Shrink;
+use super::reduction::collect;
+use crate::DiagnosisError;
+use crate::context::Stream;
+use crate::engine::Engine;
+use crate::select::{Selection, Selector};
+
+/// Share of the rows that is held back without a second recording.
+const HELD_BACK: f64 = 0.2;
+
+/// Fits base model and causes to part of the recording, and predicts the rest.
+pub(crate) fn on_held_back(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    recording: &Recording,
+    earlier: Option<&[Vec<f64>]>,
+) -> Result<Shrink, DiagnosisError> {
+    let engine = selector.engine;
+    let (held, description) = if of_postures(engine) {
+        let description = "every fifth touch of each point or plane".to_owned();
+        (every_fifth_touch(recording), description)
+    } else {
+        let split = split(recording, HeldOut::Share(HELD_BACK))?;
+        let mut held = vec![false; recording.len()];
+        for &row in &split.held_out {
+            held[row] = true;
+        }
+        (held, split.description)
+    };
+    if held.iter().filter(|held| **held).count() < 8 {
+        return Ok(Shrink::default());
+    }
+    let seen = |row: usize| !held[row];
+    let part = engine.part(&seen)?;
+    let plain = engine.refit_on(&part, selector.effects, &engine.start.model)?;
+    let with = engine.refit_on(&part, selector.effects, &selection.refit.model)?;
+    let before = earlier.unwrap_or(&plain.residual);
+    let after = &with.residual;
+    let rows = |stream: usize, row: usize| held[row] && engine.usable[stream][row];
+    Ok(Shrink {
+        channels: collect(engine, &rows, before, after),
+        predictions: Vec::new(),
+        description,
+        warnings: Vec::new(),
+    })
+}
+
+/// Whether the rows are single postures at which something is touched: what was touched has no place where
+/// all its touches are held back, and neighbours say nothing of each other.
+fn of_postures(engine: &Engine<'_>) -> bool {
+    let context = &engine.context;
+    !context.ordered && context.streams.iter().any(Stream::is_touch)
+}
+
+/// Of each point and plane the fifth touch, the tenth, ...
+fn every_fifth_touch(recording: &Recording) -> Vec<bool> {
+    let mut touches: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    (0..recording.len())
+        .map(|row| {
+            let count = touches
+                .entry((id(&recording.contact, row), id(&recording.plane, row)))
+                .or_default();
+            *count += 1;
+            count.is_multiple_of(5)
+        })
+        .collect()
+}
+
+/// What a row touches; nothing where there is no such column.
+fn id(ids: &Option<Vec<String>>, row: usize) -> &str {
+    let id = ids.as_ref().and_then(|ids| ids.get(row));
+    id.map_or("", String::as_str)
+}
