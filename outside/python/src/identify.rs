@@ -1,22 +1,27 @@
-//! `haptical.identify`: a calibration, its parameters and residuals as arrays.
+//! `haptical.identify`: what identified.json has, as dictionaries and arrays.
 
-use haptical_calibration::{
-    Calibration, ChannelReport, Outlier, ParameterFit, Robustness, calibrate,
-};
-use haptical_identification::{Identifiability, Loss, Status};
-use haptical_model::{Device as Model, ParameterId, TransmissionError};
-use numpy::{PyArray1, PyArray2};
+use haptical_calibration::{Calibration, ForceDirection, ParameterFit, calibrate};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::PyDict;
+use serde_json::json;
 
+use crate::candidates::{candidates, columns, not_identified};
 use crate::device::{device_of, log_shape};
 use crate::failure::Failure;
+use crate::judgement::{
+    correlations, force, force_leans, identifiability, intervals, noise, search,
+};
 use crate::log::log_of;
 use crate::options::Keywords;
+use crate::residuals::{channels, judged, loss, outliers};
+use crate::serialised::python;
+use crate::transmissions::transmissions;
 
 /// A calibration with the text of identified.toml and all warnings.
 struct Outcome {
     calibration: Calibration,
+    method: &'static str,
+    force: Option<ForceDirection>,
     toml: String,
     warnings: Vec<String>,
     rows: usize,
@@ -58,12 +63,15 @@ pub(crate) fn identify<'py>(
     let outcome = py.detach(|| -> Result<Outcome, Failure> {
         let read = log.read(&log_shape(&device.model))?;
         let calibration = calibrate(&device.model, &read.recording, &options)?;
+        let force = force_leans(&device.model, &calibration, &read.recording)?;
         let toml = calibration.device.to_toml(&device.text, &device.label)?;
         let mut warnings = device.warnings.clone();
         warnings.extend(read.warnings);
         warnings.extend(calibration.warnings.iter().cloned());
         Ok(Outcome {
             calibration,
+            method: Calibration::method_name(options.method),
+            force,
             toml,
             warnings,
             rows: read.recording.len(),
@@ -84,193 +92,35 @@ fn result<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bound<'py, PyDict
         Some(whole) => vec![whole],
         None => steps.clone(),
     };
-    let judged: Vec<&Identifiability> = fits.iter().map(|fit| &fit.identifiability).collect();
+    let found = candidates(calibration, &fits, &steps);
+    let convergence = json!(fits.first().map(|fit| fit.convergence));
+    let iterations: usize = fits.iter().map(|fit| fit.iterations).sum();
+    let rank: usize = fits.iter().map(|fit| fit.identifiability.rank).sum();
+    let count = fits.iter().map(|fit| fit.identifiability.names.len());
     let result = PyDict::new(py);
-    result.set_item("parameters", parameters(py, calibration, &fits, &steps)?)?;
-    let held_out = &calibration.held_out_channels;
-    let shown = if held_out.is_empty() {
-        &calibration.fit_channels
-    } else {
-        held_out
-    };
-    result.set_item("channels", channels(py, shown)?)?;
-    result.set_item("channels_fit", channels(py, &calibration.fit_channels)?)?;
-    result.set_item("held_out", &calibration.held_out)?;
+    result.set_item("method", outcome.method)?;
     result.set_item("rows", outcome.rows)?;
-    result.set_item(
-        "rank",
-        judged.iter().map(|judged| judged.rank).sum::<usize>(),
-    )?;
-    result.set_item(
-        "candidates",
-        judged
-            .iter()
-            .map(|judged| judged.names.len())
-            .sum::<usize>(),
-    )?;
-    result.set_item(
-        "iterations",
-        fits.iter().map(|fit| fit.iterations).sum::<usize>(),
-    )?;
+    result.set_item("held_out", &calibration.held_out)?;
+    result.set_item("convergence", python(py, &convergence, &[])?)?;
+    result.set_item("iterations", iterations)?;
+    result.set_item("channels", channels(py, judged(calibration))?)?;
+    result.set_item("channels_fit", channels(py, &calibration.fit_channels)?)?;
+    result.set_item("transmissions", transmissions(py, calibration, &found)?)?;
+    let all: Vec<_> = found.iter().collect();
+    result.set_item("parameters", columns(py, &all)?)?;
+    result.set_item("not_identified", not_identified(py, &found)?)?;
+    result.set_item("intervals", intervals(py, fits.first())?)?;
+    result.set_item("search", search(py, calibration)?)?;
+    result.set_item("identifiability", identifiability(py, &fits)?)?;
+    result.set_item("correlations_above_0_95", correlations(&fits))?;
+    result.set_item("force_direction", force(py, outcome.force.as_ref())?)?;
+    result.set_item("noise", noise(py, &fitted.weights)?)?;
     result.set_item("loss", loss(py, fitted.robust.as_ref())?)?;
     result.set_item("outliers", outliers(py, &calibration.outliers)?)?;
     result.set_item("warnings", &outcome.warnings)?;
+    // these two stood here before `identifiability` did
+    result.set_item("rank", rank)?;
+    result.set_item("candidates", count.sum::<usize>())?;
     result.set_item("identified_toml", &outcome.toml)?;
     Ok(result)
-}
-
-/// What large residuals cost.
-fn loss<'py>(py: Python<'py>, robust: Option<&Robustness>) -> PyResult<Bound<'py, PyDict>> {
-    let entry = PyDict::new(py);
-    let used = robust.map_or(Loss::Squares, |robust| robust.loss);
-    entry.set_item("used", used.to_string())?;
-    entry.set_item("rounds", robust.map_or(0, |robust| robust.rounds))?;
-    entry.set_item("settled", robust.is_none_or(|robust| robust.settled))?;
-    Ok(entry)
-}
-
-/// Readings that noise does not explain, farthest first, column by column.
-fn outliers<'py>(py: Python<'py>, found: &[Outlier]) -> PyResult<Bound<'py, PyDict>> {
-    let columns = PyDict::new(py);
-    let lines = found
-        .iter()
-        .map(|wild| i64::try_from(wild.line).unwrap_or(i64::MAX));
-    let channels: Vec<String> = found.iter().map(|wild| wild.channel.name()).collect();
-    let residuals: Vec<f64> = found.iter().map(|wild| wild.residual).collect();
-    let deviations: Vec<f64> = found.iter().map(|wild| wild.deviations).collect();
-    columns.set_item("line", PyArray1::from_vec(py, lines.collect::<Vec<_>>()))?;
-    columns.set_item("channel", channels)?;
-    columns.set_item("residual", PyArray1::from_vec(py, residuals))?;
-    columns.set_item("deviations", PyArray1::from_vec(py, deviations))?;
-    Ok(columns)
-}
-
-/// The candidates of all fits, column by column.
-fn parameters<'py>(
-    py: Python<'py>,
-    calibration: &Calibration,
-    fits: &[&ParameterFit],
-    steps: &[&ParameterFit],
-) -> PyResult<Bound<'py, PyDict>> {
-    let (names, keys, units) = (PyList::empty(py), PyList::empty(py), PyList::empty(py));
-    let (statuses, reasons) = (PyList::empty(py), PyList::empty(py));
-    let (mut was, mut values, mut deviations, mut ci95) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut seen: Vec<&str> = Vec::new();
-    // with the starts of the rig's unknown frames and places, which the log gave
-    let (nominal, device) = (&calibration.nominal, &calibration.device);
-    // In two steps the whole fit has the kinematics alone; the transmissions come from step 1.
-    for fit in fits.iter().chain(steps) {
-        for (index, (&parameter, estimate)) in fit.parameters.iter().zip(&fit.estimates).enumerate()
-        {
-            // not by key: the three turns of a frame share one
-            if seen.contains(&estimate.name.as_str()) {
-                continue;
-            }
-            names.append(&estimate.name)?;
-            keys.append(parameter.key(device))?;
-            units.append(&estimate.unit)?;
-            statuses.append(status_name(&estimate.status))?;
-            reasons.append(reason(fit, index))?;
-            was.push(nominal_value(parameter, nominal, device).unwrap_or(f64::NAN));
-            values.push(estimate.value.unwrap_or(f64::NAN));
-            deviations.push(estimate.standard_deviation.unwrap_or(f64::NAN));
-            ci95.push(estimate.ci95.unwrap_or([f64::NAN; 2]).to_vec());
-            seen.push(&estimate.name);
-        }
-    }
-    let columns = PyDict::new(py);
-    columns.set_item("name", names)?;
-    columns.set_item("key", keys)?;
-    columns.set_item("unit", units)?;
-    columns.set_item("nominal", PyArray1::from_vec(py, was))?;
-    columns.set_item("value", PyArray1::from_vec(py, values))?;
-    columns.set_item("standard_deviation", PyArray1::from_vec(py, deviations))?;
-    columns.set_item("ci95", pairs(py, &ci95)?)?;
-    columns.set_item("status", statuses)?;
-    columns.set_item("reason", reasons)?;
-    Ok(columns)
-}
-
-/// Why a parameter has no value.
-fn reason(fit: &ParameterFit, index: usize) -> Option<String> {
-    let estimate = &fit.estimates[index];
-    fit.identifiability.reason(index).or_else(|| {
-        let held = || {
-            format!(
-                "{} was held: it could not be fitted at the nominal device",
-                estimate.name
-            )
-        };
-        estimate.value.is_none().then(held)
-    })
-}
-
-/// Rows of two numbers as an array, of shape [0, 2] where there are none.
-fn pairs<'py>(py: Python<'py>, rows: &[Vec<f64>]) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    if rows.is_empty() {
-        return Ok(PyArray2::zeros(py, [0, 2], false));
-    }
-    Ok(PyArray2::from_vec2(py, rows)?)
-}
-
-/// Value in the given device. A transmission error of zero is zero in every form; one of another form has no
-/// such parameter.
-fn nominal_value(parameter: ParameterId, nominal: &Model, device: &Model) -> Option<f64> {
-    let ParameterId::Transmission { joint, .. } = parameter else {
-        return Some(parameter.value(nominal));
-    };
-    let was = &nominal.joints[joint].transmission_error;
-    let now = &device.joints[joint].transmission_error;
-    let is_same_form = match (was, now) {
-        (
-            TransmissionError::Chebyshev {
-                range_rad,
-                coefficients,
-            },
-            TransmissionError::Chebyshev {
-                range_rad: range,
-                coefficients: found,
-            },
-        ) => range_rad == range && coefficients.len() == found.len(),
-        _ => std::mem::discriminant(was) == std::mem::discriminant(now),
-    };
-    if is_same_form {
-        Some(parameter.value(nominal))
-    } else {
-        (*was == TransmissionError::default()).then_some(0.0)
-    }
-}
-
-fn status_name(status: &Status) -> &'static str {
-    match status {
-        Status::Identifiable { .. } => "identifiable",
-        Status::Weak { .. } => "weak",
-        Status::Invisible => "invisible",
-        Status::Dependent { .. } => "dependent",
-    }
-}
-
-fn channels<'py>(py: Python<'py>, reports: &[ChannelReport]) -> PyResult<Bound<'py, PyDict>> {
-    let channels = PyDict::new(py);
-    for report in reports {
-        let entry = PyDict::new(py);
-        entry.set_item("unit", &report.unit)?;
-        entry.set_item("joint", report.joint)?;
-        entry.set_item("readings", report.readings)?;
-        entry.set_item("rms_before", report.rms_before)?;
-        entry.set_item("rms_after", report.rms_after)?;
-        entry.set_item("noise_floor", report.noise_floor)?;
-        entry.set_item("reduction_percent", report.reduction_percent)?;
-        let rows: Vec<i64> = report
-            .rows
-            .iter()
-            .map(|&row| i64::try_from(row).unwrap_or(i64::MAX))
-            .collect();
-        entry.set_item("rows", PyArray1::from_vec(py, rows))?;
-        entry.set_item("before", PyArray1::from_slice(py, &report.before))?;
-        entry.set_item("after", PyArray1::from_slice(py, &report.after))?;
-        channels.set_item(&report.channel, entry)?;
-    }
-    Ok(channels)
 }

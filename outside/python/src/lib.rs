@@ -1,15 +1,20 @@
 //! The Python module `haptical._haptical`: devices and recordings in, NumPy arrays out.
 
+mod candidates;
 mod device;
 mod diagnose;
 mod failure;
 mod identify;
+mod judgement;
 mod kinematics;
 mod log;
 mod options;
 mod plain;
 mod plan;
 mod plan_options;
+mod residuals;
+mod serialised;
+mod transmissions;
 
 use pyo3::prelude::*;
 

@@ -53,7 +53,12 @@ def recording(a1, a2, rows=400, seed=3, sd_m=1e-4):
 def write_csv(path, columns):
     names = list(columns)
     rows = zip(*(np.asarray(columns[name]).tolist() for name in names))
-    lines = [",".join(names)] + [",".join(cell if isinstance(cell, str) else repr(cell) for cell in row) for row in rows]
+
+    def text(cell):
+        """A cell; NaN is no reading."""
+        return cell if isinstance(cell, str) else "" if cell != cell else repr(cell)
+
+    lines = [",".join(names)] + [",".join(map(text, row)) for row in rows]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

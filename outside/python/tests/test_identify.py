@@ -1,4 +1,4 @@
-"""Identification: against the truth, least squares, and the command's own JSON."""
+"""Identification: against the truth, least squares, and what is refused."""
 
 import math
 
@@ -6,6 +6,7 @@ import haptical
 import numpy as np
 import pytest
 from conftest import ROOT, planar, planar_position, recording, write_csv
+from logs import SOMEWHERE, TOUCHES, touching, wild, yielding
 
 
 def value(result, name):
@@ -53,81 +54,6 @@ def test_columns_of_parameters_have_one_entry_each(device):
     lacking = np.isnan(table["value"])
     assert lacking.any(), "a planar arm cannot show every parameter"
     assert all(table["reason"][index] for index in np.flatnonzero(lacking))
-
-
-def yielding(compliances, rows=400):
-    """A log of joints that yield to known torques behind their readings."""
-    log = recording(0.3, 0.2, rows=rows)
-    read = np.stack([log["theta1_rad"], log["theta2_rad"]], axis=1)
-    torque = np.stack([5 * np.cos(0.31 * np.arange(rows)), 3 * np.sin(0.23 * np.arange(rows))], axis=1)
-    position = planar_position(read - torque * compliances)
-    position += 1e-4 * np.random.default_rng(8).normal(size=position.shape)
-    torques = {"torque1_nm": torque[:, 0], "torque2_nm": torque[:, 1]}
-    return log | torques | dict(zip(["x_m", "y_m", "z_m"], position.T))
-
-
-def wild():
-    """A log with three readings that noise does not explain."""
-    log = recording(0.3012, 0.1991)
-    log["x_m"][[20, 150, 333]] += [0.05, -0.04, 0.06]
-    return log
-
-
-def touching(rows=200):
-    """A log of postures of which some touch a wall at x = 0.35 m, and some a socket."""
-    log = recording(0.3, 0.2, rows=rows)
-    q1 = np.linspace(-0.6, 0.2, rows // 4)
-    q12 = np.arccos((0.35 - 0.3 * np.cos(q1)) / 0.2)
-    wall = np.stack([q1, q12 - q1], axis=1)
-    log["theta1_rad"][: rows // 4], log["theta2_rad"][: rows // 4] = wall.T
-    log["theta1_rad"][rows // 4 : rows // 2], log["theta2_rad"][rows // 4 : rows // 2] = 0.4, 0.9
-    q = np.stack([log["theta1_rad"], log["theta2_rad"]], axis=1)
-    position = planar_position(q) + 1e-4 * np.random.default_rng(5).normal(size=(rows, 3))
-    plane = np.array(["wall"] * (rows // 4) + [""] * (rows - rows // 4))
-    contact = np.array([""] * (rows // 4) + ["socket"] * (rows // 4) + [""] * (rows - rows // 2))
-    return log | dict(zip(["x_m", "y_m", "z_m"], position.T)) | {"plane": plane, "contact": contact}
-
-
-SOMEWHERE = {"tracker": {"base": "unknown", "tool": "known", "position_sd_m": 1e-4}}
-TOUCHES = {"plane": {"sd_m": 1e-4}, "contact": {"sd_m": 1e-4}}
-
-
-@pytest.mark.parametrize(
-    ("log", "further", "keywords", "flags"),
-    [
-        (recording(0.3012, 0.1991), {}, {}, []),
-        (recording(0.3012, 0.1991), SOMEWHERE, {}, []),
-        (recording(0.3012, 0.1991), {}, {"folds": 4, "noise": "stated"}, ["--folds=4", "--noise=stated"]),
-        (yielding([2e-3, 5e-3]), {}, {"with_": ["joint-compliance"]}, ["--with=joint-compliance"]),
-        (wild(), {}, {}, []),
-        (wild(), {}, {"loss": "huber", "held_out": 0.3}, ["--loss=huber", "--held-out=0.3"]),
-        (touching(), TOUCHES, {}, []),
-    ],
-    ids=["plain", "tracker somewhere", "folds", "compliance", "wild", "huber", "touches"],
-)
-def test_the_command_says_the_same(device, command, log, further, keywords, flags):
-    device |= further
-    text = haptical.Device(device).to_toml()
-    theirs, out = command("identify", text, log, *flags)
-    ours = haptical.identify(device, log, **keywords)
-    table = ours["parameters"]
-    assert table["name"] == [entry["name"] for entry in theirs["parameters"]]
-    for column in ["key", "unit", "status", "reason"]:
-        assert table[column] == [entry[column] for entry in theirs["parameters"]], column
-    for column in ["nominal", "value", "standard_deviation"]:
-        expected = [math.nan if entry[column] is None else entry[column] for entry in theirs["parameters"]]
-        np.testing.assert_array_equal(table[column], expected)
-    assert ours["rank"] == theirs["identifiability"]["rank"]
-    assert ours["held_out"] == theirs["held_out"]
-    assert ours["loss"] == {name: theirs["loss"][name] for name in ["used", "rounds", "settled"]}
-    for column, cells in ours["outliers"].items():
-        assert list(cells) == [entry[column] for entry in theirs["outliers"]], column
-    for channel in theirs["channels"]:
-        mine = ours["channels"][channel["channel"]]
-        assert (mine["rms_before"], mine["rms_after"]) == (channel["rms_before"], channel["rms_after"])
-    written = (out / "identified.toml").read_text(encoding="utf-8")
-    without_comments = "\n".join(line for line in written.splitlines() if not line.startswith("#")).strip()
-    assert without_comments == ours["identified_toml"].strip()
 
 
 def test_compliances_are_found_where_they_are_fitted(device):

@@ -12,6 +12,13 @@ from haptical.types import Identification, Plan
 
 result: Identification = haptical.identify("device.toml", {"theta1_rad": np.zeros(3)}, method="two-step")
 value: float = float(result["parameters"]["value"][0])
+kind: str = result["intervals"]["kind"] if result["intervals"] is not None else ""
+tried: int = result["search"]["tried"] if result["search"] is not None else 0
+lean = result["force_direction"]
+if lean is not None:
+    low, high = lean["ci95_rad"]
+factors: dict[str, float] = {channel: noise["factor"] for channel, noise in result["noise"].items()}
+largest: float = float(result["identifiability"]["at_nominal"]["singular_values"].max())
 position, rotation = haptical.forward_kinematics(haptical.Device("device.toml"), [[0.0]])
 shape: tuple[int, ...] = position.shape
 verdict: str = haptical.diagnose("device.toml", "log.csv")["verdict"]

@@ -44,6 +44,10 @@ def identify(
     least squares unless single readings lie farther out than noise explains. `rig` holds the sensors around the
     device, `tip` is the link at which the chain of a URDF ends.
 
+    The result has the fields of identified.json under the same names: parameters and outliers as columns, channels
+    by name and with their residuals, lists of numbers as arrays. `haptical.types.Identification` says what each
+    holds.
+
     Raises ValueError for bad input, HapticalError where nothing can be identified.
     """
     return _haptical.identify(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Literal, Mapping, Optional, Sequence, TypedDict, Union
+from typing import Any, List, Literal, Mapping, Optional, Sequence, Tuple, TypedDict, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,19 @@ Loss = Literal["auto", "squares", "huber", "cauchy", "tukey", "student-t"]
 Effect = Literal["joint-compliance"]
 Criterion = Literal["d", "a", "o1", "task-position", "task-force"]
 Spread = Literal["uniform", "normal"]
+Status = Literal["identifiable", "weak", "invisible", "dependent"]
+Convergence = Literal[
+    "small-cost-change", "small-step", "exact-fit", "no-further-descent", "iteration-limit", "rank-lost"
+]
+
+
+class Term(TypedDict):
+    """A change of a parameter that acts like a unit change of a dependent one, together with the other terms."""
+
+    parameter: int
+    """Position among the candidates of the fit."""
+    name: str
+    coefficient: float
 
 
 class Parameters(TypedDict):
@@ -37,29 +50,195 @@ class Parameters(TypedDict):
     """Values in the given device, [P]."""
     value: Array
     """Identified values, [P]."""
+    deviation: Array
+    """Identified minus nominal values, [P]."""
     standard_deviation: Array
     ci95: Array
-    """95 % intervals, [P, 2]."""
-    status: List[Literal["identifiable", "weak", "invisible", "dependent"]]
+    """95 % intervals, [P, 2]; `Identification.intervals` says how they were made."""
+    status: List[Status]
+    combination: List[Optional[List[Term]]]
+    """For a dependent parameter: what acts like a unit change of it."""
     reason: List[Optional[str]]
     """Why the data do not fix the parameter."""
+
+
+class NotIdentified(TypedDict):
+    """A candidate that kept its nominal value."""
+
+    name: str
+    status: Status
+    reason: str
 
 
 class Channel(TypedDict):
     """Residuals of one channel in its unit, before and after."""
 
-    unit: str
+    channel: str
     joint: Optional[int]
     """Joint, from 1, of an external encoder."""
+    unit: str
     readings: int
+    outside_range: int
+    """Readings left out, because a polynomial was outside its range there."""
     rms_before: float
+    sd_before: float
     rms_after: float
+    sd_after: float
+    rms_after_good: float
+    """As `rms_after`, outliers left out."""
+    outliers: int
     noise_floor: float
+    """Root mean square of the stated noise, quantization included."""
     reduction_percent: Optional[float]
+    """Share of the gap that was closed, noise taken out; None where there was no gap."""
     rows: npt.NDArray[np.int64]
     """Rows of the log, from 0."""
     before: Array
     after: Array
+
+
+class TransmissionForm(TypedDict, total=False):
+    """A form of the transmission error; `degree` stands beside "polynomial" alone."""
+
+    form: Literal[
+        "none",
+        "offset",
+        "offset-ratio",
+        "offset-eccentricity",
+        "offset-ratio-eccentricity",
+        "capstan",
+        "zeroed-capstan",
+        "polynomial",
+    ]
+    degree: int
+
+
+class Evidence(TypedDict):
+    """One form with its evidence; lower criteria are better."""
+
+    terms: TransmissionForm
+    parameters: int
+    rms: float
+    leave_one_out_rms: float
+    aicc: float
+    bic: float
+
+
+class Observability(TypedDict):
+    """Observability indices, larger is better: Borm & Menq's o1 to Sun & Hollerbach's o5."""
+
+    o1: float
+    o2: float
+    o3: float
+    o4: float
+    o5: float
+
+
+class Rank(TypedDict):
+    """Rank and conditioning of the derivative matrix.
+
+    A device without links has one problem for each transmission: then ranks and candidates are sums, and the
+    figures of a single matrix are None.
+    """
+
+    rank: int
+    candidates: int
+    singular_rank: int
+    """Rank by the singular values of the unit-norm columns; another one than `rank` where the data are on the edge."""
+    condition_unit_norm: Optional[float]
+    singular_values: Array
+    """Of the visible columns at unit norm, largest first; empty where there is none to show."""
+    gap: Optional[Array]
+    """Remainders between which the rank's tolerance lies, [2]: smallest kept, largest dropped."""
+    observability: Optional[Observability]
+
+
+class Identifiability(Rank):
+    """Rank and conditioning at the solution, and at the given device."""
+
+    at_nominal: Rank
+
+
+class Transmission(TypedDict):
+    """One transmission with an external encoder."""
+
+    joint: int
+    """From 1."""
+    terms: TransmissionForm
+    range_rad: Array
+    """Lowest and highest reading that the form was found from, [2]."""
+    evidence: List[Evidence]
+    """Forms that were weighed; empty where the form was given."""
+    convergence: Optional[Convergence]
+    parameters: Parameters
+    """Those of this joint, from the last fit."""
+    polynomial_monomials: Optional[Array]
+    """Powers k0 .. kn of the angle that equal the polynomial, in rad/rad^i; None for another form."""
+    identifiability: Optional[Rank]
+    """Of the transmission's own fit to its external encoder."""
+
+
+class Intervals(TypedDict):
+    """How the intervals in `ci95` were made: for the whole fit, or for the first transmission without one."""
+
+    level: float
+    kind: str
+    """In words: which distribution, by which noise."""
+    degrees_of_freedom: int
+    considered: List[str]
+    """Parameters that were not fitted and whose plausible errors widen the intervals."""
+
+
+class Search(TypedDict):
+    """Searches from other places than the device's own values, where the first one was doubted."""
+
+    doubt: Optional[str]
+    """Why the first search was doubted; None where it was not, and then no other place was tried."""
+    doubt_that_remains: Optional[str]
+    """Why the fit that was kept is doubted still."""
+    tried: int
+    reached_best: int
+    """How many of the random places led to the lowest minimum that any reached."""
+    replaced: bool
+    """Whether a random place led to the fit that was kept."""
+    rivals: int
+    """How many places led to other plausible values that fit as well."""
+    seed: int
+
+
+class ForceDirection(TypedDict):
+    """How far the force of the calibrated device may still lean from the wanted direction."""
+
+    rms_rad: float
+    ci95_rad: Array
+    """95 % interval of `rms_rad` by the parameters' covariance, [2]."""
+    postures: int
+    left_out: int
+    """Postures of the log that are nearly singular."""
+    locked_joint: Optional[int]
+    """Joint, from 1, taken as locked, of a device with seven."""
+    open_through: List[str]
+    """Parameters that the log does not fix and that turn the force: no figure above contains them."""
+    rms_with_open_rad: float
+    """The same angle if those err by their plausible sizes as well."""
+
+
+class ChannelNoise(TypedDict):
+    """Noise of a channel."""
+
+    stated: float
+    """Standard deviation by the device file, in the channel's unit."""
+    factor: float
+    """Factor on it that the residuals show and the fit used."""
+
+
+class RobustScale(TypedDict):
+    """Noise of a channel by its good readings."""
+
+    channel: str
+    scale: float
+    """Standard deviation; of an axis for positions and orientations."""
+    variance_factor: float
 
 
 class LossUsed(TypedDict):
@@ -69,6 +248,8 @@ class LossUsed(TypedDict):
     rounds: int
     """Reweighted fits; 0 for least squares."""
     settled: bool
+    scales: List[RobustScale]
+    """Empty for least squares."""
 
 
 class Outliers(TypedDict):
@@ -84,20 +265,38 @@ class Outliers(TypedDict):
 
 
 class Identification(TypedDict):
-    """What `identify` gives."""
+    """What `identify` gives: the fields of identified.json, the device file, and no record of files."""
 
-    parameters: Parameters
+    method: Method
+    rows: int
+    held_out: str
+    """Which rows the fit did not see, in words."""
+    convergence: Optional[Convergence]
+    iterations: int
     channels: dict[str, Channel]
     """On rows that the fit did not see; on those of the fit where none were held out."""
     channels_fit: dict[str, Channel]
-    held_out: str
-    rows: int
-    rank: int
-    candidates: int
-    iterations: int
+    transmissions: List[Transmission]
+    parameters: Parameters
+    not_identified: List[NotIdentified]
+    intervals: Optional[Intervals]
+    """None where nothing was fitted."""
+    search: Optional[Search]
+    """None where nothing but transmissions was fitted."""
+    identifiability: Identifiability
+    correlations_above_0_95: List[Tuple[str, str, float]]
+    """Pairs of parameters whose errors go together, the highest correlation first."""
+    force_direction: Optional[ForceDirection]
+    """None where the device or the log does not tell."""
+    noise: dict[str, ChannelNoise]
+    """By channel."""
     loss: LossUsed
     outliers: Outliers
     warnings: List[str]
+    """About the device file, the log and the result, in this order."""
+    rank: int
+    """That of `identifiability`."""
+    candidates: int
     identified_toml: str
     """A device file with the identified values."""
 
