@@ -243,29 +243,8 @@ impl Problem for ReducedDistance<'_> {
             None => (&[][..], None),
         };
         self.reduce(parameters, free, |triangle| {
-            write_out(triangle, residuals, matrix);
+            triangle.write_into(residuals, matrix);
         })?;
         Ok(())
-    }
-}
-
-/// The triangle as residuals and derivatives of few rows.
-pub(crate) fn write_out(
-    triangle: &crate::Triangle,
-    residuals: &mut [f64],
-    matrix: Option<&mut Matrix>,
-) {
-    let columns = triangle.columns();
-    residuals.fill(0.0);
-    residuals[..columns].copy_from_slice(triangle.projected());
-    residuals[columns] = triangle.rest_square().sqrt();
-    if let Some(matrix) = matrix {
-        for column in 0..columns {
-            let into = matrix.column_mut(column);
-            into.fill(0.0);
-            for row in 0..=column {
-                into[row] = triangle.entry(row, column);
-            }
-        }
     }
 }

@@ -9,7 +9,6 @@ use pulp::Arch;
 use crate::aligned::Aligned;
 use crate::blocks::{FoldTiles, TileRoom, merge_in_order};
 use crate::poses::{Columns, TILE_ROWS, TILES_IN_BLOCK, fill_up, not_finite, weight_error};
-use crate::problem::write_out;
 use crate::program::Program;
 use crate::sweep::Tile;
 use crate::trigonometry::LARGEST_RAD;
@@ -250,7 +249,7 @@ where
         };
         (self.source)(&mut |row| filling.add(row))?;
         filling.finish()?;
-        write_out(&taken.total, residuals, matrix);
+        taken.total.write_into(residuals, matrix);
         self.state.replace(taken);
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 
+use haptical_identification::Matrix;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::BatchError;
@@ -109,6 +110,26 @@ impl Triangle {
             .map(|entry| entry * entry)
             .sum::<f64>()
             + self.rest_square
+    }
+
+    /// Writes it as a problem of [`Form::Triangle`](haptical_identification::Form): residuals q and
+    /// sqrt(rest), rest zero; derivatives R over zeros.
+    ///
+    /// # Panics
+    /// For fewer residuals, or rows or columns of the matrix, than it has columns (one residual more).
+    pub fn write_into(&self, residuals: &mut [f64], jacobian: Option<&mut Matrix>) {
+        let columns = self.columns;
+        residuals.fill(0.0);
+        residuals[..columns].copy_from_slice(self.projected());
+        residuals[columns] = self.rest_square.sqrt();
+        if let Some(matrix) = jacobian {
+            for column in 0..columns {
+                let into = matrix.column_mut(column);
+                into.fill(0.0);
+                let from = &self.entries.as_slice()[column * columns..][..=column];
+                into[..=column].copy_from_slice(from);
+            }
+        }
     }
 
     /// Folds rows given as columns of derivatives and residuals.

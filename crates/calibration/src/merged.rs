@@ -170,18 +170,7 @@ impl Problem for MergedProblem<'_> {
             }
             triangle.fold_rows(&columns, factor.projected())?;
         }
-        residuals.fill(0.0);
-        residuals[..free.len()].copy_from_slice(triangle.projected());
-        residuals[free.len()] = triangle.rest_square().sqrt();
-        if let Some((_, matrix)) = jacobian {
-            for column in 0..free.len() {
-                let into = matrix.column_mut(column);
-                into.fill(0.0);
-                for (row, entry) in into[..=column].iter_mut().enumerate() {
-                    *entry = triangle.entry(row, column);
-                }
-            }
-        }
+        triangle.write_into(residuals, jacobian.map(|(_, matrix)| matrix));
         Ok(())
     }
 }

@@ -205,8 +205,8 @@ fn measure(text: &str) -> Result<Measure, DesignError> {
     let name = head.trim_end_matches(|last: char| last.is_ascii_digit());
     let Some(kind) = KINDS.iter().find(|kind| kind.name == name) else {
         let known: Vec<&str> = KINDS.iter().map(|kind| kind.form).collect();
-        let what = "there is no such kind; there are:";
-        return Err(refuse(format!("{what} {}", known.join("; "))));
+        let what = "there is no such kind; write one of";
+        return Err(refuse(format!("{what} {}", known.join(", "))));
     };
     let digits = &head[name.len()..];
     let number = match digits.parse::<usize>() {

@@ -48,18 +48,7 @@ impl Problem for Dense<'_> {
         if let Some(error) = refused {
             return Err(error.into());
         }
-        residuals.fill(0.0);
-        residuals[..count].copy_from_slice(triangle.projected());
-        residuals[count] = triangle.rest_square().sqrt();
-        if let Some((_, matrix)) = jacobian {
-            for column in 0..count {
-                let into = matrix.column_mut(column);
-                into.fill(0.0);
-                for (row, entry) in into[..=column].iter_mut().enumerate() {
-                    *entry = triangle.entry(row, column);
-                }
-            }
-        }
+        triangle.write_into(residuals, jacobian.map(|(_, matrix)| matrix));
         Ok(())
     }
 }
