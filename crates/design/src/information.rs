@@ -90,6 +90,49 @@ impl Information {
         })
     }
 
+    /// Counts what another recording of the same device told already, whatever is chosen: every pose of `told`.
+    ///
+    /// Parameters are matched by their names; what this rig's parameters lack is taken as known.
+    ///
+    /// ```
+    /// use haptical_design::{Information, Posture, Rig, Terms, equip};
+    /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+    /// let device = haptical_model::Device::load(path.as_ref())?.device;
+    /// let of = |rig: &str, angle: f64| {
+    ///     let equipped = equip(&device, &Rig::parse(rig)?, Terms::Degree(4))?;
+    ///     Information::new(&equipped, &[Posture::free(vec![angle; 7])], &[])
+    /// };
+    /// let cable = of("cable", 0.3)?;
+    /// let both = cable.clone().knowing(&of("out2", 0.2)?);
+    /// assert_eq!((both.poses(), both.readings(None)), (1, cable.readings(None) + 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn knowing(mut self, told: &Self) -> Self {
+        let theirs: Vec<Option<usize>> = self
+            .infos
+            .iter()
+            .map(|info| told.infos.iter().position(|other| other.name == info.name))
+            .collect();
+        let mut rows = Vec::new();
+        let poses = (0..told.poses()).map(Some);
+        for row in std::iter::once(None)
+            .chain(poses)
+            .flat_map(|pose| told.rows_of(pose))
+        {
+            rows.extend(
+                theirs
+                    .iter()
+                    .map(|column| column.map_or(0.0, |column| row[column])),
+            );
+        }
+        let added = rows.len() / self.parameters().max(1);
+        rows.append(&mut self.rows);
+        self.rows = rows;
+        self.first.iter_mut().for_each(|first| *first += added);
+        self
+    }
+
     /// Number of poses.
     pub fn poses(&self) -> usize {
         self.first.len() - 1
