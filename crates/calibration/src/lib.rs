@@ -64,6 +64,7 @@ pub use frame_origins::frame_origins_m;
 pub use geometry_rank::GeometryRank;
 pub use held_out::{HeldOut, Split, split};
 pub use joint_fit::{FittedDevice, fit_device, fit_kinematics};
+pub use measurement::tracked::Tracked;
 pub use merged::{ChannelRows, MergedProblem};
 pub use multi_start::Starts;
 pub use prediction::{Prediction, predict_distances, predict_positions};

@@ -8,7 +8,7 @@ mod stream;
 
 use std::ops::Range;
 
-use haptical_calibration::Channel;
+use haptical_calibration::{Channel, Tracked};
 use haptical_model::kinematics::Twist;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, Evaluation, Recording};
@@ -44,6 +44,8 @@ pub(crate) struct Context<'a> {
     pub(crate) position: Vec<Vector3<f64>>,
     /// Orientation of the handle.
     pub(crate) rotation: Vec<Matrix3<f64>>,
+    /// What a tracker sees of the handle, where it stands or is fixed anywhere: per row, or none.
+    tracked: Vec<Tracked>,
     /// Origin of the frame that each joint turns (or slides) in, frame (-1); per joint and row.
     pub(crate) origin: Vec<Vec<Vector3<f64>>>,
     /// The robot's base, frame (-1), per row.
@@ -83,6 +85,7 @@ impl<'a> Context<'a> {
         let mut twist = vec![Vec::with_capacity(rows); if has_links { joints } else { 0 }];
         let mut position = Vec::new();
         let mut rotation = Vec::new();
+        let mut tracked = Vec::new();
         let mut force = recording.force_n.as_ref().map(|_| Vec::with_capacity(rows));
         let mut evaluation = Evaluation::new(device);
         let mut readings = vec![0.0; joints];
@@ -102,6 +105,7 @@ impl<'a> Context<'a> {
             if has_links && let Ok(pose) = evaluation.pose() {
                 position.push(pose.position_m);
                 rotation.push(pose.rotation);
+                tracked.extend(Tracked::new(device, pose));
                 for (joint, column) in twist.iter_mut().enumerate() {
                     column.push(evaluation.joint_twist(joint));
                 }
@@ -155,6 +159,7 @@ impl<'a> Context<'a> {
             twist,
             position,
             rotation,
+            tracked,
             origin: frames.origin,
             base_origin_m: frames.base,
             base_moment_nm,

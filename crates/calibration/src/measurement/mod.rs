@@ -9,7 +9,7 @@ mod output;
 mod plane;
 mod plane_pair;
 mod position;
-mod tracked;
+pub(crate) mod tracked;
 
 use haptical_model::kinematics::Twist;
 use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};

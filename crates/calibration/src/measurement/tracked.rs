@@ -6,8 +6,27 @@ use haptical_model::{Device, ParameterId, SurroundingParameter};
 
 /// Pose of what is tracked in the tracker's frame, `B T X`: B frame (-1) seen from the tracker, T the
 /// handle's pose, X what is tracked seen from the handle.
+///
+/// ```
+/// use haptical_calibration::Tracked;
+/// use haptical_model::kinematics::nalgebra::Vector3;
+/// use haptical_model::kinematics::{Pose, Twist};
+/// use haptical_model::{Device, Origin, Placement};
+///
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+/// let mut device = Device::load(path.as_ref())?.device;
+/// let handle = Pose::identity();
+/// assert!(Tracked::new(&device, &handle).is_none());
+/// // a marker 0.1 m beside the handle: a turn about z moves it along y
+/// let start = Origin { position_m: [0.1, 0.0, 0.0], ..Origin::IDENTITY };
+/// device.surroundings.tracker_tool = Some(Placement { start, ..Placement::default() });
+/// let tracked = Tracked::new(&device, &handle).ok_or("a tool")?;
+/// let turn = Twist { linear: Vector3::zeros(), angular: Vector3::z() };
+/// assert!((tracked.carried(&turn).linear - 0.1 * Vector3::y()).norm() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Tracked {
+pub struct Tracked {
     base: Pose,
     tool: Pose,
     /// Rotation vectors per unit of the base's turn, in the tracker's frame.
@@ -19,7 +38,7 @@ pub(crate) struct Tracked {
 
 impl Tracked {
     /// None where the tracker's base and tool are known: then it sees the handle itself in frame (-1).
-    pub(crate) fn new(device: &Device, handle: &Pose) -> Option<Self> {
+    pub fn new(device: &Device, handle: &Pose) -> Option<Self> {
         let surroundings = &device.surroundings;
         let (base, tool) = (surroundings.tracker_base, surroundings.tracker_tool);
         if base.is_none() && tool.is_none() {
@@ -46,7 +65,7 @@ impl Tracked {
     }
 
     /// What the tracker should see.
-    pub(crate) fn pose(&self) -> Pose {
+    pub fn pose(&self) -> Pose {
         Pose {
             position_m: self.reach() + self.base.position_m,
             rotation: self.base.rotation * self.handle.rotation * self.tool.rotation,
@@ -54,7 +73,7 @@ impl Tracked {
     }
 
     /// How what it sees changes when the handle moves by a twist in frame (-1).
-    pub(crate) fn carried(&self, twist: &Twist) -> Twist {
+    pub fn carried(&self, twist: &Twist) -> Twist {
         let linear = twist.linear + twist.angular.cross(&self.arm());
         Twist {
             linear: self.base.rotation * linear,

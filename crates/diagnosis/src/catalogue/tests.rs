@@ -7,6 +7,7 @@ mod names;
 mod rig;
 mod runs;
 mod statics;
+mod tracker;
 
 use haptical_calibration::Channel;
 

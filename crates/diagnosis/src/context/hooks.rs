@@ -1,8 +1,9 @@
 //! What an error shows on the measured streams, by the hook where it enters (docs/diagnosis.md).
 
-use haptical_calibration::Channel;
+use haptical_calibration::{Channel, Tracked};
 use haptical_model::Evaluation;
 use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::kinematics::{Pose, Twist};
 
 use super::cable::anchor_m;
 use super::stream::stream_of;
@@ -30,8 +31,8 @@ impl Context<'_> {
         let Stream { channel, axis, .. } = &self.streams[stream];
         match channel {
             Channel::Cable { index } => self.along_cable(*index, row, linear),
-            Channel::Position => linear[*axis],
-            Channel::Orientation => angular[*axis],
+            Channel::Position => self.carried(row, linear, angular).linear[*axis],
+            Channel::Orientation => self.carried(row, linear, angular).angular[*axis],
             Channel::Contact => self.touches.along_contact(*axis, linear),
             Channel::Plane => self.touches.along_plane(row, linear),
             // pairs say nothing of the handle; encoders and fixtures read joints
@@ -40,6 +41,16 @@ impl Context<'_> {
             | Channel::Output { .. }
             | Channel::Fixture { .. } => 0.0,
         }
+    }
+
+    /// What a tracker sees of a small displacement of the handle, in its own axes.
+    fn carried(&self, row: usize, linear: &Vector3<f64>, angular: &Vector3<f64>) -> Twist {
+        let twist = Twist {
+            linear: *linear,
+            angular: *angular,
+        };
+        let tracked = self.tracked.get(row);
+        tracked.map_or(twist, |tracked| tracked.carried(&twist))
     }
 
     /// Change of a cable's length when the handle moves.
@@ -80,14 +91,14 @@ impl Context<'_> {
             return signal;
         }
         let mut evaluation = Evaluation::new(self.device);
-        let moved: Vec<Vector3<f64>> = (0..self.rows())
+        let moved: Vec<Pose> = (0..self.rows())
             .map(|row| {
                 let output = self.output.iter().zip(errors);
                 let output: Vec<f64> = output.map(|(q, error)| q[row] + error[row]).collect();
                 let pose = evaluation
                     .move_outputs(&output)
                     .and_then(|()| evaluation.pose());
-                pose.map_or(self.position[row], |pose| pose.position_m)
+                pose.map_or(self.pose(row), |pose| *pose)
             })
             .collect();
         for (stream, values) in &mut signal.parts {
@@ -95,11 +106,15 @@ impl Context<'_> {
                 match self.streams[*stream].channel {
                     Channel::Cable { index } => {
                         let anchor = anchor_m(self.device, index);
-                        *value =
-                            (moved[row] - anchor).norm() - (self.position[row] - anchor).norm();
+                        *value = (moved[row].position_m - anchor).norm()
+                            - (self.position[row] - anchor).norm();
                     }
-                    Channel::Position | Channel::Contact | Channel::Plane => {
-                        let way = moved[row] - self.position[row];
+                    Channel::Position => {
+                        let way = self.tracked_m(&moved[row]) - self.tracked_m(&self.pose(row));
+                        *value = way[self.streams[*stream].axis];
+                    }
+                    Channel::Contact | Channel::Plane => {
+                        let way = moved[row].position_m - self.position[row];
                         *value = self.seen(*stream, row, &way, &Vector3::zeros());
                     }
                     _ => {}
@@ -107,6 +122,19 @@ impl Context<'_> {
             }
         }
         signal
+    }
+
+    fn pose(&self, row: usize) -> Pose {
+        Pose {
+            position_m: self.position[row],
+            rotation: self.rotation[row],
+        }
+    }
+
+    /// The position that a tracker sees of a handle \[m\], in its own frame.
+    fn tracked_m(&self, handle: &Pose) -> Vector3<f64> {
+        let tracked = Tracked::new(self.device, handle);
+        tracked.map_or(handle.position_m, |tracked| tracked.pose().position_m)
     }
 
     /// An error of an external encoder alone (H3).

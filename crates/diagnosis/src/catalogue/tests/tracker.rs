@@ -1,0 +1,121 @@
+//! What a tracker that stands and is fixed anywhere shows of a joint's error, against moved isometries.
+
+use haptical_model::kinematics::nalgebra::{
+    Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3,
+};
+use haptical_model::{Device, Evaluation, Origin, Placement};
+
+use super::rig::{Rig, context, three_joints};
+use crate::signal::Signal;
+
+/// Places far from the chain's own frames, turned about all axes.
+const BASE: Origin = Origin {
+    position_m: [1.8, -0.7, 0.4],
+    orientation_wxyz: [0.5, -0.5, 0.1, 0.7],
+};
+const TOOL: Origin = Origin {
+    position_m: [0.08, -0.05, 0.12],
+    orientation_wxyz: [0.7, 0.1, -0.7, 0.1],
+};
+
+fn isometry(origin: &Origin) -> Isometry3<f64> {
+    let [w, i, j, k] = origin.orientation_wxyz;
+    Isometry3::from_parts(
+        Translation3::from(Vector3::from(origin.position_m)),
+        UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k)),
+    )
+}
+
+fn placed() -> Rig {
+    let mut rig = three_joints();
+    let at = |start| Placement {
+        start,
+        ..Placement::default()
+    };
+    rig.device.surroundings.tracker_base = Some(at(BASE));
+    rig.device.surroundings.tracker_tool = Some(at(TOOL));
+    rig
+}
+
+/// What the tracker sees at output angles.
+fn seen(device: &Device, output: &[f64]) -> Isometry3<f64> {
+    let mut evaluation = Evaluation::new(device);
+    evaluation.move_outputs(output).unwrap();
+    let pose = evaluation.pose().unwrap();
+    let rotation: Matrix3<f64> = pose.rotation;
+    let rotation = Rotation3::from_matrix_unchecked(rotation);
+    let handle = Isometry3::from_parts(
+        Translation3::from(pose.position_m),
+        UnitQuaternion::from_rotation_matrix(&rotation),
+    );
+    isometry(&BASE) * handle * isometry(&TOOL)
+}
+
+fn on(signal: &Signal, names: &[String], name: &str, row: usize) -> f64 {
+    let stream = names.iter().position(|known| known == name).unwrap();
+    signal.on(stream).unwrap()[row]
+}
+
+#[test]
+fn a_tracker_anywhere_sees_an_error_in_its_own_axes_and_at_its_marker() {
+    let rig = placed();
+    let context = context(&rig.device, &rig.recording);
+    let names: Vec<String> = context
+        .streams
+        .iter()
+        .map(crate::context::Stream::name)
+        .collect();
+    let size = 1e-6;
+    for joint in 0..3 {
+        let error = vec![size; context.rows()];
+        let signal = context.downstream(joint, &error);
+        for row in [0, 97, 500] {
+            let mut output: Vec<f64> = context.output.iter().map(|column| column[row]).collect();
+            let before = seen(&rig.device, &output);
+            output[joint] += size;
+            let after = seen(&rig.device, &output);
+            let way = after.translation.vector - before.translation.vector;
+            let turn = (after.rotation * before.rotation.inverse()).scaled_axis();
+            for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
+                let position = on(&signal, &names, &format!("position.{letter}"), row);
+                assert!(
+                    (position - way[axis]).abs() < 1e-10,
+                    "joint {joint} {letter}: {position:e} for {:e}",
+                    way[axis]
+                );
+                let angle = on(&signal, &names, &format!("orientation.{letter}"), row);
+                assert!(
+                    (angle - turn[axis]).abs() < 1e-10,
+                    "joint {joint} r{letter}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn large_errors_of_all_joints_move_the_marker_as_far_as_the_chain_does() {
+    let rig = placed();
+    let context = context(&rig.device, &rig.recording);
+    let names: Vec<String> = context
+        .streams
+        .iter()
+        .map(crate::context::Stream::name)
+        .collect();
+    let sizes = [0.05, 0.01, -0.08];
+    let errors: Vec<Vec<f64>> = sizes
+        .iter()
+        .map(|size| vec![*size; context.rows()])
+        .collect();
+    let signal = context.upstream_of_all(&errors);
+    for row in [3, 411] {
+        let output: Vec<f64> = context.output.iter().map(|column| column[row]).collect();
+        let moved: Vec<f64> = output.iter().zip(sizes).map(|(q, size)| q + size).collect();
+        let way = seen(&rig.device, &moved).translation.vector
+            - seen(&rig.device, &output).translation.vector;
+        for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
+            let position = on(&signal, &names, &format!("position.{letter}"), row);
+            assert!((position - way[axis]).abs() < 1e-12, "{letter}");
+        }
+    }
+}
