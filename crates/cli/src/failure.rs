@@ -1,6 +1,8 @@
 //! What went wrong, as three lines for people (what, where, next step) or as JSON for programs.
 
 mod device_file;
+mod equipment;
+mod log;
 mod place;
 mod urdf_file;
 
@@ -8,7 +10,6 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use haptical_calibration::CalibrationError;
-use haptical_data::DataError;
 use haptical_diagnosis::DiagnosisError;
 use haptical_report::ReportError;
 use serde_json::json;
@@ -118,7 +119,10 @@ impl Failure {
                 place.line = Some(*line);
                 place.column_name = Some(column.clone());
             }
-            CalibrationError::Rig { .. } => place.file = device.display().to_string(),
+            CalibrationError::Rig { what, .. } if what.starts_with('[') => {
+                place.file = device.display().to_string();
+                place.section = Some(what.trim_matches(['[', ']']).to_owned());
+            }
             CalibrationError::Option { .. } => "the command line".clone_into(&mut place.file),
             _ => {}
         }
@@ -256,6 +260,12 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
             let (what, next) = split_advice(message);
             ("reading", what, next)
         }
+        CalibrationError::Rig { what, message } => {
+            let (message, next) = message
+                .rsplit_once(": ")
+                .unwrap_or((message, "correct the rig or the log"));
+            ("calibration", format!("{what}: {message}"), next.to_owned())
+        }
         CalibrationError::NoChannel => (
             "no-channel",
             "the log has no measurement that this device can be identified from".to_owned(),
@@ -266,27 +276,6 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
         other => {
             let (what, next) = split_advice(&other.to_string().replacen(": ", "; ", 1));
             ("calibration", what, next)
-        }
-    }
-}
-
-impl From<DataError> for Failure {
-    fn from(error: DataError) -> Self {
-        let at = error.place();
-        let text = error.to_string();
-        let text = text.strip_prefix(&format!("{at}: ")).unwrap_or(&text);
-        let (what, next) = split_advice(text);
-        Self {
-            kind: error.kind(),
-            what,
-            place: Box::new(Place {
-                file: at.file.clone(),
-                line: at.line,
-                column: at.column_number.map(|column| column as u64),
-                column_name: at.column.clone(),
-            }),
-            next,
-            status: STATUS_BAD_INPUT,
         }
     }
 }

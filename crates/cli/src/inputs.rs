@@ -126,7 +126,8 @@ pub(crate) fn read_recording(path: &Path, device: &Device) -> Result<LogInput, F
         }
     };
     let mut reader = HashingReader::new(file);
-    let log = read_log_from(&mut reader, &name, &shape)?;
+    let log =
+        read_log_from(&mut reader, &name, &shape).map_err(|error| Failure::log(error, device))?;
     // The log was read without error, but its end may not have been asked for.
     let _ = std::io::copy(&mut reader, &mut std::io::sink());
     let fingerprint = reader.fingerprint();

@@ -64,10 +64,16 @@ fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<ExitCode, Failure> {
     let done = match command {
-        Command::Identify(arguments) => identify::run(&arguments),
-        Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Identify(arguments) => identify::run(&arguments).map_err(|failure| {
+            failure.with_equipment(&arguments.device, &arguments.device_options)
+        }),
+        Command::Diagnose(arguments) => diagnose::run(&arguments).map_err(|failure| {
+            failure.with_equipment(&arguments.device, &arguments.device_options)
+        }),
         Command::Simulate(arguments) => simulate::run(&arguments),
-        Command::Check(arguments) => check::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments).map_err(|failure| {
+            failure.with_equipment(&arguments.device, &arguments.device_options)
+        }),
         Command::Init(arguments) => init::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),

@@ -40,7 +40,9 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<(), Failure> {
         equipment: arguments.device_options.equipment(),
         log: arguments.log.as_deref().map(Source::given),
     };
-    let Outcome { plan, files, json } = outcome(arguments, &sources, VERSION, &progress)?;
+    let outcome = outcome(arguments, &sources, VERSION, &progress)
+        .map_err(|failure| failure.with_equipment(&arguments.device, &arguments.device_options))?;
+    let Outcome { plan, files, json } = outcome;
     let written = match &arguments.out {
         None => Vec::new(),
         Some(out) => write_all(out, &files)?,

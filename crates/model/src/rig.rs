@@ -1,6 +1,7 @@
 //! Puts the sensors of a rig file into a device file: one device, many rigs.
 
 use toml::de::DeTable;
+use toml_edit::{Item, RawString, Table};
 
 use crate::reader::{Section, Source};
 use crate::sensor_file::{read_cables, read_contact_pairs, read_gravity, read_tracker};
@@ -86,11 +87,30 @@ impl Device {
             device.remove("cable_encoder");
             device.remove("cable");
         }
-        for key in SECTIONS {
-            if let Some(item) = rig.get(key) {
-                device.insert(key, item.clone());
-            }
+        for (key, item) in rig.iter().filter(|(key, _)| SECTIONS.contains(key)) {
+            let mut item = item.clone();
+            place_anew(&mut item);
+            device.insert(key, item);
         }
         Ok((device.to_string(), warnings))
+    }
+}
+
+/// Forgets where tables stood in their own file, which would mix them with those of another one; a blank line
+/// parts them.
+fn place_anew(item: &mut Item) {
+    let forget = |table: &mut Table| {
+        table.set_position(None);
+        let prefix = table.decor().prefix().and_then(RawString::as_str);
+        if let Some(prefix) = prefix.filter(|prefix| !prefix.starts_with(['\n', '\r'])) {
+            let prefix = format!("\n{prefix}");
+            table.decor_mut().set_prefix(prefix);
+        }
+        table.iter_mut().for_each(|(_, item)| place_anew(item));
+    };
+    match item {
+        Item::Table(table) => forget(table),
+        Item::ArrayOfTables(tables) => tables.iter_mut().for_each(forget),
+        Item::None | Item::Value(_) => {}
     }
 }

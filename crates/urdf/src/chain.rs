@@ -6,7 +6,7 @@ use haptical_model::{Drive, JointType, Position};
 use crate::UrdfError;
 use crate::rigid::{inverse, then, turn, z_to};
 use crate::robot::{Robot, RobotJoint, RobotJointType};
-use crate::tip::Path;
+use crate::tip::{Path, joined};
 
 /// A moving joint of the path.
 #[derive(Debug, Clone)]
@@ -61,7 +61,11 @@ pub(crate) fn rows(
                 });
             }
         };
-        let (driver, multiplier, offset) = driver(robot, index, at)?;
+        let (driver, multiplier, offset) =
+            driver(robot, index).map_err(|(place, message)| UrdfError::Tree {
+                at: at(place),
+                message,
+            })?;
         let known = split.drivers.iter().position(|own| *own == driver);
         let number = known.unwrap_or_else(|| {
             split.drivers.push(driver);
@@ -84,17 +88,9 @@ pub(crate) fn rows(
     Ok(split)
 }
 
-/// The joint whose variable drives a joint, with multiplier and offset.
-fn driver(
-    robot: &Robot,
-    joint: usize,
-    at: &dyn Fn(usize) -> Box<Position>,
-) -> Result<(usize, f64, f64), UrdfError> {
+/// The joint whose variable drives a joint, with multiplier and offset; or which byte is wrong, and why.
+pub(crate) fn driver(robot: &Robot, joint: usize) -> Result<(usize, f64, f64), (usize, String)> {
     let (mut driver, mut multiplier, mut offset) = (joint, 1.0, 0.0);
-    let refuse = |place: usize, message: String| UrdfError::Tree {
-        at: at(place),
-        message,
-    };
     for _ in 0..MOST_MIMICS {
         let Some(mimic) = &robot.joints[driver].mimic else {
             return Ok((driver, multiplier, offset));
@@ -113,11 +109,11 @@ fn driver(
                 "joint `{name}` follows `{}`, which is no joint with one variable",
                 mimic.joint
             );
-            return Err(refuse(mimic.place, message));
+            return Err((mimic.place, message));
         };
         if mimic.multiplier == 0.0 {
             let message = format!("joint `{name}` follows with the multiplier 0: make it fixed");
-            return Err(refuse(mimic.place, message));
+            return Err((mimic.place, message));
         }
         offset += multiplier * mimic.offset;
         multiplier *= mimic.multiplier;
@@ -125,5 +121,38 @@ fn driver(
     }
     let name = &robot.joints[joint].name;
     let message = format!("joint `{name}` follows itself, through the joints that it follows");
-    Err(refuse(robot.joints[joint].place, message))
+    Err((robot.joints[joint].place, message))
+}
+
+/// What is said where rows follow joints: names of parameters count rows, columns of a log count joints.
+pub(crate) fn numbering(robot: &Robot, rows: &Rows, file: &str) -> Option<String> {
+    let name = |joint: usize| robot.joints[joint].name.as_str();
+    let mut follows = Vec::new();
+    let mut apart = Vec::new();
+    for (index, row) in rows.rows.iter().enumerate() {
+        let driver = rows.drivers[row.drive.joint];
+        let unit = match robot.joints[driver].joint_type {
+            RobotJointType::Prismatic => "m",
+            _ => "rad",
+        };
+        let column = format!("column theta{}_{unit}", row.drive.joint + 1);
+        let own = format!("row {} `{}`", index + 1, name(row.joint));
+        if driver != row.joint {
+            follows.push(format!("{own} follows `{}` ({column})", name(driver)));
+        } else if row.drive.joint != index {
+            apart.push(format!("{own} is {column}"));
+        }
+    }
+    if follows.is_empty() {
+        return None;
+    }
+    let mut said = format!(
+        "{file}: {}; names of parameters, such as theta{}, count rows, columns of the log count joints",
+        joined(&follows),
+        rows.rows.len()
+    );
+    if !apart.is_empty() {
+        said = format!("{said}: {}", joined(&apart));
+    }
+    Some(said)
 }

@@ -2,19 +2,18 @@
 
 use std::path::Path as FilePath;
 
-use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{Convention, Link};
 use haptical_model::{
-    Body, Device, Joint, JointType, Origin, Position, Tracker, TransmissionError, TransmissionKind,
+    Device, Joint, JointType, Origin, Position, Tracker, TransmissionError, TransmissionKind,
     read_text_file,
 };
 
 use crate::UrdfError;
-use crate::chain::{Rows, rows};
+use crate::beside::carried;
+use crate::chain::{Rows, numbering, rows};
 use crate::parse::parse;
-use crate::rigid::z_to;
 use crate::robot::{Robot, RobotJoint};
-use crate::tip::{Path, choose, listed};
+use crate::tip::{Path, choose};
 
 /// Largest file \[MiB\]: a humanoid's has some hundred kilobytes.
 const LARGEST_MEBIBYTES: u64 = 8;
@@ -53,8 +52,9 @@ pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
 /// next origin, the last one being the handle's. So every row is general: its six numbers, to first order
 /// the local coordinates of a product of exponentials, may be identified whichever way the axes stand
 /// ([`Link`]). Home is 0 everywhere. Joints that follow another one (`<mimic>`)
-/// are rows that its joint drives, and no joints of a log. Masses are those of the links, with what is
-/// fixed to them; a branch that moves beside the chain, such as a hand, is left out.
+/// are rows that its joint drives, and no joints of a log. Masses are those of the links, with all that
+/// hangs on them beside the chain: such a branch, a hand or another arm, counts as fixed, its joints at 0, or
+/// in the middle of their limits where these exclude 0; a warning says so.
 ///
 /// Without `tip` the chain with the most moving joints is taken; joints that follow one of another branch
 /// (fingers) do not count.
@@ -101,19 +101,9 @@ pub fn device_from_urdf(
             ),
         });
     }
-    let mut beside = beside(&robot, &path);
-    // what drives a row of the chain is no loss
-    beside.retain(|joint| {
-        rows.drivers
-            .iter()
-            .all(|own| robot.joints[*own].name != *joint)
-    });
-    if !beside.is_empty() {
-        warnings.push(format!(
-            "{file}: left out, because they move beside the chain: {}",
-            listed(beside.into_iter())
-        ));
-    }
+    warnings.extend(numbering(&robot, &rows, file));
+    let carried = carried(&robot, &path, &rows.rows, &rows.drivers, file);
+    warnings.extend(carried.warnings);
     let mut origins = vec![Some(Origin::IDENTITY)];
     origins.extend(
         rows.rows
@@ -136,7 +126,7 @@ pub fn device_from_urdf(
             && drive.offset == 0.0
     });
     let mut bodies = vec![None];
-    bodies.extend(rows.rows.iter().map(|row| body(&robot, row.joint)));
+    bodies.extend(carried.bodies);
     // what a URDF says nothing of is as in a device file that does not mention it
     let rest = Device::from_toml("[[joint]]\n", file)?.device;
     let device = Device {
@@ -198,26 +188,6 @@ fn position(text: &str, file: &str, byte: usize) -> Box<Position> {
     })
 }
 
-/// Joints that move beside the chain, the first of each branch.
-fn beside<'r>(robot: &'r Robot, path: &Path) -> Vec<&'r str> {
-    let mut names = Vec::new();
-    let mut links = vec![path.tip];
-    links.extend(path.joints.iter().map(|joint| robot.joints[*joint].parent));
-    while let Some(link) = links.pop() {
-        for &joint in &robot.links[link].child_joints {
-            if path.joints.contains(&joint) {
-                continue;
-            }
-            if robot.joints[joint].moves() {
-                names.push(robot.joints[joint].name.as_str());
-            } else {
-                links.push(robot.joints[joint].child);
-            }
-        }
-    }
-    names
-}
-
 /// A joint and what is odd about its limits.
 fn device_joint(joint: &RobotJoint, file: &str) -> (Joint, Option<String>) {
     let joint_type = match joint.joint_type {
@@ -262,40 +232,4 @@ fn device_joint(joint: &RobotJoint, file: &str) -> (Joint, Option<String>) {
         transmission_error: TransmissionError::default(),
     };
     (joint, warning)
-}
-
-/// Mass and centre of what moves with a joint: its link, and what is fixed to that on any branch. The
-/// centre is in the frame behind the joint's motion, axis along z.
-fn body(robot: &Robot, joint: usize) -> Option<Body> {
-    let mut mass_kg = 0.0;
-    let mut moment = Vector3::zeros();
-    let start = robot.joints[joint].child;
-    let mut links = vec![(start, haptical_model::kinematics::Pose::default())];
-    let mut is_known = false;
-    while let Some((link, pose)) = links.pop() {
-        if let Some((own_kg, centre_m)) = robot.links[link].mass {
-            is_known = true;
-            mass_kg += own_kg;
-            moment += (pose.position_m + pose.rotation * Vector3::from(centre_m)) * own_kg;
-        }
-        for &child in &robot.links[link].child_joints {
-            let child = &robot.joints[child];
-            if !child.moves() {
-                links.push((child.child, crate::rigid::then(&pose, &child.origin)));
-            }
-        }
-    }
-    if !is_known {
-        return None;
-    }
-    let centre = if mass_kg > 0.0 {
-        moment / mass_kg
-    } else {
-        moment
-    };
-    let centre = z_to(&robot.joints[joint].axis).transpose() * centre;
-    Some(Body {
-        mass_kg,
-        centre_of_mass_m: centre.into(),
-    })
 }

@@ -3,9 +3,11 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod beside;
 mod chain;
 mod correct;
 mod device;
+mod ends;
 mod error;
 mod mjcf;
 mod new_urdf;
@@ -18,6 +20,7 @@ mod tip;
 
 pub use correct::{CorrectedUrdf, corrected_urdf};
 pub use device::{UrdfDevice, device_from_urdf, read_urdf_text};
+pub use ends::{ChainEnd, chain_ends};
 pub use error::UrdfError;
 pub use mjcf::new_mjcf;
 pub use new_urdf::new_urdf;

@@ -5,14 +5,13 @@ use std::fmt::Write;
 use haptical_model::{Device, JointType, Origin};
 
 use crate::UrdfError;
-use crate::correct::{TRANSMISSIONS, segments_are_dirty};
-use crate::new_urdf::joint_names;
+use crate::new_urdf::{joint_names, left_out, own_row};
 use crate::numbers::{escaped, written};
 use crate::segments::segments;
 
 /// An MJCF with a body for each row, joints along z with their ranges, the masses that are known, and a
-/// site `handle`; and what it leaves out. Its joint values are those of the device, home included. Rows
-/// that follow another's joint are bound to it by an `<equality>`.
+/// site `handle`; and what it leaves out. Its joint values are those of [`new_urdf`](crate::new_urdf): the
+/// readings of a log, 0 at home. Rows that follow another's joint are bound to it by an `<equality>`.
 ///
 /// MuJoCo needs masses and inertias above zero: the file asks it to put small ones where none are known
 /// (`boundmass`, `boundinertia`).
@@ -32,9 +31,9 @@ pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
     let segments = segments(device)?;
     let names = joint_names(device, segments.rows.len());
     let mut text = format!(
-        "<mujoco model=\"{}\">\n  <!-- Lengths in m, angles in rad. Inertias are not known: see boundmass \
-         and boundinertia. -->\n  <compiler angle=\"radian\" autolimits=\"true\" boundmass=\"1e-6\" \
-         boundinertia=\"1e-9\"/>\n",
+        "<mujoco model=\"{}\">\n  <!-- Lengths in m, angles in rad. Joint values are the readings of a log, \
+         0 at home. Inertias are not\n       known: see boundmass and boundinertia. -->\n  <compiler \
+         angle=\"radian\" autolimits=\"true\" boundmass=\"1e-6\" boundinertia=\"1e-9\"/>\n",
         escaped(&device.name)
     );
     if let Some(gravity) = &device.gravity_mps2 {
@@ -44,12 +43,11 @@ pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
     let mut bonds = String::new();
     for (index, segment) in segments.rows.iter().enumerate() {
         let indent = "  ".repeat(index + 2);
-        let joint = &device.joints[segment.drive.joint];
         let _ = writeln!(
             text,
             "{indent}<body name=\"link{}\" {}>",
             index + 1,
-            place(&Origin::from_pose(&segment.before))
+            place(&Origin::from_pose(&segment.origin(device)))
         );
         if let Some((mass_kg, centre_m)) = segment.body {
             let _ = writeln!(
@@ -68,22 +66,18 @@ pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
             text,
             "{indent}  <joint name=\"{name}\" type=\"{kind}\" axis=\"0 0 1\""
         );
-        let source = device.first_row(segment.drive.joint).unwrap_or(index + 1);
+        let range = segment.limits(device);
+        let source = own_row(device, segment.drive.joint).unwrap_or(index + 1);
         if source != index + 1 {
             let first = &segments.rows[source - 1].drive;
             let multiplier = segment.drive.multiplier / first.multiplier;
-            let offset = segment.drive.offset - multiplier * first.offset;
             let _ = writeln!(
                 bonds,
-                "    <joint joint1=\"{name}\" joint2=\"{}\" polycoef=\"{} 0 0 0\"/>",
+                "    <joint joint1=\"{name}\" joint2=\"{}\" polycoef=\"0 {} 0 0 0\"/>",
                 escaped(&names[source - 1]),
-                written(&[offset, multiplier])
+                written(&[multiplier])
             );
-        } else if joint.lower_rad.is_finite() && joint.upper_rad.is_finite() {
-            let ends = [joint.lower_rad, joint.upper_rad].map(|end| {
-                segment.drive.multiplier * (joint.home_rad + end) + segment.drive.offset
-            });
-            let range = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        } else if range.iter().all(|end| end.is_finite()) {
             let _ = write!(text, " range=\"{}\"", written(&range));
         }
         text.push_str("/>\n");
@@ -103,8 +97,7 @@ pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
         let _ = write!(text, "  <equality>\n{bonds}  </equality>\n");
     }
     text.push_str("</mujoco>\n");
-    let warnings = segments_are_dirty(device).then(|| TRANSMISSIONS.to_owned());
-    Ok((text, warnings.into_iter().collect()))
+    Ok((text, left_out(device)))
 }
 
 fn place(origin: &Origin) -> String {

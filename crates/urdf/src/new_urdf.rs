@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use haptical_model::Device;
+use haptical_model::{Device, JointType};
 
 use crate::UrdfError;
 use crate::correct::{TRANSMISSIONS, origin_element, segments_are_dirty, type_name};
@@ -32,13 +32,13 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
     let segments = segments(device)?;
     let names = joint_names(device, segments.rows.len());
     let mut text = format!(
-        "<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <!-- Lengths in m, angles in rad. Inertia tensors and \
-         limits of effort and velocity are not known. -->\n  <link name=\"base\"/>\n",
+        "<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <!-- Lengths in m, angles in rad. Joint values are \
+         the readings of a log, 0 at home. Inertia tensors and\n       limits of effort and velocity are not \
+         known. -->\n  <link name=\"base\"/>\n",
         escaped(&device.name)
     );
     let mut parent = "base".to_owned();
     for (index, segment) in segments.rows.iter().enumerate() {
-        let joint = &device.joints[segment.drive.joint];
         let link = format!("link{}", index + 1);
         let _ = match segment.body {
             None => writeln!(text, "  <link name=\"{link}\"/>"),
@@ -51,18 +51,11 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
                 written(&[mass_kg])
             ),
         };
-        let source = device.first_row(segment.drive.joint).unwrap_or(index + 1);
+        let source = own_row(device, segment.drive.joint).unwrap_or(index + 1);
         let follows = source != index + 1;
-        let limits = match (joint.lower_rad.is_finite(), joint.upper_rad.is_finite()) {
-            (false, false) => None,
-            _ => {
-                // one of the row's own variable
-                let ends = [joint.lower_rad.max(-FAR), joint.upper_rad.min(FAR)].map(|end| {
-                    segment.drive.multiplier * (joint.home_rad + end) + segment.drive.offset
-                });
-                Some([ends[0].min(ends[1]), ends[0].max(ends[1])])
-            }
-        };
+        let limits = segment.limits(device);
+        let limits = (limits[0].is_finite() || limits[1].is_finite())
+            .then_some([limits[0].max(-FAR), limits[1].min(FAR)]);
         let kind = type_name(segment.drive.motion, limits.is_some());
         // a slide without limits has none in a file either, but must say so
         let limits = limits.or((kind == "prismatic").then_some([-FAR, FAR]));
@@ -71,7 +64,7 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
             "  <joint name=\"{}\" type=\"{kind}\">\n    {}\n    <parent link=\"{parent}\"/>\n    \
              <child link=\"{link}\"/>\n    <axis xyz=\"0 0 1\"/>\n",
             escaped(&names[index]),
-            origin_element(&segment.before),
+            origin_element(&segment.origin(device)),
         );
         if let Some([lower, upper]) = limits {
             let _ = writeln!(
@@ -83,14 +76,11 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
         }
         if follows {
             let first = &segments.rows[source - 1].drive;
-            let multiplier = segment.drive.multiplier / first.multiplier;
-            let offset = segment.drive.offset - multiplier * first.offset;
             let _ = writeln!(
                 text,
-                "    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"{}\"/>",
+                "    <mimic joint=\"{}\" multiplier=\"{}\"/>",
                 escaped(&names[source - 1]),
-                written(&[multiplier]),
-                written(&[offset])
+                written(&[segment.drive.multiplier / first.multiplier]),
             );
         }
         text.push_str("  </joint>\n");
@@ -102,11 +92,47 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
          <parent link=\"{parent}\"/>\n    <child link=\"handle\"/>\n  </joint>\n</robot>\n",
         origin_element(&segments.handle)
     );
-    let warnings = segments_are_dirty(device).then(|| TRANSMISSIONS.to_owned());
-    Ok((text, warnings.into_iter().collect()))
+    Ok((text, left_out(device)))
 }
 
-/// A name for each row's joint: the device's own for the first row of a joint; all different.
+/// What a robot description of a device does not hold, and where its values are no readings.
+pub(crate) fn left_out(device: &Device) -> Vec<String> {
+    let transmissions = segments_are_dirty(device).then(|| TRANSMISSIONS.to_owned());
+    let scaled = device.joints.iter().enumerate().filter_map(|(index, joint)| {
+        let drive = device.drive(own_row(device, index)?)?;
+        let unit = |motion| match motion {
+            JointType::Revolute => "rad",
+            JointType::Prismatic => "m",
+        };
+        let is_own = drive.multiplier == 1.0 && drive.motion == joint.joint_type;
+        (!is_own).then(|| {
+            format!(
+                "joint `{}` drives other rows and has none of its own: its value in {} is {} times the \
+                 reading in {}",
+                joint.name,
+                unit(drive.motion),
+                drive.multiplier,
+                unit(joint.joint_type)
+            )
+        })
+    });
+    transmissions.into_iter().chain(scaled).collect()
+}
+
+/// The row, from 1, whose value is a joint's reading; the first that it drives where there is none.
+pub(crate) fn own_row(device: &Device, joint: usize) -> Option<usize> {
+    let first = device.first_row(joint)?;
+    let motion = device.joints.get(joint)?.joint_type;
+    let is_own = |row: &usize| {
+        let drive = device.drive(*row);
+        drive.is_some_and(|drive| {
+            drive.joint == joint && drive.multiplier == 1.0 && drive.motion == motion
+        })
+    };
+    (first..device.links.len()).find(is_own).or(Some(first))
+}
+
+/// A name for each row's joint: the device's own for a joint's own row; all different.
 pub(crate) fn joint_names(device: &Device, rows: usize) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for row in 1..=rows {
@@ -117,7 +143,7 @@ pub(crate) fn joint_names(device: &Device, rows: usize) -> Vec<String> {
             .map_or("", |joint| joint.name.as_str());
         let mut name = match (
             own.parse::<f64>().is_ok(),
-            device.first_row(joint) == Some(row),
+            own_row(device, joint) == Some(row),
         ) {
             // a file that names no joints numbers them
             (true, true) => format!("joint{own}"),

@@ -36,6 +36,17 @@ pub(crate) fn written(numbers: &[f64]) -> String {
     words.join(" ")
 }
 
+/// A number for a sentence, to four digits.
+pub(crate) fn rounded(number: f64) -> String {
+    let size = libm::floor(libm::log10(number.abs().max(1e-9)));
+    let decimals = (3.0 - size).clamp(0.0, 9.0) as usize;
+    let word = format!("{number:.decimals$}");
+    match word.contains('.') {
+        true => word.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => word,
+    }
+}
+
 /// Text as the value of an attribute.
 pub(crate) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());

@@ -1,10 +1,11 @@
 //! A device's chain as joints along z with constant transforms between them, whatever its convention.
 
+use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{Chain, Convention, Link, Motion, Pose};
-use haptical_model::{Device, Drive};
+use haptical_model::{Device, Drive, JointType};
 
 use crate::UrdfError;
-use crate::rigid::then;
+use crate::rigid::{about_z, then, turn};
 
 /// A moving row: everything constant before its motion, and what is known of its mass.
 #[derive(Debug, Clone)]
@@ -14,6 +15,34 @@ pub(crate) struct Segment {
     pub(crate) drive: Drive,
     /// Mass \[kg\] and its centre in the frame behind the motion \[m\].
     pub(crate) body: Option<(f64, [f64; 3])>,
+}
+
+impl Segment {
+    /// Origin of the joint in a robot description whose values count from where the joint reads 0: what home
+    /// and the drive's offset move is constant, and so belongs to the origin.
+    pub(crate) fn origin(&self, device: &Device) -> Pose {
+        let joint = device.joints.get(self.drive.joint);
+        let home = joint.map_or(0.0, |joint| joint.home_rad);
+        let moved = self.drive.multiplier * home + self.drive.offset;
+        let moved = match self.drive.motion {
+            JointType::Revolute => turn(about_z(moved)),
+            JointType::Prismatic => Pose {
+                position_m: Vector3::z() * moved,
+                ..Pose::default()
+            },
+        };
+        then(&self.before, &moved)
+    }
+
+    /// The joint's limits in a description of such values; infinite where it has none.
+    pub(crate) fn limits(&self, device: &Device) -> [f64; 2] {
+        let joint = device.joints.get(self.drive.joint);
+        let [lower, upper] = joint.map_or([f64::NEG_INFINITY, f64::INFINITY], |joint| {
+            [joint.lower_rad, joint.upper_rad]
+        });
+        let ends = [lower, upper].map(|end| self.drive.multiplier * end);
+        [ends[0].min(ends[1]), ends[0].max(ends[1])]
+    }
 }
 
 /// All of it. The motion of a row is its joint's variable, home included: offsets are constants.
@@ -98,8 +127,8 @@ pub(crate) fn segments(device: &Device) -> Result<Segments, UrdfError> {
 fn centre(link: &Link, drive: &Drive, home: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
     let (sine, cosine) = libm::sincos(link.theta_rad);
     let slide = match drive.motion {
-        haptical_model::JointType::Revolute => 0.0,
-        haptical_model::JointType::Prismatic => drive.multiplier * home + drive.offset,
+        JointType::Revolute => 0.0,
+        JointType::Prismatic => drive.multiplier * home + drive.offset,
     };
     [x * cosine - y * sine, x * sine + y * cosine, z - slide]
 }

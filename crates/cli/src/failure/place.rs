@@ -9,6 +9,10 @@ pub(super) struct Place {
     pub(super) column: Option<u64>,
     /// Header of a log's column.
     pub(super) column_name: Option<String>,
+    /// Section of the device file that it is in; a rig file may hold that section instead.
+    pub(super) section: Option<String>,
+    /// Joints that the log has columns of, the first ones, where the device has more.
+    pub(super) joint_columns: Option<usize>,
 }
 
 impl Place {

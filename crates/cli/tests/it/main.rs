@@ -30,6 +30,7 @@ mod shared_data;
 mod simulate;
 mod touches;
 mod urdf;
+mod urdf_tree;
 mod verify;
 mod verify_refusals;
 mod wild_readings;

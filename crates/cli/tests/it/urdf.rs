@@ -190,10 +190,15 @@ fn descriptions_of_a_device_without_a_urdf_are_written() {
     let again = device_from_urdf(&urdf, "new.urdf", Some("handle"))
         .unwrap()
         .device;
-    let home: Vec<f64> = device.joints.iter().map(|joint| joint.home_rad).collect();
-    let ours = DeviceChain::new(&device).pose(&[0.0; 7]).unwrap();
-    let theirs = DeviceChain::new(&again).pose(&home).unwrap();
-    assert!((ours.position_m - theirs.position_m).norm() < 1e-12);
+    for step in 0..20 {
+        let readings: Vec<f64> = (0..7)
+            .map(|joint| 0.6 * (0.9 * f64::from(step + 5 * joint)).sin())
+            .collect();
+        let [ours, theirs] =
+            [&device, &again].map(|device| DeviceChain::new(device).pose(&readings).unwrap());
+        assert!((ours.position_m - theirs.position_m).norm() < 1e-12);
+        assert!((ours.rotation - theirs.rotation).amax() < 1e-12);
+    }
     let out = sandbox.path("model.xml");
     let output = export(&sandbox.path("device.toml"), "mjcf", &out, &[]);
     assert!(output.status.success(), "{}", text(&output.stderr));

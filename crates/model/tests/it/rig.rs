@@ -92,3 +92,41 @@ fn faults_are_told_at_their_place_in_the_rig_file() {
         "{warnings:?}"
     );
 }
+
+/// Tables of a list stand together, whichever file they come from, so that a person finds them.
+#[test]
+fn the_sections_of_both_files_stand_in_groups() {
+    let device = "[device]\nname = \"arm\"\n\n[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\n\
+        [[link]]\na_m = 0.1\nalpha_rad = 0.0\nd_m = 0.0\n\n[[contact_pair]]\na = \"p\"\nb = \"q\"\n\
+        distance_m = 0.1\nsd_m = 1e-4\n\n[[joint]]\nname = \"turn\"\n\n[gravity]\nvector_mps2 = [0.0, 0.0, -9.8]\n";
+    let rig = "[contact]\nsd_m = 5e-4\n# on the plate\n[[contact_pair]]\na = \"s0\"\nb = \"s1\"\n\
+        distance_m = 0.2\nsd_m = 1e-4\n[[contact_pair]]\na = \"s0\"\nb = \"s2\"\ndistance_m = 0.3\n\
+        sd_m = 1e-4\n\n[[contact_pair]]\na = \"s1\"\nb = \"s2\"\ndistance_m = 0.4\nsd_m = 1e-4\n";
+    let (text, warnings) = Device::with_rig(device, "device.toml", rig, "rig.toml").unwrap();
+    assert_eq!(warnings, Vec::<String>::new());
+    let headings: Vec<&str> = text.lines().filter(|line| line.starts_with('[')).collect();
+    let expected = [
+        "[device]",
+        "[[link]]",
+        "[[link]]",
+        "[[contact_pair]]",
+        "[[contact_pair]]",
+        "[[contact_pair]]",
+        "[[joint]]",
+        "[gravity]",
+        "[contact]",
+    ];
+    assert_eq!(headings, expected, "{text}");
+    assert!(
+        text.contains("\n\n# on the plate\n[[contact_pair]]"),
+        "{text}"
+    );
+    assert_eq!(
+        text.matches("\n\n[").count() + 1,
+        headings.len() - 1,
+        "{text}"
+    );
+    let merged = Device::from_toml(&text, "merged.toml").unwrap().device;
+    assert_eq!(merged.contact_pairs.len(), 3);
+    assert_eq!(merged.surroundings.contact_sd_m, Some(5e-4));
+}

@@ -118,26 +118,22 @@ proptest! {
     fn devices_come_back(device in any_device(), readings in prop::array::uniform5(-1.0..1.0_f64)) {
         let readings = &readings[..device.joints.len()];
         let expected = pose(&device, readings);
-        // values of a robot description count from where all joint variables are 0, not from home
-        let values: Vec<f64> =
-            readings.iter().zip(&device.joints).map(|(reading, joint)| reading + joint.home_rad).collect();
 
         let (urdf, warnings) = new_urdf(&device).unwrap();
         prop_assert!(warnings.is_empty());
         let again = device_from_urdf(&urdf, "new.urdf", Some("handle")).unwrap().device;
         prop_assert_eq!(&again.name, &device.name);
-        let urdf_gap = gap(&pose(&again, &values), &expected);
+        let urdf_gap = gap(&pose(&again, readings), &expected);
         prop_assert!(urdf_gap < ROUNDING, "{urdf_gap:e}\n{urdf}");
         for (own, was) in again.joints.iter().zip(&device.joints) {
             prop_assert_eq!(own.joint_type, was.joint_type);
             if was.lower_rad.is_finite() {
-                prop_assert!((own.lower_rad - was.lower_rad - was.home_rad).abs() < 1e-12);
-                prop_assert!((own.upper_rad - was.upper_rad - was.home_rad).abs() < 1e-12);
+                prop_assert_eq!((own.lower_rad, own.upper_rad), (was.lower_rad, was.upper_rad));
             }
         }
 
         let (mjcf, _) = new_mjcf(&device).unwrap();
-        let value = |name: &str| values[name.trim_start_matches("joint").parse::<usize>().unwrap() - 1];
+        let value = |name: &str| readings[name.trim_start_matches("joint").parse::<usize>().unwrap() - 1];
         let mjcf_gap = gap(&handle_of_mjcf(&mjcf, value), &expected);
         prop_assert!(mjcf_gap < ROUNDING, "{mjcf_gap:e}\n{mjcf}");
     }
@@ -152,32 +148,73 @@ fn rows_that_follow_are_written_as_such() {
     let device = device_from_urdf(&text, "linkage.urdf", None)
         .unwrap()
         .device;
-    let (urdf, _) = new_urdf(&device).unwrap();
+    let (urdf, warnings) = new_urdf(&device).unwrap();
     let again = device_from_urdf(&urdf, "new.urdf", Some("handle"))
         .unwrap()
         .device;
-    let (mjcf, _) = new_mjcf(&device).unwrap();
+    // it drives a slide alone, so its value is the slide's
+    let said = "joint `spindle` drives other rows and has none of its own: its value in m is 0.01 times the \
+         reading in rad";
+    assert_eq!(warnings, [said]);
+    let (mjcf, warnings) = new_mjcf(&device).unwrap();
+    assert_eq!(warnings, [said]);
     assert_eq!(mjcf.matches("polycoef").count(), 2);
     for readings in [[0.0; 3], [0.4, -0.7, 1.1], [-0.9, 2.0, 0.3]] {
-        // the first row of a joint is the joint to a robot description
-        let first = |joint: usize| {
-            let drive = device.drive(device.first_row(joint).unwrap()).unwrap();
-            drive.multiplier * readings[joint] + drive.offset
-        };
-        let values = [first(0), first(1), first(2)];
+        let values = [readings[0], 0.01 * readings[1], readings[2]];
         let expected = pose(&device, &readings);
         assert!(gap(&pose(&again, &values), &expected) < ROUNDING);
         let value = |name: &str| {
+            // the second row is the lift itself
             let row = match name {
-                "lift" => 1,
+                "lift" => 2,
                 "spindle" => 4,
                 "turn" => 5,
                 other => other.trim_start_matches("row").parse().unwrap(),
             };
             let drive = device.drive(row).unwrap();
-            drive.multiplier * readings[drive.joint] + drive.offset
+            drive.multiplier * readings[drive.joint]
         };
         assert!(gap(&handle_of_mjcf(&mjcf, value), &expected) < ROUNDING);
+    }
+}
+
+/// Home and the drive's offset are in the origins: a description is fed with a log's columns as they are.
+#[test]
+fn a_reading_is_the_joint_s_value() {
+    let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.1\nd_m = 0.0\n\
+        [[link]]\na_m = 0.2\nalpha_rad = 0.5\nd_m = 0.1\n\
+        [[link]]\na_m = 0.1\nalpha_rad = -1.2\nd_m = 0.0\ntheta_offset_rad = 0.3\n\
+        [[joint]]\nname = \"turn\"\nhome_rad = 0.4\nlower_rad = -1.0\nupper_rad = 2.0\n\
+        [[joint]]\nname = \"slide\"\ntype = \"prismatic\"\nhome_m = 0.15\nlower_m = -0.12\nupper_m = 0.12\n";
+    let mut device = Device::from_toml(text, "device.toml").unwrap().device;
+    let drive = |joint, motion, multiplier, offset| haptical_model::Drive {
+        joint,
+        motion,
+        multiplier,
+        offset,
+    };
+    for driven in [false, true] {
+        if driven {
+            let turn = drive(0, JointType::Revolute, 1.0, -0.7);
+            device.drives = vec![turn, drive(1, JointType::Prismatic, 1.0, 0.02)];
+        }
+        let (urdf, warnings) = new_urdf(&device).unwrap();
+        assert_eq!(warnings, Vec::<String>::new());
+        assert!(
+            urdf.contains("<limit lower=\"-0.12\" upper=\"0.12\""),
+            "{urdf}"
+        );
+        let again = device_from_urdf(&urdf, "new.urdf", Some("handle"))
+            .unwrap()
+            .device;
+        let (mjcf, _) = new_mjcf(&device).unwrap();
+        assert!(mjcf.contains("name=\"turn\" type=\"hinge\" axis=\"0 0 1\" range=\"-1 2\""));
+        for readings in [[0.0, 0.0], [0.9, -0.1], [-0.3, 0.07]] {
+            let expected = pose(&device, &readings);
+            assert!(gap(&pose(&again, &readings), &expected) < ROUNDING);
+            let value = |name: &str| readings[usize::from(name == "slide")];
+            assert!(gap(&handle_of_mjcf(&mjcf, value), &expected) < ROUNDING);
+        }
     }
 }
 

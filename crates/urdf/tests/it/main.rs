@@ -6,6 +6,7 @@
     reason = "a test that cannot go on fails there; a skipped one says so"
 )]
 
+mod branches;
 mod corrected;
 mod described;
 mod pinocchio;
