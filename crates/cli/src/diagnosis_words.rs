@@ -109,6 +109,9 @@ fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
     sentence
 }
 
+/// Unexplained share that is told as none.
+const NOTHING_LEFT: f64 = 0.005;
+
 fn unknown(diagnosis: &Diagnosis) -> String {
     let mut sentence = match main_channel(diagnosis) {
         Some(channel) => {
@@ -128,11 +131,17 @@ fn unknown(diagnosis: &Diagnosis) -> String {
     sentence.push('.');
     if !diagnosis.causes.is_empty() {
         let names: Vec<String> = diagnosis.causes.iter().map(with_probability).collect();
-        let left = percent(diagnosis.unexplained_share);
         let part = listed(&names);
-        sentence.push_str(&format!(
-            " A part looks like {part}, but {left} of it is left."
-        ));
+        sentence.push_str(&match diagnosis.unexplained_share {
+            share if share < NOTHING_LEFT => format!(
+                " It looks like {part}, but a size of none fits too, or data that the fit did not see are predicted no \
+                 better with it."
+            ),
+            share => format!(
+                " A part looks like {part}, but {} of it is left.",
+                percent(share)
+            ),
+        });
     }
     sentence
 }

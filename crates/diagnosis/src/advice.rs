@@ -137,7 +137,7 @@ fn explore(place: Option<&Located>) -> String {
     match place.covariate {
         Covariate::Angle(own) => format!(
             "move joint {} alone, slowly, to and fro over the place where the error is largest, once without and once \
-             with load; then look at the drums and cables there",
+             with load; then look at its drive there",
             own + 1
         ),
         Covariate::Speed(_) | Covariate::CableSpeed => {

@@ -5,7 +5,9 @@ use haptical_model::{Device, Recording};
 
 use crate::adequacy::{Adequacy, adequacy};
 use crate::advice::{next_experiment, of_tool};
-use crate::answer::{CandidateAnswer, CauseAnswer, Diagnosis, Gap, Provenance, Verdict};
+use crate::answer::{
+    CandidateAnswer, CauseAnswer, Diagnosis, Gap, HeldOutAnswer, Provenance, Verdict,
+};
 use crate::base::Base;
 use crate::causes::{base_term, cause_answer, force_findings, noise_findings};
 use crate::context::Stream;
@@ -319,7 +321,8 @@ fn verdict(
     let hedged = causes
         .first()
         .is_some_and(|cause| cause.confusable_with.len() >= thresholds.names);
-    if !adequacy.is_adequate || hedged {
+    let is_void = base_terms.terms.is_empty() && !causes.first().is_some_and(stands);
+    if !adequacy.is_adequate || hedged || is_void {
         return Verdict::Unknown;
     }
     if causes.first().is_some_and(is_sure) {
@@ -327,6 +330,20 @@ fn verdict(
     } else {
         Verdict::Ambiguous
     }
+}
+
+/// Whether a cause has a size, and does not make predictions of what the fit did not see worse.
+fn stands(cause: &CauseAnswer) -> bool {
+    let mut sizes = cause
+        .parameters
+        .iter()
+        .filter(|(name, _)| is_size(name))
+        .peekable();
+    let has_size =
+        sizes.peek().is_none() || sizes.any(|(_, size)| size.ci95[0] * size.ci95[1] > 0.0);
+    let is_worse =
+        |held_out: &HeldOutAnswer| held_out.reduction_ci95.is_some_and(|ci95| ci95[1] <= 0.0);
+    has_size && !cause.held_out.as_ref().is_some_and(is_worse)
 }
 
 fn implausible(causes: &[CauseAnswer]) -> Vec<String> {

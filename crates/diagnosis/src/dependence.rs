@@ -82,7 +82,7 @@ fn questions(context: &Context<'_>) -> Vec<Question> {
             questions.push(Question {
                 column: angle.column(context),
                 joint: Some(joint),
-                on: angle.words(),
+                on: angle.words(context),
                 signals,
             });
         }
@@ -93,7 +93,10 @@ fn questions(context: &Context<'_>) -> Vec<Question> {
             questions.push(Question {
                 column: Covariate::Torque(joint).column(context),
                 joint: Some(joint),
-                on: format!("{} and its side{source}", Covariate::Torque(joint).words()),
+                on: format!(
+                    "{} and its side{source}",
+                    Covariate::Torque(joint).words(context)
+                ),
                 signals: vec![
                     context.downstream(joint, torque),
                     context.downstream(joint, &side),

@@ -1,7 +1,7 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
 use haptical_calibration::{CalibrationError, channels, check_recording};
-use haptical_model::{Device, ParameterId, Recording};
+use haptical_model::{Device, JointCompliance, ParameterId, Recording};
 
 use crate::answer::{Diagnosis, Verdict};
 use crate::assemble::{Inputs, assemble};
@@ -25,6 +25,8 @@ pub fn diagnose(
     recording: &Recording,
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
+    let yielding = options.model.and_then(|model| yielding_as(device, model));
+    let device = yielding.as_ref().unwrap_or(device);
     let thinned = thinned(recording);
     let recording = thinned.as_ref().unwrap_or(recording);
     let thresholds = Thresholds::frozen()?;
@@ -36,6 +38,23 @@ pub fn diagnose(
         Some(end) => without_minimum(&base, end, &by_base),
         None => by_base(&base),
     }
+}
+
+/// The device with the compliances of a model identified earlier: they are numbers of the base model then, as
+/// lengths and angles are. None where the model has none, or the device file says itself what yields.
+fn yielding_as(device: &Device, model: &Device) -> Option<Device> {
+    if device.has_compliance() || !model.has_compliance() {
+        return None;
+    }
+    let mut yielding = device.clone();
+    let of_model = model.surroundings.compliance.iter();
+    yielding.surroundings.compliance = of_model
+        .map(|joint| JointCompliance {
+            fit: joint.fit || joint.rad_per_nm != 0.0,
+            ..*joint
+        })
+        .collect();
+    Some(yielding)
 }
 
 /// The diagnosis where the base model's fit has no minimum: from its drives, then from where the search

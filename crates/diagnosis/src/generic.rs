@@ -72,8 +72,11 @@ impl Covariate {
     }
 
     /// What of the column it is, in words.
-    pub(crate) fn words(self) -> String {
+    pub(crate) fn words(self, context: &Context<'_>) -> String {
         match self {
+            Self::Angle(joint) if context.device.joints[joint].unit() == "m" => {
+                format!("the travel of joint {}", joint + 1)
+            }
             Self::Angle(joint) => format!("the angle of joint {}", joint + 1),
             Self::Speed(joint) => format!("the speed of joint {}", joint + 1),
             Self::Torque(joint) => format!("the torque of joint {}", joint + 1),

@@ -55,7 +55,11 @@ fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) ->
             joint: joint.map(|joint| joint + 1),
             explained: vec![1.0; depends_on.len()],
             depends_on,
-            region: format!("{}; it follows {}", hook_words(place), covariate.words()),
+            region: format!(
+                "{}; it follows {}",
+                hook_words(context, place),
+                covariate.words(context)
+            ),
             dependence: Vec::new(),
         },
         stream,
@@ -145,18 +149,22 @@ pub(crate) fn stream_of(
         .or_else(|| (0..context.streams.len()).max_by(by_excess))
 }
 
-fn hook_words(place: Place) -> String {
+fn hook_words(context: &Context<'_>, place: Place) -> String {
     match (place.hook, place.joint) {
-        (Hook::Transmission, Some(joint)) => {
-            format!(
+        (Hook::Transmission, Some(joint)) => match context.output_stream(joint) {
+            Some(_) => format!(
                 "in the drive of joint {}, in front of its external encoder",
                 joint + 1
-            )
-        }
+            ),
+            None => format!("in the drive of joint {}", joint + 1),
+        },
         (Hook::ExternalEncoder, Some(joint)) => {
             format!("in the external encoder of joint {} alone", joint + 1)
         }
-        (Hook::Joint, Some(joint)) => format!("at joint {}, behind its encoders", joint + 1),
+        (Hook::Joint, Some(joint)) => match context.output_stream(joint) {
+            Some(_) => format!("at joint {}, behind its encoders", joint + 1),
+            None => format!("at joint {}, behind its encoder", joint + 1),
+        },
         (Hook::CableSensor, _) => "in the measuring cable or its encoder".to_owned(),
         (Hook::Timing, _) => "in the timing of the motor encoders".to_owned(),
         (_, Some(joint)) => format!("in the structure at joint {}", joint + 1),
@@ -219,12 +227,16 @@ fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Opti
     let region = match peak(engine, stream, covariate) {
         Some(peak) => format!(
             "{}; depends on {} near {} ({})",
-            hook_words(place),
+            hook_words(context, place),
             short(&covariate.column(context)),
-            in_unit(covariate, peak),
-            covariate.words()
+            in_unit(context, covariate, peak),
+            covariate.words(context)
         ),
-        None => format!("{}; depends on {}", hook_words(place), covariate.words()),
+        None => format!(
+            "{}; depends on {}",
+            hook_words(context, place),
+            covariate.words(context)
+        ),
     };
     Some(Located {
         answer: Answer {
@@ -333,8 +345,12 @@ fn short(column: &str) -> &str {
     column.rsplit_once('_').map_or(column, |(name, _)| name)
 }
 
-fn in_unit(covariate: Covariate, value: f64) -> String {
+fn in_unit(context: &Context<'_>, covariate: Covariate, value: f64) -> String {
+    let slides = |joint: usize| context.device.joints[joint].unit() == "m";
     let unit = match covariate {
+        Covariate::Angle(joint) if slides(joint) => "m",
+        Covariate::Speed(joint) if slides(joint) => "m/s",
+        Covariate::Torque(joint) if slides(joint) => "N",
         Covariate::Angle(_) | Covariate::ExitAngle => "rad",
         Covariate::Speed(_) => "rad/s",
         Covariate::Torque(_) => "N m",
