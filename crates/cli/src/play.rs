@@ -78,9 +78,8 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
             Some(model.device)
         }
     };
-    let log = read_recording(&arguments.log, &nominal.device).map_err(|failure| {
-        failure.with_equipment(&arguments.device, &arguments.device_options)
-    })?;
+    let log = read_recording(&arguments.log, &nominal.device)
+        .map_err(|failure| failure.with_equipment(&arguments.device, &arguments.device_options))?;
     let recording = log.recording;
     warnings.extend(log.warnings);
     files.push(Source::given(&arguments.log).input("log", log.fingerprint));

@@ -18,6 +18,7 @@ pub(crate) fn next_experiment(
         Verdict::Ambiguous if confused_with.is_empty() => first.map(confirm),
         Verdict::Ambiguous => Some(separate(first, confused_with)),
         Verdict::Unknown => Some(match place {
+            Some(place) if place.is_nowhere() => explore(None),
             Some(place) if !place.answer.dependence.is_empty() => explore_postures(place),
             _ => explore(place),
         }),

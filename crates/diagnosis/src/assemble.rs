@@ -81,7 +81,7 @@ pub(crate) fn assemble(
     let is_adequate = adequacy.is_adequate;
     let located = match verdict {
         Verdict::NoGap => None,
-        Verdict::Unknown if touches.are_postures => {
+        Verdict::Unknown if touches.says_where() => {
             by_dependence(&engine.context, selection, touches.dependence)
         }
         Verdict::Unknown => locate(selector, selection, is_adequate),

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::DiagnosisError;
 use crate::answer::Dependence;
 use crate::catalogue::Hook;
-use crate::context::Context;
+use crate::context::{Context, Stream};
 use crate::generic::{Covariate, Place, free_function};
 use crate::select::Selector;
 use crate::signal::Signal;
@@ -104,7 +104,7 @@ fn questions(context: &Context<'_>) -> Vec<Question> {
             });
         }
     }
-    if !context.rotation.is_empty() {
+    if !context.rotation.is_empty() && context.streams.iter().any(Stream::is_touch) {
         // the handle's own axes as the base sees them: a shift that turns with them is another tool's, and so
         // in the base model already
         let signals = (0..9).map(|index| {

@@ -1,6 +1,6 @@
 //! Where a gap lies: channel, joint, covariates and region, in words.
 
-use crate::answer::Place as Answer;
+use crate::answer::{Dependence, Place as Answer};
 use crate::catalogue::{Effect, Family, Hook};
 use crate::context::{Context, Stream};
 use crate::earlier::{BaseTerm, TOOL_CHANGED};
@@ -15,6 +15,17 @@ pub(crate) struct Located {
     pub(crate) answer: Answer,
     pub(crate) stream: usize,
     pub(crate) covariate: Covariate,
+}
+
+impl Located {
+    /// Whether a gap of postures at which nothing is touched depends on nothing that was asked.
+    pub(crate) fn is_nowhere(&self) -> bool {
+        let touches = |found: &Dependence| found.column == "contact";
+        let dependence = &self.answer.dependence;
+        self.answer.depends_on.is_empty()
+            && !dependence.is_empty()
+            && !dependence.iter().any(touches)
+    }
 }
 
 /// By the first cause, or by free functions of every covariate where there is none.

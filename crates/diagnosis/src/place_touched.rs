@@ -2,7 +2,7 @@
 
 use crate::answer::{Dependence, Place as Answer};
 use crate::catalogue::Hook;
-use crate::context::Context;
+use crate::context::{Context, Stream};
 use crate::dependence::TOLD;
 use crate::earlier::BaseTerm;
 use crate::generic::Covariate;
@@ -46,10 +46,13 @@ pub(crate) fn by_dependence(
     let surest = told().next();
     let joint = surest.and_then(|found| found.joint);
     let region = match surest {
-        None => {
+        None if context.streams.iter().any(Stream::is_touch) => {
             "no joint's angle or torque and no direction of approach explains it: no place can be told"
                 .to_owned()
         }
+        None => "no joint's angle or torque explains it, so that no place can be told: noise larger than stated \
+                 looks like this"
+            .to_owned(),
         Some(found) => {
             let place = joint.map_or("at the handle".to_owned(), |joint| format!("at joint {joint}"));
             format!(

@@ -5,7 +5,7 @@ use haptical_calibration::Channel;
 use crate::DiagnosisError;
 use crate::answer::{Dependence, Verdict};
 use crate::context::Stream;
-use crate::dependence::dependences;
+use crate::dependence::{TOLD, dependences};
 use crate::measured::is_stated;
 use crate::select::Selector;
 
@@ -17,6 +17,8 @@ const ROUGHEST_TOUCH_M: f64 = 5e-4;
 pub(crate) struct Touched {
     /// Whether the rows are single postures.
     pub(crate) are_postures: bool,
+    /// Of single postures at which nothing is touched: a gap that depends on no joint's angle or torque.
+    is_alike: bool,
     /// Asked only where no cause is named.
     pub(crate) dependence: Vec<Dependence>,
     /// Of unstated noise: its size by what the model leaves is more than a touch can have \[m\].
@@ -33,8 +35,20 @@ impl Touched {
         verdict: Verdict,
     ) -> Result<Self, DiagnosisError> {
         let context = &selector.engine.context;
-        if context.ordered || !context.streams.iter().any(Stream::is_touch) {
+        if context.ordered {
             return Ok(Self::default());
+        }
+        if !context.streams.iter().any(Stream::is_touch) {
+            let dependence = match verdict {
+                Verdict::Unknown => dependences(selector)?,
+                _ => Vec::new(),
+            };
+            let is_told = |found: &Dependence| found.p_adjusted < TOLD;
+            return Ok(Self {
+                is_alike: !dependence.is_empty() && !dependence.iter().any(is_told),
+                dependence,
+                ..Self::default()
+            });
         }
         let dependence = match verdict {
             Verdict::NoGap | Verdict::Unknown => dependences(selector)?,
@@ -56,11 +70,18 @@ impl Touched {
         let mut touched = (0..context.streams.len()).filter(|&s| context.streams[s].is_touch());
         Ok(Self {
             are_postures: true,
+            is_alike: false,
             is_rough: noise_is_unknown && touched.any(|s| engine.floor[s] > ROUGHEST_TOUCH_M),
             noise_is_unknown,
             dependence,
             unstated,
         })
+    }
+
+    /// Whether what the residuals depend on says where a gap is, rather than what free functions take up: these
+    /// find a place for noise too.
+    pub(crate) fn says_where(&self) -> bool {
+        self.are_postures || self.is_alike
     }
 
     /// The verdict where no cause is named: without a stated noise a gap is what depends on the posture more

@@ -14,6 +14,7 @@ mod determinism;
 mod gap_sets;
 mod named;
 mod normal;
+mod postures;
 mod refusals;
 mod several;
 mod touches;
