@@ -1,5 +1,7 @@
 //! The whole calibration: look at the recording, fit, and check on rows that the fit did not see.
 
+use std::collections::BTreeSet;
+
 use haptical_identification::Loss;
 use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
@@ -31,7 +33,7 @@ pub struct Calibration {
     /// What was held out, in words.
     pub held_out: String,
     /// Readings that noise does not explain, farthest first, where a robust loss was used: those of the fit
-    /// and those that were held out.
+    /// and those that were held out, each once.
     pub outliers: Vec<Outlier>,
     /// Things that a user should know.
     pub warnings: Vec<String>,
@@ -58,6 +60,8 @@ pub struct ChannelReport {
     pub rms_after: f64,
     /// Standard deviation of the calibrated device's residuals.
     pub sd_after: f64,
+    /// Root mean square of the nominal device's residuals, outliers left out.
+    pub rms_before_good: f64,
     /// Root mean square of the calibrated device's residuals, outliers left out.
     pub rms_after_good: f64,
     /// Readings that noise does not explain, where a robust loss looked for them.
@@ -66,6 +70,8 @@ pub struct ChannelReport {
     pub noise_floor: f64,
     /// Share of the gap that was closed, noise taken out; none where there was no gap.
     pub reduction_percent: Option<f64>,
+    /// The same, outliers left out.
+    pub reduction_percent_good: Option<f64>,
     /// Residuals before, in the order of the rows.
     #[serde(skip)]
     pub before: Vec<f64>,
@@ -147,6 +153,9 @@ pub fn calibrate(
             }
         }
         outliers.sort_by(|a: &Outlier, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+        // folds judge the rows of the fit once more
+        let mut listed = BTreeSet::new();
+        outliers.retain(|outlier| listed.insert((outlier.line, outlier.channel)));
     }
     let judged = if held_out_channels.is_empty() {
         &fit_channels
@@ -156,7 +165,7 @@ pub fn calibrate(
     warnings.extend(warnings::of_result(
         &nominal,
         &fitted,
-        judged,
+        (&fit_channels, judged),
         options.method,
     ));
     Ok(Calibration {
@@ -207,6 +216,7 @@ fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) ->
         let mean = residuals.iter().sum::<f64>() / residuals.len() as f64;
         (rms * rms - mean * mean).max(0.0).sqrt()
     };
+    let reduction_percent = gap_reduction_percent(rms_before, rms_after, after.noise_floor);
     ChannelReport {
         channel: channel.name(),
         joint: match channel {
@@ -220,10 +230,12 @@ fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) ->
         sd_before: spread(&before.residuals, rms_before),
         rms_after,
         sd_after: spread(&after.residuals, rms_after),
+        rms_before_good: rms_before,
         rms_after_good: rms_after,
         outliers: 0,
         noise_floor: after.noise_floor,
-        reduction_percent: gap_reduction_percent(rms_before, rms_after, after.noise_floor),
+        reduction_percent,
+        reduction_percent_good: reduction_percent,
         before: before.residuals,
         after: after.residuals,
         rows: before.rows,

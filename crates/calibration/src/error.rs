@@ -53,6 +53,17 @@ pub enum CalibrationError {
         /// What the search said.
         reason: String,
     },
+    /// Touches alone were measured, and the fit that meets them best has no size.
+    #[error(
+        "the touches, which tell no length, draw the device to a point where all of them agree ({what}, {share:.1e} of \
+         its size left); add a known distance between two sockets ([[contact_pair]]), a cable or a tracker's position"
+    )]
+    Collapsed {
+        /// Which fit.
+        what: String,
+        /// Share of its size that the device kept.
+        share: f64,
+    },
     /// The model has no value at a row of the recording.
     #[error("line {line} of the log: {source}")]
     Row {
@@ -119,7 +130,8 @@ impl CalibrationError {
             Self::NoMotion { .. }
             | Self::TooFewRows { .. }
             | Self::NothingIdentifiable { .. }
-            | Self::NotConverged { .. } => true,
+            | Self::NotConverged { .. }
+            | Self::Collapsed { .. } => true,
             // A model without a value at some row is a reading that cannot be true.
             Self::Identification { source, .. } => !matches!(
                 source,

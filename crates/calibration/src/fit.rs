@@ -17,6 +17,7 @@ use crate::multi_start::{self, Starts};
 use crate::reduced::{count_readings, scale_to_residuals};
 use crate::{
     CalibrationError, Channel, DeviceProblem, HeldOut, Weights, parameter_infos, preference_order,
+    scale,
 };
 
 /// Order of the identification.
@@ -182,6 +183,12 @@ pub fn fit_parameters(
         return Err(CalibrationError::NotConverged {
             what: what.to_owned(),
             reason: fit.convergence.to_string(),
+        });
+    }
+    if let Some(share) = scale::collapsed(device, &fit.device, recording, channels) {
+        return Err(CalibrationError::Collapsed {
+            what: what.to_owned(),
+            share,
         });
     }
     Ok(fit)

@@ -19,17 +19,17 @@ const TURNS_RAD: std::ops::Range<f64> = 0.05..2.9;
 const STEPS: usize = 100;
 
 /// One row: the handle in frame (-1), and what the tracker saw.
-struct Sight {
-    handle: Pose,
-    position_m: Option<Vector3<f64>>,
-    rotation: Option<Matrix3<f64>>,
+pub(crate) struct Sight {
+    pub(crate) handle: Pose,
+    pub(crate) position_m: Option<Vector3<f64>>,
+    pub(crate) rotation: Option<Matrix3<f64>>,
 }
 
 /// Base B and tool X with `seen = B handle X`.
 #[derive(Debug, Clone, Copy, Default)]
-struct Frames {
-    base: Pose,
-    tool: Pose,
+pub(crate) struct Frames {
+    pub(crate) base: Pose,
+    pub(crate) tool: Pose,
 }
 
 /// Gives the tracker's unknown base and tool a place, unless the device has one.
@@ -67,7 +67,7 @@ pub(crate) fn place_tracker(
     Ok(())
 }
 
-fn sights(recording: &Recording, poses: &[Pose]) -> Vec<Sight> {
+pub(crate) fn sights(recording: &Recording, poses: &[Pose]) -> Vec<Sight> {
     let rows = poses.iter().enumerate();
     let sights = rows.map(|(row, handle)| {
         let position = recording.position_m.as_ref();
@@ -87,7 +87,7 @@ fn sights(recording: &Recording, poses: &[Pose]) -> Vec<Sight> {
         .collect()
 }
 
-fn closed_form(sights: &[Sight], known: Frames, open: [bool; 2]) -> Frames {
+pub(crate) fn closed_form(sights: &[Sight], known: Frames, open: [bool; 2]) -> Frames {
     let mut frames = known;
     let is_turned = sights.iter().any(|sight| sight.rotation.is_some());
     if is_turned {
@@ -222,7 +222,7 @@ fn slide(sights: &[Sight], frames: &mut Frames, open: [bool; 2]) {
 }
 
 /// Sum of squares of the positions' errors.
-fn missed(sights: &[Sight], frames: &Frames) -> f64 {
+pub(crate) fn missed(sights: &[Sight], frames: &Frames) -> f64 {
     let errors = sights.iter().filter_map(|sight| {
         let handle = &sight.handle;
         let point = handle.position_m + handle.rotation * frames.tool.position_m;

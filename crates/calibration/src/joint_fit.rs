@@ -9,7 +9,7 @@ use crate::{
     CalibrationError, CalibrationMethod, Channel, LossChoice, Options, ParameterFit, Robustness,
     Starts, TransmissionFit, TransmissionTerms, Weighting, Weights, automatic_loss,
     candidate_parameters, channel_residuals, channels, fit_parameters, fit_transmissions, robust,
-    rows_with_known_errors, with_step_one_noise,
+    rows_with_known_errors, scale, with_step_one_noise,
 };
 
 /// A fitted device with the fits that made it.
@@ -117,8 +117,9 @@ pub(crate) fn fit_once(
     let whole = match options.method {
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {
-            let parameters = joint_candidates(&kinematics.device, &fitted.transmissions);
-            let parameters = crate::scale::without_held(&fitted.device, channels, parameters);
+            let mut parameters = joint_candidates(&kinematics.device, &fitted.transmissions);
+            let held = scale::held_by(&kinematics, &fitted.device);
+            parameters.retain(|parameter| !held.contains(parameter));
             let what = "joint identification";
             let mut fit = fit_parameters(
                 what,
@@ -195,8 +196,9 @@ pub fn fit_kinematics(
     weights: &Weights,
     options: &Options,
 ) -> Result<ParameterFit, CalibrationError> {
-    let parameters = candidate_parameters(device);
-    let parameters = crate::scale::without_held(device, channels, parameters);
+    let mut parameters = candidate_parameters(device);
+    let held = scale::held_for_scale(device, recording, channels);
+    parameters.retain(|parameter| !held.contains(parameter));
     let what = "kinematic parameters";
     fit_parameters(
         what,

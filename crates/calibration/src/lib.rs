@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod above_floor;
 mod automatic_loss;
 mod cable_columns;
 mod calibration;
@@ -9,6 +10,7 @@ mod candidates;
 mod capstan_rows;
 mod channel;
 mod considered;
+mod conventions;
 mod distances;
 mod error;
 mod error_rows;

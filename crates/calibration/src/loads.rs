@@ -45,6 +45,11 @@ impl Loads {
         Ok(None)
     }
 
+    /// Whether there is no torque at all: no column, and no masses that gravity pulls at.
+    pub(crate) fn are_none(&self) -> bool {
+        self.torque_nm.iter().all(|torque| *torque == 0.0)
+    }
+
     /// Torques of one row, joint by joint.
     pub(crate) fn at(&self, row: usize) -> &[f64] {
         &self.torque_nm[row * self.joints..][..self.joints]

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::fit::{Task, wrap};
 use crate::form::Prepared;
-use crate::{CalibrationError, DeviceProblem, ParameterFit};
+use crate::{CalibrationError, DeviceProblem, ParameterFit, scale};
 
 /// What searches from other places said of a fit.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -67,7 +67,8 @@ pub(crate) fn improve(
     // transmissions and joint fits begin where an earlier step ended
     let is_chain = |parameter: &ParameterId| matches!(parameter, ParameterId::Link { .. });
     let begins_afresh = task.parameters.iter().all(is_chain);
-    let is_failed = !first.convergence.was_successful();
+    let is_collapsed = collapsed(task, &first.device).is_some();
+    let is_failed = !first.convergence.was_successful() || is_collapsed;
     if task.options.starts == 0 || !(begins_afresh || is_failed) {
         let starts = Starts {
             doubt_that_remains: Some(doubt.clone()),
@@ -96,6 +97,7 @@ pub(crate) fn improve(
     let found: Vec<Fit> = (0..task.options.starts)
         .filter_map(|number| search(&random_place(task, &first.fitted, &nominal, number)).ok())
         .filter(|fit| fit.convergence.was_successful())
+        .filter(|fit| collapsed(task, &problem.device_with(&fit.parameters)).is_none())
         .collect();
     let mut starts = Starts {
         doubt_that_remains: Some(doubt.clone()),
@@ -108,8 +110,12 @@ pub(crate) fn improve(
     let Some(best) = best else {
         return Ok(ParameterFit { starts, ..first });
     };
-    let is_better = best.cost < (1.0 - BETTER) * again.cost;
-    let lowest = best.cost.min(again.cost);
+    let is_better = is_collapsed || best.cost < (1.0 - BETTER) * again.cost;
+    let lowest = if is_collapsed {
+        best.cost
+    } else {
+        best.cost.min(again.cost)
+    };
     let freedom = (problem.residual_count() - first.fitted.len()) as f64;
     let noise = (lowest / freedom).max(1.0);
     let as_good = |fit: &&Fit| fit.cost - lowest <= AS_GOOD * noise;
@@ -127,7 +133,7 @@ pub(crate) fn improve(
             is_near(IMPLAUSIBLE, &nominal) && !is_near(1.0, kept)
         })
         .count();
-    if !is_better && first.convergence.was_successful() {
+    if !is_better && !is_failed {
         return Ok(ParameterFit { starts, ..first });
     }
     let Ok(second) = task.fit_from(Some(&best.parameters)) else {
@@ -146,6 +152,11 @@ fn is_preferred(task: &Task<'_>, second: &ParameterFit, first: &ParameterFit) ->
     if !second.convergence.was_successful() {
         return false;
     }
+    match [first, second].map(|fit| collapsed(task, &fit.device)) {
+        [_, Some(_)] => return false,
+        [Some(_), None] => return true,
+        [None, None] => {}
+    }
     let is_plausible = |fit: &ParameterFit| implausible(task.device, fit).is_empty();
     let is_lower = second.cost < (1.0 - BETTER) * first.cost;
     let was_none =
@@ -154,10 +165,20 @@ fn is_preferred(task: &Task<'_>, second: &ParameterFit, first: &ParameterFit) ->
     (is_lower || was_none) && (is_plausible(second) || !is_plausible(first))
 }
 
+/// The share of its size that a device kept, where it was drawn to a point.
+fn collapsed(task: &Task<'_>, device: &Device) -> Option<f64> {
+    scale::collapsed(task.device, device, task.recording, task.channels)
+}
+
 /// Why a fit is doubted.
 fn doubt(task: &Task<'_>, fit: &ParameterFit) -> Option<String> {
     if !fit.convergence.was_successful() {
         return Some(fit.convergence.to_string());
+    }
+    if let Some(share) = collapsed(task, &fit.device) {
+        return Some(format!(
+            "the device shrank to {share:.1e} of its size, where all touches agree"
+        ));
     }
     let above = above_noise(task, fit);
     if above > ABOVE_NOISE {

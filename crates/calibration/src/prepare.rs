@@ -6,9 +6,9 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{ContactPoint, Device, DeviceChain, Evaluation, Recording, TouchedPlane};
 
-use crate::CalibrationError;
 use crate::hand_eye::place_tracker;
 use crate::loads::Loads;
+use crate::{CalibrationError, conventions};
 
 /// Fewest touches that make a plane and leave one to check it.
 const PLANE_ROWS: usize = 4;
@@ -67,10 +67,10 @@ pub fn prepare_device(device: &Device, recording: &Recording) -> Result<Device, 
 }
 
 /// Refuses a rig that a recording cannot serve: a pair of which one member is not in the log, a plane of too
-/// few touches.
+/// few touches, a tracker whose axes are left-handed or whose quaternions are in another order.
 ///
 /// # Errors
-/// [`CalibrationError::Rig`].
+/// [`CalibrationError::Rig`], [`CalibrationError::Reading`].
 pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
     let refuse = |what: &str, message: String| {
         Err(CalibrationError::Rig {
@@ -121,7 +121,7 @@ pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), Calibrati
             }
         }
     }
-    Ok(())
+    conventions::check(device, recording)
 }
 
 /// The ids of a column in the order in which they come, without empty ones.

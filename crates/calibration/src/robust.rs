@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{Loss, robust_scale};
+use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -152,8 +153,8 @@ fn outliers_of(
         .collect()
 }
 
-/// Counts a report's outliers and sets them aside in its `rms_after_good`. The report's rows are those of
-/// `recording`.
+/// Counts a report's outliers and sets them aside in its figures of the good ones. The report's rows
+/// are those of `recording`.
 pub(crate) fn set_aside(
     report: &mut ChannelReport,
     robust: &Robustness,
@@ -167,15 +168,28 @@ pub(crate) fn set_aside(
     };
     let outliers = outliers_of(*channel, &report.rows, &report.after, recording, *scale);
     let limit = limit(report.rows.len()) * scale;
-    let sizes = sizes(*channel, &report.after);
-    let readings = report.after.chunks_exact(channel.width()).zip(sizes);
-    let good: Vec<f64> = readings
-        .filter(|(_, size)| size.abs() <= limit)
-        .flat_map(|(axes, _)| axes.iter().copied())
+    let is_good: Vec<bool> = sizes(*channel, &report.after)
+        .into_iter()
+        .map(|size| size.abs() <= limit)
         .collect();
-    let square: f64 = good.iter().map(|residual| residual * residual).sum();
+    let rms_of_good = |residuals: &[f64]| {
+        let readings = residuals.chunks_exact(channel.width()).zip(&is_good);
+        let good = readings.filter(|(_, is_good)| **is_good);
+        let (mut square, mut count) = (0.0, 0_usize);
+        for residual in good.flat_map(|(axes, _)| axes) {
+            square += residual * residual;
+            count += 1;
+        }
+        (square / count.max(1) as f64).sqrt()
+    };
+    report.rms_before_good = rms_of_good(&report.before);
+    report.rms_after_good = rms_of_good(&report.after);
+    report.reduction_percent_good = gap_reduction_percent(
+        report.rms_before_good,
+        report.rms_after_good,
+        report.noise_floor,
+    );
     report.outliers = outliers.len();
-    report.rms_after_good = (square / good.len().max(1) as f64).sqrt();
     outliers
 }
 

@@ -1,8 +1,8 @@
 //! Things that a user should know of a recording and of a result, in sentences.
 
-use haptical_model::{Device, Recording};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use haptical_model::{Device, ParameterId, Recording};
 
+use crate::loads::Loads;
 use crate::{
     CalibrationMethod, Channel, ChannelReport, FittedDevice, ParameterFit, Starts, sufficiency,
 };
@@ -22,14 +22,6 @@ pub(crate) fn of_recording(
                 .to_owned(),
         );
     }
-    if let Some(held) = crate::scale::held_length(device, channels) {
-        warnings.push(format!(
-            "touches of unknown points and planes do not tell a device from a larger one: {} is held, and all \
-             other lengths are in proportion to it; give the distance of two points ([[contact_pair]]), a cable \
-             or a tracker's position",
-            held.name(device)
-        ));
-    }
     if device.has_links()
         && device.cables.is_empty()
         && recording.cable_m.iter().any(Option::is_some)
@@ -41,6 +33,7 @@ pub(crate) fn of_recording(
                 .to_owned(),
         );
     }
+    warnings.extend(of_loads(device, recording));
     let resting = sufficiency::resting_joints(recording);
     if !resting.is_empty() {
         let numbers: Vec<String> = resting
@@ -66,26 +59,22 @@ pub(crate) fn of_recording(
     warnings
 }
 
-/// Deviation, in plausible sizes, beyond which a value is more likely a wrong unit, a swapped column
-/// or a mirror image of the device than the device: half a decimetre, a fifth of a radian.
-const IMPLAUSIBLE: f64 = 10.0;
-/// Residual over noise floor beyond which more than noise is left; too short a log to extrapolate
-/// from stays below.
-const ABOVE_FLOOR: f64 = 1.5;
-
-/// Chance that noise alone is called more than noise.
-const FALSE_ALARM: f64 = 1e-3;
-
-/// Residual over noise floor beyond which more than noise is left among so many readings: of few, chance alone
-/// reaches more (chi-square over its degrees of freedom).
-fn above_floor(readings: usize) -> f64 {
-    let freedom = readings.max(1) as f64;
-    let largest = ChiSquared::new(freedom).map(|chi| chi.inverse_cdf(1.0 - FALSE_ALARM));
-    largest.map_or(ABOVE_FLOOR, |largest| {
-        ABOVE_FLOOR.max((largest / freedom).sqrt())
+/// Compliances that are to be fitted without a load.
+fn of_loads(device: &Device, recording: &Recording) -> Option<String> {
+    let is_asked = device.surroundings.compliance.iter().any(|joint| joint.fit);
+    // what is wrong with a row, the fit says
+    let loads = Loads::new(device, recording).ok().flatten();
+    let is_unloaded = is_asked && loads.is_some_and(|loads| loads.are_none());
+    is_unloaded.then(|| {
+        "no torque columns and no masses with [gravity]: there is nothing to fit compliances from; log the drives' \
+         torques (torqueN_nm), or give the device file [gravity] and its rows' mass_kg and centre_of_mass_m"
+            .to_owned()
     })
 }
 
+/// Deviation, in plausible sizes, beyond which a value is more likely a wrong unit, a swapped column
+/// or a mirror image of the device than the device: half a decimetre, a fifth of a radian.
+const IMPLAUSIBLE: f64 = 10.0;
 /// What searches from other places said.
 fn of_search(starts: &Starts) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -118,11 +107,51 @@ fn of_search(starts: &Starts) -> Vec<String> {
     warnings
 }
 
-/// What a result has that no good result has.
+/// Joints that seem to yield against their load.
+fn of_compliance(whole: &ParameterFit) -> Vec<String> {
+    let found = whole.parameters.iter().zip(&whole.estimates);
+    found
+        .filter_map(|(parameter, estimate)| {
+            let ParameterId::Compliance { joint } = parameter else {
+                return None;
+            };
+            let [_, high] = estimate.ci95.filter(|interval| interval[1] < 0.0)?;
+            Some(format!(
+                "joint {}: its compliance, {:.2e} rad/Nm, is negative beyond its interval (up to {high:.2e}): a joint \
+                 that yields against the load; a mass is missing, or the sign of a torque, of a joint or of gravity \
+                 is wrong",
+                joint + 1,
+                estimate.value?
+            ))
+        })
+        .collect()
+}
+
+/// Which length was held because nothing measured tells one.
+fn of_scale(nominal: &Device, whole: &ParameterFit) -> Option<String> {
+    let held: Vec<String> = crate::scale::held_by(whole, nominal)
+        .into_iter()
+        .filter(|parameter| parameter.unit(nominal) == "m")
+        .map(|parameter| parameter.name(nominal))
+        .collect();
+    let verb = match held.as_slice() {
+        [] => return None,
+        [_] => "is",
+        _ => "are",
+    };
+    Some(format!(
+        "touches of unknown points and planes do not tell a device from a larger one: {} {verb} held, and all other \
+         lengths are in proportion to it; give the distance of two points ([[contact_pair]]), a cable or a \
+         tracker's position",
+        held.join(" and ")
+    ))
+}
+
+/// What a result has that no good result has: by the rows of the fit, and by those that it is judged on.
 pub(crate) fn of_result(
     nominal: &Device,
     fitted: &FittedDevice,
-    channels: &[ChannelReport],
+    (seen, channels): (&[ChannelReport], &[ChannelReport]),
     method: CalibrationMethod,
 ) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -132,6 +161,9 @@ pub(crate) fn of_result(
              were left out",
             report.channel, report.outside_range
         ));
+    }
+    if let Some(whole) = &fitted.whole {
+        warnings.extend(of_scale(nominal, whole));
     }
     if let Some(robust) = &fitted.robust {
         if !robust.settled {
@@ -151,6 +183,7 @@ pub(crate) fn of_result(
             ));
         }
     }
+    warnings.extend(fitted.whole.iter().flat_map(of_compliance));
     let fits: Vec<&ParameterFit> = match &fitted.whole {
         Some(whole) if method == CalibrationMethod::Joint => vec![whole],
         whole => {
@@ -176,19 +209,7 @@ pub(crate) fn of_result(
             implausible.join(", ")
         ));
     }
-    for report in channels {
-        if report.rms_after_good > above_floor(report.readings) * report.noise_floor {
-            warnings.push(format!(
-                "{}: the residual left, {:.3e} {}, is {:.1} times the noise floor: the model lacks \
-                 an effect, rows are disturbed, or the stated noise is too small; look at the \
-                 residual figures for what it depends on",
-                report.channel,
-                report.rms_after_good,
-                report.unit,
-                report.rms_after_good / report.noise_floor
-            ));
-        }
-    }
+    warnings.extend(crate::above_floor::sentences(fitted, seen, channels));
     if method == CalibrationMethod::TwoStep
         && fitted.whole.is_some()
         && !fitted.transmissions.is_empty()
@@ -208,12 +229,12 @@ fn implausible(nominal: &Device, fit: &ParameterFit) -> Vec<String> {
         .iter()
         .filter_map(|&position| {
             let parameter = fit.parameters[position];
-            if let haptical_model::ParameterId::Surrounding(_) = parameter {
+            if let ParameterId::Surrounding(_) = parameter {
                 // nobody knows beforehand where these are
                 return None;
             }
             let before = match parameter {
-                haptical_model::ParameterId::Link { .. } => parameter.value(nominal),
+                ParameterId::Link { .. } => parameter.value(nominal),
                 // a transmission's nominal error is zero, whatever form it now has
                 _ => 0.0,
             };

@@ -1,4 +1,4 @@
-//! Distances and positions of a log against how far the device reaches: millimetres taken for metres.
+//! Lengths of a log and a rig against how far the device reaches: millimetres taken for metres.
 
 use std::path::Path;
 
@@ -12,48 +12,44 @@ const LARGEST_RATIO: f64 = 10.0;
 /// Reach below which the device file does not say how large the device is \[m\].
 const SMALLEST_REACH_M: f64 = 1e-3;
 
-/// Refuses columns that the device cannot have measured in metres.
+/// The median of a column, in words.
+const MIDDLE_READING: &str = "middle reading";
+/// Ratio where nothing but the rest of the device says how far a joint slides: rails are longer than arms.
+const LARGEST_RATIO_OF_RAILS: f64 = 100.0;
+/// How far apart two points may be that the device touches, in reaches; its lengths are nominal.
+const PAIR_RATIO: f64 = 3.0;
+
+/// Refuses columns that the device cannot have measured in metres, and distances between points of which it can
+/// reach one at most.
 pub(crate) fn refuse_millimetres(
     device: &Device,
     recording: &Recording,
     path: &Path,
 ) -> Result<(), Failure> {
-    let reach_m = reach_m(device);
-    if !device.has_links() || !reach_m.is_finite() || reach_m < SMALLEST_REACH_M {
+    if !device.has_links() {
         return Ok(());
     }
-    let cables = recording.cable_m.iter().enumerate();
-    let cables = cables.filter_map(|(index, distances)| {
-        let anchor_m = device
-            .cables
-            .get(index)
-            .map_or([0.0; 3], |cable| cable.anchor_m);
-        let name = match index {
-            0 => "cable_m".to_owned(),
-            _ => format!("cable{}_m", index + 1),
-        };
-        Some((name, distances.clone()?, reach_m + norm(anchor_m)))
-    });
-    // A tracker in a frame of its own may stand anywhere.
-    let is_placed = device
-        .tracker
-        .as_ref()
-        .is_none_or(|tracker| tracker.base_known);
-    let position = recording.position_m.as_ref().filter(|_| is_placed);
-    let position = position.map(|[x, y, z]| {
-        let rows = x.iter().zip(y).zip(z);
-        let distances = rows.map(|((x, y), z)| norm([*x, *y, *z])).collect();
-        ("x_m, y_m, z_m".to_owned(), distances, reach_m)
-    });
-    for (name, distances, farthest_m) in cables.chain(position) {
-        let Some((middle, line)) = middle(&distances, &recording.line) else {
+    refuse_rails(device, recording, path)?;
+    let reach_m = reach_m(device);
+    if !reach_m.is_finite() || reach_m < SMALLEST_REACH_M {
+        return Ok(());
+    }
+    refuse_pairs(device, reach_m)?;
+    for Lengths {
+        name,
+        what,
+        readings,
+        farthest_m,
+    } in lengths(device, recording, reach_m)
+    {
+        let Some((middle, line)) = middle(&readings, &recording.line) else {
             continue;
         };
         if middle > LARGEST_RATIO * farthest_m {
             return Err(Failure::log_line(
                 "looks-like-millimetres",
                 format!(
-                    "`{name}` looks like millimetres: its middle reading is {middle:.4}, and the \
+                    "`{name}` looks like millimetres: its {what} is {middle:.4}, and the \
                      device reaches {farthest_m:.4} m at most"
                 ),
                 path,
@@ -65,14 +61,118 @@ pub(crate) fn refuse_millimetres(
     Ok(())
 }
 
+/// Columns of lengths.
+struct Lengths {
+    name: String,
+    /// What is looked at, in words.
+    what: &'static str,
+    readings: Vec<f64>,
+    /// How long they can be \[m\].
+    farthest_m: f64,
+}
+
+fn lengths(device: &Device, recording: &Recording, reach_m: f64) -> Vec<Lengths> {
+    let mut found = Vec::new();
+    for (index, distances) in recording.cable_m.iter().enumerate() {
+        let Some(distances) = distances else {
+            continue;
+        };
+        let cable = device.cables.get(index);
+        let anchor_m = cable.map_or([0.0; 3], |cable| cable.anchor_m);
+        let name = match index {
+            0 => "cable_m".to_owned(),
+            _ => format!("cable{}_m", index + 1),
+        };
+        found.push(Lengths {
+            name,
+            what: MIDDLE_READING,
+            readings: distances.clone(),
+            farthest_m: reach_m + norm(anchor_m),
+        });
+    }
+    if let Some([x, y, z]) = &recording.position_m {
+        let tracker = device.tracker.as_ref();
+        let is_placed = tracker.is_none_or(|tracker| tracker.base_known);
+        // a tracker in a frame of its own may stand anywhere: what it saw lies about the middle of that
+        let (from, what) = if is_placed {
+            ([0.0; 3], MIDDLE_READING)
+        } else {
+            let middles = [x, y, z].map(|axis| middle(axis, &[]).map_or(0.0, |(middle, _)| middle));
+            (middles, "middle distance from the middle of all")
+        };
+        let rows = x.iter().zip(y).zip(z);
+        let distances = rows.map(|((x, y), z)| norm([x - from[0], y - from[1], z - from[2]]));
+        found.push(Lengths {
+            name: "x_m, y_m, z_m".to_owned(),
+            what,
+            readings: distances.collect(),
+            farthest_m: reach_m,
+        });
+    }
+    found
+}
+
+/// Readings of sliding joints against their limits, or the device's links where they have none.
+fn refuse_rails(device: &Device, recording: &Recording, path: &Path) -> Result<(), Failure> {
+    let joints = device.joints.iter().zip(&recording.joint).enumerate();
+    for (index, (joint, readings)) in joints {
+        if joint.joint_type != JointType::Prismatic {
+            continue;
+        }
+        let farthest_m = joint.lower_rad.abs().max(joint.upper_rad.abs());
+        let (most_m, says) = if farthest_m.is_finite() {
+            (
+                LARGEST_RATIO * farthest_m,
+                format!("its limits reach to {farthest_m:.4} m"),
+            )
+        } else {
+            let links_m = links_m(device);
+            (
+                LARGEST_RATIO_OF_RAILS * links_m,
+                format!("the device's links are {links_m:.4} m long"),
+            )
+        };
+        let sizes: Vec<f64> = readings.iter().map(|reading| reading.abs()).collect();
+        let Some((middle, line)) = middle(&sizes, &recording.line) else {
+            continue;
+        };
+        if most_m > SMALLEST_REACH_M && middle > most_m {
+            return Err(Failure::log_line(
+                "looks-like-millimetres",
+                format!(
+                    "`theta{}_m` looks like millimetres: its middle reading is {middle:.4}, and {says}",
+                    index + 1
+                ),
+                path,
+                line,
+                "divide the column by 1000, or correct the joint's limits in the device file",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Known distances between touched points.
+fn refuse_pairs(device: &Device, reach_m: f64) -> Result<(), Failure> {
+    let mut pairs = device.contact_pairs.iter();
+    let far = pairs.find(|pair| pair.distance_m > PAIR_RATIO * reach_m);
+    far.map_or(Ok(()), |pair| {
+        Err(Failure::bad_input(
+            "looks-like-millimetres",
+            format!(
+                "distance_m = {} between `{}` and `{}` looks like millimetres: the device reaches {reach_m:.4} m at \
+                 most",
+                pair.distance_m, pair.a, pair.b
+            ),
+            "[[contact_pair]] of the device file or the rig file",
+            "divide it by 1000, or correct the lengths in the device file",
+        ))
+    })
+}
+
 /// Farthest that the handle can be from frame (-1) \[m\]; infinite where a joint slides without
 /// limits.
 fn reach_m(device: &Device) -> f64 {
-    let links: f64 = device
-        .links
-        .iter()
-        .map(|link| link.a_m.hypot(link.d_m))
-        .sum();
     let slides = device
         .joints
         .iter()
@@ -80,7 +180,15 @@ fn reach_m(device: &Device) -> f64 {
     let slides: f64 = slides
         .map(|joint| joint.home_rad.abs() + joint.lower_rad.abs().max(joint.upper_rad.abs()))
         .sum();
-    links + slides
+    links_m(device) + slides
+}
+
+/// Lengths of all links \[m\], constant origins of a URDF included.
+fn links_m(device: &Device) -> f64 {
+    let links = device.links.iter();
+    let links: f64 = links.map(|link| norm([link.a_m, link.b_m, link.d_m])).sum();
+    let origins = device.origins.iter().flatten();
+    links + origins.map(|origin| norm(origin.position_m)).sum::<f64>()
 }
 
 fn norm([x, y, z]: [f64; 3]) -> f64 {

@@ -71,30 +71,47 @@ pub(crate) fn force_sentence(result: &Identified) -> Option<String> {
     ))
 }
 
-/// Before, after and floor of each channel.
+/// Before, after and floor of each channel; where a channel has outliers, without them and, beside, with them.
 pub(crate) fn channel_table(title: &str, channels: &[ChannelReport]) -> Result<Table, Failure> {
-    let columns = [
-        ("channel", ""),
-        ("unit", ""),
-        ("readings", ""),
-        ("before", ""),
-        ("after", ""),
-        ("noise floor", ""),
-        ("reduction", "%"),
+    let has_outliers = channels.iter().any(|channel| channel.outliers > 0);
+    let mut columns = vec![
+        Column::new("channel", ""),
+        Column::new("unit", ""),
+        Column::new("readings", ""),
     ];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
+    if has_outliers {
+        columns.push(Column::new("outliers", ""));
+    }
+    columns.extend([Column::new("before", ""), Column::new("after", "")]);
+    if has_outliers {
+        columns.push(Column::new("after, outliers too", ""));
+    }
+    columns.push(Column::new("noise floor", ""));
+    columns.push(Column::new("reduction", "%"));
+    let title = if has_outliers {
+        format!("{title}; outliers are left out of before, after and reduction")
+    } else {
+        title.to_owned()
+    };
     let mut table = Table::new(title, columns);
     for channel in channels {
         let shown = Shown::fine(&channel.unit);
-        table.push(vec![
+        let mut row = vec![
             channel.channel.as_str().into(),
             shown.name.into(),
             Cell::number(channel.readings as f64, 0),
-            shown.cell(channel.rms_before),
-            shown.cell(channel.rms_after),
-            shown.cell(channel.noise_floor),
-            Cell::number_or_missing(channel.reduction_percent, 2),
-        ])?;
+        ];
+        if has_outliers {
+            row.push(Cell::number(channel.outliers as f64, 0));
+        }
+        row.push(shown.cell(channel.rms_before_good));
+        row.push(shown.cell(channel.rms_after_good));
+        if has_outliers {
+            row.push(shown.cell(channel.rms_after));
+        }
+        row.push(shown.cell(channel.noise_floor));
+        row.push(Cell::number_or_missing(channel.reduction_percent_good, 2));
+        table.push(row)?;
     }
     Ok(table)
 }

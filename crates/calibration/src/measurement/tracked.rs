@@ -15,14 +15,14 @@ use haptical_model::{Device, ParameterId, SurroundingParameter};
 ///
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
 /// let mut device = Device::load(path.as_ref())?.device;
-/// let handle = Pose::identity();
+/// let handle = Pose::default();
 /// assert!(Tracked::new(&device, &handle).is_none());
 /// // a marker 0.1 m beside the handle: a turn about z moves it along y
 /// let start = Origin { position_m: [0.1, 0.0, 0.0], ..Origin::IDENTITY };
 /// device.surroundings.tracker_tool = Some(Placement { start, ..Placement::default() });
 /// let tracked = Tracked::new(&device, &handle).ok_or("a tool")?;
 /// let turn = Twist { linear: Vector3::zeros(), angular: Vector3::z() };
-/// assert!((tracked.carried(&turn).linear - 0.1 * Vector3::y()).norm() < 1e-15);
+/// assert!((tracked.carried(&turn).linear - Vector3::new(0.0, 0.1, 0.0)).norm() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy)]

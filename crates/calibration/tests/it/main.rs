@@ -8,6 +8,7 @@
 
 mod agreement;
 mod chain;
+mod conventions;
 mod counts;
 mod dense;
 mod derivatives;
@@ -33,5 +34,7 @@ mod rig_rank;
 mod rig_recovery;
 mod rig_scene;
 mod robust;
+mod scale;
+mod short_logs;
 mod statistics;
 mod warnings;

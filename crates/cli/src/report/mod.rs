@@ -75,13 +75,18 @@ fn lead(result: &Identified) -> String {
     };
     let shown = Shown::fine(&channel.unit);
     let fixed = result.parameters.len() - result.not_identified.len();
+    let outliers = match channel.outliers {
+        0 => String::new(),
+        1 => "; 1 outlier is left out of these figures".to_owned(),
+        count => format!("; {count} outliers are left out of these figures"),
+    };
     let mut text = format!(
         "The root mean square residual of {} is {} before and {} after identification; the noise \
-         floor is {}. Rows that this is measured on: {}. {fixed} of {} parameters were identified \
+         floor is {}{outliers}. Rows that this is measured on: {}. {fixed} of {} parameters were identified \
          from {} rows.",
         channel.channel,
-        shown.text(channel.rms_before),
-        shown.text(channel.rms_after),
+        shown.text(channel.rms_before_good),
+        shown.text(channel.rms_after_good),
         shown.text(channel.noise_floor),
         result.held_out,
         result.parameters.len(),

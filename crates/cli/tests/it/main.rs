@@ -18,6 +18,7 @@ mod hostile_sizes;
 mod hostile_writes;
 mod import;
 mod import_poses;
+mod millimetres;
 mod moving_log;
 mod other_commands;
 mod plan;

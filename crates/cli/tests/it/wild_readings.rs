@@ -43,6 +43,14 @@ fn lines_of(result: &Value) -> Vec<u64> {
     lines
 }
 
+/// Place of the cable among the channels.
+fn cable_of(result: &Value) -> usize {
+    let mut channels = result["channels"].as_array().unwrap().iter();
+    channels
+        .position(|channel| channel["channel"] == "cable")
+        .unwrap()
+}
+
 #[test]
 fn wild_readings_are_named_row_by_row_and_move_nothing() {
     let sandbox = Sandbox::new();
@@ -55,6 +63,19 @@ fn wild_readings_are_named_row_by_row_and_move_nothing() {
     assert!(text(&output.stderr).contains("farther from the model than noise explains"));
     assert_eq!(found["loss"]["used"], "tukey");
     assert_eq!(lines_of(&found), wild);
+    // the table has the figures of the good readings, and beside them the count of the others
+    let shown = text(&output.stdout);
+    assert!(shown.contains("outliers are left out of before, after and reduction"));
+    let cable = shown.lines().find(|line| line.contains("│ cable")).unwrap();
+    let cells: Vec<&str> = cable.split('│').map(str::trim).collect();
+    let number = |cell: usize| cells[cell].parse::<f64>().unwrap();
+    let channel = &found["channels"].as_array().unwrap()[cable_of(&found)];
+    assert_eq!(channel["outliers"].as_f64().unwrap(), number(4));
+    assert!(
+        number(6) < 1.5 * number(8) && number(7) > 10.0 * number(6),
+        "{cable}"
+    );
+    assert!(number(9) > 90.0, "{cable}");
     let entries = |result: &Value| result["parameters"].as_array().unwrap().clone();
     for (before, after) in entries(&clean).iter().zip(entries(&found)) {
         assert_eq!(before["status"], after["status"], "{}", before["name"]);

@@ -84,6 +84,8 @@ class Channel(TypedDict):
     sd_before: float
     rms_after: float
     sd_after: float
+    rms_before_good: float
+    """As `rms_before`, outliers left out."""
     rms_after_good: float
     """As `rms_after`, outliers left out."""
     outliers: int
@@ -91,6 +93,8 @@ class Channel(TypedDict):
     """Root mean square of the stated noise, quantization included."""
     reduction_percent: Optional[float]
     """Share of the gap that was closed, noise taken out; None where there was no gap."""
+    reduction_percent_good: Optional[float]
+    """As `reduction_percent`, outliers left out."""
     rows: npt.NDArray[np.int64]
     """Rows of the log, from 0."""
     before: Array

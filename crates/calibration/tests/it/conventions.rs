@@ -1,0 +1,169 @@
+//! Trackers whose columns are in another convention, and compliances without a load: named, not fitted.
+
+use haptical_calibration::{Calibration, CalibrationError, HeldOut, Options, calibrate, check_rig};
+use haptical_model::{Body, Device, JointCompliance, Placement, Recording};
+
+use crate::rig_scene::{placement, plain, readings, table, tracked, unknown_tracker};
+
+const JOINTS: usize = 5;
+
+fn device(is_known: bool) -> Device {
+    let mut device = table(JOINTS);
+    unknown_tracker(&mut device);
+    let tracker = device.tracker.as_mut().unwrap();
+    (tracker.base_known, tracker.tool_known) = (is_known, is_known);
+    device
+}
+
+/// What the tracker sees, and of orientations whether it is asked.
+fn seen(device: &Device, has_orientations: bool) -> Recording {
+    let mut truth = device.clone();
+    let is_known = truth.tracker.unwrap().base_known;
+    let place = |seed: u64, reach_m: f64| match is_known {
+        true => Placement::default(),
+        false => placement(seed, reach_m, 0.0),
+    };
+    truth.surroundings.tracker_base = Some(place(5, 1.0));
+    truth.surroundings.tracker_tool = Some(place(6, 0.1));
+    // a device as built
+    truth.links[1].a_m += 2e-3;
+    truth.links[3].alpha_rad += 4e-3;
+    let mut recording = plain(readings(&truth, 60, 1.5, 3));
+    tracked(&truth, &mut recording, 1.0, 9);
+    if !has_orientations {
+        recording.orientation_wxyz = None;
+    }
+    recording
+}
+
+fn said(device: &Device, recording: &Recording) -> String {
+    match check_rig(device, recording).unwrap_err() {
+        CalibrationError::Reading {
+            column, message, ..
+        } => format!("{column}: {message}"),
+        other => other.to_string(),
+    }
+}
+
+#[test]
+fn left_handed_positions_are_named() {
+    for has_orientations in [false, true] {
+        let unknown = device(false);
+        let right = seen(&unknown, has_orientations);
+        check_rig(&unknown, &right).unwrap();
+        let mut flipped = right.clone();
+        flipped.position_m.as_mut().unwrap()[1]
+            .iter_mut()
+            .for_each(|y| *y = -*y);
+        let mut swapped = right;
+        swapped.position_m.as_mut().unwrap().swap(0, 1);
+        for wrong in [flipped, swapped] {
+            let said = said(&unknown, &wrong);
+            assert!(
+                said.starts_with("x_m, y_m, z_m: the tracker's axes are left-handed"),
+                "{said}"
+            );
+        }
+    }
+    let known = device(true);
+    let mut swapped = seen(&known, false);
+    check_rig(&known, &swapped).unwrap();
+    swapped.position_m.as_mut().unwrap().swap(0, 2);
+    let words = said(&known, &swapped);
+    assert!(words.contains("x and z are swapped"), "{words}");
+    swapped.position_m.as_mut().unwrap().swap(0, 2);
+    let z = &mut swapped.position_m.as_mut().unwrap()[2];
+    z.iter_mut().for_each(|z| *z = -*z);
+    let words = said(&known, &swapped);
+    assert!(words.contains("z has the wrong sign"), "{words}");
+}
+
+#[test]
+fn quaternions_in_another_order_are_named() {
+    for is_known in [false, true] {
+        let device = device(is_known);
+        let right = seen(&device, true);
+        check_rig(&device, &right).unwrap();
+        let [w, x, y, z] = right.orientation_wxyz.clone().unwrap();
+        let minus = |part: &Vec<f64>| part.iter().map(|part| -part).collect::<Vec<f64>>();
+        let inverted = [w.clone(), minus(&x), minus(&y), minus(&z)];
+        let last = [x.clone(), y.clone(), z.clone(), w.clone()];
+        let both = [minus(&x), minus(&y), minus(&z), w];
+        for (columns, words) in [
+            (inverted, "qw, qx, qy, qz: the quaternions are inverted ("),
+            (
+                last,
+                "qw, qx, qy, qz: the quaternions are stored as x, y, z, w: ",
+            ),
+            (
+                both,
+                "qw, qx, qy, qz: the quaternions are stored as x, y, z, w and inverted: ",
+            ),
+        ] {
+            let mut wrong = right.clone();
+            wrong.orientation_wxyz = Some(columns);
+            let said = said(&device, &wrong);
+            assert!(said.starts_with(words), "{said}");
+        }
+    }
+}
+
+/// A device that is wrong by centimetres and degrees is not one in another convention.
+#[test]
+fn a_bad_device_file_is_not_called_left_handed() {
+    let right = device(false);
+    let recording = seen(&right, true);
+    let mut wrong = right;
+    wrong.links[2].a_m += 0.15;
+    wrong.links[3].theta_rad += 1.5;
+    check_rig(&wrong, &recording).unwrap();
+}
+
+fn compliant(truth_rad_per_nm: f64, has_masses: bool) -> Calibration {
+    let mut nominal = device(false);
+    nominal.surroundings.compliance = vec![
+        JointCompliance {
+            rad_per_nm: 0.0,
+            fit: true,
+        };
+        JOINTS
+    ];
+    let mut truth = nominal.clone();
+    truth.gravity_mps2 = Some([0.0, 0.0, -9.81]);
+    let body = Body {
+        mass_kg: 2.0,
+        centre_of_mass_m: [0.1, 0.02, -0.03],
+    };
+    truth.bodies = vec![Some(body); JOINTS + 1];
+    if has_masses {
+        nominal.gravity_mps2 = truth.gravity_mps2;
+        nominal.bodies.clone_from(&truth.bodies);
+    }
+    for compliance in &mut truth.surroundings.compliance {
+        compliance.rad_per_nm = truth_rad_per_nm;
+    }
+    truth.surroundings.tracker_base = Some(placement(5, 1.0, 0.0));
+    truth.surroundings.tracker_tool = Some(placement(6, 0.1, 0.0));
+    let mut recording = plain(readings(&truth, 120, 1.5, 3));
+    tracked(&truth, &mut recording, 1.0, 9);
+    let options = Options {
+        held_out: HeldOut::None,
+        ..Options::default()
+    };
+    calibrate(&nominal, &recording, &options).unwrap()
+}
+
+#[test]
+fn compliances_without_a_load_and_against_it_are_told() {
+    let nothing = "there is nothing to fit compliances from";
+    let against = "yields against the load";
+    for (rad_per_nm, has_masses, expected) in [
+        (3e-4, true, [false, false]),
+        (-3e-4, true, [false, true]),
+        (3e-4, false, [true, false]),
+    ] {
+        let warnings = compliant(rad_per_nm, has_masses).warnings.join("\n");
+        let have = [nothing, against].map(|words| warnings.contains(words));
+        assert_eq!(have, expected, "{rad_per_nm} {has_masses}: {warnings}");
+    }
+}
