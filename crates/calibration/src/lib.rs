@@ -78,4 +78,5 @@ pub use robust::{Outlier, RobustChannel, Robustness, far_out};
 pub use step_one_noise::with_step_one_noise;
 pub use sufficiency::check as check_recording;
 pub use transmission_step::{TransmissionFit, fit_transmission, fit_transmissions};
+pub use warnings::implausible_deviations;
 pub use weights::Weights;

@@ -197,38 +197,62 @@ pub(crate) fn of_result(
     if let Some(whole) = &fitted.whole {
         warnings.extend(of_search(&whole.starts));
     }
-    let implausible: Vec<String> = fits
-        .iter()
-        .flat_map(|fit| implausible(nominal, fit))
-        .collect();
-    if !implausible.is_empty() {
-        warnings.push(format!(
-            "implausible deviations, over {IMPLAUSIBLE} times what devices show: {}; check units, \
-             signs and order of the columns, and that the device file describes this device (the fit \
-             may have found a mirror image of it)",
-            implausible.join(", ")
-        ));
-    }
+    warnings.extend(implausible_sentence(fits.iter().flat_map(|fit| {
+        implausible(nominal, &fit.device, &fit.parameters, &fit.fitted)
+    })));
     warnings.extend(crate::above_floor::sentences(fitted, seen, channels));
-    if method == CalibrationMethod::TwoStep
-        && fitted.whole.is_some()
-        && !fitted.transmissions.is_empty()
-    {
-        warnings.push(
-            "the intervals of the kinematic parameters take step 1 as exact and are too short for \
-             it; those of the joint method are not"
-                .to_owned(),
-        );
-    }
     warnings
 }
 
+/// A sentence of the fitted parameters that lie so far from the device file's values that a unit, a sign or a
+/// column is more likely wrong than the device; none where there are none.
+///
+/// `parameters` of `fitted` at the places `free` are asked; what stands around a device has no nominal place.
+///
+/// ```
+/// use haptical_calibration::{candidate_parameters, implausible_deviations};
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+/// let nominal = haptical_model::Device::load(path.as_ref())?.device;
+/// let parameters = candidate_parameters(&nominal);
+/// let free: Vec<usize> = (0..parameters.len()).collect();
+/// let mut fitted = nominal.clone();
+/// assert!(implausible_deviations(&nominal, &fitted, &parameters, &free).is_none());
+/// fitted.links[2].theta_rad += 3.1;
+/// let said = implausible_deviations(&nominal, &fitted, &parameters, &free).ok_or("half a turn")?;
+/// assert!(said.contains("theta2 by 3.100 rad"), "{said}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn implausible_deviations(
+    nominal: &Device,
+    fitted: &Device,
+    parameters: &[ParameterId],
+    free: &[usize],
+) -> Option<String> {
+    implausible_sentence(implausible(nominal, fitted, parameters, free))
+}
+
+fn implausible_sentence(found: impl IntoIterator<Item = String>) -> Option<String> {
+    let found: Vec<String> = found.into_iter().collect();
+    (!found.is_empty()).then(|| {
+        format!(
+            "implausible deviations, over {IMPLAUSIBLE} times what devices show: {}; check units, \
+             signs and order of the columns, and that the device file describes this device (the fit \
+             may have found a mirror image of it)",
+            found.join(", ")
+        )
+    })
+}
+
 /// Fitted parameters that moved by more than is plausible, with the move.
-fn implausible(nominal: &Device, fit: &ParameterFit) -> Vec<String> {
-    fit.fitted
-        .iter()
+fn implausible(
+    nominal: &Device,
+    device: &Device,
+    parameters: &[ParameterId],
+    free: &[usize],
+) -> Vec<String> {
+    free.iter()
         .filter_map(|&position| {
-            let parameter = fit.parameters[position];
+            let parameter = *parameters.get(position)?;
             if let ParameterId::Surrounding(_) = parameter {
                 // nobody knows beforehand where these are
                 return None;
@@ -238,8 +262,7 @@ fn implausible(nominal: &Device, fit: &ParameterFit) -> Vec<String> {
                 // a transmission's nominal error is zero, whatever form it now has
                 _ => 0.0,
             };
-            let moved = parameter.value(&fit.device) - before;
-            let device = &fit.device;
+            let moved = parameter.value(device) - before;
             (moved.abs() > IMPLAUSIBLE * parameter.plausible_size(device)).then(|| {
                 format!(
                     "{} by {moved:.3} {}",

@@ -1,6 +1,6 @@
 //! Puts the answer together from a selection.
 
-use haptical_calibration::Channel;
+use haptical_calibration::{Channel, implausible_deviations};
 use haptical_model::{Device, Recording};
 
 use crate::adequacy::{Adequacy, adequacy};
@@ -107,6 +107,14 @@ pub(crate) fn assemble(
     let mut warnings = shrink.warnings.clone();
     warnings.extend(implausible(&causes));
     warnings.extend(touches.unstated);
+    let fitted = engine.problem.device_with(&engine.start.model.values);
+    let (parameters, free) = (&engine.base.parameters, &engine.base.free);
+    warnings.extend(implausible_deviations(
+        inputs.nominal,
+        &fitted,
+        parameters,
+        free,
+    ));
     Ok(Diagnosis {
         verdict,
         gap: Gap {
@@ -142,7 +150,7 @@ pub(crate) fn assemble(
         warnings,
         held_out: shrink.description,
         provenance: provenance(selector, inputs),
-        device: engine.problem.device_with(&engine.start.model.values),
+        device: fitted,
         predictions: shrink.predictions,
     })
 }

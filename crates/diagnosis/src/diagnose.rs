@@ -1,6 +1,6 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
-use haptical_calibration::{CalibrationError, channels, check_recording};
+use haptical_calibration::{CalibrationError, channels, check_recording, check_rig};
 use haptical_model::{Device, JointCompliance, ParameterId, Recording};
 
 use crate::answer::{Diagnosis, Verdict};
@@ -32,6 +32,7 @@ pub fn diagnose(
     let thresholds = Thresholds::frozen()?;
     let effects = catalogue_without(device, &options.without)?;
     check_recording(device, recording, &channels(device, recording)?)?;
+    check_rig(device, recording)?;
     let base = Base::fit(device, recording)?;
     let by_base = |base: &Base| by_base(device, recording, options, &thresholds, &effects, base);
     match &base.unfinished {

@@ -192,6 +192,10 @@ pub(crate) fn hints(engine: &Engine<'_>, nominal: &haptical_model::Device) -> Ve
     let fitted = engine.problem.device_with(&engine.start.model.values);
     for &index in &engine.base.free {
         let parameter = engine.base.parameters[index];
+        // where a rig stands, nobody knows beforehand
+        if let haptical_model::ParameterId::Surrounding(_) = parameter {
+            continue;
+        }
         let value = parameter.value(&fitted);
         let before = if matches!(parameter, haptical_model::ParameterId::Link { .. }) {
             parameter.value(nominal)

@@ -71,11 +71,3 @@ fn an_effect_that_the_model_lacks_leaves_a_residual_above_the_floor() {
     );
     assert!(!says(&spoilt, "implausible"), "{:?}", spoilt.warnings);
 }
-
-#[test]
-fn two_steps_say_that_their_intervals_take_step_1_as_exact() {
-    let Some(clean) = result(CalibrationMethod::TwoStep, |_| {}) else {
-        return;
-    };
-    assert!(says(&clean, "take step 1 as exact"));
-}
