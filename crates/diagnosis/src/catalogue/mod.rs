@@ -329,6 +329,8 @@ pub(crate) fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
         if revolute {
             effects.extend(shape::at_joint(device, joint));
             effects.extend(structure::at_joint(joint));
+        } else {
+            effects.push(shape::of_slide(joint));
         }
     }
     effects.extend(load::of_device());

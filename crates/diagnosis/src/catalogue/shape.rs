@@ -16,6 +16,11 @@ pub(super) fn at_joint(device: &Device, joint: usize) -> Vec<Box<dyn Effect>> {
     effects
 }
 
+/// What a slide can have: a scale or a screw whose pitch is not the file's.
+pub(super) fn of_slide(joint: usize) -> Box<dyn Effect> {
+    Box::new(Ratio { joint })
+}
+
 /// One of each kind, for their names.
 pub(super) fn of_every_kind() -> Vec<Box<dyn Effect>> {
     let mut effects = of_joint(0, true);
