@@ -103,6 +103,16 @@ pub enum CalibrationError {
         /// What is wrong.
         message: String,
     },
+    /// A column in metres whose readings lie too far away for a device of this size.
+    #[error("{what}; {next}")]
+    LooksLikeMillimetres {
+        /// Line of the first reading, where the recording has lines.
+        line: Option<u64>,
+        /// The column, its middle reading and the device's reach.
+        what: String,
+        /// What to do.
+        next: &'static str,
+    },
     /// A refusal of the least squares.
     #[error("{what}: {source}")]
     Identification {

@@ -115,6 +115,7 @@ impl Failure {
         let mut place = Place::in_file(log.display().to_string());
         match error {
             CalibrationError::Row { line, .. } => place.line = Some(*line),
+            CalibrationError::LooksLikeMillimetres { line, .. } => place.line = *line,
             CalibrationError::Reading { line, column, .. } => {
                 place.line = Some(*line);
                 place.column_name = Some(column.clone());
@@ -259,6 +260,9 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
         CalibrationError::Reading { message, .. } => {
             let (what, next) = split_advice(message);
             ("reading", what, next)
+        }
+        CalibrationError::LooksLikeMillimetres { what, next, .. } => {
+            ("looks-like-millimetres", what.clone(), (*next).to_owned())
         }
         CalibrationError::Rig { what, message } => {
             let (message, next) = message

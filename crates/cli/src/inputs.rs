@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::path::Path;
 
+use haptical_calibration::check_reach;
 use haptical_data::{JointShape, LogShape, read_log, read_log_from};
 use haptical_model::{Device, JointType, Recording};
 use toml_edit::{DocumentMut, Item, value};
@@ -10,7 +11,6 @@ use toml_edit::{DocumentMut, Item, value};
 use crate::device_source::{DeviceText, read_device_text};
 use crate::failure::Failure;
 use crate::input_files::{Fingerprint, HashingReader};
-use crate::reach::refuse_millimetres;
 
 /// A device with the text it came from.
 pub(crate) struct DeviceInput {
@@ -131,7 +131,8 @@ pub(crate) fn read_recording(path: &Path, device: &Device) -> Result<LogInput, F
     // The log was read without error, but its end may not have been asked for.
     let _ = std::io::copy(&mut reader, &mut std::io::sink());
     let fingerprint = reader.fingerprint();
-    refuse_millimetres(device, &log.recording, path)?;
+    check_reach(device, &log.recording)
+        .map_err(|error| Failure::calibration(&error, path, path))?;
     Ok(LogInput {
         recording: log.recording,
         warnings: log.warnings,

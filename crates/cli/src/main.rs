@@ -29,7 +29,6 @@ mod plan;
 mod play;
 mod provenance;
 mod quantity;
-mod reach;
 mod report;
 mod simulate;
 mod summary;

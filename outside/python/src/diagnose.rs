@@ -3,7 +3,7 @@
 use haptical_diagnosis::{Options, diagnose as diagnose_recording};
 use pyo3::prelude::*;
 
-use crate::device::{device_of, log_shape};
+use crate::device::device_of;
 use crate::failure::Failure;
 use crate::log::log_of;
 
@@ -28,9 +28,8 @@ pub(crate) fn diagnose(
     let log = log_of(log)?;
     let validate = validate.map(log_of).transpose()?;
     let text = py.detach(|| -> Result<String, Failure> {
-        let shape = log_shape(&device.model);
-        let read = log.read(&shape)?;
-        let validation = validate.map(|log| log.read(&shape)).transpose()?;
+        let read = log.read(&device.model)?;
+        let validation = validate.map(|log| log.read(&device.model)).transpose()?;
         if let Some(model) = &model
             && (model.model.joints.len() != device.model.joints.len()
                 || model.model.links.len() != device.model.links.len())

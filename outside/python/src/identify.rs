@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use serde_json::json;
 
 use crate::candidates::{candidates, columns, not_identified};
-use crate::device::{device_of, log_shape};
+use crate::device::device_of;
 use crate::failure::Failure;
 use crate::judgement::{
     correlations, force, force_leans, identifiability, intervals, noise, search,
@@ -61,7 +61,7 @@ pub(crate) fn identify<'py>(
     }
     let log = log_of(log)?;
     let outcome = py.detach(|| -> Result<Outcome, Failure> {
-        let read = log.read(&log_shape(&device.model))?;
+        let read = log.read(&device.model)?;
         let calibration = calibrate(&device.model, &read.recording, &options)?;
         let force = force_leans(&device.model, &calibration, &read.recording)?;
         let toml = calibration.device.to_toml(&device.text, &device.label)?;

@@ -2,11 +2,14 @@
 
 use std::path::PathBuf;
 
-use haptical_data::{Cells, LoadedLog, LogShape, log_from_columns, read_log};
+use haptical_calibration::check_reach;
+use haptical_data::{Cells, LoadedLog, log_from_columns, read_log};
+use haptical_model::Device as Model;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::device::log_shape;
 use crate::failure::Failure;
 
 /// A recording that was taken from Python, still to be checked.
@@ -103,7 +106,14 @@ fn column(numpy: &Bound<'_, PyModule>, name: &str, cells: &Bound<'_, PyAny>) -> 
 
 impl Log {
     /// Checks it against a device.
-    pub(crate) fn read(&self, shape: &LogShape) -> Result<LoadedLog, Failure> {
+    pub(crate) fn read(&self, device: &Model) -> Result<LoadedLog, Failure> {
+        let log = self.loaded(device)?;
+        check_reach(device, &log.recording)?;
+        Ok(log)
+    }
+
+    fn loaded(&self, device: &Model) -> Result<LoadedLog, Failure> {
+        let shape = &log_shape(device);
         let columns = match self {
             Self::File(path) => return Ok(read_log(path, shape)?),
             Self::Columns(columns) => columns,

@@ -1,15 +1,15 @@
 //! `haptical.plan`: what rigs tell before anything is measured, and the poses to measure next as an array.
 
-use haptical_data::LogShape;
 use haptical_design::{
     Figures, NextPoses, ParameterTold, Plan, Posture, RigTells, Suggestion, plan as plan_rigs,
 };
+use haptical_model::Device;
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-use crate::device::{device_of, log_shape};
+use crate::device::device_of;
 use crate::failure::Failure;
 use crate::log::{Log, log_of};
 use crate::plan_options::Keywords;
@@ -65,7 +65,7 @@ pub(crate) fn plan<'py>(
         let mut warnings = device.warnings.clone();
         let measured = match &log {
             None => Vec::new(),
-            Some(log) => measured(log, &log_shape(&device.model), &mut warnings)?,
+            Some(log) => measured(log, &device.model, &mut warnings)?,
         };
         let plan = plan_rigs(&device.model, &request, &measured, &|_| ())?;
         Ok(Outcome { plan, warnings })
@@ -76,10 +76,10 @@ pub(crate) fn plan<'py>(
 /// Poses of a log.
 fn measured(
     log: &Log,
-    shape: &LogShape,
+    device: &Device,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Posture>, Failure> {
-    let read = log.read(shape)?;
+    let read = log.read(device)?;
     warnings.extend(read.warnings);
     let joints = &read.recording.joint;
     let row = |row: usize| Posture::free(joints.iter().map(|column| column[row]).collect());

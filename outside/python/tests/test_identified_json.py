@@ -2,7 +2,9 @@
 
 import copy
 import csv
+import json
 import math
+import subprocess
 
 import haptical
 import numpy as np
@@ -138,6 +140,18 @@ def test_warnings_are_the_same_from_the_same_files(command, monkeypatch):
     ours = haptical.identify("device.toml", "log.csv")
     assert ours["warnings"] == theirs["warnings"] and len(ours["warnings"]) >= 3
     same_identification(ours, theirs)
+
+
+def test_millimetres_are_refused_in_the_same_words(command):
+    log = haptic7()
+    log["cable_m"] *= 1000.0
+    with pytest.raises(subprocess.CalledProcessError) as refused:
+        command("identify", haptical.Device(HAPTIC7).to_toml(), log)
+    theirs = json.loads(refused.value.stdout)["error"]
+    assert theirs["kind"] == "looks-like-millimetres"
+    with pytest.raises(ValueError) as ours:
+        haptical.identify(HAPTIC7, log)
+    assert str(ours.value) == f"line {theirs['line']} of the log: {theirs['what']}; {theirs['next']}"
 
 
 def test_what_the_cases_show():

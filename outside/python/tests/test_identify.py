@@ -166,6 +166,23 @@ def test_texts_and_gaps_are_taken_from_arrays(device):
     assert any("`note`" in warning for warning in result["warnings"])
 
 
+def millimetres(log):
+    return log | {name: 1000 * log[name] for name in ["x_m", "y_m", "z_m"]}
+
+
+def test_every_function_refuses_millimetres(device):
+    log = recording(0.3, 0.2)
+    wrong = millimetres(log)
+    for refuses in [
+        lambda: haptical.identify(device, wrong),
+        lambda: haptical.diagnose(device, wrong),
+        lambda: haptical.diagnose(device, log, validate=wrong),
+        lambda: haptical.plan(device, "position", log=wrong),
+    ]:
+        with pytest.raises(ValueError, match="looks like millimetres"):
+            refuses()
+
+
 def test_bad_input_is_a_value_error_with_place_and_advice(device):
     log = recording(0.3, 0.2)
 
@@ -185,6 +202,7 @@ def test_bad_input_is_a_value_error_with_place_and_advice(device):
     refused(r"`x_m`: the column has 3 rows, the first one 400", x_m=np.zeros(3))
     refused(r"line 72, column 4 `x_m`: .* beyond what any device measures", x_m=np.where(np.arange(400) == 70, 1e200, log["x_m"]))
     refused(r"found `abc`", x_m=np.array(["abc"] * 400))
+    refused(r"line 2 of the log: `x_m, y_m, z_m` looks like millimetres: .* reaches 0.5000 m", **millimetres(log))
     with pytest.raises(FileNotFoundError, match="no_such.csv"):
         haptical.identify(device, "no_such.csv")
     with pytest.raises(ValueError, match="type int; give a path or a dictionary"):

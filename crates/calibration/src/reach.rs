@@ -1,10 +1,8 @@
 //! Lengths of a log and a rig against how far the device reaches: millimetres taken for metres.
 
-use std::path::Path;
-
 use haptical_model::{Device, JointType, Recording};
 
-use crate::failure::Failure;
+use crate::CalibrationError;
 
 /// How far beyond the device's reach the middle reading of a column in metres may lie. Millimetres
 /// lie a hundred to a thousand times as far.
@@ -21,15 +19,33 @@ const PAIR_RATIO: f64 = 3.0;
 
 /// Refuses columns that the device cannot have measured in metres, and distances between points of which it can
 /// reach one at most.
-pub(crate) fn refuse_millimetres(
-    device: &Device,
-    recording: &Recording,
-    path: &Path,
-) -> Result<(), Failure> {
+///
+/// The middle reading of a column decides, so that single wild readings do not.
+///
+/// ```
+/// use haptical_calibration::check_reach;
+/// use haptical_model::{Device, Recording};
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+/// let device = Device::load(path.as_ref())?.device;
+/// let log = |distance: f64| Recording {
+///     line: vec![2],
+///     joint: vec![vec![0.0]; 7],
+///     cable_m: vec![Some(vec![distance])],
+///     ..Recording::default()
+/// };
+/// assert!(check_reach(&device, &log(0.4)).is_ok());
+/// let refused = check_reach(&device, &log(400.0)).unwrap_err();
+/// assert!(refused.to_string().contains("`cable_m` looks like millimetres"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`CalibrationError::LooksLikeMillimetres`], [`CalibrationError::Rig`] for a pair of touched points.
+pub fn check_reach(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
     if !device.has_links() {
         return Ok(());
     }
-    refuse_rails(device, recording, path)?;
+    refuse_rails(device, recording)?;
     let reach_m = reach_m(device);
     if !reach_m.is_finite() || reach_m < SMALLEST_REACH_M {
         return Ok(());
@@ -46,16 +62,14 @@ pub(crate) fn refuse_millimetres(
             continue;
         };
         if middle > LARGEST_RATIO * farthest_m {
-            return Err(Failure::log_line(
-                "looks-like-millimetres",
-                format!(
+            return Err(CalibrationError::LooksLikeMillimetres {
+                line,
+                what: format!(
                     "`{name}` looks like millimetres: its {what} is {middle:.4}, and the \
                      device reaches {farthest_m:.4} m at most"
                 ),
-                path,
-                line,
-                "divide the column by 1000, or correct the lengths in the device file",
-            ));
+                next: "divide the column by 1000, or correct the lengths in the device file",
+            });
         }
     }
     Ok(())
@@ -113,7 +127,7 @@ fn lengths(device: &Device, recording: &Recording, reach_m: f64) -> Vec<Lengths>
 }
 
 /// Readings of sliding joints against their limits, or the device's links where they have none.
-fn refuse_rails(device: &Device, recording: &Recording, path: &Path) -> Result<(), Failure> {
+fn refuse_rails(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
     let joints = device.joints.iter().zip(&recording.joint).enumerate();
     for (index, (joint, readings)) in joints {
         if joint.joint_type != JointType::Prismatic {
@@ -137,36 +151,32 @@ fn refuse_rails(device: &Device, recording: &Recording, path: &Path) -> Result<(
             continue;
         };
         if most_m > SMALLEST_REACH_M && middle > most_m {
-            return Err(Failure::log_line(
-                "looks-like-millimetres",
-                format!(
+            return Err(CalibrationError::LooksLikeMillimetres {
+                line,
+                what: format!(
                     "`theta{}_m` looks like millimetres: its middle reading is {middle:.4}, and {says}",
                     index + 1
                 ),
-                path,
-                line,
-                "divide the column by 1000, or correct the joint's limits in the device file",
-            ));
+                next: "divide the column by 1000, or correct the joint's limits in the device file",
+            });
         }
     }
     Ok(())
 }
 
 /// Known distances between touched points.
-fn refuse_pairs(device: &Device, reach_m: f64) -> Result<(), Failure> {
+fn refuse_pairs(device: &Device, reach_m: f64) -> Result<(), CalibrationError> {
     let mut pairs = device.contact_pairs.iter();
     let far = pairs.find(|pair| pair.distance_m > PAIR_RATIO * reach_m);
     far.map_or(Ok(()), |pair| {
-        Err(Failure::bad_input(
-            "looks-like-millimetres",
-            format!(
-                "distance_m = {} between `{}` and `{}` looks like millimetres: the device reaches {reach_m:.4} m at \
-                 most",
+        Err(CalibrationError::Rig {
+            what: "[[contact_pair]]".to_owned(),
+            message: format!(
+                "distance_m = {} between `{}` and `{}` looks like millimetres, since the device reaches {reach_m:.4} m \
+                 at most: divide it by 1000, or correct the lengths in the device file",
                 pair.distance_m, pair.a, pair.b
             ),
-            "[[contact_pair]] of the device file or the rig file",
-            "divide it by 1000, or correct the lengths in the device file",
-        ))
+        })
     })
 }
 
