@@ -278,3 +278,28 @@ proptest! {
         }
     }
 }
+
+/// Every length counts by its size, whatever its sign: no two may make up for each other.
+#[test]
+fn lengths_that_together_leave_the_range_are_refused() {
+    let half_m = 0.6e150;
+    let rows = [
+        (half_m, half_m, 0.0),
+        (half_m, 0.0, -half_m),
+        (0.0, -half_m, half_m),
+    ];
+    for (a_m, b_m, d_m) in rows {
+        let links = [Link {
+            a_m,
+            b_m,
+            d_m,
+            ..Link::default()
+        }];
+        let chain = Chain::new(Convention::Standard, &links, &[Motion::Fixed]).unwrap();
+        let refused = PreparedChain::<0>::new(&chain).unwrap_err();
+        assert!(
+            matches!(refused, KinematicsError::PositionOutOfRange { row: 0, .. }),
+            "{refused}"
+        );
+    }
+}

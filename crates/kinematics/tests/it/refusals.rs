@@ -1,6 +1,6 @@
 //! Gives wrong, infinite and huge input, and reads the refusal.
 
-use haptical_kinematics::nalgebra::Vector3;
+use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_kinematics::{
     Chain, Convention, KinematicsError, Link, LinkDerivatives, Motion, Parameter, Pose, Twist,
     distance_derivative, distance_m, joint_torques_nm,
@@ -275,4 +275,26 @@ proptest! {
             }
         }
     }
+}
+
+/// Each defect alone is enough: too far, stretched, mirrored, not a number.
+#[test]
+fn an_origin_that_is_no_place_is_refused() {
+    let rigid = Pose {
+        rotation: Matrix3::identity(),
+        position_m: Vector3::new(0.1, -0.2, 0.3),
+    };
+    let with = |change: &dyn Fn(&mut Pose)| {
+        let mut origin = rigid;
+        change(&mut origin);
+        let origins = [None, Some(origin)];
+        Chain::with_origins(Convention::Standard, &LINKS, &MOTIONS, &origins).map(|_| ())
+    };
+    assert_eq!(with(&|_| {}), Ok(()));
+    let refused = Err(KinematicsError::Origin { row: 1 });
+    assert_eq!(with(&|origin| origin.position_m.y = 1e151), refused);
+    assert_eq!(with(&|origin| origin.position_m.z = f64::NAN), refused);
+    assert_eq!(with(&|origin| origin.rotation[(0, 0)] = 1.001), refused);
+    assert_eq!(with(&|origin| origin.rotation[(2, 2)] = -1.0), refused);
+    assert_eq!(with(&|origin| origin.rotation[(0, 1)] = f64::NAN), refused);
 }
