@@ -127,3 +127,18 @@ proptest! {
         prop_assert!((r + correlation(&moved, &y).unwrap()).abs() < 1e-9);
     }
 }
+
+/// Ten times a tenth is not one: the mean of equal values is a rounding off, which is no variation.
+#[test]
+fn equal_values_have_no_correlation_whatever_their_mean_rounds_to() {
+    let rising: Vec<f64> = (0..10).map(f64::from).collect();
+    for value in [0.1, 3.0, -7.7e5] {
+        let constant = [value; 10];
+        for function in [correlation, spearman] {
+            assert!(matches!(
+                function(&constant, &rising),
+                Err(MetricsError::ConstantSeries { .. })
+            ));
+        }
+    }
+}
