@@ -104,7 +104,7 @@ pub enum CalibrationError {
         message: String,
     },
     /// A column in metres whose readings lie too far away for a device of this size.
-    #[error("{what}; {next}")]
+    #[error("{}{what}; {next}", line.map_or(String::new(), |line| format!("line {line} of the log: ")))]
     LooksLikeMillimetres {
         /// Line of the first reading, where the recording has lines.
         line: Option<u64>,
