@@ -37,7 +37,7 @@ pub(super) struct Choice {
 pub(super) fn information(scenario: &Scenario, spread: Spread, counted: Counted) -> Result<Choice> {
     let mut nominal = scenario.nominal.clone();
     let fourth = &mut nominal.joints[3];
-    if spread == Spread::Uniform {
+    if spread == Spread::Uniform || counted == Counted::StepOne {
         // beyond what step 1 saw its polynomial is not known, and the rows would be left out
         let reach = REACH
             * fourth

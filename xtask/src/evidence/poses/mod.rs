@@ -92,8 +92,9 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
         "The paper's device and its errors of transmissions and links ({runs} runs with other noise and other random \
          poses), step 2 on one cable. Its poses are {RANDOM} random ones, or chosen among {CANDIDATES} at the nominal \
          device alone: the choice knows nothing of the true device. Candidates are drawn as the paper draws poses, normal \
-         about home, or uniformly between the joint limits (joint 4 within two standard deviations, where step 1 has \
-         seen it). A choice counts on known transmissions, or on what poses as those of step 1 tell of them. Errors are \
+         about home, or uniformly between the joint limits. A choice counts on known transmissions, or on what poses as \
+         those of step 1 tell of them; in the latter case, and for uniform candidates, joint 4 stays within two standard \
+         deviations, where step 1 has seen it. Errors are \
          those of the handle at {} poses that no fit saw, drawn as the paper does, the rotation that no distance shows \
          taken off. The bar is on what `identify` does unless told otherwise, step 1 and step 2 in one fit, and on step 2 by \
          itself, the transmissions known. In two steps as in the paper what step 1 leaves in the transmissions is most \
