@@ -104,17 +104,9 @@ pub(crate) fn assemble(
     let confused = causes
         .first()
         .map_or(&[][..], |cause| &cause.confusable_with);
-    let mut warnings = shrink.warnings.clone();
-    warnings.extend(implausible(&causes));
-    warnings.extend(touches.unstated);
     let fitted = engine.problem.device_with(&engine.start.model.values);
-    let (parameters, free) = (&engine.base.parameters, &engine.base.free);
-    warnings.extend(implausible_deviations(
-        inputs.nominal,
-        &fitted,
-        parameters,
-        free,
-    ));
+    let mut warnings = warnings(&shrink, &causes, touches.unstated);
+    warnings.extend(far_from_nominal(engine, inputs.nominal, &fitted));
     Ok(Diagnosis {
         verdict,
         gap: Gap {
@@ -153,6 +145,19 @@ pub(crate) fn assemble(
         device: fitted,
         predictions: shrink.predictions,
     })
+}
+
+fn warnings(shrink: &Shrink, causes: &[CauseAnswer], unstated: Option<String>) -> Vec<String> {
+    let mut warnings = shrink.warnings.clone();
+    warnings.extend(implausible(causes));
+    warnings.extend(unstated);
+    warnings
+}
+
+/// A warning where the base model's numbers are no sound device's.
+fn far_from_nominal(engine: &Engine<'_>, nominal: &Device, fitted: &Device) -> Option<String> {
+    let (parameters, free) = (&engine.base.parameters, &engine.base.free);
+    implausible_deviations(nominal, fitted, parameters, free)
 }
 
 /// The recording against a model identified earlier, where there is one.
