@@ -13,6 +13,8 @@ use crate::output::Output;
 
 /// Least share of a library crate's lines that its tests run.
 const COVERED_PERCENT: f64 = 90.0;
+/// Longest time that the tests of one binary may take, counting; most of a crate's counts are lost where it is too short.
+const SECONDS_OF_A_TEST_BINARY: &str = "3600";
 /// Largest share of mutants that may survive.
 const SURVIVING_PERCENT: f64 = 5.0;
 /// Crates whose mutants are tried, and where their tests are: what has none is not built for each mutant.
@@ -100,17 +102,22 @@ fn measure_coverage(libraries: &[(String, String)], folder: &Path) -> Result<Cov
             "--locked",
             "--skip-clean",
             "--no-fail-fast",
+            // counting unoptimised code takes the tests of the diagnosis half an hour
+            "--release",
         ])
-        .args(["--lib", "--tests", "--timeout", "900"])
+        .args(["--lib", "--tests", "--timeout", SECONDS_OF_A_TEST_BINARY])
         .args(["--out", "json", "--output-dir"])
         .arg(folder)
         .arg("--target-dir")
         .arg(super::root().join("target/coverage"))
         .env_remove("CARGO_TARGET_DIR")
+        // threads that count in the same lines of a cache wait for each other: two are slower than one
+        .env("RAYON_NUM_THREADS", "1")
         .stdout(Stdio::null());
     for (package, _) in libraries {
         command.args(["--package", package]);
     }
+    command.args(["--", "--test-threads=1"]);
     let status = command.status().context("cargo tarpaulin")?;
     ensure!(status.success(), "cargo tarpaulin ended with {status}");
     let path = folder.join("tarpaulin-report.json");

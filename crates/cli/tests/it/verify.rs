@@ -175,7 +175,7 @@ fn every_changed_digit_is_found(sandbox: &Sandbox, name: &str, places: usize) {
 fn a_changed_digit_of_an_identification_is_found() {
     let sandbox = identified();
     for name in ["identified.json", "identified.toml", "report.html"] {
-        every_changed_digit_is_found(&sandbox, name, 12);
+        every_changed_digit_is_found(&sandbox, name, 6);
     }
 }
 
@@ -183,7 +183,7 @@ fn a_changed_digit_of_an_identification_is_found() {
 fn a_changed_digit_of_a_diagnosis_is_found() {
     let sandbox = diagnosed();
     for name in ["gap.json", "predictions.csv", "report.html"] {
-        every_changed_digit_is_found(&sandbox, name, 4);
+        every_changed_digit_is_found(&sandbox, name, 3);
     }
 }
 
