@@ -145,7 +145,28 @@ impl ParameterFit {
         let covariance = self.considered.whole(&self.uncertainty.covariance);
         (fitted.chain(considered).collect(), covariance)
     }
+
+    /// Names of two fitted parameters whose errors correlate by more than [`HIGH_CORRELATION`] in size, with the
+    /// correlation, the strongest first.
+    pub fn high_correlations(&self) -> Vec<(String, String, f64)> {
+        let spread = &self.uncertainty;
+        let name = |position: usize| self.estimates[spread.columns[position]].name.clone();
+        let mut found = Vec::new();
+        for a in 0..spread.columns.len() {
+            for b in a + 1..spread.columns.len() {
+                let correlation = spread.correlation(a, b);
+                if correlation.abs() > HIGH_CORRELATION {
+                    found.push((name(a), name(b), correlation));
+                }
+            }
+        }
+        found.sort_by(|one, other| other.2.abs().total_cmp(&one.2.abs()));
+        found
+    }
 }
+
+/// Correlations above this size are listed.
+pub const HIGH_CORRELATION: f64 = 0.95;
 
 /// Rounds of pruning at the solution before the set is accepted as it is.
 const MAX_ROUNDS: usize = 6;

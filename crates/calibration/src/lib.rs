@@ -59,8 +59,8 @@ pub use considered::Considered;
 pub use error::CalibrationError;
 pub use evidence::{EvidenceEntry, TransmissionTerms};
 pub use fit::{
-    CalibrationMethod, Degree, LossChoice, Options, ParameterFit, Weighting, fit_parameters,
-    identifiability_at,
+    CalibrationMethod, Degree, HIGH_CORRELATION, LossChoice, Options, ParameterFit, Weighting,
+    fit_parameters, identifiability_at,
 };
 pub use force_direction::{ForceDirection, force_direction};
 pub use frame_origins::frame_origins_m;

@@ -15,9 +15,6 @@ use serde::Serialize;
 use crate::provenance::Record;
 use crate::transmissions::{TransmissionEntry, transmissions};
 
-/// Correlations above this are listed.
-const HIGH_CORRELATION: f64 = 0.95;
-
 /// identified.json.
 #[derive(Debug, Serialize)]
 pub(crate) struct Identified {
@@ -249,7 +246,10 @@ pub(crate) fn identified(
             solution: RankEntry::of(fits.iter().map(|fit| &fit.identifiability)),
             at_nominal: RankEntry::of(fits.iter().map(|fit| &fit.nominal_identifiability)),
         },
-        correlations_above_0_95: fits.iter().flat_map(|fit| correlations(fit)).collect(),
+        correlations_above_0_95: fits
+            .iter()
+            .flat_map(|fit| fit.high_correlations())
+            .collect(),
         force_direction,
         noise: fitted
             .weights
@@ -347,22 +347,6 @@ fn refusal(entry: &ParameterEntry) -> Option<NotIdentified> {
         status: entry.status,
         reason: entry.reason.clone()?,
     })
-}
-
-fn correlations(fit: &ParameterFit) -> Vec<(String, String, f64)> {
-    let spread = &fit.uncertainty;
-    let name = |position: usize| fit.estimates[spread.columns[position]].name.clone();
-    let mut found = Vec::new();
-    for a in 0..spread.columns.len() {
-        for b in a + 1..spread.columns.len() {
-            let correlation = spread.correlation(a, b);
-            if correlation.abs() > HIGH_CORRELATION {
-                found.push((name(a), name(b), correlation));
-            }
-        }
-    }
-    found.sort_by(|one, other| other.2.abs().total_cmp(&one.2.abs()));
-    found
 }
 
 /// The name that the status has in identified.json.

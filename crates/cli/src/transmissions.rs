@@ -2,8 +2,6 @@
 
 use haptical_calibration::{Calibration, EvidenceEntry, TransmissionTerms};
 use haptical_identification::Convergence;
-use haptical_model::TransmissionError;
-use haptical_model::transmission::chebyshev::to_monomials;
 use serde::Serialize;
 
 use crate::identified::{ParameterEntry, RankEntry};
@@ -48,9 +46,9 @@ pub(crate) fn transmissions(
                     .filter(|entry| entry.key.starts_with(&prefix))
                     .cloned()
                     .collect(),
-                polynomial_monomials: powers(
-                    &calibration.device.joints[transmission.joint].transmission_error,
-                ),
+                polynomial_monomials: calibration.device.joints[transmission.joint]
+                    .transmission_error
+                    .monomials(),
                 identifiability: transmission
                     .fit
                     .as_ref()
@@ -58,19 +56,6 @@ pub(crate) fn transmissions(
             }
         })
         .collect()
-}
-
-fn powers(error: &TransmissionError) -> Option<Vec<f64>> {
-    let TransmissionError::Chebyshev {
-        range_rad,
-        coefficients,
-    } = error
-    else {
-        return None;
-    };
-    let mut powers = vec![0.0; coefficients.len()];
-    to_monomials(*range_rad, coefficients, &mut powers).ok()?;
-    Some(powers)
 }
 
 /// A form in words.

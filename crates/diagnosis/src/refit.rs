@@ -13,8 +13,15 @@ use crate::system::compress_rows;
 pub(crate) const SMALL_STEP: f64 = 0.02;
 /// Passes of a refit with causes.
 const PASSES: usize = 7;
-/// Shorter steps that are tried where a step does not lower the cost.
-pub(crate) const HALVINGS: usize = 5;
+/// Steps that are tried where a step does not lower the cost, and each one's share of the one before.
+const STEPS: usize = 5;
+const SHORTER: f64 = 0.4;
+
+/// What the longest share of a step gives that gives anything; `at` gives none where the cost does not fall.
+pub(crate) fn longest_falling<T>(mut at: impl FnMut(f64) -> Option<T>) -> Option<T> {
+    let shares = std::iter::successors(Some(1.0), |share| Some(SHORTER * share));
+    shares.take(STEPS).find_map(&mut at)
+}
 
 impl Engine<'_> {
     /// Refits base model and causes together on all rows.
@@ -89,7 +96,7 @@ impl Engine<'_> {
         )
     }
 
-    /// The model after a step, halved until the cost falls; none where it never does.
+    /// The model after a step, shortened until the cost falls; none where it never does.
     fn shortened(
         &self,
         part: &Part,
@@ -99,8 +106,7 @@ impl Engine<'_> {
         step: &[f64],
         cost: f64,
     ) -> Option<(Model, Vec<Vec<f64>>, f64)> {
-        let mut share = 1.0;
-        for _ in 0..HALVINGS {
+        longest_falling(|share| {
             let mut next = model.clone();
             for (&parameter, change) in self.base.free.iter().zip(step) {
                 next.values[parameter] += share * change;
@@ -108,17 +114,12 @@ impl Engine<'_> {
             for (owner, change) in owners.iter().zip(&step[self.base.free.len()..]) {
                 apply(&mut next.causes, *owner, share * change);
             }
-            if let Ok(bare) = self.problem.evaluate(&next.values, false) {
-                next.bare = Arc::new(bare.residual);
-                let residual = self.residual(effects, &next);
-                let square = square(part, &residual);
-                if square < cost {
-                    return Some((next, residual, square));
-                }
-            }
-            share *= 0.4;
-        }
-        None
+            let bare = self.problem.evaluate(&next.values, false).ok()?;
+            next.bare = Arc::new(bare.residual);
+            let residual = self.residual(effects, &next);
+            let square = square(part, &residual);
+            (square < cost).then_some((next, residual, square))
+        })
     }
 
     /// Whitened derivatives of all causes' numbers, with whose they are.

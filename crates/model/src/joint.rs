@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use haptical_kinematics::Motion;
+use haptical_transmission::chebyshev::to_monomials;
 use haptical_transmission::{
     Capstan, CapstanError, CapstanParallelogram, Parallelogram, TransmissionError as Reason,
     chebyshev,
@@ -48,6 +49,31 @@ pub enum TransmissionError {
         /// Deviations of the four lengths \[m\].
         length_deviations_m: [f64; 4],
     },
+}
+
+impl TransmissionError {
+    /// Coefficients of the powers of the reading that equal a polynomial \[rad/rad^i\]; none for another form, or where
+    /// they leave the number range.
+    ///
+    /// ```
+    /// use haptical_model::TransmissionError;
+    /// // T_2(theta / 2) = 2 (theta / 2)^2 - 1
+    /// let error = TransmissionError::Chebyshev { range_rad: [-2.0, 2.0], coefficients: vec![0.0, 0.0, 1.0] };
+    /// assert_eq!(error.monomials().unwrap(), [-1.0, 0.0, 0.5]);
+    /// assert!(TransmissionError::default().monomials().is_none());
+    /// ```
+    pub fn monomials(&self) -> Option<Vec<f64>> {
+        let Self::Chebyshev {
+            range_rad,
+            coefficients,
+        } = self
+        else {
+            return None;
+        };
+        let mut powers = vec![0.0; coefficients.len()];
+        to_monomials(*range_rad, coefficients, &mut powers).ok()?;
+        Some(powers)
+    }
 }
 
 impl Default for TransmissionError {

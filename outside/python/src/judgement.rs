@@ -10,8 +10,6 @@ use serde_json::{Map, Value, json};
 use crate::failure::Failure;
 use crate::serialised::python;
 
-/// Correlations above this are listed.
-const HIGH_CORRELATION: f64 = 0.95;
 /// Keys under which numbers stand in a row.
 const ARRAYS: [&str; 3] = ["singular_values", "gap", "ci95_rad"];
 
@@ -103,23 +101,9 @@ fn ranks(judged: &[&Identifiability]) -> Map<String, Value> {
 
 /// Pairs of parameters whose errors go together, the highest correlation first.
 pub(crate) fn correlations(fits: &[&ParameterFit]) -> Vec<Correlation> {
-    fits.iter().flat_map(|fit| correlations_of(fit)).collect()
-}
-
-fn correlations_of(fit: &ParameterFit) -> Vec<Correlation> {
-    let spread = &fit.uncertainty;
-    let name = |position: usize| fit.estimates[spread.columns[position]].name.clone();
-    let mut found = Vec::new();
-    for a in 0..spread.columns.len() {
-        for b in a + 1..spread.columns.len() {
-            let correlation = spread.correlation(a, b);
-            if correlation.abs() > HIGH_CORRELATION {
-                found.push((name(a), name(b), correlation));
-            }
-        }
-    }
-    found.sort_by(|one, other| other.2.abs().total_cmp(&one.2.abs()));
-    found
+    fits.iter()
+        .flat_map(|fit| fit.high_correlations())
+        .collect()
 }
 
 /// How far the force of the calibrated device may lean; none for an arm without drives of this kind, which

@@ -1,8 +1,6 @@
 //! The transmissions with an external encoder: form, evidence, parameters, powers of the angle.
 
 use haptical_calibration::{Calibration, TransmissionFit};
-use haptical_model::TransmissionError;
-use haptical_model::transmission::chebyshev::to_monomials;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -40,25 +38,13 @@ fn transmission<'py>(
     let prefix = format!("joint[{number}].");
     let own = candidates.iter();
     let own: Vec<_> = own.filter(|one| one.key.starts_with(&prefix)).collect();
-    let powers = powers(&calibration.device.joints[step.joint].transmission_error);
+    let powers = calibration.device.joints[step.joint]
+        .transmission_error
+        .monomials();
     let entry = dictionary(py, Ok(told), &["range_rad"])?;
     entry.set_item("parameters", columns(py, &own)?)?;
     let powers = powers.map(|powers| PyArray1::from_vec(py, powers));
     entry.set_item("polynomial_monomials", powers)?;
     entry.set_item("identifiability", rank_of_one(py, step.fit.as_ref())?)?;
     Ok(entry)
-}
-
-/// Powers of the angle that equal a polynomial \[rad/rad^i\].
-fn powers(error: &TransmissionError) -> Option<Vec<f64>> {
-    let TransmissionError::Chebyshev {
-        range_rad,
-        coefficients,
-    } = error
-    else {
-        return None;
-    };
-    let mut powers = vec![0.0; coefficients.len()];
-    to_monomials(*range_rad, coefficients, &mut powers).ok()?;
-    Some(powers)
 }

@@ -6,7 +6,7 @@ use crate::blocks::Blocks;
 use crate::measured::{KnownNoise, estimate_noise};
 use crate::noise::Noise;
 use crate::part::{Part, root_mean_square, square};
-use crate::refit::{HALVINGS, SMALL_STEP};
+use crate::refit::{SMALL_STEP, longest_falling};
 use crate::system::compress_rows;
 
 /// Passes of the base model's own refit.
@@ -93,19 +93,13 @@ impl Prepared<'_> {
         step: &[f64],
         cost: f64,
     ) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
-        let mut share = 1.0;
-        for _ in 0..HALVINGS {
+        longest_falling(|share| {
             let mut next = values.to_vec();
             for (&parameter, change) in self.base.free.iter().zip(step) {
                 next[parameter] += share * change;
             }
-            if let Ok(evaluated) = self.problem.evaluate(&next, false)
-                && square(part, &evaluated.residual) < cost
-            {
-                return Some((next, evaluated.residual));
-            }
-            share *= 0.4;
-        }
-        None
+            let evaluated = self.problem.evaluate(&next, false).ok()?;
+            (square(part, &evaluated.residual) < cost).then_some((next, evaluated.residual))
+        })
     }
 }

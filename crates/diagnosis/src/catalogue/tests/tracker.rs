@@ -6,6 +6,7 @@ use haptical_model::kinematics::nalgebra::{
 use haptical_model::{Device, Evaluation, Origin, Placement};
 
 use super::rig::{Rig, context, three_joints};
+use crate::context::{Context, Stream};
 use crate::signal::Signal;
 
 /// Places far from the chain's own frames, turned about all axes.
@@ -51,6 +52,10 @@ fn seen(device: &Device, output: &[f64]) -> Isometry3<f64> {
     isometry(&BASE) * handle * isometry(&TOOL)
 }
 
+fn names(context: &Context<'_>) -> Vec<String> {
+    context.streams.iter().map(Stream::name).collect()
+}
+
 fn on(signal: &Signal, names: &[String], name: &str, row: usize) -> f64 {
     let stream = names.iter().position(|known| known == name).unwrap();
     signal.on(stream).unwrap()[row]
@@ -60,11 +65,7 @@ fn on(signal: &Signal, names: &[String], name: &str, row: usize) -> f64 {
 fn a_tracker_anywhere_sees_an_error_in_its_own_axes_and_at_its_marker() {
     let rig = placed();
     let context = context(&rig.device, &rig.recording);
-    let names: Vec<String> = context
-        .streams
-        .iter()
-        .map(crate::context::Stream::name)
-        .collect();
+    let names = names(&context);
     let size = 1e-6;
     for joint in 0..3 {
         let error = vec![size; context.rows()];
@@ -97,11 +98,7 @@ fn a_tracker_anywhere_sees_an_error_in_its_own_axes_and_at_its_marker() {
 fn large_errors_of_all_joints_move_the_marker_as_far_as_the_chain_does() {
     let rig = placed();
     let context = context(&rig.device, &rig.recording);
-    let names: Vec<String> = context
-        .streams
-        .iter()
-        .map(crate::context::Stream::name)
-        .collect();
+    let names = names(&context);
     let sizes = [0.05, 0.01, -0.08];
     let errors: Vec<Vec<f64>> = sizes
         .iter()
