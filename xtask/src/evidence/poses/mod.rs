@@ -142,8 +142,7 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
     output.table("chosen-poses", table)
 }
 
-const CAPTION: &str =
-    "Error of the handle's position at unseen poses against the number of poses of step 2.";
+const CAPTION: &str = "Error of the handle's position at unseen poses against the number of poses of step 2, the transmissions known.";
 
 fn columns() -> Vec<Column> {
     let columns = [
