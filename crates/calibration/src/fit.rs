@@ -4,101 +4,22 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{
-    Convergence, Estimate, Identifiability, IdentifiabilityRules, IdentificationError, Loss,
-    Matrix, NoiseScale, Problem, Reduction, Settings, Uncertainty, analyse, estimates, solve,
-    uncertainty,
+    Convergence, Estimate, Identifiability, IdentifiabilityRules, IdentificationError, Matrix,
+    NoiseScale, Problem, Reduction, Uncertainty, analyse, estimates, solve, uncertainty,
 };
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::considered::Considered;
 use crate::form::{Prepared, reduce};
 use crate::free_set::{enough, hold, parameter_shares, worth_fitting};
+use crate::loads::Loads;
 use crate::multi_start::{self, Starts};
 use crate::reduced::{count_readings, scale_to_residuals};
+use crate::settle::settle;
 use crate::{
-    CalibrationError, Channel, DeviceProblem, HeldOut, Weights, parameter_infos, preference_order,
-    scale,
+    CalibrationError, Channel, DeviceProblem, Options, Weighting, Weights, parameter_infos,
+    preference_order, scale,
 };
-
-/// Order of the identification.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CalibrationMethod {
-    /// The paper's: transmissions from external encoders, then kinematics.
-    TwoStep,
-    /// All at once.
-    Joint,
-}
-
-/// Degree of the polynomial that stands for a parallelogram.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Degree {
-    /// As given; the paper takes 10.
-    Fixed(usize),
-    /// The degree from 2 to this one that the evidence (BIC) favours.
-    UpTo(usize),
-}
-
-/// Where the sizes of the noise come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Weighting {
-    /// The device file.
-    Stated,
-    /// The device file first, then each channel's residuals.
-    Estimated,
-}
-
-/// What large residuals cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LossChoice {
-    /// Always this one; [`Loss::Squares`] is least squares.
-    Fixed(Loss),
-    /// Least squares, unless readings lie so far out that noise does not explain them: then Tukey's.
-    Auto,
-}
-
-/// Options of a calibration.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
-    /// Two steps or all at once.
-    pub method: CalibrationMethod,
-    /// Polynomial degree.
-    pub degree: Degree,
-    /// Hold the constant offset of equation (1) at zero, as the paper's tables do: the encoders
-    /// were zeroed at home.
-    pub zeroed_at_home: bool,
-    /// Noise sizes.
-    pub weighting: Weighting,
-    /// What large residuals cost.
-    pub loss: LossChoice,
-    /// Rows that the fit does not see.
-    pub held_out: HeldOut,
-    /// Search settings.
-    pub search: Settings,
-    /// Random places that are tried where the search from the device's own values fails or ends where no good
-    /// fit ends; 0 for none.
-    pub starts: usize,
-    /// Take a search that ends elsewhere than at a minimum for an answer too; its `convergence` says so.
-    pub unfinished: bool,
-    /// Identifiability thresholds.
-    pub rules: IdentifiabilityRules,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            method: CalibrationMethod::Joint,
-            degree: Degree::UpTo(14),
-            zeroed_at_home: false,
-            weighting: Weighting::Estimated,
-            loss: LossChoice::Fixed(Loss::Squares),
-            held_out: HeldOut::default(),
-            search: Settings::default(),
-            starts: 12,
-            unfinished: false,
-            rules: IdentifiabilityRules::default(),
-        }
-    }
-}
 
 /// The outcome of one fit.
 #[derive(Debug, Clone)]
@@ -198,8 +119,10 @@ pub fn fit_parameters(
         parameters,
         weights,
         options,
+        loads_of: None,
     };
     let fit = multi_start::improve(&task, task.fit_from(None)?)?;
+    let fit = settle(&task, fit)?;
     if !fit.convergence.was_successful() && !options.unfinished {
         return Err(CalibrationError::NotConverged {
             what: what.to_owned(),
@@ -224,6 +147,8 @@ pub(crate) struct Task<'a> {
     pub(crate) parameters: &'a [ParameterId],
     pub(crate) weights: &'a Weights,
     pub(crate) options: &'a Options,
+    /// Whose compliances say at which angles the torques are taken: those of `device` where it is none.
+    pub(crate) loads_of: Option<&'a Device>,
 }
 
 impl Task<'_> {
@@ -247,7 +172,10 @@ impl Task<'_> {
                 return self.fit_prepared(&prepared, &first, values);
             }
         }
-        let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
+        let mut problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
+        if let Some(yielded) = self.loads_of {
+            problem.loads = Loads::new(yielded, recording)?;
+        }
         let prepared = Prepared::new(&problem);
         let lanes = prepared.lanes();
         let first = reduce(prepared.searched(lanes.as_ref()), &problem.start());

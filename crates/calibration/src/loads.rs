@@ -14,7 +14,8 @@ pub(crate) struct Loads {
 impl Loads {
     /// None where no joint of the device yields. Torques are those of the log where it has them, else those
     /// that hold the device's masses and the hand at rest; what is not known is 0. They do not change in a
-    /// fit: a millimetre of geometry moves them by a thousandth.
+    /// search: a millimetre of geometry moves them by a thousandth, and what the joints yield by hundredths, for
+    /// which a fit is repeated.
     ///
     /// # Errors
     /// [`CalibrationError::Row`] where the chain has no pose.

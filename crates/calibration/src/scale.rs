@@ -38,7 +38,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// Source: docs/equations.md, Touched points.
 ///
 /// `device` is prepared for the recording. None too where it has no value at a row: the fit says why.
-pub(crate) fn held_for_scale(
+pub fn held_for_scale(
     device: &Device,
     recording: &Recording,
     channels: &[Channel],

@@ -2,7 +2,7 @@
 
 use haptical_calibration::{
     CalibrationError, Channel, Options, Weights, candidate_parameters, channels, check_rig,
-    identifiability_at, prepare_device,
+    held_for_scale, identifiability_at, prepare_device,
 };
 use haptical_model::{
     Device, JointType, ParameterId, Recording, TransmissionError, TransmissionKind,
@@ -70,6 +70,8 @@ pub(crate) struct ChannelFindings {
     pub(crate) readings: usize,
 }
 
+/// Status of a length that a fit holds because no measurement tells the device's size.
+const HELD: &str = "held";
 /// Degree of a parallelogram's polynomial (the paper's) where the log has readings enough for it.
 const DEGREE: usize = 10;
 const DEGREE_OF_FEW: usize = 2;
@@ -161,12 +163,25 @@ fn look_at_log(
     check_rig(device, recording)?;
     let prepared = prepare_device(device, recording)?;
     let device = &prepared;
-    let (device, parameters) = candidates(device, recording, &channels);
+    let (device, mut parameters) = candidates(device, recording, &channels);
+    let held = held_for_scale(&device, recording, &channels);
+    parameters.retain(|parameter| !held.contains(parameter));
     let weights = Weights::stated(&device, &channels);
     let rules = Options::default().rules;
     let judged = identifiability_at(&device, recording, &channels, &parameters, &weights, &rules)?;
     let mut identifiable = Vec::new();
-    let mut not_identified = Vec::new();
+    let mut not_identified: Vec<NotIdentified> = held
+        .iter()
+        .map(|parameter| NotIdentified {
+            name: parameter.name(&device),
+            status: HELD,
+            reason: format!(
+                "{}: touches of unknown points and planes do not tell a device from a larger one: it is held, and \
+                 the other lengths are in proportion to it",
+                parameter.name(&device)
+            ),
+        })
+        .collect();
     for (index, (name, status)) in judged.names.iter().zip(&judged.statuses).enumerate() {
         match judged.reason(index) {
             None => identifiable.push(name.clone()),

@@ -10,8 +10,9 @@ use crate::{Body, Device, DeviceChain, Recording};
 ///
 /// With m the mass of a row and c its centre, F the force of the hand on the handle at P (the columns
 /// `fx_n`, `fy_n`, `fz_n`, end-effector frame), the torque of joint i is
-/// `-(sum_rows m g . dc/dq_i + F . dP/dq_i)` (virtual work; Siciliano et al. 2009, section 7.1). The mass of
-/// row 0 stands still. `None` where neither masses with gravity nor forces are known.
+/// `-(sum_rows m g . dc/dq_i + F . dP/dq_i)` (virtual work; Siciliano et al. 2009, section 7.1), at the angles
+/// to which joints with a compliance have yielded. The mass of row 0 stands still. `None` where neither masses
+/// with gravity nor forces are known.
 ///
 /// ```
 /// use haptical_model::{Device, Recording, holding_torques_nm};
@@ -40,6 +41,8 @@ pub fn holding_torques_nm(
     let rows = recording.len();
     let mut torques = vec![vec![0.0; rows]; device.joints.len()];
     let mut outputs = vec![0.0; device.joints.len()];
+    let mut yielded = vec![0.0; device.joints.len()];
+    let compliance = |joint| device.compliance_rad_per_nm(joint);
     for row in 0..rows {
         for (joint, output) in outputs.iter_mut().enumerate() {
             let reading = recording
@@ -50,15 +53,30 @@ pub fn holding_torques_nm(
             *output = reading + device.joints[joint].error_rad(reading).unwrap_or(0.0);
         }
         let hand_n = force_n.map(|axes| Vector3::from(axes.each_ref().map(|axis| axis[row])));
-        let load = statics.load(&outputs, |handle| {
-            hand_n.map(|hand_n| handle.rotation * hand_n)
-        })?;
-        for (column, torque) in torques.iter_mut().zip(load.torques_nm) {
-            column[row] = *torque;
+        let hand = |handle: &Pose| hand_n.map(|hand_n| handle.rotation * hand_n);
+        yielded.copy_from_slice(&outputs);
+        for _ in 0..MOST_SETTLINGS {
+            let load = statics.load(&yielded, hand)?;
+            let mut moved_rad = 0.0_f64;
+            for (joint, (column, torque)) in torques.iter_mut().zip(load.torques_nm).enumerate() {
+                column[row] = *torque;
+                let settled = outputs[joint] - compliance(joint) * torque;
+                moved_rad = moved_rad.max((settled - yielded[joint]).abs());
+                yielded[joint] = settled;
+            }
+            if moved_rad <= SETTLED_RAD {
+                break;
+            }
         }
     }
     Ok(Some(torques))
 }
+
+/// Most repetitions of torques and yielding: each leaves a compliance times a stiffness of gravity of the error
+/// before, some hundredths.
+const MOST_SETTLINGS: usize = 16;
+/// A joint that moves by less has settled \[rad\].
+const SETTLED_RAD: f64 = 1e-12;
 
 /// What a device at rest carries: its masses under gravity, and the hand.
 ///

@@ -282,6 +282,31 @@ fn joints_that_yield_to_the_weights_are_found() {
     }
 }
 
+/// Where a joint yields by some degrees, the torques are those at the angles that it yields to.
+#[test]
+fn soft_joints_are_found_without_noise() {
+    let mut nominal = compliant();
+    let may_yield = JointCompliance {
+        rad_per_nm: 0.0,
+        fit: true,
+    };
+    nominal.surroundings.compliance = vec![may_yield; 5];
+    let mut truth = nominal.clone();
+    truth.surroundings.compliance[1].rad_per_nm = 2e-3;
+    truth.surroundings.tracker_base = Some(placement(5, 1.0, 0.0));
+    truth.surroundings.tracker_tool = Some(placement(6, 0.1, 0.0));
+    let mut recording = plain(readings(&truth, 120, 1.5, 3));
+    tracked(&truth, &mut recording, 0.0, 9);
+    let options = Options {
+        weighting: Weighting::Stated,
+        held_out: HeldOut::None,
+        ..Options::default()
+    };
+    let fitted = fit_device(&nominal, &recording, &options).unwrap().device;
+    let found = fitted.compliance_rad_per_nm(1);
+    assert!((found - 2e-3).abs() < 1e-8, "{found:e}");
+}
+
 /// Base and tool of a tracker within a micrometre and a microradian: the geometry is true and nothing noisy.
 fn tracker_is_found(device: &Device, with_turns: bool, seed: u64) -> Result<(), TestCaseError> {
     let mut truth = device.clone();

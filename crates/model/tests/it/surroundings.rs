@@ -319,6 +319,33 @@ fn a_yielding_joint_lags_its_encoder() {
     assert_eq!(base, same);
 }
 
+/// 2 kg at 0.3 m on a spring: at rest where the spring bears the weight there, found by halving.
+#[test]
+fn a_soft_joint_is_held_where_it_has_yielded_to() {
+    let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\
+        [[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\nmass_kg = 2.0\ncentre_of_mass_m = [0.3, 0.0, 0.0]\n\
+        [[joint]]\ncompliance_rad_per_nm = 0.02\n[gravity]\nvector_mps2 = [0.0, -10.0, 0.0]\n";
+    let lever = Device::from_toml(text, "lever.toml").unwrap().device;
+    assert_eq!(lever.compliance_rad_per_nm(0), 0.02);
+    for reading in [-1.2, 0.4, 1.1_f64] {
+        let (mut low, mut high) = (reading - 1.0, reading + 1.0);
+        for _ in 0..60 {
+            let middle: f64 = 0.5 * (low + high);
+            if middle + 0.02 * 6.0 * middle.cos() < reading {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let recording = Recording {
+            joint: vec![vec![reading]],
+            ..Recording::default()
+        };
+        let torque = holding_torques_nm(&lever, &recording).unwrap().unwrap()[0][0];
+        assert!((torque - 6.0 * low.cos()).abs() < 1e-10, "{torque}");
+    }
+}
+
 #[test]
 fn what_cannot_be_is_refused_with_its_place() {
     let refuse = |from: &str, to: &str| {
