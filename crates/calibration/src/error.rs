@@ -113,6 +113,20 @@ pub enum CalibrationError {
         /// What to do.
         next: &'static str,
     },
+    /// A log that fits the device far better with one joint's column turned round, or two swapped.
+    #[error(
+        "the log fits the device better with {what}: its residual is {after:.3} times the stated noise then, and \
+         {before:.3} times as logged{}; correct the log, or the sign or order of the joints in the device file",
+        if *after < 0.5 * before { "" } else { ", where it is that of a mirror image of the device" }
+    )]
+    MistakenColumns {
+        /// Which change makes it fit.
+        what: String,
+        /// Residual as logged, in units of the stated noise.
+        before: f64,
+        /// Residual with the change.
+        after: f64,
+    },
     /// A refusal of the least squares.
     #[error("{what}: {source}")]
     Identification {

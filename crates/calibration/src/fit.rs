@@ -13,6 +13,7 @@ use crate::considered::Considered;
 use crate::form::{Prepared, reduce};
 use crate::free_set::{enough, hold, parameter_shares, worth_fitting};
 use crate::loads::Loads;
+use crate::mistakes;
 use crate::multi_start::{self, Starts};
 use crate::reduced::{count_readings, scale_to_residuals};
 use crate::settle::settle;
@@ -122,6 +123,7 @@ pub fn fit_parameters(
         loads_of: None,
     };
     let fit = multi_start::improve(&task, task.fit_from(None)?)?;
+    mistakes::refuse(&task, &fit)?;
     let fit = settle(&task, fit)?;
     if !fit.convergence.was_successful() && !options.unfinished {
         return Err(CalibrationError::NotConverged {

@@ -30,6 +30,7 @@ mod lanes;
 mod loads;
 mod measurement;
 mod merged;
+mod mistakes;
 mod multi_start;
 mod open_direction;
 mod options;

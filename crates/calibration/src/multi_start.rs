@@ -77,7 +77,9 @@ pub(crate) fn improve(
         };
         return Ok(ParameterFit { starts, ..first });
     }
-    let part = task.recording.select(&spread_rows(task.recording.len()));
+    let part = task
+        .recording
+        .select(&spread_rows(task.recording.len(), MOST_ROWS));
     let (channels, parameters) = (task.channels, task.parameters);
     let problem = DeviceProblem::new(task.device, &part, channels, parameters, task.weights)?;
     if problem.residual_count() <= first.fitted.len() {
@@ -276,8 +278,8 @@ fn random_place(task: &Task<'_>, free: &[usize], nominal: &[f64], number: usize)
     values
 }
 
-/// At most [`MOST_ROWS`] rows, spread evenly.
-fn spread_rows(rows: usize) -> Vec<usize> {
-    let count = rows.min(MOST_ROWS);
+/// At most so many rows, spread evenly.
+pub(crate) fn spread_rows(rows: usize, most: usize) -> Vec<usize> {
+    let count = rows.min(most);
     (0..count).map(|index| index * rows / count).collect()
 }

@@ -207,7 +207,7 @@ fn at_sample(
 }
 
 /// Root mean square distance of the handle's places from their middle, of the sample of postures.
-fn spread_m(device: &Device, recording: &Recording) -> f64 {
+pub(crate) fn spread_m(device: &Device, recording: &Recording) -> f64 {
     let mut places = Vec::with_capacity(POSTURES);
     at_sample(device, recording, |_, position_m| places.push(position_m));
     let count = places.len().max(1) as f64;

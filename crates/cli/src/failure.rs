@@ -264,6 +264,10 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
         CalibrationError::LooksLikeMillimetres { what, next, .. } => {
             ("looks-like-millimetres", what.clone(), (*next).to_owned())
         }
+        CalibrationError::MistakenColumns { .. } => {
+            let (what, next) = split_advice(&error.to_string());
+            ("mistaken-columns", what, next)
+        }
         CalibrationError::Rig { what, message } => {
             let (message, next) = message
                 .rsplit_once(": ")

@@ -23,6 +23,7 @@ mod intervals;
 mod invariance;
 mod joint_lanes;
 mod measured;
+mod mistaken_columns;
 mod multi_start;
 mod null_space;
 mod parallel_joints;
