@@ -1,4 +1,4 @@
-//! Whether more than noise is left of a channel's residuals.
+//! Whether more than noise is left of a channel's residuals, or so much less that the noise is not as stated.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -12,6 +12,12 @@ const FALSE_ALARM: f64 = 1e-3;
 /// Readings per parameter from which on the rows that the fit did not see can be judged by their noise alone: of
 /// fewer, the fit's own error is in them, which is the larger the fewer they are.
 const READINGS_PER_PARAMETER: f64 = 10.0;
+
+/// Residual over noise floor below which the stated noise is not the reading's. A standard deviation that is stated
+/// with care is within a factor of two or three of it: the paper's own cable encoder counts 2.4 times as finely.
+const BELOW_FLOOR: f64 = 0.25;
+/// Fewest degrees of freedom of which noise does not stay so far below its floor by chance (chi-square: 1e-7).
+const ENOUGH: f64 = 30.0;
 
 /// A sentence for every channel whose residual is more than noise.
 ///
@@ -51,6 +57,42 @@ pub(crate) fn sentences(
         }
     }
     sentences
+}
+
+/// A sentence for every channel whose residual is far below its noise floor: then the floor is wrong, and what is
+/// left may be far above the true one.
+pub(crate) fn sentences_of_too_little(
+    fitted: &FittedDevice,
+    seen: &[ChannelReport],
+) -> Vec<String> {
+    let is_enough = |report: &&ChannelReport| {
+        report.readings as f64 - paid_by(fitted, &report.channel) > ENOUGH
+    };
+    let is_below =
+        |report: &&ChannelReport| report.rms_after_good < BELOW_FLOOR * report.noise_floor;
+    let words = |report: &ChannelReport| {
+        let ChannelReport {
+            channel,
+            unit,
+            noise_floor,
+            rms_after_good: left,
+            ..
+        } = report;
+        if *left < 1e-9 * noise_floor {
+            return format!(
+                "{channel}: no noise at all is left: the column is computed from others, not measured, and the \
+                 intervals that follow from it are too narrow"
+            );
+        }
+        format!(
+            "{channel}: the residual left, {left:.3e} {unit}, is far below the noise floor of {noise_floor:.3e} {unit}: \
+             the noise or the counts that the device file states (or that stand in their place where it states none) \
+             are too coarse, and an effect may hide below that floor; correct sd, counts per revolution or \
+             transmission ratio"
+        )
+    };
+    let below = seen.iter().filter(is_enough).filter(is_below);
+    below.map(words).collect()
 }
 
 /// Residual over noise floor beyond which more than noise is left: of few degrees of freedom, chance alone reaches

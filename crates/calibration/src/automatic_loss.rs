@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use haptical_identification::Loss;
 use haptical_model::{Device, Recording};
 
-use crate::robust::{fit, judge};
+use crate::robust::{RobustChannel, Robustness, fit, judge, set_aside};
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, Options, Outlier,
-    channel_residuals, channels, far_out,
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice,
+    Options, Outlier, channel_residuals, channels, far_out,
 };
 
 /// Rows on which it is tried whether a robust loss is needed.
@@ -62,13 +62,59 @@ pub(crate) fn automatic(
         return plain;
     }
     match fit(device, recording, options, Loss::Tukey) {
-        Ok(robust) if plain.is_err() || is_settled(&robust) => Ok(robust),
+        Ok(robust) if plain.is_err() || is_sound(&robust, recording)? => Ok(robust),
         _ => plain,
     }
 }
 
-fn is_settled(fitted: &FittedDevice) -> bool {
-    fitted.robust.as_ref().is_some_and(|robust| robust.settled)
+/// Whether a robust fit came to rest, or all but its wild readings are at their noise: it need not come to rest
+/// where a term or a parameter more fits about as well as one less.
+fn is_sound(fitted: &FittedDevice, recording: &Recording) -> Result<bool, CalibrationError> {
+    let Some(robust) = &fitted.robust else {
+        return Ok(false);
+    };
+    if robust.settled {
+        return Ok(true);
+    }
+    let floors = noise_floors(fitted, recording)?;
+    let is_at_noise = |channel: &RobustChannel| {
+        let floor = floors.get(&channel.channel).copied().unwrap_or(0.0);
+        channel.scale <= ABOVE_FLOOR * floor
+    };
+    Ok(robust.channels.iter().all(is_at_noise))
+}
+
+/// Largest share of a channel's held-out readings that are wild ones rather than an effect.
+const FEW: f64 = 0.02;
+
+/// Wild readings among rows that a fit of least squares did not see, which it therefore did not have to weigh: they
+/// are set aside in the reports of these rows, where they are few.
+pub(crate) fn wild_held_out(
+    fitted: &FittedDevice,
+    seen: &Recording,
+    reports: &mut [ChannelReport],
+    recording: &Recording,
+) -> Result<Vec<Outlier>, CalibrationError> {
+    let (channels, _) = judge(fitted, seen, Loss::Squares)?;
+    let least_squares = Robustness {
+        loss: Loss::Squares,
+        rounds: 0,
+        settled: true,
+        channels,
+        outliers: Vec::new(),
+    };
+    let mut all = Vec::new();
+    for report in reports {
+        let mut aside = report.clone();
+        let outliers = set_aside(&mut aside, &least_squares, recording);
+        let most = (FEW * report.readings as f64).max(1.0);
+        let are_few = !outliers.is_empty() && outliers.len() as f64 <= most;
+        if are_few && !are_in_stretches(&outliers, recording) {
+            *report = aside;
+            all.extend(outliers);
+        }
+    }
+    Ok(all)
 }
 
 /// Whether outliers stand beside each other, as those of an effect do and wild readings do not.

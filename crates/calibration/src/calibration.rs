@@ -7,14 +7,13 @@ use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 use serde::Serialize;
 
-use crate::held_out::is_of_postures;
-use crate::held_out::{FOLDS, SHORT_LOG, check_share, folds};
+use crate::held_out::{FOLDS, SHORT_LOG, check_share, dwells, dwelt, folds, is_of_postures};
 use crate::joint_fit::add_step_one_noise;
 use crate::prepare::with_unseen_touches;
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut,
-    LossChoice, Options, Outlier, Weights, channel_residuals, channels, fit_device, robust, split,
-    sufficiency, warnings,
+    LossChoice, Options, Outlier, Weights, automatic_loss, channel_residuals, channels, fit_device,
+    postures, robust, split, sufficiency, warnings,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -103,10 +102,16 @@ pub fn calibrate(
     sufficiency::check(device, recording, &channels)?;
     crate::prepare::check_rig(device, recording)?;
     let mut warnings = warnings::of_recording(device, recording, &channels);
+    if let Some(own) = dwelt(recording, FOLDS) {
+        warnings.push(postures::of_dwelling(recording, &own));
+    }
+    if channels.iter().any(|channel| channel.sees_chain()) {
+        warnings.extend(postures::narrow(recording));
+    }
     let stated = Weights::stated(device, &channels);
     check_share(options.held_out)?;
     let short = recording.len() < SHORT_LOG;
-    let short = short || is_of_postures(device, recording);
+    let short = short || is_of_postures(device, recording) || dwells(recording, options.held_out);
     let count = match options.held_out {
         HeldOut::Folds(count) => Some(count),
         HeldOut::Share(share) if short && share > 0.0 => Some(FOLDS),
@@ -156,6 +161,12 @@ pub fn calibrate(
         // folds judge the rows of the fit once more
         let mut listed = BTreeSet::new();
         outliers.retain(|outlier| listed.insert((outlier.line, outlier.channel)));
+    } else if options.loss == LossChoice::Auto && count.is_none() {
+        outliers =
+            automatic_loss::wild_held_out(&fitted, &seen, &mut held_out_channels, recording)?;
+        if !outliers.is_empty() {
+            warnings.push(warnings::of_wild_held_out(outliers.len()));
+        }
     }
     let judged = if held_out_channels.is_empty() {
         &fit_channels
@@ -253,7 +264,8 @@ fn cross_validate(
     count: usize,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<ChannelReport>, String), CalibrationError> {
-    let folds = folds(recording.len(), count);
+    let own = dwelt(recording, count);
+    let folds = folds(recording.len(), count, own.as_deref());
     let count = folds.len();
     let mut before: Vec<ChannelResiduals> = Vec::new();
     let mut after: Vec<ChannelResiduals> = Vec::new();
@@ -285,6 +297,9 @@ fn cross_validate(
     Ok((
         reports,
         match options.held_out {
+            _ if own.is_some() => {
+                format!("{count} folds of whole postures, each fitted without its own rows")
+            }
             HeldOut::Folds(_) => format!("{count} folds by row, each fitted without its own rows"),
             _ if recording.len() < SHORT_LOG => {
                 format!("{count} folds of a short log, each fitted without its own rows")

@@ -3,12 +3,14 @@
 use haptical_model::Recording;
 
 use crate::CalibrationError;
+use crate::postures::{count, leaks, postures};
 
 /// Rows kept back from the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HeldOut {
     /// A share of the rows: whole runs where the recording has several, contiguous blocks
-    /// otherwise (docs/equations.md, "Held-out split").
+    /// otherwise, and whole postures where the device dwells so that blocks would check nothing
+    /// (docs/equations.md, "Held-out split").
     Share(f64),
     /// None: the fit sees every row.
     None,
@@ -74,7 +76,30 @@ pub fn split(recording: &Recording, held_out: HeldOut) -> Result<Split, Calibrat
             description: "nothing held out".to_owned(),
         });
     }
-    Ok(by_runs(recording, share).unwrap_or_else(|| by_blocks(rows, share)))
+    if let Some(split) = by_runs(recording, share) {
+        return Ok(split);
+    }
+    let blocks = by_blocks(rows, share);
+    let dwelt = postures(recording).filter(|own| leaks(own, &blocks.fit, &blocks.held_out));
+    Ok(dwelt.map_or(blocks, |own| by_postures(&own, share)))
+}
+
+/// Numbers of the postures of a recording whose folds by row would hold out what the fit sees; folds are made of
+/// whole postures then.
+pub(crate) fn dwelt(recording: &Recording, folds: usize) -> Option<Vec<usize>> {
+    let rows = recording.len();
+    let own = postures(recording)?;
+    let first = self::folds(rows, folds, None).into_iter().next()?;
+    leaks(&own, &first.fit, &first.held_out).then_some(own)
+}
+
+/// Whether a log dwells at so few postures that blocks of rows would hold out what the fit sees.
+pub(crate) fn dwells(recording: &Recording, held_out: HeldOut) -> bool {
+    let HeldOut::Share(share) = held_out else {
+        return false;
+    };
+    let one_run = by_runs(recording, share).is_none();
+    one_run && share > 0.0 && recording.len() <= MOST_POSTURES && dwelt(recording, FOLDS).is_some()
 }
 
 /// The share to hold out, if it is one that leaves most rows to the fit.
@@ -147,12 +172,32 @@ fn by_blocks(rows: usize, share: f64) -> Split {
     }
 }
 
-/// Folds: fold k holds out the rows k, k + folds, ...
-pub(crate) fn folds(rows: usize, count: usize) -> Vec<Split> {
-    let count = count.min(rows);
+/// Holds out whole postures, spread evenly over the log.
+fn by_postures(own: &[usize], share: f64) -> Split {
+    let all = count(own);
+    let period = ((1.0 / share).round() as usize).clamp(2, all.max(2));
+    let is_held_out = |posture: usize| all > 1 && posture % period == period / 2;
+    let (held_out, fit): (Vec<usize>, Vec<usize>) =
+        (0..own.len()).partition(|&row| is_held_out(own[row]));
+    let held = (0..all).filter(|&posture| is_held_out(posture)).count();
+    Split {
+        description: format!(
+            "{held} of {all} postures held out ({} of {} rows)",
+            held_out.len(),
+            own.len()
+        ),
+        fit,
+        held_out,
+    }
+}
+
+/// Folds: fold k holds out the rows k, k + folds, ..., or the postures, where rows are numbered by them.
+pub(crate) fn folds(rows: usize, count: usize, postures: Option<&[usize]>) -> Vec<Split> {
+    let number = |row: usize| postures.map_or(row, |own| own[row]);
+    let count = count.min(postures.map_or(rows, self::count));
     (0..count)
         .map(|fold| {
-            let (held_out, fit) = (0..rows).partition(|row| row % count == fold);
+            let (held_out, fit) = (0..rows).partition(|row| number(*row) % count == fold);
             Split {
                 fit,
                 held_out,

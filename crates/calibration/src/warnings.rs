@@ -4,7 +4,8 @@ use haptical_model::{Device, ParameterId, Recording};
 
 use crate::loads::Loads;
 use crate::{
-    CalibrationMethod, Channel, ChannelReport, FittedDevice, ParameterFit, Starts, sufficiency,
+    CalibrationMethod, Channel, ChannelReport, FittedDevice, ParameterFit, Starts, above_floor,
+    sufficiency,
 };
 
 /// What a recording lacks for this device.
@@ -147,6 +148,14 @@ fn of_scale(nominal: &Device, whole: &ParameterFit) -> Option<String> {
     ))
 }
 
+/// Readings of rows that the fit did not see.
+pub(crate) fn of_wild_held_out(count: usize) -> String {
+    format!(
+        "readings of held-out rows farther from the model than noise explains: {count}; the fit did not see them, and \
+         they are left out of the held-out figures. They are listed as outliers: look whether a sensor failed there"
+    )
+}
+
 /// What a result has that no good result has: by the rows of the fit, and by those that it is judged on.
 pub(crate) fn of_result(
     nominal: &Device,
@@ -200,7 +209,8 @@ pub(crate) fn of_result(
     warnings.extend(implausible_sentence(fits.iter().flat_map(|fit| {
         implausible(nominal, &fit.device, &fit.parameters, &fit.fitted)
     })));
-    warnings.extend(crate::above_floor::sentences(fitted, seen, channels));
+    warnings.extend(above_floor::sentences(fitted, seen, channels));
+    warnings.extend(above_floor::sentences_of_too_little(fitted, seen));
     warnings
 }
 

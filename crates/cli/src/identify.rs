@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use haptical_calibration::{Calibration, calibrate, force_direction};
+use haptical_calibration::{Calibration, calibrate, force_direction, without_copies};
 use haptical_model::{Recording, TransmissionKind};
 
 use crate::arguments::{IdentifyArguments, NoiseName};
@@ -62,7 +62,8 @@ pub(crate) fn outcome(
     log.relabel(&mut read.warnings);
     // behind the device, before the rig: the order of the flags
     inputs.insert(1, log.input("log", read.fingerprint));
-    let recording = read.recording;
+    let (recording, copies) = without_copies(read.recording);
+    read.warnings.extend(copies);
     let options = arguments.options();
     if arguments
         .with

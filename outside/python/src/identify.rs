@@ -1,6 +1,6 @@
 //! `haptical.identify`: what identified.json has, as dictionaries and arrays.
 
-use haptical_calibration::{Calibration, ForceDirection, ParameterFit, calibrate};
+use haptical_calibration::{Calibration, ForceDirection, ParameterFit, calibrate, without_copies};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
@@ -62,11 +62,13 @@ pub(crate) fn identify<'py>(
     let log = log_of(log)?;
     let outcome = py.detach(|| -> Result<Outcome, Failure> {
         let read = log.read(&device.model)?;
-        let calibration = calibrate(&device.model, &read.recording, &options)?;
-        let force = force_leans(&device.model, &calibration, &read.recording)?;
+        let (recording, copies) = without_copies(read.recording);
+        let calibration = calibrate(&device.model, &recording, &options)?;
+        let force = force_leans(&device.model, &calibration, &recording)?;
         let toml = calibration.device.to_toml(&device.text, &device.label)?;
         let mut warnings = device.warnings.clone();
         warnings.extend(read.warnings);
+        warnings.extend(copies);
         warnings.extend(calibration.warnings.iter().cloned());
         Ok(Outcome {
             calibration,
@@ -74,7 +76,7 @@ pub(crate) fn identify<'py>(
             force,
             toml,
             warnings,
-            rows: read.recording.len(),
+            rows: recording.len(),
         })
     })?;
     result(py, &outcome)

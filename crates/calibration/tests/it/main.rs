@@ -28,6 +28,7 @@ mod multi_start;
 mod null_space;
 mod parallel_joints;
 mod planted;
+mod postures;
 mod recovery;
 mod refusals;
 mod rig;
