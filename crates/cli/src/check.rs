@@ -84,7 +84,7 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let progress = Progress::start("checking");
     let input = read_equipped_device(
         &arguments.device,
-        arguments.device_options.tip.as_deref(),
+        arguments.device_options.chain.ends(),
         arguments.device_options.rig.as_deref(),
         InputDrumDenominators::Stated,
     )?;

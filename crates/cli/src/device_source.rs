@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptical_model::{Device, read_toml_text};
-use haptical_urdf::{device_from_urdf, read_urdf_text};
+use haptical_urdf::{BaseAndTip, device_from_urdf, read_urdf_text};
 
 use crate::failure::Failure;
 use crate::input_files::{Fingerprint, InputFile, Source};
@@ -13,13 +13,40 @@ use crate::inputs::{DeviceInput, InputDrumDenominators, read_equipped_device};
 /// Flags beside `--device`.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct DeviceOptions {
-    /// Link at which the chain of a URDF ends; without it the longest chain is taken
-    #[arg(long, value_name = "LINK")]
-    pub(crate) tip: Option<String>,
+    #[command(flatten)]
+    pub(crate) chain: ChainOptions,
     /// Sensors around the device (TOML: `[cable_encoder]`, `[[cable]]`, `[tracker]`, `[[contact_pair]]`,
     /// `[gravity]`), in the place of the device file's
     #[arg(long, value_name = "FILE")]
     pub(crate) rig: Option<PathBuf>,
+}
+
+/// Links between which the chain of a URDF runs.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct ChainOptions {
+    /// Link at which the chain of a URDF begins, frame (-1), such as the other hand; without it the root link;
+    /// needs --tip
+    #[arg(long, value_name = "LINK")]
+    pub(crate) base: Option<String>,
+    /// Link at which the chain of a URDF ends; without it the longest chain is taken
+    #[arg(long, value_name = "LINK")]
+    pub(crate) tip: Option<String>,
+}
+
+impl ChainOptions {
+    /// As the library takes them.
+    pub(crate) fn ends(&self) -> BaseAndTip<'_> {
+        BaseAndTip {
+            base: self.base.as_deref(),
+            tip: self.tip.as_deref(),
+        }
+    }
+
+    /// The flags, as results record them.
+    pub(crate) fn flags(&self) -> impl Iterator<Item = String> {
+        let base = self.base.iter().map(|base| format!("--base={base}"));
+        base.chain(self.tip.iter().map(|tip| format!("--tip={tip}")))
+    }
 }
 
 /// Text of a device file, from whatever was given, and what is odd about it.
@@ -37,7 +64,7 @@ pub(crate) fn is_urdf(path: &Path) -> bool {
 /// The device file's text, the rig's sensors in it; that of a URDF is written anew.
 pub(crate) fn read_device_text(
     path: &Path,
-    tip: Option<&str>,
+    ends: BaseAndTip<'_>,
     rig: Option<&Path>,
 ) -> Result<DeviceText, Failure> {
     let name = path.display().to_string();
@@ -45,15 +72,16 @@ pub(crate) fn read_device_text(
     let (mut text, mut warnings) = if is_urdf(path) {
         let refuse_urdf = |error| Failure::urdf(&error, path);
         let urdf = read_urdf_text(path).map_err(refuse_urdf)?;
-        let read = device_from_urdf(&urdf, &name, tip).map_err(refuse_urdf)?;
+        let read = device_from_urdf(&urdf, &name, ends).map_err(refuse_urdf)?;
         let text = read.device.to_new_toml().map_err(|error| refuse(&error))?;
         (text, read.warnings)
     } else {
-        if tip.is_some() {
+        let flags = [("--base", ends.base), ("--tip", ends.tip)];
+        if let Some((flag, _)) = flags.iter().find(|(_, link)| link.is_some()) {
             return Err(Failure::command_line(
                 "arguments",
-                format!("--tip names a link of a URDF, and {name} is none"),
-                "leave --tip out, or give a .urdf file",
+                format!("{flag} names a link of a URDF, and {name} is none"),
+                format!("leave {flag} out, or give a .urdf file"),
             ));
         }
         (
@@ -75,10 +103,10 @@ pub(crate) fn read_device_text(
     Ok(DeviceText { text, warnings })
 }
 
-/// A URDF's tip and a rig file with the name that results give it.
+/// The ends of a URDF's chain and a rig file with the name that results give it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Equipment {
-    pub(crate) tip: Option<String>,
+    pub(crate) chain: ChainOptions,
     pub(crate) rig: Option<Source>,
 }
 
@@ -86,7 +114,7 @@ impl DeviceOptions {
     /// As given on the command line.
     pub(crate) fn equipment(&self) -> Equipment {
         Equipment {
-            tip: self.tip.clone(),
+            chain: self.chain.clone(),
             rig: self.rig.as_deref().map(Source::given),
         }
     }
@@ -102,8 +130,8 @@ impl Equipment {
     ) -> Result<(DeviceInput, Vec<InputFile>), Failure> {
         let rig = self.rig.as_ref();
         let rig_path = rig.map(|rig| rig.path.as_path());
-        let tip = self.tip.as_deref();
-        let mut input = read_equipped_device(&device.path, tip, rig_path, denominators)?;
+        let ends = self.chain.ends();
+        let mut input = read_equipped_device(&device.path, ends, rig_path, denominators)?;
         let mut files = vec![device.input(flag, device.fingerprint_device(&mut input))];
         if let Some(rig) = rig {
             rig.relabel(&mut input.warnings);

@@ -106,8 +106,7 @@ pub(crate) fn outcome(
     read.warnings.append(&mut diagnosis.warnings);
     diagnosis.warnings = read.warnings;
     let mut arguments: Vec<String> = read.files.iter().map(InputFile::argument).collect();
-    let tip = sources.equipment.tip.as_ref();
-    arguments.extend(tip.map(|tip| format!("--tip={tip}")));
+    arguments.extend(sources.equipment.chain.flags());
     if !without.is_empty() {
         arguments.push(format!("--without={}", without.join(",")));
     }

@@ -33,7 +33,7 @@ pub(crate) struct ExportArguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// URDF that the device came from, with --format urdf: its text with corrected origins is written;
-    /// --tip names the link at which the chain ended
+    /// --base and --tip name the links between which the chain ran
     #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
     /// Print what was written as JSON

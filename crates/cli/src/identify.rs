@@ -138,7 +138,7 @@ fn recorded(arguments: &IdentifyArguments, inputs: &[InputFile]) -> Vec<String> 
     // Without `..`, so that a new flag is not forgotten here: `verify` runs what is recorded.
     let IdentifyArguments {
         device: _,
-        device_options: DeviceOptions { tip, rig: _ },
+        device_options: DeviceOptions { chain, rig: _ },
         log: _,
         out: _,
         json: _,
@@ -172,9 +172,7 @@ fn recorded(arguments: &IdentifyArguments, inputs: &[InputFile]) -> Vec<String> 
     if let Some(length_m) = input_drum_denominator_m {
         recorded.push(format!("--input-drum-denominator-m={length_m}"));
     }
-    if let Some(tip) = tip {
-        recorded.push(format!("--tip={tip}"));
-    }
+    recorded.extend(chain.flags());
     if *paper_preset {
         recorded.push("--paper-preset".to_owned());
     }

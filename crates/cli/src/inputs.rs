@@ -6,6 +6,7 @@ use std::path::Path;
 use haptical_calibration::check_reach;
 use haptical_data::{JointShape, LogShape, read_log, read_log_from};
 use haptical_model::{Device, JointType, Recording};
+use haptical_urdf::BaseAndTip;
 use toml_edit::{DocumentMut, Item, value};
 
 use crate::device_source::{DeviceText, read_device_text};
@@ -47,20 +48,20 @@ pub(crate) fn read_device(
     path: &Path,
     denominators: InputDrumDenominators,
 ) -> Result<DeviceInput, Failure> {
-    read_equipped_device(path, None, None, denominators)
+    read_equipped_device(path, BaseAndTip::default(), None, denominators)
 }
 
-/// Reads a device file; `tip` is the link of a URDF at which the chain ends, `rig` a file with sensors
+/// Reads a device file; `ends` are links of a URDF between which the chain runs, `rig` a file with sensors
 /// that take the place of the device file's.
 pub(crate) fn read_equipped_device(
     path: &Path,
-    tip: Option<&str>,
+    ends: BaseAndTip<'_>,
     rig: Option<&Path>,
     denominators: InputDrumDenominators,
 ) -> Result<DeviceInput, Failure> {
     let name = path.display().to_string();
     let refuse = |error: &_| Failure::device_file(error, path);
-    let DeviceText { text, mut warnings } = read_device_text(path, tip, rig)?;
+    let DeviceText { text, mut warnings } = read_device_text(path, ends, rig)?;
     let mut loaded = Device::from_toml(&text, &name).map_err(|error| refuse(&error))?;
     warnings.append(&mut loaded.warnings);
     let (device, text) = if denominators == InputDrumDenominators::Stated {

@@ -198,8 +198,7 @@ impl PlanArguments {
     /// How the plan came about.
     fn record(&self, files: Vec<InputFile>, version: &str) -> Record {
         let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
-        let tip = self.device_options.tip.as_ref();
-        flags.extend(tip.map(|tip| format!("--tip={tip}")));
+        flags.extend(self.device_options.chain.flags());
         flags.extend(self.flags());
         let mut record = Record::new(version, "plan", flags, files);
         record.seeds.insert("poses", self.seed);

@@ -97,8 +97,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     )?;
     progress.say("writing");
     let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
-    let tip = arguments.device_options.tip.as_ref();
-    flags.extend(tip.map(|tip| format!("--tip={tip}")));
+    flags.extend(arguments.device_options.chain.flags());
     flags.push(format!("--every={}", recorded.every));
     let record = Record::new(VERSION, "play", flags, files);
     let page = page::page(&recorded, &file_name(&arguments.log), &record)?;

@@ -240,8 +240,7 @@ impl SimulateArguments {
     /// How the log came about.
     fn record(&self, files: Vec<InputFile>, log: &Source, hashed: Fingerprint) -> Record {
         let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
-        let tip = self.device_options.tip.as_ref();
-        flags.extend(tip.map(|tip| format!("--tip={tip}")));
+        flags.extend(self.device_options.chain.flags());
         flags.extend([
             format!("--seconds={}", self.seconds),
             format!("--rate-hz={}", self.rate_hz),

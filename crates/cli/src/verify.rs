@@ -186,7 +186,7 @@ fn equipped(
     let find = |path| search.find("rig", path, given.as_deref());
     let rig = rig.map(find).transpose()?;
     let equipment = Equipment {
-        tip: options.tip.clone(),
+        chain: options.chain.clone(),
         rig: rig.as_ref().map(|found| found.source.clone()),
     };
     Ok((equipment, rig))

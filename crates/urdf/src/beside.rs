@@ -4,11 +4,12 @@ use haptical_model::Body;
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use crate::chain::{Row, driver};
+use crate::chain::{Rows, driver};
 use crate::numbers::rounded;
+use crate::path::Path;
 use crate::rigid::{about_z, then, turn, z_to};
 use crate::robot::{Robot, RobotJoint, RobotJointType};
-use crate::tip::{Path, joined};
+use crate::tip::joined;
 
 /// A limit beyond this is none \[rad\] or \[m\].
 const LARGEST_LIMIT: f64 = 1e6;
@@ -32,40 +33,79 @@ struct Branch {
     is_load: bool,
 }
 
+impl Carried {
+    /// No masses at all, where the base moves with respect to the root, and what moves beside the chain.
+    pub(crate) fn nothing(robot: &Robot, path: &Path, rows: &Rows, file: &str) -> Self {
+        let beside = joints_beside(robot, path);
+        let names = beside
+            .iter()
+            .filter(|joint| !rows.drivers.contains(joint))
+            .map(|joint| robot.joints[*joint].name.as_str());
+        Self {
+            bodies: vec![None; rows.rows.len()],
+            warnings: said_of_left_out(names, file).into_iter().collect(),
+        }
+    }
+}
+
 /// Sums what each row carries: its link, what is fixed to that, and every branch beside the chain as if it
 /// were fixed, its joints at 0, or in the middle of their limits where these exclude 0.
 ///
-/// `drivers` are the joints that the log has.
-pub(crate) fn carried(
-    robot: &Robot,
-    path: &Path,
-    rows: &[Row],
-    drivers: &[usize],
-    file: &str,
-) -> Carried {
+/// The base is fixed to the root, so that every row is passed downwards.
+pub(crate) fn carried(robot: &Robot, path: &Path, rows: &Rows, file: &str) -> Carried {
     let mut walk = Walk::new(robot, path);
-    walk.sum(walk.root, false);
-    let bodies = rows.iter().map(|row| walk.body(row.joint)).collect();
+    walk.sum(Path::from_root(robot, path.base).base, false);
+    let bodies = rows.rows.iter().map(|row| walk.body(row.joint)).collect();
     let mut warnings = Vec::new();
     let (loads, light): (Vec<&Branch>, Vec<&Branch>) = walk
         .branches
         .iter()
         .partition(|branch| branch.is_load && branch.mass_kg > 0.0);
     warnings.extend(said_of_loads(robot, &loads, file));
-    let name = |branch: &&Branch| robot.joints[branch.joint].name.clone();
     let names = light
         .iter()
         // what drives a row of the chain is no loss
-        .filter(|branch| !drivers.contains(&branch.joint))
-        .map(|branch| format!("`{}`", name(branch)));
-    let names: Vec<String> = names.collect();
-    if !names.is_empty() {
-        warnings.push(format!(
+        .filter(|branch| !rows.drivers.contains(&branch.joint))
+        .map(|branch| robot.joints[branch.joint].name.as_str());
+    warnings.extend(said_of_left_out(names, file));
+    Carried { bodies, warnings }
+}
+
+fn said_of_left_out<'n>(names: impl Iterator<Item = &'n str>, file: &str) -> Option<String> {
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    (!names.is_empty()).then(|| {
+        format!(
             "{file}: left out, because they move beside the chain: {}",
             joined(&names)
-        ));
+        )
+    })
+}
+
+/// The joints that move whatever is beside a chain against it, in the order of the file: those that are met first
+/// on the way from the chain.
+fn joints_beside(robot: &Robot, path: &Path) -> Vec<usize> {
+    let on_path = path.passed(robot);
+    let mut seen = vec![false; robot.links.len()];
+    let mut links = vec![path.base];
+    let mut beside = Vec::new();
+    while let Some(link) = links.pop() {
+        seen[link] = true;
+        let own = &robot.links[link];
+        for &index in own.child_joints.iter().chain(&own.parent_joint) {
+            let joint = &robot.joints[index];
+            let other = match joint.child == link {
+                true => joint.parent,
+                false => joint.child,
+            };
+            if joint.moves() && !on_path[index] {
+                beside.push(index);
+            } else if !seen[other] {
+                links.push(other);
+            }
+        }
     }
-    Carried { bodies, warnings }
+    beside.sort_unstable();
+    beside
 }
 
 fn said_of_loads(robot: &Robot, loads: &[&Branch], file: &str) -> Option<String> {
@@ -111,19 +151,14 @@ struct Visit {
 struct Walk<'r> {
     robot: &'r Robot,
     on_path: Vec<bool>,
-    root: usize,
     branches: Vec<Branch>,
 }
 
 impl<'r> Walk<'r> {
     fn new(robot: &'r Robot, path: &Path) -> Self {
-        let mut on_path = vec![false; robot.joints.len()];
-        path.joints.iter().for_each(|joint| on_path[*joint] = true);
-        let first = path.joints.first();
         Self {
             robot,
-            on_path,
-            root: first.map_or(path.tip, |joint| robot.joints[*joint].parent),
+            on_path: path.passed(robot),
             branches: Vec::new(),
         }
     }

@@ -4,16 +4,18 @@ use haptical_model::kinematics::Pose;
 use haptical_model::{Drive, JointType, Position};
 
 use crate::UrdfError;
-use crate::rigid::{inverse, then, turn, z_to};
+use crate::gaps::gaps;
+use crate::path::Path;
 use crate::robot::{Robot, RobotJoint, RobotJointType};
-use crate::tip::{Path, joined};
+use crate::tip::joined;
 
 /// A moving joint of the path.
 #[derive(Debug, Clone)]
 pub(crate) struct Row {
     /// Joint of the robot, from 0.
     pub(crate) joint: usize,
-    /// From the frame behind the row before (its axis along z) to this row's, axis along z.
+    /// From the frame behind the row before (its axis along z) to this row's, the axis of the motion as it is
+    /// passed along z.
     pub(crate) origin: Pose,
     pub(crate) drive: Drive,
 }
@@ -37,15 +39,16 @@ pub(crate) fn rows(
     path: &Path,
     at: &dyn Fn(usize) -> Box<Position>,
 ) -> Result<Rows, UrdfError> {
+    let (gaps, handle) = gaps(robot, path);
     let mut split = Rows {
         rows: Vec::new(),
-        handle: Pose::default(),
+        handle: handle.product(),
         drivers: Vec::new(),
     };
-    let mut behind = Pose::default();
-    for &index in &path.joints {
+    let moving = path.steps.iter().map(|step| step.joint);
+    let moving = moving.filter(|joint| robot.joints[*joint].moves());
+    for (index, gap) in moving.zip(&gaps) {
         let joint = &robot.joints[index];
-        behind = then(&behind, &joint.origin);
         let motion = match joint.joint_type {
             RobotJointType::Fixed => continue,
             RobotJointType::Revolute | RobotJointType::Continuous => JointType::Revolute,
@@ -71,10 +74,9 @@ pub(crate) fn rows(
             split.drivers.push(driver);
             split.drivers.len() - 1
         });
-        let along_z = turn(z_to(&joint.axis));
         split.rows.push(Row {
             joint: index,
-            origin: then(&behind, &along_z),
+            origin: gap.product(),
             drive: Drive {
                 joint: number,
                 motion,
@@ -82,9 +84,7 @@ pub(crate) fn rows(
                 offset,
             },
         });
-        behind = inverse(&along_z);
     }
-    split.handle = behind;
     Ok(split)
 }
 

@@ -7,8 +7,10 @@ use haptical_model::{Device, JointType};
 
 use crate::UrdfError;
 use crate::device::ReadChain;
+use crate::gaps::{Correction, corrections};
 use crate::numbers::{escaped, written};
-use crate::rigid::{inverse, then, to_rpy, turn, z_to};
+use crate::path::BaseAndTip;
+use crate::rigid::to_rpy;
 use crate::robot::{Robot, RobotJoint};
 use crate::segments::segments;
 
@@ -17,6 +19,8 @@ use crate::segments::segments;
 pub struct CorrectedUrdf {
     /// The text.
     pub text: String,
+    /// Link at which the calibrated chain begins.
+    pub base: String,
     /// Link at which the calibrated chain ends.
     pub tip: String,
     /// What a URDF cannot hold, and what was chosen.
@@ -31,10 +35,13 @@ const SAME: f64 = 1e-6;
 /// replaced so that its forward kinematics is that of `device`. Comments, meshes and all other elements
 /// stay as they are.
 ///
-/// `device` must have come from this URDF and this tip: its constant origins are compared. Where no fixed
-/// joint stands behind the last moving one, a link and a fixed joint for the handle are added.
+/// `device` must have come from this URDF, this base and this tip: its constant origins are compared. Where no
+/// fixed joint stands behind the last moving one, a link and a fixed joint for the handle are added; so they are for
+/// the base where the first moving joint is passed upwards. Where the chain turns from upwards to downwards, the
+/// joint behind the turning point takes up what lies between the two; where it ends upwards, the handle does.
 ///
 /// ```
+/// use haptical_urdf::{BaseAndTip, corrected_urdf, device_from_urdf};
 /// let text = r#"<robot name="lever"> <!-- kept -->
 ///   <link name="base"/> <link name="arm"/> <link name="tool"/>
 ///   <joint name="shoulder" type="continuous">
@@ -44,11 +51,11 @@ const SAME: f64 = 1e-6;
 ///     <origin xyz="0.1 0 0"/> <parent link="arm"/> <child link="tool"/>
 ///   </joint>
 /// </robot>"#;
-/// let mut lever = haptical_urdf::device_from_urdf(text, "lever.urdf", None)?.device;
+/// let mut lever = device_from_urdf(text, "lever.urdf", BaseAndTip::to("tool"))?.device;
 /// lever.links[1].d_m = 0.002; // along the axis, y
-/// let corrected = haptical_urdf::corrected_urdf(text, "lever.urdf", None, &lever)?;
+/// let corrected = corrected_urdf(text, "lever.urdf", BaseAndTip::to("tool"), &lever)?;
 /// assert!(corrected.text.contains("<!-- kept -->"));
-/// let again = haptical_urdf::device_from_urdf(&corrected.text, "again.urdf", Some("tool"))?.device;
+/// let again = device_from_urdf(&corrected.text, "again.urdf", BaseAndTip::to("tool"))?.device;
 /// let pose = haptical_model::DeviceChain::new(&again).pose(&[0.0])?;
 /// assert!((pose.position_m.y - 0.002).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -60,63 +67,54 @@ const SAME: f64 = 1e-6;
 pub fn corrected_urdf(
     text: &str,
     file: &str,
-    tip: Option<&str>,
+    ends: BaseAndTip<'_>,
     device: &Device,
 ) -> Result<CorrectedUrdf, UrdfError> {
-    let read = ReadChain::new(text, file, tip)?;
+    let read = ReadChain::new(text, file, ends)?;
     check_same(&read, device, file)?;
     let segments = segments(device)?;
     let ReadChain {
         robot,
         path,
-        rows,
         mut warnings,
+        ..
     } = read;
     if segments_are_dirty(device) {
         warnings.push(TRANSMISSIONS.to_owned());
     }
+    let before = segments.rows.iter().map(|row| row.before);
+    let [mut base, mut tip] = [path.base, path.tip].map(|link| robot.links[link].name.clone());
+    // the path has joints, so the robot has a closing tag
+    let end = robot.end.unwrap_or(text.len());
     let mut edits = Vec::new();
-    // what is fixed before the joint that takes up a segment, in the frame behind the row before
-    let mut fixed = Pose::default();
-    let mut calibrated = segments.rows.iter();
-    let last_moving = rows.rows.last().map(|row| row.joint);
-    let last_fixed = path
-        .joints
-        .last()
-        .copied()
-        .filter(|last| Some(*last) != last_moving);
-    for &index in &path.joints {
-        let joint = &robot.joints[index];
-        if joint.moves() {
-            let Some(segment) = calibrated.next() else {
-                break;
-            };
-            // fixed X R(z -> axis) = before
-            let along_z = turn(z_to(&joint.axis));
-            let wanted = then(&then(&inverse(&fixed), &segment.before), &inverse(&along_z));
-            edits.push(edit(text, joint, &wanted));
-            fixed = inverse(&along_z);
-        } else if Some(index) == last_fixed {
-            let wanted = then(&inverse(&fixed), &segments.handle);
-            edits.push(edit(text, joint, &wanted));
-        } else {
-            fixed = then(&fixed, &joint.origin);
+    for correction in corrections(&robot, &path, before, &segments.handle) {
+        match correction {
+            Correction::Joint(index, origin) => {
+                edits.push(edit(text, &robot.joints[index], &origin));
+            }
+            Correction::Base(origin) => {
+                let (addition, name) = added_link(&robot, &base, "base", &origin);
+                warnings.push(format!(
+                    "{file}: nothing is fixed before the first joint, so the link `{name}` was added for the \
+                     base"
+                ));
+                edits.push((end..end, addition));
+                base = name;
+            }
+            Correction::Tip(origin) => {
+                let (addition, name) = added_link(&robot, &tip, "handle", &origin);
+                warnings.push(format!(
+                    "{file}: nothing is fixed behind the last joint, so the link `{name}` was added for the \
+                     handle"
+                ));
+                edits.push((end..end, addition));
+                tip = name;
+            }
         }
-    }
-    let mut tip = robot.links[path.tip].name.clone();
-    if last_fixed.is_none() {
-        let wanted = then(&inverse(&fixed), &segments.handle);
-        let (addition, name) = handle_link(&robot, &tip, &wanted);
-        warnings.push(format!(
-            "{file}: nothing is fixed behind the last joint, so the link `{name}` was added for the handle"
-        ));
-        // the root has children, so it has a closing tag
-        let end = robot.end.unwrap_or(text.len());
-        edits.push((end..end, addition));
-        tip = name;
     }
     Ok(CorrectedUrdf {
         text: replaced(text, edits),
+        base,
         tip,
         warnings,
     })
@@ -139,9 +137,9 @@ fn check_same(read: &ReadChain, device: &Device, file: &str) -> Result<(), UrdfE
     let refuse = |what: String| UrdfError::Device {
         device: device.name.clone(),
         message: format!(
-            "{what}: give the URDF that it was calibrated from, and the same --tip ({file} was read to \
-             `{}`)",
-            read.robot.links[read.path.tip].name
+            "{what}: give the URDF that it was calibrated from, and the same --base and --tip ({file} was read \
+             from `{}` to `{}`)",
+            read.robot.links[read.path.base].name, read.robot.links[read.path.tip].name
         ),
     };
     let rows = &read.rows.rows;
@@ -202,9 +200,9 @@ pub(crate) fn origin_element(pose: &Pose) -> String {
     )
 }
 
-/// A link behind the tip, under names that are free.
-fn handle_link(robot: &Robot, tip: &str, origin: &Pose) -> (String, String) {
-    let mut name = format!("{tip}_handle");
+/// A link fixed to another one, under names that are free; and its name.
+fn added_link(robot: &Robot, parent: &str, what: &str, origin: &Pose) -> (String, String) {
+    let mut name = format!("{parent}_{what}");
     while robot.links.iter().any(|link| link.name == name)
         || robot
             .joints
@@ -214,7 +212,7 @@ fn handle_link(robot: &Robot, tip: &str, origin: &Pose) -> (String, String) {
         name.push('_');
     }
     let element = origin_element(origin);
-    let (link, parent) = (escaped(&name), escaped(tip));
+    let (link, parent) = (escaped(&name), escaped(parent));
     let addition = format!(
         "  <link name=\"{link}\"/>\n  <joint name=\"{link}_fixed\" type=\"fixed\">\n    {element}\n    \
          <parent link=\"{parent}\"/>\n    <child link=\"{link}\"/>\n  </joint>\n"

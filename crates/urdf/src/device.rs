@@ -9,18 +9,18 @@ use haptical_model::{
 };
 
 use crate::UrdfError;
-use crate::beside::carried;
+use crate::beside::{Carried, carried};
 use crate::chain::{Rows, numbering, rows};
 use crate::parse::parse;
+use crate::path::{BaseAndTip, Path};
 use crate::robot::{Robot, RobotJoint};
-use crate::tip::{Path, choose};
+use crate::tip::choose;
+use crate::weight::{gravity_mps2, said_of_no_gravity};
 
 /// Largest file \[MiB\]: a humanoid's has some hundred kilobytes.
 const LARGEST_MEBIBYTES: u64 = 8;
 /// Most joints of a chain, as of a device file.
 const MOST_JOINTS: usize = 256;
-/// Gravity where the file says nothing, z being up \[m/s^2\].
-const GRAVITY_MPS2: [f64; 3] = [0.0, 0.0, -9.81];
 /// Largest joint limit that a device file takes \[rad\]: what is beyond it is no limit.
 const LARGEST_LIMIT_RAD: f64 = 29.0;
 /// Uncertainty of a torque's scale where nothing is known of it.
@@ -31,6 +31,8 @@ const TORQUE_SCALE_SD: f64 = 0.03;
 pub struct UrdfDevice {
     /// The device.
     pub device: Device,
+    /// Link at which its chain begins: frame (-1).
+    pub base: String,
     /// Link at which its chain ends: its handle.
     pub tip: String,
     /// What was chosen or left out.
@@ -45,9 +47,10 @@ pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
     Ok(read_text_file(path, LARGEST_MEBIBYTES)?)
 }
 
-/// The chain of a URDF from its root to the link `tip` as a device; `file` names it in errors.
+/// The chain of a URDF between two links as a device; `file` names it in errors.
 ///
-/// Frame (-1) is the root link. Joint i of the chain becomes row i behind the constant origin
+/// Frame (-1) is the base, which is the root link where none is named. Joint i of the chain, counted from the
+/// base, becomes row i behind the constant origin
 /// `T(xyz) R(rpy) R(axis -> z)`, its own six numbers 0; `R(axis -> z)^-1` and fixed joints are part of the
 /// next origin, the last one being the handle's. So every row is general: its six numbers, to first order
 /// the local coordinates of a product of exponentials, may be identified whichever way the axes stand
@@ -56,7 +59,14 @@ pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
 /// hangs on them beside the chain: such a branch, a hand or another arm, counts as fixed, its joints at 0, or
 /// in the middle of their limits where these exclude 0; a warning says so.
 ///
-/// Without `tip` the chain with the most moving joints is taken; joints that follow one of another branch
+/// From a base that is not above the tip the chain runs up the tree to the last link above both, then down. A
+/// joint that is passed upwards moves about its axis turned round, in its child's frame, and is followed by
+/// the inverse of its origin: `(T R M(axis, q))^-1 = M(-axis, q) (T R)^-1`. Its name, reading and limits
+/// stay as they are. Gravity, (0, 0, -9.81) m/s^2 in the root's frame, is turned into the base's. A base
+/// that moves with respect to the root has no fixed direction of gravity: such a device has neither masses
+/// nor gravity, and a warning says so.
+///
+/// Without a tip the chain with the most moving joints is taken; joints that follow one of another branch
 /// (fingers) do not count.
 ///
 /// ```
@@ -70,7 +80,7 @@ pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
 ///     <origin xyz="0.1 0 0"/> <parent link="arm"/> <child link="tool"/>
 ///   </joint>
 /// </robot>"#;
-/// let lever = haptical_urdf::device_from_urdf(text, "lever.urdf", None)?;
+/// let lever = haptical_urdf::device_from_urdf(text, "lever.urdf", haptical_urdf::BaseAndTip::default())?;
 /// assert_eq!((lever.tip.as_str(), lever.device.joints[0].name.as_str()), ("tool", "shoulder"));
 /// let pose = haptical_model::DeviceChain::new(&lever.device).pose(&[0.5])?;
 /// assert!((pose.position_m.z - (0.4 - 0.1 * 0.5_f64.sin())).abs() < 1e-15);
@@ -82,9 +92,9 @@ pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
 pub fn device_from_urdf(
     text: &str,
     file: &str,
-    tip: Option<&str>,
+    ends: BaseAndTip<'_>,
 ) -> Result<UrdfDevice, UrdfError> {
-    let read = ReadChain::new(text, file, tip)?;
+    let read = ReadChain::new(text, file, ends)?;
     let ReadChain {
         robot,
         path,
@@ -102,7 +112,14 @@ pub fn device_from_urdf(
         });
     }
     warnings.extend(numbering(&robot, &rows, file));
-    let carried = carried(&robot, &path, &rows.rows, &rows.drivers, file);
+    let gravity_mps2 = gravity_mps2(&robot, &path);
+    let carried = match gravity_mps2 {
+        Some(_) => carried(&robot, &path, &rows, file),
+        None => Carried::nothing(&robot, &path, &rows, file),
+    };
+    if gravity_mps2.is_none() {
+        warnings.extend(said_of_no_gravity(&robot, &path, file));
+    }
     warnings.extend(carried.warnings);
     let mut origins = vec![Some(Origin::IDENTITY)];
     origins.extend(
@@ -137,18 +154,19 @@ pub fn device_from_urdf(
         drives: if is_plain { Vec::new() } else { drives },
         bodies,
         joints,
-        // nobody measures in the root's frame by luck
+        // nobody measures in the base's frame by luck
         tracker: Some(Tracker {
             base_known: false,
             tool_known: false,
             position_sd_m: None,
             rotation_sd_rad: None,
         }),
-        gravity_mps2: Some(GRAVITY_MPS2),
+        gravity_mps2,
         ..rest
     };
     Ok(UrdfDevice {
         device,
+        base: robot.links[path.base].name.clone(),
         tip: robot.links[path.tip].name.clone(),
         warnings,
     })
@@ -164,9 +182,9 @@ pub(crate) struct ReadChain {
 }
 
 impl ReadChain {
-    pub(crate) fn new(text: &str, file: &str, tip: Option<&str>) -> Result<Self, UrdfError> {
+    pub(crate) fn new(text: &str, file: &str, ends: BaseAndTip<'_>) -> Result<Self, UrdfError> {
         let robot = parse(text, file)?;
-        let (path, warning) = choose(&robot, file, tip)?;
+        let (path, warning) = choose(&robot, file, ends)?;
         let rows = rows(&robot, &path, &|byte| position(text, file, byte))?;
         Ok(Self {
             robot,

@@ -60,7 +60,47 @@ pub enum UrdfError {
         /// What does not fit.
         message: String,
     },
-    /// No chain between the root and the tip that was asked for.
+    /// A base or a tip that is not there.
+    #[error("{file}: there is no link `{link}`; the links are {links}")]
+    UnknownLink {
+        /// File.
+        file: String,
+        /// Name that was given.
+        link: String,
+        /// Names of links, in a sentence.
+        links: String,
+    },
+    /// A base without a tip.
+    #[error(
+        "{file}: the base `{base}` was named without a tip: name the tip too, with --tip; branches end at {ends}"
+    )]
+    TipMissing {
+        /// File.
+        file: String,
+        /// Link that was given.
+        base: String,
+        /// Names of links at which branches end, in a sentence.
+        ends: String,
+    },
+    /// One link as base and tip.
+    #[error("{file}: `{link}` is base and tip: name two links with joints that move between them")]
+    SameLink {
+        /// File.
+        file: String,
+        /// Link that was given.
+        link: String,
+    },
+    /// Two links that are fixed to each other.
+    #[error("{file}: no joint between {} and `{tip}` moves: name another --tip", of(base.as_deref()))]
+    Unmoved {
+        /// File.
+        file: String,
+        /// Base; none for the root link where it was not named.
+        base: Option<String>,
+        /// Tip.
+        tip: String,
+    },
+    /// No chain from the base to the tip that were asked for, or too long a one.
     #[error("{file}: {message}")]
     Chain {
         /// File.
@@ -81,6 +121,10 @@ pub enum UrdfError {
     Kinematics(#[from] KinematicsError),
 }
 
+fn of(base: Option<&str>) -> String {
+    base.map_or_else(|| "the root".to_owned(), |base| format!("`{base}`"))
+}
+
 impl UrdfError {
     /// The place in the file, where there is one.
     pub fn position(&self) -> Option<&Position> {
@@ -91,7 +135,13 @@ impl UrdfError {
             | Self::Missing { at, .. }
             | Self::Value { at, .. }
             | Self::Tree { at, .. } => Some(at),
-            Self::Chain { .. } | Self::Device { .. } | Self::Kinematics(_) => None,
+            Self::UnknownLink { .. }
+            | Self::TipMissing { .. }
+            | Self::SameLink { .. }
+            | Self::Unmoved { .. }
+            | Self::Chain { .. }
+            | Self::Device { .. }
+            | Self::Kinematics(_) => None,
         }
     }
 }

@@ -21,7 +21,7 @@ const FAR: f64 = 1000.0;
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
 /// let device = Device::load(path.as_ref())?.device;
 /// let (text, _) = haptical_urdf::new_urdf(&device)?;
-/// let again = haptical_urdf::device_from_urdf(&text, "haptic7.urdf", Some("handle"))?.device;
+/// let again = haptical_urdf::device_from_urdf(&text, "haptic7.urdf", haptical_urdf::BaseAndTip::to("handle"))?.device;
 /// assert_eq!(again.joints.len(), 7);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -1,16 +1,10 @@
-//! Which link a chain ends at: the one that was asked for, or the end of the longest chain.
+//! Which links a chain runs between: those that were asked for, or from the root to the end of the longest chain.
 
 use std::collections::BTreeMap;
 
 use crate::UrdfError;
+use crate::path::{BaseAndTip, Path};
 use crate::robot::Robot;
-
-/// A path from the root: joints, from 0, in order.
-#[derive(Debug, Clone)]
-pub(crate) struct Path {
-    pub(crate) tip: usize,
-    pub(crate) joints: Vec<usize>,
-}
 
 /// Most names in a warning or an error.
 const MOST_NAMES: usize = 8;
@@ -19,31 +13,86 @@ const MOST_NAMES: usize = 8;
 pub(crate) fn choose(
     robot: &Robot,
     file: &str,
-    tip: Option<&str>,
+    ends: BaseAndTip<'_>,
 ) -> Result<(Path, Option<String>), UrdfError> {
-    let refuse = |message: String| UrdfError::Chain {
-        file: file.to_owned(),
-        message,
-    };
-    if let Some(name) = tip {
-        let found = robot.links.iter().position(|link| link.name == name);
-        let Some(link) = found else {
-            let names = robot.links.iter().map(|link| link.name.as_str());
-            let message = format!("there is no link `{name}`; the links are {}", listed(names));
-            return Err(refuse(message));
-        };
-        let path = path_to(robot, link);
-        if moving(robot, &path) == 0 {
-            let message =
-                format!("no joint between the root and `{name}` moves: name another --tip");
-            return Err(refuse(message));
-        }
-        return Ok((path, None));
+    let base = ends.base.map(|name| link(robot, file, name)).transpose()?;
+    let tip = ends.tip.map(|name| link(robot, file, name)).transpose()?;
+    match (base, tip) {
+        (base, Some(tip)) => Ok((named(robot, file, base, tip)?, None)),
+        (Some(base), None) => Err(tip_missing(robot, file, base)),
+        (None, None) => longest(robot, file),
     }
+}
+
+/// A link by its name.
+pub(crate) fn link(robot: &Robot, file: &str, name: &str) -> Result<usize, UrdfError> {
+    let found = robot.links.iter().position(|link| link.name == name);
+    found.ok_or_else(|| UrdfError::UnknownLink {
+        file: file.to_owned(),
+        link: name.to_owned(),
+        links: listed(robot.links.iter().map(|link| link.name.as_str())),
+    })
+}
+
+/// The path between links that were named; from the root where no base was.
+fn named(robot: &Robot, file: &str, base: Option<usize>, tip: usize) -> Result<Path, UrdfError> {
+    let name = |link: usize| robot.links[link].name.clone();
+    let path = match base {
+        None => Path::from_root(robot, tip),
+        Some(base) if base == tip => {
+            return Err(UrdfError::SameLink {
+                file: file.to_owned(),
+                link: name(tip),
+            });
+        }
+        Some(base) => Path::between(robot, base, tip).ok_or_else(|| UrdfError::Chain {
+            file: file.to_owned(),
+            message: format!(
+                "no joints lead from `{}` to `{}`: they stand in separate trees",
+                name(base),
+                name(tip)
+            ),
+        })?,
+    };
+    if path.moving(robot) == 0 {
+        return Err(UrdfError::Unmoved {
+            file: file.to_owned(),
+            base: base.map(name),
+            tip: name(tip),
+        });
+    }
+    Ok(path)
+}
+
+fn tip_missing(robot: &Robot, file: &str, base: usize) -> UrdfError {
+    let (file, ends) = (file.to_owned(), branch_ends(robot, base));
+    let base = robot.links[base].name.clone();
+    if ends.is_empty() {
+        let message = format!("no joint moves between `{base}` and any other link");
+        return UrdfError::Chain { file, message };
+    }
+    UrdfError::TipMissing {
+        file,
+        base,
+        ends: listed(ends.into_iter()),
+    }
+}
+
+/// Links on one joint alone, with joints that move between them and a base.
+fn branch_ends(robot: &Robot, base: usize) -> Vec<&str> {
+    let ends = robot.links.iter().enumerate().filter(|(index, link)| {
+        let joints = link.child_joints.len() + usize::from(link.parent_joint.is_some());
+        let path = (joints == 1).then(|| Path::between(robot, base, *index));
+        path.flatten().is_some_and(|path| path.moving(robot) > 0)
+    });
+    ends.map(|(_, link)| link.name.as_str()).collect()
+}
+
+fn longest(robot: &Robot, file: &str) -> Result<(Path, Option<String>), UrdfError> {
     let leaves = (0..robot.links.len()).filter(|link| robot.links[*link].child_joints.is_empty());
     let hands = Hands::new(robot);
     let mut chains: Vec<(Length, Path)> = leaves
-        .map(|leaf| path_to(robot, leaf))
+        .map(|leaf| Path::from_root(robot, leaf))
         .map(|path| (Length::new(robot, &hands, &path), path))
         .collect();
     // stable: chains of one length stay in the order of the file
@@ -53,9 +102,10 @@ pub(crate) fn choose(
         .next()
         .filter(|(length, _)| length.own + length.of_hand > 0)
     else {
-        return Err(refuse(
-            "no joint moves: there is no chain to calibrate".to_owned(),
-        ));
+        return Err(UrdfError::Chain {
+            file: file.to_owned(),
+            message: "no joint moves: there is no chain to calibrate".to_owned(),
+        });
     };
     let equal = chains.filter(|(other, _)| *other == length);
     let others: Vec<&str> = equal
@@ -82,18 +132,18 @@ struct Length {
 
 impl Length {
     fn new(robot: &Robot, hands: &Hands, path: &Path) -> Self {
-        let mut on_path = vec![false; robot.joints.len()];
-        path.joints.iter().for_each(|joint| on_path[*joint] = true);
-        let of_hand = |joint: &&usize| {
-            robot.joints[**joint].moves()
-                && (hands.source[**joint].is_some_and(|source| !on_path[source])
-                    || hands.followers[**joint]
+        let on_path = path.passed(robot);
+        let of_hand = |joint: &usize| {
+            robot.joints[*joint].moves()
+                && (hands.source[*joint].is_some_and(|source| !on_path[source])
+                    || hands.followers[*joint]
                         .iter()
                         .any(|follower| !on_path[*follower]))
         };
-        let of_hand = path.joints.iter().filter(of_hand).count();
+        let joints = path.steps.iter().map(|step| step.joint);
+        let of_hand = joints.filter(of_hand).count();
         Self {
-            own: moving(robot, path) - of_hand,
+            own: path.moving(robot) - of_hand,
             of_hand,
         }
     }
@@ -142,20 +192,4 @@ pub(crate) fn joined(words: &[String]) -> String {
         Some(more @ 1..) => format!("{shown} and {more} more"),
         _ => shown,
     }
-}
-
-fn path_to(robot: &Robot, tip: usize) -> Path {
-    let mut joints = Vec::new();
-    let mut link = tip;
-    while let Some(joint) = robot.links[link].parent_joint {
-        joints.push(joint);
-        link = robot.joints[joint].parent;
-    }
-    joints.reverse();
-    Path { tip, joints }
-}
-
-fn moving(robot: &Robot, path: &Path) -> usize {
-    let joints = path.joints.iter();
-    joints.filter(|joint| robot.joints[**joint].moves()).count()
 }

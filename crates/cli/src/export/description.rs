@@ -1,14 +1,14 @@
 //! Robot descriptions of a device: a corrected URDF, a new one, or an MJCF.
 
 use haptical_model::Device;
-use haptical_urdf::{corrected_urdf, new_mjcf, new_urdf, read_urdf_text};
+use haptical_urdf::{BaseAndTip, corrected_urdf, new_mjcf, new_urdf, read_urdf_text};
 
 use super::{ExportArguments, FormatName};
 use crate::device_source::is_urdf;
 use crate::failure::Failure;
 use crate::inputs::{DeviceInput, InputDrumDenominators, read_equipped_device};
 
-/// Reads the device. `--tip` is about whichever URDF is given.
+/// Reads the device. `--base` and `--tip` are about whichever URDF is given.
 pub(super) fn read(arguments: &ExportArguments) -> Result<DeviceInput, Failure> {
     if arguments.urdf.is_some() && !matches!(arguments.format, FormatName::Urdf) {
         return Err(Failure::command_line(
@@ -18,8 +18,10 @@ pub(super) fn read(arguments: &ExportArguments) -> Result<DeviceInput, Failure> 
         ));
     }
     let options = &arguments.device_options;
-    let tip = options.tip.as_deref();
-    let of_device = tip.filter(|_| arguments.urdf.is_none() || is_urdf(&arguments.device));
+    let of_device = match arguments.urdf.is_none() || is_urdf(&arguments.device) {
+        true => options.chain.ends(),
+        false => BaseAndTip::default(),
+    };
     read_equipped_device(
         &arguments.device,
         of_device,
@@ -41,9 +43,9 @@ pub(super) fn text(
         (_, Some(original)) => {
             let refuse = |error: haptical_urdf::UrdfError| Failure::urdf(&error, original);
             let text = read_urdf_text(original).map_err(refuse)?;
-            let tip = arguments.device_options.tip.as_deref();
+            let ends = arguments.device_options.chain.ends();
             let name = original.display().to_string();
-            let corrected = corrected_urdf(&text, &name, tip, device).map_err(refuse)?;
+            let corrected = corrected_urdf(&text, &name, ends, device).map_err(refuse)?;
             Ok((corrected.text, corrected.warnings))
         }
     }

@@ -1,4 +1,4 @@
-//! What a refusal has to do with the equipment that a device was read with: a URDF's tip, a rig file.
+//! What a refusal has to do with the equipment that a device was read with: a URDF's base and tip, a rig file.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use haptical_urdf::{chain_ends, device_from_urdf, read_urdf_text};
 use toml_edit::DocumentMut;
 
 use super::Failure;
-use crate::device_source::{DeviceOptions, is_urdf};
+use crate::device_source::{ChainOptions, DeviceOptions, is_urdf};
 
 /// Most joints, and most links, that a sentence names.
 const MOST_NAMES: usize = 8;
@@ -21,38 +21,48 @@ impl Failure {
         {
             self.place.file = rig.display().to_string();
         }
-        let tip = options.tip.as_deref();
         if let Some(columns) = self.place.joint_columns.take().filter(|_| is_urdf(device)) {
             // the device was read from it just now; if it cannot be read again, the log's error stands
-            let _ = self.name_chains(device, tip, columns);
+            let _ = self.name_chains(device, &options.chain, columns);
         }
         self
     }
 
-    fn name_chains(&mut self, urdf: &Path, tip: Option<&str>, columns: usize) -> Option<()> {
+    fn name_chains(&mut self, urdf: &Path, chain: &ChainOptions, columns: usize) -> Option<()> {
         let text = read_urdf_text(urdf).ok()?;
         let file = urdf.display().to_string();
-        let taken = device_from_urdf(&text, &file, tip).ok()?.tip;
-        self.what += &match tip {
-            Some(_) => format!(": the chain ends at `{taken}`, as --tip says"),
+        let taken = device_from_urdf(&text, &file, chain.ends()).ok()?.tip;
+        let from = chain.base.as_ref();
+        let from = from.map_or(String::new(), |base| format!(" from `{base}`"));
+        self.what += &match chain.tip {
+            Some(_) => format!(": the chain{from} ends at `{taken}`, as --tip says"),
             None => format!(
                 ": the chain ends at `{taken}`, as the longest one does, and no --tip names another"
             ),
         };
-        let fits = chain_ends(&text, &file).ok()?.into_iter();
+        let fits = chain_ends(&text, &file, chain.base.as_deref())
+            .ok()?
+            .into_iter();
         let fits = fits.filter(|end| end.joints == columns);
         let fits: Vec<String> = fits.map(|end| end.tip).collect();
+        // a base has a tip already
+        let add = match chain.base {
+            Some(_) => "give",
+            None => "add",
+        };
         self.next = match fits.as_slice() {
             [] => format!(
-                "add the columns, or name the link at which the chain ends with --tip; no chain has \
+                "add the columns, or name the link at which the chain ends with --tip; no chain{from} has \
                  {columns} joints, as the log has"
             ),
             [only] => {
                 let joints = counted(columns);
-                format!("the chain to `{only}` has {joints}, as the log has: add --tip {only}")
+                format!(
+                    "the chain{from} to `{only}` has {joints}, as the log has: {add} --tip {only}"
+                )
             }
             _ => format!(
-                "the chains to {} have {}, as the log has: add --tip with the one that was measured",
+                "the chains{from} to {} have {}, as the log has: {add} --tip with the one that was measured",
                 listed(&fits),
                 counted(columns)
             ),

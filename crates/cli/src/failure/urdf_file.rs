@@ -38,13 +38,28 @@ impl Failure {
                  itself"
                     .to_owned(),
             ),
-            UrdfError::Chain { .. } => (
+            UrdfError::UnknownLink { .. } => (
+                "chain",
+                "correct the name that is given with --base or --tip".to_owned(),
+            ),
+            UrdfError::TipMissing { base, ends, .. } => {
+                text = format!("--base {base} needs --tip too");
+                (
+                    "chain",
+                    format!("name the tip with --tip; branches end at {ends}"),
+                )
+            }
+            UrdfError::SameLink { .. } | UrdfError::Unmoved { base: Some(_), .. } => (
+                "chain",
+                "name links with a joint that moves between them with --base and --tip".to_owned(),
+            ),
+            UrdfError::Chain { .. } | UrdfError::Unmoved { .. } => (
                 "chain",
                 "name a link behind a joint that moves with --tip".to_owned(),
             ),
             UrdfError::Device { .. } => (
                 "other-device",
-                "give --urdf and --tip as the device came from them".to_owned(),
+                "give --urdf, --base and --tip as the device came from them".to_owned(),
             ),
             _ => ("shape", "correct the file".to_owned()),
         };

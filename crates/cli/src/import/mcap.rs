@@ -46,10 +46,10 @@ pub(super) struct McapArguments {
 pub(super) fn run(arguments: &McapArguments) -> Result<(), Failure> {
     let target = &arguments.target;
     target.check(None, &[&arguments.recording, &arguments.device])?;
-    let DeviceOptions { tip, rig, .. } = &arguments.device_options;
+    let DeviceOptions { chain, rig } = &arguments.device_options;
     let device = read_equipped_device(
         &arguments.device,
-        tip.as_deref(),
+        chain.ends(),
         rig.as_deref(),
         InputDrumDenominators::Stated,
     )?;

@@ -259,9 +259,10 @@ fn the_header_of_general_rows_gives_the_same_numbers() {
             return;
         };
         let urdf = std::fs::read_to_string(urdf).unwrap();
-        let mut device = haptical_urdf::device_from_urdf(&urdf, name, None)
-            .unwrap()
-            .device;
+        let mut device =
+            haptical_urdf::device_from_urdf(&urdf, name, haptical_urdf::BaseAndTip::default())
+                .unwrap()
+                .device;
         assert_eq!(device.links.len(), rows + 1);
         for (index, id) in device.link_parameters(false).into_iter().enumerate() {
             id.set(&mut device, 0.03 * (index as f64).sin());

@@ -30,6 +30,8 @@ mod resealed;
 mod shared_data;
 mod simulate;
 mod touches;
+mod two_arms;
+mod two_hands;
 mod urdf;
 mod urdf_tree;
 mod verify;

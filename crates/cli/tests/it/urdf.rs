@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use haptical_model::{Device, DeviceChain};
-use haptical_urdf::device_from_urdf;
+use haptical_urdf::{BaseAndTip, device_from_urdf};
 use serde_json::Value;
 
 use crate::export::export;
@@ -114,7 +114,7 @@ fn a_device_file_with_a_rig_is_written() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let device = Device::load(&out).unwrap().device;
     let urdf = std::fs::read_to_string(&linkage).unwrap();
-    let mut expected = device_from_urdf(&urdf, "linkage.urdf", None)
+    let mut expected = device_from_urdf(&urdf, "linkage.urdf", BaseAndTip::default())
         .unwrap()
         .device;
     assert_eq!(device.cables.len(), 1);
@@ -137,7 +137,9 @@ fn a_corrected_urdf_moves_as_the_calibrated_device() {
     };
     let folder = tempfile::tempdir().unwrap();
     let urdf = std::fs::read_to_string(&arm).unwrap();
-    let mut device = device_from_urdf(&urdf, "arm.urdf", None).unwrap().device;
+    let mut device = device_from_urdf(&urdf, "arm.urdf", BaseAndTip::default())
+        .unwrap()
+        .device;
     for (index, id) in device.link_parameters(false).into_iter().enumerate() {
         id.set(&mut device, 2e-3 * (index as f64).cos());
     }
@@ -149,7 +151,7 @@ fn a_corrected_urdf_moves_as_the_calibrated_device() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let corrected = std::fs::read_to_string(&out).unwrap();
     assert!(corrected.contains("<!-- the mount stands askew -->"));
-    let again = device_from_urdf(&corrected, "corrected.urdf", None)
+    let again = device_from_urdf(&corrected, "corrected.urdf", BaseAndTip::default())
         .unwrap()
         .device;
     for step in 0..50 {
@@ -187,7 +189,7 @@ fn descriptions_of_a_device_without_a_urdf_are_written() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let device = Device::load(&sandbox.path("device.toml")).unwrap().device;
     let urdf = std::fs::read_to_string(&out).unwrap();
-    let again = device_from_urdf(&urdf, "new.urdf", Some("handle"))
+    let again = device_from_urdf(&urdf, "new.urdf", BaseAndTip::to("handle"))
         .unwrap()
         .device;
     for step in 0..20 {

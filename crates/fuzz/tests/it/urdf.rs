@@ -2,14 +2,14 @@
 
 use haptical_fuzz::{Edit, bounded, mutated, seeds};
 use haptical_model::{Device, DeviceChain};
-use haptical_urdf::{corrected_urdf, device_from_urdf, new_urdf};
+use haptical_urdf::{BaseAndTip, corrected_urdf, device_from_urdf, new_urdf};
 
 /// Reads it; a chain that is accepted has finite poses, and its device file and its URDF are read again.
 fn read(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else {
         return;
     };
-    let Ok(read) = device_from_urdf(text, "robot.urdf", None) else {
+    let Ok(read) = device_from_urdf(text, "robot.urdf", BaseAndTip::default()) else {
         return;
     };
     let device = read.device;
@@ -25,12 +25,16 @@ fn read(bytes: &[u8]) {
         assert_eq!(again, device, "{text}");
     }
     // the same device corrects nothing, and what is written is read
-    if let Ok(corrected) = corrected_urdf(text, "robot.urdf", None, &device) {
-        let again = device_from_urdf(&corrected.text, "corrected.urdf", Some(&corrected.tip));
+    if let Ok(corrected) = corrected_urdf(text, "robot.urdf", BaseAndTip::default(), &device) {
+        let again = device_from_urdf(
+            &corrected.text,
+            "corrected.urdf",
+            BaseAndTip::to(&corrected.tip),
+        );
         assert!(again.is_ok(), "{text}\n{}\n{again:?}", corrected.text);
     }
     if let Ok((new, _)) = new_urdf(&device) {
-        device_from_urdf(&new, "new.urdf", None).unwrap();
+        device_from_urdf(&new, "new.urdf", BaseAndTip::default()).unwrap();
     }
 }
 

@@ -3,7 +3,7 @@
 use haptical_model::Device;
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Rotation3, Vector3};
-use haptical_urdf::device_from_urdf;
+use haptical_urdf::{BaseAndTip, device_from_urdf};
 
 use crate::support::ROUNDING;
 
@@ -102,8 +102,8 @@ fn welded() -> String {
 
 #[test]
 fn branches_load_the_joints_that_carry_them() {
-    let read = device_from_urdf(FIGURE, "figure.urdf", Some("hand")).unwrap();
-    let welded = device_from_urdf(&welded(), "welded.urdf", Some("hand")).unwrap();
+    let read = device_from_urdf(FIGURE, "figure.urdf", BaseAndTip::to("hand")).unwrap();
+    let welded = device_from_urdf(&welded(), "welded.urdf", BaseAndTip::to("hand")).unwrap();
     assert_eq!(welded.warnings, Vec::<String>::new());
     assert_eq!(
         read.warnings,
@@ -150,7 +150,7 @@ fn odd_joints_beside_the_chain_are_taken_somewhere() {
             <joint name="s" type="prismatic"><parent link="b"/><child link="side"/><axis xyz="0 0 1"/>{joint}</joint>
             </robot>"#
         );
-        let read = device_from_urdf(&text, "r.urdf", Some("tip")).unwrap();
+        let read = device_from_urdf(&text, "r.urdf", BaseAndTip::to("tip")).unwrap();
         read.device.bodies[1].unwrap().centre_of_mass_m[2]
     };
     let limits =

@@ -2,7 +2,7 @@
 
 use haptical_model::kinematics::Parameter;
 use haptical_model::{Device, JointType};
-use haptical_urdf::{corrected_urdf, device_from_urdf};
+use haptical_urdf::{BaseAndTip, corrected_urdf, device_from_urdf};
 use proptest::prelude::*;
 
 use crate::support::{fixture, gap, pose};
@@ -32,17 +32,17 @@ proptest! {
     ) {
         for name in ["arm.urdf", "linkage.urdf"] {
             let Some(text) = fixture(name) else { return Ok(()); };
-            let nominal = device_from_urdf(&text, name, None).unwrap();
+            let nominal = device_from_urdf(&text, name, BaseAndTip::default()).unwrap();
             let device = calibrated(&nominal.device, &deviations);
-            let corrected = corrected_urdf(&text, name, None, &device).unwrap();
-            let again = device_from_urdf(&corrected.text, "again.urdf", Some(&corrected.tip)).unwrap();
+            let corrected = corrected_urdf(&text, name, BaseAndTip::default(), &device).unwrap();
+            let again = device_from_urdf(&corrected.text, "again.urdf", BaseAndTip::to(&corrected.tip)).unwrap();
             let readings = &readings[..device.joints.len()];
             let gap = gap(&pose(&device, readings), &pose(&again.device, readings));
             prop_assert!(gap < RELOADED, "{name}: {gap:e}");
             prop_assert_eq!(&again.device.joints, &device.joints);
             // what is corrected once more with nothing to correct has the same kinematics
-            let once_more = corrected_urdf(&corrected.text, name, Some(&corrected.tip), &again.device).unwrap();
-            let third = device_from_urdf(&once_more.text, "third.urdf", Some(&once_more.tip)).unwrap();
+            let once_more = corrected_urdf(&corrected.text, name, BaseAndTip::to(&corrected.tip), &again.device).unwrap();
+            let third = device_from_urdf(&once_more.text, "third.urdf", BaseAndTip::to(&once_more.tip)).unwrap();
             let gap = crate::support::gap(&pose(&third.device, readings), &pose(&device, readings));
             prop_assert!(gap < RELOADED, "{name} again: {gap:e}");
         }
@@ -55,9 +55,11 @@ fn everything_else_stays() {
     let Some(text) = fixture("arm.urdf") else {
         return;
     };
-    let nominal = device_from_urdf(&text, "arm.urdf", None).unwrap().device;
+    let nominal = device_from_urdf(&text, "arm.urdf", BaseAndTip::default())
+        .unwrap()
+        .device;
     let device = calibrated(&nominal, &[0.001, -0.002, 0.003, 0.0005]);
-    let corrected = corrected_urdf(&text, "arm.urdf", None, &device).unwrap();
+    let corrected = corrected_urdf(&text, "arm.urdf", BaseAndTip::default(), &device).unwrap();
     assert_eq!(corrected.tip, "tool");
     let origins = |text: &str| {
         text.lines()
@@ -92,10 +94,10 @@ fn a_handle_is_added_where_there_is_none() {
         return;
     };
     let text = text.replace("\"side\"", "\"e_handle\"");
-    let device = device_from_urdf(&text, "linkage.urdf", None)
+    let device = device_from_urdf(&text, "linkage.urdf", BaseAndTip::default())
         .unwrap()
         .device;
-    let corrected = corrected_urdf(&text, "linkage.urdf", None, &device).unwrap();
+    let corrected = corrected_urdf(&text, "linkage.urdf", BaseAndTip::default(), &device).unwrap();
     assert_eq!(corrected.tip, "e_handle_");
     assert!(corrected.warnings[0].contains("`e_handle_` was added for the handle"));
 }
@@ -105,29 +107,31 @@ fn a_device_of_another_robot_is_refused() {
     let (Some(arm), Some(linkage)) = (fixture("arm.urdf"), fixture("linkage.urdf")) else {
         return;
     };
-    let device = device_from_urdf(&arm, "arm.urdf", None).unwrap().device;
-    let refusal = |device: &Device, text: &str, tip| {
-        corrected_urdf(text, "given.urdf", tip, device)
+    let device = device_from_urdf(&arm, "arm.urdf", BaseAndTip::default())
+        .unwrap()
+        .device;
+    let refusal = |device: &Device, text: &str, ends| {
+        corrected_urdf(text, "given.urdf", ends, device)
             .unwrap_err()
             .to_string()
     };
-    let said = refusal(&device, &linkage, None);
+    let said = refusal(&device, &linkage, BaseAndTip::default());
     assert!(
         said.contains("it has 6 moving rows, the URDF's chain 5"),
         "{said}"
     );
-    let said = refusal(&device, &arm, Some("palm"));
+    let said = refusal(&device, &arm, BaseAndTip::to("palm"));
     assert!(said.contains("the handle stands elsewhere in it"), "{said}");
     let moved = arm.replace("0.4 0 0.01", "0.41 0 0.01");
-    let said = refusal(&device, &moved, None);
+    let said = refusal(&device, &moved, BaseAndTip::default());
     assert!(
         said.contains("joint `elbow` stands elsewhere in it"),
         "{said}"
     );
     let mut other = device.clone();
     other.joints[3].joint_type = JointType::Revolute;
-    assert!(refusal(&other, &arm, None).contains("is driven in another way"));
+    assert!(refusal(&other, &arm, BaseAndTip::default()).contains("is driven in another way"));
     let mut table = device;
     table.origins.clear();
-    assert!(refusal(&table, &arm, None).contains("has no origin in it"));
+    assert!(refusal(&table, &arm, BaseAndTip::default()).contains("has no origin in it"));
 }

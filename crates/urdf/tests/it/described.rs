@@ -3,7 +3,7 @@
 use haptical_model::kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use haptical_model::kinematics::{Convention, Link, Pose};
 use haptical_model::{Device, Joint, JointType};
-use haptical_urdf::{device_from_urdf, new_mjcf, new_urdf};
+use haptical_urdf::{BaseAndTip, device_from_urdf, new_mjcf, new_urdf};
 use proptest::prelude::*;
 use roxmltree::{Document, Node};
 
@@ -121,7 +121,7 @@ proptest! {
 
         let (urdf, warnings) = new_urdf(&device).unwrap();
         prop_assert!(warnings.is_empty());
-        let again = device_from_urdf(&urdf, "new.urdf", Some("handle")).unwrap().device;
+        let again = device_from_urdf(&urdf, "new.urdf", BaseAndTip::to("handle")).unwrap().device;
         prop_assert_eq!(&again.name, &device.name);
         let urdf_gap = gap(&pose(&again, readings), &expected);
         prop_assert!(urdf_gap < ROUNDING, "{urdf_gap:e}\n{urdf}");
@@ -145,11 +145,11 @@ fn rows_that_follow_are_written_as_such() {
     let Some(text) = fixture("linkage.urdf") else {
         return;
     };
-    let device = device_from_urdf(&text, "linkage.urdf", None)
+    let device = device_from_urdf(&text, "linkage.urdf", BaseAndTip::default())
         .unwrap()
         .device;
     let (urdf, warnings) = new_urdf(&device).unwrap();
-    let again = device_from_urdf(&urdf, "new.urdf", Some("handle"))
+    let again = device_from_urdf(&urdf, "new.urdf", BaseAndTip::to("handle"))
         .unwrap()
         .device;
     // it drives a slide alone, so its value is the slide's
@@ -204,7 +204,7 @@ fn a_reading_is_the_joint_s_value() {
             urdf.contains("<limit lower=\"-0.12\" upper=\"0.12\""),
             "{urdf}"
         );
-        let again = device_from_urdf(&urdf, "new.urdf", Some("handle"))
+        let again = device_from_urdf(&urdf, "new.urdf", BaseAndTip::to("handle"))
             .unwrap()
             .device;
         let (mjcf, _) = new_mjcf(&device).unwrap();
@@ -225,7 +225,7 @@ fn masses_stand_where_the_device_has_them() {
         mass_kg = 2.0\ncentre_of_mass_m = [0.1, 0.0, 0.02]\n[[joint]]\nhome_rad = 0.4\n";
     let device = Device::from_toml(text, "device.toml").unwrap().device;
     let (urdf, _) = new_urdf(&device).unwrap();
-    let again = device_from_urdf(&urdf, "new.urdf", Some("handle"))
+    let again = device_from_urdf(&urdf, "new.urdf", BaseAndTip::to("handle"))
         .unwrap()
         .device;
     let body = again.bodies[1].unwrap();

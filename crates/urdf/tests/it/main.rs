@@ -6,6 +6,8 @@
     reason = "a test that cannot go on fails there; a skipped one says so"
 )]
 
+mod across;
+mod across_refusals;
 mod branches;
 mod corrected;
 mod described;
@@ -14,3 +16,4 @@ mod random;
 mod refusals;
 mod structure;
 mod support;
+mod trees;

@@ -3,7 +3,7 @@
 use haptical_model::Evaluation;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Pose, Twist};
-use haptical_urdf::device_from_urdf;
+use haptical_urdf::{BaseAndTip, device_from_urdf};
 use serde_json::Value;
 
 use crate::support::{ROUNDING, fixture, gap};
@@ -22,7 +22,7 @@ fn fixtures_agree_with_pinocchio() {
     let mut compared = 0;
     for robot in document["robots"].as_array().unwrap() {
         let file = robot["file"].as_str().unwrap();
-        let read = device_from_urdf(&fixture(file).unwrap(), file, None).unwrap();
+        let read = device_from_urdf(&fixture(file).unwrap(), file, BaseAndTip::default()).unwrap();
         assert_eq!(read.tip, robot["tip"].as_str().unwrap());
         let mut evaluation = Evaluation::new(&read.device);
         for configuration in robot["configurations"].as_array().unwrap() {

@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use haptical_urdf::{UrdfError, device_from_urdf};
+use haptical_urdf::{BaseAndTip, UrdfError, device_from_urdf};
 use proptest::prelude::*;
 
 use crate::support::fixture;
 
 fn refusal(text: &str) -> String {
-    device_from_urdf(text, "robot.urdf", None)
+    device_from_urdf(text, "robot.urdf", BaseAndTip::default())
         .unwrap_err()
         .to_string()
 }
@@ -206,7 +206,7 @@ fn deep_nesting_is_survived() {
         "<a>".repeat(depth),
         "</a>".repeat(depth)
     );
-    let error = device_from_urdf(&text, "deep.urdf", None).unwrap_err();
+    let error = device_from_urdf(&text, "deep.urdf", BaseAndTip::default()).unwrap_err();
     assert!(
         matches!(error, UrdfError::Chain { .. } | UrdfError::Xml { .. }),
         "{error}"
@@ -252,12 +252,12 @@ proptest! {
                 _ => bytes.insert(place, byte),
             }
             let Ok(text) = String::from_utf8(bytes) else { return Ok(()); };
-            if let Ok(read) = device_from_urdf(&text, name, None) {
+            if let Ok(read) = device_from_urdf(&text, name, BaseAndTip::default()) {
                 let readings = vec![0.1; read.device.joints.len()];
                 let pose = crate::support::pose(&read.device, &readings);
                 prop_assert!(pose.position_m.iter().chain(&pose.rotation).all(|x| x.is_finite()));
-                let corrected = haptical_urdf::corrected_urdf(&text, name, None, &read.device).unwrap();
-                prop_assert!(device_from_urdf(&corrected.text, name, Some(&corrected.tip)).is_ok());
+                let corrected = haptical_urdf::corrected_urdf(&text, name, BaseAndTip::default(), &read.device).unwrap();
+                prop_assert!(device_from_urdf(&corrected.text, name, BaseAndTip::to(&corrected.tip)).is_ok());
             }
         }
     }

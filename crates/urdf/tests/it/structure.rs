@@ -1,7 +1,7 @@
 //! What of a URDF a device keeps: joints, limits, masses, the tip, and what is said of the rest.
 
 use haptical_model::{JointType, LinkParameter, ParameterId};
-use haptical_urdf::device_from_urdf;
+use haptical_urdf::{BaseAndTip, device_from_urdf};
 
 use crate::support::{fixture, pose};
 
@@ -10,7 +10,7 @@ fn the_arm_s_joints_limits_and_warnings() {
     let Some(text) = fixture("arm.urdf") else {
         return;
     };
-    let read = device_from_urdf(&text, "arm.urdf", None).unwrap();
+    let read = device_from_urdf(&text, "arm.urdf", BaseAndTip::default()).unwrap();
     let device = read.device;
     // the fingers follow each other, so they are a hand and not the end of the chain
     assert_eq!(read.tip, "tool");
@@ -63,7 +63,9 @@ fn masses_of_what_is_fixed_to_a_link_are_its_own() {
     let Some(text) = fixture("arm.urdf") else {
         return;
     };
-    let device = device_from_urdf(&text, "arm.urdf", None).unwrap().device;
+    let device = device_from_urdf(&text, "arm.urdf", BaseAndTip::default())
+        .unwrap()
+        .device;
     // the upper arm's 1.5 kg at its origin, and the cover's 0.5 kg at (0, 0.2, 0): turned by a quarter
     // about z, 0.1 m along its x is along y; the axis is -z, so z_to has turned by a half about x
     let body = device.bodies[2].unwrap();
@@ -101,7 +103,7 @@ fn a_centre_of_mass_moves_with_its_link() {
               <origin xyz="{origin}"/></joint></robot>"#
         )
     };
-    let device = device_from_urdf(&body("0.07 -0.03 0.11"), "r", None)
+    let device = device_from_urdf(&body("0.07 -0.03 0.11"), "r", BaseAndTip::default())
         .unwrap()
         .device;
     let centre = device.bodies[1].unwrap().centre_of_mass_m;
@@ -122,7 +124,7 @@ fn rows_that_follow_are_no_joints() {
     let Some(text) = fixture("linkage.urdf") else {
         return;
     };
-    let read = device_from_urdf(&text, "linkage.urdf", None).unwrap();
+    let read = device_from_urdf(&text, "linkage.urdf", BaseAndTip::default()).unwrap();
     // the spindle drives a row, so nothing of it is left out
     let said = "linkage.urdf: row 1 `leans` follows `lift` (column theta1_rad), row 3 `levels` follows `lift` \
         (column theta1_rad), row 4 `feeds` follows `spindle` (column theta2_rad); names of parameters, such \
@@ -161,15 +163,15 @@ fn a_tip_can_be_chosen() {
     let Some(text) = fixture("arm.urdf") else {
         return;
     };
-    let finger = device_from_urdf(&text, "arm.urdf", Some("left_finger")).unwrap();
+    let finger = device_from_urdf(&text, "arm.urdf", BaseAndTip::to("left_finger")).unwrap();
     assert_eq!(finger.device.joints.len(), 7);
-    let elbow = device_from_urdf(&text, "arm.urdf", Some("cover")).unwrap();
+    let elbow = device_from_urdf(&text, "arm.urdf", BaseAndTip::to("cover")).unwrap();
     assert_eq!(elbow.device.joints.len(), 2);
-    let error = device_from_urdf(&text, "arm.urdf", Some("hand"))
+    let error = device_from_urdf(&text, "arm.urdf", BaseAndTip::to("hand"))
         .unwrap_err()
         .to_string();
     assert!(error.starts_with("arm.urdf: there is no link `hand`; the links are `world`, `base`"));
-    let error = device_from_urdf(&text, "arm.urdf", Some("base"))
+    let error = device_from_urdf(&text, "arm.urdf", BaseAndTip::to("base"))
         .unwrap_err()
         .to_string();
     assert_eq!(
@@ -192,7 +194,7 @@ fn equal_chains_are_said() {
         arm("left"),
         arm("right")
     );
-    let read = device_from_urdf(&text, "two.urdf", None).unwrap();
+    let read = device_from_urdf(&text, "two.urdf", BaseAndTip::default()).unwrap();
     assert_eq!(read.tip, "left");
     assert_eq!(
         read.warnings[0],
@@ -207,7 +209,9 @@ fn the_device_files_come_back() {
         let Some(text) = fixture(name) else {
             return;
         };
-        let device = device_from_urdf(&text, name, None).unwrap().device;
+        let device = device_from_urdf(&text, name, BaseAndTip::default())
+            .unwrap()
+            .device;
         let written = device.to_new_toml().unwrap();
         let again = haptical_model::Device::from_toml(&written, "again.toml").unwrap();
         assert_eq!(again.warnings, Vec::<String>::new());
