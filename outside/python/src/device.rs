@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use haptical_data::{JointShape, LogShape};
 use haptical_model::{Device as Model, JointType, read_toml_text};
-use haptical_urdf::{device_from_urdf, read_urdf_text};
+use haptical_urdf::{BaseAndTip, device_from_urdf, read_urdf_text};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
@@ -33,15 +33,16 @@ enum Source {
 #[pymethods]
 impl Device {
     #[new]
-    #[pyo3(signature = (source, *, tip=None, rig=None))]
+    #[pyo3(signature = (source, *, base=None, tip=None, rig=None))]
     fn new(
         source: &Bound<'_, PyAny>,
-        tip: Option<String>,
+        base: Option<&str>,
+        tip: Option<&str>,
         rig: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let source = read_source(source, "the device")?;
         let rig = rig.map(|rig| read_source(rig, "the rig")).transpose()?;
-        Ok(read(source, tip.as_deref(), rig)?)
+        Ok(read(source, BaseAndTip { base, tip }, rig)?)
     }
 
     /// Name of the device.
@@ -99,27 +100,31 @@ impl Device {
 /// A device from whatever was given.
 pub(crate) fn device_of(
     source: &Bound<'_, PyAny>,
-    tip: Option<&str>,
+    ends: BaseAndTip<'_>,
     rig: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Device> {
     if let Ok(device) = source.cast::<Device>() {
         let device = device.get();
-        if tip.is_some() {
-            return Err(Failure::value(
-                "tip names a link of a URDF; give it where the device is read",
-            )
+        if let Some(keyword) = named(ends) {
+            return Err(Failure::value(format!(
+                "{keyword} names a link of a URDF; give it where the device is read"
+            ))
             .into());
         }
         return match rig {
             None => Ok(device.clone()),
             Some(rig) => {
                 let text = Source::Text(device.text.clone());
-                Ok(read(text, None, Some(read_source(rig, "the rig")?))?)
+                Ok(read(
+                    text,
+                    BaseAndTip::default(),
+                    Some(read_source(rig, "the rig")?),
+                )?)
             }
         };
     }
     let rig = rig.map(|rig| read_source(rig, "the rig")).transpose()?;
-    Ok(read(read_source(source, "the device")?, tip, rig)?)
+    Ok(read(read_source(source, "the device")?, ends, rig)?)
 }
 
 /// A path, the text of a TOML file (told by a line break or a bracket), or a dictionary.
@@ -153,19 +158,29 @@ fn is_urdf(path: &Path) -> bool {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("urdf"))
 }
 
-fn read(source: Source, tip: Option<&str>, rig: Option<Source>) -> Result<Device, Failure> {
+/// The first keyword that names a link.
+fn named(ends: BaseAndTip<'_>) -> Option<&'static str> {
+    match (ends.base, ends.tip) {
+        (Some(_), _) => Some("base"),
+        (None, Some(_)) => Some("tip"),
+        (None, None) => None,
+    }
+}
+
+fn read(source: Source, ends: BaseAndTip<'_>, rig: Option<Source>) -> Result<Device, Failure> {
     let mut warnings = Vec::new();
+    let is_table = !matches!(&source, Source::File(path) if is_urdf(path));
+    if let Some(keyword) = named(ends).filter(|_| is_table) {
+        return Err(Failure::value(format!(
+            "{keyword} names a link of a URDF, and this device is none; leave it out"
+        )));
+    }
     let (mut text, label) = match &source {
         Source::File(path) if is_urdf(path) => {
             let label = path.display().to_string();
-            let read = device_from_urdf(&read_urdf_text(path)?, &label, tip)?;
+            let read = device_from_urdf(&read_urdf_text(path)?, &label, ends)?;
             warnings.extend(read.warnings);
             (read.device.to_new_toml()?, label)
-        }
-        _ if tip.is_some() => {
-            return Err(Failure::value(
-                "tip names a link of a URDF, and this device is none; leave it out",
-            ));
         }
         Source::File(path) => (read_toml_text(path)?, path.display().to_string()),
         Source::Text(text) => (text.clone(), "the device".to_owned()),

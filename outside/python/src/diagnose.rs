@@ -1,6 +1,7 @@
 //! `haptical.diagnose`: what a calibration leaves, and which effect causes it, as the fields of gap.json.
 
 use haptical_diagnosis::{Options, diagnose as diagnose_recording};
+use haptical_urdf::BaseAndTip;
 use pyo3::prelude::*;
 
 use crate::device::device_of;
@@ -9,7 +10,7 @@ use crate::log::log_of;
 
 /// Diagnoses a device from a log; returns gap.json's fields as a JSON text, which the package reads.
 #[pyfunction]
-#[pyo3(signature = (device, log, *, model=None, validate=None, without=Vec::new(), tip=None, rig=None))]
+#[pyo3(signature = (device, log, *, model=None, validate=None, without=Vec::new(), base=None, tip=None, rig=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn diagnose(
     py: Python<'_>,
@@ -18,12 +19,13 @@ pub(crate) fn diagnose(
     model: Option<&Bound<'_, PyAny>>,
     validate: Option<&Bound<'_, PyAny>>,
     without: Vec<String>,
+    base: Option<&str>,
     tip: Option<&str>,
     rig: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
-    let device = device_of(device, tip, rig)?;
+    let device = device_of(device, BaseAndTip { base, tip }, rig)?;
     let model = model
-        .map(|model| device_of(model, None, None))
+        .map(|model| device_of(model, BaseAndTip::default(), None))
         .transpose()?;
     let log = log_of(log)?;
     let validate = validate.map(log_of).transpose()?;

@@ -1,6 +1,7 @@
 //! `haptical.identify`: what identified.json has, as dictionaries and arrays.
 
 use haptical_calibration::{Calibration, ForceDirection, ParameterFit, calibrate, without_copies};
+use haptical_urdf::BaseAndTip;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
@@ -29,7 +30,7 @@ struct Outcome {
 
 /// Identifies the parameters of a device from a log; see the stub for arguments and result.
 #[pyfunction]
-#[pyo3(signature = (device, log, *, method="joint", held_out=0.2, folds=None, with_=Vec::new(), degree=None, noise="estimated", loss="auto", tip=None, rig=None))]
+#[pyo3(signature = (device, log, *, method="joint", held_out=0.2, folds=None, with_=Vec::new(), degree=None, noise="estimated", loss="auto", base=None, tip=None, rig=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn identify<'py>(
     py: Python<'py>,
@@ -42,6 +43,7 @@ pub(crate) fn identify<'py>(
     degree: Option<&Bound<'py, PyAny>>,
     noise: &str,
     loss: &str,
+    base: Option<&str>,
     tip: Option<&str>,
     rig: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -55,7 +57,7 @@ pub(crate) fn identify<'py>(
         loss,
     };
     let options = keywords.options()?;
-    let mut device = device_of(device, tip, rig)?;
+    let mut device = device_of(device, BaseAndTip { base, tip }, rig)?;
     if keywords.fits_compliance()? {
         device.model.fit_compliance();
     }

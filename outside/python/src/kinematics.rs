@@ -1,6 +1,7 @@
 //! `haptical.forward_kinematics`: handle poses of many postures.
 
 use haptical_model::Evaluation;
+use haptical_urdf::BaseAndTip;
 use numpy::ndarray::{Array2, Array3};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
@@ -13,15 +14,16 @@ type Poses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
 
 /// Positions [N, 3] and rotations [N, 3, 3] of the handle in frame (-1), from readings [N, n].
 #[pyfunction]
-#[pyo3(signature = (device, readings, *, tip=None, rig=None))]
+#[pyo3(signature = (device, readings, *, base=None, tip=None, rig=None))]
 pub(crate) fn forward_kinematics<'py>(
     py: Python<'py>,
     device: &Bound<'py, PyAny>,
     readings: PyReadonlyArray2<'py, f64>,
+    base: Option<&str>,
     tip: Option<&str>,
     rig: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Poses<'py>> {
-    let device = device_of(device, tip, rig)?;
+    let device = device_of(device, BaseAndTip { base, tip }, rig)?;
     let readings = readings.as_array().to_owned();
     let (positions, rotations) = py.detach(|| poses(&device.model, &readings))?;
     Ok((positions.to_pyarray(py), rotations.to_pyarray(py)))

@@ -4,6 +4,7 @@ use haptical_design::{
     Figures, NextPoses, ParameterTold, Plan, Posture, RigTells, Suggestion, plan as plan_rigs,
 };
 use haptical_model::Device;
+use haptical_urdf::BaseAndTip;
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
@@ -24,7 +25,7 @@ struct Outcome {
 #[pyfunction]
 #[pyo3(signature = (
     device, measure, *, poses=None, criterion="d", region=None, candidates=None, seed=None, spread="uniform",
-    workspace=None, cable_length=None, link_radius=None, known_transmissions=false, log=None, tip=None, rig=None
+    workspace=None, cable_length=None, link_radius=None, known_transmissions=false, log=None, base=None, tip=None, rig=None
 ))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn plan<'py>(
@@ -42,6 +43,7 @@ pub(crate) fn plan<'py>(
     link_radius: Option<f64>,
     known_transmissions: bool,
     log: Option<&Bound<'py, PyAny>>,
+    base: Option<&str>,
     tip: Option<&str>,
     rig: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -59,7 +61,7 @@ pub(crate) fn plan<'py>(
         known_transmissions,
     }
     .request()?;
-    let device = device_of(device, tip, rig)?;
+    let device = device_of(device, BaseAndTip { base, tip }, rig)?;
     let log = log.map(log_of).transpose()?;
     let outcome = py.detach(|| -> Result<Outcome, Failure> {
         let mut warnings = device.warnings.clone();

@@ -76,6 +76,24 @@ def test_a_urdf_is_read_with_its_tip():
             haptical.Device(urdf, tip="no_such_link")
 
 
+def test_a_chain_runs_between_any_two_links():
+    urdf = ROOT / "fixtures/urdf/arm.urdf"
+    if not urdf.exists():
+        pytest.skip("no URDF among the fixtures")
+    there, back = haptical.Device(urdf, base="shoulder", tip="tool"), haptical.Device(urdf, base="tool", tip="shoulder")
+    readings = np.array([0.3, -0.4, 0.1, 0.5, -0.6])
+    position, rotation = haptical.forward_kinematics(there, readings)
+    inverse, turned_back = haptical.forward_kinematics(back, readings[::-1])
+    np.testing.assert_allclose(turned_back[0], rotation[0].T, atol=1e-12)
+    np.testing.assert_allclose(inverse[0], -rotation[0].T @ position[0], atol=1e-12)
+    again, _ = haptical.forward_kinematics(urdf, readings, base="shoulder", tip="tool")
+    np.testing.assert_array_equal(again, position)
+    with pytest.raises(ValueError, match="name the tip too"):
+        haptical.Device(urdf, base="tool")
+    with pytest.raises(ValueError, match="base names a link of a URDF; give it where"):
+        haptical.forward_kinematics(there, readings, base="tool", tip="shoulder")
+
+
 def test_what_is_no_posture_or_device_is_refused(device):
     with pytest.raises(ValueError, match="3 columns, and the device has 2 joints"):
         haptical.forward_kinematics(device, np.zeros((1, 3)))
@@ -89,6 +107,8 @@ def test_what_is_no_posture_or_device_is_refused(device):
         haptical.Device("no_such.toml")
     with pytest.raises(ValueError, match="tip names a link of a URDF"):
         haptical.Device(device, tip="hand")
+    with pytest.raises(ValueError, match="base names a link of a URDF"):
+        haptical.Device(device, base="hand", tip="hand")
     with pytest.raises(ValueError, match="`a_m` is of the type object"):
         haptical.Device(planar(a_m=object()))
     with pytest.raises(ValueError, match="a_m"):

@@ -34,6 +34,7 @@ def identify(
     degree: Union[int, str] = "evidence",
     noise: Noise = "estimated",
     loss: Loss = "auto",
+    base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> Identification:
@@ -42,7 +43,8 @@ def identify(
     Arguments have the names, the meaning and the defaults of the command's flags: `folds` (2 to 100) takes the
     place of `held_out`, `with_=["joint-compliance"]` fits what joints yield to their torque too, `loss="auto"` is
     least squares unless single readings lie farther out than noise explains. `rig` holds the sensors around the
-    device, `tip` is the link at which the chain of a URDF ends.
+    device, `base` and `tip` are the links between which the chain of a URDF runs: without `base` it begins at the
+    root link, without both the longest chain is taken.
 
     The result has the fields of identified.json under the same names: parameters and outliers as columns, channels
     by name and with their residuals, lists of numbers as arrays. `haptical.types.Identification` says what each
@@ -60,6 +62,7 @@ def identify(
         degree=degree,
         noise=noise,
         loss=loss,
+        base=base,
         tip=tip,
         rig=rig,
     )
@@ -72,6 +75,7 @@ def diagnose(
     model: Union[Device, Source, None] = None,
     validate: Optional[Log] = None,
     without: Sequence[str] = (),
+    base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> dict[str, Any]:
@@ -83,7 +87,7 @@ def diagnose(
     Raises ValueError for bad input, HapticalError where nothing can be identified.
     """
     text = _haptical.diagnose(
-        device, log, model=model, validate=validate, without=list(without), tip=tip, rig=rig
+        device, log, model=model, validate=validate, without=list(without), base=base, tip=tip, rig=rig
     )
     answer: dict[str, Any] = _json.loads(text)
     return answer
@@ -104,6 +108,7 @@ def plan(
     link_radius: Optional[float] = None,
     known_transmissions: bool = False,
     log: Optional[Log] = None,
+    base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> Plan:
@@ -136,6 +141,7 @@ def plan(
         link_radius=link_radius,
         known_transmissions=known_transmissions,
         log=log,
+        base=base,
         tip=tip,
         rig=rig,
     )
@@ -145,6 +151,7 @@ def forward_kinematics(
     device: Union[Device, Source],
     readings: _npt.ArrayLike,
     *,
+    base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> tuple[Array, Array]:
@@ -158,4 +165,4 @@ def forward_kinematics(
     rows = _np.atleast_2d(_np.asarray(readings, dtype=_np.float64))
     if rows.ndim != 2:
         raise ValueError(f"the readings have {rows.ndim} dimensions; give one row for each posture")
-    return _haptical.forward_kinematics(device, rows, tip=tip, rig=rig)
+    return _haptical.forward_kinematics(device, rows, base=base, tip=tip, rig=rig)

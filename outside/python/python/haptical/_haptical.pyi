@@ -17,7 +17,9 @@ class HapticalError(Exception):
 class Device:
     """A device, read once and used many times; what other functions take in the place of a file."""
 
-    def __new__(cls, source: Source, *, tip: Optional[str] = None, rig: Optional[Source] = None) -> Device: ...
+    def __new__(
+        cls, source: Source, *, base: Optional[str] = None, tip: Optional[str] = None, rig: Optional[Source] = None
+    ) -> Device: ...
     @property
     def name(self) -> str: ...
     @property
@@ -39,6 +41,7 @@ def identify(
     degree: Union[int, str, None] = None,
     noise: Noise = "estimated",
     loss: Loss = "auto",
+    base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> Identification: ...
@@ -49,6 +52,7 @@ def diagnose(
     model: Union[Device, Source, None] = None,
     validate: Optional[Log] = None,
     without: Sequence[str] = ...,
+    base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> str: ...
@@ -67,6 +71,7 @@ def plan(
     link_radius: Optional[float] = None,
     known_transmissions: bool = False,
     log: Optional[Log] = None,
+    base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> Plan: ...
@@ -74,6 +79,7 @@ def forward_kinematics(
     device: Union[Device, Source],
     readings: Array,
     *,
+    base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> tuple[Array, Array]: ...
