@@ -12,12 +12,17 @@ const PARALLEL_RAD: f64 = 0.02;
 /// The Denavit-Hartenberg parameters of all rows; Hayati's angle only on rows 1 to n - 1 whose axis
 /// is parallel to the next one, and what stands beside the chain
 /// ([`Device::further_parameters`]). A general row ([`Device::is_general_row`]) offers all six numbers: near
-/// 0 they are independent whichever way the axes stand, and what is redundant the analysis drops.
+/// 0 they are independent whichever way the axes stand, and what is redundant the analysis drops. What the device
+/// holds ([`Device::hold`]) is no candidate.
 pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
     let last = device.links.len().saturating_sub(1);
     device
         .link_parameters(true)
         .into_iter()
+        .filter(|parameter| match *parameter {
+            ParameterId::Link { row, parameter } => !device.is_held(row, parameter),
+            _ => true,
+        })
         .filter(|parameter| match parameter {
             ParameterId::Link {
                 row,

@@ -17,6 +17,7 @@ use crate::mistakes;
 use crate::multi_start::{self, Starts};
 use crate::reduced::{count_readings, scale_to_residuals};
 use crate::settle::settle;
+use crate::wider::widen_offsets;
 use crate::{
     CalibrationError, Channel, DeviceProblem, Options, Weighting, Weights, parameter_infos,
     preference_order, scale,
@@ -124,6 +125,7 @@ pub fn fit_parameters(
     };
     let fit = multi_start::improve(&task, task.fit_from(None)?)?;
     mistakes::refuse(&task, &fit)?;
+    let fit = widen_offsets(&task, fit)?;
     let fit = settle(&task, fit)?;
     if !fit.convergence.was_successful() && !options.unfinished {
         return Err(CalibrationError::NotConverged {

@@ -55,6 +55,7 @@ mod sufficiency;
 mod transmission_step;
 mod warnings;
 mod weights;
+mod wider;
 
 pub use calibration::{Calibration, ChannelReport, calibrate};
 pub use candidates::{candidate_parameters, parameter_infos, preference_order};

@@ -157,7 +157,8 @@ pub(crate) fn of_dwelling(recording: &Recording, own: &[usize]) -> String {
 /// ```
 pub fn without_copies(recording: Recording) -> (Recording, Option<String>) {
     let kept = distinct_rows(&recording);
-    if kept.len() == recording.len() {
+    // of a log in which nothing moves the fit says so itself
+    if kept.len() == recording.len() || kept.len() < 2 {
         return (recording, None);
     }
     let copies = recording.len() - kept.len();

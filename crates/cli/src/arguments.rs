@@ -13,6 +13,7 @@ use haptical_diagnosis::effect_names;
 use crate::device_source::DeviceOptions;
 use crate::export::ExportArguments;
 use crate::failure::Failure;
+use crate::hold::HoldOptions;
 use crate::{STATUS_BAD_INPUT, terminal};
 
 /// Calibrates a cable-driven haptic device from its own logs.
@@ -122,6 +123,8 @@ pub(crate) struct IdentifyArguments {
     /// Fit this too: what joints yield to their torque behind the external encoder
     #[arg(long, value_name = "EFFECT", value_parser = ["joint-compliance"])]
     pub(crate) with: Vec<String>,
+    #[command(flatten)]
+    pub(crate) hold: HoldOptions,
     /// Degree of the polynomial of a parallelogram: a number, or `evidence` for the degree up to
     /// 14 that the Bayes criterion favours
     #[arg(long, value_name = "N|evidence", default_value = "evidence", value_parser = degree, allow_negative_numbers = true)]
@@ -182,6 +185,8 @@ pub(crate) struct CheckArguments {
     pub(crate) device: PathBuf,
     #[command(flatten)]
     pub(crate) device_options: DeviceOptions,
+    #[command(flatten)]
+    pub(crate) hold: HoldOptions,
     /// Log (CSV, plain or gzip)
     pub(crate) log: Option<PathBuf>,
     /// Print the findings as JSON

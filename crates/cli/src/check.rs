@@ -82,12 +82,13 @@ const TERMS_WITHOUT_DRUMS: usize = 4;
 /// Runs the command.
 pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let progress = Progress::start("checking");
-    let input = read_equipped_device(
+    let mut input = read_equipped_device(
         &arguments.device,
         arguments.device_options.chain.ends(),
         arguments.device_options.rig.as_deref(),
         InputDrumDenominators::Stated,
     )?;
+    arguments.hold.apply(&mut input.device)?;
     let mut warnings = input.warnings;
     let (recording, log) = match &arguments.log {
         None => (None, None),

@@ -72,6 +72,7 @@ pub(crate) fn outcome(
     {
         input.device.fit_compliance();
     }
+    arguments.hold.apply(&mut input.device)?;
     progress.say(format!(
         "calibrating {} joints from {} rows",
         input.device.joints.len(),
@@ -146,6 +147,7 @@ fn recorded(arguments: &IdentifyArguments, inputs: &[InputFile]) -> Vec<String> 
         held_out,
         folds,
         with,
+        hold,
         degree,
         noise,
         loss,
@@ -169,6 +171,7 @@ fn recorded(arguments: &IdentifyArguments, inputs: &[InputFile]) -> Vec<String> 
         format!("--loss={}", loss_text(*loss)),
     ]);
     recorded.extend(with.iter().map(|effect| format!("--with={effect}")));
+    recorded.extend(hold.flags());
     if let Some(length_m) = input_drum_denominator_m {
         recorded.push(format!("--input-drum-denominator-m={length_m}"));
     }

@@ -16,6 +16,7 @@ mod fuzz;
 mod gap_file;
 mod gap_report;
 mod gap_summary;
+mod hold;
 mod identified;
 mod identify;
 mod import;

@@ -1,9 +1,11 @@
 //! A device: links, joints with their transmissions, and the sensors around it.
 
+use std::collections::BTreeMap;
+
 use haptical_kinematics::{Convention, Link};
 
 use crate::Surroundings;
-use crate::{Cable, Drive, Joint, Origin};
+use crate::{Cable, Drive, Joint, LinkParameter, Origin};
 
 /// A device as its file describes it. Without links it has transmissions only.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +37,9 @@ pub struct Device {
     pub gravity_mps2: Option<[f64; 3]>,
     /// Rows before calibration, where the file keeps them.
     pub nominal_links: Option<Vec<Link>>,
+    /// How far rows' numbers may plausibly be from the device's, where somebody says so (\[m\] or \[rad\]); 0 where
+    /// a calibration keeps them ([`Device::hold`], [`Device::expect_deviation`]).
+    pub deviations: BTreeMap<(usize, LinkParameter), f64>,
     /// Numbers beside the chain that may have to be fitted with it: the tracker's place, touched points.
     pub surroundings: Surroundings,
 }

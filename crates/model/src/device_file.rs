@@ -101,6 +101,7 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
         name,
         convention,
         nominal_links: read_nominal(root, rows.links.len(), warnings)?,
+        deviations: rows.deviations,
         links: rows.links,
         origins: rows.origins,
         drives: rows.drives,

@@ -4,6 +4,7 @@ use haptical_kinematics::Convention;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
 use crate::cable::Cable;
+use crate::deviations::DEVIATION_KEYS;
 use crate::device::{Body, Tracker};
 use crate::device_writer::{link_table, nominal, set_error};
 use crate::joint::{Joint, JointType, TransmissionKind};
@@ -93,6 +94,11 @@ impl Device {
         let mut table = self.links.get(row).map(link_table).unwrap_or_default();
         if let Some(Some(origin)) = self.origins.get(row) {
             insert_origin(&mut table, "origin_xyz_m", "origin_wxyz", origin);
+        }
+        for (number, key) in DEVIATION_KEYS {
+            if let Some(size) = self.deviation(row, number) {
+                table.insert(key, value(size));
+            }
         }
         if let Some(drive) = row.checked_sub(1).and_then(|index| self.drives.get(index)) {
             insert_drive(&mut table, drive);

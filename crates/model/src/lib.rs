@@ -3,6 +3,7 @@
 #![doc = include_str!("../README.md")]
 
 mod cable;
+mod deviations;
 mod device;
 mod device_chain;
 mod device_file;
@@ -29,6 +30,7 @@ mod toml_file;
 mod toml_syntax;
 
 pub use cable::{Cable, CableFit, CableReading};
+pub use deviations::UnknownNumbers;
 pub use device::{Body, ContactPair, Device, Tracker};
 pub use device_chain::DeviceChain;
 pub use device_file::LoadedDevice;

@@ -175,6 +175,12 @@ impl ParameterId {
     /// and 5 are the source (docs/assumptions.md, "Plausible sizes").
     pub fn plausible_size(self, device: &Device) -> f64 {
         match self {
+            Self::Link { row, parameter }
+                if let Some(size) = device.deviation(row, parameter)
+                    && size > 0.0 =>
+            {
+                size
+            }
             Self::Link {
                 parameter: LinkParameter::A | LinkParameter::B | LinkParameter::D,
                 ..

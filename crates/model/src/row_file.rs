@@ -1,13 +1,16 @@
 //! Reads `[[link]]` tables of a device file: numbers, masses, origins, and which joint drives a row.
 
+use std::collections::BTreeMap;
+
 use haptical_kinematics::Link;
 
-use crate::DeviceFileError;
+use crate::deviations::{DEVIATION_KEYS, numbers_of};
 use crate::device::Body;
 use crate::joint::{Joint, JointType};
 use crate::joint_file::{LARGEST_ANGLE_RAD, angle};
 use crate::reader::{SMALLEST, Section};
 use crate::rows::{Drive, Origin};
+use crate::{DeviceFileError, LinkParameter};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -21,6 +24,7 @@ pub(crate) struct Rows {
     pub(crate) bodies: Vec<Option<Body>>,
     pub(crate) origins: Vec<Option<Origin>>,
     pub(crate) drives: Vec<Drive>,
+    pub(crate) deviations: BTreeMap<(usize, LinkParameter), f64>,
 }
 
 /// Reads all rows; `head` is `[device]`, which says where the handle is behind the last row.
@@ -32,7 +36,10 @@ pub(crate) fn read_rows(
 ) -> Result<Rows> {
     let sections = root.tables("link", 0)?;
     let mut rows = Rows::default();
-    for section in &sections {
+    for (row, section) in sections.iter().enumerate() {
+        for (number, size) in read_deviations(section)? {
+            rows.deviations.insert((row, number), size);
+        }
         rows.links.push(read_link(section, warnings)?);
         rows.bodies.push(read_body(section)?);
         rows.origins
@@ -60,6 +67,27 @@ pub(crate) fn read_rows(
         rows.drives = drives;
     }
     Ok(rows)
+}
+
+/// What a row says of how far its numbers may be off.
+fn read_deviations(section: &Section<'_, '_>) -> Result<Vec<(LinkParameter, f64)>> {
+    let mut found = Vec::new();
+    for (number, key) in DEVIATION_KEYS {
+        if let Some(size) = section.number(key)? {
+            if size < 0.0 {
+                return Err(section.refuse(key, size.to_string(), "a size is not negative"));
+            }
+            found.push((number, size));
+        }
+    }
+    for word in section.texts("hold")?.unwrap_or_default() {
+        let numbers = numbers_of(word).ok_or_else(|| {
+            let allowed = "it may list lengths, twists, offsets, a, b, d, alpha, theta, beta";
+            section.refuse("hold", format!("\"{word}\""), allowed)
+        })?;
+        found.extend(numbers.iter().map(|number| (*number, 0.0)));
+    }
+    Ok(found)
 }
 
 /// One row's numbers.

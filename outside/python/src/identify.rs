@@ -30,7 +30,7 @@ struct Outcome {
 
 /// Identifies the parameters of a device from a log; see the stub for arguments and result.
 #[pyfunction]
-#[pyo3(signature = (device, log, *, method="joint", held_out=0.2, folds=None, with_=Vec::new(), degree=None, noise="estimated", loss="auto", base=None, tip=None, rig=None))]
+#[pyo3(signature = (device, log, *, method="joint", held_out=0.2, folds=None, with_=Vec::new(), hold=Vec::new(), degree=None, noise="estimated", loss="auto", base=None, tip=None, rig=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn identify<'py>(
     py: Python<'py>,
@@ -40,6 +40,7 @@ pub(crate) fn identify<'py>(
     held_out: f64,
     folds: Option<&Bound<'py, PyAny>>,
     with_: Vec<String>,
+    hold: Vec<String>,
     degree: Option<&Bound<'py, PyAny>>,
     noise: &str,
     loss: &str,
@@ -60,6 +61,12 @@ pub(crate) fn identify<'py>(
     let mut device = device_of(device, BaseAndTip { base, tip }, rig)?;
     if keywords.fits_compliance()? {
         device.model.fit_compliance();
+    }
+    for word in &hold {
+        device
+            .model
+            .hold(word)
+            .map_err(|error| Failure::Value(error.to_string()))?;
     }
     let log = log_of(log)?;
     let outcome = py.detach(|| -> Result<Outcome, Failure> {

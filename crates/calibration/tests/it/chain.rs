@@ -72,6 +72,7 @@ pub(crate) fn device_of(links: Vec<Link>) -> Device {
         contact_pairs: Vec::new(),
         gravity_mps2: None,
         nominal_links: None,
+        deviations: Default::default(),
         surroundings: Default::default(),
     }
 }

@@ -12,6 +12,7 @@ mod conventions;
 mod counts;
 mod dense;
 mod derivatives;
+mod deviations;
 mod evidence;
 mod force_direction;
 mod frame_origins;

@@ -6,6 +6,7 @@
 )]
 
 mod contract;
+mod deviations;
 mod evaluation;
 mod force;
 mod haptic7;

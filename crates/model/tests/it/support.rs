@@ -70,6 +70,7 @@ pub(crate) fn device_of(convention: Convention, links: Vec<Link>, joints: Vec<Jo
         contact_pairs: Vec::new(),
         gravity_mps2: None,
         nominal_links: None,
+        deviations: Default::default(),
         surroundings: Default::default(),
     }
 }

@@ -166,6 +166,7 @@ pub(crate) fn any_device(joints: usize) -> impl Strategy<Value = Device> {
             contact_pairs: Vec::new(),
             gravity_mps2: None,
             nominal_links: None,
+            deviations: Default::default(),
             surroundings: Default::default(),
         })
 }

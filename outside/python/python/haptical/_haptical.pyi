@@ -38,6 +38,7 @@ def identify(
     held_out: float = 0.2,
     folds: Optional[int] = None,
     with_: Sequence[Effect] = ...,
+    hold: Sequence[str] = ...,
     degree: Union[int, str, None] = None,
     noise: Noise = "estimated",
     loss: Loss = "auto",
