@@ -1,6 +1,8 @@
 //! Whether the causes found account for the gap: what makes the answer "unknown" possible.
 
+use crate::DiagnosisError;
 use crate::answer::Verdict;
+use crate::dependence::largest_dependence;
 use crate::laws::law_is_kept;
 use crate::select::{Selection, Selector, excess, worst_excess};
 
@@ -17,7 +19,10 @@ pub(crate) struct Adequacy {
 }
 
 /// Compares what the causes leave with noise, and with what their laws may get wrong.
-pub(crate) fn adequacy(selector: &Selector<'_, '_>, selection: &Selection) -> Adequacy {
+pub(crate) fn adequacy(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+) -> Result<Adequacy, DiagnosisError> {
     let (total, _) = excess(&selection.before);
     let (left, left_sd) = excess(&selection.after);
     let unexplained = if total > 0.0 {
@@ -40,12 +45,31 @@ pub(crate) fn adequacy(selector: &Selector<'_, '_>, selection: &Selection) -> Ad
         .zip(&own)
         .all(|(cause, broken)| law_is_kept(selector.effects[cause.effect].as_ref(), *broken));
     let small_rest = unexplained <= allowed;
-    Adequacy {
-        is_adequate: laws_hold && (worst < selector.thresholds.omnibus_z || small_rest),
+    let is_adequate = laws_hold
+        && (worst < selector.thresholds.omnibus_z || small_rest)
+        && !depends_still(selector, selection, allowed * explained)?;
+    Ok(Adequacy {
+        is_adequate,
         worst,
         unexplained,
         total,
+    })
+}
+
+/// Of single postures, whose noise is known to a third only: whether what the causes leave depends on a joint or
+/// on time, more surely than by chance and by more than the squares that the laws may get wrong. Noise does not,
+/// whatever its size.
+fn depends_still(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    wrong: f64,
+) -> Result<bool, DiagnosisError> {
+    let context = &selector.engine.context;
+    if context.ordered || selection.refit.model.causes.is_empty() {
+        return Ok(false);
     }
+    let p = selector.thresholds.family_wise_p;
+    Ok(largest_dependence(context, &selection.system, p)? > wrong)
 }
 
 /// Structured energy below which a wrong effect imitates a gap as well as the right one.

@@ -1,6 +1,6 @@
 //! What to record next, so that what is confused can be told apart.
 
-use crate::answer::Verdict;
+use crate::answer::{Asked, Verdict};
 use crate::catalogue::{Effect, Family};
 use crate::generic::Covariate;
 use crate::place::Located;
@@ -18,9 +18,8 @@ pub(crate) fn next_experiment(
         Verdict::Ambiguous if confused_with.is_empty() => first.map(confirm),
         Verdict::Ambiguous => Some(separate(first, confused_with)),
         Verdict::Unknown => Some(match place {
-            Some(place) if place.is_nowhere() => explore(None),
-            Some(place) if !place.answer.dependence.is_empty() => explore_postures(place),
-            _ => explore(place),
+            Some(place) => explore_place(place),
+            None => explore(None),
         }),
     }
 }
@@ -118,7 +117,56 @@ pub(crate) fn of_tool() -> String {
         .to_owned()
 }
 
-/// What single postures cannot show, and how they would.
+/// By what single postures depend on, surest first; of a motion by the covariate.
+fn explore_place(place: &Located) -> String {
+    let first = place.told().next().map(|found| found.asked);
+    let mut sides = place.told().filter(|found| found.asked == Asked::Side);
+    match first {
+        Some(Asked::Course) => explore_drift(place),
+        _ if place.is_of_touches() => explore_postures(place),
+        _ if place.is_nowhere() => explore(None),
+        _ if place.answer.dependence.is_empty() => explore(Some(place)),
+        Some(Asked::Side) => explore_sides(place.answer.joint),
+        _ => match sides.next() {
+            Some(side) => format!(
+                "{}; then {}",
+                explore(Some(place)),
+                explore_sides(side.joint)
+            ),
+            None => format!(
+                "{}; single postures show no play or friction by themselves: {}",
+                explore(Some(place)),
+                explore_sides(place.answer.joint)
+            ),
+        },
+    }
+}
+
+/// A drift that no effect of the catalogue has the course of.
+fn explore_drift(place: &Located) -> String {
+    let columns = &place.answer.depends_on;
+    let temperature = match columns.iter().any(|column| column == "temp_degc") {
+        true => "keep the log of the temperature",
+        false => "log the temperature of device and room (temp_degc)",
+    };
+    let column = columns.first().map_or("t_s", String::as_str);
+    format!(
+        "something moves with {column} while the device is measured: {temperature}, let the device and the tracker \
+         warm up first, and repeat one posture every few minutes through the whole recording; what that posture \
+         shows is the drift, of the tracker and its stand if a mark on the robot's base shows it too"
+    )
+}
+
+/// Each posture from both sides: what a play or a friction loop differs by.
+fn explore_sides(joint: Option<usize>) -> String {
+    let which = joint.map_or("every joint".to_owned(), |joint| format!("joint {joint}"));
+    format!(
+        "come to each posture twice, with {which} from below and from above, each way as a run of its own; a play \
+         or a friction loop shows as a difference of the two runs"
+    )
+}
+
+/// What touched postures cannot show, and how they would.
 fn explore_postures(place: &Located) -> String {
     let joint = place.answer.joint;
     let which = joint.map_or("every joint".to_owned(), |joint| format!("joint {joint}"));

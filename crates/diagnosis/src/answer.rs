@@ -121,19 +121,37 @@ pub struct Place {
     pub region: String,
     /// Share of the channel's gap that each column of `depends_on` explains by itself.
     pub explained: Vec<f64>,
-    /// Of touches: everything that was asked; first what is sure, by what it explains, then by probability.
+    /// Of single postures: everything that was asked; first what is sure, by what it explains, then by probability.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub dependence: Vec<Dependence>,
 }
 
-/// How surely the residuals of touches depend on something.
+/// What a residual is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Asked {
+    /// A joint's angle.
+    Angle,
+    /// A joint's torque, and its side.
+    Torque,
+    /// The side that a joint came from: its step from the row before.
+    Side,
+    /// The direction in which something is touched.
+    Approach,
+    /// Time, temperature or another column that nothing of the model reads.
+    Course,
+}
+
+/// How surely the residuals of single postures depend on something.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Dependence {
     /// Column of the log; `contact` for the direction of approach.
     pub column: String,
     /// Joint (from 1), where it acts at one.
     pub joint: Option<usize>,
-    /// What of the column it is, in words.
+    /// What of the column it is.
+    pub asked: Asked,
+    /// The same in words.
     pub on: String,
     /// Probability that chance gives as much.
     pub p_value: f64,

@@ -21,6 +21,7 @@ use crate::select::{Selection, Selector, excess};
 use crate::shrink::{Shrink, model_residual, on_held_back, on_second};
 use crate::tables::{channel_gaps, noise, torque_gaps, traces, untestable};
 use crate::touched::Touched;
+use crate::unlisted::{doubt_partial, unlisted_rivals};
 use crate::unseen::{hints, unseen};
 use crate::wrong_angles::torque_nm;
 use crate::{DiagnosisError, Options};
@@ -47,7 +48,7 @@ pub(crate) fn assemble(
     let rivals = settle(selector, selection)?;
     let (selector, selection) = (&*selector, &*selection);
     let engine = selector.engine;
-    let adequacy = adequacy(selector, selection);
+    let adequacy = adequacy(selector, selection)?;
     let Against {
         residual: earlier_residual,
         difference: base_terms,
@@ -75,6 +76,20 @@ pub(crate) fn assemble(
         let p = selector.thresholds.family_wise_p;
         verdict = touches.verdict(verdict, is_quiet, !causes.is_empty(), p);
     }
+    match (verdict, causes.first_mut()) {
+        (Verdict::Unknown, _) => {
+            let unknown = adequacy.probability_unknown(verdict);
+            doubt_partial(&mut causes, &base_terms, unknown);
+        }
+        (Verdict::Ambiguous, Some(first)) if first.confusable_with.is_empty() => {
+            first.confusable_with = unlisted_rivals(selector, selection, &rivals);
+            // nothing that it could be taken for: a weak gap lowers its probability, which is told
+            if first.confusable_with.is_empty() {
+                verdict = Verdict::Named;
+            }
+        }
+        _ => {}
+    }
     let on_forces = force_findings(&force);
     verdict = with_forces(selector, verdict, on_forces.first());
     causes.extend(on_forces);
@@ -84,7 +99,8 @@ pub(crate) fn assemble(
         Verdict::Unknown if touches.says_where() => {
             by_dependence(&engine.context, selection, touches.dependence)
         }
-        Verdict::Unknown => locate(selector, selection, is_adequate),
+        Verdict::Unknown => locate(selector, selection, is_adequate)
+            .map(|located| located.with_dependence(touches.dependence)),
         Verdict::Named | Verdict::Ambiguous => match base_terms.terms.first() {
             Some(term) => of_base_term(engine, term),
             None => locate(selector, selection, is_adequate),
@@ -95,7 +111,9 @@ pub(crate) fn assemble(
     let joints: Vec<Option<usize>> = streams.map(Stream::joint).collect();
     // next to a gap, what its effect leaves in fast motion would pass for noise
     if causes.is_empty() {
-        causes.extend(noise_findings(&noise, &joints));
+        let left_out = |finding: &CauseAnswer| inputs.options.without.contains(&finding.effect);
+        let findings = noise_findings(&noise, &joints);
+        causes.extend(findings.into_iter().filter(|finding| !left_out(finding)));
     }
     let before = earlier_residual.as_ref().unwrap_or(&engine.start.residual);
     let (detectable, invisible) = unseen(selector, inputs.in_base);
@@ -174,7 +192,7 @@ fn against_earlier(engine: &Engine<'_>, inputs: &Inputs<'_>) -> Result<Against, 
     };
     let residual = model_residual(model, inputs.recording, engine)?;
     Ok(Against {
-        difference: difference(engine, &model.device, &residual),
+        difference: difference(engine, &model.device, &residual).without(&inputs.options.without),
         residual: Some(residual),
     })
 }
@@ -326,9 +344,9 @@ fn verdict(
     let found = !selection.refit.model.causes.is_empty();
     if !found {
         return match (quiet(selector, selection, adequacy), causes.is_empty()) {
-            (true, true) => Verdict::NoGap,
+            (true, true) if !base_terms.is_unnamed => Verdict::NoGap,
             (true, false) => Verdict::Named,
-            (false, _) => Verdict::Unknown,
+            (false, _) | (true, true) => Verdict::Unknown,
         };
     }
     let hedged = causes

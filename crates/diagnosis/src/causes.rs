@@ -108,34 +108,42 @@ pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAn
     }
 }
 
+/// What is said of the data: a number with its standard deviation.
+fn finding(effect: &str, joint: Option<usize>, name: &str, value: f64, sd: f64) -> CauseAnswer {
+    CauseAnswer {
+        effect: effect.to_owned(),
+        joint: joint.map(|joint| joint + 1),
+        class_probability: 0.95,
+        probability: 0.95,
+        confusable_with: Vec::new(),
+        parameters: BTreeMap::from([(
+            name.to_owned(),
+            ParameterAnswer {
+                value,
+                ci95: [(value - 1.96 * sd).max(0.0), value + 1.96 * sd],
+            },
+        )]),
+        plausible: true,
+        implausible: false,
+        share: 0.0,
+        held_out: None,
+    }
+}
+
+/// Noise of another size than stated, `ratio` times as large.
+pub(crate) fn noise_level(joint: Option<usize>, ratio: f64, sd: f64) -> CauseAnswer {
+    finding("noise-level", joint, "ratio", ratio, sd)
+}
+
 /// Noise far from the stated one, and outliers: said of the data, not of the device, so they leave the
 /// verdict as it is.
 pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) -> Vec<CauseAnswer> {
-    let finding =
-        |effect: &str, joint: Option<usize>, name: &str, value: f64, sd: f64| CauseAnswer {
-            effect: effect.to_owned(),
-            joint: joint.map(|joint| joint + 1),
-            class_probability: 0.95,
-            probability: 0.95,
-            confusable_with: Vec::new(),
-            parameters: BTreeMap::from([(
-                name.to_owned(),
-                ParameterAnswer {
-                    value,
-                    ci95: [(value - 1.96 * sd).max(0.0), value + 1.96 * sd],
-                },
-            )]),
-            plausible: true,
-            implausible: false,
-            share: 0.0,
-            held_out: None,
-        };
     let mut found = Vec::new();
     let mut told: Vec<&str> = Vec::new();
     for (channel, &joint) in noise.iter().zip(joints) {
         if channel.from_motion && (channel.ratio > LOUD || channel.speed_ratio > DEPENDS) {
             let sd = 0.03 * channel.ratio;
-            found.push(finding("noise-level", joint, "ratio", channel.ratio, sd));
+            found.push(noise_level(joint, channel.ratio, sd));
         }
         // a reading that stands alone is left out with all its axes: told once
         let name = channel.channel.split('.').next().unwrap_or_default();

@@ -1,21 +1,19 @@
-//! What the residuals of touches depend on, posture by posture, with probabilities by chance (docs/diagnosis.md,
-//! "Touches").
+//! What the residuals of single postures depend on, posture by posture, with probabilities by chance
+//! (docs/diagnosis.md, "Touches").
+
+mod questions;
 
 use haptical_metrics::{chi_square_p_value, holm_adjusted};
-use haptical_model::kinematics::nalgebra::Vector3;
 use nalgebra::{DMatrix, DVector};
 
 use crate::DiagnosisError;
 use crate::answer::Dependence;
-use crate::catalogue::Hook;
-use crate::context::{Context, Stream};
-use crate::generic::{Covariate, Place, free_function};
-use crate::select::Selector;
+use crate::context::Context;
 use crate::signal::Signal;
 use crate::system::{System, dot, take_off};
 
-/// Intervals of the free functions of an angle.
-const KNOTS: usize = 6;
+use self::questions::questions;
+
 /// Probability, all questions together, below which a dependence is told.
 pub(crate) const TOLD: f64 = 0.01;
 /// Share of a column that the base model must leave for it to be asked at all.
@@ -23,113 +21,80 @@ const VISIBLE: f64 = 1e-2;
 /// Share of the largest direction's square below which one is left out.
 const DEPENDENT: f64 = 1e-6;
 
-/// What a residual is asked for.
-struct Question {
-    column: String,
-    joint: Option<usize>,
-    on: String,
-    signals: Vec<Signal>,
+/// Every question with its answer by the residual of `system`: first those that are told, by what they explain,
+/// then the others by probability. Adjusted probabilities are by Holm's method over all questions.
+pub(crate) fn dependences(
+    context: &Context<'_>,
+    system: &System,
+) -> Result<Vec<Dependence>, DiagnosisError> {
+    let found = asked(context, system)?;
+    Ok(found.into_iter().map(|(found, _)| found).collect())
 }
 
-/// Every joint's angle and torque, and the direction of approach: first those that are told, by what they explain,
-/// then the others by probability. Adjusted
-/// probabilities are by Holm's method over all questions.
-pub(crate) fn dependences(selector: &Selector<'_, '_>) -> Result<Vec<Dependence>, DiagnosisError> {
-    let engine = selector.engine;
+/// Largest squared residual of `system` that one question explains beyond chance, of those whose adjusted
+/// probability by chance is below `p`.
+pub(crate) fn largest_dependence(
+    context: &Context<'_>,
+    system: &System,
+    p: f64,
+) -> Result<f64, DiagnosisError> {
+    let square = dot(&system.residual, &system.residual);
+    let found = asked(context, system)?;
+    let sure = found.iter().filter(|(found, _)| found.p_adjusted < p);
+    Ok(sure.fold(0.0, |largest: f64, (_, share)| largest.max(share * square)))
+}
+
+/// Every question with its answer, and its share of the squared residual beyond chance, in the order of
+/// [`dependences`].
+fn asked(context: &Context<'_>, system: &System) -> Result<Vec<(Dependence, f64)>, DiagnosisError> {
     let mut asked = Vec::new();
-    for question in questions(&engine.context) {
-        if let Some((p_value, share)) = ask(&engine.system, &question.signals)? {
-            asked.push((question, p_value, share));
+    for question in questions(context) {
+        if let Some(answer) = ask(system, &question.signals)? {
+            asked.push((question, answer));
         }
     }
     if asked.is_empty() {
         return Ok(Vec::new());
     }
-    let p_values: Vec<f64> = asked.iter().map(|(_, p_value, _)| *p_value).collect();
+    let p_values: Vec<f64> = asked.iter().map(|(_, answer)| answer.p_value).collect();
     let adjusted = holm_adjusted(&p_values)?;
-    let mut found: Vec<Dependence> = asked
-        .into_iter()
-        .zip(adjusted)
-        .map(|((question, p_value, share), p_adjusted)| Dependence {
+    let mut found: Vec<(Dependence, f64)> = Vec::new();
+    for ((question, answer), p_adjusted) in asked.into_iter().zip(adjusted) {
+        let dependence = Dependence {
             column: question.column,
             joint: question.joint.map(|joint| joint + 1),
+            asked: question.asked,
             on: question.on,
-            p_value,
+            p_value: answer.p_value,
             p_adjusted,
-            share,
-        })
-        .collect();
-    // of what is sure the one that explains most, of the rest the surest
+            share: answer.share,
+        };
+        found.push((dependence, answer.beyond_chance));
+    }
+    // of what is sure the one that explains most, its number of columns allowed for; of the rest the surest
     let told = |found: &Dependence| found.p_adjusted < TOLD;
-    found.sort_by(|a, b| {
+    found.sort_by(|(a, by_a), (b, by_b)| {
         told(b).cmp(&told(a)).then_with(|| match told(a) {
-            true => b.share.total_cmp(&a.share),
+            true => by_b.total_cmp(by_a),
             false => a.p_value.total_cmp(&b.p_value),
         })
     });
     Ok(found)
 }
 
-fn questions(context: &Context<'_>) -> Vec<Question> {
-    let mut questions = Vec::new();
-    for joint in 0..context.device.joints.len() {
-        let place = Place {
-            hook: Hook::Joint,
-            joint: Some(joint),
-        };
-        let angle = Covariate::Angle(joint);
-        if let Some(signals) = free_function(context, place, angle, KNOTS) {
-            questions.push(Question {
-                column: angle.column(context),
-                joint: Some(joint),
-                on: angle.words(context),
-                signals,
-            });
-        }
-        if let Some(Some(torque)) = context.torque_nm.get(joint) {
-            let side: Vec<f64> = torque.iter().map(|torque| torque.signum()).collect();
-            let logged = matches!(context.recording.torque_nm.get(joint), Some(Some(_)));
-            let source = if logged { "" } else { " (from the masses)" };
-            questions.push(Question {
-                column: Covariate::Torque(joint).column(context),
-                joint: Some(joint),
-                on: format!(
-                    "{} and its side{source}",
-                    Covariate::Torque(joint).words(context)
-                ),
-                signals: vec![
-                    context.downstream(joint, torque),
-                    context.downstream(joint, &side),
-                ],
-            });
-        }
-    }
-    if !context.rotation.is_empty() && context.streams.iter().any(Stream::is_touch) {
-        // the handle's own axes as the base sees them: a shift that turns with them is another tool's, and so
-        // in the base model already
-        let signals = (0..9).map(|index| {
-            context.handle(|row| {
-                let approach = context.rotation[row].column(2).into_owned();
-                (
-                    Vector3::ith(index / 3, approach[index % 3]),
-                    Vector3::zeros(),
-                )
-            })
-        });
-        questions.push(Question {
-            column: "contact".to_owned(),
-            joint: None,
-            on: "the direction of approach (the handle's z axis)".to_owned(),
-            signals: signals.collect(),
-        });
-    }
-    questions
+/// The answer to a question.
+struct Answer {
+    /// Probability by chance of what its columns explain.
+    p_value: f64,
+    /// Share of the squared residual that they explain.
+    share: f64,
+    /// The same, less what as many columns explain of any residual.
+    beyond_chance: f64,
 }
 
-/// Probability by chance of what columns explain, and the share of the squared residual; none where the base
-/// model takes them up. A score test that sums within postures first (Liang & Zeger 1986): one disturbed joint
+/// What columns explain; none where the base model takes them up. A score test that sums within postures first (Liang & Zeger 1986): one disturbed joint
 /// moves all three coordinates of a touch.
-fn ask(system: &System, signals: &[Signal]) -> Result<Option<(f64, f64)>, DiagnosisError> {
+fn ask(system: &System, signals: &[Signal]) -> Result<Option<Answer>, DiagnosisError> {
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for signal in signals {
         let mut column = system.dense(&system.column(signal));
@@ -164,9 +129,14 @@ fn ask(system: &System, signals: &[Signal]) -> Result<Option<(f64, f64)>, Diagno
         return Ok(None);
     };
     let square = dot(&system.residual, &system.residual);
-    let explained = quadratic(&own, &total).map_or(0.0, |(explained, _)| explained);
-    let p_value = chi_square_p_value(statistic, rank as f64)?;
-    Ok(Some((p_value, (explained / square.max(1e-300)).min(1.0))))
+    let (explained, columns) = quadratic(&own, &total).unwrap_or((0.0, 0));
+    let share = (explained / square.max(1e-300)).min(1.0);
+    let freedom = system.residual.len().max(1) as f64;
+    Ok(Some(Answer {
+        p_value: chi_square_p_value(statistic, rank as f64)?,
+        share,
+        beyond_chance: share - columns as f64 / freedom,
+    }))
 }
 
 /// u^T V^+ u and the rank of V.

@@ -12,6 +12,7 @@ use crate::earlier_model::placed;
 use crate::engine::Prepared;
 use crate::select::{MOVED_FAR, Selector};
 use crate::thresholds::Thresholds;
+use crate::too_coarse::Corrected;
 use crate::{DiagnosisError, Options};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
@@ -34,11 +35,26 @@ pub fn diagnose(
     check_recording(device, recording, &channels(device, recording)?)?;
     check_rig(device, recording)?;
     let base = Base::fit(device, recording)?;
-    let by_base = |base: &Base| by_base(device, recording, options, &thresholds, &effects, base);
-    match &base.unfinished {
-        Some(end) => without_minimum(&base, end, &by_base),
-        None => by_base(&base),
-    }
+    let answer = |device: &Device, base: &Base| {
+        let by_base =
+            |base: &Base| by_base(device, recording, options, &thresholds, &effects, base);
+        match &base.unfinished {
+            Some(end) => without_minimum(base, end, &by_base),
+            None => by_base(base),
+        }
+    };
+    let Some(corrected) = Corrected::new(device, &base, recording)? else {
+        return answer(device, &base);
+    };
+    // a gap may hide below a noise that is stated too large: judged by what the recording shows of it
+    let mut found = if corrected.is_other_than(device) {
+        let base = Base::fit(&corrected.device, recording)?;
+        answer(&corrected.device, &base)?
+    } else {
+        answer(device, &base)?
+    };
+    corrected.told(&mut found, &options.without);
+    Ok(found)
 }
 
 /// The device with the compliances of a model identified earlier: they are numbers of the base model then, as

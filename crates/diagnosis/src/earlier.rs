@@ -36,9 +36,20 @@ pub(crate) struct Difference {
     pub(crate) terms: Vec<BaseTerm>,
     /// Squared whitened residual of the earlier model beyond that of the refitted one.
     pub(crate) total: f64,
+    /// Whether a term was left out on request: there is a difference that bears no name.
+    pub(crate) is_unnamed: bool,
 }
 
 impl Difference {
+    /// The difference without the terms of these names.
+    pub(crate) fn without(mut self, names: &[String]) -> Self {
+        let found = self.terms.len();
+        self.terms
+            .retain(|term| !names.iter().any(|name| name == term.name));
+        self.is_unnamed = self.terms.len() < found;
+        self
+    }
+
     /// Whether one name accounts for the difference and for the gap that is left beside it, whose squared
     /// residual is given.
     pub(crate) fn accounts_for(&self, left: f64) -> bool {
@@ -127,6 +138,7 @@ impl Earlier<'_, '_> {
             return Difference {
                 terms: vec![tool],
                 total,
+                is_unnamed: false,
             };
         }
         let links: Vec<usize> = self
@@ -160,7 +172,11 @@ impl Earlier<'_, '_> {
             }
         }
         terms.sort_by(|a, b| b.explained.total_cmp(&a.explained));
-        Difference { terms, total }
+        Difference {
+            terms,
+            total,
+            is_unnamed: false,
+        }
     }
 
     /// Another tool, where it alone explains nearly all of the difference.

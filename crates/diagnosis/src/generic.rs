@@ -104,18 +104,20 @@ pub(crate) fn free_function(
     covariate: Covariate,
     knots: usize,
 ) -> Option<Vec<Signal>> {
-    let values = covariate.values(context)?;
-    let (low, high) = inner_range(&values)?;
+    let hats = hats(&covariate.values(context)?, knots)?;
+    hats.iter().map(|hat| apply(context, place, hat)).collect()
+}
+
+/// Hat functions over `knots` equal intervals of what all but a hundredth of the values lie in.
+pub(crate) fn hats(values: &[f64], knots: usize) -> Option<Vec<Vec<f64>>> {
+    let (low, high) = inner_range(values)?;
     let width = (high - low) / knots as f64;
     let hats = (0..=knots).map(|knot| {
         let centre = low + width * knot as f64;
-        let hat: Vec<f64> = values
-            .iter()
-            .map(|value| (1.0 - ((value.clamp(low, high) - centre) / width).abs()).max(0.0))
-            .collect();
-        apply(context, place, &hat)
+        let hat = |value: &f64| (1.0 - ((value.clamp(low, high) - centre) / width).abs()).max(0.0);
+        values.iter().map(hat).collect()
     });
-    hats.collect()
+    Some(hats.collect())
 }
 
 /// The range that all but a hundredth of the values lie in.

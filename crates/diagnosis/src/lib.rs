@@ -44,15 +44,17 @@ mod statics_tests;
 mod system;
 mod tables;
 mod thresholds;
+mod too_coarse;
 mod tool;
 mod touched;
 mod touches;
 mod trim;
+mod unlisted;
 mod unseen;
 mod wrong_angles;
 
 pub use answer::{
-    CandidateAnswer, CauseAnswer, ChannelGap, Dependence, Detectable, Diagnosis, Gap,
+    Asked, CandidateAnswer, CauseAnswer, ChannelGap, Dependence, Detectable, Diagnosis, Gap,
     HeldOutAnswer, Hint, Invisible, NoiseAnswer, ParameterAnswer, Place, Prediction, Provenance,
     Trace, Untestable, Verdict,
 };

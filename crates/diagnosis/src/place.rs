@@ -1,8 +1,9 @@
 //! Where a gap lies: channel, joint, covariates and region, in words.
 
-use crate::answer::{Dependence, Place as Answer};
+use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::catalogue::{Effect, Family, Hook};
 use crate::context::{Context, Stream};
+use crate::dependence::TOLD;
 use crate::earlier::{BaseTerm, TOOL_CHANGED};
 use crate::engine::Engine;
 use crate::generic::{Covariate, Place, inner_range, score};
@@ -20,11 +21,26 @@ pub(crate) struct Located {
 impl Located {
     /// Whether a gap of postures at which nothing is touched depends on nothing that was asked.
     pub(crate) fn is_nowhere(&self) -> bool {
-        let touches = |found: &Dependence| found.column == "contact";
         let dependence = &self.answer.dependence;
-        self.answer.depends_on.is_empty()
-            && !dependence.is_empty()
-            && !dependence.iter().any(touches)
+        self.answer.depends_on.is_empty() && !dependence.is_empty() && !self.is_of_touches()
+    }
+
+    /// Whether the postures were found by touch.
+    pub(crate) fn is_of_touches(&self) -> bool {
+        let mut dependence = self.answer.dependence.iter();
+        dependence.any(|found| found.asked == Asked::Approach)
+    }
+
+    /// What the residuals depend on, surely.
+    pub(crate) fn told(&self) -> impl Iterator<Item = &Dependence> {
+        let dependence = self.answer.dependence.iter();
+        dependence.filter(|found| found.p_adjusted < TOLD)
+    }
+
+    /// With what single postures were asked.
+    pub(crate) fn with_dependence(mut self, dependence: Vec<Dependence>) -> Self {
+        self.answer.dependence = dependence;
+        self
     }
 }
 

@@ -1,6 +1,6 @@
-//! Where a gap lies that touches of points and planes show: in the tool, or in what the residuals depend on.
+//! Where a gap lies that single postures show: in the tool, or in what the residuals depend on.
 
-use crate::answer::{Dependence, Place as Answer};
+use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::catalogue::Hook;
 use crate::context::{Context, Stream};
 use crate::dependence::TOLD;
@@ -47,14 +47,20 @@ pub(crate) fn by_dependence(
     let joint = surest.and_then(|found| found.joint);
     let region = match surest {
         None if context.streams.iter().any(Stream::is_touch) => {
-            "no joint's angle or torque and no direction of approach explains it: no place can be told"
+            "no joint's angle or torque, no direction of approach and no drift explains it: no place can be told"
                 .to_owned()
         }
-        None => "no joint's angle or torque explains it, so that no place can be told: noise larger than stated \
-                 looks like this"
-            .to_owned(),
+        None => {
+            "no joint's angle, torque or direction and no drift explains it, so that no place can be told: noise \
+             larger than stated looks like this"
+                .to_owned()
+        }
         Some(found) => {
-            let place = joint.map_or("at the handle".to_owned(), |joint| format!("at joint {joint}"));
+            let place = match (joint, found.asked) {
+                (Some(joint), _) => format!("at joint {joint}"),
+                (None, Asked::Course) => "in no joint alone".to_owned(),
+                (None, _) => "at the handle".to_owned(),
+            };
             format!(
                 "{place}; it depends on {} (probability by chance {:.1e}), which explains {:.0} % of it",
                 found.on,
@@ -72,11 +78,11 @@ pub(crate) fn by_dependence(
         }
     }
     let of_joint = joint.map_or(0, |joint| joint - 1);
-    let is_torque = surest.is_some_and(|found| found.column.starts_with("torque"));
-    let covariate = if is_torque {
-        Covariate::Torque(of_joint)
-    } else {
-        Covariate::Angle(of_joint)
+    let covariate = match surest.map(|found| (found.asked, found.column.as_str())) {
+        Some((Asked::Torque, _)) => Covariate::Torque(of_joint),
+        Some((Asked::Course, "t_s")) => Covariate::Time,
+        Some((Asked::Course, "temp_degc")) => Covariate::Temperature,
+        _ => Covariate::Angle(of_joint),
     };
     Some(Located {
         answer: Answer {

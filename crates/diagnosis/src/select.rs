@@ -4,6 +4,7 @@ mod chance;
 mod earlier_laws;
 mod excess;
 mod ranking;
+mod springs;
 
 use crate::DiagnosisError;
 use crate::catalogue::{Effect, Family};
@@ -35,7 +36,7 @@ pub(crate) struct Selection {
 }
 
 /// Causes picked so far.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Grown {
     pub(crate) refit: Refit,
     pub(crate) system: System,
@@ -107,6 +108,7 @@ impl<'e, 'a> Selector<'e, 'a> {
         let mut refused = Refused::default();
         loop {
             let mut grown = self.grow(&before, &mut refused, may_stop)?;
+            self.springs(&mut grown, refused.best.as_ref())?;
             self.trim(&mut grown)?;
             let broken = self.broken_in_the_end(&grown);
             match broken.filter(|_| refused.shut.len() <= REFUSALS) {

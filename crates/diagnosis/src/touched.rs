@@ -3,7 +3,7 @@
 use haptical_calibration::Channel;
 
 use crate::DiagnosisError;
-use crate::answer::{Dependence, Verdict};
+use crate::answer::{Asked, Dependence, Verdict};
 use crate::context::Stream;
 use crate::dependence::{TOLD, dependences};
 use crate::measured::is_stated;
@@ -19,6 +19,8 @@ pub(crate) struct Touched {
     pub(crate) are_postures: bool,
     /// Of single postures at which nothing is touched: a gap that depends on no joint's angle or torque.
     is_alike: bool,
+    /// Of the same: what explains most of it is no function of a posture: the row before it, time, temperature.
+    is_by_row: bool,
     /// Asked only where no cause is named.
     pub(crate) dependence: Vec<Dependence>,
     /// Of unstated noise: its size by what the model leaves is more than a touch can have \[m\].
@@ -38,20 +40,23 @@ impl Touched {
         if context.ordered {
             return Ok(Self::default());
         }
+        let dependences = || dependences(context, &selector.engine.system);
         if !context.streams.iter().any(Stream::is_touch) {
             let dependence = match verdict {
-                Verdict::Unknown => dependences(selector)?,
+                Verdict::Unknown => dependences()?,
                 _ => Vec::new(),
             };
-            let is_told = |found: &Dependence| found.p_adjusted < TOLD;
+            let first = dependence.first().filter(|found| found.p_adjusted < TOLD);
             return Ok(Self {
-                is_alike: !dependence.is_empty() && !dependence.iter().any(is_told),
+                is_alike: !dependence.is_empty() && first.is_none(),
+                is_by_row: first
+                    .is_some_and(|found| matches!(found.asked, Asked::Course | Asked::Side)),
                 dependence,
                 ..Self::default()
             });
         }
         let dependence = match verdict {
-            Verdict::NoGap | Verdict::Unknown => dependences(selector)?,
+            Verdict::NoGap | Verdict::Unknown => dependences()?,
             Verdict::Named | Verdict::Ambiguous => Vec::new(),
         };
         let contact = context.streams.iter().filter(|stream| stream.is_touch());
@@ -71,6 +76,7 @@ impl Touched {
         Ok(Self {
             are_postures: true,
             is_alike: false,
+            is_by_row: false,
             is_rough: noise_is_unknown && touched.any(|s| engine.floor[s] > ROUGHEST_TOUCH_M),
             noise_is_unknown,
             dependence,
@@ -79,9 +85,9 @@ impl Touched {
     }
 
     /// Whether what the residuals depend on says where a gap is, rather than what free functions take up: these
-    /// find a place for noise too.
+    /// find a place for noise too, and one for a drift.
     pub(crate) fn says_where(&self) -> bool {
-        self.are_postures || self.is_alike
+        self.are_postures || self.is_alike || self.is_by_row
     }
 
     /// The verdict where no cause is named: without a stated noise a gap is what depends on the posture more

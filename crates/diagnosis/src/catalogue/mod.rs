@@ -240,6 +240,22 @@ impl dyn Effect {
         })
     }
 
+    /// Whether it cannot be tested for want of the covariate that drives it alone: what it shows on is recorded.
+    pub(crate) fn lacks_covariate(&self, context: &Context<'_>) -> bool {
+        let needs = self.needs();
+        let mut lacking = needs
+            .iter()
+            .filter(|need| missing(**need, context).is_some())
+            .peekable();
+        lacking.peek().is_some()
+            && lacking.all(|need| {
+                matches!(
+                    need,
+                    Need::Time | Need::Temperature | Need::Motion | Need::Torque(_)
+                )
+            })
+    }
+
     /// Whether another effect is of the same kind at the same place.
     pub(crate) fn is_kin_of(&self, other: &dyn Effect) -> bool {
         self.family() == other.family()

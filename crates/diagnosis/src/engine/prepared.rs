@@ -69,6 +69,25 @@ impl<'a> Prepared<'a> {
         })
     }
 
+    /// Sums over a channel's readings of their squared residuals and of their stated variances, and their number.
+    pub(crate) fn squares(&self, channel: Channel) -> Option<(f64, f64, f64)> {
+        let (mut squares, mut stated, mut count) = (0.0, 0.0, 0.0);
+        for (index, _) in (self.context.streams.iter().enumerate())
+            .filter(|(_, stream)| stream.channel == channel)
+        {
+            let pairs = self.residual[index].iter().zip(&self.problem.sd[index]);
+            for ((residual, sd), _) in pairs
+                .zip(&self.usable[index])
+                .filter(|(_, usable)| **usable)
+            {
+                squares += residual * residual;
+                stated += sd * sd;
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then_some((squares, stated, count))
+    }
+
     /// Readings that stand alone.
     pub(crate) fn outlying(&self, limit: f64) -> Vec<(Channel, usize)> {
         outlying_rows(&self.context, &self.problem, &self.residual, limit)

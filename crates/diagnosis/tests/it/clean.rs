@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use haptical_data::{JointShape, LogShape, read_log_from, write_log_to};
-use haptical_diagnosis::Verdict;
+use haptical_diagnosis::{Options, Verdict, diagnose};
 use haptical_model::Recording;
 
-use crate::arm::{Errors, Session, diagnosed, every, record, record_yielding, summary};
+use crate::arm::{Errors, Session, device, diagnosed, every, record, record_yielding, summary};
 
 fn clean(seed: u64) -> Recording {
     let session = Session {
@@ -151,4 +151,83 @@ fn outliers_are_left_out_and_counted() {
         .find(|noise| noise.channel == "out1")
         .unwrap();
     assert!((found.outlier_share - 1.0 / 40.0).abs() < 2e-3, "{found:?}");
+}
+
+/// The named findings are what `--without` leaves out, as the laws of the catalogue are.
+#[test]
+fn findings_on_the_data_are_left_out_on_request() {
+    let mut recording = record(&Session::default(), |_| Errors::default());
+    let output = recording.output[0].as_mut().unwrap();
+    for value in output.iter_mut().step_by(40) {
+        *value += 40.0 * crate::arm::OUTPUT_SD_RAD;
+    }
+    let mut noise = crate::normal::Normal::new(77);
+    for value in recording.output[2].as_mut().unwrap() {
+        *value += 3.0_f64.sqrt() * crate::arm::OUTPUT_SD_RAD * noise.next();
+    }
+    let names = |without: &[&str]| -> Vec<String> {
+        let options = Options {
+            without: without.iter().map(|name| (*name).to_owned()).collect(),
+            ..Options::default()
+        };
+        let diagnosis = diagnose(&device(), &recording, &options).unwrap();
+        let causes = diagnosis.causes.into_iter();
+        causes.map(|cause| cause.effect).collect()
+    };
+    assert_eq!(names(&[]), ["outliers", "noise-level"]);
+    assert_eq!(names(&["outliers"]), ["noise-level"]);
+    assert_eq!(names(&["noise-level"]), ["outliers"]);
+}
+
+/// A thousandth of the counts makes a noise floor below which everything would pass for noise.
+#[test]
+fn counts_that_the_log_refutes_hide_no_gap() {
+    let mut typo = device();
+    for joint in &mut typo.joints {
+        joint.encoder_counts_per_rev = Some(20.0);
+    }
+    let recording = record_yielding(&Session::default());
+    let diagnosis = diagnose(&typo, &recording, &Options::default()).unwrap();
+    let summary = summary(&diagnosis);
+    assert_eq!(diagnosis.verdict, Verdict::Named, "{summary}");
+    assert_eq!(
+        diagnosis.causes[0].effect, "capstan-compliance",
+        "{summary}"
+    );
+    let said = |text: &str| diagnosis.warnings.iter().any(|said| said.contains(text));
+    assert!(
+        said("encoder_counts_per_rev = 20 "),
+        "{:?}",
+        diagnosis.warnings
+    );
+    let level = diagnosis
+        .causes
+        .iter()
+        .find(|cause| cause.effect == "noise-level");
+    let ratio = level.unwrap().parameters["ratio"];
+    assert!(ratio.value < 0.5 && ratio.ci95[1] < 1.0, "{ratio:?}");
+}
+
+#[test]
+fn a_stated_deviation_that_is_far_too_large_is_named() {
+    let mut coarse = device();
+    coarse.cables[0].distance_sd_m = Some(100.0 * crate::arm::CABLE_SD_M);
+    let diagnosis = diagnose(&coarse, &clean(1), &Options::default()).unwrap();
+    assert_eq!(diagnosis.verdict, Verdict::NoGap, "{}", summary(&diagnosis));
+    let said = |text: &str| diagnosis.warnings.iter().any(|said| said.contains(text));
+    assert!(said("distance_sd_m"), "{:?}", diagnosis.warnings);
+    let cable = diagnosis
+        .gap
+        .channels
+        .iter()
+        .find(|gap| gap.channel == "cable")
+        .unwrap();
+    let floor = cable.noise_floor / crate::arm::CABLE_SD_M;
+    assert!(floor < 5.0, "{floor}");
+    let quiet = diagnose(&device(), &clean(1), &Options::default()).unwrap();
+    assert!(
+        quiet.causes.is_empty() && quiet.warnings.is_empty(),
+        "{:?}",
+        quiet.warnings
+    );
 }

@@ -1,0 +1,54 @@
+//! What a verdict says of the first cause beyond its own evidence: rivals that no scan could list, and how little
+//! a name is worth that explains a part of a gap only.
+
+use crate::answer::CauseAnswer;
+use crate::catalogue::Effect;
+use crate::earlier::{BaseTerm, Difference};
+use crate::rivals::Rival;
+use crate::select::{Selection, Selector};
+
+/// What explains a part of a gap that is none of the catalogue's has the probability that it is one after all.
+pub(crate) fn doubt_partial(causes: &mut [CauseAnswer], base_terms: &Difference, unknown: f64) {
+    let is_term = |cause: &CauseAnswer| {
+        let same = |term: &BaseTerm| term.name == cause.effect;
+        base_terms.terms.iter().any(same)
+    };
+    for cause in causes.iter_mut().filter(|cause| !is_term(cause)) {
+        cause.probability *= 1.0 - unknown;
+        cause.class_probability *= 1.0 - unknown;
+    }
+}
+
+/// What the first cause may be taken for although no other name refits as well: itself at another place, and
+/// effects of the same course at its place whose covariate was not recorded (a cable that creeps under a load
+/// that no torque tells drifts as a joint that follows the time).
+pub(crate) fn unlisted_rivals(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    rivals: &[Vec<Rival>],
+) -> Vec<String> {
+    let Some(cause) = selection.refit.model.causes.first() else {
+        return Vec::new();
+    };
+    let first = selector.effects[cause.effect].as_ref();
+    let mut names: Vec<String> = Vec::new();
+    let elsewhere = rivals.first().is_some_and(|list| {
+        let mut others = list.iter().skip(1);
+        others.any(|rival| {
+            rival.name == first.name() && rival.nats_behind <= selector.thresholds.confusable_nats
+        })
+    });
+    if elsewhere {
+        names.push(first.name().to_owned());
+    }
+    let context = &selector.engine.context;
+    let untried = |effect: &&Box<dyn Effect>| {
+        effect.is_kin_of(first) && effect.name() != first.name() && effect.lacks_covariate(context)
+    };
+    for effect in selector.effects.iter().filter(untried) {
+        if !names.iter().any(|name| name == effect.name()) {
+            names.push(effect.name().to_owned());
+        }
+    }
+    names
+}
