@@ -88,7 +88,11 @@ pub(crate) fn outcome(
     };
     let validation = match &sources.validate {
         None => None,
-        Some(source) => Some(read.log("validate", source, &nominal)?),
+        Some(source) => {
+            let second = read.log("validate", source, &nominal)?;
+            refuse_same_log(&read.files, second == recording, source)?;
+            Some(second)
+        }
     };
     progress.say(format!(
         "diagnosing {} joints from {} rows",
@@ -164,6 +168,29 @@ impl Read {
         self.warnings.append(&mut input.warnings);
         Ok(input.recording)
     }
+}
+
+/// Rows of the fit say nothing of rows that the fit did not see: the second log must be another one. A copy
+/// that was compressed or renamed has the `same_readings`.
+fn refuse_same_log(
+    files: &[InputFile],
+    same_readings: bool,
+    second: &Source,
+) -> Result<(), Failure> {
+    let hash = |flag: &str| {
+        let file = files.iter().find(|file| file.flag == flag);
+        file.map(|file| file.sha256.as_str())
+    };
+    if !same_readings && hash("log") != hash("validate") {
+        return Ok(());
+    }
+    Err(Failure::bad_input(
+        "same-log",
+        "the log of --validate is that of --log: the fit has seen every row of it",
+        second.path.display().to_string(),
+        "give --validate another recording of the same device, or leave it out: then blocks of the log are held \
+         back from the fit",
+    ))
 }
 
 impl DiagnoseArguments {

@@ -129,8 +129,14 @@ fn unknown(diagnosis: &Diagnosis) -> String {
         sentence.push_str(&format!("; it depends on {}", listed(&place.depends_on)));
     }
     sentence.push('.');
-    if !diagnosis.causes.is_empty() {
-        let names: Vec<String> = diagnosis.causes.iter().map(with_probability).collect();
+    let (surely, in_part): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
+        (diagnosis.causes.iter()).partition(|cause| cause.probability > 0.5);
+    if !in_part.is_empty() {
+        // no probability: the name of a part reads as a finding with it
+        let names: Vec<String> = in_part
+            .iter()
+            .map(|cause| named_at(&cause.effect, cause.joint))
+            .collect();
         let part = listed(&names);
         sentence.push_str(&match diagnosis.unexplained_share {
             share if share < NOTHING_LEFT => format!(
@@ -138,10 +144,15 @@ fn unknown(diagnosis: &Diagnosis) -> String {
                  better with it."
             ),
             share => format!(
-                " A part looks like {part}, but {} of it is left.",
+                " A part of it has the course of {part}, which is no finding: {} of it is left, and what is left is \
+                 no noise.",
                 percent(share)
             ),
         });
+    }
+    if !surely.is_empty() {
+        let names: Vec<String> = surely.into_iter().map(with_probability).collect();
+        sentence.push_str(&format!(" The data show besides: {}.", listed(&names)));
     }
     sentence
 }

@@ -203,3 +203,17 @@ fn an_unknown_flag_is_refused() {
         &["unexpected argument '--method'"],
     );
 }
+
+#[test]
+fn a_log_does_not_validate_itself() {
+    let sandbox = Sandbox::new();
+    let log = std::fs::read(sandbox.path("log.csv")).unwrap();
+    sandbox.write("copy.csv", &log);
+    // other bytes, the same readings
+    sandbox.write("ends.csv", text(&log).replace('\n', "\r\n"));
+    for name in ["log.csv", "copy.csv", "ends.csv"] {
+        let place = format!("where: {name}");
+        let wanted = ["the fit has seen every row", &place, "another recording"];
+        refused(&sandbox, &["--validate", name], 2, &wanted);
+    }
+}
