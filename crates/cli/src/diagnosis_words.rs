@@ -62,13 +62,19 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
             diagnosis.provenance.tested
         ),
         (Verdict::Named, Some(_)) => {
-            let names: Vec<String> = causes.iter().map(with_probability).collect();
-            let verb = if causes.len() == 1 {
+            let (of_data, of_device): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
+                causes.iter().partition(|cause| is_of_data(cause));
+            let names: Vec<String> = of_device.into_iter().map(with_probability).collect();
+            let verb = if names.len() == 1 {
                 "explains"
             } else {
                 "explain"
             };
-            format!("{} {verb} the gap.", listed(&names))
+            let besides = match of_data.is_empty() {
+                true => String::new(),
+                false => format!(" {}", besides(&of_data)),
+            };
+            format!("{} {verb} the gap.{besides}", listed(&names))
         }
         (Verdict::Ambiguous, Some(first)) => ambiguous(diagnosis, first),
         _ => unknown(diagnosis),
@@ -85,13 +91,24 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     sentence
 }
 
+/// Whether a finding is one on the data: it explains no gap.
+fn is_of_data(cause: &CauseAnswer) -> bool {
+    ["noise-level", "outliers"].contains(&cause.effect.as_str())
+}
+
+fn besides(causes: &[&CauseAnswer]) -> String {
+    let names: Vec<String> = causes.iter().map(|cause| with_probability(cause)).collect();
+    format!("The data show besides: {}.", listed(&names))
+}
+
 fn with_probability(cause: &CauseAnswer) -> String {
     let name = named_at(&cause.effect, cause.joint);
     format!("{name} (probability {})", probability(cause.probability))
 }
 
 fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
-    let others = &diagnosis.causes[1..];
+    let others = diagnosis.causes[1..].iter();
+    let others: Vec<&CauseAnswer> = others.filter(|cause| !is_of_data(cause)).collect();
     let mut sentence = if first.confusable_with.is_empty() {
         let first = with_probability(first);
         format!("{first} is the likeliest cause, but not a sure one.")
@@ -103,7 +120,7 @@ fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
         )
     };
     if !others.is_empty() {
-        let names: Vec<String> = others.iter().map(with_probability).collect();
+        let names: Vec<String> = others.into_iter().map(with_probability).collect();
         sentence.push_str(&format!(" Beside it: {}.", listed(&names)));
     }
     sentence
@@ -151,8 +168,7 @@ fn unknown(diagnosis: &Diagnosis) -> String {
         });
     }
     if !surely.is_empty() {
-        let names: Vec<String> = surely.into_iter().map(with_probability).collect();
-        sentence.push_str(&format!(" The data show besides: {}.", listed(&names)));
+        sentence.push_str(&format!(" {}", besides(&surely)));
     }
     sentence
 }
@@ -293,6 +309,35 @@ fn joined(names: &[String], word: &str) -> String {
 mod tests {
     use super::*;
     use crate::example_diagnosis::{named, no_gap, unknown as unknown_example};
+
+    #[test]
+    fn what_explains_a_part_reads_as_no_finding() {
+        let mut diagnosis = unknown_example();
+        let mut part = named().causes.remove(0);
+        part.probability = 0.05;
+        diagnosis.causes = vec![part];
+        diagnosis.unexplained_share = 0.62;
+        let said = verdict_sentence(&diagnosis);
+        assert!(
+            said.contains("which is no finding: 62 % of it is left"),
+            "{said}"
+        );
+        assert!(!said.contains("probability"), "{said}");
+    }
+
+    #[test]
+    fn findings_on_the_data_explain_no_gap() {
+        let mut diagnosis = named();
+        let mut level = diagnosis.causes[0].clone();
+        "noise-level".clone_into(&mut level.effect);
+        diagnosis.causes.push(level);
+        let said = verdict_sentence(&diagnosis);
+        let (gap, besides) = said.split_once("explains the gap.").unwrap();
+        assert!(
+            !gap.contains("noise-level") && besides.contains("noise-level"),
+            "{said}"
+        );
+    }
 
     #[test]
     fn a_named_verdict_says_what_how_sure_and_how_much() {

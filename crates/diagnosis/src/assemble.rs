@@ -6,7 +6,7 @@ use haptical_model::{Device, Recording};
 use crate::adequacy::{Adequacy, adequacy};
 use crate::advice::{next_experiment, of_tool};
 use crate::answer::{
-    CandidateAnswer, CauseAnswer, Diagnosis, Gap, HeldOutAnswer, Provenance, Verdict,
+    CandidateAnswer, CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoiseAnswer, Provenance, Verdict,
 };
 use crate::base::Base;
 use crate::causes::{base_term, cause_answer, force_findings, noise_findings};
@@ -14,14 +14,14 @@ use crate::context::Stream;
 use crate::earlier::{Difference, difference};
 use crate::engine::Engine;
 use crate::force::answer::ForceAnswer;
-use crate::place::{locate, of_base_term};
+use crate::place::{Located, locate, of_base_term};
 use crate::place_touched::by_dependence;
 use crate::rivals::{Rival, settle};
 use crate::select::{Selection, Selector, excess};
 use crate::shrink::{Shrink, model_residual, on_held_back, on_second};
 use crate::tables::{channel_gaps, noise, torque_gaps, traces, untestable};
 use crate::touched::Touched;
-use crate::unlisted::{doubt_partial, unlisted_rivals};
+use crate::unlisted::hedged;
 use crate::unseen::{hints, unseen};
 use crate::wrong_angles::torque_nm;
 use crate::{DiagnosisError, Options};
@@ -76,44 +76,30 @@ pub(crate) fn assemble(
         let p = selector.thresholds.family_wise_p;
         verdict = touches.verdict(verdict, is_quiet, !causes.is_empty(), p);
     }
-    match (verdict, causes.first_mut()) {
-        (Verdict::Unknown, _) => {
-            let unknown = adequacy.probability_unknown(verdict);
-            doubt_partial(&mut causes, &base_terms, unknown);
-        }
-        (Verdict::Ambiguous, Some(first)) if first.confusable_with.is_empty() => {
-            first.confusable_with = unlisted_rivals(selector, selection, &rivals);
-            // nothing that it could be taken for: a weak gap lowers its probability, which is told
-            if first.confusable_with.is_empty() {
-                verdict = Verdict::Named;
-            }
-        }
-        _ => {}
-    }
+    verdict = hedged(
+        selector,
+        selection,
+        &rivals,
+        (verdict, adequacy.probability_unknown(verdict)),
+        &base_terms,
+        &mut causes,
+    );
     let on_forces = force_findings(&force);
     verdict = with_forces(selector, verdict, on_forces.first());
     causes.extend(on_forces);
-    let is_adequate = adequacy.is_adequate;
-    let located = match verdict {
-        Verdict::NoGap => None,
-        Verdict::Unknown if touches.says_where() => {
-            by_dependence(&engine.context, selection, touches.dependence)
-        }
-        Verdict::Unknown => locate(selector, selection, is_adequate)
-            .map(|located| located.with_dependence(touches.dependence)),
-        Verdict::Named | Verdict::Ambiguous => match base_terms.terms.first() {
-            Some(term) => of_base_term(engine, term),
-            None => locate(selector, selection, is_adequate),
-        },
-    };
+    let unstated = touches.unstated.clone();
+    let located = located(
+        selector,
+        selection,
+        (verdict, adequacy.is_adequate),
+        touches,
+        &base_terms,
+    );
     let noise = noise(selector, inputs.gone);
     let streams = engine.context.streams.iter();
     let joints: Vec<Option<usize>> = streams.map(Stream::joint).collect();
-    // next to a gap, what its effect leaves in fast motion would pass for noise
     if causes.is_empty() {
-        let left_out = |finding: &CauseAnswer| inputs.options.without.contains(&finding.effect);
-        let findings = noise_findings(&noise, &joints);
-        causes.extend(findings.into_iter().filter(|finding| !left_out(finding)));
+        causes = on_the_data(&noise, &joints, &inputs.options.without);
     }
     let before = earlier_residual.as_ref().unwrap_or(&engine.start.residual);
     let (detectable, invisible) = unseen(selector, inputs.in_base);
@@ -123,7 +109,7 @@ pub(crate) fn assemble(
         .first()
         .map_or(&[][..], |cause| &cause.confusable_with);
     let fitted = engine.problem.device_with(&engine.start.model.values);
-    let mut warnings = warnings(&shrink, &causes, touches.unstated);
+    let mut warnings = warnings(&shrink, &causes, unstated);
     warnings.extend(far_from_nominal(engine, inputs.nominal, &fitted));
     Ok(Diagnosis {
         verdict,
@@ -140,12 +126,7 @@ pub(crate) fn assemble(
         },
         traces: traces(selector, selection, before, located.as_ref()),
         place: located.map(|located| located.answer),
-        unexplained_share: match verdict {
-            Verdict::NoGap => 0.0,
-            // of touches whose noise is what is left, the excess over noise says nothing
-            Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
-            _ => adequacy.unexplained,
-        },
+        unexplained_share: unexplained_share(engine, verdict, &adequacy, causes.is_empty()),
         probability_unknown: adequacy.probability_unknown(verdict),
         causes,
         untestable: untestable(selector, &force.untestable),
@@ -163,6 +144,55 @@ pub(crate) fn assemble(
         device: fitted,
         predictions: shrink.predictions,
     })
+}
+
+/// Where a gap lies.
+fn located(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    (verdict, is_adequate): (Verdict, bool),
+    touches: Touched,
+    base_terms: &Difference,
+) -> Option<Located> {
+    let engine = selector.engine;
+    match verdict {
+        Verdict::NoGap => None,
+        Verdict::Unknown if touches.says_where() => {
+            by_dependence(&engine.context, selection, touches.dependence)
+        }
+        Verdict::Unknown => locate(selector, selection, is_adequate)
+            .map(|located| located.with_dependence(touches.dependence)),
+        Verdict::Named | Verdict::Ambiguous => match base_terms.terms.first() {
+            Some(term) => of_base_term(engine, term),
+            None => locate(selector, selection, is_adequate),
+        },
+    }
+}
+
+/// Findings on the data but those left out on request. Next to a gap none is told: what its effect leaves in fast
+/// motion would pass for noise.
+fn on_the_data(
+    noise: &[NoiseAnswer],
+    joints: &[Option<usize>],
+    without: &[String],
+) -> Vec<CauseAnswer> {
+    let mut findings = noise_findings(noise, joints);
+    findings.retain(|finding| !without.contains(&finding.effect));
+    findings
+}
+
+fn unexplained_share(
+    engine: &Engine<'_>,
+    verdict: Verdict,
+    adequacy: &Adequacy,
+    no_cause: bool,
+) -> f64 {
+    match verdict {
+        Verdict::NoGap => 0.0,
+        // of touches whose noise is what is left, the excess over noise says nothing
+        Verdict::Unknown if engine.is_noise_unknown() && no_cause => 1.0,
+        _ => adequacy.unexplained,
+    }
 }
 
 fn warnings(shrink: &Shrink, causes: &[CauseAnswer], unstated: Option<String>) -> Vec<String> {

@@ -13,8 +13,8 @@ use crate::causes::noise_level;
 use crate::engine::Prepared;
 use crate::measured::is_stated;
 
-/// A residual below this share of the stated noise refutes it: of 30 degrees of freedom chance gives a third of the
-/// variance once in 10^5 recordings, and a quarter less often still.
+/// A residual below this share of the stated noise refutes it: of 30 degrees of freedom chance leaves a quarter of
+/// the variance once in 10^5 recordings.
 const REFUTED: f64 = 0.5;
 /// Degrees of freedom from which a residual says so.
 const ENOUGH: f64 = 30.0;
@@ -85,8 +85,13 @@ impl Corrected {
     pub(crate) fn told(&self, answer: &mut Diagnosis, without: &[String]) {
         answer.warnings.splice(0..0, self.warnings.iter().cloned());
         for channel in &self.refuted {
-            let ratio = channel.left / channel.stated;
             let name = channel.channel.name();
+            // what is left may hold a gap: the noise is what the diagnosis found it to be
+            let mut gaps = answer.gap.channels.iter();
+            let noise = gaps
+                .find(|gap| gap.channel == name)
+                .map(|gap| gap.noise_floor);
+            let ratio = noise.unwrap_or(channel.left).min(channel.stated) / channel.stated;
             let joint = match channel.channel {
                 Channel::Output { joint } => Some(joint),
                 _ => None,
@@ -94,7 +99,7 @@ impl Corrected {
             for noise in &mut answer.noise {
                 if noise.channel.split('.').next() == Some(name.as_str()) {
                     noise.ratio = ratio;
-                    "what the model leaves, far below the device file".clone_into(&mut noise.from);
+                    "the log, far below the device file".clone_into(&mut noise.from);
                 }
             }
             let finding: CauseAnswer = noise_level(joint, ratio, 0.1 * ratio);

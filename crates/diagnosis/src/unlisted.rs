@@ -1,14 +1,34 @@
 //! What a verdict says of the first cause beyond its own evidence: rivals that no scan could list, and how little
 //! a name is worth that explains a part of a gap only.
 
-use crate::answer::CauseAnswer;
+use crate::answer::{CauseAnswer, Verdict};
 use crate::catalogue::Effect;
 use crate::earlier::{BaseTerm, Difference};
 use crate::rivals::Rival;
 use crate::select::{Selection, Selector};
 
+/// The verdict once the first cause has the rivals and the probability that belong to it; `unknown` is that no
+/// effect of the catalogue is the cause.
+pub(crate) fn hedged(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    rivals: &[Vec<Rival>],
+    (verdict, unknown): (Verdict, f64),
+    base_terms: &Difference,
+    causes: &mut [CauseAnswer],
+) -> Verdict {
+    match verdict {
+        Verdict::Unknown => {
+            doubt_partial(causes, base_terms, unknown);
+            verdict
+        }
+        Verdict::Ambiguous => with_rivals(selector, selection, rivals, causes),
+        Verdict::NoGap | Verdict::Named => verdict,
+    }
+}
+
 /// What explains a part of a gap that is none of the catalogue's has the probability that it is one after all.
-pub(crate) fn doubt_partial(causes: &mut [CauseAnswer], base_terms: &Difference, unknown: f64) {
+fn doubt_partial(causes: &mut [CauseAnswer], base_terms: &Difference, unknown: f64) {
     let is_term = |cause: &CauseAnswer| {
         let same = |term: &BaseTerm| term.name == cause.effect;
         base_terms.terms.iter().any(same)
@@ -19,10 +39,30 @@ pub(crate) fn doubt_partial(causes: &mut [CauseAnswer], base_terms: &Difference,
     }
 }
 
+/// The verdict on a first cause that is not sure: its rivals are completed. Where there is nothing that it could be
+/// taken for, a weak gap alone lowers its probability, which is told.
+fn with_rivals(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    rivals: &[Vec<Rival>],
+    causes: &mut [CauseAnswer],
+) -> Verdict {
+    let Some(first) = causes.first_mut() else {
+        return Verdict::Ambiguous;
+    };
+    if first.confusable_with.is_empty() {
+        first.confusable_with = unlisted_rivals(selector, selection, rivals);
+    }
+    match first.confusable_with.is_empty() {
+        true => Verdict::Named,
+        false => Verdict::Ambiguous,
+    }
+}
+
 /// What the first cause may be taken for although no other name refits as well: itself at another place, and
 /// effects of the same course at its place whose covariate was not recorded (a cable that creeps under a load
 /// that no torque tells drifts as a joint that follows the time).
-pub(crate) fn unlisted_rivals(
+fn unlisted_rivals(
     selector: &Selector<'_, '_>,
     selection: &Selection,
     rivals: &[Vec<Rival>],
@@ -42,11 +82,11 @@ pub(crate) fn unlisted_rivals(
         names.push(first.name().to_owned());
     }
     let context = &selector.engine.context;
-    let untried = |effect: &&Box<dyn Effect>| {
+    let untried = |effect: &(dyn Effect + 'static)| {
         effect.is_kin_of(first) && effect.name() != first.name() && effect.lacks_covariate(context)
     };
-    for effect in selector.effects.iter().filter(untried) {
-        if !names.iter().any(|name| name == effect.name()) {
+    for effect in selector.effects.iter().map(AsRef::as_ref) {
+        if untried(effect) && !names.iter().any(|name| name == effect.name()) {
             names.push(effect.name().to_owned());
         }
     }
