@@ -1,6 +1,8 @@
 //! A diagnosis in sentences: verdict, place, causes, what to do next.
 
-use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer, Verdict};
+use haptical_diagnosis::{
+    CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer, IN_NO_CATALOGUE, Verdict,
+};
 use haptical_report::Tone;
 
 use crate::effect_words::effect_words;
@@ -109,21 +111,28 @@ fn with_probability(cause: &CauseAnswer) -> String {
 fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
     let others = diagnosis.causes[1..].iter();
     let others: Vec<&CauseAnswer> = others.filter(|cause| !is_of_data(cause)).collect();
-    let mut sentence = if first.confusable_with.is_empty() {
-        let first = with_probability(first);
-        format!("{first} is the likeliest cause, but not a sure one.")
-    } else {
-        let rivals = listed_or(&first.confusable_with);
-        format!(
-            "The data cannot tell {} from {rivals}.",
-            with_probability(first)
-        )
-    };
+    let rivals: Vec<String> = rivals(first).collect();
+    let mut sentence = format!(
+        "The data cannot tell {} from {}.",
+        with_probability(first),
+        listed_or(&rivals)
+    );
     if !others.is_empty() {
         let names: Vec<String> = others.into_iter().map(with_probability).collect();
         sentence.push_str(&format!(" Beside it: {}.", listed(&names)));
     }
     sentence
+}
+
+/// What a cause cannot be told from, in words.
+pub(crate) fn rivals(cause: &CauseAnswer) -> impl Iterator<Item = String> {
+    cause
+        .confusable_with
+        .iter()
+        .map(|name| match name.as_str() {
+            IN_NO_CATALOGUE => "an effect in no catalogue".to_owned(),
+            known => known.to_owned(),
+        })
 }
 
 /// Unexplained share that is told as none.

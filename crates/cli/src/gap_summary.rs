@@ -7,7 +7,7 @@ use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis, Verdict};
 
 use crate::diagnosis_words::{
     held_out_sizes, listed, named_at, next_step, parameters, percent, place_sentence, probability,
-    reduction, verdict_mark, verdict_sentence,
+    reduction, rivals, verdict_mark, verdict_sentence,
 };
 use crate::units::Shown;
 
@@ -107,7 +107,8 @@ fn causes(text: &mut String, causes: &[CauseAnswer]) {
             parameters(cause)
         );
         if !cause.confusable_with.is_empty() {
-            let _ = write!(said, "; not told from {}", listed(&cause.confusable_with));
+            let rivals: Vec<String> = rivals(cause).collect();
+            let _ = write!(said, "; not told from {}", listed(&rivals));
         }
         if !cause.plausible {
             said.push_str("; not a size that a sound device has");

@@ -4,6 +4,7 @@ use crate::answer::{Asked, Verdict};
 use crate::catalogue::{Effect, Family};
 use crate::generic::Covariate;
 use crate::place::Located;
+use crate::unlisted::IN_NO_CATALOGUE;
 
 /// The next experiment in words; none where there is no gap.
 pub(crate) fn next_experiment(
@@ -78,7 +79,11 @@ fn at(joint: usize) -> String {
 
 /// The cheapest experiment that separates what is confused.
 fn separate(first: Option<&dyn Effect>, confused_with: &[String]) -> String {
-    let names = confused_with.join(", ");
+    let names = confused_with.iter().map(|name| match name.as_str() {
+        IN_NO_CATALOGUE => "an effect in no catalogue",
+        known => known,
+    });
+    let names = names.collect::<Vec<_>>().join(", ");
     let Some(first) = first else {
         return "repeat the recording with a wider range and different speeds".to_owned();
     };

@@ -63,3 +63,4 @@ pub use diagnose::{diagnose, effect_names, plausible_range};
 pub use error::DiagnosisError;
 pub use options::Options;
 pub use shrink::BOOTSTRAP_SEED;
+pub use unlisted::IN_NO_CATALOGUE;

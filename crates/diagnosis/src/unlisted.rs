@@ -7,6 +7,9 @@ use crate::earlier::{BaseTerm, Difference};
 use crate::rivals::Rival;
 use crate::select::{Selection, Selector};
 
+/// Among what a cause may be taken for: an effect that is in no catalogue.
+pub const IN_NO_CATALOGUE: &str = "unknown";
+
 /// The verdict once the first cause has the rivals and the probability that belong to it; `unknown` is that no
 /// effect of the catalogue is the cause.
 pub(crate) fn hedged(
@@ -39,8 +42,8 @@ fn doubt_partial(causes: &mut [CauseAnswer], base_terms: &Difference, unknown: f
     }
 }
 
-/// The verdict on a first cause that is not sure: its rivals are completed. Where there is nothing that it could be
-/// taken for, a weak gap alone lowers its probability, which is told.
+/// The verdict on a first cause that is not sure: its rivals are completed. Where no effect of the catalogue is one,
+/// the weak gap may be that of an effect in no catalogue.
 fn with_rivals(
     selector: &Selector<'_, '_>,
     selection: &Selection,
@@ -53,10 +56,10 @@ fn with_rivals(
     if first.confusable_with.is_empty() {
         first.confusable_with = unlisted_rivals(selector, selection, rivals);
     }
-    match first.confusable_with.is_empty() {
-        true => Verdict::Named,
-        false => Verdict::Ambiguous,
+    if first.confusable_with.is_empty() {
+        first.confusable_with.push(IN_NO_CATALOGUE.to_owned());
     }
+    Verdict::Ambiguous
 }
 
 /// What the first cause may be taken for although no other name refits as well: itself at another place, and

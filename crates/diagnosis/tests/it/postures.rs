@@ -303,7 +303,7 @@ fn joints_that_yield_together_keep_their_own_stiffness() {
     }
 }
 
-/// A first cause that is not sure has rivals; one without rivals is named, with its probability.
+/// A first cause that is not sure has rivals, an effect in no catalogue among them.
 #[test]
 fn what_is_ambiguous_says_what_it_is_confused_with() {
     let recording = timed(recorded_with(1, POSITION_SD_M, |posture, link| {
