@@ -3,6 +3,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::joint_fit::parameters_paid_by;
+use crate::warnings::is_pair;
 use crate::{ChannelReport, FittedDevice};
 
 /// Residual over noise floor beyond which more than noise is left.
@@ -29,7 +30,8 @@ pub(crate) fn sentences(
     judged: &[ChannelReport],
 ) -> Vec<String> {
     let mut sentences = Vec::new();
-    for report in judged {
+    // a pair is a single reading, of which `warnings` has its own sentence
+    for report in judged.iter().filter(|report| !is_pair(report)) {
         let own = seen.iter().find(|own| own.channel == report.channel);
         let paid = paid_by(fitted, &report.channel);
         let freedom = own.map_or(0.0, |own| own.readings as f64 - paid);

@@ -31,6 +31,7 @@ mod loads;
 mod measurement;
 mod merged;
 mod mistakes;
+mod mobility;
 mod multi_start;
 mod open_direction;
 mod options;

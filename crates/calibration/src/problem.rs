@@ -7,14 +7,18 @@ use haptical_model::{Device, ModelError, ParameterId, Recording};
 
 use crate::distances::Distances;
 use crate::error_rows::outputs_in_bulk;
+use crate::fit::wrap;
 use crate::loads::Loads;
 use crate::measurement::subject;
 use crate::outputs::Outputs;
 use crate::sink::Sink;
-use crate::{CalibrationError, Channel, Weights};
+use crate::{CalibrationError, Channel, Weights, scale};
 
 /// Residuals (model minus measurement, over standard deviation) of chosen channels as functions of
 /// chosen parameters.
+///
+/// Where known distances between touched points are all that tells of lengths, residuals of touches are those over
+/// the device's mobility, in units of what it is at the start (docs/equations.md, Touched points).
 #[derive(Debug)]
 pub struct DeviceProblem<'a> {
     pub(crate) device: &'a Device,
@@ -28,6 +32,8 @@ pub struct DeviceProblem<'a> {
     pub(crate) outputs: Option<Vec<f64>>,
     /// Torques that compliant joints yield to.
     pub(crate) loads: Option<Loads>,
+    /// Logarithm of the device's mobility, where touches are measured in it.
+    pub(crate) own_mobility: Option<f64>,
 }
 
 /// The residuals of one channel: consecutive, in row order.
@@ -73,7 +79,7 @@ impl<'a> DeviceProblem<'a> {
         }
         let sees_chain = channels.iter().any(|channel| channel.sees_chain());
         let outputs = fixed_outputs(device, recording, parameters, sees_chain)?;
-        Ok(Self {
+        let mut problem = Self {
             device,
             recording,
             parameters,
@@ -82,7 +88,33 @@ impl<'a> DeviceProblem<'a> {
             sees_chain,
             outputs,
             loads: Loads::new(device, recording)?,
-        })
+            own_mobility: None,
+        };
+        if scale::is_told_by_pairs(device, channels) {
+            problem.measure_in_mobility()?;
+        }
+        Ok(problem)
+    }
+
+    /// The same problem with its touches measured in units of how far the handle moves with the joints, where known
+    /// distances at most, and no other measurement, tell of lengths: residuals then do not shrink with the device.
+    ///
+    /// Where a distance is known this is so without being asked (docs/equations.md, Touched points).
+    ///
+    /// # Errors
+    /// [`CalibrationError::Identification`] where the device has no value at a touch.
+    pub fn with_touches_in_mobility(mut self) -> Result<Self, CalibrationError> {
+        let channels: Vec<Channel> = self.channels().collect();
+        if scale::are_touches_without_length(self.device, &channels) {
+            self.measure_in_mobility()?;
+        }
+        Ok(self)
+    }
+
+    fn measure_in_mobility(&mut self) -> Result<(), CalibrationError> {
+        let own = self.log_of_own_mobility();
+        self.own_mobility = own.map_err(|source| wrap("touches", source))?;
+        Ok(())
     }
 
     /// The same for one channel whose readings all weigh the same, for the forms in lanes, without a look
@@ -116,6 +148,7 @@ impl<'a> DeviceProblem<'a> {
             sees_chain,
             outputs,
             loads: None,
+            own_mobility: None,
         })
     }
 

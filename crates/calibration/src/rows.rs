@@ -7,6 +7,7 @@ use haptical_model::{Device, Evaluation, ModelError};
 use rayon::prelude::*;
 
 use crate::measurement::{Measurement, Posture, with_kind};
+use crate::mobility::{Mobility, is_touch};
 use crate::problem::Block;
 use crate::sink::{Place, Sink};
 use crate::{Channel, DeviceProblem};
@@ -31,24 +32,26 @@ impl DeviceProblem<'_> {
         mut sink: Sink<'_>,
     ) -> Result<(), IdentificationError> {
         let device = self.device_with(values);
+        let mobility = self.mobility(&device, !matches!(sink, Sink::None))?;
+        let device = (&device, mobility.as_ref());
         let rows = self.recording.len();
         if rows > ROWS_AT_ONCE {
             match &mut sink {
-                Sink::None => return self.run_in_parallel(&device, residuals, None),
+                Sink::None => return self.run_in_parallel(device, residuals, None),
                 Sink::Dense(free, matrix) => {
-                    return self.run_in_parallel(&device, residuals, Some((free, matrix)));
+                    return self.run_in_parallel(device, residuals, Some((free, matrix)));
                 }
                 Sink::Sparse(..) | Sink::Triangles(_) => {}
             }
         }
         let firsts: Vec<usize> = self.blocks.iter().map(|block| block.first).collect();
-        self.run_rows(&device, 0..rows, &firsts, residuals, &mut sink)
+        self.run_rows(device, 0..rows, &firsts, residuals, &mut sink)
     }
 
     /// All rows, some at a time; each is worked out as it is alone.
     fn run_in_parallel(
         &self,
-        device: &Device,
+        device: (&Device, Option<&Mobility>),
         residuals: &mut [f64],
         mut jacobian: Option<(&[usize], &mut Matrix)>,
     ) -> Result<(), IdentificationError> {
@@ -96,7 +99,7 @@ impl DeviceProblem<'_> {
     /// Rows of the recording, each block's residuals written from its entry of `firsts` on.
     fn run_rows(
         &self,
-        device: &Device,
+        (device, mobility): (&Device, Option<&Mobility>),
         rows: Range<usize>,
         firsts: &[usize],
         residuals: &mut [f64],
@@ -111,23 +114,8 @@ impl DeviceProblem<'_> {
             .collect();
         let mut cursors = begins.clone();
         for row in rows {
-            for (reading, column) in readings.iter_mut().zip(&self.recording.joint) {
-                *reading = column[row];
-            }
-            if let Some(loads) = &self.loads {
-                evaluation.set_torques(loads.at(row));
-            }
-            if self.sees_chain {
-                match &self.outputs {
-                    Some(outputs) => {
-                        let first = row * readings.len();
-                        evaluation.move_outputs(&outputs[first..first + readings.len()])
-                    }
-                    None if matches!(sink, Sink::None) => evaluation.move_pose_to(&readings),
-                    None => evaluation.move_to(&readings),
-                }
-                .map_err(|error| self.at_row(row, &error))?;
-            }
+            let derivatives = !matches!(sink, Sink::None);
+            self.move_to_row(&mut evaluation, &mut readings, row, derivatives)?;
             for (position, (block, cursor)) in self.blocks.iter().zip(&mut cursors).enumerate() {
                 if block.rows.get(*cursor) != Some(&row) {
                     continue;
@@ -147,7 +135,7 @@ impl DeviceProblem<'_> {
                     row,
                     subject: block.subjects.get(*cursor).copied().unwrap_or(0),
                 };
-                self.residual(&place, device, &evaluation, residuals, sink)
+                self.residual(&place, (device, mobility), &evaluation, residuals, sink)
                     .map_err(|error| self.at_row(row, &error))?;
                 *cursor += 1;
             }
@@ -155,10 +143,38 @@ impl DeviceProblem<'_> {
         Ok(())
     }
 
+    /// Moves to a row of the recording; without `derivatives`, outputs and pose alone are those of the row.
+    pub(crate) fn move_to_row(
+        &self,
+        evaluation: &mut Evaluation<'_>,
+        readings: &mut [f64],
+        row: usize,
+        derivatives: bool,
+    ) -> Result<(), IdentificationError> {
+        for (reading, column) in readings.iter_mut().zip(&self.recording.joint) {
+            *reading = column[row];
+        }
+        if let Some(loads) = &self.loads {
+            evaluation.set_torques(loads.at(row));
+        }
+        if !self.sees_chain {
+            return Ok(());
+        }
+        let moved = match &self.outputs {
+            Some(outputs) => {
+                let first = row * readings.len();
+                evaluation.move_outputs(&outputs[first..first + readings.len()])
+            }
+            None if derivatives => evaluation.move_to(readings),
+            None => evaluation.move_pose_to(readings),
+        };
+        moved.map_err(|error| self.at_row(row, &error))
+    }
+
     fn residual(
         &self,
         place: &Place,
-        device: &Device,
+        (device, mobility): (&Device, Option<&Mobility>),
         evaluation: &Evaluation<'_>,
         residuals: &mut [f64],
         sink: &mut Sink<'_>,
@@ -172,10 +188,14 @@ impl DeviceProblem<'_> {
         };
         with_kind!(place.channel, kind => {
             let (values, seen) = kind.see(&at, place.weight)?;
+            let mobility = mobility.filter(|_| is_touch(place.channel));
+            let values = mobility.map_or(values, |mobility| mobility.residuals(values));
             let width = place.channel.width();
             residuals[place.index..][..width].copy_from_slice(&values[..width]);
             sink.put(self.parameters, place, residuals, |parameter| {
-                Ok(kind.derivative(&seen, &at, parameter))
+                let own = kind.derivative(&seen, &at, parameter);
+                let scaled = |of: &Mobility| of.derivatives(own, values, parameter);
+                Ok(mobility.map_or(own, scaled))
             })
         })
     }

@@ -10,6 +10,7 @@ use haptical_model::{
 };
 
 use crate::form::Prepared;
+use crate::mobility::is_touch;
 use crate::{
     Channel, DeviceProblem, ParameterFit, Weights, candidate_parameters, parameter_infos,
     preference_order,
@@ -121,20 +122,34 @@ fn judged(
 
 /// Whether touches are all that tells of lengths.
 pub(crate) fn is_open(device: &Device, channels: &[Channel]) -> bool {
+    are_touches_without_length(device, channels) && !channels.iter().any(is_pair)
+}
+
+/// Whether touches, and the known distances between what is touched, are all that tells of lengths.
+pub(crate) fn is_told_by_pairs(device: &Device, channels: &[Channel]) -> bool {
+    are_touches_without_length(device, channels) && channels.iter().any(is_pair)
+}
+
+fn is_pair(channel: &Channel) -> bool {
+    matches!(channel, Channel::ContactPair { .. })
+}
+
+/// Whether something was touched, and nothing but pairs of what was touched has a length of its own.
+pub(crate) fn are_touches_without_length(device: &Device, channels: &[Channel]) -> bool {
     let is_metric = |channel: &Channel| match channel {
         Channel::Cable { index } => device
             .cables
             .get(*index)
             .is_none_or(|cable| !cable.fit.scale),
-        Channel::Position | Channel::ContactPair { .. } => true,
+        Channel::Position => true,
         _ => false,
     };
-    let touches = |channel: &Channel| matches!(channel, Channel::Contact | Channel::Plane);
     let slides = device
         .joints
         .iter()
         .any(|joint| joint.joint_type == JointType::Prismatic);
-    !slides && !channels.iter().any(is_metric) && channels.iter().any(touches)
+    let is_touched = channels.iter().any(|channel| is_touch(*channel));
+    !slides && !channels.iter().any(is_metric) && is_touched
 }
 
 /// Change of a parameter with the device's size, per share: a length's own, with that of the constant origin

@@ -156,6 +156,39 @@ pub(crate) fn of_wild_held_out(count: usize) -> String {
     )
 }
 
+/// Residual of a pair, over its standard deviation, beyond which the pair is not what the rig says.
+const PAIR_IS_OFF: f64 = 3.0;
+
+/// Known distances and angles between touched things that the fit contradicts.
+fn of_pairs(seen: &[ChannelReport]) -> Vec<String> {
+    let pairs = seen.iter().filter(|report| is_pair(report));
+    pairs
+        .filter_map(|report| {
+            let off = *report.after.first()?;
+            let sds = off.abs() / report.noise_floor;
+            let off = 1e3 * off;
+            let what = match report.unit.as_str() {
+                "m" => format!("the fitted points' distance is {off:+.3} mm from the stated one"),
+                _ => format!("the fitted planes' angle is {off:+.3} mrad from the stated one"),
+            };
+            (sds > PAIR_IS_OFF).then(|| {
+                format!(
+                    "{}: {what}, {sds:.1} of its standard deviations: check the stated value and its sd, which two it \
+                     names, and whether lengths of the device file are wrong by centimetres",
+                    report.channel
+                )
+            })
+        })
+        .collect()
+}
+
+/// Whether a channel is one reading of the whole recording, about two things that were touched.
+pub(crate) fn is_pair(report: &ChannelReport) -> bool {
+    ["contact-pair", "plane-pair"]
+        .iter()
+        .any(|name| report.channel.starts_with(name))
+}
+
 /// What a result has that no good result has: by the rows of the fit, and by those that it is judged on.
 pub(crate) fn of_result(
     nominal: &Device,
@@ -209,6 +242,7 @@ pub(crate) fn of_result(
     warnings.extend(implausible_sentence(fits.iter().flat_map(|fit| {
         implausible(nominal, &fit.device, &fit.parameters, &fit.fitted)
     })));
+    warnings.extend(of_pairs(seen));
     warnings.extend(above_floor::sentences(fitted, seen, channels));
     warnings.extend(above_floor::sentences_of_too_little(fitted, seen));
     warnings

@@ -47,11 +47,14 @@ impl Measurement for Contact {
     }
 
     fn sees(&self, parameter: ParameterId) -> bool {
-        let is_point = matches!(
+        // the planes by the mobility, in which a touch may be measured
+        let is_touched = matches!(
             parameter,
-            ParameterId::Surrounding(SurroundingParameter::Contact { .. })
+            ParameterId::Surrounding(
+                SurroundingParameter::Contact { .. } | SurroundingParameter::Plane { .. }
+            )
         );
-        is_point || is_of_chain(parameter)
+        is_touched || is_of_chain(parameter)
     }
 
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {

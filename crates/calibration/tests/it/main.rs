@@ -23,6 +23,7 @@ mod incomplete;
 mod intervals;
 mod invariance;
 mod joint_lanes;
+mod known_distance;
 mod measured;
 mod mistaken_columns;
 mod multi_start;

@@ -41,7 +41,7 @@ fn fit_and_scatter(nominal: &Device, truth: &Device, recording: &Recording) -> (
 }
 
 /// Moves the parameters that a recording of `nominal` fixes, so that those that are held are true.
-fn moved_within_sight(nominal: &Device, recording: &Recording, seed: u64) -> Device {
+pub(crate) fn moved_within_sight(nominal: &Device, recording: &Recording, seed: u64) -> Device {
     let judged = judge(nominal, recording);
     let prepared = prepare_device(nominal, recording).unwrap();
     let mut truth = nominal.clone();
