@@ -91,30 +91,18 @@ impl<'a> DeviceProblem<'a> {
             own_mobility: None,
         };
         if scale::is_told_by_pairs(device, channels) {
-            problem.measure_in_mobility()?;
+            let own = problem.log_of_own_mobility();
+            problem.own_mobility = own.map_err(|source| wrap("touches", source))?;
         }
         Ok(problem)
     }
 
-    /// The same problem with its touches measured in units of how far the handle moves with the joints, where known
-    /// distances at most, and no other measurement, tell of lengths: residuals then do not shrink with the device.
-    ///
-    /// Where a distance is known this is so without being asked (docs/equations.md, Touched points).
-    ///
-    /// # Errors
-    /// [`CalibrationError::Identification`] where the device has no value at a touch.
-    pub fn with_touches_in_mobility(mut self) -> Result<Self, CalibrationError> {
-        let channels: Vec<Channel> = self.channels().collect();
-        if scale::are_touches_without_length(self.device, &channels) {
-            self.measure_in_mobility()?;
-        }
-        Ok(self)
-    }
-
-    fn measure_in_mobility(&mut self) -> Result<(), CalibrationError> {
-        let own = self.log_of_own_mobility();
-        self.own_mobility = own.map_err(|source| wrap("touches", source))?;
-        Ok(())
+    /// The same problem with its touches in metres, whatever tells of lengths: what is compared with it has no size of
+    /// a device. A search of it is drawn to a smaller one.
+    #[must_use]
+    pub fn with_touches_in_metres(mut self) -> Self {
+        self.own_mobility = None;
+        self
     }
 
     /// The same for one channel whose readings all weigh the same, for the forms in lanes, without a look

@@ -135,7 +135,7 @@ fn is_pair(channel: &Channel) -> bool {
 }
 
 /// Whether something was touched, and nothing but pairs of what was touched has a length of its own.
-pub(crate) fn are_touches_without_length(device: &Device, channels: &[Channel]) -> bool {
+fn are_touches_without_length(device: &Device, channels: &[Channel]) -> bool {
     let is_metric = |channel: &Channel| match channel {
         Channel::Cable { index } => device
             .cables

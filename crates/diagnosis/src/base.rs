@@ -2,13 +2,15 @@
 
 use haptical_calibration::{
     Channel, Degree, DeviceProblem, HeldOut, Options, ParameterFit, Weighting, Weights, channels,
-    fit_device, fit_transmissions,
+    fit_device, fit_transmissions, prepare_device,
 };
 use haptical_identification::{Matrix, Problem, Settings};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::DiagnosisError;
+use crate::anchor::{Anchor, anchored, is_needed};
 use crate::context::Stream;
+use crate::measured::is_stated;
 
 /// Rows from which the base fit starts; the search that follows uses all of them.
 const START_ROWS: usize = 900;
@@ -32,6 +34,8 @@ pub(crate) struct Base {
     pub(crate) parameters: Vec<ParameterId>,
     /// Positions (within `parameters`) of those that the recording fixes.
     pub(crate) free: Vec<usize>,
+    /// Where they are known to be beside the recording; none where it fixes all of them well.
+    pub(crate) anchor: Option<Anchor>,
     /// Where the search ended, and why, if that was no minimum.
     pub(crate) unfinished: Option<Unfinished>,
 }
@@ -56,7 +60,7 @@ impl Base {
                 Options::default().degree
             },
             held_out: HeldOut::None,
-            weighting: Weighting::Stated,
+            weighting: weighting(device, &channels),
             search: Settings {
                 max_iterations: MOST_STEPS,
                 ..Settings::default()
@@ -92,6 +96,25 @@ impl Base {
                 }
             }
         }
+        if let (Some(whole), true) = (&fitted.whole, is_needed(&channels)) {
+            // where a search ended that found no minimum can be anywhere
+            let from = match unfinished {
+                None => whole.device.clone(),
+                Some(_) => prepare_device(device, &part)?,
+            };
+            let weights = &fitted.weights;
+            let found = anchored(whole, &from, &part, &channels, weights, &options.search)?;
+            if let Some(found) = found {
+                return Ok(Self {
+                    device: found.device,
+                    channels,
+                    parameters,
+                    free: found.free,
+                    anchor: Some(found.anchor),
+                    unfinished: None,
+                });
+            }
+        }
         let (device, unfinished) = match unfinished {
             // where such a search ends can be anywhere, while the drives alone are fitted soundly
             Some(reason) => {
@@ -110,8 +133,29 @@ impl Base {
             channels,
             parameters,
             free,
+            anchor: None,
             unfinished,
         })
+    }
+
+    /// From values to where they are known to be, in standard deviations; empty without an anchor.
+    pub(crate) fn pull(&self, values: &[f64]) -> Vec<f64> {
+        let anchor = self.anchor.as_ref();
+        anchor.map_or_else(Vec::new, |anchor| anchor.pull(values, &self.free))
+    }
+
+    /// One over the standard deviations of the pull.
+    pub(crate) fn stiffness(&self) -> &[f64] {
+        self.anchor.as_ref().map_or(&[], Anchor::stiffness)
+    }
+}
+
+/// The noise that the device file states; where it states none of its touches, that of their residuals, as no number
+/// is fixed better than these allow.
+fn weighting(device: &Device, channels: &[Channel]) -> Weighting {
+    match is_needed(channels) && channels.iter().any(|channel| !is_stated(device, *channel)) {
+        true => Weighting::Estimated,
+        false => Weighting::Stated,
     }
 }
 
@@ -161,7 +205,9 @@ impl<'a> BaseProblem<'a> {
             &base.channels,
             &base.parameters,
             weights,
-        )?;
+        )?
+        // as the effects' columns are
+        .with_touches_in_metres();
         let layout = problem.layout();
         let mut deviations = std::collections::BTreeMap::new();
         for &channel in &base.channels {

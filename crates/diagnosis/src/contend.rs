@@ -6,7 +6,7 @@ use crate::DiagnosisError;
 use crate::events::sharpen;
 use crate::model::{Cause, Model, Refit};
 use crate::scan::Score;
-use crate::select::{Grown, Selector};
+use crate::select::{Grown, Selector, values_are_plausible};
 use crate::system::System;
 
 /// Contenders that are refitted at most when a pick is close.
@@ -72,6 +72,18 @@ impl Selector<'_, '_> {
                 continue;
             }
             let mut score = score.clone();
+            if self.engine.base.anchor.is_some() {
+                if !self.is_sound(&fitted.model) {
+                    continue;
+                }
+                // what the anchors hold back counts too: directions that they bound are not free
+                score.score = self.engine.cost(&grown.refit) - self.engine.cost(&fitted);
+                let criterion = self.criterion(&score);
+                if best.as_ref().is_none_or(|(_, _, other)| criterion > *other) {
+                    best = Some((fitted, score, criterion));
+                }
+                continue;
+            }
             let gained: f64 = system
                 .residual
                 .iter()
@@ -141,6 +153,17 @@ impl Selector<'_, '_> {
             .causes
             .iter()
             .all(|cause| self.effects[cause.effect].is_possible(&cause.amplitudes))
+    }
+
+    /// Whether all causes have sizes that a sound device can show. Touches with anything larger in the model can agree
+    /// because the handle hardly moves in it any more, whatever the device is.
+    fn is_sound(&self, model: &Model) -> bool {
+        model.causes.iter().all(|cause| {
+            let effect = self.effects[cause.effect].as_ref();
+            let amplitudes = &cause.amplitudes[..effect.amplitude_count()];
+            let values = effect.values(&self.engine.context, amplitudes, cause.shape);
+            values_are_plausible(effect, &values)
+        })
     }
 
     /// Whitened square of a refit's residuals, across the base model's directions.

@@ -157,7 +157,12 @@ fn by_base(
         gone.clone()
     };
     let cleaned = without_readings(recording, &again);
-    let engine = Prepared::new(&nearer, &cleaned)?.fit(fell.then_some(&noise))?;
+    let nearer = Prepared::new(&nearer, &cleaned)?.fit(fell.then_some(&noise))?;
+    if !fell && nearer.misfit() > NO_WORSE * engine.misfit() {
+        // it did not find back to a minimum: the gap would be its own
+        return assemble(&mut selector, &mut selection, &inputs);
+    }
+    let engine = nearer;
     let inputs = Inputs {
         recording: &cleaned,
         gone: &again,
@@ -178,6 +183,9 @@ fn thinned(recording: &Recording) -> Option<Recording> {
         recording.select(&rows)
     })
 }
+
+/// Ratio of two squared residuals of one model that are of one minimum.
+const NO_WORSE: f64 = 1.02;
 
 /// Noise that falls below this share of itself with the causes in the model was partly gap.
 const FELL: f64 = 0.9;

@@ -43,6 +43,7 @@ pub(crate) fn placed(
         channels: channels.to_vec(),
         parameters: Vec::new(),
         free: Vec::new(),
+        anchor: None,
         unfinished: None,
     })
 }

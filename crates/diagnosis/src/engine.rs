@@ -78,13 +78,7 @@ impl Engine<'_> {
             .collect();
         let blocks = Blocks::new(&self.context, &usable, &self.scale, &self.own, &self.noise);
         let matrix = self.matrix.as_ref();
-        Part::new(
-            &self.context,
-            &self.problem,
-            blocks,
-            matrix,
-            &self.base.free,
-        )
+        Part::new(&self.context, &self.problem, blocks, matrix, self.base)
     }
 
     /// Whitened derivatives of the base model's free parameters.
@@ -101,6 +95,14 @@ impl Engine<'_> {
             .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect())
             .collect();
         root_mean_square(&compress_rows(&self.system.blocks, &change))
+    }
+
+    /// Squared residuals of the base model's own fit, in stated standard deviations.
+    pub(crate) fn misfit(&self) -> f64 {
+        let streams = self.start.residual.iter().zip(&self.problem.sd);
+        let scaled = streams.flat_map(|(residual, sd)| residual.iter().zip(sd));
+        let known = scaled.filter(|(residual, _)| residual.is_finite());
+        known.map(|(residual, sd)| (residual / sd).powi(2)).sum()
     }
 
     /// Residuals of a model of another recording at every row of this one.

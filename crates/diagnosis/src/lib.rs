@@ -4,6 +4,7 @@
 
 mod adequacy;
 mod advice;
+mod anchor;
 mod answer;
 mod assemble;
 mod base;

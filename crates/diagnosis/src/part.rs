@@ -4,7 +4,7 @@ use haptical_identification::{Matrix, Reduction};
 use haptical_linalg::{OrthonormalBasis, RANK_TOLERANCE};
 
 use crate::DiagnosisError;
-use crate::base::BaseProblem;
+use crate::base::{Base, BaseProblem};
 use crate::blocks::Blocks;
 use crate::context::Context;
 use crate::signal::Signal;
@@ -16,8 +16,10 @@ pub(crate) struct Part {
     pub(crate) blocks: Blocks,
     /// Compressed derivatives of the free parameters.
     pub(crate) free: Matrix,
-    /// Their decomposition; none without parameters.
-    pub(crate) basis: Option<OrthonormalBasis>,
+    /// Their decomposition, one row for each anchored parameter below them; none without parameters.
+    basis: Option<OrthonormalBasis>,
+    /// One over the standard deviations of the anchored parameters; empty where none is anchored.
+    stiffness: Vec<f64>,
 }
 
 /// A Gauss-Newton step of base model and causes.
@@ -38,29 +40,84 @@ impl Part {
         problem: &BaseProblem<'_>,
         blocks: Blocks,
         matrix: Option<&Matrix>,
-        free: &[usize],
+        base: &Base,
     ) -> Result<Self, DiagnosisError> {
-        let Some(matrix) = matrix.filter(|_| !free.is_empty()) else {
+        let Some(matrix) = matrix.filter(|_| !base.free.is_empty()) else {
             return Ok(Self {
                 free: Matrix::zeros(blocks.count(), 0),
                 basis: None,
                 blocks,
+                stiffness: Vec::new(),
             });
         };
-        let free = compress_matrix(context, problem, &blocks, matrix, free);
-        let basis = Some(OrthonormalBasis::new(&free, RANK_TOLERANCE)?);
+        let free = compress_matrix(context, problem, &blocks, matrix, &base.free);
+        let stiffness = base.stiffness().to_vec();
+        let rows = free.rows();
+        let whole = Matrix::from_fn(rows + stiffness.len(), free.columns(), |row, column| {
+            if row < rows {
+                free[(row, column)]
+            } else if row - rows == column {
+                stiffness[column]
+            } else {
+                0.0
+            }
+        });
+        let basis = Some(OrthonormalBasis::new(&whole, RANK_TOLERANCE)?);
         Ok(Self {
             blocks,
             free,
             basis,
+            stiffness,
         })
     }
 
+    /// Orthonormal directions of the free parameters, whatever anchors them.
+    pub(crate) fn directions(&self) -> Result<Vec<Vec<f64>>, DiagnosisError> {
+        let columns = |basis: &OrthonormalBasis| {
+            let directions = basis.directions();
+            let columns = 0..directions.columns();
+            columns
+                .map(|column| directions.column(column).to_vec())
+                .collect()
+        };
+        Ok(match &self.basis {
+            None => Vec::new(),
+            Some(basis) if self.stiffness.is_empty() => columns(basis),
+            Some(_) => columns(&OrthonormalBasis::new(&self.free, RANK_TOLERANCE)?),
+        })
+    }
+
+    /// The step of the base model alone, with the pull of its anchors; none without parameters.
+    pub(crate) fn base_step(
+        &self,
+        residual: &[Vec<f64>],
+        pull: &[f64],
+    ) -> Result<Option<Vec<f64>>, DiagnosisError> {
+        let Some(basis) = &self.basis else {
+            return Ok(None);
+        };
+        let mut target = compress_rows(&self.blocks, residual);
+        target.extend_from_slice(pull);
+        Ok(Some(basis.solve(&target)?))
+    }
+
+    /// A step with the pull of the anchors, empty where there are none.
     pub(crate) fn step(
         &self,
         columns: &[Vec<f64>],
-        target: &[f64],
+        residual: &[Vec<f64>],
+        pull: &[f64],
     ) -> Result<Step, DiagnosisError> {
+        let mut target = compress_rows(&self.blocks, residual);
+        target.extend_from_slice(pull);
+        let target = target.as_slice();
+        let lengthened = |column: &Vec<f64>| {
+            let mut column = column.clone();
+            column.resize(target.len(), 0.0);
+            column
+        };
+        let columns: Vec<Vec<f64>> = columns.iter().map(lengthened).collect();
+        let columns = columns.as_slice();
         let across = |vector: &[f64]| {
             let mut rest = vector.to_vec();
             if let Some(basis) = &self.basis {
@@ -96,7 +153,9 @@ impl Part {
             None => Vec::new(),
         };
         if !values.is_empty() {
-            let moved = self.free.times(&values)?;
+            let mut moved = self.free.times(&values)?;
+            let anchored = self.stiffness.iter().zip(&values);
+            moved.extend(anchored.map(|(stiffness, value)| stiffness * value));
             for (entry, value) in left.iter_mut().zip(&moved) {
                 *entry -= value;
             }
@@ -112,9 +171,10 @@ impl Part {
     }
 }
 
-pub(crate) fn square(part: &Part, rows: &[Vec<f64>]) -> f64 {
+/// Squared residuals of a part's rows, and of the anchors.
+pub(crate) fn square(part: &Part, rows: &[Vec<f64>], pull: &[f64]) -> f64 {
     let whitened = compress_rows(&part.blocks, rows);
-    dot(&whitened, &whitened)
+    dot(&whitened, &whitened) + dot(pull, pull)
 }
 
 pub(crate) fn root_mean_square(values: &[f64]) -> f64 {

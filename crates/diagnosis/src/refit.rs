@@ -7,7 +7,6 @@ use crate::catalogue::Effect;
 use crate::engine::Engine;
 use crate::model::{Cause, Model, Refit};
 use crate::part::{Part, dense, square};
-use crate::system::compress_rows;
 
 /// A step that changes no prediction by more than this share of the noise ends a refit.
 pub(crate) const SMALL_STEP: f64 = 0.02;
@@ -33,11 +32,47 @@ impl Engine<'_> {
         self.refit_on(&self.whole, effects, model)
     }
 
+    /// Refits base model and causes together from `model`; where that ends above the base model alone, from the
+    /// base model with the causes at nothing, from where no step leads up.
+    pub(crate) fn refit_on(
+        &self,
+        part: &Part,
+        effects: &[Box<dyn Effect>],
+        model: &Model,
+    ) -> Result<Refit, DiagnosisError> {
+        let fitted = self.descend(part, effects, model)?;
+        let cost = |refit: &Refit| self.cost_on(part, refit);
+        let alone = &self.start;
+        if model.causes.is_empty() || cost(&fitted) <= cost(alone) {
+            return Ok(fitted);
+        }
+        let mut nothing = alone.model.clone();
+        nothing.causes.clone_from(&model.causes);
+        for cause in &mut nothing.causes {
+            cause.amplitudes.fill(0.0);
+        }
+        let again = self.descend(part, effects, &nothing)?;
+        Ok(if cost(&again) < cost(&fitted) {
+            again
+        } else {
+            fitted
+        })
+    }
+
+    /// Squared residuals of a refit on all rows, and of its anchors.
+    pub(crate) fn cost(&self, refit: &Refit) -> f64 {
+        self.cost_on(&self.whole, refit)
+    }
+
+    fn cost_on(&self, part: &Part, refit: &Refit) -> f64 {
+        square(part, &refit.residual, &self.base.pull(&refit.model.values))
+    }
+
     /// Refits base model and causes together by Gauss-Newton from `model`, with shorter steps where a
     /// whole one overshoots. The base model's derivatives are those of its own fit until a step calls
     /// for new ones. The causes' columns are projected across the base model's directions, which gives
     /// their steps and covariance; what they leave gives the base model's step.
-    pub(crate) fn refit_on(
+    fn descend(
         &self,
         part: &Part,
         effects: &[Box<dyn Effect>],
@@ -45,15 +80,15 @@ impl Engine<'_> {
     ) -> Result<Refit, DiagnosisError> {
         let mut model = model.clone();
         let mut residual = self.residual(effects, &model);
-        let mut cost = square(part, &residual);
+        let mut cost = square(part, &residual, &self.base.pull(&model.values));
         let mut covariance = None;
         let mut last_step = f64::INFINITY;
         let mut refreshed: Option<Part> = None;
         for pass in 0..PASSES {
             let current = refreshed.as_ref().unwrap_or(part);
             let (columns, owners) = self.cause_columns(current, effects, &model);
-            let target = compress_rows(&current.blocks, &residual);
-            let step = current.step(&columns, &target)?;
+            let pull = self.base.pull(&model.values);
+            let step = current.step(&columns, &residual, &pull)?;
             covariance = step.covariance.or(covariance);
             last_step = step.size;
             if last_step < SMALL_STEP {
@@ -87,13 +122,8 @@ impl Engine<'_> {
     fn part_at(&self, part: &Part, values: &[f64]) -> Result<Part, DiagnosisError> {
         let matrix = self.problem.evaluate(values, true)?.matrix;
         let blocks = part.blocks.clone();
-        Part::new(
-            &self.context,
-            &self.problem,
-            blocks,
-            matrix.as_ref(),
-            &self.base.free,
-        )
+        let matrix = matrix.as_ref();
+        Part::new(&self.context, &self.problem, blocks, matrix, self.base)
     }
 
     /// The model after a step, shortened until the cost falls; none where it never does.
@@ -117,7 +147,7 @@ impl Engine<'_> {
             let bare = self.problem.evaluate(&next.values, false).ok()?;
             next.bare = Arc::new(bare.residual);
             let residual = self.residual(effects, &next);
-            let square = square(part, &residual);
+            let square = square(part, &residual, &self.base.pull(&next.values));
             (square < cost).then_some((next, residual, square))
         })
     }

@@ -72,6 +72,7 @@ proptest! {
             channels: channels.clone(),
             free: (0..3).collect(),
             parameters,
+            anchor: None,
             unfinished: None,
         };
         let streams = streams(&base.device, &channels);

@@ -1,9 +1,10 @@
 //! Whitened residuals with everything that the base model can adjust projected out.
 
-use haptical_linalg::{Matrix, OrthonormalBasis};
+use haptical_linalg::Matrix;
 
 use rayon::prelude::*;
 
+use crate::DiagnosisError;
 use crate::base::BaseProblem;
 use crate::blocks::Blocks;
 use crate::context::Context;
@@ -41,8 +42,7 @@ impl System {
         part: &Part,
         other: Option<&Matrix>,
         residual: &[Vec<f64>],
-    ) -> Self {
-        let fitted = part.basis.as_ref().map(OrthonormalBasis::directions);
+    ) -> Result<Self, DiagnosisError> {
         let columns = |matrix: &Matrix| -> Vec<Vec<f64>> {
             (0..matrix.columns())
                 .map(|column| matrix.column(column).to_vec())
@@ -51,14 +51,14 @@ impl System {
         let mut system = Self {
             residual: vec![0.0; part.blocks.count()],
             blocks: part.blocks.clone(),
-            basis: fitted.map(columns).unwrap_or_default(),
+            basis: part.directions()?,
             windows: windows(context, &part.blocks),
         };
         for column in other.map(columns).unwrap_or_default() {
             system.take(column);
         }
         system.set_residual(residual);
-        system
+        Ok(system)
     }
 
     /// Takes physical residuals per stream and row, and projects them.

@@ -7,7 +7,6 @@ use crate::measured::{KnownNoise, estimate_noise};
 use crate::noise::Noise;
 use crate::part::{Part, root_mean_square, square};
 use crate::refit::{SMALL_STEP, longest_falling};
-use crate::system::compress_rows;
 
 /// Passes of the base model's own refit.
 const BASE_PASSES: usize = 3;
@@ -44,26 +43,20 @@ impl Prepared<'_> {
                 ),
             };
             let blocks = Blocks::new(&self.context, &self.usable, &scale, &self.own, &noise);
-            let free = &self.base.free;
-            let whole = Part::new(
-                &self.context,
-                &self.problem,
-                blocks,
-                self.matrix.as_ref(),
-                free,
-            )?;
+            let matrix = self.matrix.as_ref();
+            let whole = Part::new(&self.context, &self.problem, blocks, matrix, self.base)?;
             let mut last_step: f64 = 0.0;
             // several steps with one decomposition
             for _ in 0..BASE_PASSES {
-                let Some(basis) = &whole.basis else {
+                let pull = self.base.pull(&values);
+                let Some(step) = whole.base_step(&residual, &pull)? else {
                     break;
                 };
-                let step = basis.solve(&compress_rows(&whole.blocks, &residual))?;
                 last_step = root_mean_square(&whole.free.times(&step)?);
                 if last_step < SMALL_STEP {
                     break;
                 }
-                let cost = square(&whole, &residual);
+                let cost = square(&whole, &residual, &pull);
                 match self.base_step(&whole, &values, &step, cost) {
                     Some((next, rest)) => (values, residual) = (next, rest),
                     None => break,
@@ -99,7 +92,8 @@ impl Prepared<'_> {
                 next[parameter] += share * change;
             }
             let evaluated = self.problem.evaluate(&next, false).ok()?;
-            (square(part, &evaluated.residual) < cost).then_some((next, evaluated.residual))
+            let square = square(part, &evaluated.residual, &self.base.pull(&next));
+            (square < cost).then_some((next, evaluated.residual))
         })
     }
 }

@@ -166,7 +166,7 @@ impl<'a> Prepared<'a> {
         let other = matrix
             .as_ref()
             .map(|matrix| compress_matrix(&context, &problem, &whole.blocks, matrix, &held));
-        let system = System::new(&context, &whole, other.as_ref(), &residual);
+        let system = System::new(&context, &whole, other.as_ref(), &residual)?;
         Ok(Engine {
             context,
             problem,

@@ -15,7 +15,6 @@ use crate::engine::{Engine, Prepared};
 use crate::events::{event_score, with_more_steps};
 use crate::model::Cause;
 use crate::select::{Selection, Selector};
-use crate::system::compress_rows;
 
 /// Predicts a second recording with the models of the first. Events belong to one recording: their
 /// instants and sizes are looked for in the second one.
@@ -128,11 +127,11 @@ fn places_beside(
 ) -> Result<Vec<f64>, DiagnosisError> {
     let mut values = second.start.model.values.clone();
     for _ in 0..3 {
-        let Some(basis) = &second.whole.basis else {
+        let residual = second.residual_of(effects, &values, causes)?;
+        let pull = second.base.pull(&values);
+        let Some(step) = second.whole.base_step(&residual, &pull)? else {
             break;
         };
-        let residual = second.residual_of(effects, &values, causes)?;
-        let step = basis.solve(&compress_rows(&second.whole.blocks, &residual))?;
         for (&parameter, change) in second.base.free.iter().zip(&step) {
             values[parameter] += change;
         }
