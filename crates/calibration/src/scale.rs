@@ -120,9 +120,17 @@ fn judged(
     Some((parameters, judged))
 }
 
-/// Whether touches are all that tells of lengths.
+/// Whether touches are all that tells of lengths, and nobody said of one that it is right.
 pub(crate) fn is_open(device: &Device, channels: &[Channel]) -> bool {
-    are_touches_without_length(device, channels) && !channels.iter().any(is_pair)
+    let is_kept = |((row, number), size): (&(usize, LinkParameter), &f64)| {
+        let kept = ParameterId::Link {
+            row: *row,
+            parameter: *number,
+        };
+        *size == 0.0 && *row > 0 && length(device, kept).abs() > SHORT_M
+    };
+    let is_stated = device.deviations.iter().any(is_kept);
+    are_touches_without_length(device, channels) && !channels.iter().any(is_pair) && !is_stated
 }
 
 /// Whether touches, and the known distances between what is touched, are all that tells of lengths.
