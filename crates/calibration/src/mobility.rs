@@ -106,7 +106,7 @@ impl DeviceProblem<'_> {
         for (row, plane) in touches.into_iter().step_by(step) {
             self.move_to_row(&mut evaluation, &mut readings, row, true)?;
             let plane = plane.and_then(|plane| device.surroundings.planes.get(plane));
-            let plane = plane.map(|plane| plane.normal_and_slopes());
+            let plane = plane.map(haptical_model::TouchedPlane::normal_and_slopes);
             let torques = self.loads.as_ref().map(|loads| loads.at(row));
             let at = AtTouch {
                 evaluation: &evaluation,
