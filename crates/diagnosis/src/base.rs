@@ -185,6 +185,8 @@ fn spread_rows(recording: &Recording, channels: &[Channel]) -> Vec<usize> {
 #[derive(Debug)]
 pub(crate) struct BaseProblem<'a> {
     problem: DeviceProblem<'a>,
+    /// The same at the postures that derivatives are taken at, where these are others.
+    slopes: Option<DeviceProblem<'a>>,
     /// Per stream and row: place among the problem's residuals; `usize::MAX` without a reading.
     place: Vec<Vec<usize>>,
     /// Per stream and row: stated standard deviation, quantization included.
@@ -193,21 +195,26 @@ pub(crate) struct BaseProblem<'a> {
 }
 
 impl<'a> BaseProblem<'a> {
+    /// Residuals of `recording`, derivatives at `postures`: the same rows, at the same readings or near them.
     pub(crate) fn new(
         base: &'a Base,
         recording: &'a Recording,
+        postures: &'a Recording,
         streams: &[Stream],
         weights: &Weights,
     ) -> Result<Self, DiagnosisError> {
-        let problem = DeviceProblem::new(
-            &base.device,
-            recording,
-            &base.channels,
-            &base.parameters,
-            weights,
-        )?
-        // as the effects' columns are
-        .with_touches_in_metres();
+        let (device, parameters) = (&base.device, &base.parameters);
+        let problem = |recording: &'a Recording| {
+            let problem =
+                DeviceProblem::new(device, recording, &base.channels, parameters, weights);
+            // as the effects' columns are
+            problem.map(DeviceProblem::with_touches_in_metres)
+        };
+        let slopes = match std::ptr::eq(recording, postures) {
+            true => None,
+            false => Some(problem(postures)?),
+        };
+        let problem = problem(recording)?;
         let layout = problem.layout();
         let mut deviations = std::collections::BTreeMap::new();
         for &channel in &base.channels {
@@ -234,6 +241,7 @@ impl<'a> BaseProblem<'a> {
         Ok(Self {
             parameters: base.parameters.len(),
             problem,
+            slopes,
             place,
             sd,
         })
@@ -259,8 +267,11 @@ impl<'a> BaseProblem<'a> {
         let matrix = if derivatives && self.parameters > 0 {
             let all: Vec<usize> = (0..self.parameters).collect();
             let mut matrix = Matrix::zeros(count, self.parameters);
-            self.problem
-                .evaluate(values, &mut residuals, Some((&all, &mut matrix)))?;
+            let at = self.slopes.as_ref().unwrap_or(&self.problem);
+            at.evaluate(values, &mut residuals, Some((&all, &mut matrix)))?;
+            if self.slopes.is_some() {
+                self.problem.evaluate(values, &mut residuals, None)?;
+            }
             Some(matrix)
         } else {
             self.problem.evaluate(values, &mut residuals, None)?;

@@ -10,6 +10,7 @@ use crate::catalogue::{Effect, catalogue};
 use crate::cleaning::without_readings;
 use crate::earlier_model::placed;
 use crate::engine::Prepared;
+use crate::onto_touches::onto_touches;
 use crate::select::{MOVED_FAR, Selector};
 use crate::thresholds::Thresholds;
 use crate::too_coarse::Corrected;
@@ -111,10 +112,13 @@ fn by_base(
     effects: &[Box<dyn Effect>],
     base: &Base,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let prepared = Prepared::new(base, recording)?;
+    let onto = onto_touches(base, recording)?;
+    let postures = onto.as_ref().unwrap_or(recording);
+    let prepared = Prepared::new(base, recording, postures)?;
     let gone = prepared.outlying(thresholds.outlier_sd);
     let cleaned = without_readings(recording, &gone);
-    let engine = prepared.without(&gone, &cleaned).fit(None)?;
+    let at = without_readings(postures, &gone);
+    let engine = prepared.without(&gone, &at).fit(None)?;
     let (in_base, rest): (Vec<usize>, Vec<usize>) =
         (0..effects.len()).partition(|&index| is_in_base(effects[index].as_ref(), base));
     let tested: Vec<usize> = rest
@@ -152,12 +156,15 @@ fn by_base(
         ..base.clone()
     };
     let again = if fell {
-        Prepared::new(base, recording)?.outlying_beside(effects, model, thresholds.outlier_sd)?
+        let prepared = Prepared::new(base, recording, postures)?;
+        prepared.outlying_beside(effects, model, thresholds.outlier_sd)?
     } else {
         gone.clone()
     };
     let cleaned = without_readings(recording, &again);
-    let nearer = Prepared::new(&nearer, &cleaned)?.fit(fell.then_some(&noise))?;
+    let at = without_readings(postures, &again);
+    let at = onto.as_ref().map_or(&cleaned, |_| &at);
+    let nearer = Prepared::new(&nearer, &cleaned, at)?.fit(fell.then_some(&noise))?;
     if !fell && nearer.misfit() > NO_WORSE * engine.misfit() {
         // it did not find back to a minimum: the gap would be its own
         return assemble(&mut selector, &mut selection, &inputs);

@@ -30,6 +30,7 @@ mod loads;
 mod measured;
 mod model;
 mod noise;
+mod onto_touches;
 mod options;
 mod part;
 mod place;

@@ -77,7 +77,7 @@ proptest! {
         };
         let streams = streams(&base.device, &channels);
         let weights = Weights::stated(&base.device, &channels);
-        let problem = BaseProblem::new(&base, &recording, &streams, &weights).unwrap();
+        let problem = BaseProblem::new(&base, &recording, &recording, &streams, &weights).unwrap();
         let matrix = problem.evaluate(&problem.start(), true).unwrap().matrix.unwrap();
         let context = Context::new(&base.device, &recording, &streams).unwrap();
         let effects = catalogue(&base.device);

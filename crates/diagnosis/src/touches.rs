@@ -1,7 +1,10 @@
 //! How touches of points and planes show a displacement of the handle.
 
+use haptical_calibration::Channel;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, DeviceChain, Recording};
+
+use crate::context::Stream;
 
 /// Directions in which touches are read (docs/diagnosis.md, "Touches").
 #[derive(Debug, Default)]
@@ -35,6 +38,15 @@ impl Touches {
                 .collect(),
             plane: plane.unwrap_or_default(),
         }
+    }
+
+    /// The direction in which a stream of touches shows a displacement of the handle at a row.
+    pub(crate) fn direction(&self, stream: &Stream, row: usize) -> Vector3<f64> {
+        let along = |linear: &Vector3<f64>| match stream.channel {
+            Channel::Plane => self.along_plane(row, linear),
+            _ => self.along_contact(stream.axis, linear),
+        };
+        Vector3::from_fn(|axis, _| along(&Vector3::ith(axis, 1.0)))
     }
 
     /// What an axis of a touched point shows of a displacement.

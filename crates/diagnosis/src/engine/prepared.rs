@@ -30,14 +30,19 @@ pub(crate) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Evaluates the base model on a recording.
-    pub(crate) fn new(base: &'a Base, recording: &'a Recording) -> Result<Self, DiagnosisError> {
+    /// Evaluates the base model on a recording, and everything's derivatives at `postures`, which are its own or near
+    /// them.
+    pub(crate) fn new(
+        base: &'a Base,
+        recording: &'a Recording,
+        postures: &'a Recording,
+    ) -> Result<Self, DiagnosisError> {
         let weights = Weights::stated(&base.device, &base.channels);
         let streams = streams(&base.device, &base.channels);
         let (context, evaluated) = rayon::join(
-            || Context::new(&base.device, recording, &streams),
+            || Context::new(&base.device, postures, &streams),
             || {
-                let problem = BaseProblem::new(base, recording, &streams, &weights)?;
+                let problem = BaseProblem::new(base, recording, postures, &streams, &weights)?;
                 let first = problem.evaluate(&problem.start(), true)?;
                 Ok::<_, DiagnosisError>((problem, first))
             },
@@ -110,7 +115,7 @@ impl<'a> Prepared<'a> {
         ))
     }
 
-    /// The same recording after some of its readings were taken out, `cleaned`.
+    /// The same after some readings were taken out, `cleaned` its postures without them.
     pub(crate) fn without(
         mut self,
         gone: &[(Channel, usize)],

@@ -29,7 +29,7 @@ pub(crate) fn on_second(
     let base = touched
         .as_ref()
         .map_or(selector.engine.base, |touched| &touched.with);
-    let prepared = Prepared::new(base, validation)?;
+    let prepared = Prepared::new(base, validation, validation)?;
     let gone = prepared.outlying(outlier_sd);
     let cleaned = without_readings(validation, &gone);
     let second = prepared.without(&gone, &cleaned).fit(None)?;
@@ -147,7 +147,7 @@ pub(crate) fn model_residual(
 ) -> Result<Vec<Vec<f64>>, DiagnosisError> {
     let weights = haptical_calibration::Weights::stated(&model.device, &model.channels);
     let streams = &engine.context.streams;
-    let problem = crate::base::BaseProblem::new(model, recording, streams, &weights)?;
+    let problem = crate::base::BaseProblem::new(model, recording, recording, streams, &weights)?;
     Ok(problem.evaluate(&problem.start(), false)?.residual)
 }
 
