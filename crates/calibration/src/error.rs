@@ -46,7 +46,10 @@ pub enum CalibrationError {
         reason: String,
     },
     /// The search did not end at a minimum.
-    #[error("{what}: {reason}; the nominal device may be far from the real one")]
+    #[error(
+        "{what}: {reason}; the nominal device may be far from the real one, or wild readings bend least squares: a \
+             robust loss holds them off"
+    )]
     NotConverged {
         /// Which fit.
         what: String,

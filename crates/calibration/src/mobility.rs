@@ -7,7 +7,7 @@ use haptical_identification::IdentificationError;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Convention, Twist};
 use haptical_model::{
-    Device, DeviceChain, Evaluation, LinkParameter, ParameterId, SurroundingParameter,
+    Device, DeviceChain, Evaluation, LinkParameter, ParameterId, SurroundingParameter, TouchedPlane,
 };
 
 use crate::{Channel, DeviceProblem};
@@ -106,7 +106,7 @@ impl DeviceProblem<'_> {
         for (row, plane) in touches.into_iter().step_by(step) {
             self.move_to_row(&mut evaluation, &mut readings, row, true)?;
             let plane = plane.and_then(|plane| device.surroundings.planes.get(plane));
-            let plane = plane.map(haptical_model::TouchedPlane::normal_and_slopes);
+            let plane = plane.map(TouchedPlane::normal_and_slopes);
             let torques = self.loads.as_ref().map(|loads| loads.at(row));
             let at = AtTouch {
                 evaluation: &evaluation,

@@ -85,7 +85,6 @@ pub(crate) fn anchored(
     let free: Vec<usize> = (0..fit.parameters.len()).filter(weak).collect();
     let anchor = Anchor::new(from, &fit.parameters, &free);
     let problem = DeviceProblem::new(from, recording, channels, &fit.parameters, weights)?;
-    let problem = problem.with_touches_in_metres();
     let held = Held {
         problem: &problem,
         free: &free,

@@ -4,7 +4,7 @@ use haptical_calibration::{Options, fit_device};
 use haptical_diagnosis::Verdict;
 
 use crate::arm::{assert_named, assert_near, summary};
-use crate::touching::{Errors, device, diagnosed, record};
+use crate::touching::{Errors, TOUCH_SD_M, device, diagnosed, record};
 
 /// Seeds of the recordings, in order, not chosen.
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
@@ -117,6 +117,41 @@ fn an_arm_without_an_error_has_no_gap() {
             "{seed}: {}",
             summary(&diagnosis)
         );
+    }
+}
+
+/// Noise of a touch is in the joints' readings, and so in the derivatives at them: with millimetres of it their products
+/// with the residuals are no chance any more. With distances known to a millimetre, the device keeps its size too.
+#[test]
+fn rough_touches_of_an_arm_without_an_error_have_no_gap() {
+    let rough_m = 2e-3;
+    for sd_m in [None, Some(1e-3)] {
+        let mut device = device();
+        device.surroundings.contact_sd_m = Some(TOUCH_SD_M + rough_m);
+        match sd_m {
+            None => device.contact_pairs.clear(),
+            Some(sd_m) => device
+                .contact_pairs
+                .iter_mut()
+                .for_each(|pair| pair.sd_m = sd_m),
+        }
+        for seed in SEEDS {
+            let errors = Errors {
+                rough_m,
+                ..Errors::default()
+            };
+            let diagnosis = diagnosed(&device, &record(seed, &errors), None);
+            let summary = summary(&diagnosis);
+            assert_eq!(diagnosis.verdict, Verdict::NoGap, "{seed}: {summary}");
+            assert!(diagnosis.causes.is_empty(), "{seed}: {summary}");
+            let channels = diagnosis.gap.channels.iter();
+            for pair in channels.filter(|channel| channel.channel.starts_with("contact-pair")) {
+                assert!(
+                    pair.rms_before < 3.0 * pair.noise_floor,
+                    "{seed}: {summary}"
+                );
+            }
+        }
     }
 }
 

@@ -82,6 +82,8 @@ pub(crate) fn built() -> Device {
 pub(crate) struct Errors {
     /// How each joint yields to its weight \[rad/(N m)\].
     pub(crate) compliance_rad_per_nm: [f64; JOINTS],
+    /// What the touches' standard deviation has beside [`TOUCH_SD_M`] \[m\].
+    pub(crate) rough_m: f64,
     /// Where the tool sits in the handle's frame \[m\].
     pub(crate) tool_m: [f64; 3],
 }
@@ -175,7 +177,7 @@ pub(crate) fn record(seed: u64, errors: &Errors) -> Recording {
     for (point, place) in POINTS.iter().enumerate() {
         let mut touches = 0;
         while touches < TOUCHES {
-            let wobble = Vector3::from_fn(|_, _| TOUCH_SD_M * noise.next());
+            let wobble = Vector3::from_fn(|_, _| (TOUCH_SD_M + errors.rough_m) * noise.next());
             let Some(readings) = reach(
                 &built,
                 errors,
