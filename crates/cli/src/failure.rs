@@ -244,7 +244,7 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
             "not-converged",
             format!("{what}: {reason}"),
             "the nominal device may be far from the real one: check its lengths, twists, home and \
-             ratios against the device"
+             ratios against the device; with --loss squares, wild readings alone can do this: leave it at auto"
                 .to_owned(),
         ),
         CalibrationError::Identification { .. } => (
