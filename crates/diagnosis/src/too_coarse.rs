@@ -112,7 +112,7 @@ impl Corrected {
 
 /// Channels with enough readings that leave less than half of their stated noise.
 fn refuted(base: &Base, recording: &Recording) -> Result<Vec<Refuted>, DiagnosisError> {
-    let prepared = Prepared::new(base, recording)?;
+    let prepared = Prepared::new(base, recording, recording)?;
     let parameters = base.free.len() as f64;
     let mut found = Vec::new();
     for &channel in &base.channels {
