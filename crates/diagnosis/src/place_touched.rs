@@ -3,11 +3,14 @@
 use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::catalogue::Hook;
 use crate::context::{Context, Stream};
-use crate::dependence::TOLD;
 use crate::earlier::BaseTerm;
 use crate::generic::Covariate;
 use crate::place::{Located, stream_of};
 use crate::select::Selection;
+
+/// Chance below which a dependence of a gap is told, all questions counted: that there is a gap is known, and the words
+/// say how sure its place is.
+const LIKELY: f64 = 0.05;
 
 /// Behind the last joint, in the handle's frame.
 pub(crate) fn of_tool(context: &Context<'_>, stream: usize, term: &BaseTerm) -> Option<Located> {
@@ -42,7 +45,7 @@ pub(crate) fn by_dependence(
     dependence: Vec<Dependence>,
 ) -> Option<Located> {
     let stream = stream_of(context, selection, Hook::Joint, None)?;
-    let told = || dependence.iter().filter(|found| found.p_adjusted < TOLD);
+    let told = || dependence.iter().filter(|found| found.p_adjusted < LIKELY);
     let surest = told().next();
     let joint = surest.and_then(|found| found.joint);
     let region = match surest {
