@@ -125,8 +125,8 @@ pub fn fit_parameters(
     };
     let fit = multi_start::improve(&task, task.fit_from(None)?)?;
     mistakes::refuse(&task, &fit)?;
-    let fit = widen_offsets(&task, fit)?;
     let fit = settle(&task, fit)?;
+    let fit = widen_offsets(&task, fit)?;
     if !fit.convergence.was_successful() && !options.unfinished {
         return Err(CalibrationError::NotConverged {
             what: what.to_owned(),

@@ -48,6 +48,7 @@ pub(crate) fn widen_offsets(
     }
     let again = Task {
         device: &wide,
+        loads_of: Some(&fit.device),
         ..*task
     };
     let Ok(mut wider) = again.fit_from(None) else {
