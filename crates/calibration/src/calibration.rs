@@ -7,7 +7,7 @@ use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 use serde::Serialize;
 
-use crate::held_out::{FOLDS, SHORT_LOG, check_share, dwells, dwelt, folds, is_of_postures};
+use crate::held_out::{FOLDS, SHORT_LOG, check_share, dwelt, folds, is_for_folds, is_of_postures};
 use crate::joint_fit::add_step_one_noise;
 use crate::prepare::with_unseen_touches;
 use crate::{
@@ -102,16 +102,20 @@ pub fn calibrate(
     sufficiency::check(device, recording, &channels)?;
     crate::prepare::check_rig(device, recording)?;
     let mut warnings = warnings::of_recording(device, recording, &channels);
-    if let Some(own) = dwelt(recording, FOLDS) {
-        warnings.push(postures::of_dwelling(recording, &own));
+    check_share(options.held_out)?;
+    let dwelt = match options.held_out {
+        HeldOut::Folds(count) => dwelt(recording, count),
+        HeldOut::Share(_) | HeldOut::None => dwelt(recording, FOLDS),
+    };
+    if let Some(own) = &dwelt {
+        warnings.push(postures::of_dwelling(recording, own));
     }
     if channels.iter().any(|channel| channel.sees_chain()) {
         warnings.extend(postures::narrow(recording));
     }
     let stated = Weights::stated(device, &channels);
-    check_share(options.held_out)?;
-    let short = recording.len() < SHORT_LOG;
-    let short = short || is_of_postures(device, recording) || dwells(recording, options.held_out);
+    let short = recording.len() < SHORT_LOG || is_of_postures(device, recording);
+    let short = short || (dwelt.is_some() && is_for_folds(recording, options.held_out));
     let count = match options.held_out {
         HeldOut::Folds(count) => Some(count),
         HeldOut::Share(share) if short && share > 0.0 => Some(FOLDS),
@@ -139,7 +143,7 @@ pub fn calibrate(
                 loss: LossChoice::Fixed(fitted.robust.as_ref().map_or(Loss::Squares, |r| r.loss)),
                 ..*options
             },
-            count,
+            (count, dwelt.as_deref()),
             &mut warnings,
         )?,
         _ if split.held_out.is_empty() => (Vec::new(), split.description.clone()),
@@ -253,7 +257,8 @@ fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) ->
     }
 }
 
-/// Folds, each predicted by a device fitted without it. A fold whose fit fails (too few rows
+/// Folds by row, or by the numbers of the postures that the device dwelt at, each predicted by a device fitted
+/// without it. A fold whose fit fails (too few rows
 /// left for the terms) is left out, with a warning.
 fn cross_validate(
     device: &Device,
@@ -261,11 +266,10 @@ fn cross_validate(
     channels: &[Channel],
     stated: &Weights,
     options: &Options,
-    count: usize,
+    (count, dwelt): (usize, Option<&[usize]>),
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<ChannelReport>, String), CalibrationError> {
-    let own = dwelt(recording, count);
-    let folds = folds(recording.len(), count, own.as_deref());
+    let folds = folds(recording.len(), count, dwelt);
     let count = folds.len();
     let mut before: Vec<ChannelResiduals> = Vec::new();
     let mut after: Vec<ChannelResiduals> = Vec::new();
@@ -297,7 +301,7 @@ fn cross_validate(
     Ok((
         reports,
         match options.held_out {
-            _ if own.is_some() => {
+            _ if dwelt.is_some() => {
                 format!("{count} folds of whole postures, each fitted without its own rows")
             }
             HeldOut::Folds(_) => format!("{count} folds by row, each fitted without its own rows"),

@@ -93,13 +93,12 @@ pub(crate) fn dwelt(recording: &Recording, folds: usize) -> Option<Vec<usize>> {
     leaks(&own, &first.fit, &first.held_out).then_some(own)
 }
 
-/// Whether a log dwells at so few postures that blocks of rows would hold out what the fit sees.
-pub(crate) fn dwells(recording: &Recording, held_out: HeldOut) -> bool {
+/// Whether folds are for a log that dwells: it has no runs to hold out, and is not too long to be fitted so often.
+pub(crate) fn is_for_folds(recording: &Recording, held_out: HeldOut) -> bool {
     let HeldOut::Share(share) = held_out else {
         return false;
     };
-    let one_run = by_runs(recording, share).is_none();
-    one_run && share > 0.0 && recording.len() <= MOST_POSTURES && dwelt(recording, FOLDS).is_some()
+    share > 0.0 && recording.len() <= MOST_POSTURES && by_runs(recording, share).is_none()
 }
 
 /// The share to hold out, if it is one that leaves most rows to the fit.

@@ -130,8 +130,8 @@ pub(crate) fn narrow(recording: &Recording) -> Option<String> {
 /// What is said of a log that dwells at few postures.
 pub(crate) fn of_dwelling(recording: &Recording, own: &[usize]) -> String {
     format!(
-        "the {} rows are at {} different postures: rows at one posture tell its noise, not more of the geometry, and \
-         the held-out figures are of whole postures; record more postures rather than more rows",
+        "the {} rows are at {} different postures: rows at one posture tell its noise, not more of the \
+         geometry; record more postures rather than more rows",
         recording.len(),
         count(own)
     )

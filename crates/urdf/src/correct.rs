@@ -87,27 +87,28 @@ pub fn corrected_urdf(
     // the path has joints, so the robot has a closing tag
     let end = robot.end.unwrap_or(text.len());
     let mut edits = Vec::new();
+    let add = |parent: &str, what: &str, place: &str, origin: &Pose| {
+        let (addition, name) = added_link(&robot, parent, what, origin);
+        let warning = format!(
+            "{file}: nothing is fixed {place} joint, so the link `{name}` was added for the {what}"
+        );
+        (warning, (end..end, addition), name)
+    };
     for correction in corrections(&robot, &path, before, &segments.handle) {
         match correction {
             Correction::Joint(index, origin) => {
                 edits.push(edit(text, &robot.joints[index], &origin));
             }
             Correction::Base(origin) => {
-                let (addition, name) = added_link(&robot, &base, "base", &origin);
-                warnings.push(format!(
-                    "{file}: nothing is fixed before the first joint, so the link `{name}` was added for the \
-                     base"
-                ));
-                edits.push((end..end, addition));
+                let (warning, edit, name) = add(&base, "base", "before the first", &origin);
+                warnings.push(warning);
+                edits.push(edit);
                 base = name;
             }
             Correction::Tip(origin) => {
-                let (addition, name) = added_link(&robot, &tip, "handle", &origin);
-                warnings.push(format!(
-                    "{file}: nothing is fixed behind the last joint, so the link `{name}` was added for the \
-                     handle"
-                ));
-                edits.push((end..end, addition));
+                let (warning, edit, name) = add(&tip, "handle", "behind the last", &origin);
+                warnings.push(warning);
+                edits.push(edit);
                 tip = name;
             }
         }

@@ -11,6 +11,7 @@ mod diagnose;
 mod diagnose_refusals;
 mod export;
 mod export_header;
+mod folder;
 mod guides;
 mod happy_path;
 mod hostile_inputs;

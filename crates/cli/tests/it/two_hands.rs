@@ -1,44 +1,11 @@
 //! `--base` at the one hand of a robot, `--tip` at the other: finger tips that touch.
 
-use std::path::PathBuf;
-
 use haptical_model::DeviceChain;
 use haptical_urdf::{BaseAndTip, device_from_urdf};
 use serde_json::Value;
 
+use crate::folder::Folder;
 use crate::two_arms::{ELBOWS_RAD, log, touches, urdf};
-use crate::{haptical, text};
-
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().unwrap());
-        folder.write("robot.urdf", &urdf());
-        folder
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, content: &str) {
-        std::fs::write(self.path(name), content).unwrap();
-    }
-
-    fn run(&self, arguments: &[&str]) -> (Option<i32>, String, String) {
-        let output = haptical()
-            .current_dir(self.0.path())
-            .args(arguments)
-            .output()
-            .unwrap();
-        (
-            output.status.code(),
-            text(&output.stdout),
-            text(&output.stderr),
-        )
-    }
-}
 
 const ENDS: [&str; 4] = ["--base", "left_finger", "--tip", "right_finger"];
 
@@ -79,7 +46,7 @@ fn identified(folder: &Folder, log: &str, out: &str) -> Vec<(String, f64, String
 /// else does, whether the rows say that the distance is 0 or that both tips are one point.
 #[test]
 fn touching_hands_tell_the_elbows() {
-    let folder = Folder::new();
+    let folder = Folder::with("robot.urdf", &urdf());
     folder.write("rig.toml", RIG);
     folder.write("zero.csv", &log("x_m,y_m,z_m", "0,0,0"));
     folder.write("contact.csv", &log("contact", "fingers"));
@@ -142,7 +109,7 @@ fn touching_hands_tell_the_elbows() {
 /// Every command that takes a tip takes a base, and results say so.
 #[test]
 fn every_command_takes_a_base() {
-    let folder = Folder::new();
+    let folder = Folder::with("robot.urdf", &urdf());
     folder.write("rig.toml", RIG);
     folder.write("log.csv", &log("x_m,y_m,z_m", "0,0,0"));
     let with_log = [
@@ -213,7 +180,7 @@ fn every_command_takes_a_base() {
 
 #[test]
 fn a_base_is_refused_with_what_to_do() {
-    let folder = Folder::new();
+    let folder = Folder::with("robot.urdf", &urdf());
     folder.write("log.csv", &log("x_m,y_m,z_m", "0,0,0"));
     let said = |arguments: &[&str]| {
         let (status, _, said) = folder.run(arguments);

@@ -2,12 +2,11 @@
 //! them.
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use haptical_model::Device;
 use serde_json::Value;
 
-use crate::{haptical, text};
+use crate::folder::Folder;
 
 /// A waist with a head, and an arm on either side of two joints, each with a finger.
 const FIGURE: &str = r#"<robot name="figure">
@@ -31,35 +30,6 @@ const FIGURE: &str = r#"<robot name="figure">
     <origin xyz="0 -0.2 0.4"/><axis xyz="0 1 0"/><limit lower="-2" upper="2"/></joint>
 </robot>"#;
 
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().unwrap());
-        folder.write("figure.urdf", FIGURE);
-        folder
-    }
-
-    fn write(&self, name: &str, content: &str) -> PathBuf {
-        let path = self.0.path().join(name);
-        std::fs::write(&path, content).unwrap();
-        path
-    }
-
-    fn run(&self, arguments: &[&str]) -> (Option<i32>, String, String) {
-        let output = haptical()
-            .current_dir(self.0.path())
-            .args(arguments)
-            .output()
-            .unwrap();
-        (
-            output.status.code(),
-            text(&output.stdout),
-            text(&output.stderr),
-        )
-    }
-}
-
 /// Columns of joints and nothing else.
 fn log(joints: usize) -> String {
     let names: Vec<String> = (1..=joints)
@@ -75,7 +45,7 @@ fn log(joints: usize) -> String {
 
 #[test]
 fn a_log_of_another_chain_is_told_which_chain_was_taken() {
-    let folder = Folder::new();
+    let folder = Folder::with("figure.urdf", FIGURE);
     folder.write("two.csv", &log(2));
     folder.write("three.csv", &log(3));
     folder.write("one.csv", &log(1));
@@ -116,7 +86,7 @@ fn a_log_of_another_chain_is_told_which_chain_was_taken() {
 /// Readings that need no URDF explain themselves as before, with the joint's name where it has one.
 #[test]
 fn a_device_file_s_joint_is_named_too() {
-    let folder = Folder::new();
+    let folder = Folder::with("figure.urdf", FIGURE);
     folder.write(
         "named.toml",
         "[[joint]]\nname = \"turn\"\n[[joint]]\nname = \"lift\"\n",
@@ -145,7 +115,7 @@ fn masses_beside_the_chain_load_it() {
     /// Torques are taken where the readings are, not where the bent joints are: compliance times change of
     /// torque with angle, 2.5e-4 rad/(N m) 62 N m/rad, is left. Without the masses a half is missing.
     const FIRST_ORDER: f64 = 0.03;
-    let folder = Folder::new();
+    let folder = Folder::with("figure.urdf", FIGURE);
     let rig = "[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = 1e-5\nrotation_sd_rad = 1e-5\n\
         [gravity]\nvector_mps2 = [0.0, 0.0, -9.81]\n";
     folder.write("rig.toml", rig);
@@ -173,7 +143,7 @@ fn masses_beside_the_chain_load_it() {
         ),
         "{said}"
     );
-    let json = std::fs::read_to_string(folder.0.path().join("result/identified.json")).unwrap();
+    let json = std::fs::read_to_string(folder.path("result/identified.json")).unwrap();
     let json: Value = serde_json::from_str(&json).unwrap();
     for (joint, truth) in COMPLIANCE.into_iter().enumerate() {
         let name = format!("joint_compliance{}", joint + 1);
@@ -183,7 +153,7 @@ fn masses_beside_the_chain_load_it() {
         assert!((value / truth - 1.0).abs() < FIRST_ORDER, "{name}: {value}");
     }
     // the device file that is written has the masses too
-    let identified = Device::load(&folder.0.path().join("result/identified.toml")).unwrap();
+    let identified = Device::load(&folder.path("result/identified.toml")).unwrap();
     assert_eq!(identified.device.bodies[1].unwrap().mass_kg, 18.0);
     assert!(identified.device.compliance_rad_per_nm(0) > 2e-4);
 }

@@ -125,6 +125,14 @@ fn diagnosed(recording: &Recording) -> Diagnosis {
     diagnose(&device(), recording, &Options::default()).unwrap()
 }
 
+/// The diagnosis of a recording that nothing in the catalogue explains.
+fn unknown(recording: &Recording) -> Diagnosis {
+    let diagnosis = diagnosed(recording);
+    let causes = &diagnosis.causes;
+    assert_eq!(diagnosis.verdict, Verdict::Unknown, "{causes:?}");
+    diagnosis
+}
+
 #[test]
 fn a_joint_that_yields_is_named_wherever_the_tracker_stands() {
     for seed in [1, 2, 3] {
@@ -221,13 +229,7 @@ fn a_tracker_that_drifts_is_told_from_noise_by_the_time() {
             let settled = 1.0 - (-PAUSE_S * posture.row as f64 / 800.0).exp();
             settled * Vector3::new(1e-4, 0.0, 3e-4)
         }));
-        let diagnosis = diagnosed(&recording);
-        assert_eq!(
-            diagnosis.verdict,
-            Verdict::Unknown,
-            "{:?}",
-            diagnosis.causes
-        );
+        let diagnosis = unknown(&recording);
         let place = diagnosis.place.unwrap();
         assert_eq!((place.depends_on[0].as_str(), place.joint), ("t_s", None));
         let first = &place.dependence[0];
@@ -262,13 +264,7 @@ fn a_play_in_single_postures_asks_for_both_sides() {
             link[0] -= 2e-4 * (posture.reading[0] - posture.before[0]).signum();
             Vector3::zeros()
         });
-        let diagnosis = diagnosed(&recording);
-        assert_eq!(
-            diagnosis.verdict,
-            Verdict::Unknown,
-            "{:?}",
-            diagnosis.causes
-        );
+        let diagnosis = unknown(&recording);
         let place = diagnosis.place.unwrap();
         assert_eq!(
             (place.dependence[0].asked, place.joint),

@@ -1,12 +1,12 @@
 //! Chains between any two links: poses against products over the tree, corrected files, gravity in the base's frame.
 
+use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::Isometry3;
-use haptical_model::kinematics::{Parameter, Pose};
 use haptical_model::{Device, Statics};
 use haptical_urdf::{BaseAndTip, UrdfDevice, UrdfError, corrected_urdf, device_from_urdf};
 use proptest::prelude::*;
 
-use crate::support::{gap, pose};
+use crate::support::{calibrated, gap, pose};
 use crate::trees::{Part, as_pose, placed, text, tree};
 
 /// What was asked for of poses, in m and as an entry of a rotation: a product of twenty transforms by another way.
@@ -62,18 +62,6 @@ fn expected(parts: &[Part], [base, tip]: [usize; 2], device: &Device, readings: 
     };
     let [base, tip]: [Isometry3<f64>; 2] = [base, tip].map(|link| placed(parts, link, &value));
     as_pose(&(base.inverse() * tip))
-}
-
-/// Every number of every row moved, the base's too.
-fn calibrated(nominal: &Device, deviations: &[f64]) -> Device {
-    let mut device = nominal.clone();
-    let mut next = deviations.iter().cycle();
-    for link in &mut device.links {
-        for parameter in Parameter::ALL {
-            link.set(parameter, *next.next().unwrap());
-        }
-    }
-    device
 }
 
 proptest! {

@@ -1,26 +1,13 @@
 //! Corrected URDFs: the same forward kinematics as the calibrated device, and the rest of the text as it was.
 
-use haptical_model::kinematics::Parameter;
 use haptical_model::{Device, JointType};
 use haptical_urdf::{BaseAndTip, corrected_urdf, device_from_urdf};
 use proptest::prelude::*;
 
-use crate::support::{fixture, gap, pose};
+use crate::support::{calibrated, fixture, gap, pose};
 
 /// What the issue asks for is 1e-9 m; shortest decimal forms give the doubles themselves, so rounding is left.
 const RELOADED: f64 = 1e-13;
-
-/// Every number of every row moved, as a calibration does and more.
-fn calibrated(nominal: &Device, deviations: &[f64]) -> Device {
-    let mut device = nominal.clone();
-    let mut next = deviations.iter().cycle();
-    for link in &mut device.links {
-        for parameter in Parameter::ALL {
-            link.set(parameter, *next.next().unwrap());
-        }
-    }
-    device
-}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]

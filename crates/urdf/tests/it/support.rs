@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use haptical_model::kinematics::Pose;
+use haptical_model::kinematics::{Parameter, Pose};
 use haptical_model::{Device, Evaluation};
 
 /// Two ways to the same pose, some thirty transforms of lengths up to 1 m: rounding with a factor of ten.
@@ -34,4 +34,16 @@ pub(crate) fn gap(left: &Pose, right: &Pose) -> f64 {
         .max((left.rotation - right.rotation).amax());
     let all = left.position_m.sum() + left.rotation.sum() + right.position_m.sum();
     if all.is_finite() { gap } else { f64::INFINITY }
+}
+
+/// Every number of every row moved, the base's too, as a calibration does and more.
+pub(crate) fn calibrated(nominal: &Device, deviations: &[f64]) -> Device {
+    let mut device = nominal.clone();
+    let mut next = deviations.iter().cycle();
+    for link in &mut device.links {
+        for parameter in Parameter::ALL {
+            link.set(parameter, *next.next().unwrap());
+        }
+    }
+    device
 }
