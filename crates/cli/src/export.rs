@@ -9,6 +9,7 @@ mod rust_module;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use haptical_model::Device;
 use serde_json::json;
 
 use self::described::Described;
@@ -113,6 +114,9 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
             text
         }
     };
+    if arguments.format != FormatName::Toml {
+        input.warnings.extend(said_of_compliance(&input.device));
+    }
     write_all(folder, &[(name, content.into_bytes())])?;
     terminal::warn(&input.warnings);
     if arguments.json {
@@ -136,6 +140,24 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         );
         terminal::write_output(said.as_bytes())
     }
+}
+
+/// What an export with rigid joints leaves out.
+fn said_of_compliance(device: &Device) -> Option<String> {
+    let yields = |joint: &usize| device.compliance_rad_per_nm(*joint) != 0.0;
+    let joints: Vec<String> = (0..device.joints.len())
+        .filter(yields)
+        .map(|joint| (joint + 1).to_string())
+        .collect();
+    let which = match joints.as_slice() {
+        [] => return None,
+        [one] => format!("joint {one} yields"),
+        several => format!("joints {} yield", several.join(", ")),
+    };
+    Some(format!(
+        "{which} to torque, and this form has rigid joints: take compliance times torque off each joint's angle before you \
+         use it; the compliances are in the device file"
+    ))
 }
 
 /// Folder and name of the file to write.

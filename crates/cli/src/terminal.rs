@@ -7,10 +7,20 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::failure::Failure;
 
-/// Writes to standard output. A closed pipe ends the output silently, as `head` expects.
+/// Names in files are other people's: what would steer a terminal becomes a space.
+fn harmless(text: &str) -> String {
+    let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
+    text.replace(steers, " ")
+}
+
+/// Writes text to standard output. A closed pipe ends the output silently, as `head` expects.
 pub(crate) fn write_output(bytes: &[u8]) -> Result<(), Failure> {
+    let text = harmless(&String::from_utf8_lossy(bytes));
     let mut output = std::io::stdout().lock();
-    match output.write_all(bytes).and_then(|()| output.flush()) {
+    match output
+        .write_all(text.as_bytes())
+        .and_then(|()| output.flush())
+    {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::bad_input(
             "output",
             format!("cannot write: {error}"),
@@ -23,6 +33,7 @@ pub(crate) fn write_output(bytes: &[u8]) -> Result<(), Failure> {
 
 /// Writes a text to standard error; there is nobody to tell if that fails.
 pub(crate) fn write_message(text: &str) {
+    let text = harmless(text);
     let mut output = std::io::stderr().lock();
     let _ = output.write_all(text.as_bytes());
     if !text.ends_with('\n') {

@@ -203,3 +203,23 @@ fn a_name_cannot_end_the_comment_that_it_stands_in() {
         "{module}"
     );
 }
+
+#[test]
+fn joints_that_yield_are_told_where_the_form_has_rigid_ones() {
+    let sandbox = Sandbox::new();
+    let soft = "[[joint]]\ncompliance_rad_per_nm = 2.5e-3\nname = \"2\"";
+    let device = sandbox.device_text();
+    let device = device.replace("[[joint]]\nname = \"2\"", soft);
+    sandbox.write("soft.toml", device);
+    let said = |name: &str, format: &str| {
+        let output = export(&sandbox.path(name), format, &sandbox.path("out"), &[]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    for format in ["rust", "c-header", "json", "urdf", "mjcf"] {
+        let warned = said("soft.toml", format).contains("joint 2 yields to torque");
+        assert!(warned, "{format}");
+        assert!(!said("device.toml", format).contains("yield"), "{format}");
+    }
+    assert_eq!(said("soft.toml", "toml"), "");
+}

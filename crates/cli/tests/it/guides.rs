@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use haptical_model::{Device, Evaluation};
+
 use crate::{haptical, text};
 
 /// What a number may differ from the guide's: a held-out error moves by a per cent when a search stops elsewhere, a wrong model
@@ -202,4 +204,35 @@ fn a_camera_in_the_hand() {
 #[test]
 fn elastic_joints() {
     run("elastic-joints.md");
+}
+
+/// The rows that the guide gives for a passive joint keep a trunk upright, and the arm behind takes the next joint.
+#[test]
+fn a_joint_that_two_others_drive() {
+    let guide = root().join("docs/guides/elastic-joints.md");
+    let guide = std::fs::read_to_string(guide).unwrap();
+    let blocks = blocks(&guide);
+    let coupled = blocks.iter().find(|block| block.language == "toml");
+    let row = "[[link]]\na_m = 0.3\nalpha_rad = 0.0\nd_m = 0.0\n";
+    let yaw = "[[link]]\na_m = 0.0\nalpha_rad = 1.5707963267948966\nd_m = 0.0\n";
+    let coupled = coupled.unwrap().lines.join("\n");
+    let text = format!(
+        "[device]\nname = \"trunk\"\n{yaw}{yaw}{row}{row}{coupled}\n{row}{}",
+        "[[joint]]\n".repeat(4)
+    );
+    let loaded = Device::from_toml(&text, "trunk.toml").unwrap();
+    assert_eq!(loaded.warnings, Vec::<String>::new());
+    let mut chain = Evaluation::new(&loaded.device);
+    let mut turns = Vec::new();
+    for readings in [
+        [0.3, 0.0, 0.0, 0.0],
+        [0.3, 0.4, -0.9, 0.0],
+        [0.3, 0.4, -0.9, 0.2],
+    ] {
+        chain.move_to(&readings).unwrap();
+        turns.push(chain.pose().unwrap().rotation);
+    }
+    assert!((turns[0] - turns[1]).norm() < 1e-12, "it leans");
+    let angle = ((turns[0].transpose() * turns[2]).trace() / 2.0 - 0.5).acos();
+    assert!((angle - 0.2).abs() < 1e-12, "{angle}");
 }

@@ -207,3 +207,26 @@ fn a_reader_that_goes_away_is_no_failure() {
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(text(&output.stderr), "");
 }
+
+/// A device file is somebody else's: its name must not reach the terminal as a command to it.
+#[test]
+fn a_name_does_not_steer_the_terminal() {
+    let sandbox = Sandbox::new();
+    let name = r#"name = "arm \u001b[2J\u001b]0;owned\u0007""#;
+    let device = sandbox.device_text();
+    let named = device.replacen("name = \"7-DOF capstan-driven haptic device\"", name, 1);
+    assert_ne!(named, device);
+    sandbox.write("device.toml", named);
+    let output = haptical()
+        .arg("check")
+        .arg(sandbox.path("device.toml"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    assert!(said.contains("arm  [2J ]0;owned"), "{said}");
+    assert!(
+        !said.contains('\u{1b}') && !said.contains('\u{7}'),
+        "{said}"
+    );
+}
