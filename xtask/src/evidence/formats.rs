@@ -1,10 +1,10 @@
 //! Parquet and MCAP, which the short CI does not build: the tests of the readers and of the command with them.
 
 use std::path::Path;
-use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 
+use super::cargo_test::passed_tests;
 use crate::output::Output;
 
 /// Tests that need the features: package, and arguments behind it.
@@ -23,7 +23,11 @@ pub(super) fn section(output: &mut Output, root: &Path) -> Result<()> {
          and damaged ones.",
     );
     for (package, further) in RUNS {
-        let passed = passed_tests(root, package, further)?;
+        let passed = passed_tests(
+            root,
+            &[&["--features", "parquet,mcap", "-p", package], further].concat(),
+            &[],
+        )?;
         let command = ["cargo test --features parquet,mcap -p", package]
             .iter()
             .chain(further)
@@ -34,53 +38,4 @@ pub(super) fn section(output: &mut Output, root: &Path) -> Result<()> {
         output.terminal(format!("     {passed} tests of {package}"));
     }
     Ok(())
-}
-
-/// Runs the tests and counts those that passed.
-fn passed_tests(root: &Path, package: &str, further: &[&str]) -> Result<usize> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let done = Command::new(cargo)
-        .current_dir(root)
-        .args([
-            "test",
-            "--release",
-            "--quiet",
-            "--features",
-            "parquet,mcap",
-            "-p",
-            package,
-        ])
-        .args(further)
-        .output()
-        .context("cargo")?;
-    let text = String::from_utf8_lossy(&done.stdout);
-    if !done.status.success() {
-        bail!(
-            "tests of {package} failed:\n{text}\n{}",
-            String::from_utf8_lossy(&done.stderr)
-        );
-    }
-    Ok(count(&text))
-}
-
-/// Adds up the lines `test result: ok. N passed; ...`.
-fn count(text: &str) -> usize {
-    let passed = |line: &str| {
-        let rest = line.trim().strip_prefix("test result: ok. ")?;
-        rest.split_once(" passed")?.0.parse::<usize>().ok()
-    };
-    text.lines().filter_map(passed).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::count;
-
-    #[test]
-    fn passed_tests_are_added_up() {
-        let text = "running 2 tests\n..\ntest result: ok. 2 passed; 0 failed; 0 ignored\n\n\
-                    test result: FAILED. 7 passed; 1 failed\ntest result: ok. 40 passed; 0 failed\n";
-        assert_eq!(count(text), 42);
-        assert_eq!(count(""), 0);
-    }
 }

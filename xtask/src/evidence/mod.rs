@@ -1,10 +1,12 @@
 //! Evidence for numbers that others may cite: `cargo xtask evidence` writes docs/evidence.md.
 
 mod basin;
+mod cargo_test;
 mod coverage_tables;
 mod document;
 mod force_truth;
 mod formats;
+mod fuzz;
 mod intervals;
 mod licences;
 mod mgh;
@@ -47,13 +49,14 @@ pub(crate) struct Arguments {
 const DOCUMENT: &str = "docs/evidence.md";
 
 /// What `--only` names.
-const PARTS: [&str; 10] = [
+const PARTS: [&str; 11] = [
     "solver",
     "intervals",
     "basin",
     "parallel-joints",
     "poses",
     "formats",
+    "fuzz",
     "python",
     "licences",
     "coverage",
@@ -62,6 +65,9 @@ const PARTS: [&str; 10] = [
 
 /// Devices of each trial with `--quick`.
 const QUICK_DEVICES: usize = 4;
+
+/// How long each fuzz target runs.
+const FUZZ_SECONDS: u64 = 120;
 
 const LEAD: &str = "Figures of `cargo xtask evidence`, which writes this file; `cargo xtask evidence --check` says whether it \
                     is stale. The report with the same tables is `target/evidence/report.html`. The last digit of a score and \
@@ -112,6 +118,9 @@ pub(crate) fn evidence(arguments: &Arguments) -> Result<()> {
     }
     if runs("formats") && !arguments.quick {
         formats::section(&mut output, &root())?;
+    }
+    if runs("fuzz") && !arguments.quick {
+        fuzz::section(&mut output, &root(), FUZZ_SECONDS)?;
     }
     if runs("python") && !arguments.quick {
         python::section(&mut output, &root())?;
