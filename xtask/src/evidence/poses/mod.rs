@@ -161,7 +161,7 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
     for ((name, curve), (.., counted)) in curves.iter().zip(WAYS) {
         verdict(output, (name, counted), curve, &random);
     }
-    curves.push(("random", by_chance));
+    let by_chance = ("random", by_chance);
     let known = |found: &Accuracy| Some(found.apart.as_ref()?.known_position_m);
     let pictures: [(&str, &str, fn(&Accuracy) -> Option<f64>); 2] = [
         ("chosen-poses", "the transmissions known", known),
@@ -172,7 +172,12 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
     for (stem, which, error_m) in pictures {
         let title = format!("Chosen poses against random ones, {which}");
         let caption = format!("{CAPTION}, {which}.");
-        output.figure(stem, &caption, &figure(&title, &curves, &random, error_m))?;
+        // those that count step 1 are for two steps
+        let ways = curves.iter().zip(WAYS);
+        let ways = ways.filter(|(_, (.., counted))| *counted != Counted::StepOne);
+        let ways: Vec<_> = ways.map(|(curve, _)| curve).collect();
+        let picture = figure(&title, &ways, &by_chance, &random, error_m);
+        output.figure(stem, &caption, &picture)?;
     }
     output.table("chosen-poses", table)
 }

@@ -129,10 +129,14 @@ pub(super) fn verdict(
     );
 }
 
+/// Numbers of poses, and what they give, under the name of a way of choosing.
+type Curve = (&'static str, Vec<(usize, Accuracy)>);
+
 /// Curves of one error over the number of poses; ways that do not have it are left out.
 pub(super) fn figure(
     title: &str,
-    curves: &[(&str, Vec<(usize, Accuracy)>)],
+    ways: &[&Curve],
+    by_chance: &Curve,
     random: &Accuracy,
     error_m: fn(&Accuracy) -> Option<f64>,
 ) -> Figure {
@@ -141,7 +145,8 @@ pub(super) fn figure(
         "poses of step 2",
         "position error at unseen poses [um]",
     );
-    for (colour, (name, curve)) in curves.iter().enumerate() {
+    let colours = (0..BLACK).zip(ways.iter().copied());
+    for (colour, (name, curve)) in colours.chain([(BLACK, by_chance)]) {
         let point =
             |(count, found): &(usize, Accuracy)| Some((*count as f64, error_m(found)? * 1e6));
         let points: Vec<(f64, f64)> = curve.iter().filter_map(point).collect();
@@ -153,6 +158,9 @@ pub(super) fn figure(
     let random_um = error_m(random).unwrap_or(f64::NAN) * 1e6;
     figure
         .series
-        .push(Series::reference("200 random", 6, random_um));
+        .push(Series::reference("200 random", BLACK, random_um));
     figure
 }
+
+/// The palette's last colour that is told from the others on white.
+const BLACK: usize = 6;
