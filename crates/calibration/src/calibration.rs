@@ -8,7 +8,7 @@ use haptical_model::{Device, Recording};
 use serde::Serialize;
 
 use crate::held_out::{FOLDS, SHORT_LOG, check_share, dwelt, folds, is_for_folds, is_of_postures};
-use crate::joint_fit::add_step_one_noise;
+use crate::joint_fit::{add_step_one_noise, profile_whole};
 use crate::prepare::with_unseen_touches;
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut,
@@ -128,6 +128,7 @@ pub fn calibrate(
     if options.method == CalibrationMethod::TwoStep {
         fitted = add_step_one_noise(fitted, &channels, &seen)?;
     }
+    profile_whole(&mut fitted, &seen, options)?;
     let nominal = device.clone();
     let nominal = crate::prepare_device(&nominal, &seen)?;
     let mut fit_channels = compare(&nominal, &fitted.device, &seen, &channels, &stated)?;

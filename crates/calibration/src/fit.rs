@@ -15,6 +15,7 @@ use crate::free_set::{enough, hold, parameter_shares, worth_fitting};
 use crate::loads::Loads;
 use crate::mistakes;
 use crate::multi_start::{self, Starts};
+use crate::profiled::Profiled;
 use crate::reduced::{count_readings, scale_to_residuals};
 use crate::settle::settle;
 use crate::wider::widen_offsets;
@@ -40,6 +41,8 @@ pub struct ParameterFit {
     pub considered: Considered,
     /// Where the size of the noise came from.
     pub noise: NoiseScale,
+    /// Intervals that are not linearised ones ([`crate::calibrate`] looks for them).
+    pub profiled: Profiled,
     /// What searches from other places said, where the first was doubted.
     pub starts: Starts,
     /// Judgement at the nominal device.
@@ -113,7 +116,7 @@ pub fn fit_parameters(
     weights: &Weights,
     options: &Options,
 ) -> Result<ParameterFit, CalibrationError> {
-    let task = Task {
+    fit_task(&Task {
         what,
         device,
         recording,
@@ -121,19 +124,25 @@ pub fn fit_parameters(
         parameters,
         weights,
         options,
+        from: None,
         loads_of: None,
-    };
-    let fit = multi_start::improve(&task, task.fit_from(None)?)?;
-    mistakes::refuse(&task, &fit)?;
-    let fit = settle(&task, fit)?;
-    let fit = widen_offsets(&task, fit)?;
+    })
+}
+
+/// [`fit_parameters`] of a task.
+pub(crate) fn fit_task(task: &Task<'_>) -> Result<ParameterFit, CalibrationError> {
+    let (what, device, options) = (task.what, task.device, task.options);
+    let fit = multi_start::improve(task, task.fit_from(None)?)?;
+    mistakes::refuse(task, &fit)?;
+    let fit = settle(task, fit)?;
+    let fit = widen_offsets(task, fit)?;
     if !fit.convergence.was_successful() && !options.unfinished {
         return Err(CalibrationError::NotConverged {
             what: what.to_owned(),
             reason: fit.convergence.to_string(),
         });
     }
-    if let Some(share) = scale::collapsed(device, &fit.device, recording, channels) {
+    if let Some(share) = scale::collapsed(device, &fit.device, task.recording, task.channels) {
         return Err(CalibrationError::Collapsed {
             what: what.to_owned(),
             share,
@@ -151,12 +160,14 @@ pub(crate) struct Task<'a> {
     pub(crate) parameters: &'a [ParameterId],
     pub(crate) weights: &'a Weights,
     pub(crate) options: &'a Options,
+    /// Whose values the search begins at: those of `device` where it is none. What is held stays at `device`'s.
+    pub(crate) from: Option<&'a Device>,
     /// Whose compliances say at which angles the torques are taken: those of `device` where it is none.
     pub(crate) loads_of: Option<&'a Device>,
 }
 
 impl Task<'_> {
-    /// Fits from the device's own values, or from others; a search that ends elsewhere than at a minimum is no
+    /// Fits from where the task says, or from other values; a search that ends elsewhere than at a minimum is no
     /// error here.
     pub(crate) fn fit_from(
         &self,
@@ -164,6 +175,11 @@ impl Task<'_> {
     ) -> Result<ParameterFit, CalibrationError> {
         let (device, recording, channels) = (self.device, self.recording, self.channels);
         let (parameters, weights) = (self.parameters, self.weights);
+        let begun: Option<Vec<f64>> = self.from.map(|device| {
+            let values = parameters.iter().map(|parameter| parameter.value(device));
+            values.collect()
+        });
+        let values = values.or(begun.as_deref());
         if let Some(problem) =
             DeviceProblem::in_bulk(device, recording, channels, parameters, weights)
         {
@@ -268,6 +284,7 @@ impl Task<'_> {
             uncertainty: spread,
             considered,
             noise,
+            profiled: Profiled::default(),
             starts: Starts::default(),
             nominal_identifiability,
             identifiability,

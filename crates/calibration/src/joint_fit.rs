@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use haptical_identification::Loss;
 use haptical_model::{Device, ParameterId, Recording};
 
+use crate::fit::{Task, fit_task};
+use crate::profiled::profile;
 use crate::{
     CalibrationError, CalibrationMethod, Channel, LossChoice, Options, ParameterFit, Robustness,
     Starts, TransmissionFit, TransmissionTerms, Weighting, Weights, automatic_loss,
@@ -117,28 +119,21 @@ pub(crate) fn fit_once(
     let whole = match options.method {
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {
-            let mut parameters = joint_candidates(&kinematics.device, &fitted.transmissions);
+            // what the fit of both holds stays at the device's own value, wherever step 2 had it
+            let mut parameters = joint_candidates(&fitted.device, &fitted.transmissions);
             let held = scale::held_by(&kinematics, &fitted.device);
             parameters.retain(|parameter| !held.contains(parameter));
-            let what = "joint identification";
-            let mut fit = fit_parameters(
-                what,
-                &kinematics.device,
+            let mut fit = fit_task(&Task {
+                what: "joint identification",
+                device: &fitted.device,
                 recording,
                 channels,
-                &parameters,
+                parameters: &parameters,
                 weights,
                 options,
-            )?;
-            // The judgement of interest is at the nominal device, not where step 2 ended.
-            fit.nominal_identifiability = crate::identifiability_at(
-                &fitted.device,
-                recording,
-                channels,
-                &parameters,
-                weights,
-                &options.rules,
-            )?;
+                from: Some(&kinematics.device),
+                loads_of: None,
+            })?;
             if fit.starts.tried == 0 {
                 // it began where step 2 had ended, which may have looked elsewhere
                 fit.starts = Starts {
@@ -183,6 +178,28 @@ pub(crate) fn add_step_one_noise(
     let (steps, weights) = (&fitted.transmissions, &fitted.weights);
     fitted.whole = Some(with_step_one_noise(whole, steps, rows, &distant, weights)?);
     Ok(fitted)
+}
+
+/// Looks at the intervals of the last fit where they are no longer straight.
+pub(crate) fn profile_whole(
+    fitted: &mut FittedDevice,
+    recording: &Recording,
+    options: &Options,
+) -> Result<(), CalibrationError> {
+    let channels = channels(&fitted.device, recording)?;
+    let Some(whole) = &mut fitted.whole else {
+        return Ok(());
+    };
+    if options.method == CalibrationMethod::Joint {
+        profile(whole, recording, &channels, &fitted.weights, options);
+        return Ok(());
+    }
+    let channels = channels.iter().copied();
+    let distant: Vec<Channel> = channels.filter(|channel| channel.sees_chain()).collect();
+    let inside = rows_of_step_two(&fitted.device, recording);
+    let rows = inside.as_ref().unwrap_or(recording);
+    profile(whole, rows, &distant, &fitted.weights, options);
+    Ok(())
 }
 
 /// Step 2: the kinematic parameters from distances (or positions) at corrected joint angles.

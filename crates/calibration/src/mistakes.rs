@@ -161,6 +161,7 @@ impl<'a> Trial<'a> {
             device: &self.prepared,
             recording: self.part,
             options: &options,
+            from: None,
             loads_of: None,
             ..*self.task
         };

@@ -6,12 +6,11 @@ use haptical_calibration::{
     Calibration, ChannelReport, ForceDirection, Outlier, ParameterFit, RobustChannel, Robustness,
     Starts,
 };
-use haptical_identification::{
-    Convergence, Identifiability, Loss, NoiseScale, Observability, Status, Term,
-};
+use haptical_identification::{Convergence, Identifiability, Loss, Observability, Status, Term};
 use haptical_model::{Device, ParameterId, TransmissionError};
 use serde::Serialize;
 
+use crate::intervals::IntervalEntry;
 use crate::provenance::Record;
 use crate::transmissions::{TransmissionEntry, transmissions};
 
@@ -48,51 +47,6 @@ pub(crate) struct Identified {
     pub(crate) outliers: Vec<Outlier>,
     pub(crate) warnings: Vec<String>,
     pub(crate) provenance: Record,
-}
-
-/// How intervals were made.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct IntervalEntry {
-    pub(crate) level: f64,
-    pub(crate) kind: String,
-    pub(crate) degrees_of_freedom: usize,
-    /// Parameters that were not fitted (weak, or those of step 1) and whose plausible errors widen the intervals.
-    pub(crate) considered: Vec<String>,
-}
-
-impl IntervalEntry {
-    fn of(fit: &ParameterFit) -> Self {
-        let kind = match fit.noise {
-            NoiseScale::Stated => "linearised at the solution, normal, with the stated noise",
-            NoiseScale::Estimated => {
-                "linearised at the solution, Student's t, with the noise that the residuals show"
-            }
-        };
-        let considered = fit.considered.parameters.iter();
-        Self {
-            level: 0.95,
-            kind: kind.to_owned(),
-            degrees_of_freedom: fit.uncertainty.degrees_of_freedom,
-            considered: considered
-                .map(|parameter| parameter.name(&fit.device))
-                .collect(),
-        }
-    }
-
-    /// The same as a sentence.
-    pub(crate) fn sentence(&self) -> String {
-        let considered = match self.considered.as_slice() {
-            [] => String::new(),
-            names => format!(
-                " They are widened by what plausible errors of parameters that were not fitted here do: {}.",
-                names.join(", ")
-            ),
-        };
-        format!(
-            "95 % intervals: {}, {} degrees of freedom.{considered} No interval is given for what is not identified.",
-            self.kind, self.degrees_of_freedom
-        )
-    }
 }
 
 /// One candidate parameter.

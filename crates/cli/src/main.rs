@@ -24,6 +24,7 @@ mod init;
 mod input_files;
 mod inputs;
 mod interrupt;
+mod intervals;
 mod method;
 mod output_files;
 mod plan;

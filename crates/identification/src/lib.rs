@@ -9,6 +9,7 @@ mod identifiability;
 mod loss;
 mod observability;
 mod problem;
+mod profile;
 mod proven;
 mod robust;
 mod rules;
@@ -27,6 +28,7 @@ pub use identifiability::{Identifiability, ParameterInfo, Status, Term, analyse}
 pub use loss::{Loss, robust_scale};
 pub use observability::Observability;
 pub use problem::{Form, Problem, SparseProblem, evaluate_jacobian};
+pub use profile::{FARTHEST, Profile, TOLERATED, profiles};
 pub use robust::{RobustFit, solve_robust};
 pub use rules::IdentifiabilityRules;
 pub use settings::{Convergence, Method, Settings};

@@ -31,6 +31,7 @@ mod null_space;
 mod parallel_joints;
 mod planted;
 mod postures;
+mod profiled;
 mod recovery;
 mod refusals;
 mod rig;

@@ -3,7 +3,8 @@
 use haptical_report::{Block, Cell, Column, Table};
 
 use crate::failure::Failure;
-use crate::identified::{Identified, IntervalEntry, ParameterEntry};
+use crate::identified::{Identified, ParameterEntry};
+use crate::intervals::IntervalEntry;
 use crate::units::Shown;
 
 /// Values of all identified parameters with their intervals.

@@ -15,6 +15,7 @@ mod invariance;
 mod mgh;
 mod nist;
 mod observability;
+mod profile;
 mod refusals;
 mod robust;
 mod search;
