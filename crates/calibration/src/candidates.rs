@@ -2,6 +2,7 @@
 
 use haptical_identification::ParameterInfo;
 use haptical_model::SurroundingParameter;
+use haptical_model::kinematics::Convention;
 use haptical_model::{Device, LinkParameter, ParameterId};
 
 /// Two successive axes within this angle count as parallel, so that Hayati's angle is offered.
@@ -9,13 +10,18 @@ use haptical_model::{Device, LinkParameter, ParameterId};
 /// move the common normal by more than the arm is long.)
 const PARALLEL_RAD: f64 = 0.02;
 
-/// The Denavit-Hartenberg parameters of all rows; Hayati's angle only on rows 1 to n - 1 whose axis
-/// is parallel to the next one, and what stands beside the chain
+/// The Denavit-Hartenberg parameters of all rows; Hayati's angle only where a row's twist lies between two parallel
+/// axes, the base's z being one (docs/equations.md, Structural count); and what stands beside the chain
 /// ([`Device::further_parameters`]). A general row ([`Device::is_general_row`]) offers all six numbers: near
 /// 0 they are independent whichever way the axes stand, and what is redundant the analysis drops. What the device
 /// holds ([`Device::hold`]) is no candidate.
 pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
     let last = device.links.len().saturating_sub(1);
+    // a row's twist leads to the next joint's axis, or in the modified convention to its own
+    let has_axes = |row: usize| match device.convention {
+        Convention::Standard => row < last,
+        Convention::Modified => row > 0,
+    };
     device
         .link_parameters(true)
         .into_iter()
@@ -29,7 +35,7 @@ pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
                 parameter: LinkParameter::Beta,
             } => {
                 let is_parallel = || device.links[*row].alpha_rad.sin().abs() < PARALLEL_RAD.sin();
-                device.is_general_row(*row) || (*row > 0 && *row < last && is_parallel())
+                device.is_general_row(*row) || (has_axes(*row) && is_parallel())
             }
             _ => true,
         })

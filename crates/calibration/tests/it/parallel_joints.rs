@@ -3,13 +3,15 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use haptical_calibration::{
-    Channel, Options, Weighting, Weights, fit_parameters, predict_positions,
+    Channel, HeldOut, Options, Weighting, Weights, calibrate, fit_parameters, predict_positions,
 };
 use haptical_identification::Status;
-use haptical_model::{Device, ParameterId, Recording};
+use haptical_model::kinematics::Convention;
+use haptical_model::{Device, ParameterId, Recording, Tracker};
 use haptical_simulator::true_poses;
 
 use crate::chain::pseudo_random;
+use crate::rig_scene::{plain, poses, readings, table};
 
 /// Rows 1 to 6 of an arm like the UR10 in the modified convention (a, alpha, theta, d), then its tool behind a
 /// joint that rests; joints 2 and 3 are parallel, joint 4 is not.
@@ -143,5 +145,93 @@ fn the_slide_along_parallel_axes_is_named_and_refused() {
                 assert!(error.abs() < 5.0, "{twist_rad}, {}: {error}", estimate.name);
             }
         }
+    }
+}
+
+/// Positions at random postures, without noise.
+fn seen(truth: &Device, seed: u64) -> Recording {
+    let mut recording = plain(readings(truth, 200, 1.8, seed));
+    let places = poses(truth, &recording);
+    let axis = |axis: usize| places.iter().map(|pose| pose.position_m[axis]).collect();
+    recording.position_m = Some([axis(0), axis(1), axis(2)]);
+    recording
+}
+
+/// An arm whose tracker sees the handle in frame (-1).
+fn tracked_arm(convention: Convention) -> Device {
+    let mut arm = table(5);
+    arm.convention = convention;
+    arm.tracker = Some(Tracker {
+        base_known: true,
+        tool_known: true,
+        position_sd_m: Some(SD_M),
+        rotation_sd_rad: None,
+    });
+    arm
+}
+
+fn unchecked() -> Options {
+    Options {
+        held_out: HeldOut::None,
+        ..Options::default()
+    }
+}
+
+/// A row's twist lies between two axes, the base's z among them: tilted about y against each other they need beta.
+#[test]
+fn a_tilt_about_y_of_parallel_axes_is_fitted() {
+    for (convention, rows) in [
+        (Convention::Standard, [0, 2, 4]),
+        (Convention::Modified, [1, 3, 5]),
+    ] {
+        for row in rows {
+            let mut nominal = tracked_arm(convention);
+            nominal.links[row].alpha_rad = 0.0;
+            let mut truth = nominal.clone();
+            truth.links[row].beta_rad = 5e-3;
+            let recording = seen(&truth, 40 + row as u64);
+            let calibration = calibrate(&nominal, &recording, &unchecked()).unwrap();
+            let report = &calibration.fit_channels[0];
+            assert!(report.rms_before > 1e-4, "{convention:?} {row}");
+            assert!(
+                report.rms_after < 1e-8,
+                "{convention:?} {row}: {:.1e} m is left",
+                report.rms_after
+            );
+        }
+    }
+}
+
+/// Of an arm that deviates from parallel by so much that its axes no longer count as parallel, the candidates are those
+/// of its file, and what is not identified has the file's value in the device too.
+#[test]
+fn what_is_not_identified_keeps_its_value() {
+    for (convention, twist_rad) in [
+        (Convention::Standard, 1e-3),
+        (Convention::Modified, 0.021),
+        (Convention::Standard, 0.03),
+    ] {
+        let mut nominal = tracked_arm(convention);
+        nominal.links[2].alpha_rad = 0.0;
+        nominal.links[3].alpha_rad = 0.0;
+        let mut truth = nominal.clone();
+        truth.links[2].alpha_rad = twist_rad;
+        truth.links[2].beta_rad = 0.015;
+        truth.links[4].a_m += 2e-3;
+        truth.links[1].d_m += 1e-3;
+        let calibration = calibrate(&nominal, &seen(&truth, 50), &unchecked()).unwrap();
+        let whole = calibration.fitted.whole.as_ref().unwrap();
+        let beta = nominal.parameter("beta2").unwrap();
+        assert!(whole.parameters.contains(&beta));
+        let mut held = 0;
+        for (parameter, estimate) in whole.parameters.iter().zip(&whole.estimates) {
+            let now = parameter.value(&calibration.device);
+            let then = parameter.value(&calibration.nominal);
+            let said = estimate.value.unwrap_or(then);
+            assert_eq!(now, said, "{}", estimate.name);
+            held += usize::from(estimate.value.is_none());
+        }
+        assert!(held > 0, "no number is held");
+        assert!(calibration.fit_channels[0].rms_after < 1e-8);
     }
 }
