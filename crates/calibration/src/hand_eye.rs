@@ -15,6 +15,9 @@ const ROUNDS: usize = 30;
 const REACH_M: f64 = 0.1;
 /// Turns between two rows that have an axis: from a twentieth of a radian to what is clearly below half a turn.
 const TURNS_RAD: std::ops::Range<f64> = 0.05..2.9;
+/// Damping of tool and base where their offsets are sought, in shares of the trace: the larger one decides a direction
+/// that is open, and moves none that is seen.
+const DAMPING: [f64; 2] = [1e-9, 1e-13];
 /// Steps of the fit with the geometry held.
 const STEPS: usize = 100;
 
@@ -206,9 +209,10 @@ fn slide(sights: &[Sight], frames: &mut Frames, open: [bool; 2]) {
             right += row * rest[axis];
         }
     }
-    // what nothing shows stays where it is
-    let damping = 1e-12 * normal.trace().max(1.0);
-    let solution = (normal + Matrix6::identity() * damping).cholesky();
+    // where base and tool slide along one direction that nothing turns, the marker is near the handle
+    let [tool, base] = DAMPING.map(|share| share * normal.trace().max(1.0));
+    let damping = Vector6::new(tool, tool, tool, base, base, base);
+    let solution = (normal + Matrix6::from_diagonal(&damping)).cholesky();
     let solution = solution.map(|factor| factor.solve(&right));
     let Some(solution) = solution.filter(|all| all.iter().all(|part| part.is_finite())) else {
         return;
