@@ -366,8 +366,9 @@ pub enum DataError {
     /// Readings far outside the joint's limits that would fit as degrees.
     #[error(
         "{at}: looks like degrees: the readings go from {min} to {max}, the device's limits from \
-         {lower_rad} to {upper_rad} rad; multiply the column by pi/180 (if it holds motor angles, \
-         divide by the transmission ratio; if the joint does turn so far, widen its limits)"
+         {lower_rad} to {upper_rad} rad; multiply the column by pi/180 ({}if it holds motor angles, \
+         divide by the transmission ratio; if the joint does turn so far, widen its limits)",
+        turns(*.within_a_turn)
     )]
     LooksLikeDegrees {
         /// The column, and the line of the reading farthest from zero.
@@ -380,6 +381,8 @@ pub enum DataError {
         lower_rad: f64,
         /// Upper limit of the joint \[rad\].
         upper_rad: f64,
+        /// Whether no reading is farther beyond the limits than a whole turn: it may be that alone.
+        within_a_turn: bool,
     },
     /// The shape describes no device.
     #[error("{at}: a log cannot be matched to a device without joints; correct the device file")]
@@ -403,4 +406,12 @@ pub enum DataError {
         /// What the operating system says.
         source: io::Error,
     },
+}
+
+fn turns(within_a_turn: bool) -> &'static str {
+    if within_a_turn {
+        "if some rows alone are a whole turn off, take 2 pi off them instead; "
+    } else {
+        ""
+    }
 }

@@ -1,6 +1,6 @@
 //! Readings against the limits of their joint: degrees taken for radians, readings outside.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use haptical_model::Recording;
 
@@ -45,6 +45,7 @@ pub(crate) fn check(
                     max,
                     lower_rad: lower,
                     upper_rad: upper,
+                    within_a_turn: (min - lower).min(upper - max) >= -(1.0 + SLACK) * TAU,
                 });
             }
             let name = match role {
@@ -53,10 +54,15 @@ pub(crate) fn check(
             };
             warnings.push(format!(
                 "{at}: {} readings of `{name}` lie outside the device's limits {lower} to {upper} \
-                 {unit} by more than 10 % of that range, the farthest is {}; check the zero and \
+                 {unit} by more than 10 % of that range, the farthest is {}; {}check the zero and \
                  the limits of joint `{}`",
                 outside.count,
                 readings[outside.farthest],
+                if outside.is_whole_turns && !device.prismatic {
+                    "less whole turns (2 pi) they would lie inside: take those off, or "
+                } else {
+                    ""
+                },
                 device.name,
                 unit = device.unit(),
             ));
@@ -72,6 +78,8 @@ struct Outside {
     farthest: usize,
     /// Smallest and largest of all readings.
     range: (f64, f64),
+    /// Whether each of them less whole turns would lie within the limits.
+    is_whole_turns: bool,
 }
 
 impl Outside {
@@ -97,7 +105,12 @@ impl Outside {
             (f64::INFINITY, f64::NEG_INFINITY),
             |(min, max), (_, &value)| (min.min(value), max.max(value)),
         );
+        let is_whole_turn = |(_, value): (usize, &f64)| {
+            let turns = ((value - 0.5 * (device.lower + device.upper)) / TAU).round();
+            turns != 0.0 && (device.lower..=device.upper).contains(&(value - turns * TAU))
+        };
         Some(Self {
+            is_whole_turns: outside().all(is_whole_turn),
             count: outside().count(),
             farthest,
             range,

@@ -146,3 +146,28 @@ fn a_prismatic_joint_has_no_degrees() {
     let warning = warns("theta1_m\n-20\n20\n", &shape);
     assert!(warning.contains("-0.5 to 0.5 m"), "{warning}");
 }
+
+#[test]
+fn whole_turns_are_named_beside_degrees() {
+    // a third of the readings a turn off: nothing else tells them from degrees of a small motion
+    let wrapped = sweep(-2.9, 2.9, 60).enumerate();
+    let wrapped = wrapped.map(|(row, angle)| {
+        if row % 3 == 0 {
+            angle - 2.0 * PI
+        } else {
+            angle
+        }
+    });
+    let error = is_degrees(read(&log(wrapped), &shape(-2.97, 2.97)));
+    assert!(error.to_string().contains("take 2 pi off"), "{error}");
+    let error = is_degrees(read(&log(sweep(-160.0, 160.0, 60)), &shape(-2.97, 2.97)));
+    assert!(!error.to_string().contains("2 pi"), "{error}");
+    // a column that is off as a whole is no degrees, but may be a turn
+    let warning = warns(
+        &log(sweep(2.0 * PI - 0.5, 2.0 * PI + 0.5, 50)),
+        &shape(-1.0, 1.0),
+    );
+    assert!(warning.contains("whole turns (2 pi)"), "{warning}");
+    let warning = warns(&log(sweep(1.5, 2.5, 50)), &shape(-1.0, 1.0));
+    assert!(!warning.contains("2 pi"), "{warning}");
+}
