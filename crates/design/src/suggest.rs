@@ -14,6 +14,8 @@ use crate::{DesignError, Equipped, Information, Measure, Posture, Terms, equip};
 pub struct Remedy {
     /// The measurement, as `--measure` takes it.
     pub measure: String,
+    /// The measurement of the rig in whose place it is; none where it is one more.
+    pub instead_of: Option<String>,
     /// Standard deviation that the parameter would have.
     pub standard_deviation: f64,
 }
@@ -56,6 +58,7 @@ const LEAST_ROOM_M: f64 = 0.3;
 /// One trial: what is added, and what is known then.
 struct Trial {
     measure: String,
+    instead_of: Option<String>,
     /// Whether it is one of the places of a further cable, of which only the best is told.
     is_cable: bool,
     judged: Identifiability,
@@ -65,8 +68,9 @@ struct Trial {
 }
 
 /// Tries further measurements beside a rig, for `count` poses: a cable at ten places around the workspace, of which
-/// the best is kept, an external encoder or a homing fixture on each joint without one, the handle's position, its pose. `postures`
-/// are candidates of the rig.
+/// the best is kept, an external encoder or a homing fixture on each joint without one, the handle's position, its
+/// pose; and instead of a tracker one that sees the orientation too, or whose base or tool is known. `postures` are
+/// candidates of the rig.
 ///
 /// # Errors
 /// As [`Information::new`].
@@ -87,7 +91,7 @@ pub fn suggestions(
     let further = further(equipped, postures)?;
     let trials: Vec<Result<Trial, DesignError>> = further
         .into_par_iter()
-        .map(|(name, measure)| trial(equipped, terms, postures, judged, count, (name, measure)))
+        .map(|further| trial(equipped, terms, postures, judged, count, further))
         .collect();
     let mut trials: Vec<Trial> = trials.into_iter().collect::<Result<_, _>>()?;
     let cables = trials.iter().filter(|trial| trial.is_cable);
@@ -106,6 +110,7 @@ pub fn suggestions(
                 match trial.judged.statuses[place] {
                     Status::Identifiable { standard_deviation } => Some(Remedy {
                         measure: trial.measure.clone(),
+                        instead_of: trial.instead_of.clone(),
                         standard_deviation,
                     }),
                     _ => None,
@@ -135,10 +140,19 @@ fn trial(
     postures: &[Posture],
     judged: &Identifiability,
     count: usize,
-    (measure, further): (String, Measure),
+    further: Further,
 ) -> Result<Trial, DesignError> {
-    let is_cable = matches!(further, Measure::Cable { .. });
-    let rig = equipped.rig.with(&measure, further);
+    let Further {
+        name: measure,
+        measure: more,
+        instead_of,
+    } = further;
+    let is_cable = matches!(more, Measure::Cable { .. });
+    let mut rig = equipped.rig.with(&measure, more);
+    if let Some(old) = &instead_of {
+        rig.measures
+            .retain(|measure| tracker_name(measure).as_ref() != Some(old));
+    }
     let more = equip(&equipped.device, &rig, terms)?;
     let information = Information::new(&more, postures, &[])?;
     let found = information.judge(count)?;
@@ -154,6 +168,7 @@ fn trial(
     }
     Ok(Trial {
         measure,
+        instead_of,
         is_cable,
         judged: found,
         told,
@@ -161,12 +176,78 @@ fn trial(
     })
 }
 
-/// What may be added to a rig.
-fn further(
-    equipped: &Equipped,
-    postures: &[Posture],
-) -> Result<Vec<(String, Measure)>, DesignError> {
+/// What may be added to a rig, or stand for a measurement of it.
+struct Further {
+    name: String,
+    measure: Measure,
+    instead_of: Option<String>,
+}
+
+/// How a tracker is written; none for another measurement.
+fn tracker_name(measure: &Measure) -> Option<String> {
+    let Measure::Tracker {
+        orientation,
+        base_known,
+        tool_known,
+    } = *measure
+    else {
+        return None;
+    };
+    let kind = if orientation { "pose" } else { "position" };
+    let unknown = match (base_known, tool_known) {
+        (true, true) => "",
+        (false, true) => ":unknown-base",
+        (true, false) => ":unknown-tool",
+        (false, false) => ":unknown",
+    };
+    Some(format!("{kind}{unknown}"))
+}
+
+/// Trackers that see or know one thing more.
+fn better_trackers(measure: &Measure) -> Vec<Measure> {
+    let Measure::Tracker {
+        orientation,
+        base_known,
+        tool_known,
+    } = *measure
+    else {
+        return Vec::new();
+    };
+    let better = [
+        (!orientation).then_some((true, base_known, tool_known)),
+        (!base_known).then_some((orientation, true, tool_known)),
+        (!tool_known).then_some((orientation, base_known, true)),
+    ];
+    let better = better.into_iter().flatten();
+    better
+        .map(|(orientation, base_known, tool_known)| Measure::Tracker {
+            orientation,
+            base_known,
+            tool_known,
+        })
+        .collect()
+}
+
+/// What may be tried.
+fn further(equipped: &Equipped, postures: &[Posture]) -> Result<Vec<Further>, DesignError> {
     let mut further = Vec::new();
+    for own in &equipped.rig.measures {
+        let better = better_trackers(own).into_iter();
+        further.extend(better.filter_map(|measure| {
+            Some(Further {
+                name: tracker_name(&measure)?,
+                measure,
+                instead_of: tracker_name(own),
+            })
+        }));
+    }
+    let mut add = |name: String, measure: Measure| {
+        further.push(Further {
+            name,
+            measure,
+            instead_of: None,
+        });
+    };
     let has = |channel: Channel| equipped.channels.contains(&channel);
     let cables = equipped
         .channels
@@ -191,17 +272,17 @@ fn further(
             anchor_m: Some(anchor_m),
             unknown: false,
         };
-        further.push((format!("{name}:{x},{y},{z}"), measure));
+        add(format!("{name}:{x},{y},{z}"), measure);
     }
     for joint in 0..equipped.device.joints.len() {
         if !has(Channel::Output { joint }) {
-            further.push((format!("out{}", joint + 1), Measure::Output { joint }));
+            add(format!("out{}", joint + 1), Measure::Output { joint });
         }
     }
     for joint in 0..equipped.device.joints.len() {
         if !has(Channel::Fixture { joint }) {
             let measure = Measure::Fixture { joint: Some(joint) };
-            further.push((format!("fixture{}", joint + 1), measure));
+            add(format!("fixture{}", joint + 1), measure);
         }
     }
     if !has(Channel::Position) && !has(Channel::Orientation) {
@@ -211,7 +292,7 @@ fn further(
                 base_known: true,
                 tool_known: true,
             };
-            further.push((name.to_owned(), measure));
+            add(name.to_owned(), measure);
         }
     }
     Ok(further)

@@ -147,6 +147,7 @@ fn suggestion<'py>(py: Python<'py>, found: &Suggestion) -> PyResult<Bound<'py, P
     for remedy in &found.remedies {
         let one = PyDict::new(py);
         one.set_item("measure", &remedy.measure)?;
+        one.set_item("instead_of", &remedy.instead_of)?;
         one.set_item("standard_deviation", remedy.standard_deviation)?;
         remedies.append(one)?;
     }

@@ -98,7 +98,9 @@ fn suggested(suggestion: &Suggestion) -> String {
         .take(REMEDIES)
         .map(|remedy| {
             let (measure, sd) = (&remedy.measure, remedy.standard_deviation);
-            format!("{measure} (sd {sd:.2e} {})", suggestion.unit)
+            let instead = remedy.instead_of.as_ref();
+            let instead = instead.map_or_else(String::new, |own| format!(" instead of {own}"));
+            format!("{measure}{instead} (sd {sd:.2e} {})", suggestion.unit)
         })
         .collect();
     let own = &suggestion.parameter;

@@ -268,3 +268,29 @@ fn an_encoder_tells_a_transmission_from_the_links() {
     );
     assert!(information.equipped.parameters.iter().copied().any(is_link));
 }
+
+#[test]
+fn a_better_tracker_is_a_remedy() {
+    let device = haptic7();
+    let remedies = |rig: &str, parameter: &str| -> Vec<(String, Option<String>)> {
+        let (information, poses) = plan(&device, rig, Terms::Known, 300);
+        let judged = information.judge(200).unwrap();
+        let equipped = &information.equipped;
+        let found = suggestions(equipped, Terms::Known, &poses, &judged, 200).unwrap();
+        let found = found.into_iter().find(|found| found.parameter == parameter);
+        let remedies = found.unwrap().remedies.into_iter();
+        remedies
+            .map(|remedy| (remedy.measure, remedy.instead_of))
+            .collect()
+    };
+    let instead = |new: &str, old: &str| (new.to_owned(), Some(old.to_owned()));
+    assert_eq!(
+        remedies("position", "alpha7"),
+        [instead("pose", "position")]
+    );
+    let with_base = remedies("pose:unknown", "theta0");
+    assert!(with_base.contains(&instead("pose:unknown-tool", "pose:unknown")));
+    assert!(!with_base.contains(&instead("pose:unknown-base", "pose:unknown")));
+    let with_tool = remedies("pose:unknown", "alpha7");
+    assert!(with_tool.contains(&instead("pose:unknown-base", "pose:unknown")));
+}

@@ -323,6 +323,8 @@ class Remedy(TypedDict):
     """A further measurement that identifies a parameter."""
 
     measure: str
+    instead_of: Optional[str]
+    """The measurement of the rig in whose place it is; none where it is one more."""
     standard_deviation: float
 
 
