@@ -6,7 +6,8 @@ use haptical_model::kinematics::nalgebra::Vector3;
 const SAME_POINT_M: f64 = 1e-6;
 
 /// Least distance between the surfaces of two links that are no neighbours \[m\]; negative where they overlap,
-/// infinite for fewer than three links. The links are the straight lines between successive frame origins from
+/// infinite where there are no such links. Links joined by less than two radii are neighbours too: they overlap in every
+/// posture, by construction. The links are the straight lines between successive frame origins from
 /// the robot's base on (frame (-1) belongs to the measurement, not to the arm), with one radius.
 pub(crate) fn clearance_m(origins_m: &[[f64; 3]], radius_m: f64) -> f64 {
     let mut corners: Vec<Vector3<f64>> = Vec::with_capacity(origins_m.len());
@@ -22,8 +23,12 @@ pub(crate) fn clearance_m(origins_m: &[[f64; 3]], radius_m: f64) -> f64 {
     let links: Vec<[Vector3<f64>; 2]> = corners.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     let mut least = f64::INFINITY;
     for (index, link) in links.iter().enumerate() {
-        for other in links.iter().skip(index + 2) {
-            least = least.min(distance_m(link, other));
+        let mut joined_by_m = 0.0;
+        for pair in links[index + 1..].windows(2) {
+            joined_by_m += (pair[0][1] - pair[0][0]).norm();
+            if joined_by_m >= 2.0 * radius_m {
+                least = least.min(distance_m(link, &pair[1]));
+            }
         }
     }
     least - 2.0 * radius_m
@@ -107,5 +112,23 @@ mod tests {
         assert!((clearance_m(&folded, 0.1) - 0.8).abs() < 1e-15);
         folded.push([0.0, 0.1, 0.0]);
         assert!(clearance_m(&folded, 0.1) < 0.0);
+    }
+
+    #[test]
+    fn links_that_a_short_one_joins_are_neighbours() {
+        // an elbow of 70 mm between two links with a radius of 50 mm
+        let elbow = [
+            [9.0; 3],
+            [0.0; 3],
+            [0.0, 0.0, 0.3],
+            [0.07, 0.0, 0.3],
+            [0.07, 0.0, 0.6],
+        ];
+        assert!(clearance_m(&elbow, 0.05).is_infinite());
+        assert!((clearance_m(&elbow, 0.03) - 0.01).abs() < 1e-15);
+        // what lies behind still counts: back at the first link
+        let mut folded = elbow.to_vec();
+        folded.extend([[0.5, 0.0, 0.6], [0.0, 0.0, 0.1]]);
+        assert!(clearance_m(&folded, 0.05) < 0.0);
     }
 }

@@ -83,7 +83,7 @@ pub enum DesignError {
         candidates: usize,
     },
     /// A task that this device does not have.
-    #[error("task: {message}")]
+    #[error("{message}")]
     Task {
         /// What is missing and what to do.
         message: String,

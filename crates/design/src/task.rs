@@ -160,7 +160,9 @@ impl Region {
                 let is_place = centre_m.iter().all(|value| value.is_finite());
                 match is_place && *radius_m > 0.0 && radius_m.is_finite() {
                     true => Ok(None),
-                    false => Err(task("a region is x,y,z,r in m with r above 0")),
+                    false => Err(task(
+                        "the region's radius is not above 0: give x,y,z,r in m",
+                    )),
                 }
             }
             Self::Joints(ranges) if ranges.len() != device.joints.len() => Err(task(format!(
@@ -173,7 +175,7 @@ impl Region {
                     let [lower, upper] = range(joint, index + 1)?;
                     if !(lower <= *low && low <= high && *high <= upper) {
                         return Err(task(format!(
-                            "joint {}: {low}:{high} is not within its limits {lower}:{upper}",
+                            "{low}:{high} of joint {} is not within its limits {lower}:{upper}: give a part of them",
                             index + 1
                         )));
                     }

@@ -53,7 +53,8 @@ pub(crate) struct PlanArguments {
     /// Shortest and longest length of every cable in m
     #[arg(long, value_name = "MIN,MAX", value_parser = lengths)]
     pub(crate) cable_length: Option<[f64; 2]>,
-    /// Radius of the links in m: poses in which links that are no neighbours overlap are left out
+    /// Radius of the links in m: poses in which links overlap are left out, but for neighbours and those that less than
+    /// two radii join
     #[arg(long, value_name = "METRES", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) link_radius: Option<f64>,
     /// Take the transmissions as known, as the second step of a two-step calibration does

@@ -147,8 +147,8 @@ pub(super) fn said(next: &NextPoses, measured: usize) -> String {
     compare("observability O1", own.o1, random.map(|random| random.o1));
     if let Some(value) = own.root_mean_square {
         let what = match next.criterion {
-            Criterion::TaskPosition => "handle position error in the region, rms [m]",
-            Criterion::TaskForce => "force direction error in the region, rms [rad]",
+            Criterion::TaskPosition => "handle position error in the region by noise, rms [m]",
+            Criterion::TaskForce => "force direction error in the region by noise, rms [rad]",
             _ => "root mean square of sd over plausible size",
         };
         compare(
@@ -156,6 +156,12 @@ pub(super) fn said(next: &NextPoses, measured: usize) -> String {
             value,
             random.and_then(|random| random.root_mean_square),
         );
+        if matches!(
+            next.criterion,
+            Criterion::TaskPosition | Criterion::TaskForce
+        ) {
+            text += "  Errors of numbers that this rig does not tell, listed above, come on top of it.\n";
+        }
     }
     text
 }

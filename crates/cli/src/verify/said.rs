@@ -82,6 +82,13 @@ impl Verification {
         self.verdict != Agreement::Differs
     }
 
+    /// Whether everything that differs is known to be other than it was written.
+    fn was_changed(&self) -> bool {
+        let files = self.results.iter().flat_map(|result| &result.files);
+        let mut failing = files.filter(|file| !file.holds());
+        failing.all(|file| file.changed_since_written)
+    }
+
     pub(super) fn json(&self) -> Result<String, Failure> {
         let mut json = serde_json::to_string_pretty(self).map_err(Failure::internal)?;
         json.push('\n');
@@ -98,6 +105,9 @@ impl Verification {
             Agreement::SameNumbers => {
                 "Verified: these inputs give the same numbers within 1e-9 of each, not the same bytes, as on \
                  another machine."
+            }
+            _ if self.was_changed() => {
+                "Not verified: what differs was changed after it was written, in its numbers or in its form."
             }
             _ => "Not verified: these inputs give something else.",
         };

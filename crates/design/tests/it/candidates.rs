@@ -15,8 +15,9 @@ fn handle_m(device: &Device, pose: &[f64]) -> [f64; 3] {
         .into()
 }
 
-/// Least distance between points of links that are no neighbours, on a grid: above the true one.
-fn grid_clearance_m(device: &Device, pose: &[f64]) -> f64 {
+/// Least distance between points of links that are no neighbours, nor joined by less than two radii, on a grid: above
+/// the true one.
+fn grid_clearance_m(device: &Device, pose: &[f64], radius_m: f64) -> f64 {
     let recording = Recording {
         line: vec![1],
         joint: pose.iter().map(|reading| vec![*reading]).collect(),
@@ -35,6 +36,10 @@ fn grid_clearance_m(device: &Device, pose: &[f64]) -> f64 {
     let mut least = f64::INFINITY;
     for i in 0..corners.len() - 1 {
         for j in i + 2..corners.len() - 1 {
+            let between = corners[i + 1..=j].windows(2);
+            if between.map(|pair| far(&pair[0], &pair[1])).sum::<f64>() < 2.0 * radius_m {
+                continue;
+            }
             for s in 0..=40 {
                 for t in 0..=40 {
                     let at = |from: [f64; 3], to: [f64; 3], share: i32| {
@@ -84,7 +89,7 @@ proptest! {
             prop_assert!(handle.iter().all(|value| value.abs() <= side));
             let length = handle.iter().map(|value| value * value).sum::<f64>().sqrt();
             prop_assert!(length >= shortest && length <= shortest + span);
-            prop_assert!(grid_clearance_m(&device, pose) >= 2.0 * radius);
+            prop_assert!(grid_clearance_m(&device, pose, radius) >= 2.0 * radius);
         }
         prop_assert_eq!(poses, candidates(&device, &limits, 20, seed).unwrap());
     }
