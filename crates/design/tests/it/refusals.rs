@@ -173,7 +173,7 @@ fn a_task_that_the_device_does_not_have_is_refused() {
         centre_m: [0.0; 3],
         radius_m: f64::NAN,
     };
-    assert!(rows(Criterion::TaskPosition, &odd).contains("r above 0"));
+    assert!(rows(Criterion::TaskPosition, &odd).contains("radius is not above 0"));
     let few = Region::Joints(vec![[0.0, 0.1]; 2]);
     assert!(rows(Criterion::TaskPosition, &few).contains("2 joints"));
     let wide = Region::Joints(vec![[-3.0, 0.1]; 3]);
