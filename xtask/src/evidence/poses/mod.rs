@@ -14,7 +14,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use self::choice::{CANDIDATES, Counted, choose, information};
-use self::shown::{columns, figure, push, verdict};
+use self::shown::{ErrorM, columns, figure, push, verdict};
 use self::whole::fit_at_once;
 use super::rigs::generator;
 use crate::output::Output;
@@ -163,7 +163,7 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
     }
     let by_chance = ("random", by_chance);
     let known = |found: &Accuracy| Some(found.apart.as_ref()?.known_position_m);
-    let pictures: [(&str, &str, fn(&Accuracy) -> Option<f64>); 2] = [
+    let pictures: [(&str, &str, ErrorM); 2] = [
         ("chosen-poses", "the transmissions known", known),
         ("chosen-poses-one-fit", "in one fit with step 1", |found| {
             Some(found.seen_position_m)

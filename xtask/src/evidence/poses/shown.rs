@@ -132,13 +132,16 @@ pub(super) fn verdict(
 /// Numbers of poses, and what they give, under the name of a way of choosing.
 type Curve = (&'static str, Vec<(usize, Accuracy)>);
 
+/// An error that a picture shows \[m\]; none where a way of choosing does not have it.
+pub(super) type ErrorM = fn(&Accuracy) -> Option<f64>;
+
 /// Curves of one error over the number of poses; ways that do not have it are left out.
 pub(super) fn figure(
     title: &str,
     ways: &[&Curve],
     by_chance: &Curve,
     random: &Accuracy,
-    error_m: fn(&Accuracy) -> Option<f64>,
+    error_m: ErrorM,
 ) -> Figure {
     let mut figure = Figure::new(
         title,
