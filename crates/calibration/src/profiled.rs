@@ -10,7 +10,7 @@ use crate::{Channel, DeviceProblem, Options, ParameterFit, Weights};
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Profiled {
     /// Whether the linearised ends were compared with the sum of squares. They are not where that would take more
-    /// than [`MOST_ROWS`] rows times parameters: so many readings leave intervals over which everything is straight.
+    /// than 400 000 residuals times parameters: so many readings leave intervals over which everything is straight.
     pub is_checked: bool,
     /// Positions, within the candidates, of the parameters whose interval is its profile likelihood's.
     pub parameters: Vec<usize>,
@@ -18,7 +18,7 @@ pub struct Profiled {
     pub open: Vec<usize>,
 }
 
-/// Most residuals times parameters that are evaluated twice.
+/// Most residuals times parameters that are evaluated twice ([`Profiled::is_checked`] says it too).
 const MOST_ROWS: usize = 400_000;
 /// Standard deviations by which the minimum may move where the problem is put up at the fitted device.
 const SAME_PLACE: f64 = 0.1;
