@@ -1,6 +1,6 @@
 //! Intervals of a calibration where the sum of squares is no parabola over them.
 
-use haptical_identification::{Problem, profiles, solve};
+use haptical_identification::{profiles, solve};
 use haptical_model::Recording;
 
 use crate::form::Prepared;
@@ -35,14 +35,14 @@ pub(crate) fn profile(
     weights: &Weights,
     options: &Options,
 ) {
+    if fit.residuals.len() * fit.fitted.len() > MOST_ROWS {
+        return;
+    }
     let (device, parameters) = (fit.device.clone(), fit.parameters.clone());
     let problem = DeviceProblem::new(&device, recording, channels, &parameters, weights);
     let Ok(problem) = problem else {
         return;
     };
-    if problem.residual_count() * fit.fitted.len() > MOST_ROWS {
-        return;
-    }
     let prepared = Prepared::new(&problem);
     let lanes = prepared.lanes();
     let searched = prepared.searched(lanes.as_ref());

@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 
 use haptical_calibration::{
-    Calibration, ChannelReport, ForceDirection, Outlier, ParameterFit, RobustChannel, Robustness,
-    Starts,
+    Calibration, ChannelReport, ForceDirection, Intervals, Outlier, ParameterFit, RobustChannel,
+    Robustness, Starts,
 };
 use haptical_identification::{Convergence, Identifiability, Loss, Observability, Status, Term};
 use haptical_model::{Device, ParameterId, TransmissionError};
 use serde::Serialize;
 
-use crate::intervals::IntervalEntry;
 use crate::provenance::Record;
 use crate::transmissions::{TransmissionEntry, transmissions};
 
@@ -33,7 +32,7 @@ pub(crate) struct Identified {
     pub(crate) parameters: Vec<ParameterEntry>,
     pub(crate) not_identified: Vec<NotIdentified>,
     /// How the intervals were made; none where nothing but transmissions was fitted.
-    pub(crate) intervals: Option<IntervalEntry>,
+    pub(crate) intervals: Option<Intervals>,
     /// Searches from other places than the device file's values, where the first one was doubted.
     pub(crate) search: Option<Starts>,
     pub(crate) identifiability: IdentifiabilityEntry,
@@ -194,7 +193,7 @@ pub(crate) fn identified(
         channels_fit: calibration.fit_channels.clone(),
         transmissions: transmissions(calibration, &parameters),
         not_identified,
-        intervals: fits.first().map(|fit| IntervalEntry::of(fit)),
+        intervals: fits.first().map(|fit| fit.intervals()),
         search: fitted.whole.as_ref().map(|whole| whole.starts.clone()),
         identifiability: IdentifiabilityEntry {
             solution: RankEntry::of(fits.iter().map(|fit| &fit.identifiability)),

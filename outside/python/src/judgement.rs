@@ -1,7 +1,7 @@
 //! What is known of the fits' quality: rank, intervals, other minima, correlations, noise, the force's direction.
 
 use haptical_calibration::{Calibration, ForceDirection, ParameterFit, Weights, force_direction};
-use haptical_identification::{Identifiability, NoiseScale};
+use haptical_identification::Identifiability;
 use haptical_model::{Device as Model, Recording, TransmissionKind};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -21,22 +21,7 @@ pub(crate) fn intervals<'py>(
     py: Python<'py>,
     fit: Option<&&ParameterFit>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let of = |fit: &&ParameterFit| {
-        let considered = fit.considered.parameters.iter();
-        let considered = considered.map(|parameter| parameter.name(&fit.device));
-        json!({
-            "level": 0.95,
-            "kind": match fit.noise {
-                NoiseScale::Stated => "linearised at the solution, normal, with the stated noise",
-                NoiseScale::Estimated => {
-                    "linearised at the solution, Student's t, with the noise that the residuals show"
-                }
-            },
-            "degrees_of_freedom": fit.uncertainty.degrees_of_freedom,
-            "considered": considered.collect::<Vec<_>>(),
-        })
-    };
-    python(py, &fit.map_or(Value::Null, of), &[])
+    python(py, &json!(fit.map(|fit| fit.intervals())), &[])
 }
 
 /// Searches from other places, where the first one was doubted; none without a fit of the whole device.

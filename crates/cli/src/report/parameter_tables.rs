@@ -4,7 +4,7 @@ use haptical_report::{Block, Cell, Column, Table};
 
 use crate::failure::Failure;
 use crate::identified::{Identified, ParameterEntry};
-use crate::intervals::IntervalEntry;
+use crate::intervals;
 use crate::units::Shown;
 
 /// Values of all identified parameters with their intervals.
@@ -34,7 +34,7 @@ pub(super) fn identified(result: &Identified) -> Result<Vec<Block>, Failure> {
     ];
     table
         .notes
-        .extend(result.intervals.as_ref().map(IntervalEntry::sentence));
+        .extend(result.intervals.as_ref().map(intervals::sentence));
     Ok(vec![Block::Table(table)])
 }
 

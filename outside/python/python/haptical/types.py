@@ -191,6 +191,12 @@ class Intervals(TypedDict):
     degrees_of_freedom: int
     considered: List[str]
     """Parameters that were not fitted and whose plausible errors widen the intervals."""
+    checked: bool
+    """Whether the ends were compared with the sum of squares there; not for very many readings."""
+    profile_likelihood: List[str]
+    """Parameters whose interval is by profile likelihood, because the linearised one differs."""
+    open: List[str]
+    """Those of them without an end on one side or both, and so without an interval."""
 
 
 class Search(TypedDict):

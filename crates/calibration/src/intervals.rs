@@ -1,0 +1,54 @@
+//! How the intervals of a fit were made, for those who cite them.
+
+use haptical_identification::NoiseScale;
+use serde::Serialize;
+
+use crate::ParameterFit;
+
+/// How the intervals of a fit were made.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Intervals {
+    /// Share of such intervals that hold the truth.
+    pub level: f64,
+    /// In words: which distribution, by which noise.
+    pub kind: String,
+    /// Residuals less parameters.
+    pub degrees_of_freedom: usize,
+    /// Parameters that were not fitted (weak, or those of step 1) and whose plausible errors widen the intervals.
+    pub considered: Vec<String>,
+    /// Whether the ends of the linearised intervals were compared with the sum of squares there; not where so many
+    /// readings leave intervals over which everything is straight.
+    pub checked: bool,
+    /// Parameters whose interval is by profile likelihood instead, because the two differ.
+    pub profile_likelihood: Vec<String>,
+    /// Those of them without an end on one side or both, and so without an interval.
+    pub open: Vec<String>,
+}
+
+impl ParameterFit {
+    /// How the intervals of this fit were made.
+    pub fn intervals(&self) -> Intervals {
+        let kind = match self.noise {
+            NoiseScale::Stated => "linearised at the solution, normal, with the stated noise",
+            NoiseScale::Estimated => {
+                "linearised at the solution, Student's t, with the noise that the residuals show"
+            }
+        };
+        let considered = self.considered.parameters.iter();
+        let names = |indices: &[usize]| {
+            let names = indices.iter().map(|&index| &self.estimates[index].name);
+            names.cloned().collect()
+        };
+        Intervals {
+            checked: self.profiled.is_checked,
+            profile_likelihood: names(&self.profiled.parameters),
+            open: names(&self.profiled.open),
+            level: 0.95,
+            kind: kind.to_owned(),
+            degrees_of_freedom: self.uncertainty.degrees_of_freedom,
+            considered: considered
+                .map(|parameter| parameter.name(&self.device))
+                .collect(),
+        }
+    }
+}
