@@ -183,16 +183,21 @@ struct Further {
     instead_of: Option<String>,
 }
 
+/// Whether a tracker sees orientations, knows its base and its tool; none for another measurement.
+fn tracker_of(measure: &Measure) -> Option<(bool, bool, bool)> {
+    match *measure {
+        Measure::Tracker {
+            orientation,
+            base_known,
+            tool_known,
+        } => Some((orientation, base_known, tool_known)),
+        _ => None,
+    }
+}
+
 /// How a tracker is written; none for another measurement.
 fn tracker_name(measure: &Measure) -> Option<String> {
-    let Measure::Tracker {
-        orientation,
-        base_known,
-        tool_known,
-    } = *measure
-    else {
-        return None;
-    };
+    let (orientation, base_known, tool_known) = tracker_of(measure)?;
     let kind = if orientation { "pose" } else { "position" };
     let unknown = match (base_known, tool_known) {
         (true, true) => "",
@@ -205,12 +210,7 @@ fn tracker_name(measure: &Measure) -> Option<String> {
 
 /// Trackers that see or know one thing more.
 fn better_trackers(measure: &Measure) -> Vec<Measure> {
-    let Measure::Tracker {
-        orientation,
-        base_known,
-        tool_known,
-    } = *measure
-    else {
+    let Some((orientation, base_known, tool_known)) = tracker_of(measure) else {
         return Vec::new();
     };
     let better = [
