@@ -9,43 +9,24 @@ use haptical_model::{Device, Recording};
 use crate::rig_scene::{normal, plain, readings};
 
 /// All of the arm is known; of the second cable only about where it leaves.
-const PLANAR: &str = "\
-[[link]]
-a_m = 0.0
-alpha_rad = 0.0
-d_m = 0.0
-hold = [\"lengths\", \"twists\", \"offsets\"]
+fn planar() -> Device {
+    let row = |a_m: f64| {
+        format!(
+            "[[link]]\na_m = {a_m:?}\nalpha_rad = 0.0\nd_m = 0.0\nhold = [\"lengths\", \"twists\", \"offsets\"]\n"
+        )
+    };
+    let text = [0.0, 0.3, 0.25].map(row).concat()
+        + "[[joint]]\n[[joint]]\n[cable_encoder]\ndistance_sd_m = 1.0\n\
+           [[cable]]\nanchor_m = [-0.19, 0.49, 0.02]\ndistance_sd_m = 2e-4\nfit = [\"anchor\"]\n";
+    Device::from_toml(&text, "planar.toml").unwrap().device
+}
 
-[[link]]
-a_m = 0.3
-alpha_rad = 0.0
-d_m = 0.0
-hold = [\"lengths\", \"twists\", \"offsets\"]
-
-[[link]]
-a_m = 0.25
-alpha_rad = 0.0
-d_m = 0.0
-hold = [\"lengths\", \"twists\", \"offsets\"]
-
-[[joint]]
-[[joint]]
-
-[cable_encoder]
-distance_sd_m = 1.0
-
-[[cable]]
-anchor_m = [-0.19, 0.49, 0.02]
-distance_sd_m = 2e-4
-fit = [\"anchor\"]
-";
 const ROWS: usize = 60;
 const SD_M: f64 = 2e-4;
 
 /// Handle positions, and distances from an exit `height_m` above the plane, with noise.
 fn scene(height_m: f64) -> (Recording, Vec<[f64; 2]>, Vec<f64>) {
-    let device = Device::from_toml(PLANAR, "planar.toml").unwrap().device;
-    let columns = readings(&device, ROWS, 1.3, 3);
+    let columns = readings(&planar(), ROWS, 1.3, 3);
     let place = |row: usize| {
         let (first, both) = (columns[0][row], columns[0][row] + columns[1][row]);
         [
@@ -65,7 +46,6 @@ fn scene(height_m: f64) -> (Recording, Vec<[f64; 2]>, Vec<f64>) {
 }
 
 fn calibrated(recording: &Recording) -> Calibration {
-    let device = Device::from_toml(PLANAR, "planar.toml").unwrap().device;
     let options = Options {
         method: CalibrationMethod::Joint,
         held_out: HeldOut::None,
@@ -73,7 +53,7 @@ fn calibrated(recording: &Recording) -> Calibration {
         loss: LossChoice::Fixed(Loss::Squares),
         ..Options::default()
     };
-    calibrate(&device, recording, &options).unwrap()
+    calibrate(&planar(), recording, &options).unwrap()
 }
 
 /// Least sum of squares at a height, in units of the noise: Gauss-Newton over x and y by its normal equations.
