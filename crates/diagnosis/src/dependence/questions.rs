@@ -142,26 +142,29 @@ fn courses(context: &Context<'_>) -> Vec<Question> {
                 signals: signals.collect(),
             });
         }
-        questions.push(of_structure(context, column, &words, &hats));
+        questions.extend(of_structure(context, column, &words, &hats));
     }
     for (name, values) in &context.recording.covariates {
         if values.len() == context.rows() && values.iter().all(|value| value.is_finite()) {
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
             let course = vec![values.iter().map(|value| value - mean).collect()];
-            questions.push(of_structure(context, name.clone(), name, &course));
+            questions.extend(of_structure(context, name.clone(), name, &course));
         }
     }
     questions
 }
 
 /// A shift and a turn of the base (or of the tracker) and a growth of the way from base to handle, each by the
-/// given courses.
+/// given courses. None for a device without links.
 fn of_structure(
     context: &Context<'_>,
     column: String,
     words: &str,
     courses: &[Vec<f64>],
-) -> Question {
+) -> Option<Question> {
+    if !context.device.has_links() {
+        return None;
+    }
     let mut signals = Vec::new();
     for course in courses {
         for axis in 0..3 {
@@ -176,11 +179,11 @@ fn of_structure(
             (growth, Vector3::zeros())
         }));
     }
-    Question {
+    Some(Question {
         column,
         joint: None,
         asked: Asked::Course,
         on: format!("{words}, as a drift of the base, the tracker or the links' lengths"),
         signals,
-    }
+    })
 }

@@ -1,10 +1,11 @@
 //! What is said where columns are absent or constant.
 
-use haptical_diagnosis::{Diagnosis, Untestable, Verdict};
-use haptical_model::Recording;
+use haptical_diagnosis::{Diagnosis, Options, Untestable, Verdict, diagnose};
+use haptical_model::{Device, Recording};
 
 use crate::arm::{
-    Errors, Session, YIELDING_JOINT, assert_named, diagnosed, record, record_yielding, summary,
+    Errors, Session, YIELDING_JOINT, assert_named, device, diagnosed, every, record,
+    record_yielding, summary,
 };
 
 /// Why effects of a name are not tested, at any joint.
@@ -153,6 +154,20 @@ fn without_the_cable_the_transmissions_are_diagnosed_alone() {
         "{}",
         summary(&diagnosis)
     );
+}
+
+/// Single postures with times: what they drift with is asked, and without links no drift of base or links is.
+#[test]
+fn single_postures_of_encoders_alone_are_diagnosed() {
+    let device = Device {
+        links: Vec::new(),
+        cables: Vec::new(),
+        ..device()
+    };
+    let recording = every(&encoders_alone(&record_yielding(&Session::default())), 97);
+    let diagnosis = diagnose(&device, &recording, &Options::default()).unwrap();
+    assert_eq!(diagnosis.gap.channels.len(), 3, "{}", summary(&diagnosis));
+    assert_untestable(&diagnosis, &["backlash"], "single postures");
 }
 
 #[test]
