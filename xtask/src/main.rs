@@ -8,6 +8,7 @@
 mod bench_peers;
 mod bench_scaling;
 mod blind;
+mod compare_results;
 mod evidence;
 mod experiment;
 mod instructions;
@@ -41,6 +42,8 @@ enum Job {
     BenchScaling(bench_scaling::Arguments),
     /// Tries the solver on certified problems and writes docs/evidence.md.
     Evidence(evidence::Arguments),
+    /// Runs fixed commands and compares their results with the recorded ones.
+    CompareResults(compare_results::Arguments),
     /// Counts the instructions of fixed workloads and compares them with the committed numbers.
     Instructions(instructions::Arguments),
 }
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
         Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
         Job::Evidence(arguments) => evidence::evidence(&arguments),
+        Job::CompareResults(arguments) => compare_results::run(&arguments),
         Job::Instructions(arguments) => instructions::instructions(&arguments),
     };
     match outcome {
