@@ -7,7 +7,9 @@ use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 use serde::Serialize;
 
-use crate::held_out::{FOLDS, SHORT_LOG, check_share, dwelt, folds, is_for_folds, is_of_postures};
+use crate::held_out::{
+    FOLDS, NOTHING, SHORT_LOG, check_share, dwelt, folds, is_for_folds, is_of_postures,
+};
 use crate::joint_fit::{add_step_one_noise, profile_whole};
 use crate::prepare::with_unseen_touches;
 use crate::{
@@ -260,7 +262,7 @@ fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) ->
 
 /// Folds by row, or by the numbers of the postures that the device dwelt at, each predicted by a device fitted
 /// without it. A fold whose fit fails (too few rows
-/// left for the terms) is left out, with a warning.
+/// left for the terms) is left out, with a warning; where every fit fails nothing is checked.
 fn cross_validate(
     device: &Device,
     recording: &Recording,
@@ -272,6 +274,8 @@ fn cross_validate(
 ) -> Result<(Vec<ChannelReport>, String), CalibrationError> {
     let folds = folds(recording.len(), count, dwelt);
     let count = folds.len();
+    let mut checked = 0;
+    let mut reasons: Vec<String> = Vec::new();
     let mut before: Vec<ChannelResiduals> = Vec::new();
     let mut after: Vec<ChannelResiduals> = Vec::new();
     for fold in folds {
@@ -279,10 +283,11 @@ fn cross_validate(
         let fitted = match fit_device(device, &seen, options) {
             Ok(fitted) => fitted,
             Err(error) => {
-                warnings.push(format!("{} left out: {error}", fold.description));
+                reasons.push(format!("{} left out: {error}", fold.description));
                 continue;
             }
         };
+        checked += 1;
         let unseen = recording.select(&fold.held_out);
         let range_free = without_ranges(&fitted.device);
         let nominal = device.clone();
@@ -299,18 +304,27 @@ fn cross_validate(
         .filter(|(before, _)| !before.residuals.is_empty())
         .map(|(before, after)| report(device, before, after))
         .collect();
+    if checked == 0 {
+        warnings.push(warnings::of_no_check(count, reasons.first()));
+        return Ok((
+            Vec::new(),
+            format!("not checked: none of {count} folds could be fitted"),
+        ));
+    }
+    warnings.extend(reasons);
+    let kind = match options.held_out {
+        _ if dwelt.is_some() => "of whole postures",
+        HeldOut::Folds(_) => "by row",
+        _ if recording.len() < SHORT_LOG => "of a short log",
+        _ => "of separate postures",
+    };
+    let count = match checked {
+        all if all == count => count.to_string(),
+        some => format!("{some} of {count}"),
+    };
     Ok((
         reports,
-        match options.held_out {
-            _ if dwelt.is_some() => {
-                format!("{count} folds of whole postures, each fitted without its own rows")
-            }
-            HeldOut::Folds(_) => format!("{count} folds by row, each fitted without its own rows"),
-            _ if recording.len() < SHORT_LOG => {
-                format!("{count} folds of a short log, each fitted without its own rows")
-            }
-            _ => format!("{count} folds of separate postures, each fitted without its own rows"),
-        },
+        format!("{count} folds {kind}, each fitted without its own rows"),
     ))
 }
 
@@ -351,6 +365,15 @@ fn append(kept: &mut Vec<ChannelResiduals>, part: Vec<ChannelResiduals>, rows: &
 }
 
 impl Calibration {
+    /// Channels that the result is judged by: on rows that the fit did not see, empty where none of them could be
+    /// checked. Of the fit's own rows only where nothing was to be held out.
+    pub fn judged_channels(&self) -> &[ChannelReport] {
+        match self.held_out == NOTHING {
+            true => &self.fit_channels,
+            false => &self.held_out_channels,
+        }
+    }
+
     /// Whether the calibration followed the paper's two steps.
     pub fn method_name(method: CalibrationMethod) -> &'static str {
         match method {

@@ -36,6 +36,9 @@ pub struct Split {
     pub description: String,
 }
 
+/// In words: a user wants no check.
+pub(crate) const NOTHING: &str = "nothing held out";
+
 /// Below this many rows a block of them is too few to judge by: folds are used instead.
 pub(crate) const SHORT_LOG: usize = 100;
 /// Folds of a recording, unless a user asks for others.
@@ -73,7 +76,7 @@ pub fn split(recording: &Recording, held_out: HeldOut) -> Result<Split, Calibrat
         return Ok(Split {
             fit: (0..rows).collect(),
             held_out: Vec::new(),
-            description: "nothing held out".to_owned(),
+            description: NOTHING.to_owned(),
         });
     }
     if let Some(split) = by_runs(recording, share) {

@@ -189,6 +189,15 @@ pub(crate) fn is_pair(report: &ChannelReport) -> bool {
         .any(|name| report.channel.starts_with(name))
 }
 
+/// Every fold's fit failed: nothing says how the result does elsewhere.
+pub(crate) fn of_no_check(folds: usize, reason: Option<&String>) -> String {
+    let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));
+    format!(
+        "the result was not checked on rows that the fit did not see: none of {folds} folds could be fitted{reason}; \
+         a small residual of so few rows says nothing about other postures"
+    )
+}
+
 /// What a result has that no good result has: by the rows of the fit, and by those that it is judged on.
 pub(crate) fn of_result(
     nominal: &Device,

@@ -24,7 +24,8 @@ pub(crate) struct Identified {
     pub(crate) held_out: String,
     pub(crate) convergence: Option<Convergence>,
     pub(crate) iterations: usize,
-    /// On held-out rows; on the rows of the fit where nothing is held out.
+    /// On held-out rows: empty where none of them could be checked. On the rows of the fit where a user wants nothing
+    /// held out.
     pub(crate) channels: Vec<ChannelReport>,
     pub(crate) channels_fit: Vec<ChannelReport>,
     pub(crate) transmissions: Vec<TransmissionEntry>,
@@ -46,6 +47,15 @@ pub(crate) struct Identified {
     pub(crate) outliers: Vec<Outlier>,
     pub(crate) warnings: Vec<String>,
     pub(crate) provenance: Record,
+}
+
+impl Identified {
+    /// Channels of the fit that no row outside it checks.
+    pub(crate) fn unchecked(&self) -> impl Iterator<Item = &ChannelReport> {
+        let is_checked = |name: &str| self.channels.iter().any(|checked| checked.channel == name);
+        let fit = self.channels_fit.iter();
+        fit.filter(move |report| !is_checked(&report.channel))
+    }
 }
 
 /// One candidate parameter.
@@ -175,11 +185,6 @@ pub(crate) fn identified(
         }
     }
     let not_identified = parameters.iter().filter_map(refusal).collect();
-    let channels = if calibration.held_out_channels.is_empty() {
-        calibration.fit_channels.clone()
-    } else {
-        calibration.held_out_channels.clone()
-    };
     Identified {
         haptical_version: described.record.haptical_version.clone(),
         device: described.device,
@@ -189,7 +194,7 @@ pub(crate) fn identified(
         held_out: calibration.held_out.clone(),
         convergence: fits.first().map(|fit| fit.convergence),
         iterations: fits.iter().map(|fit| fit.iterations).sum(),
-        channels,
+        channels: calibration.judged_channels().to_vec(),
         channels_fit: calibration.fit_channels.clone(),
         transmissions: transmissions(calibration, &parameters),
         not_identified,

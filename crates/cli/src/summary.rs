@@ -27,11 +27,7 @@ pub(crate) fn text(result: &Identified, written: &[PathBuf]) -> Result<String, F
         result.parameters.len()
     );
     let title = format!("Residuals, root mean square; {}", result.held_out);
-    let _ = writeln!(
-        text,
-        "{}",
-        channel_table(&title, &result.channels)?.to_terminal()
-    );
+    let _ = writeln!(text, "{}", judged_table(&title, result)?.to_terminal());
     if let Some(force) = force_sentence(result) {
         let _ = writeln!(text, "\n{force}");
     }
@@ -69,6 +65,20 @@ pub(crate) fn force_sentence(result: &Identified) -> Option<String> {
         shown.text(high),
         force.postures
     ))
+}
+
+/// The channels on rows that the fit did not see; a dash in the place of what no such row checks.
+pub(crate) fn judged_table(title: &str, result: &Identified) -> Result<Table, Failure> {
+    let mut table = channel_table(title, &result.channels)?;
+    for channel in result.unchecked() {
+        let shown = Shown::fine(&channel.unit);
+        let mut row = vec![Cell::Missing; table.columns.len()];
+        row[0] = channel.channel.as_str().into();
+        row[1] = shown.name.into();
+        row[2] = Cell::number(0.0, 0);
+        table.push(row)?;
+    }
+    Ok(table)
 }
 
 /// Before, after and floor of each channel; where a channel has outliers, without them and, beside, with them.

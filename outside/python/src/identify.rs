@@ -14,7 +14,7 @@ use crate::judgement::{
 };
 use crate::log::log_of;
 use crate::options::Keywords;
-use crate::residuals::{channels, judged, loss, outliers};
+use crate::residuals::{channels, loss, outliers};
 use crate::serialised::python;
 use crate::transmissions::transmissions;
 
@@ -114,7 +114,7 @@ fn result<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bound<'py, PyDict
     result.set_item("held_out", &calibration.held_out)?;
     result.set_item("convergence", python(py, &convergence, &[])?)?;
     result.set_item("iterations", iterations)?;
-    result.set_item("channels", channels(py, judged(calibration))?)?;
+    result.set_item("channels", channels(py, calibration.judged_channels())?)?;
     result.set_item("channels_fit", channels(py, &calibration.fit_channels)?)?;
     result.set_item("transmissions", transmissions(py, calibration, &found)?)?;
     let all: Vec<_> = found.iter().collect();

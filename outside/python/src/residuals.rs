@@ -1,6 +1,6 @@
 //! Residuals of the channels before and after, what large ones cost, and which noise does not explain.
 
-use haptical_calibration::{Calibration, ChannelReport, Outlier, Robustness};
+use haptical_calibration::{ChannelReport, Outlier, Robustness};
 use haptical_identification::Loss;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -8,14 +8,6 @@ use pyo3::types::PyDict;
 use serde_json::json;
 
 use crate::serialised::{dictionary, python};
-
-/// The reports on rows that the fit did not see; on those of the fit where none were held out.
-pub(crate) fn judged(calibration: &Calibration) -> &[ChannelReport] {
-    match calibration.held_out_channels.as_slice() {
-        [] => &calibration.fit_channels,
-        held_out => held_out,
-    }
-}
 
 /// Reports by the channels' names.
 pub(crate) fn channels<'py>(

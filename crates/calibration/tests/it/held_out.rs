@@ -5,7 +5,7 @@ use haptical_calibration::{
     channel_residuals, channels, fit_device, split,
 };
 use haptical_model::{Recording, TransmissionError};
-use haptical_simulator::Noise;
+use haptical_simulator::{Noise, true_poses};
 use proptest::prelude::*;
 
 use crate::haptic;
@@ -231,4 +231,41 @@ fn rows_outside_a_polynomials_range_are_counted() {
         assert_eq!(channel.rows, kept);
         assert!(channel.rms().unwrap() < 1e-14);
     }
+}
+
+/// So few rows that no fold can be fitted: the residual of the fit is small, and says nothing.
+#[test]
+fn where_no_fold_can_be_fitted_nothing_is_checked() {
+    let Some(nominal) = haptic::haptic7() else {
+        return;
+    };
+    let truth = haptic::truth_of(&nominal, 1.0);
+    let options = Options {
+        held_out: HeldOut::Share(0.2),
+        ..haptic::fixed(CalibrationMethod::Joint, Weighting::Stated)
+    };
+    // as few postures as can be fitted at all
+    let calibration = (6..30).find_map(|postures| {
+        let mut recording = haptic::record(&truth, postures, 3, Noise::Gaussian);
+        let poses = true_poses(&truth, &recording).unwrap();
+        recording.output = vec![None; 7];
+        recording.cable_m = vec![None];
+        let axis = |axis: usize| poses.iter().map(|pose| pose.position_m[axis]).collect();
+        recording.position_m = Some([axis(0), axis(1), axis(2)]);
+        calibrate(&nominal, &recording, &options).ok()
+    });
+    let calibration = calibration.unwrap();
+    assert!(
+        calibration.held_out.starts_with("not checked"),
+        "{}",
+        calibration.held_out
+    );
+    assert!(calibration.judged_channels().is_empty());
+    assert!(!calibration.fit_channels.is_empty());
+    let warned = |warning: &String| warning.contains("was not checked");
+    assert!(
+        calibration.warnings.iter().any(warned),
+        "{:?}",
+        calibration.warnings
+    );
 }

@@ -11,7 +11,7 @@ use haptical_report::{Block, Cell, Column, Document, Section, Table};
 
 use crate::failure::Failure;
 use crate::identified::Identified;
-use crate::summary::{channel_table, force_sentence};
+use crate::summary::{channel_table, force_sentence, judged_table};
 use crate::units::Shown;
 
 /// Size of a figure \[px\].
@@ -71,7 +71,7 @@ fn lead(result: &Identified) -> String {
         .find(|channel| channel.joint.is_none());
     let outputs = result.channels.iter().max_by(by_size);
     let Some(channel) = chain.or(outputs) else {
-        return String::new();
+        return format!("The result is {}.", result.held_out);
     };
     let shown = Shown::fine(&channel.unit);
     let fixed = result.parameters.len() - result.not_identified.len();
@@ -99,10 +99,7 @@ fn lead(result: &Identified) -> String {
 }
 
 fn residuals(result: &Identified) -> Result<Section, Failure> {
-    let mut table = channel_table(
-        "Root mean square of model minus measurement",
-        &result.channels,
-    )?;
+    let mut table = judged_table("Root mean square of model minus measurement", result)?;
     table.notes = vec![
         format!("Rows: {}.", result.held_out),
         "Noise floor: root mean square of the stated noise, the motor encoders' quantization \
