@@ -6,7 +6,8 @@ use haptical_model::{Device, Recording};
 use crate::adequacy::{Adequacy, adequacy};
 use crate::advice::{next_experiment, of_tool};
 use crate::answer::{
-    CandidateAnswer, CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoiseAnswer, Provenance, Verdict,
+    CandidateAnswer, CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoiseAnswer, Place, Provenance,
+    Verdict,
 };
 use crate::base::Base;
 use crate::causes::{base_term, cause_answer, force_findings, noise_findings};
@@ -19,7 +20,7 @@ use crate::place_touched::by_dependence;
 use crate::rivals::{Rival, settle};
 use crate::select::{Selection, Selector, excess};
 use crate::shrink::{Shrink, model_residual, on_held_back, on_second};
-use crate::tables::{channel_gaps, noise, torque_gaps, traces, untestable};
+use crate::tables::{channel_gaps, noise, shared, torque_gaps, traces, untestable};
 use crate::touched::Touched;
 use crate::unlisted::hedged;
 use crate::unseen::{hints, unseen};
@@ -85,7 +86,8 @@ pub(crate) fn assemble(
         &mut causes,
     );
     let on_forces = force_findings(&force);
-    verdict = with_forces(selector, verdict, on_forces.first());
+    let in_positions = verdict != Verdict::NoGap;
+    verdict = with_forces(selector, verdict, on_forces.first(), &force);
     causes.extend(on_forces);
     let unstated = touches.unstated.clone();
     let located = located(
@@ -94,7 +96,8 @@ pub(crate) fn assemble(
         (verdict, adequacy.is_adequate),
         touches,
         &base_terms,
-    );
+    )
+    .filter(|_| in_positions);
     let noise = noise(selector, inputs.gone);
     let streams = engine.context.streams.iter();
     let joints: Vec<Option<usize>> = streams.map(Stream::joint).collect();
@@ -110,23 +113,33 @@ pub(crate) fn assemble(
         .map_or(&[][..], |cause| &cause.confusable_with);
     let fitted = engine.problem.device_with(&engine.start.model.values);
     let mut warnings = warnings(&shrink, &causes, unstated);
+    warnings.extend(of_torques(&force, verdict));
     warnings.extend(far_from_nominal(engine, inputs.nominal, &fitted));
     Ok(Diagnosis {
         verdict,
         gap: Gap {
-            channels: [
-                channel_gaps(selector, selection, before, &shrink),
-                torque_gaps(&force),
-            ]
-            .concat(),
+            channels: shared(
+                [
+                    channel_gaps(selector, selection, before, &shrink),
+                    torque_gaps(&force),
+                ]
+                .concat(),
+            ),
         },
         next_experiment: match base_terms.is_tool() {
             true => Some(of_tool()),
             false => next_experiment(verdict, first_effect, confused, located.as_ref()),
         },
         traces: traces(selector, selection, before, located.as_ref()),
-        place: located.map(|located| located.answer),
-        unexplained_share: unexplained_share(engine, verdict, &adequacy, causes.is_empty()),
+        place: match located {
+            Some(located) => Some(located.answer),
+            None if verdict != Verdict::NoGap => in_torques(&force),
+            None => None,
+        },
+        unexplained_share: match in_positions {
+            true => unexplained_share(engine, verdict, &adequacy, causes.is_empty()),
+            false => force.unexplained_share,
+        },
         probability_unknown: adequacy.probability_unknown(verdict),
         causes,
         untestable: untestable(selector, &force.untestable),
@@ -227,18 +240,50 @@ fn against_earlier(engine: &Engine<'_>, inputs: &Inputs<'_>) -> Result<Against, 
     })
 }
 
-/// Where positions show no gap, the first effect that forces show decides.
+/// Where positions show no gap, the torques decide: by their first finding, or by a gap without one.
 fn with_forces(
     selector: &Selector<'_, '_>,
     verdict: Verdict,
     first: Option<&CauseAnswer>,
+    force: &ForceAnswer,
 ) -> Verdict {
     let named = selector.thresholds.named_probability;
     match (verdict, first) {
         (Verdict::NoGap, Some(first)) if first.probability >= named => Verdict::Named,
         (Verdict::NoGap, Some(_)) => Verdict::Ambiguous,
+        (Verdict::NoGap, None) if force.unexplained().is_some() => Verdict::Unknown,
         (verdict, _) => verdict,
     }
+}
+
+/// The torque that shows most of the torques' gap.
+fn in_torques(force: &ForceAnswer) -> Option<Place> {
+    let largest = force.largest()?;
+    let joint = largest.joint + 1;
+    Some(Place {
+        channel: format!("torque{joint}"),
+        joint: Some(joint),
+        depends_on: Vec::new(),
+        region: format!("in the torque of joint {joint}: positions show no gap"),
+        explained: Vec::new(),
+        dependence: Vec::new(),
+    })
+}
+
+/// A warning where the torques show a gap that the verdict does not speak of, or were not tested.
+fn of_torques(force: &ForceAnswer, verdict: Verdict) -> Option<String> {
+    if let Some(why) = &force.not_tested {
+        return Some(format!("the torques were not tested: {why}"));
+    }
+    let gap = force.unexplained()?;
+    (matches!(verdict, Verdict::Named | Verdict::Ambiguous)).then(|| {
+        format!(
+            "the torque of joint {} shows a gap that no cause explains: {:.3} N m, noise {:.3} N m",
+            gap.joint + 1,
+            gap.rms_before,
+            gap.noise_floor
+        )
+    })
 }
 
 /// What unseen rows and what forces show.

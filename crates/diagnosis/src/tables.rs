@@ -20,7 +20,7 @@ pub(crate) fn channel_gaps(
     let context = &engine.context;
     let mut channels: Vec<Channel> = context.streams.iter().map(|s| s.channel).collect();
     channels.dedup();
-    let mut gaps: Vec<ChannelGap> = channels
+    channels
         .into_iter()
         .map(|channel| {
             let streams: Vec<usize> = (0..context.streams.len())
@@ -73,7 +73,11 @@ pub(crate) fn channel_gaps(
                 reduction_ci95: seen.and_then(|seen| seen.reduction_ci95),
             }
         })
-        .collect();
+        .collect()
+}
+
+/// Shares that add up to 1, of energies over noise; all 0 where there is no energy.
+pub(crate) fn shared(mut gaps: Vec<ChannelGap>) -> Vec<ChannelGap> {
     let total: f64 = gaps.iter().map(|gap| gap.share_of_gap).sum();
     for gap in &mut gaps {
         gap.share_of_gap = if total > 0.0 {
@@ -85,9 +89,9 @@ pub(crate) fn channel_gaps(
     gaps
 }
 
-/// The torques, where an effect on them was found.
+/// The torques, where they show a gap.
 pub(crate) fn torque_gaps(force: &ForceAnswer) -> Vec<ChannelGap> {
-    if force.findings.is_empty() {
+    if force.findings.is_empty() && !force.significant {
         return vec![];
     }
     let gaps = force.channels.iter().map(|gap| ChannelGap {
@@ -97,7 +101,7 @@ pub(crate) fn torque_gaps(force: &ForceAnswer) -> Vec<ChannelGap> {
         rms_after: gap.rms_after,
         noise_floor: gap.noise_floor,
         unit: "N m".to_owned(),
-        share_of_gap: 0.0,
+        share_of_gap: gap.excess(),
         reduction_percent: gap_reduction_percent(gap.rms_before, gap.rms_after, gap.noise_floor),
         reduction_ci95: None,
     });

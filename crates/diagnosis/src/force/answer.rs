@@ -7,7 +7,7 @@ pub(crate) use super::gaps::TorqueGap;
 use super::gaps::{add_torque, channels, scale_before};
 use super::gravity::{self, Unbalanced};
 use super::grip::{self, Grip};
-use super::recorded::column;
+use super::recorded::{Recorded, column};
 use super::select::{Pick, Selection, Selector};
 use super::trust;
 use super::values::{is_plausible, parameters};
@@ -56,22 +56,41 @@ pub(crate) struct ForceAnswer {
     pub(crate) unexplained_share: f64,
     /// Whether the torques show more than noise, whether or not that has a name.
     pub(crate) significant: bool,
+    /// Why recorded torques were not tested at all; none where they were, or where there are none.
+    pub(crate) not_tested: Option<String>,
 }
 
 impl ForceAnswer {
     /// Takes the findings back where a torque of this size, which wrong angles cause, could pass for them.
     pub(crate) fn beside_wrong_angles(mut self, torque_nm: f64) -> Self {
-        let square = |gap: &TorqueGap| (gap.rms_before.powi(2) - gap.noise_floor.powi(2)).max(0.0);
-        let found = self.channels.iter().map(square).sum::<f64>().sqrt();
+        let squares = self
+            .channels
+            .iter()
+            .map(|gap| gap.rms_before.powi(2) - gap.noise_floor.powi(2));
+        let found = squares.map(|square| square.max(0.0)).sum::<f64>().sqrt();
         if found < BEYOND_WRONG_ANGLES * torque_nm {
             self.findings.clear();
+            self.significant = false;
         }
         self
     }
 
+    /// The torques with the largest gap, where they show one that no finding explains.
+    pub(crate) fn unexplained(&self) -> Option<&TorqueGap> {
+        let is_open = self.significant && self.findings.is_empty();
+        self.largest().filter(|_| is_open)
+    }
+
+    /// The torques with the largest gap over their noise.
+    pub(crate) fn largest(&self) -> Option<&TorqueGap> {
+        let gaps = self.channels.iter();
+        gaps.max_by(|a, b| a.excess().total_cmp(&b.excess()))
+    }
+
     /// Nothing can be said.
-    pub(super) fn untestable(why: &str) -> Self {
+    pub(super) fn untestable(why: &str, has_torques: bool) -> Self {
         Self {
+            not_tested: has_torques.then(|| why.to_owned()),
             untestable: NAMES.iter().map(|&name| (name, why.to_owned())).collect(),
             ..Self::default()
         }
@@ -172,7 +191,38 @@ pub(super) fn answer(
         untestable: untestable(selector, is_falsified && !named),
         unexplained_share,
         significant,
+        not_tested: match is_falsified && !named {
+            true => Some(FALSIFIED.to_owned()),
+            false => drowned(recorded, base).filter(|_| !significant),
+        },
     })
+}
+
+/// Why torques say nothing while positions show an effect that is not in the model.
+const FALSIFIED: &str = "an effect on positions that is not in the model falsifies the geometry";
+
+/// Torques whose noise exceeds what the links alone ask of the drive: a disturbance that is as fast as the noise cannot
+/// be told from it.
+fn drowned(recorded: &Recorded<'_>, base: &Base<'_>) -> Option<String> {
+    let blocks = recorded.blocks.len().max(1);
+    let by_model = base.torque_nm.chunks(blocks);
+    let channels = recorded
+        .channels
+        .iter()
+        .zip(&recorded.torque_sd)
+        .zip(by_model);
+    let mut loud = channels.filter_map(|((joint, &sd_nm), torque_nm)| {
+        let square = torque_nm.iter().map(|torque| torque * torque).sum::<f64>();
+        let rms_nm = (square / blocks as f64).sqrt();
+        (sd_nm > rms_nm).then(|| {
+            format!(
+                "the noise of torque{}_nm ({sd_nm:.3} N m) is larger than the torque that the model predicts \
+                 ({rms_nm:.3} N m)",
+                joint + 1
+            )
+        })
+    });
+    loud.next()
 }
 
 /// Effects that need what this recording lacks, though others can be tested.
@@ -180,8 +230,8 @@ fn untestable(selector: &Selector<'_, '_, '_>, is_falsified: bool) -> Vec<(&'sta
     let recorded = selector.recorded;
     let context = recorded.context;
     if is_falsified {
-        let why = "an effect on positions that is not in the model falsifies the geometry";
-        return NAMES.iter().map(|&name| (name, why.to_owned())).collect();
+        let all = NAMES.iter().map(|&name| (name, FALSIFIED.to_owned()));
+        return all.collect();
     }
     let mut untestable = Vec::new();
     let of_force = [Kind::Bias, Kind::Gain, Kind::Crosstalk, Kind::Hysteresis];

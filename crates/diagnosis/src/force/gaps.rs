@@ -17,6 +17,13 @@ pub(crate) struct TorqueGap {
     pub(crate) noise_floor: f64,
 }
 
+impl TorqueGap {
+    /// Squared size of the gap over that of the noise; 0 where there is no more than noise.
+    pub(crate) fn excess(&self) -> f64 {
+        ((self.rms_before / self.noise_floor).powi(2) - 1.0).max(0.0)
+    }
+}
+
 /// Root mean squares of every channel.
 pub(super) fn channels(
     selector: &Selector<'_, '_, '_>,

@@ -56,13 +56,16 @@ pub(crate) fn examine(
     context: &Context<'_>,
     without: &[String],
 ) -> Result<ForceAnswer, DiagnosisError> {
+    let has_torques =
+        (0..context.device.joints.len()).any(|joint| recorded::column(context, joint).is_some());
     let recorded = match Recorded::new(context) {
         Ok(recorded) => recorded,
-        Err(why) => return Ok(ForceAnswer::untestable(&why)),
+        Err(why) => return Ok(ForceAnswer::untestable(&why, has_torques)),
     };
     let along = Along::new(&recorded);
     let Some(weights) = along.weights(Besides::Nothing) else {
-        return Ok(ForceAnswer::untestable("the torques have no noise at all"));
+        let why = "the torques have no noise at all";
+        return Ok(ForceAnswer::untestable(why, has_torques));
     };
     let mut base = along.fit(&weights, Besides::Nothing);
     base.normal.fast = fast::table(&along, &base.normal.fitted());

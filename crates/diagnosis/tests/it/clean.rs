@@ -225,9 +225,9 @@ fn a_stated_deviation_that_is_far_too_large_is_named() {
     let floor = cable.noise_floor / crate::arm::CABLE_SD_M;
     assert!(floor < 5.0, "{floor}");
     let quiet = diagnose(&device(), &clean(1), &Options::default()).unwrap();
-    assert!(
-        quiet.causes.is_empty() && quiet.warnings.is_empty(),
-        "{:?}",
-        quiet.warnings
-    );
+    assert!(quiet.causes.is_empty(), "{}", summary(&quiet));
+    // the arm's file has no gravity
+    let of_torques = |warning: &&String| warning.contains("torques were not tested");
+    let others = quiet.warnings.iter().filter(|warning| !of_torques(warning));
+    assert_eq!(others.count(), 0, "{:?}", quiet.warnings);
 }

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::context::Context;
 use crate::force::answer::ForceAnswer;
+use crate::{Diagnosis, Options, diagnose};
 
 /// Time between rows unless said otherwise.
 const STEP_S: f64 = 0.01;
@@ -365,6 +366,28 @@ impl Scene {
             ..Recording::default()
         }
     }
+}
+
+/// Standard deviation of the external encoders \[rad\].
+const OUTPUT_SD_RAD: f64 = 2e-4;
+
+/// The whole diagnosis of a recording, to which sound external encoders are added.
+pub(super) fn diagnosed(mut recording: Recording) -> Diagnosis {
+    let key = "encoder_counts_per_rev";
+    let encoders = FILE.replace(
+        key,
+        &format!("external_encoder_sd_rad = {OUTPUT_SD_RAD}\n{key}"),
+    );
+    let device = Device::from_toml(&encoders, "arm").unwrap().device;
+    let mut noise = Noise(99);
+    let read = recording.joint.iter().map(|angle| {
+        let noisy = angle
+            .iter()
+            .map(|angle| angle + OUTPUT_SD_RAD * noise.normal());
+        Some(noisy.collect())
+    });
+    recording.output = read.collect();
+    diagnose(&device, &recording, &Options::default()).unwrap()
 }
 
 /// The answer to a recording of the arm.
