@@ -34,6 +34,10 @@ pub enum Suite {
     Ablation,
     /// SF: effects on the force and torque channels.
     Force,
+    /// SFW: the same with their names withheld from the catalogue.
+    ForceWithheld,
+    /// SFU: force and torque effects that are in no catalogue.
+    ForceUnknown,
     /// S10: effects a hundred times beyond their physical bound.
     Wrong,
 }
@@ -43,7 +47,7 @@ const SUITE_STREAM: u64 = 1 << 40;
 
 impl Suite {
     /// All suites.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Clean,
         Self::Singles,
         Self::NearSingles,
@@ -55,6 +59,8 @@ impl Suite {
         Self::Noise,
         Self::Ablation,
         Self::Force,
+        Self::ForceWithheld,
+        Self::ForceUnknown,
         Self::Wrong,
     ];
 
@@ -72,6 +78,8 @@ impl Suite {
             Self::Noise => "s7",
             Self::Ablation => "s8",
             Self::Force => "sf",
+            Self::ForceWithheld => "sfw",
+            Self::ForceUnknown => "sfu",
             Self::Wrong => "s10",
         }
     }
@@ -91,6 +99,8 @@ impl Suite {
             Self::Ablation => 10,
             Self::Wrong => 11,
             Self::Force => 12,
+            Self::ForceWithheld => 13,
+            Self::ForceUnknown => 14,
         }
     }
 
@@ -136,6 +146,21 @@ impl Suite {
             }),
             Self::Ablation => ablation(index, random),
             Self::Force => one_of(&of_group(Group::Force), index, 1.0, Joints::All, random),
+            Self::ForceWithheld => {
+                let mut kinds = of_group(Group::Force);
+                kinds.retain(|kind| kind.name != TAKEN_UP);
+                Ok(Order {
+                    withhold: true,
+                    ..one_of(&kinds, index, 1.0, Joints::All, random)?
+                })
+            }
+            Self::ForceUnknown => one_of(
+                &of_group(Group::ForceUnknown),
+                index,
+                1.0,
+                Joints::All,
+                random,
+            ),
             Self::Wrong => beyond(index, random),
         }
     }
@@ -159,6 +184,9 @@ const MOSTLY_ABSORBED: [&str; 3] = [
     "drum-out-of-round",
     "external-encoder-eccentricity",
 ];
+
+/// A mass that the file does not have: the masses of the base model are fitted, so that it leaves no gap.
+const TAKEN_UP: &str = "unbalanced-gravity";
 
 /// Families whose members overlap too much to be put into one recording: by parts of their names.
 const FAMILIES: [&[&str]; 6] = [

@@ -225,6 +225,22 @@ fn withheld(cases: &[Case]) -> Vec<Measure> {
         let wrong = share(&scores, detected, |score| score.confidently_wrong);
         all.push(Measure::new(group, name, wrong, bar));
     }
+    for (what, suites) in [
+        ("torques and forces, withheld", &["sfw"]),
+        ("torques and forces, never in the catalogue", &["sfu"]),
+    ] {
+        let scores = of(cases, suites);
+        let mut add = |name: String, value: Value, bar: Option<Bar>| {
+            all.push(Measure::new(group, name, value, bar));
+        };
+        let seen = share(&scores, any, detected);
+        add(format!("any verdict but no-gap, {what}"), seen, None);
+        let unknown = share(&scores, detected, right);
+        add(format!("unknown or a twin class, {what}"), unknown, None);
+        let wrong = share(&scores, detected, |score| score.confidently_wrong);
+        let bar = Some(Bar::AtMost(0.03));
+        add(format!("confidently wrong, {what}"), wrong, bar);
+    }
     let s3 = of(cases, &["s3"]);
     let judged = s3.iter().filter_map(|score| score.dependence_right);
     all.push(Measure::new(

@@ -6,7 +6,7 @@ use haptical_blind::Suite;
 use super::Arguments;
 
 /// Trials of a scored batch.
-const SCORED: [(Suite, u64); 12] = [
+const SCORED: [(Suite, u64); 14] = [
     (Suite::Clean, 300),
     (Suite::Singles, 300),
     (Suite::NearSingles, 150),
@@ -19,9 +19,11 @@ const SCORED: [(Suite, u64); 12] = [
     (Suite::Ablation, 20),
     (Suite::Wrong, 30),
     (Suite::Force, 40),
+    (Suite::ForceWithheld, 45),
+    (Suite::ForceUnknown, 36),
 ];
 /// Trials of a quick check: each kind of clean recording three times, each strong effect once.
-const QUICK: [(Suite, u64); 12] = [
+const QUICK: [(Suite, u64); 14] = [
     (Suite::Clean, 18),
     (Suite::Singles, 32),
     (Suite::NearSingles, 5),
@@ -34,6 +36,8 @@ const QUICK: [(Suite, u64); 12] = [
     (Suite::Ablation, 2),
     (Suite::Wrong, 3),
     (Suite::Force, 3),
+    (Suite::ForceWithheld, 3),
+    (Suite::ForceUnknown, 6),
 ];
 
 /// Some trials of one suite.

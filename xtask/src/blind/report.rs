@@ -30,6 +30,8 @@ fn about(suite: &str) -> &'static str {
         "s8" => "ablation: kinematics only",
         "s10" => "100 times beyond the physical bound",
         "sf" => "an effect on force or torque",
+        "sfw" => "the same, withheld from the catalogue",
+        "sfu" => "an effect on force or torque in no catalogue",
         _ => "",
     }
 }
@@ -207,7 +209,7 @@ fn confusions(output: &mut Output, cases: &[Case]) -> Result<()> {
         (
             "confusion-others",
             "Noise, impossible magnitudes, force",
-            &["s7", "s10", "sf"],
+            &["s7", "s10", "sf", "sfw", "sfu"],
         ),
     ] {
         let wanted: Vec<&Case> = cases

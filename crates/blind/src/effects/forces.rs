@@ -6,6 +6,9 @@ use crate::effects::{Draw, Effect, Facts, Info};
 use crate::laws::{SlipElement, maxwell_slip};
 use crate::scene::Scene;
 
+/// Name of a force that does not pass the sensor.
+pub(super) const GRIP: &str = "grip-force";
+
 /// What a force reading shows for a force.
 #[derive(Debug, Clone, Copy)]
 enum Sensor {
@@ -116,6 +119,8 @@ fn of_sensor(draw: &Draw<'_>, name: &'static str, sensor: Sensor) -> Box<dyn Eff
     let info = Info {
         name,
         right: vec![name],
+        // an error of the readings is, row by row, a force that does not pass the sensor
+        acceptable: vec![GRIP],
         ..draw.anywhere(name, &[])
     };
     Box::new(OfSensor { info, sensor })
@@ -169,7 +174,7 @@ pub(crate) fn grip_force(draw: &mut Draw<'_>) -> Box<dyn Effect> {
         size_n: draw.amplitude(0.4),
         tag: draw.tag,
     };
-    of_sensor(draw, "grip-force", sensor)
+    of_sensor(draw, GRIP, sensor)
 }
 
 /// What a motor's torque has to do besides moving the link.

@@ -5,6 +5,7 @@ mod base;
 mod cable;
 mod drums;
 mod forces;
+mod foreign;
 mod friction;
 mod noises;
 mod registry;

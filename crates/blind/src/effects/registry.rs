@@ -3,7 +3,8 @@
 use haptical_model::{Device, TransmissionKind};
 
 use super::{
-    Draw, Effect, base, cable, drums, forces, friction, noises, springs, structure, timing, unknown,
+    Draw, Effect, base, cable, drums, forces, foreign, friction, noises, springs, structure,
+    timing, unknown,
 };
 
 /// What a kind of effect is to a diagnosis.
@@ -21,6 +22,8 @@ pub enum Group {
     Force,
     /// In no catalogue.
     Unknown,
+    /// On the force and torque channels, in no catalogue.
+    ForceUnknown,
 }
 
 /// A kind of effect.
@@ -170,6 +173,12 @@ pub const KINDS: &[Kind] = kinds! {
     "motor-cogging" Force Drums forces::motor_cogging;
     "torque-gain" Force Drums forces::torque_gain;
     "unbalanced-gravity" Force Drums forces::unbalanced_gravity;
+    "torque-tone" ForceUnknown Any foreign::torque_tone;
+    "torque-bump" ForceUnknown Any foreign::torque_bump;
+    "torque-walk" ForceUnknown Any foreign::torque_walk;
+    "torque-step" ForceUnknown Any foreign::torque_step;
+    "torque-product" ForceUnknown Any foreign::torque_product;
+    "force-switching" ForceUnknown Whole foreign::force_switching;
     "drum-dent" Unknown External unknown::drum_dent;
     "angle-product" Unknown External unknown::angle_product;
     "random-walk" Unknown External unknown::random_walk;

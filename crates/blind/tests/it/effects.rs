@@ -77,7 +77,7 @@ fn reach(kind: &Kind) -> [bool; 5] {
         [false, true, true, false, false]
     } else if name.starts_with("external-") {
         [false, true, false, false, false]
-    } else if is_torque.contains(&name) {
+    } else if is_torque.contains(&name) || name.starts_with("torque-") {
         [false, false, false, true, false]
     } else if name.starts_with("force-") || name == "grip-force" {
         [false, false, false, false, true]

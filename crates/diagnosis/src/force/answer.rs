@@ -97,6 +97,10 @@ impl ForceAnswer {
     }
 }
 
+/// A force that does not pass the sensor, and readings of the sensor that are wrong by no law of the catalogue, are one
+/// equation: neither is likelier.
+const GRIP_PROBABILITY: f64 = 0.5;
+
 /// Times the torque that wrong angles cause by which a finding must stand out.
 const BEYOND_WRONG_ANGLES: f64 = 3.0;
 
@@ -131,6 +135,7 @@ pub(super) fn answer(
         && selection.before.excess() > LEAST_STRUCTURE * rows;
     let is_falsified = trust::is_falsified(recorded.context, base);
     let named = !selection.picks.is_empty() && is_adequate;
+    let strained = strained_scale(selector, base, selection);
     let mut findings = Vec::new();
     let mut unexplained_share = 0.0;
     let mut significant = !selection.picks.is_empty() || is_structured;
@@ -163,6 +168,12 @@ pub(super) fn answer(
             for gap in &mut channels {
                 gap.rms_after = gap.rms_after.min(gap.noise_floor);
             }
+        }
+    }
+    if let Some((joint, gain)) = strained.filter(|_| !is_falsified) {
+        scale_before(&mut channels, selector, base, Some(joint), gain);
+        if findings.is_empty() {
+            (significant, unexplained_share) = (true, 1.0);
         }
     }
     if (named || !significant)
@@ -200,6 +211,33 @@ pub(super) fn answer(
 
 /// Why torques say nothing while positions show an effect that is not in the model.
 const FALSIFIED: &str = "an effect on positions that is not in the model falsifies the geometry";
+
+/// Deviations of a torque's scale from the drive's stated one that are a gap, whether or not they have a name.
+const STRAINED: f64 = 5.0;
+
+/// The joint whose torque scale the base model moved far beyond what is stated of it, and that scale; none where a finding
+/// has it.
+fn strained_scale(
+    selector: &Selector<'_, '_, '_>,
+    base: &Base<'_>,
+    selection: &Selection,
+) -> Option<(usize, f64)> {
+    let recorded = selector.recorded;
+    let is_named = |channel: usize| {
+        let mut picks = selection.picks.iter();
+        picks.any(|pick| pick.place.kind == Kind::Scale && pick.place.channel == Some(channel))
+    };
+    let scales = recorded
+        .channels
+        .iter()
+        .enumerate()
+        .filter_map(|(channel, &joint)| {
+            let gain = base.normal.solution[base.scales + channel];
+            let sd = recorded.context.device.joints[joint].torque_scale_sd;
+            (gain.abs() > STRAINED * sd && !is_named(channel)).then_some((joint, gain))
+        });
+    scales.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+}
 
 /// Torques whose noise exceeds what the links alone ask of the drive: a disturbance that is as fast as the noise cannot
 /// be told from it.
@@ -322,8 +360,8 @@ fn of_grip(grip: &Grip) -> ForceFinding {
     ForceFinding {
         effect: "grip-force",
         joint: None,
-        probability: 1.0,
-        confusable_with: Vec::new(),
+        probability: GRIP_PROBABILITY,
+        confusable_with: vec!["unknown".to_owned()],
         parameters: vec![(
             "rms_n".to_owned(),
             grip.force_n,

@@ -226,6 +226,13 @@ impl<'e, 'a> Effects<'e, 'a> {
             .collect()
     }
 
+    /// Columns of a constant bias and of a gain of each axis.
+    pub(super) fn bias_and_gain(&self) -> Vec<Term> {
+        let mut terms = self.bias(false);
+        terms.extend(self.map_force(&[(0, 0), (1, 1), (2, 2)]));
+        terms
+    }
+
     /// E4: each axis of the sensor lags in a loop, Dahl's state of the force: `J^T h(F)`.
     fn hysteresis(&self, transition_n: f64) -> Vec<Term> {
         let runs = &self.along.recorded.context.runs;

@@ -29,6 +29,8 @@ const STEPS: usize = 8;
 const REACH: f64 = 3.2;
 /// Step of its derivative, of its logarithm.
 const SHAPE_STEP: f64 = 0.05;
+/// Part of a hysteresis that neither a bias nor a gain of the sensor explains.
+const LEAST_LOOP: f64 = 0.5;
 /// Orders of cogging that one joint may have: more of them would follow any function of its angle.
 const MOST_ORDERS: usize = 2;
 
@@ -156,7 +158,10 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
             let rest = after.excess().max(0.0);
             let is_part =
                 fresh || place.kind == Kind::Cogging || score.score >= SHARE_OF_REST * rest;
-            if !self.is_found(&place, &score, candidates.len())? || !is_part {
+            if !self.is_found(&place, &score, candidates.len())?
+                || !is_part
+                || !self.is_a_loop(base, &place, &score)
+            {
                 break;
             }
             if place.kind == Kind::Cogging && ripples.len() < MOST_RIPPLES {
@@ -237,6 +242,20 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
         let p = chi_square_p_value(score.score, score.rank as f64)?;
         let is_large = place.kind == Kind::Scale || score.score >= LEAST_SHARE_OF_NOISE * self.rows;
         Ok(p * (tested as f64) < FAMILY_WISE_P && is_large && score.retained > RETAINED)
+    }
+
+    /// Whether a hysteresis shows as a loop: a state that hardly reverses is a bias, one that hardly saturates a gain.
+    /// These are asked whether or not the catalogue has them.
+    fn is_a_loop(&self, base: &mut Base<'_>, place: &Place, score: &Score) -> bool {
+        if place.kind != Kind::Hysteresis {
+            return true;
+        }
+        let end = base.normal.columns();
+        base.normal.adopt(&self.effects.bias_and_gain());
+        let products = base.normal.products(self.effects.terms(place));
+        let beside = base.normal.score(&products).score;
+        base.normal.truncate(end);
+        beside >= LEAST_LOOP * score.score
     }
 
     /// The place with its transition searched between those of the grid (golden section), and its
