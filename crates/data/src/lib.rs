@@ -21,46 +21,28 @@
 //! # Ok::<(), haptical_data::DataError>(())
 //! ```
 
-mod assemble;
-mod cell;
 mod column;
 mod error;
-mod error_text;
-mod format;
-mod groups;
-mod header;
-mod kind;
-mod limits;
-mod log_file;
 #[cfg(feature = "mcap")]
 mod mcap_log;
-mod near_miss;
-mod order;
-mod orientation;
 #[cfg(feature = "parquet")]
 mod parquet_log;
-mod place;
 mod read;
-mod rows;
 mod shape;
 mod size;
-mod source;
-mod table;
 mod write;
-mod write_column;
-mod write_file;
 
 pub use error::DataError;
-pub use log_file::LogFile;
+pub use error::near_miss::NearMiss;
+pub use error::place::Place;
 #[cfg(feature = "mcap")]
 pub use mcap_log::{McapOptions, read_mcap, read_mcap_from};
-pub use near_miss::NearMiss;
-pub use place::Place;
+pub use read::table::{Cells, log_from_columns};
 pub use read::{LoadedLog, read_log, read_log_from};
 pub use shape::{JointShape, LogShape};
-pub use table::{Cells, log_from_columns};
 pub use write::LogWriter;
-pub use write_file::{write_log, write_log_to};
+pub use write::log_file::LogFile;
+pub use write::whole::{write_log, write_log_to};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -13,11 +13,11 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 
 use crate::error::DataError;
-use crate::place::Place;
+use crate::error::place::Place;
 use crate::read::LoadedLog;
+use crate::read::table::{Cell, Table};
 use crate::shape::LogShape;
 use crate::size::MOST_MEMORY_BYTES;
-use crate::table::{Cell, Table};
 
 /// Cells that are decoded at a time.
 const BATCH_ROWS: usize = 1 << 12;

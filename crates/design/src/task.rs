@@ -5,7 +5,7 @@ use haptical_model::{
     Device, Evaluation, ForceTransmission, ModelError, ParameterId, handle_force_n,
 };
 
-use crate::candidates::{Draws, range};
+use crate::posture::candidates::{Draws, range};
 use crate::{Criterion, DesignError, Information, Limits, Spread};
 
 /// Where the task is done.

@@ -1,9 +1,9 @@
 //! Rows of horizontal bars with a name before and a value behind each: waterfalls and shares.
 
-use crate::axis::{Axis, MOST_TICKS, Tick};
 use crate::canvas::{Anchor, Canvas, Colour, Rectangle, Stroke};
 use crate::error::ReportError;
-use crate::layout::{LINE_PX, MARGIN_PX, TEXT_PX, TICK_PX, TITLE_LINE_PX, TITLE_PX};
+use crate::figure::axis::{Axis, MOST_TICKS, Tick};
+use crate::figure::layout::{LINE_PX, MARGIN_PX, TEXT_PX, TICK_PX, TITLE_LINE_PX, TITLE_PX};
 use crate::text::{BOLD_FACTOR, width_px, wrap};
 
 /// Height of a row whose name has one line.

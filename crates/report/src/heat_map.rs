@@ -2,7 +2,7 @@
 
 use crate::canvas::{Anchor, Canvas, Colour, Rectangle};
 use crate::error::ReportError;
-use crate::layout::{LINE_PX, MARGIN_PX, TEXT_PX, TITLE_LINE_PX, TITLE_PX};
+use crate::figure::layout::{LINE_PX, MARGIN_PX, TEXT_PX, TITLE_LINE_PX, TITLE_PX};
 use crate::text::{BOLD_FACTOR, width_px, wrap};
 
 /// Height of a row.

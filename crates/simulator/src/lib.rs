@@ -45,40 +45,27 @@
 #[doc = include_str!("../README.md")]
 struct ReadmeDoctests;
 
-mod arm;
-mod cable_path;
-mod channels;
-mod clearance;
-mod drive;
 mod effect;
-mod effect_error;
-mod effect_file;
-mod effect_names;
 mod error;
-mod history;
 mod motion;
-mod motion_settings;
 mod poses;
-mod rests;
 mod sampling;
-mod scene;
 mod sensor;
 mod settings;
 mod simulate;
-mod simulate_motion;
 mod streams;
 mod truth;
 mod waves;
 
 pub use haptical_model as model;
 
+pub use effect::error::EffectError;
+pub use effect::names::simulated_effects;
 pub use effect::{Driver, Effect, Effects};
-pub use effect_error::EffectError;
-pub use effect_names::simulated_effects;
 pub use error::{Part, SimulatorError};
-pub use motion::{JointMotion, Motion};
-pub use motion_settings::{Encoders, HandMotion, MotionSettings, Roughness, Temperature};
+pub use motion::hand_path::{JointMotion, Motion};
+pub use motion::settings::{Encoders, HandMotion, MotionSettings, Roughness, Temperature};
+pub use motion::simulate::{MotionSimulation, record_motion, simulate_motion};
 pub use settings::{CableSigma, Noise, Sampling, Settings};
 pub use simulate::{simulate, simulate_transmission};
-pub use simulate_motion::{MotionSimulation, record_motion, simulate_motion};
 pub use truth::{apply_deviations, true_poses};

@@ -9,13 +9,13 @@ use haptical_model::{
 };
 
 use crate::UrdfError;
-use crate::beside::{Carried, carried};
+use crate::chain::gravity::{gravity_mps2, said_of_no_gravity};
+use crate::chain::masses::{Carried, carried};
+use crate::chain::path::{BaseAndTip, Path};
+use crate::chain::tip::choose;
 use crate::chain::{Rows, numbering, rows};
-use crate::parse::parse;
-use crate::path::{BaseAndTip, Path};
+use crate::robot::parse::parse;
 use crate::robot::{Robot, RobotJoint};
-use crate::tip::choose;
-use crate::weight::{gravity_mps2, said_of_no_gravity};
 
 /// Largest file \[MiB\]: a humanoid's has some hundred kilobytes.
 const LARGEST_MEBIBYTES: u64 = 8;

@@ -18,11 +18,11 @@ use self::decompress::WholeChunk;
 use self::messages::{JOINT_STATE, JointState, POSE, TRANSFORM, decode, pose};
 use self::topics::Topics;
 use crate::error::DataError;
-use crate::place::Place;
+use crate::error::place::Place;
 use crate::read::LoadedLog;
+use crate::read::source::open_error;
 use crate::shape::LogShape;
 use crate::size::{MOST_MEMORY_BYTES, NUMBER_BYTES};
-use crate::source::open_error;
 
 /// Largest record and chunk \[bytes\]: images stand in records, and chunks are a few MiB.
 const LARGEST_RECORD_BYTES: usize = 256 << 20;

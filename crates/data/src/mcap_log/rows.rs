@@ -5,10 +5,10 @@ use super::topics::{JointTopic, Topics};
 use super::{McapOptions, not_a_log};
 use crate::column::{ORIENTATION, POSITION, joint_name, torque_name};
 use crate::error::DataError;
-use crate::near_miss::list;
+use crate::error::near_miss::list;
 use crate::read::LoadedLog;
+use crate::read::table::{Cell, Table};
 use crate::shape::LogShape;
-use crate::table::{Cell, Table};
 
 /// The log of the topics that `options` choose.
 pub(super) fn log_of(

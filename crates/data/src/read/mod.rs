@@ -1,0 +1,238 @@
+//! A log file to a recording.
+
+pub(crate) mod assemble;
+pub(crate) mod cell;
+pub(crate) mod format;
+pub(crate) mod groups;
+pub(crate) mod header;
+pub(crate) mod limits;
+pub(crate) mod order;
+pub(crate) mod orientation;
+pub(crate) mod rows;
+pub(crate) mod source;
+pub(crate) mod table;
+
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+use haptical_model::Recording;
+
+use crate::error::DataError;
+use crate::error::place::Place;
+use crate::read::assemble::{Column, assemble};
+use crate::read::format::{Format, read_binary};
+use crate::read::header::Header;
+use crate::read::rows::Rows;
+use crate::read::source::{N_FIRST, first_bytes, open_error};
+use crate::shape::LogShape;
+use crate::size::{MOST_COLUMNS, MOST_MEMORY_BYTES, NUMBER_BYTES};
+
+/// A log that was read, and what was odd about it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LoadedLog {
+    /// The measurements.
+    pub recording: Recording,
+    /// What the user should know: columns left out, readings outside the limits. One sentence
+    /// each, with file, line and column.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a log: CSV, plain or gzip, and with the features of these names Parquet and MCAP. What it is
+/// is told by its first bytes, not by its name.
+///
+/// In errors and warnings the first row of a Parquet file or of an MCAP file's joint states is line 2, as in
+/// the CSV log of the same rows.
+///
+/// # Errors
+/// Everything that can be wrong with a log is a variant of [`DataError`].
+pub fn read_log(path: &Path, shape: &LogShape) -> Result<LoadedLog, DataError> {
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|source| open_error(&name, source))?;
+    read_log_from(file, &name, shape)
+}
+
+/// Reads a log as [`read_log`] from a reader that errors call `name`.
+///
+/// # Errors
+/// As [`read_log`].
+///
+/// # Examples
+/// ```
+/// use haptical_data::{JointShape, LogShape, read_log_from};
+///
+/// let limit = std::f64::consts::FRAC_PI_2;
+/// let joint = JointShape { name: "elbow".into(), prismatic: false, lower: -limit, upper: limit };
+/// let shape = LogShape { joints: vec![joint], cable_count: 0 };
+/// let error = read_log_from("theta1_rad\n0.1\n0,2\n".as_bytes(), "log.csv", &shape).unwrap_err();
+/// assert_eq!((error.kind(), error.line()), ("cell-count", Some(3)));
+/// ```
+pub fn read_log_from(
+    reader: impl Read,
+    name: &str,
+    shape: &LogShape,
+) -> Result<LoadedLog, DataError> {
+    if shape.joints.is_empty() {
+        return Err(DataError::InvalidShape {
+            at: Place::file(name),
+        });
+    }
+    let mut reader = reader;
+    let first = first_bytes(&mut reader, N_FIRST).map_err(|source| DataError::Unreadable {
+        at: Place::file(name),
+        source,
+    })?;
+    let format = Format::of(&first);
+    let whole = Cursor::new(first).chain(reader);
+    if format != Format::Text {
+        return read_binary(format, whole, name, shape);
+    }
+    let mut rows = Rows::new(whole, name)?;
+    let parsed =
+        parse(&mut rows, name, shape, MOST_MEMORY_BYTES).map_err(|refusal| rows.explain(refusal));
+    let (header, lines, columns) = parsed?;
+    drop(rows);
+    checked(header, lines, columns, name, shape)
+}
+
+/// The recording of columns whose cells were checked one by one.
+pub(crate) fn checked(
+    header: Header,
+    lines: Vec<u64>,
+    columns: Vec<Column>,
+    name: &str,
+    shape: &LogShape,
+) -> Result<LoadedLog, DataError> {
+    check_row_count(&lines, header.line, name)?;
+    let mut log = assemble(columns, lines, name, shape)?;
+    log.warnings.splice(0..0, header.warnings);
+    order::check(&log.recording, &header.columns, name)?;
+    orientation::normalise(&mut log.recording, &header.columns, name)?;
+    order::check_distances(&log.recording, &header.columns, name)?;
+    log.warnings
+        .extend(limits::check(&log.recording, &header.columns, name, shape)?);
+    Ok(log)
+}
+
+/// The header, the line of each row, and the columns, in this memory at most.
+fn parse(
+    rows: &mut Rows<'_>,
+    name: &str,
+    shape: &LogShape,
+    most_bytes: u64,
+) -> Result<(Header, Vec<u64>, Vec<Column>), DataError> {
+    let header = read_header(rows, name, shape)?;
+    let mut columns: Vec<Column> = header
+        .columns
+        .iter()
+        .enumerate()
+        .map(|(index, (column, role))| Column::new(column, index + 1, *role))
+        .collect();
+    let mut lines = Vec::new();
+    let mut memory_bytes = 0_u64;
+    while let Some((line, record)) = rows.next()? {
+        if record.len() != columns.len() {
+            return Err(DataError::CellCount {
+                at: Place::line(name, line),
+                got: record.len(),
+                expected: columns.len(),
+                advice: cell_count_advice(record, columns.len()),
+            });
+        }
+        for (column, cell) in columns.iter_mut().zip(record) {
+            memory_bytes += column.push(cell.trim(), line, name)?;
+        }
+        lines.push(line);
+        memory_bytes += NUMBER_BYTES;
+        if memory_bytes > most_bytes {
+            return Err(DataError::TooLarge {
+                at: Place::line(name, line),
+                rows: lines.len(),
+                gibibytes: most_bytes >> 30,
+            });
+        }
+    }
+    Ok((header, lines, columns))
+}
+
+fn read_header(rows: &mut Rows<'_>, name: &str, shape: &LogShape) -> Result<Header, DataError> {
+    let Some((line, record)) = rows.next()? else {
+        return Err(DataError::NoHeader {
+            at: Place::line(name, 1),
+            found: String::new(),
+        });
+    };
+    let columns = record.len();
+    if columns > MOST_COLUMNS {
+        return Err(DataError::TooManyColumns {
+            at: Place::line(name, line),
+            columns,
+            most: MOST_COLUMNS,
+        });
+    }
+    let header = record.clone();
+    rows.check_separator(line)?;
+    Header::new(&header, line, name, shape)
+}
+
+fn check_row_count(lines: &[u64], header_line: u64, name: &str) -> Result<(), DataError> {
+    match lines {
+        [] => Err(DataError::NoRows {
+            at: Place::line(name, header_line),
+        }),
+        [only] => Err(DataError::TooFewRows {
+            at: Place::line(name, *only),
+            rows: 1,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// What a row with a wrong number of cells probably is.
+fn cell_count_advice(record: &csv::StringRecord, expected: usize) -> &'static str {
+    let is_integer = |cell: &str| {
+        let digits = cell.trim().trim_start_matches(['-', '+']);
+        digits.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    if record.len() < expected {
+        "the row is cut off or a comma is missing: delete the row or complete it"
+    } else if record.iter().all(is_integer) {
+        "it looks like a comma as decimal sign: export the log again with a point"
+    } else {
+        "there is a comma too many, or the header is not complete: correct the row"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::JointShape;
+
+    /// 24 bytes a row: line, joint, and a covariate; 8 + 8 + 24 + 2 with a contact of two letters.
+    #[test]
+    fn rows_are_refused_where_they_fill_the_memory() {
+        let joint = JointShape {
+            name: "1".into(),
+            prismatic: false,
+            lower: -1.0,
+            upper: 1.0,
+        };
+        let shape = LogShape {
+            joints: vec![joint],
+            cable_count: 0,
+        };
+        let read = |text: &str, most_bytes| {
+            let mut rows = Rows::new(text.as_bytes(), "log.csv").unwrap();
+            parse(&mut rows, "log.csv", &shape, most_bytes).map(|(_, lines, _)| lines.len())
+        };
+        for (text, row_bytes) in [
+            ("theta1_rad,other\n0.1,1\n0.2,2\n0.3,\n", 24),
+            ("theta1_rad,contact\n0.1,ab\n0.2,cd\n0.3,ef\n", 42),
+        ] {
+            assert_eq!(read(text, 3 * row_bytes).unwrap(), 3);
+            let error = read(text, 3 * row_bytes - 1).unwrap_err();
+            assert_eq!((error.kind(), error.line()), ("too-large", Some(4)));
+            assert!(error.to_string().contains("the 3 rows so far"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! A device: links, joints with their transmissions, and the sensors around it.
+
+pub(crate) mod cable;
+pub(crate) mod chain;
+pub(crate) mod joint;
+pub(crate) mod rows;
+pub(crate) mod surroundings;
+
+use std::collections::BTreeMap;
+
+use haptical_kinematics::{Convention, Link};
+
+use crate::Surroundings;
+use crate::{Cable, Drive, Joint, LinkParameter, Origin};
+
+/// A device as its file describes it. Without links it has transmissions only.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Device {
+    /// Name.
+    pub name: String,
+    /// Denavit-Hartenberg convention of the rows.
+    pub convention: Convention,
+    /// Rows; row 0 carries frame (-1) to the base, row i belongs to joint i unless
+    /// [`Device::drives`] says otherwise. `theta_rad` is the
+    /// joint offset alone: home and reading are added when the device is evaluated.
+    pub links: Vec<Link>,
+    /// Constant rigid transforms: entry i stands before row i, the last one (as many as there are links)
+    /// carries the last row's frame to the handle. Empty where the device has none.
+    pub origins: Vec<Option<Origin>>,
+    /// What drives rows 1 to n; empty where row i moves with joint i alone.
+    pub drives: Vec<Drive>,
+    /// Masses of the rows, where known.
+    pub bodies: Vec<Option<Body>>,
+    /// Joints 1 to n.
+    pub joints: Vec<Joint>,
+    /// Cable encoders; the first is `[cable_encoder]`, anchored at frame (-1)'s origin.
+    pub cables: Vec<Cable>,
+    /// External tracker.
+    pub tracker: Option<Tracker>,
+    /// Contacts at a known distance from each other.
+    pub contact_pairs: Vec<ContactPair>,
+    /// Gravity in frame (-1) \[m/s^2\].
+    pub gravity_mps2: Option<[f64; 3]>,
+    /// Rows before calibration, where the file keeps them.
+    pub nominal_links: Option<Vec<Link>>,
+    /// How far rows' numbers may plausibly be from the device's, where somebody says so (\[m\] or \[rad\]); 0 where
+    /// a calibration keeps them ([`Device::hold`], [`Device::expect_deviation`]).
+    pub deviations: BTreeMap<(usize, LinkParameter), f64>,
+    /// Numbers beside the chain that may have to be fitted with it: the tracker's place, touched points.
+    pub surroundings: Surroundings,
+}
+
+/// Mass of one link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Mass \[kg\].
+    pub mass_kg: f64,
+    /// Centre of mass in the frame after Rz(theta_i), before the translation \[m\].
+    pub centre_of_mass_m: [f64; 3],
+}
+
+/// An external tracker of the handle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tracker {
+    /// Whether its readings are in frame (-1).
+    pub base_known: bool,
+    /// Whether it tracks the handle frame itself.
+    pub tool_known: bool,
+    /// Standard deviation of a coordinate \[m\].
+    pub position_sd_m: Option<f64>,
+    /// Standard deviation of a rotation component \[rad\].
+    pub rotation_sd_rad: Option<f64>,
+}
+
+/// Two contact points at a known distance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPair {
+    /// First contact id.
+    pub a: String,
+    /// Second contact id.
+    pub b: String,
+    /// Distance \[m\].
+    pub distance_m: f64,
+    /// Standard deviation of the distance \[m\].
+    pub sd_m: f64,
+}
+
+impl Device {
+    /// Whether the device has links, so that a handle pose can be computed.
+    pub fn has_links(&self) -> bool {
+        !self.links.is_empty()
+    }
+}

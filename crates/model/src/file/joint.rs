@@ -1,0 +1,168 @@
+//! Reads `[[joint]]` tables of a device file, transmission errors included.
+
+use haptical_transmission::CapstanError;
+
+use crate::DeviceFileError;
+use crate::device::joint::{Joint, JointType, TransmissionError, TransmissionKind};
+use crate::file::reader::{SMALLEST, Section};
+
+type Result<T> = std::result::Result<T, DeviceFileError>;
+
+/// Largest angle that a single turn needs; an angle beyond it is taken for degrees.
+pub(crate) const LARGEST_ANGLE_RAD: f64 = std::f64::consts::TAU + 1e-6;
+/// Largest joint limit taken for radians: nearly five turns. Thirty and more are degrees.
+const LARGEST_LIMIT_RAD: f64 = 29.0;
+
+/// An angle of the geometry: refused where it can only be degrees.
+pub(crate) fn angle(section: &Section<'_, '_>, key: &str, largest: f64) -> Result<Option<f64>> {
+    match section.number(key)? {
+        Some(value) if value.abs() > largest => Err(section.refuse(
+            key,
+            value.to_string(),
+            &format!(
+                "an angle in rad is expected; this looks like degrees ({value} deg is {:.6} rad)",
+                value / 180.0 * std::f64::consts::PI
+            ),
+        )),
+        other => Ok(other),
+    }
+}
+
+pub(crate) fn read_joint(
+    section: &Section<'_, '_>,
+    index: usize,
+    warnings: &mut Vec<String>,
+) -> Result<Joint> {
+    let joint_type = match section.text("type")? {
+        None | Some("revolute") => JointType::Revolute,
+        Some("prismatic") => JointType::Prismatic,
+        Some(other) => {
+            let allowed = "it must be \"revolute\" or \"prismatic\"";
+            return Err(section.refuse("type", format!("\"{other}\""), allowed));
+        }
+    };
+    let transmission = match section.text("transmission")? {
+        None | Some("direct") => TransmissionKind::Direct,
+        Some("capstan") => TransmissionKind::Capstan,
+        Some("parallelogram") => TransmissionKind::Parallelogram,
+        Some(other) => {
+            let allowed = "it must be \"capstan\", \"parallelogram\" or \"direct\"";
+            return Err(section.refuse("transmission", format!("\"{other}\""), allowed));
+        }
+    };
+    let [home, lower, upper] = match joint_type {
+        JointType::Revolute => [
+            angle(section, "home_rad", LARGEST_ANGLE_RAD)?,
+            angle(section, "lower_rad", LARGEST_LIMIT_RAD)?,
+            angle(section, "upper_rad", LARGEST_LIMIT_RAD)?,
+        ],
+        JointType::Prismatic => [
+            section.number("home_m")?.or(section.number("home_rad")?),
+            section.number("lower_m")?.or(section.number("lower_rad")?),
+            section.number("upper_m")?.or(section.number("upper_rad")?),
+        ],
+    };
+    let (lower, upper) = (
+        lower.unwrap_or(f64::NEG_INFINITY),
+        upper.unwrap_or(f64::INFINITY),
+    );
+    if lower >= upper {
+        let allowed = format!("it must be below the upper limit {upper}");
+        let key = match joint_type {
+            JointType::Prismatic if section.has("lower_m") => "lower_m",
+            _ => "lower_rad",
+        };
+        return Err(section.refuse(key, lower.to_string(), &allowed));
+    }
+    let transmission_ratio = match section.number("transmission_ratio")? {
+        Some(0.0) => {
+            let allowed = "the ratio of motor to joint angle cannot be zero";
+            return Err(section.refuse("transmission_ratio", "0".to_owned(), allowed));
+        }
+        Some(ratio) if ratio.abs() < SMALLEST => {
+            let allowed = format!("at least {SMALLEST:e} is expected");
+            return Err(section.refuse("transmission_ratio", ratio.to_string(), &allowed));
+        }
+        Some(ratio) => ratio,
+        None if transmission == TransmissionKind::Direct => 1.0,
+        None => {
+            let advice = "give the ratio of motor to joint angle";
+            return Err(section.missing("transmission_ratio", advice));
+        }
+    };
+    let drum_distance_m = section.positive("drum_distance_m")?;
+    section.warn_of_millimetres("drum_distance_m", warnings)?;
+    if transmission == TransmissionKind::Capstan && drum_distance_m.is_none() {
+        let advice = "give the distance between the drums' centres";
+        return Err(section.missing("drum_distance_m", advice));
+    }
+    let mut joint = Joint {
+        name: section
+            .text("name")?
+            .map_or_else(|| (index + 1).to_string(), str::to_owned),
+        joint_type,
+        home_rad: home.unwrap_or(0.0),
+        lower_rad: lower,
+        upper_rad: upper,
+        sampling_sd_rad: section.positive("sampling_sd_rad")?,
+        transmission,
+        transmission_ratio,
+        drum_distance_m,
+        input_drum_denominator_m: section.positive("input_drum_denominator_m")?,
+        encoder_counts_per_rev: section.positive("encoder_counts_per_rev")?,
+        external_encoder_counts_per_rev: section.positive("external_encoder_counts_per_rev")?,
+        external_encoder_sd_rad: section.positive("external_encoder_sd_rad")?,
+        torque_scale_sd: section.positive("torque_scale_sd")?.unwrap_or(0.03),
+        parallelogram_lengths_m: section.vector("parallelogram_lengths_m")?,
+        transmission_error: TransmissionError::default(),
+    };
+    if let Some(error) = section.table("transmission_error")? {
+        joint.transmission_error = read_transmission_error(&error)?;
+        error.unknown_keys(warnings);
+        if let Err(reason) = joint.error_rad(0.0) {
+            return Err(section.refuse(
+                "transmission_error",
+                "not usable".to_owned(),
+                &format!("{reason}"),
+            ));
+        }
+    }
+    section.unknown_keys(warnings);
+    Ok(joint)
+}
+
+fn read_transmission_error(section: &Section<'_, '_>) -> Result<TransmissionError> {
+    if let Some(coefficients) = section.numbers("chebyshev")? {
+        let range_rad: [f64; 2] = section.vector("range_rad")?.ok_or_else(|| {
+            section.missing("range_rad", "give the range [low, high] of `chebyshev`")
+        })?;
+        if range_rad[0] >= range_rad[1] {
+            let found = format!("{range_rad:?}");
+            return Err(section.refuse("range_rad", found, "the first must be below the second"));
+        }
+        if coefficients.is_empty() {
+            let allowed = "at least one coefficient is needed";
+            return Err(section.refuse("chebyshev", "empty".to_owned(), allowed));
+        }
+        return Ok(TransmissionError::Chebyshev {
+            range_rad,
+            coefficients,
+        });
+    }
+    let capstan = CapstanError {
+        offset_rad: section
+            .number("offset_rad")?
+            .or(section.number("offset_m")?)
+            .unwrap_or(0.0),
+        ratio_deviation: section.number("ratio_deviation")?.unwrap_or(0.0),
+        output_drum_xy_m: section.vector("output_drum_xy_m")?.unwrap_or([0.0; 2]),
+        input_drum_xy_m: section.vector("input_drum_xy_m")?.unwrap_or([0.0; 2]),
+    };
+    match section.vector("length_deviations_m")? {
+        Some(length_deviations_m) => Ok(TransmissionError::Parallelogram {
+            capstan,
+            length_deviations_m,
+        }),
+        None => Ok(TransmissionError::Capstan(capstan)),
+    }
+}

@@ -1,0 +1,202 @@
+//! Writes a calibrated device back into the text of its file, comments and unknown keys kept.
+
+use haptical_kinematics::Link;
+use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value, value};
+
+use crate::file::reader::Source;
+use crate::{Device, DeviceFileError, TransmissionError};
+
+/// Every key that may hold a number of a transmission error.
+const ERROR_KEYS: [&str; 8] = [
+    "offset_rad",
+    "offset_m",
+    "ratio_deviation",
+    "output_drum_xy_m",
+    "input_drum_xy_m",
+    "length_deviations_m",
+    "range_rad",
+    "chebyshev",
+];
+
+impl Device {
+    /// The text of the device file `original` with this device's link values and transmission errors
+    /// in place, and the original link values under `[nominal]` (unless it has a `[nominal]`
+    /// already, which is kept). Reading the text gives the same numbers, bit by bit.
+    ///
+    /// # Errors
+    /// [`DeviceFileError`] if `original` is not a device file with the same rows and joints, or if
+    /// a number of this device is not finite.
+    pub fn to_toml(&self, original: &str, file: &str) -> Result<String, DeviceFileError> {
+        let before = Self::from_toml(original, file)?.device;
+        let shape = |message: String| DeviceFileError::Shape {
+            file: file.to_owned(),
+            message,
+        };
+        if before.links.len() != self.links.len() || before.joints.len() != self.joints.len() {
+            let message = "the calibrated device has other links or joints than this file";
+            return Err(shape(message.to_owned()));
+        }
+        if let Some(name) = self.not_finite() {
+            return Err(shape(format!("the calibrated `{name}` is not finite")));
+        }
+        let text = original;
+        let mut document = Source { file, text }.editable()?;
+        for ((row, now), was) in rows(&mut document, "link")
+            .into_iter()
+            .zip(&self.links)
+            .zip(&before.links)
+        {
+            set_link(row, now, was);
+        }
+        if !before.links.is_empty() && !document.contains_key("nominal") {
+            document.insert("nominal", Item::Table(nominal(&before.links)));
+        }
+        for (row, joint) in rows(&mut document, "joint").into_iter().zip(&self.joints) {
+            set_error(row, &joint.transmission_error, joint.unit());
+        }
+        crate::file::write::surroundings::write_changes(&mut document, self, &before);
+        Ok(document.to_string())
+    }
+
+    /// Name of the first parameter that is not finite.
+    fn not_finite(&self) -> Option<String> {
+        let transmissions =
+            (0..self.joints.len()).flat_map(|joint| self.transmission_parameters(joint));
+        self.link_parameters(true)
+            .into_iter()
+            .chain(transmissions)
+            .chain(self.further_parameters())
+            .find(|id| !id.value(self).is_finite())
+            .map(|id| id.name(self))
+    }
+}
+
+/// The tables of a list, whether each is written as `[[key]]` or all as `key = [{ .. }, ..]`.
+pub(crate) fn rows<'d>(document: &'d mut DocumentMut, key: &str) -> Vec<&'d mut dyn TableLike> {
+    match document.get_mut(key) {
+        Some(Item::ArrayOfTables(tables)) => tables
+            .iter_mut()
+            .map(|table| table as &mut dyn TableLike)
+            .collect(),
+        Some(Item::Value(Value::Array(items))) => items
+            .iter_mut()
+            .filter_map(Value::as_inline_table_mut)
+            .map(|table| table as &mut dyn TableLike)
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Sets a value; where there was one, the comments around it stay.
+pub(crate) fn set(row: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
+    let mut new = new.into();
+    match row.get_mut(key).and_then(Item::as_value_mut) {
+        Some(old) => {
+            *new.decor_mut() = old.decor().clone();
+            *old = new;
+        }
+        None => {
+            row.insert(key, Item::Value(new));
+        }
+    }
+}
+
+/// Replaces the numbers that changed and leaves the others as they are written.
+fn set_link(row: &mut dyn TableLike, now: &Link, was: &Link) {
+    for (key, new, old) in [
+        ("a_m", now.a_m, was.a_m),
+        ("alpha_rad", now.alpha_rad, was.alpha_rad),
+        ("d_m", now.d_m, was.d_m),
+        ("theta_offset_rad", now.theta_rad, was.theta_rad),
+        ("beta_rad", now.beta_rad, was.beta_rad),
+        ("b_m", now.b_m, was.b_m),
+    ] {
+        if new.to_bits() != old.to_bits() {
+            set(row, key, new);
+        }
+    }
+}
+
+/// A row's numbers; those that few rows have only where they are not 0.
+pub(crate) fn link_table(link: &Link) -> Table {
+    let mut row = Table::new();
+    row.insert("a_m", value(link.a_m));
+    row.insert("alpha_rad", value(link.alpha_rad));
+    row.insert("d_m", value(link.d_m));
+    row.insert("theta_offset_rad", value(link.theta_rad));
+    for (key, number) in [("beta_rad", link.beta_rad), ("b_m", link.b_m)] {
+        if number.to_bits() != 0 {
+            row.insert(key, value(number));
+        }
+    }
+    row
+}
+
+pub(crate) fn nominal(links: &[Link]) -> Table {
+    let mut nominal_rows = ArrayOfTables::new();
+    for link in links {
+        nominal_rows.push(link_table(link));
+    }
+    let mut nominal = Table::new();
+    nominal.set_implicit(true);
+    nominal.insert("link", Item::ArrayOfTables(nominal_rows));
+    nominal
+}
+
+/// Writes `[joint.transmission_error]`; a joint without one gets none for an error of zero.
+pub(crate) fn set_error(row: &mut dyn TableLike, error: &TransmissionError, unit: &str) {
+    const KEY: &str = "transmission_error";
+    if !row.contains_key(KEY) {
+        if *error == TransmissionError::default() {
+            return;
+        }
+        row.insert(KEY, Item::Table(Table::new()));
+    }
+    let Some(table) = row.get_mut(KEY).and_then(Item::as_table_like_mut) else {
+        return;
+    };
+    let values = error_values(error, unit);
+    for key in ERROR_KEYS {
+        if !values.iter().any(|(kept, _)| kept == key) {
+            table.remove(key);
+        }
+    }
+    for (key, new) in values {
+        set(table, &key, new);
+    }
+}
+
+fn error_values(error: &TransmissionError, unit: &str) -> Vec<(String, Value)> {
+    let list = |numbers: &[f64]| Value::Array(numbers.iter().copied().collect::<Array>());
+    let capstan = match error {
+        TransmissionError::Chebyshev {
+            range_rad,
+            coefficients,
+        } => {
+            return vec![
+                ("range_rad".to_owned(), list(range_rad)),
+                ("chebyshev".to_owned(), list(coefficients)),
+            ];
+        }
+        TransmissionError::Parallelogram { capstan, .. } | TransmissionError::Capstan(capstan) => {
+            capstan
+        }
+    };
+    let mut values = vec![
+        (format!("offset_{unit}"), capstan.offset_rad.into()),
+        ("ratio_deviation".to_owned(), capstan.ratio_deviation.into()),
+        (
+            "output_drum_xy_m".to_owned(),
+            list(&capstan.output_drum_xy_m),
+        ),
+        ("input_drum_xy_m".to_owned(), list(&capstan.input_drum_xy_m)),
+    ];
+    if let TransmissionError::Parallelogram {
+        length_deviations_m,
+        ..
+    } = error
+    {
+        values.push(("length_deviations_m".to_owned(), list(length_deviations_m)));
+    }
+    values
+}

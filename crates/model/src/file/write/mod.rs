@@ -1,0 +1,5 @@
+//! Writes device files: a whole one, or changes in the text of one.
+
+pub(crate) mod changes;
+pub(crate) mod surroundings;
+pub(crate) mod whole;

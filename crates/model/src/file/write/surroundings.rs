@@ -1,0 +1,157 @@
+//! Writes what stands beside the chain into a device file.
+
+use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value, value};
+
+use crate::Device;
+use crate::device::cable::Cable;
+use crate::device::surroundings::{ContactPoint, Placement, Surroundings, TouchedPlane};
+use crate::file::sensors::PLACEMENT_KEYS;
+use crate::file::write::changes::{rows, set};
+use crate::file::write::whole::{insert_tables, list};
+use crate::parameter::compliance_key;
+
+/// Writes what a calibration may have changed: places, points, planes, cables, compliances.
+pub(crate) fn write_changes(document: &mut DocumentMut, now: &Device, before: &Device) {
+    let (new, old) = (now.surroundings.settled(), before.surroundings.settled());
+    write_places(document, &new, &old);
+    if new.contacts != old.contacts {
+        let tables: ArrayOfTables = new.contacts.iter().map(contact_table).collect();
+        document.insert("contact_point", Item::ArrayOfTables(tables));
+    }
+    if new.planes != old.planes {
+        let tables: ArrayOfTables = new.planes.iter().map(plane_table).collect();
+        document.insert("touched_plane", Item::ArrayOfTables(tables));
+    }
+    let plain = Cable::default();
+    let mut cables = now.cables.iter().enumerate().map(|(index, cable)| {
+        let was = before.cables.get(index).unwrap_or(&plain);
+        (cable, was)
+    });
+    if let (Some((cable, was)), Some(table)) = (
+        cables.next(),
+        document
+            .get_mut("cable_encoder")
+            .and_then(Item::as_table_like_mut),
+    ) {
+        set_cable(table, cable, was);
+    }
+    for (table, (cable, was)) in rows(document, "cable").into_iter().zip(cables) {
+        set_cable(table, cable, was);
+    }
+    set_compliances(document, now, before);
+}
+
+/// Writes everything into a file that has none of it.
+pub(crate) fn write_all(document: &mut DocumentMut, device: &Device) {
+    let surroundings = device.surroundings.settled();
+    write_places(document, &surroundings, &Surroundings::default());
+    for (table, key, sd) in [
+        ("contact", "sd_m", surroundings.contact_sd_m),
+        ("plane", "sd_m", surroundings.plane_sd_m),
+        ("fixture", "sd_rad", surroundings.fixture_sd_rad),
+    ] {
+        if let Some(sd) = sd {
+            let mut section = Table::new();
+            section.insert(key, value(sd));
+            document.insert(table, Item::Table(section));
+        }
+    }
+    let contacts = surroundings.contacts.iter().map(contact_table).collect();
+    insert_tables(document, "contact_point", contacts);
+    let planes = surroundings.planes.iter().map(plane_table).collect();
+    insert_tables(document, "touched_plane", planes);
+    let pairs = surroundings.plane_pairs.iter().map(|pair| {
+        let mut table = Table::new();
+        table.insert("a", value(pair.a.as_str()));
+        table.insert("b", value(pair.b.as_str()));
+        table.insert("angle_rad", value(pair.angle_rad));
+        table.insert("sd_rad", value(pair.sd_rad));
+        table
+    });
+    insert_tables(document, "plane_pair", pairs.collect());
+    let rigid = Device {
+        surroundings: Surroundings::default(),
+        ..device.clone()
+    };
+    set_compliances(document, device, &rigid);
+    for (table, compliance) in rows(document, "joint")
+        .into_iter()
+        .zip(&surroundings.compliance)
+    {
+        if compliance.fit {
+            table.insert("fit", value(Array::from_iter(["compliance"])));
+        }
+    }
+}
+
+fn write_places(document: &mut DocumentMut, new: &Surroundings, old: &Surroundings) {
+    let places = [
+        (new.tracker_base, old.tracker_base),
+        (new.tracker_tool, old.tracker_tool),
+    ];
+    for ((now, was), [place, turn]) in places.into_iter().zip(PLACEMENT_KEYS) {
+        let Some(Placement { start, .. }) = now.filter(|_| now != was) else {
+            continue;
+        };
+        if !document.contains_key("tracker") {
+            document.insert("tracker", Item::Table(Table::new()));
+        }
+        if let Some(table) = document
+            .get_mut("tracker")
+            .and_then(Item::as_table_like_mut)
+        {
+            set(table, place, numbers(&start.position_m));
+            set(table, turn, numbers(&start.orientation_wxyz));
+        }
+    }
+}
+
+fn numbers(values: &[f64]) -> Value {
+    Value::Array(values.iter().copied().collect())
+}
+
+fn contact_table(point: &ContactPoint) -> Table {
+    let mut table = Table::new();
+    table.insert("id", value(point.id.as_str()));
+    table.insert("position_m", list(&point.position_m));
+    table
+}
+
+fn plane_table(plane: &TouchedPlane) -> Table {
+    let mut table = Table::new();
+    table.insert("id", value(plane.id.as_str()));
+    table.insert("normal", list(&plane.normal));
+    table.insert("offset_m", value(plane.offset_m));
+    table
+}
+
+fn set_cable(table: &mut dyn TableLike, now: &Cable, was: &Cable) {
+    if now.anchor_m != was.anchor_m {
+        set(table, "anchor_m", numbers(&now.anchor_m));
+    }
+    if let Some(axis) = now.exit_axis.filter(|_| now.exit_axis != was.exit_axis) {
+        set(table, "exit_axis", numbers(&axis));
+    }
+    for (key, new, old) in [
+        ("zero_m", now.zero_m, was.zero_m),
+        ("scale", now.scale, was.scale),
+        ("exit_radius_m", now.exit_radius_m, was.exit_radius_m),
+    ] {
+        if new.to_bits() != old.to_bits() {
+            set(table, key, new);
+        }
+    }
+}
+
+fn set_compliances(document: &mut DocumentMut, now: &Device, before: &Device) {
+    let tables = rows(document, "joint").into_iter().enumerate();
+    for ((index, table), joint) in tables.zip(&now.joints) {
+        let (new, old) = (
+            now.compliance_rad_per_nm(index),
+            before.compliance_rad_per_nm(index),
+        );
+        if new.to_bits() != old.to_bits() {
+            set(table, compliance_key(joint.joint_type), new);
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! Every number of a device that a calibration may change, by a stable name.
+
+pub(crate) mod surrounding;
+pub(crate) mod unknown;
+
+use haptical_kinematics::Parameter;
+use haptical_transmission::CapstanError;
+
+use crate::{Device, ModelError, TransmissionError};
+use crate::{JointCompliance, SurroundingParameter};
+
+/// One parameter of a device.
+///
+/// Its methods take the device that it belongs to ([`Device::link_parameters`],
+/// [`Device::transmission_parameters`] and [`Device::parameter`] make only such): they panic with the
+/// index where that device has no such row, joint or coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ParameterId {
+    /// A Denavit-Hartenberg parameter of a row (0 is the base row).
+    Link {
+        /// Row.
+        row: usize,
+        /// Which of the six.
+        parameter: LinkParameter,
+    },
+    /// A parameter of a joint's transmission error.
+    Transmission {
+        /// Joint, from 0.
+        joint: usize,
+        /// Position within the error's parameters.
+        index: usize,
+    },
+    /// What a joint yields behind its external encoder, per torque.
+    Compliance {
+        /// Joint, from 0.
+        joint: usize,
+    },
+    /// A number of a cable, the tracker, a touched point or plane.
+    Surrounding(SurroundingParameter),
+}
+
+/// The six numbers of a row. (The kinematics' [`Parameter`] with an order.)
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LinkParameter {
+    /// Length along x.
+    A,
+    /// Twist about x.
+    Alpha,
+    /// Offset along z.
+    D,
+    /// Angle about z: the joint offset.
+    Theta,
+    /// Hayati's rotation about y.
+    Beta,
+    /// Length along y, of a general row.
+    B,
+}
+
+impl LinkParameter {
+    /// All six.
+    pub const ALL: [Self; 6] = [
+        Self::A,
+        Self::Alpha,
+        Self::D,
+        Self::Theta,
+        Self::Beta,
+        Self::B,
+    ];
+
+    /// The kinematics' word for it.
+    pub fn kinematic(self) -> Parameter {
+        match self {
+            Self::A => Parameter::A,
+            Self::Alpha => Parameter::Alpha,
+            Self::D => Parameter::D,
+            Self::Theta => Parameter::Theta,
+            Self::Beta => Parameter::Beta,
+            Self::B => Parameter::B,
+        }
+    }
+}
+
+/// Plausible size of a length deviation \[m\]: the largest of the paper's Table 5 is 4.2 mm.
+const PLAUSIBLE_LENGTH_M: f64 = 5e-3;
+/// Plausible size of an angle deviation \[rad\]: Table 5 has 27 mrad, once 52 mrad.
+const PLAUSIBLE_ANGLE_RAD: f64 = 2e-2;
+/// Plausible output drum eccentricity \[m\]: Table 4 reaches 1.5 mm.
+const PLAUSIBLE_OUTPUT_ECCENTRICITY_M: f64 = 1e-3;
+/// Plausible input drum eccentricity \[m\]: Table 4 reaches 0.02 mm; the drum is an eighth in size.
+const PLAUSIBLE_INPUT_ECCENTRICITY_M: f64 = 1e-4;
+/// Plausible compliance of a joint \[rad/(N m)\]: a capstan's cable yields 4e-3, a harmonic drive 1e-4.
+const PLAUSIBLE_COMPLIANCE: f64 = 1e-3;
+/// Plausible ratio deviation as a share of the ratio: Table 4 reaches 4 % of 8.
+const PLAUSIBLE_RATIO_SHARE: f64 = 0.05;
+
+impl ParameterId {
+    /// Unit.
+    pub fn unit(self, device: &Device) -> &'static str {
+        match self {
+            Self::Link {
+                parameter: LinkParameter::A | LinkParameter::B | LinkParameter::D,
+                ..
+            } => "m",
+            Self::Compliance { joint } => match device.joints[joint].joint_type {
+                crate::JointType::Revolute => "rad/(N m)",
+                crate::JointType::Prismatic => "m/N",
+            },
+            Self::Surrounding(parameter) => parameter.unit(),
+            Self::Link { .. } => "rad",
+            Self::Transmission { joint, index } => {
+                let joint = &device.joints[joint];
+                match &joint.transmission_error {
+                    TransmissionError::Chebyshev { .. } => joint.unit(),
+                    _ if index == 0 => joint.unit(),
+                    _ if index == 1 => "1",
+                    // Without drums the eccentricity's denominator is 1 m: the number is an angle.
+                    _ if index < 6 && joint.drum_distance_m.is_none() => "rad",
+                    _ => "m",
+                }
+            }
+        }
+    }
+
+    /// Short name, as in the paper's tables: `alpha4`, `d0`, `ratio_deviation2`.
+    pub fn name(self, device: &Device) -> String {
+        match self {
+            Self::Compliance { joint } => format!("joint_compliance{}", joint + 1),
+            Self::Surrounding(parameter) => parameter.name(device),
+            Self::Link { row, parameter } => format!("{}{row}", parameter.kinematic().name()),
+            Self::Transmission { joint, index } => {
+                let number = joint + 1;
+                match &device.joints[joint].transmission_error {
+                    TransmissionError::Chebyshev { .. } => format!("chebyshev{number}[{index}]"),
+                    _ => match CapstanError::PARAMETER_NAMES.get(index) {
+                        Some(name) => format!("{name}{number}"),
+                        None => format!("length_deviation{number}[{}]", index - 5),
+                    },
+                }
+            }
+        }
+    }
+
+    /// Key in the device file: `link[4].alpha_rad`, `joint[2].transmission_error.ratio_deviation`.
+    pub fn key(self, device: &Device) -> String {
+        match self {
+            Self::Compliance { joint } => {
+                let key = compliance_key(device.joints[joint].joint_type);
+                format!("joint[{}].{key}", joint + 1)
+            }
+            Self::Surrounding(parameter) => parameter.key(device),
+            Self::Link { row, parameter } => {
+                let key = match parameter {
+                    LinkParameter::A => "a_m",
+                    LinkParameter::Alpha => "alpha_rad",
+                    LinkParameter::D => "d_m",
+                    LinkParameter::Theta => "theta_offset_rad",
+                    LinkParameter::Beta => "beta_rad",
+                    LinkParameter::B => "b_m",
+                };
+                format!("link[{row}].{key}")
+            }
+            Self::Transmission { joint, index } => {
+                let number = joint + 1;
+                let key = match (&device.joints[joint].transmission_error, index) {
+                    (TransmissionError::Chebyshev { .. }, _) => format!("chebyshev[{index}]"),
+                    (_, 0) => format!("offset_{}", device.joints[joint].unit()),
+                    (_, 1) => "ratio_deviation".to_owned(),
+                    (_, 2 | 3) => format!("output_drum_xy_m[{}]", index - 2),
+                    (_, 4 | 5) => format!("input_drum_xy_m[{}]", index - 4),
+                    _ => format!("length_deviations_m[{}]", index - 6),
+                };
+                format!("joint[{number}].transmission_error.{key}")
+            }
+        }
+    }
+
+    /// Size that a deviation of this parameter may plausibly have, in its unit; the paper's Tables 4
+    /// and 5 are the source (docs/assumptions.md, "Plausible sizes").
+    pub fn plausible_size(self, device: &Device) -> f64 {
+        match self {
+            Self::Link { row, parameter }
+                if let Some(size) = device.deviation(row, parameter)
+                    && size > 0.0 =>
+            {
+                size
+            }
+            Self::Link {
+                parameter: LinkParameter::A | LinkParameter::B | LinkParameter::D,
+                ..
+            } => PLAUSIBLE_LENGTH_M,
+            Self::Link { .. } => PLAUSIBLE_ANGLE_RAD,
+            Self::Compliance { .. } => PLAUSIBLE_COMPLIANCE,
+            Self::Surrounding(parameter) => parameter.plausible_size(),
+            Self::Transmission { joint, index } => {
+                let joint = &device.joints[joint];
+                let drum = joint.drum_distance_m.is_some();
+                match (&joint.transmission_error, index) {
+                    (TransmissionError::Chebyshev { .. }, _) | (_, 0) => PLAUSIBLE_ANGLE_RAD,
+                    (_, 1) => PLAUSIBLE_RATIO_SHARE * joint.transmission_ratio.abs(),
+                    (_, 2 | 3) if drum => PLAUSIBLE_OUTPUT_ECCENTRICITY_M,
+                    (_, 4 | 5) if drum => PLAUSIBLE_INPUT_ECCENTRICITY_M,
+                    (_, 2..=5) => PLAUSIBLE_ANGLE_RAD,
+                    _ => PLAUSIBLE_OUTPUT_ECCENTRICITY_M,
+                }
+            }
+        }
+    }
+
+    /// Value in a device.
+    pub fn value(self, device: &Device) -> f64 {
+        match self {
+            Self::Compliance { joint } => device.compliance_rad_per_nm(joint),
+            Self::Surrounding(parameter) => parameter.value(device),
+            Self::Link { row, parameter } => device.links[row].get(parameter.kinematic()),
+            Self::Transmission { joint, index } => match &device.joints[joint].transmission_error {
+                TransmissionError::Capstan(error) => error.to_array()[index],
+                TransmissionError::Chebyshev { coefficients, .. } => coefficients[index],
+                TransmissionError::Parallelogram {
+                    capstan,
+                    length_deviations_m,
+                } => match index.checked_sub(6) {
+                    None => capstan.to_array()[index],
+                    Some(length) => length_deviations_m[length],
+                },
+            },
+        }
+    }
+
+    /// Sets the value in a device.
+    pub fn set(self, device: &mut Device, value: f64) {
+        match self {
+            Self::Compliance { joint } => {
+                let joints = device.joints.len();
+                let compliance = &mut device.surroundings.compliance;
+                compliance.resize(joints, JointCompliance::default());
+                compliance[joint].rad_per_nm = value;
+            }
+            Self::Surrounding(parameter) => parameter.set(device, value),
+            Self::Link { row, parameter } => device.links[row].set(parameter.kinematic(), value),
+            Self::Transmission { joint, index } => {
+                match &mut device.joints[joint].transmission_error {
+                    TransmissionError::Capstan(error) => set_capstan(error, index, value),
+                    TransmissionError::Chebyshev { coefficients, .. } => {
+                        coefficients[index] = value;
+                    }
+                    TransmissionError::Parallelogram {
+                        capstan,
+                        length_deviations_m,
+                    } => match index.checked_sub(6) {
+                        None => set_capstan(capstan, index, value),
+                        Some(length) => length_deviations_m[length] = value,
+                    },
+                }
+            }
+        }
+    }
+}
+
+/// Key of `[[joint]]` for what the joint yields.
+pub(crate) fn compliance_key(joint_type: crate::JointType) -> &'static str {
+    match joint_type {
+        crate::JointType::Revolute => "compliance_rad_per_nm",
+        crate::JointType::Prismatic => "compliance_m_per_n",
+    }
+}
+
+fn set_capstan(error: &mut CapstanError, index: usize, value: f64) {
+    let mut values = error.to_array();
+    values[index] = value;
+    *error = CapstanError::from_array(values);
+}
+
+impl Device {
+    /// The 4 (n + 1) Denavit-Hartenberg parameters, row by row; Hayati's angle only where
+    /// `with_beta`. A general row ([`Device::is_general_row`]) has all six either way.
+    pub fn link_parameters(&self, with_beta: bool) -> Vec<ParameterId> {
+        (0..self.links.len())
+            .flat_map(|row| {
+                LinkParameter::ALL
+                    .into_iter()
+                    .filter(move |parameter| match parameter {
+                        LinkParameter::Beta => with_beta || self.is_general_row(row),
+                        LinkParameter::B => self.is_general_row(row),
+                        _ => true,
+                    })
+                    .map(move |parameter| ParameterId::Link { row, parameter })
+            })
+            .collect()
+    }
+
+    /// The parameters of one joint's transmission error (joint from 0).
+    pub fn transmission_parameters(&self, joint: usize) -> Vec<ParameterId> {
+        (0..self.joints[joint].error_parameter_count())
+            .map(|index| ParameterId::Transmission { joint, index })
+            .collect()
+    }
+
+    /// What may be fitted beside links and transmissions: what cables, tracker, touched points and planes
+    /// leave open, and compliances that are to be found.
+    pub fn further_parameters(&self) -> Vec<ParameterId> {
+        let open = self.surrounding_parameters().into_iter();
+        let yielding = self.surroundings.compliance.iter().enumerate();
+        let yielding = yielding.filter(|(_, joint)| joint.fit);
+        let yielding = yielding.map(|(joint, _)| ParameterId::Compliance { joint });
+        open.map(ParameterId::Surrounding).chain(yielding).collect()
+    }
+
+    /// Finds a parameter by its short name.
+    ///
+    /// # Errors
+    /// [`ModelError::NoParameter`].
+    pub fn parameter(&self, name: &str) -> Result<ParameterId, ModelError> {
+        let transmissions =
+            (0..self.joints.len()).flat_map(|joint| self.transmission_parameters(joint));
+        self.link_parameters(true)
+            .into_iter()
+            .chain(transmissions)
+            .chain(self.further_parameters())
+            .find(|id| id.name(self) == name)
+            .ok_or_else(|| ModelError::NoParameter {
+                name: name.to_owned(),
+            })
+    }
+}

@@ -1,0 +1,143 @@
+//! The legend: entries in rows above the plot, where no point can be.
+
+use crate::canvas::{Anchor, Canvas, Colour, Rectangle, Stroke};
+use crate::figure::Figure;
+use crate::figure::clip::dashes;
+use crate::figure::draw::{LINE_WIDTH_PX, marker};
+use crate::figure::layout::{LINE_PX, TEXT_PX};
+use crate::figure::series::Mark;
+use crate::text::{width_px, wrap};
+
+/// Width of the sample beside a name.
+const SAMPLE_PX: f64 = 26.0;
+/// Space between a sample and its name.
+const NAME_GAP_PX: f64 = 6.0;
+/// Space between two entries.
+const ENTRY_GAP_PX: f64 = 20.0;
+
+#[derive(Debug, Clone)]
+struct Entry {
+    lines: Vec<String>,
+    mark: Mark,
+    colour: usize,
+    left: f64,
+    row: usize,
+}
+
+/// Entries with their places relative to the upper left corner of the legend.
+#[derive(Debug, Clone)]
+pub(crate) struct Legend {
+    entries: Vec<Entry>,
+    rows: usize,
+}
+
+impl Legend {
+    /// Fills rows of the given width with the named series, in their order.
+    pub(crate) fn new(figure: &Figure, width: f64) -> Self {
+        let mut legend = Self {
+            entries: Vec::new(),
+            rows: 0,
+        };
+        if !figure.legend {
+            return legend;
+        }
+        let (mut left, mut row, mut row_lines) = (0.0, 0, 0);
+        for series in figure
+            .series
+            .iter()
+            .filter(|series| !series.label.trim().is_empty())
+        {
+            let lines = wrap(&series.label, TEXT_PX, width - SAMPLE_PX - NAME_GAP_PX);
+            let name = lines
+                .iter()
+                .map(|line| width_px(line, TEXT_PX))
+                .fold(0.0, f64::max);
+            let entry_width = SAMPLE_PX + NAME_GAP_PX + name;
+            if left > 0.0 && left + entry_width > width {
+                (left, row, row_lines) = (0.0, row + row_lines, 0);
+            }
+            row_lines = row_lines.max(lines.len());
+            let (mark, colour) = (series.mark, series.colour);
+            legend.entries.push(Entry {
+                lines,
+                mark,
+                colour,
+                left,
+                row,
+            });
+            left += entry_width + ENTRY_GAP_PX;
+        }
+        legend.rows = row + row_lines;
+        legend
+    }
+
+    /// Height of the legend; 0 without entries.
+    pub(crate) fn height_px(&self) -> f64 {
+        self.rows as f64 * (LINE_PX + 2.0)
+    }
+
+    /// Draws the legend with its upper left corner at the point.
+    pub(crate) fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
+        for entry in &self.entries {
+            let x = left + entry.left;
+            let y = top + (entry.row as f64 + 0.5) * (LINE_PX + 2.0);
+            entry.draw_sample(canvas, x, y);
+            for (index, line) in entry.lines.iter().enumerate() {
+                let at = (
+                    x + SAMPLE_PX + NAME_GAP_PX,
+                    y + index as f64 * (LINE_PX + 2.0),
+                );
+                canvas.text(line, at, TEXT_PX, Anchor::Start);
+            }
+        }
+    }
+}
+
+impl Entry {
+    fn draw_sample(&self, canvas: &mut Canvas, x: f64, y: f64) {
+        let colour = Colour::palette(self.colour);
+        let stroke = Stroke {
+            colour,
+            width_px: LINE_WIDTH_PX,
+        };
+        let line = [(x, y), (x + SAMPLE_PX, y)];
+        let middle = x + 0.5 * SAMPLE_PX;
+        let block = Rectangle {
+            left: x + 4.0,
+            top: y - 6.0,
+            right: x + SAMPLE_PX - 4.0,
+            bottom: y + 6.0,
+        };
+        match self.mark {
+            Mark::Line => canvas.path(&line, stroke),
+            Mark::Steps => {
+                let (low, high) = (y + 4.0, y - 4.0);
+                let end = x + SAMPLE_PX;
+                canvas.path(
+                    &[(x, low), (middle, low), (middle, high), (end, high)],
+                    stroke,
+                );
+            }
+            Mark::DashedLine => {
+                for dash in dashes(&line, 7.0, 4.0) {
+                    canvas.path(&dash, stroke);
+                }
+            }
+            Mark::Reference => {
+                for dash in dashes(&line, 3.0, 3.0) {
+                    canvas.path(&dash, stroke);
+                }
+            }
+            Mark::Points => marker(canvas, (middle, y), self.colour, 4.0),
+            Mark::Bars => canvas.fill(block, colour),
+            Mark::Band => canvas.fill(block, colour.with_opacity(0.25)),
+            Mark::Intervals => {
+                canvas.path(&[(middle, y - 7.0), (middle, y + 7.0)], stroke);
+                for end in [y - 7.0, y + 7.0] {
+                    canvas.path(&[(middle - 4.0, end), (middle + 4.0, end)], stroke);
+                }
+                marker(canvas, (middle, y), self.colour, 3.5);
+            }
+        }
+    }
+}

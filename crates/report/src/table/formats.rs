@@ -1,0 +1,240 @@
+//! A table as Markdown, CSV, JSON and HTML.
+
+use maud::{Markup, html};
+use serde_json::{Value, json};
+
+use crate::error::ReportError;
+use crate::table::Table;
+use crate::table::cell::{Cell, raw};
+use crate::text::clean;
+
+/// Whole numbers up to here are exact in a 64-bit float and written to JSON without a point.
+const LARGEST_EXACT_WHOLE: f64 = 9_007_199_254_740_992.0;
+
+impl Table {
+    /// The table as a Markdown table with its title in bold above and its notes below.
+    pub fn to_markdown(&self) -> String {
+        let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+        let mut text = String::new();
+        if !self.title.is_empty() {
+            text.push_str(&format!("**{}**\n\n", markdown(&self.title)));
+        }
+        text.push_str(&line(
+            self.columns
+                .iter()
+                .map(|c| markdown(&c.heading()))
+                .collect(),
+        ));
+        let rule = |index| {
+            if self.is_numeric_column(index) {
+                "---:"
+            } else {
+                ":---"
+            }
+        };
+        text.push_str(&line(
+            (0..self.columns.len())
+                .map(|i| rule(i).to_owned())
+                .collect(),
+        ));
+        for row in &self.rows {
+            let cell = |index: usize| markdown(&self.cell(row, index).display());
+            text.push_str(&line((0..self.columns.len()).map(cell).collect()));
+        }
+        for note in &self.notes {
+            text.push_str(&format!("\n{}\n", markdown(note)));
+        }
+        text
+    }
+
+    /// The table as CSV (RFC 4180, line feeds), numbers with all their digits, without notes.
+    ///
+    /// The head of a column reads `name [unit]`. A column with intervals becomes two, `name low
+    /// [unit]` and `name high [unit]`; other numbers in it fill both. A missing cell is empty.
+    ///
+    /// # Errors
+    /// [`ReportError::RowWidth`] and [`ReportError::NonFinite`] when `rows` was filled without
+    /// [`Table::push`], [`ReportError::Csv`] when the CSV library refuses.
+    pub fn to_csv(&self) -> Result<String, ReportError> {
+        self.check()?;
+        let failure = |message: String| ReportError::Csv {
+            table: self.title.clone(),
+            message,
+        };
+        let split: Vec<bool> = (0..self.columns.len())
+            .map(|i| self.has_intervals(i))
+            .collect();
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let mut head = Vec::new();
+        for (column, &split) in self.columns.iter().zip(&split) {
+            let ends: &[&str] = if split { &[" low", " high"] } else { &[""] };
+            for end in ends {
+                let unit = if column.unit.is_empty() {
+                    String::new()
+                } else {
+                    format!(" [{}]", column.unit)
+                };
+                head.push(format!("{}{end}{unit}", column.name));
+            }
+        }
+        writer
+            .write_record(&head)
+            .map_err(|error| failure(error.to_string()))?;
+        for row in &self.rows {
+            let mut record = Vec::new();
+            for (cell, &split) in row.iter().zip(&split) {
+                record.extend(csv_fields(cell, split));
+            }
+            writer
+                .write_record(&record)
+                .map_err(|error| failure(error.to_string()))?;
+        }
+        let bytes = writer
+            .into_inner()
+            .map_err(|error| failure(error.to_string()))?;
+        String::from_utf8(bytes).map_err(|error| failure(error.to_string()))
+    }
+
+    /// The table as JSON: `title`, `columns` with `name` and `unit`, `rows`, `notes`.
+    ///
+    /// Numbers are raw, an interval is `[low, high]`, a missing or non-finite value is `null`.
+    pub fn to_json(&self) -> Value {
+        let columns = self
+            .columns
+            .iter()
+            .map(|c| json!({ "name": c.name, "unit": c.unit }));
+        let rows = self
+            .rows
+            .iter()
+            .map(|row| row.iter().map(json_cell).collect::<Value>());
+        json!({
+            "title": self.title,
+            "columns": columns.collect::<Value>(),
+            "rows": rows.collect::<Value>(),
+            "notes": self.notes,
+        })
+    }
+
+    /// The table as HTML, in a box of its own that scrolls sideways.
+    pub fn to_html(&self) -> Markup {
+        let class = |index| {
+            if self.is_numeric_column(index) {
+                "number"
+            } else if self.is_short_column(index) {
+                "text short"
+            } else {
+                "text"
+            }
+        };
+        html! {
+            figure.table {
+                @if !self.title.is_empty() { figcaption { (clean(&self.title)) } }
+                div.scroll tabindex="0" {
+                    table {
+                        thead { tr {
+                            @for (index, column) in self.columns.iter().enumerate() {
+                                th class=(class(index)) scope="col" {
+                                    (clean(&column.name))
+                                    @if !column.unit.is_empty() {
+                                        " " span.unit { "[" (clean(&column.unit)) "]" }
+                                    }
+                                }
+                            }
+                        } }
+                        tbody {
+                            @for row in &self.rows { tr {
+                                @for index in 0..self.columns.len() {
+                                    td class=(class(index)) { (html_cell(self.cell(row, index))) }
+                                }
+                            } }
+                        }
+                    }
+                }
+                @for note in &self.notes { p.note { (clean(note)) } }
+            }
+        }
+    }
+
+    fn cell<'a>(&self, row: &'a [Cell], index: usize) -> &'a Cell {
+        row.get(index).unwrap_or(&Cell::Missing)
+    }
+
+    /// Whether every cell of the column is short enough to stay on one line.
+    fn is_short_column(&self, index: usize) -> bool {
+        const SHORT: usize = 32;
+        self.rows
+            .iter()
+            .all(|row| self.cell(row, index).display().chars().count() <= SHORT)
+    }
+
+    fn has_intervals(&self, index: usize) -> bool {
+        self.rows
+            .iter()
+            .any(|row| matches!(row.get(index), Some(Cell::Interval { .. })))
+    }
+}
+
+/// Text that Markdown shows as it is, on one line.
+fn markdown(text: &str) -> String {
+    let mut escaped = String::new();
+    for character in clean(text).chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '|' | '\\' | '*' | '`' => {
+                escaped.push('\\');
+                escaped.push(character);
+            }
+            _ => escaped.push(character),
+        }
+    }
+    escaped
+}
+
+fn csv_fields(cell: &Cell, split: bool) -> Vec<String> {
+    let first = match cell {
+        Cell::Text(text) => text.clone(),
+        Cell::Number { value, .. } | Cell::Scientific { value, .. } => raw(*value),
+        Cell::Interval { low, high, .. } => return vec![raw(*low), raw(*high)],
+        Cell::Missing => String::new(),
+    };
+    if !split {
+        return vec![first];
+    }
+    let second = if cell.is_numeric() {
+        first.clone()
+    } else {
+        String::new()
+    };
+    vec![first, second]
+}
+
+fn json_cell(cell: &Cell) -> Value {
+    match cell {
+        Cell::Text(text) => json!(text),
+        Cell::Number { value, decimals: 0 }
+            if value.fract() == 0.0 && value.abs() <= LARGEST_EXACT_WHOLE =>
+        {
+            json!(*value as i64)
+        }
+        Cell::Number { value, .. } | Cell::Scientific { value, .. } => json!(value),
+        Cell::Interval { low, high, .. } => json!([low, high]),
+        Cell::Missing => Value::Null,
+    }
+}
+
+/// The cell with a typeset exponent and with line breaks kept.
+fn html_cell(cell: &Cell) -> Markup {
+    let text = cell.display();
+    if let (Cell::Scientific { .. }, Some((mantissa, exponent))) = (cell, text.split_once('e')) {
+        let exponent = exponent.replace('-', "\u{2212}");
+        return html! { (mantissa) "\u{2009}×\u{2009}10" sup { (exponent) } };
+    }
+    let lines: Vec<String> = text.lines().map(clean).collect();
+    html! {
+        @for (index, line) in lines.iter().enumerate() {
+            @if index > 0 { br; }
+            (line)
+        }
+    }
+}

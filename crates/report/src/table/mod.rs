@@ -1,0 +1,146 @@
+//! A table of cells under columns with units, and its form for the terminal.
+
+pub(crate) mod cell;
+pub(crate) mod formats;
+
+use comfy_table::{
+    Cell as TerminalCell, CellAlignment, ContentArrangement, ContentLineStyle, LineStyle,
+    Table as TerminalTable, TableStyle,
+};
+
+use crate::error::ReportError;
+use crate::table::cell::{Cell, Column};
+use crate::text::clean;
+
+/// Light lines around the table, between the columns and under the head.
+const LIGHT_BORDERS: TableStyle = TableStyle::new()
+    .top_border(LineStyle::new('┌', '─', '┬', '┐'))
+    .header_lines(ContentLineStyle::new('│', '│', '│'))
+    .header_separator(LineStyle::new('├', '─', '┼', '┤'))
+    .content_lines(ContentLineStyle::new('│', '│', '│'))
+    .bottom_border(LineStyle::new('└', '─', '┴', '┘'));
+
+/// Rows of cells under columns that carry their units.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// What the table shows.
+    pub title: String,
+    /// Heads of the columns.
+    pub columns: Vec<Column>,
+    /// Rows, each as wide as `columns`.
+    pub rows: Vec<Vec<Cell>>,
+    /// Remarks under the table.
+    pub notes: Vec<String>,
+}
+
+impl Table {
+    /// A table without rows.
+    ///
+    /// # Examples
+    /// ```
+    /// use haptical_report::{Cell, Column, Table};
+    /// let columns = vec![Column::new("joint", ""), Column::new("offset", "mrad")];
+    /// let mut table = Table::new("Joint offsets", columns);
+    /// table.push(vec!["1".into(), Cell::number(-6.0881, 3)])?;
+    /// assert!(table.to_terminal().contains("-6.088"));
+    /// assert_eq!(table.to_csv()?, "joint,offset [mrad]\n1,-6.0881\n");
+    /// # Ok::<(), haptical_report::ReportError>(())
+    /// ```
+    pub fn new(title: impl Into<String>, columns: Vec<Column>) -> Self {
+        Self {
+            title: title.into(),
+            columns,
+            rows: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// [`ReportError::RowWidth`] when the row is not as wide as the table,
+    /// [`ReportError::NonFinite`] when a number in it is NaN or infinite.
+    pub fn push(&mut self, row: Vec<Cell>) -> Result<(), ReportError> {
+        self.check_row(self.rows.len(), &row)?;
+        self.rows.push(row);
+        Ok(())
+    }
+
+    /// The table for a terminal: title, light borders, notes; numbers stand at the right.
+    ///
+    /// The lines are as long as the cells need. Cells that a row lacks read as missing. There is no
+    /// line end after the last line.
+    pub fn to_terminal(&self) -> String {
+        let mut table = TerminalTable::new();
+        table.load_style(LIGHT_BORDERS);
+        table.set_content_arrangement(ContentArrangement::Disabled);
+        table.set_header(self.columns.iter().enumerate().map(|(index, column)| {
+            TerminalCell::new(clean(&column.heading())).set_alignment(self.alignment(index))
+        }));
+        for row in &self.rows {
+            table.add_row((0..self.columns.len()).map(|index| {
+                let cell = row.get(index).unwrap_or(&Cell::Missing);
+                let lines: Vec<String> = cell.display().lines().map(clean).collect();
+                TerminalCell::new(lines.join("\n")).set_alignment(self.alignment(index))
+            }));
+        }
+        let mut parts = Vec::new();
+        if !self.title.is_empty() {
+            parts.push(clean(&self.title));
+        }
+        parts.push(table.to_string());
+        parts.extend(self.notes.iter().map(|note| clean(note)));
+        parts.join("\n")
+    }
+
+    /// True when the column holds numbers only, apart from missing cells.
+    pub(crate) fn is_numeric_column(&self, index: usize) -> bool {
+        let mut cells = self
+            .rows
+            .iter()
+            .filter_map(|row| row.get(index))
+            .filter(|cell| **cell != Cell::Missing);
+        let mut any = false;
+        cells.all(|cell| {
+            any = true;
+            cell.is_numeric()
+        }) && any
+    }
+
+    /// Refuses rows that were not added through [`Table::push`] and do not fit.
+    pub(crate) fn check(&self) -> Result<(), ReportError> {
+        self.rows
+            .iter()
+            .enumerate()
+            .try_for_each(|(index, row)| self.check_row(index, row))
+    }
+
+    fn check_row(&self, index: usize, row: &[Cell]) -> Result<(), ReportError> {
+        if row.len() != self.columns.len() {
+            return Err(ReportError::RowWidth {
+                table: self.title.clone(),
+                expected: self.columns.len(),
+                got: row.len(),
+            });
+        }
+        for (cell, column) in row.iter().zip(&self.columns) {
+            if let Some(value) = cell.numbers().into_iter().find(|value| !value.is_finite()) {
+                let place = format!("table \"{}\", column \"{}\"", self.title, column.name);
+                return Err(ReportError::NonFinite {
+                    place,
+                    index,
+                    value,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn alignment(&self, index: usize) -> CellAlignment {
+        if self.is_numeric_column(index) {
+            CellAlignment::Right
+        } else {
+            CellAlignment::Left
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! The masses that a chain carries: of its links, and of the branches that hang beside it.
+
+use haptical_model::Body;
+use haptical_model::kinematics::Pose;
+use haptical_model::kinematics::nalgebra::Vector3;
+
+use crate::chain::path::Path;
+use crate::chain::tip::joined;
+use crate::chain::{Rows, driver};
+use crate::numbers::rounded;
+use crate::rigid::{about_z, then, turn, z_to};
+use crate::robot::{Robot, RobotJoint, RobotJointType};
+
+/// A limit beyond this is none \[rad\] or \[m\].
+const LARGEST_LIMIT: f64 = 1e6;
+
+/// Bodies of the rows, and what is said of the branches beside them.
+#[derive(Debug, Default)]
+pub(crate) struct Carried {
+    /// Of each row of the chain.
+    pub(crate) bodies: Vec<Option<Body>>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// What hangs on the chain behind one moving joint.
+struct Branch {
+    /// The first of its joints that moves.
+    joint: usize,
+    /// Joints that move, with the positions that they are taken at \[rad\] or \[m\].
+    taken: Vec<(usize, f64)>,
+    mass_kg: f64,
+    /// Whether a row of the chain carries it; the root carries it otherwise, which loads no joint.
+    is_load: bool,
+}
+
+impl Carried {
+    /// No masses at all, where the base moves with respect to the root, and what moves beside the chain.
+    pub(crate) fn nothing(robot: &Robot, path: &Path, rows: &Rows, file: &str) -> Self {
+        let beside = joints_beside(robot, path);
+        let names = beside
+            .iter()
+            .filter(|joint| !rows.drivers.contains(joint))
+            .map(|joint| robot.joints[*joint].name.as_str());
+        Self {
+            bodies: vec![None; rows.rows.len()],
+            warnings: said_of_left_out(names, file).into_iter().collect(),
+        }
+    }
+}
+
+/// Sums what each row carries: its link, what is fixed to that, and every branch beside the chain as if it
+/// were fixed, its joints at 0, or in the middle of their limits where these exclude 0.
+///
+/// The base is fixed to the root, so that every row is passed downwards.
+pub(crate) fn carried(robot: &Robot, path: &Path, rows: &Rows, file: &str) -> Carried {
+    let mut walk = Walk::new(robot, path);
+    walk.sum(Path::from_root(robot, path.base).base, false);
+    let bodies = rows.rows.iter().map(|row| walk.body(row.joint)).collect();
+    let mut warnings = Vec::new();
+    let (loads, light): (Vec<&Branch>, Vec<&Branch>) = walk
+        .branches
+        .iter()
+        .partition(|branch| branch.is_load && branch.mass_kg > 0.0);
+    warnings.extend(said_of_loads(robot, &loads, file));
+    let names = light
+        .iter()
+        // what drives a row of the chain is no loss
+        .filter(|branch| !rows.drivers.contains(&branch.joint))
+        .map(|branch| robot.joints[branch.joint].name.as_str());
+    warnings.extend(said_of_left_out(names, file));
+    Carried { bodies, warnings }
+}
+
+fn said_of_left_out<'n>(names: impl Iterator<Item = &'n str>, file: &str) -> Option<String> {
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "{file}: left out, because they move beside the chain: {}",
+            joined(&names)
+        )
+    })
+}
+
+/// The joints that move whatever is beside a chain against it, in the order of the file: those that are met first
+/// on the way from the chain.
+fn joints_beside(robot: &Robot, path: &Path) -> Vec<usize> {
+    let on_path = path.passed(robot);
+    let mut seen = vec![false; robot.links.len()];
+    let mut links = vec![path.base];
+    let mut beside = Vec::new();
+    while let Some(link) = links.pop() {
+        seen[link] = true;
+        let own = &robot.links[link];
+        for &index in own.child_joints.iter().chain(&own.parent_joint) {
+            let joint = &robot.joints[index];
+            let other = match joint.child == link {
+                true => joint.parent,
+                false => joint.child,
+            };
+            if joint.moves() && !on_path[index] {
+                beside.push(index);
+            } else if !seen[other] {
+                links.push(other);
+            }
+        }
+    }
+    beside.sort_unstable();
+    beside
+}
+
+fn said_of_loads(robot: &Robot, loads: &[&Branch], file: &str) -> Option<String> {
+    if loads.is_empty() {
+        return None;
+    }
+    let masses = loads.iter().map(|branch| {
+        let name = &robot.joints[branch.joint].name;
+        format!("{} kg behind `{name}`", rounded(branch.mass_kg))
+    });
+    let masses: Vec<String> = masses.collect();
+    let off_zero = loads.iter().flat_map(|branch| &branch.taken);
+    let off_zero = off_zero.filter(|(_, position)| *position != 0.0);
+    let off_zero = off_zero.map(|(joint, position)| {
+        let joint = &robot.joints[*joint];
+        let unit = match joint.joint_type {
+            RobotJointType::Prismatic => "m",
+            _ => "rad",
+        };
+        format!("`{}` at {} {unit}", joint.name, rounded(*position))
+    });
+    let off_zero: Vec<String> = off_zero.collect();
+    let taken = match off_zero.is_empty() {
+        true => "their joints at 0".to_owned(),
+        false => format!("their joints at 0, but {}", joined(&off_zero)),
+    };
+    Some(format!(
+        "{file}: masses beside the chain count as fixed to it, {taken}: {}; hold these joints there while \
+         you record",
+        joined(&masses)
+    ))
+}
+
+/// A link to visit.
+struct Visit {
+    link: usize,
+    /// Its frame in that of the row's link.
+    pose: Pose,
+    /// Branch that it belongs to.
+    branch: Option<usize>,
+}
+
+struct Walk<'r> {
+    robot: &'r Robot,
+    on_path: Vec<bool>,
+    branches: Vec<Branch>,
+}
+
+impl<'r> Walk<'r> {
+    fn new(robot: &'r Robot, path: &Path) -> Self {
+        Self {
+            robot,
+            on_path: path.passed(robot),
+            branches: Vec::new(),
+        }
+    }
+
+    /// Mass \[kg\] and moment \[kg m\], in the frame of `start`, of everything behind it that no later row
+    /// of the chain carries; none where no mass is given.
+    fn sum(&mut self, start: usize, is_load: bool) -> Option<(f64, Vector3<f64>)> {
+        let mut total: Option<(f64, Vector3<f64>)> = None;
+        let mut visits = vec![Visit {
+            link: start,
+            pose: Pose::default(),
+            branch: None,
+        }];
+        while let Some(Visit { link, pose, branch }) = visits.pop() {
+            if let Some((own_kg, centre_m)) = self.robot.links[link].mass {
+                let (mass_kg, moment) = total.get_or_insert_with(Default::default);
+                *mass_kg += own_kg;
+                *moment += (pose.position_m + pose.rotation * Vector3::from(centre_m)) * own_kg;
+                if let Some(branch) = branch {
+                    self.branches[branch].mass_kg += own_kg;
+                }
+            }
+            let first = visits.len();
+            for &child in &self.robot.links[link].child_joints {
+                let joint = &self.robot.joints[child];
+                if joint.moves() && self.on_path[child] {
+                    continue;
+                }
+                let (mut pose, mut branch) = (then(&pose, &joint.origin), branch);
+                if joint.moves() {
+                    let position = taken(self.robot, child);
+                    pose = then(&pose, &motion(joint, position));
+                    let own = branch.unwrap_or_else(|| {
+                        self.branches.push(Branch {
+                            joint: child,
+                            taken: Vec::new(),
+                            mass_kg: 0.0,
+                            is_load,
+                        });
+                        self.branches.len() - 1
+                    });
+                    self.branches[own].taken.push((child, position));
+                    branch = Some(own);
+                }
+                let link = joint.child;
+                visits.push(Visit { link, pose, branch });
+            }
+            // the last is visited first, but the order of the file is wanted
+            visits[first..].reverse();
+        }
+        total
+    }
+
+    /// The body of a row: its centre is in the frame behind the joint's motion, axis along z.
+    fn body(&mut self, joint: usize) -> Option<Body> {
+        let joint = &self.robot.joints[joint];
+        let (mass_kg, moment) = self.sum(joint.child, true)?;
+        let centre = match mass_kg > 0.0 {
+            true => moment / mass_kg,
+            false => Vector3::zeros(),
+        };
+        let centre = z_to(&joint.axis).transpose() * centre;
+        Some(Body {
+            mass_kg,
+            centre_of_mass_m: centre.into(),
+        })
+    }
+}
+
+/// Where a joint beside the chain is taken \[rad\] or \[m\]: where the one that it follows puts it, or at
+/// its own rest.
+fn taken(robot: &Robot, joint: usize) -> f64 {
+    match driver(robot, joint) {
+        Ok((driver, multiplier, offset)) => multiplier * rest(&robot.joints[driver]) + offset,
+        // nothing of the chain depends on whom it follows
+        Err(_) => rest(&robot.joints[joint]),
+    }
+}
+
+/// 0, or the middle of the limits where they exclude it; the nearer limit where the other is none.
+fn rest(joint: &RobotJoint) -> f64 {
+    let turns_freely = joint.joint_type == RobotJointType::Continuous;
+    let Some((lower, upper)) = joint.limits.filter(|_| !turns_freely) else {
+        return 0.0;
+    };
+    let is_limit = |limit: f64| limit.abs() <= LARGEST_LIMIT;
+    match (is_limit(lower), is_limit(upper)) {
+        (true, true) if 0.0 < lower && lower <= upper => 0.5 * (lower + upper),
+        (true, true) if lower <= upper && upper < 0.0 => 0.5 * (lower + upper),
+        (true, false) if upper > lower => lower.max(0.0),
+        (false, true) if lower < upper => upper.min(0.0),
+        _ => 0.0,
+    }
+}
+
+fn motion(joint: &RobotJoint, position: f64) -> Pose {
+    let axis = Vector3::from(joint.axis);
+    match joint.joint_type {
+        RobotJointType::Prismatic => Pose {
+            position_m: axis * position,
+            ..Pose::default()
+        },
+        RobotJointType::Revolute | RobotJointType::Continuous => {
+            let along_z = z_to(&joint.axis);
+            turn(along_z * about_z(position) * along_z.transpose())
+        }
+        RobotJointType::Fixed | RobotJointType::Other => Pose::default(),
+    }
+}

@@ -1,0 +1,244 @@
+//! A URDF with the calibrated geometry in place: only origins change, the rest of the text stays.
+
+use std::ops::Range;
+
+use haptical_model::kinematics::Pose;
+use haptical_model::{Device, JointType};
+
+use crate::UrdfError;
+use crate::chain::gaps::{Correction, corrections};
+use crate::chain::path::BaseAndTip;
+use crate::device::ReadChain;
+use crate::numbers::{escaped, written};
+use crate::rigid::to_rpy;
+use crate::robot::{Robot, RobotJoint};
+use crate::write::segments::segments;
+
+/// A corrected URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CorrectedUrdf {
+    /// The text.
+    pub text: String,
+    /// Link at which the calibrated chain begins.
+    pub base: String,
+    /// Link at which the calibrated chain ends.
+    pub tip: String,
+    /// What a URDF cannot hold, and what was chosen.
+    pub warnings: Vec<String>,
+}
+
+/// How far an origin of the device may be from the one of the URDF, in m and as an entry of a rotation:
+/// what the digits of a device file leave.
+const SAME: f64 = 1e-6;
+
+/// The text of a URDF with the origins of the chain's joints, and of the last fixed joint behind them,
+/// replaced so that its forward kinematics is that of `device`. Comments, meshes and all other elements
+/// stay as they are.
+///
+/// `device` must have come from this URDF, this base and this tip: its constant origins are compared. Where no
+/// fixed joint stands behind the last moving one, a link and a fixed joint for the handle are added; so they are for
+/// the base where the first moving joint is passed upwards. Where the chain turns from upwards to downwards, the
+/// joint behind the turning point takes up what lies between the two; where it ends upwards, the handle does.
+///
+/// ```
+/// use haptical_urdf::{BaseAndTip, corrected_urdf, device_from_urdf};
+/// let text = r#"<robot name="lever"> <!-- kept -->
+///   <link name="base"/> <link name="arm"/> <link name="tool"/>
+///   <joint name="shoulder" type="continuous">
+///     <parent link="base"/> <child link="arm"/> <axis xyz="0 1 0"/>
+///   </joint>
+///   <joint name="flange" type="fixed">
+///     <origin xyz="0.1 0 0"/> <parent link="arm"/> <child link="tool"/>
+///   </joint>
+/// </robot>"#;
+/// let mut lever = device_from_urdf(text, "lever.urdf", BaseAndTip::to("tool"))?.device;
+/// lever.links[1].d_m = 0.002; // along the axis, y
+/// let corrected = corrected_urdf(text, "lever.urdf", BaseAndTip::to("tool"), &lever)?;
+/// assert!(corrected.text.contains("<!-- kept -->"));
+/// let again = device_from_urdf(&corrected.text, "again.urdf", BaseAndTip::to("tool"))?.device;
+/// let pose = haptical_model::DeviceChain::new(&again).pose(&[0.0])?;
+/// assert!((pose.position_m.y - 0.002).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`UrdfError`] as [`device_from_urdf`](crate::device_from_urdf); [`UrdfError::Device`] for a device that
+/// is not of this URDF.
+pub fn corrected_urdf(
+    text: &str,
+    file: &str,
+    ends: BaseAndTip<'_>,
+    device: &Device,
+) -> Result<CorrectedUrdf, UrdfError> {
+    let read = ReadChain::new(text, file, ends)?;
+    check_same(&read, device, file)?;
+    let segments = segments(device)?;
+    let ReadChain {
+        robot,
+        path,
+        mut warnings,
+        ..
+    } = read;
+    if segments_are_dirty(device) {
+        warnings.push(TRANSMISSIONS.to_owned());
+    }
+    let before = segments.rows.iter().map(|row| row.before);
+    let [mut base, mut tip] = [path.base, path.tip].map(|link| robot.links[link].name.clone());
+    // the path has joints, so the robot has a closing tag
+    let end = robot.end.unwrap_or(text.len());
+    let mut edits = Vec::new();
+    let add = |parent: &str, what: &str, place: &str, origin: &Pose| {
+        let (addition, name) = added_link(&robot, parent, what, origin);
+        let warning = format!(
+            "{file}: nothing is fixed {place} joint, so the link `{name}` was added for the {what}"
+        );
+        (warning, (end..end, addition), name)
+    };
+    for correction in corrections(&robot, &path, before, &segments.handle) {
+        match correction {
+            Correction::Joint(index, origin) => {
+                edits.push(edit(text, &robot.joints[index], &origin));
+            }
+            Correction::Base(origin) => {
+                let (warning, edit, name) = add(&base, "base", "before the first", &origin);
+                warnings.push(warning);
+                edits.push(edit);
+                base = name;
+            }
+            Correction::Tip(origin) => {
+                let (warning, edit, name) = add(&tip, "handle", "behind the last", &origin);
+                warnings.push(warning);
+                edits.push(edit);
+                tip = name;
+            }
+        }
+    }
+    Ok(CorrectedUrdf {
+        text: replaced(text, edits),
+        base,
+        tip,
+        warnings,
+    })
+}
+
+/// Said where a device has transmission errors.
+pub(crate) const TRANSMISSIONS: &str = "a robot description has no transmission errors: feed it joint \
+     values that are corrected for them (`haptical export --format rust` or `c-header`)";
+
+/// Whether any joint's value differs from its reading.
+pub(crate) fn segments_are_dirty(device: &Device) -> bool {
+    let none = haptical_model::TransmissionError::default();
+    device
+        .joints
+        .iter()
+        .any(|joint| joint.transmission_error != none)
+}
+
+fn check_same(read: &ReadChain, device: &Device, file: &str) -> Result<(), UrdfError> {
+    let refuse = |what: String| UrdfError::Device {
+        device: device.name.clone(),
+        message: format!(
+            "{what}: give the URDF that it was calibrated from, and the same --base and --tip ({file} was read \
+             from `{}` to `{}`)",
+            read.robot.links[read.path.base].name, read.robot.links[read.path.tip].name
+        ),
+    };
+    let rows = &read.rows.rows;
+    if device.links.len() != rows.len() + 1 {
+        let (has, file_has) = (device.links.len().saturating_sub(1), rows.len());
+        return Err(refuse(format!(
+            "it has {has} moving rows, the URDF's chain {file_has}"
+        )));
+    }
+    let origins = device.chain_origins();
+    let wanted = rows.iter().map(|row| row.origin).chain([read.rows.handle]);
+    for (index, wanted) in wanted.enumerate() {
+        let place = match rows.get(index) {
+            Some(row) => format!("joint `{}`", read.robot.joints[row.joint].name),
+            None => "the handle".to_owned(),
+        };
+        let Some(origin) = origins.get(index + 1).copied().flatten() else {
+            return Err(refuse(format!("{place} has no origin in it")));
+        };
+        let gap_m = (origin.position_m - wanted.position_m).amax();
+        let gap = (origin.rotation - wanted.rotation).amax();
+        if !(gap_m <= SAME && gap <= SAME) {
+            return Err(refuse(format!("{place} stands elsewhere in it")));
+        }
+        let drives = device.drive(index + 1).zip(rows.get(index));
+        if drives.is_some_and(|(own, row)| own != row.drive) {
+            return Err(refuse(format!("{place} is driven in another way in it")));
+        }
+    }
+    Ok(())
+}
+
+/// The replacement of a joint's origin, or a new one.
+fn edit(text: &str, joint: &RobotJoint, origin: &Pose) -> (Range<usize>, String) {
+    let element = origin_element(origin);
+    match &joint.origin_range {
+        Some(range) => (range.clone(), element),
+        None => {
+            let indent = indent_at(text, joint.inside);
+            (joint.inside..joint.inside, format!("{indent}{element}"))
+        }
+    }
+}
+
+/// Blanks with which a joint's own elements begin, so that a new one stands like the others.
+fn indent_at(text: &str, place: usize) -> &str {
+    let rest = text.get(place..).unwrap_or_default();
+    let blank = rest.len() - rest.trim_start().len();
+    &rest[..blank]
+}
+
+pub(crate) fn origin_element(pose: &Pose) -> String {
+    let [xyz, rpy] = [pose.position_m.into(), to_rpy(&pose.rotation)];
+    format!(
+        "<origin xyz=\"{}\" rpy=\"{}\"/>",
+        written(&xyz),
+        written(&rpy)
+    )
+}
+
+/// A link fixed to another one, under names that are free; and its name.
+fn added_link(robot: &Robot, parent: &str, what: &str, origin: &Pose) -> (String, String) {
+    let mut name = format!("{parent}_{what}");
+    while robot.links.iter().any(|link| link.name == name)
+        || robot
+            .joints
+            .iter()
+            .any(|joint| joint.name == format!("{name}_fixed"))
+    {
+        name.push('_');
+    }
+    let element = origin_element(origin);
+    let (link, parent) = (escaped(&name), escaped(parent));
+    let addition = format!(
+        "  <link name=\"{link}\"/>\n  <joint name=\"{link}_fixed\" type=\"fixed\">\n    {element}\n    \
+         <parent link=\"{parent}\"/>\n    <child link=\"{link}\"/>\n  </joint>\n"
+    );
+    (addition, name)
+}
+
+fn replaced(text: &str, mut edits: Vec<(Range<usize>, String)>) -> String {
+    edits.sort_by_key(|(range, _)| range.start);
+    let mut written = String::with_capacity(text.len() + 64 * edits.len());
+    let mut done = 0;
+    for (range, new) in edits {
+        written.push_str(&text[done..range.start]);
+        written.push_str(&new);
+        done = range.end;
+    }
+    written.push_str(&text[done..]);
+    written
+}
+
+/// Names of the two kinds of joint in URDF, and the unit of their values.
+pub(crate) fn type_name(motion: JointType, has_limits: bool) -> &'static str {
+    match motion {
+        JointType::Prismatic => "prismatic",
+        JointType::Revolute if has_limits => "revolute",
+        JointType::Revolute => "continuous",
+    }
+}

@@ -1,0 +1,159 @@
+//! A minimal URDF of a device that has none.
+
+use std::fmt::Write;
+
+use haptical_model::{Device, JointType};
+
+use crate::UrdfError;
+use crate::numbers::{escaped, written};
+use crate::write::corrected::{TRANSMISSIONS, origin_element, segments_are_dirty, type_name};
+use crate::write::segments::segments;
+
+/// Stands where one limit is known and the other is not \[rad\] or \[m\].
+const FAR: f64 = 1000.0;
+
+/// A URDF with a link for each row, joints along z, the masses that are known, and a link `handle`; and
+/// what it leaves out. Its joint values are those of the device, home included: where the device's home
+/// is not 0, neither is the URDF's there.
+///
+/// ```
+/// use haptical_model::Device;
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+/// let device = Device::load(path.as_ref())?.device;
+/// let (text, _) = haptical_urdf::new_urdf(&device)?;
+/// let again = haptical_urdf::device_from_urdf(&text, "haptic7.urdf", haptical_urdf::BaseAndTip::to("handle"))?.device;
+/// assert_eq!(again.joints.len(), 7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`UrdfError::Device`] for a device without links.
+pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
+    let segments = segments(device)?;
+    let names = joint_names(device, segments.rows.len());
+    let mut text = format!(
+        "<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <!-- Lengths in m, angles in rad. Joint values are \
+         the readings of a log, 0 at home. Inertia tensors and\n       limits of effort and velocity are not \
+         known. -->\n  <link name=\"base\"/>\n",
+        escaped(&device.name)
+    );
+    let mut parent = "base".to_owned();
+    for (index, segment) in segments.rows.iter().enumerate() {
+        let link = format!("link{}", index + 1);
+        let _ = match segment.body {
+            None => writeln!(text, "  <link name=\"{link}\"/>"),
+            Some((mass_kg, centre_m)) => writeln!(
+                text,
+                "  <link name=\"{link}\">\n    <inertial>\n      <origin xyz=\"{}\"/>\n      \
+                 <mass value=\"{}\"/>\n      <inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" \
+                 izz=\"0\"/>\n    </inertial>\n  </link>",
+                written(&centre_m),
+                written(&[mass_kg])
+            ),
+        };
+        let source = own_row(device, segment.drive.joint).unwrap_or(index + 1);
+        let follows = source != index + 1;
+        let limits = segment.limits(device);
+        let limits = (limits[0].is_finite() || limits[1].is_finite())
+            .then_some([limits[0].max(-FAR), limits[1].min(FAR)]);
+        let kind = type_name(segment.drive.motion, limits.is_some());
+        // a slide without limits has none in a file either, but must say so
+        let limits = limits.or((kind == "prismatic").then_some([-FAR, FAR]));
+        let _ = write!(
+            text,
+            "  <joint name=\"{}\" type=\"{kind}\">\n    {}\n    <parent link=\"{parent}\"/>\n    \
+             <child link=\"{link}\"/>\n    <axis xyz=\"0 0 1\"/>\n",
+            escaped(&names[index]),
+            origin_element(&segment.origin(device)),
+        );
+        if let Some([lower, upper]) = limits {
+            let _ = writeln!(
+                text,
+                "    <limit lower=\"{}\" upper=\"{}\" effort=\"0\" velocity=\"0\"/>",
+                written(&[lower]),
+                written(&[upper])
+            );
+        }
+        if follows {
+            let first = &segments.rows[source - 1].drive;
+            let _ = writeln!(
+                text,
+                "    <mimic joint=\"{}\" multiplier=\"{}\"/>",
+                escaped(&names[source - 1]),
+                written(&[segment.drive.multiplier / first.multiplier]),
+            );
+        }
+        text.push_str("  </joint>\n");
+        parent = link;
+    }
+    let _ = write!(
+        text,
+        "  <link name=\"handle\"/>\n  <joint name=\"handle_fixed\" type=\"fixed\">\n    {}\n    \
+         <parent link=\"{parent}\"/>\n    <child link=\"handle\"/>\n  </joint>\n</robot>\n",
+        origin_element(&segments.handle)
+    );
+    Ok((text, left_out(device)))
+}
+
+/// What a robot description of a device does not hold, and where its values are no readings.
+pub(crate) fn left_out(device: &Device) -> Vec<String> {
+    let transmissions = segments_are_dirty(device).then(|| TRANSMISSIONS.to_owned());
+    let scaled = device.joints.iter().enumerate().filter_map(|(index, joint)| {
+        let drive = device.drive(own_row(device, index)?)?;
+        let unit = |motion| match motion {
+            JointType::Revolute => "rad",
+            JointType::Prismatic => "m",
+        };
+        let is_own = drive.multiplier == 1.0 && drive.motion == joint.joint_type;
+        (!is_own).then(|| {
+            format!(
+                "joint `{}` drives other rows and has none of its own: its value in {} is {} times the \
+                 reading in {}",
+                joint.name,
+                unit(drive.motion),
+                drive.multiplier,
+                unit(joint.joint_type)
+            )
+        })
+    });
+    transmissions.into_iter().chain(scaled).collect()
+}
+
+/// The row, from 1, whose value is a joint's reading; the first that it drives where there is none.
+pub(crate) fn own_row(device: &Device, joint: usize) -> Option<usize> {
+    let first = device.first_row(joint)?;
+    let motion = device.joints.get(joint)?.joint_type;
+    let is_own = |row: &usize| {
+        let drive = device.drive(*row);
+        drive.is_some_and(|drive| {
+            drive.joint == joint && drive.multiplier == 1.0 && drive.motion == motion
+        })
+    };
+    (first..device.links.len()).find(is_own).or(Some(first))
+}
+
+/// A name for each row's joint: the device's own for a joint's own row; all different.
+pub(crate) fn joint_names(device: &Device, rows: usize) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for row in 1..=rows {
+        let joint = device.drive(row).map_or(0, |drive| drive.joint);
+        let own = device
+            .joints
+            .get(joint)
+            .map_or("", |joint| joint.name.as_str());
+        let mut name = match (
+            own.parse::<f64>().is_ok(),
+            own_row(device, joint) == Some(row),
+        ) {
+            // a file that names no joints numbers them
+            (true, true) => format!("joint{own}"),
+            (false, true) => own.to_owned(),
+            (_, false) => format!("row{row}"),
+        };
+        while names.contains(&name) || name == "handle_fixed" || name.is_empty() {
+            name.push('_');
+        }
+        names.push(name);
+    }
+    names
+}
