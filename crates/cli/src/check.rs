@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::arguments::CheckArguments;
 use crate::check_text;
 use crate::failure::Failure;
-use crate::identified::{NotIdentified, RankEntry, status_name};
+use crate::identified::{NotIdentified, RankEntry};
 use crate::inputs::{InputDrumDenominators, LogInput, read_equipped_device, read_recording};
 use crate::terminal;
 use crate::terminal::Progress;
@@ -188,7 +188,7 @@ fn look_at_log(
             None => identifiable.push(name.clone()),
             Some(reason) => not_identified.push(NotIdentified {
                 name: name.clone(),
-                status: status_name(status),
+                status: status.name(),
                 reason,
             }),
         }

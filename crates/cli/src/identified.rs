@@ -259,7 +259,7 @@ pub(crate) fn entries(
                 deviation: estimate.value.zip(nominal).map(|(value, was)| value - was),
                 standard_deviation: estimate.standard_deviation,
                 ci95: estimate.ci95,
-                status: status_name(&estimate.status),
+                status: estimate.status.name(),
                 combination,
                 reason,
             }
@@ -305,16 +305,6 @@ fn refusal(entry: &ParameterEntry) -> Option<NotIdentified> {
         status: entry.status,
         reason: entry.reason.clone()?,
     })
-}
-
-/// The name that the status has in identified.json.
-pub(crate) fn status_name(status: &Status) -> &'static str {
-    match status {
-        Status::Identifiable { .. } => "identifiable",
-        Status::Weak { .. } => "weak",
-        Status::Invisible => "invisible",
-        Status::Dependent { .. } => "dependent",
-    }
 }
 
 impl RankEntry {

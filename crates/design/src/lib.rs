@@ -1,4 +1,4 @@
-//! Which rig tells which parameters of a device before anything is measured, and which poses to measure next.
+//! Plans measurements: the parameters that a rig would identify, and the poses to measure next.
 //!
 #![doc = include_str!("../README.md")]
 
@@ -16,7 +16,7 @@ pub use equip::{DEGREE, Equipped, Terms, equip};
 pub use error::DesignError;
 pub use information::Information;
 pub use kind::{KINDS, Kind, Measure, Rig};
-pub use plan::{ParameterTold, Plan, Request, RigTells, Step, Told, described_rigs, plan};
+pub use plan::{ParameterStatus, Plan, Request, RigIdentifiability, Step, described_rigs, plan};
 pub use posture::candidates::{Limits, Spread, candidates};
 pub use posture::{Posture, postures};
 pub use select::criterion::Criterion;

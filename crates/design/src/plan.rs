@@ -1,8 +1,8 @@
-//! One plan from rigs to poses: what each rig tells of each parameter, what would tell the rest, what to measure next.
+//! One plan from rigs to poses: the parameters that each rig identifies, measurements for the rest, the next poses.
 
 use haptical_identification::{Identifiability, Status};
 use haptical_model::Device;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::{
     Criterion, DEGREE, DesignError, Equipped, Information, Limits, NextPoses, Posture, Region, Rig,
@@ -53,22 +53,22 @@ impl Default for Request {
     }
 }
 
-/// What a plan says.
+/// A plan.
 #[derive(Debug, Clone, Serialize)]
 pub struct Plan {
     /// Number of poses that standard deviations of the rigs are for, poses of average worth.
     pub poses: usize,
     /// Poses that were measured before, which count for the first rig.
     pub measured_poses: usize,
-    /// What each rig tells.
-    pub rigs: Vec<RigTells>,
+    /// The rigs that were compared.
+    pub rigs: Vec<RigIdentifiability>,
     /// The chosen poses, where they were asked for.
     pub next_poses: Option<NextPoses>,
 }
 
-/// What one rig tells.
+/// The parameters that one rig identifies, and measurements that would identify the others.
 #[derive(Debug, Clone, Serialize)]
-pub struct RigTells {
+pub struct RigIdentifiability {
     /// The rig, as it was given.
     pub measure: String,
     /// Most readings of a pose.
@@ -76,52 +76,39 @@ pub struct RigTells {
     /// Parameters that are identified, weak ones included.
     pub rank: usize,
     /// Every parameter that a calibration from this rig could free.
-    pub parameters: Vec<ParameterTold>,
-    /// For each parameter that it does not identify, what would.
+    pub parameters: Vec<ParameterStatus>,
+    /// For each parameter that it does not identify, measurements that would.
     pub suggestions: Vec<Suggestion>,
 }
 
-/// What a rig tells of a parameter.
+/// Whether a rig identifies a parameter.
 #[derive(Debug, Clone, Serialize)]
-pub struct ParameterTold {
+pub struct ParameterStatus {
     /// Name.
     pub name: String,
     /// Unit of the plausible size and the standard deviation.
     pub unit: String,
     /// Plausible size of its deviation from nominal.
     pub plausible_size: f64,
-    /// Whether it is told.
-    pub status: Told,
-    /// Standard deviation (Cramér-Rao); none where it is a combination of others or invisible.
-    pub standard_deviation: Option<f64>,
+    /// The status with the standard deviation (Cramér-Rao); plan.json has the status' name as `status` and
+    /// `standard_deviation`, null where there is none.
+    #[serde(flatten, serialize_with = "name_and_deviation")]
+    pub status: Status,
     /// Why it is not identified.
     pub reason: Option<String>,
 }
 
-/// Whether a rig tells a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Told {
-    /// Well enough.
-    Identifiable,
-    /// No better than it is plausibly large.
-    Weak,
-    /// It acts like others together.
-    Combination,
-    /// It moves no reading.
-    Invisible,
-}
-
-impl Told {
-    /// Its name in plan.json.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Identifiable => "identifiable",
-            Self::Weak => "weak",
-            Self::Combination => "combination",
-            Self::Invisible => "invisible",
-        }
+fn name_and_deviation<S: Serializer>(status: &Status, to: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Fields {
+        status: &'static str,
+        standard_deviation: Option<f64>,
     }
+    let fields = Fields {
+        status: status.name(),
+        standard_deviation: status.standard_deviation(),
+    };
+    fields.serialize(to)
 }
 
 /// A step of a plan, for whoever shows that work goes on.
@@ -139,22 +126,22 @@ pub enum Step<'r> {
 }
 
 /// Judges rigs and, if asked, chooses the poses to measure next. `measured` are poses that were measured with the
-/// first rig already; `step` is told what is begun.
+/// first rig already; `step` is called when a step begins.
 ///
 /// ```
-/// use haptical_design::{Request, Rig, Told, plan};
+/// use haptical_design::{Request, Rig, plan};
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
 /// let device = haptical_model::Device::load(path.as_ref())?.device;
 /// let rigs = vec![Rig::parse("out,cable")?, Rig::parse("out,pose")?];
 /// let request = Request { rigs, candidates: 300, poses: 60, chooses: true, ..Request::default() };
 /// let plan = plan(&device, &request, &[], &|_| ())?;
 ///
-/// let of_alpha7 = |rig: usize| {
+/// let alpha7 = |rig: usize| {
 ///     let mut parameters = plan.rigs[rig].parameters.iter();
-///     parameters.find(|told| told.name == "alpha7").map(|told| told.status)
+///     parameters.find(|parameter| parameter.name == "alpha7").map(|parameter| parameter.status.name())
 /// };
-/// assert_eq!(of_alpha7(0), Some(Told::Invisible));
-/// assert_eq!(of_alpha7(1), Some(Told::Identifiable));
+/// assert_eq!(alpha7(0), Some("invisible"));
+/// assert_eq!(alpha7(1), Some("identifiable"));
 /// let next = plan.next_poses.unwrap();
 /// assert_eq!(next.postures.len(), 60);
 /// assert!(next.figures.o1 > next.random.unwrap().o1);
@@ -210,8 +197,12 @@ pub fn plan(
         let information = Information::new(&equipped, looked_at, before)?;
         let judged = information.judge(request.poses)?;
         let further = suggestions(&equipped, request.terms, looked_at, &judged, request.poses)?;
-        let told = tells(&equipped, &information, &judged, further);
-        plan.rigs.push(told);
+        plan.rigs.push(identifiability_of_rig(
+            &equipped,
+            &information,
+            &judged,
+            further,
+        ));
         if is_planned {
             let poses = request.poses;
             step(Step::Choosing {
@@ -262,32 +253,23 @@ pub fn described_rigs(device: &Device) -> Result<Vec<Rig>, DesignError> {
     Ok(rigs)
 }
 
-fn tells(
+fn identifiability_of_rig(
     equipped: &Equipped,
     information: &Information,
     judged: &Identifiability,
     suggestions: Vec<Suggestion>,
-) -> RigTells {
+) -> RigIdentifiability {
     let parameter = |index: usize| {
         let info = &information.infos[index];
-        let (status, standard_deviation) = match judged.statuses[index] {
-            Status::Identifiable { standard_deviation } => {
-                (Told::Identifiable, Some(standard_deviation))
-            }
-            Status::Weak { standard_deviation } => (Told::Weak, Some(standard_deviation)),
-            Status::Invisible => (Told::Invisible, None),
-            Status::Dependent { .. } => (Told::Combination, None),
-        };
-        ParameterTold {
+        ParameterStatus {
             name: info.name.clone(),
             unit: info.unit.clone(),
             plausible_size: info.plausible_size,
-            status,
-            standard_deviation,
+            status: judged.statuses[index].clone(),
             reason: judged.reason(index),
         }
     };
-    RigTells {
+    RigIdentifiability {
         measure: equipped.rig.name.clone(),
         readings_per_pose: (0..information.poses())
             .map(|pose| information.readings(Some(pose)))

@@ -57,6 +57,26 @@ impl Status {
     pub fn is_independent(&self) -> bool {
         matches!(self, Self::Identifiable { .. } | Self::Weak { .. })
     }
+
+    /// Its name in result files: "identifiable", "weak", "invisible" or "dependent".
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Identifiable { .. } => "identifiable",
+            Self::Weak { .. } => "weak",
+            Self::Invisible => "invisible",
+            Self::Dependent { .. } => "dependent",
+        }
+    }
+
+    /// Standard deviation for the stated noise, in the parameter's unit; none for a parameter that is not independent.
+    pub fn standard_deviation(&self) -> Option<f64> {
+        match self {
+            Self::Identifiable { standard_deviation } | Self::Weak { standard_deviation } => {
+                Some(*standard_deviation)
+            }
+            Self::Invisible | Self::Dependent { .. } => None,
+        }
+    }
 }
 
 /// The answer of [`analyse`].

@@ -52,7 +52,7 @@ pub(crate) fn candidates<'c>(
                 value: estimate.value,
                 standard_deviation: estimate.standard_deviation,
                 ci95: estimate.ci95,
-                status: status_name(&estimate.status),
+                status: estimate.status.name(),
                 combination: match &estimate.status {
                     Status::Dependent { combination } => Some(combination),
                     _ => None,
@@ -165,14 +165,5 @@ fn nominal_value(parameter: ParameterId, nominal: &Model, device: &Model) -> Opt
         Some(parameter.value(nominal))
     } else {
         (*was == TransmissionError::default()).then_some(0.0)
-    }
-}
-
-fn status_name(status: &Status) -> &'static str {
-    match status {
-        Status::Identifiable { .. } => "identifiable",
-        Status::Weak { .. } => "weak",
-        Status::Invisible => "invisible",
-        Status::Dependent { .. } => "dependent",
     }
 }

@@ -1,7 +1,8 @@
 //! `haptical.plan`: what rigs tell before anything is measured, and the poses to measure next as an array.
 
 use haptical_design::{
-    Figures, NextPoses, ParameterTold, Plan, Posture, RigTells, Suggestion, plan as plan_rigs,
+    Figures, NextPoses, ParameterStatus, Plan, Posture, RigIdentifiability, Suggestion,
+    plan as plan_rigs,
 };
 use haptical_model::Device;
 use haptical_urdf::BaseAndTip;
@@ -108,7 +109,7 @@ fn result<'py>(
     Ok(result)
 }
 
-fn rig_entry<'py>(py: Python<'py>, rig: &RigTells) -> PyResult<Bound<'py, PyDict>> {
+fn rig_entry<'py>(py: Python<'py>, rig: &RigIdentifiability) -> PyResult<Bound<'py, PyDict>> {
     let entry = PyDict::new(py);
     entry.set_item("measure", &rig.measure)?;
     entry.set_item("readings_per_pose", rig.readings_per_pose)?;
@@ -119,20 +120,20 @@ fn rig_entry<'py>(py: Python<'py>, rig: &RigTells) -> PyResult<Bound<'py, PyDict
     Ok(entry)
 }
 
-/// What a rig tells of each parameter, column by column.
-fn parameters<'py>(py: Python<'py>, told: &[ParameterTold]) -> PyResult<Bound<'py, PyDict>> {
+/// The status of each parameter, column by column.
+fn parameters<'py>(py: Python<'py>, found: &[ParameterStatus]) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
-    let text = |of: &dyn Fn(&ParameterTold) -> String| PyList::new(py, told.iter().map(of));
-    let number = |of: &dyn Fn(&ParameterTold) -> f64| {
-        PyArray1::from_vec(py, told.iter().map(of).collect::<Vec<f64>>())
+    let text = |of: &dyn Fn(&ParameterStatus) -> String| PyList::new(py, found.iter().map(of));
+    let number = |of: &dyn Fn(&ParameterStatus) -> f64| {
+        PyArray1::from_vec(py, found.iter().map(of).collect::<Vec<f64>>())
     };
-    columns.set_item("name", text(&|told| told.name.clone())?)?;
-    columns.set_item("unit", text(&|told| told.unit.clone())?)?;
-    columns.set_item("plausible_size", number(&|told| told.plausible_size))?;
-    columns.set_item("status", text(&|told| told.status.name().to_owned())?)?;
-    let deviation = |told: &ParameterTold| told.standard_deviation.unwrap_or(f64::NAN);
+    columns.set_item("name", text(&|one| one.name.clone())?)?;
+    columns.set_item("unit", text(&|one| one.unit.clone())?)?;
+    columns.set_item("plausible_size", number(&|one| one.plausible_size))?;
+    columns.set_item("status", text(&|one| one.status.name().to_owned())?)?;
+    let deviation = |one: &ParameterStatus| one.status.standard_deviation().unwrap_or(f64::NAN);
     columns.set_item("standard_deviation", number(&deviation))?;
-    let reasons: Vec<_> = told.iter().map(|told| told.reason.as_deref()).collect();
+    let reasons: Vec<_> = found.iter().map(|one| one.reason.as_deref()).collect();
     columns.set_item("reason", reasons)?;
     Ok(columns)
 }

@@ -109,18 +109,11 @@ fn list(judged: &Identifiability) -> Result<Table> {
         .to_vec(),
     );
     for (index, name) in judged.names.iter().enumerate() {
-        let (status, sd) = match &judged.statuses[index] {
-            Status::Identifiable { standard_deviation } => {
-                ("identifiable", Some(*standard_deviation))
-            }
-            Status::Weak { standard_deviation } => ("weak", Some(*standard_deviation)),
-            Status::Invisible => ("invisible", None),
-            Status::Dependent { .. } => ("dependent", None),
-        };
+        let status = &judged.statuses[index];
         table.push(vec![
             name.clone().into(),
-            status.into(),
-            Cell::number_or_missing(sd.map(|sd| sd * 1e3), 4),
+            status.name().into(),
+            Cell::number_or_missing(status.standard_deviation().map(|sd| sd * 1e3), 4),
             judged.reason(index).unwrap_or_default().into(),
         ])?;
     }

@@ -1,6 +1,6 @@
 //! plan.json: what a plan says, and how it came about.
 
-use haptical_design::{DesignError, NextPoses, Posture, Request, RigTells, Step, plan};
+use haptical_design::{DesignError, NextPoses, Posture, Request, RigIdentifiability, Step, plan};
 use haptical_model::Device;
 use serde::Serialize;
 
@@ -41,7 +41,7 @@ impl Plan {
         })
     }
 
-    pub(crate) fn rigs(&self) -> &[RigTells] {
+    pub(crate) fn rigs(&self) -> &[RigIdentifiability] {
         &self.said.rigs
     }
 

@@ -1,6 +1,7 @@
 //! A plan as a page and as a picture.
 
-use haptical_design::{NextPoses, ParameterTold, Told};
+use haptical_design::{NextPoses, ParameterStatus};
+use haptical_identification::Status;
 use haptical_report::{Block, Cell, Column, Document, HeatCell, HeatMap, Section, Table};
 
 use super::outcome::Plan;
@@ -11,13 +12,12 @@ use crate::failure::Failure;
 const NAMES_PX: u32 = 220;
 const RIG_PX: u32 = 170;
 
-/// Parameters beside rigs, darker the better they are told: by the decades that the standard deviation lies below
-/// the plausible size.
+/// Parameters against rigs, shaded by the decades that the standard deviation lies below the plausible size.
 pub(super) fn picture(plan: &Plan) -> Result<String, Failure> {
     let title = format!("What {} poses tell, rig by rig", plan.said.poses);
     let mut map = HeatMap::new(title, plan.rig_names());
     for (name, unit) in text::parameters(plan) {
-        let cell = |entry: &ParameterTold| HeatCell {
+        let cell = |entry: &ParameterStatus| HeatCell {
             shade: shade(entry),
             text: text::word(entry),
         };
@@ -40,21 +40,21 @@ pub(super) fn picture(plan: &Plan) -> Result<String, Failure> {
 /// Decades of the standard deviation below the plausible size that make the full colour.
 const DECADES: f64 = 3.0;
 
-fn shade(entry: &ParameterTold) -> f64 {
-    match (entry.status, entry.standard_deviation) {
-        (Told::Identifiable, Some(sd)) => {
-            let decades = (entry.plausible_size / sd).log10();
+fn shade(entry: &ParameterStatus) -> f64 {
+    match entry.status {
+        Status::Identifiable { standard_deviation } => {
+            let decades = (entry.plausible_size / standard_deviation).log10();
             0.25 + 0.75 * (decades / DECADES).clamp(0.0, 1.0)
         }
-        (Told::Weak, _) => 0.12,
-        _ => 0.0,
+        Status::Weak { .. } => 0.12,
+        Status::Invisible | Status::Dependent { .. } => 0.0,
     }
 }
 
 /// report.html.
 pub(super) fn page(plan: &Plan, picture: &str) -> Result<String, Failure> {
     let caption = "A standard deviation: the parameter is identified. Weak: fixed no better than half its \
-                   plausible size. Combination: it acts like others together. Invisible: it moves no reading.";
+                   plausible size. Dependent: it acts like a combination of others. Invisible: it moves no reading.";
     let mut sections = vec![Section::new(
         "Which rig tells which parameters",
         vec![Block::Svg {
@@ -65,10 +65,10 @@ pub(super) fn page(plan: &Plan, picture: &str) -> Result<String, Failure> {
     for rig in plan.rigs() {
         let mut lines = text::lines(rig).into_iter();
         let mut blocks = vec![Block::Paragraph(lines.next().unwrap_or_default())];
-        let told: Vec<String> = lines.map(|line| line.trim().to_owned()).collect();
-        blocks.push(match told.is_empty() {
-            true => Block::Paragraph("Every parameter is told.".to_owned()),
-            false => Block::List(told),
+        let open: Vec<String> = lines.map(|line| line.trim().to_owned()).collect();
+        blocks.push(match open.is_empty() {
+            true => Block::Paragraph("Every parameter is identified.".to_owned()),
+            false => Block::List(open),
         });
         sections.push(Section::new(format!("Rig {}", rig.measure), blocks));
     }

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use haptical_design::{Criterion, NextPoses, ParameterTold, RigTells, Suggestion, Told};
+use haptical_design::{Criterion, NextPoses, ParameterStatus, RigIdentifiability, Suggestion};
+use haptical_identification::Status;
 use haptical_report::{Cell, Column, Table};
 
 use super::outcome::Plan;
 use crate::failure::Failure;
 
-/// Remedies that are told of a parameter.
+/// Remedies that are named for a parameter.
 const REMEDIES: usize = 3;
 
 /// The plan as text.
@@ -63,21 +64,22 @@ pub(super) fn parameters(plan: &Plan) -> Vec<(String, String)> {
         .collect()
 }
 
-pub(super) fn find<'r>(rig: &'r RigTells, name: &str) -> Option<&'r ParameterTold> {
+pub(super) fn find<'r>(rig: &'r RigIdentifiability, name: &str) -> Option<&'r ParameterStatus> {
     rig.parameters.iter().find(|entry| entry.name == name)
 }
 
 /// A cell in words.
-pub(super) fn word(entry: &ParameterTold) -> String {
-    match (entry.status, entry.standard_deviation) {
-        (Told::Identifiable, Some(sd)) => format!("{sd:.2e}"),
-        (status, Some(sd)) => format!("{} {sd:.2e}", status.name()),
-        (status, None) => status.name().to_owned(),
+pub(super) fn word(entry: &ParameterStatus) -> String {
+    let name = entry.status.name();
+    match &entry.status {
+        Status::Identifiable { standard_deviation } => format!("{standard_deviation:.2e}"),
+        Status::Weak { standard_deviation } => format!("{name} {standard_deviation:.2e}"),
+        Status::Invisible | Status::Dependent { .. } => name.to_owned(),
     }
 }
 
-/// What a rig does not tell, and what would.
-pub(super) fn lines(rig: &RigTells) -> Vec<String> {
+/// The parameters that a rig does not identify, and measurements that would.
+pub(super) fn lines(rig: &RigIdentifiability) -> Vec<String> {
     let mut lines = vec![format!(
         "{}: {} of {} parameters; readings a pose: {}",
         rig.measure,

@@ -45,13 +45,14 @@ fn it_is_the_steps_one_by_one() {
     let next = found.next_poses.unwrap();
     let driven: Vec<Posture> = order.iter().map(|&pose| chosen[pose].clone()).collect();
     assert_eq!(next.postures, driven);
-    let deviations = next.parameters.iter().map(|told| told.standard_deviation);
+    let deviations = next.parameters.iter().map(|next| next.standard_deviation);
     assert_eq!(deviations.collect::<Vec<_>>(), best.deviations);
     assert_eq!(found.rigs.len(), 2);
     assert_eq!(found.rigs[0].rank, judged.rank);
-    for (index, told) in found.rigs[0].parameters.iter().enumerate() {
-        assert_eq!(told.name, judged.names[index]);
-        assert_eq!(told.reason, judged.reason(index));
+    for (index, found) in found.rigs[0].parameters.iter().enumerate() {
+        assert_eq!(found.name, judged.names[index]);
+        assert_eq!(found.status, judged.statuses[index]);
+        assert_eq!(found.reason, judged.reason(index));
     }
     let expected = [
         "Rig(\"cable\")",
@@ -71,8 +72,11 @@ fn measured_poses_count_for_the_first_rig_alone() {
     let asked = request(&["cable", "cable"]);
     let found = plan(&device, &asked, &measured, &|_| ()).unwrap();
     assert_eq!(found.measured_poses, 40);
-    let deviation =
-        |rig: usize, parameter: usize| found.rigs[rig].parameters[parameter].standard_deviation;
+    let deviation = |rig: usize, parameter: usize| {
+        found.rigs[rig].parameters[parameter]
+            .status
+            .standard_deviation()
+    };
     let mut told = 0;
     for parameter in 0..found.rigs[0].parameters.len() {
         if let Some((with, without)) = deviation(0, parameter).zip(deviation(1, parameter)) {

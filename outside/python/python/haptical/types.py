@@ -318,9 +318,9 @@ class ParametersTold(TypedDict):
     unit: List[str]
     plausible_size: Array
     """Plausible sizes of the deviations from nominal, [P]."""
-    status: List[Literal["identifiable", "weak", "combination", "invisible"]]
+    status: List[Status]
     standard_deviation: Array
-    """Standard deviations (Cramér-Rao), [P]; NaN for a combination and an invisible parameter."""
+    """Standard deviations (Cramér-Rao), [P]; NaN for a dependent and an invisible parameter."""
     reason: List[Optional[str]]
     """Why the rig does not identify the parameter."""
 
