@@ -1,4 +1,5 @@
-//! The guides of docs/guides, run as they stand: every command, and every line that they say is printed.
+//! The guides of docs/guides and the console blocks of the crates' READMEs are run as they are: every command, and every
+//! line that they show.
 
 use std::path::{Path, PathBuf};
 
@@ -10,8 +11,8 @@ use crate::{haptical, text};
 /// by far more.
 const RELATIVE: f64 = 0.03;
 
-/// Folders of fixtures/ that a guide may name.
-const FOLDERS: [&str; 5] = ["devices", "effects", "logs", "measured", "rigs"];
+/// Folders of fixtures/ that a page may name.
+const FOLDERS: [&str; 6] = ["bad", "devices", "effects", "logs", "measured", "rigs"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -73,9 +74,8 @@ fn is_shown(printed: &str, shown: &str) -> bool {
     printed.len() == shown.len() && printed.iter().zip(&shown).all(alike)
 }
 
-/// Runs a guide in a folder of its own.
-fn run(name: &str) {
-    let guide = std::fs::read_to_string(root().join("docs/guides").join(name)).unwrap();
+/// A fresh folder with a copy of the fixtures.
+fn sandbox() -> tempfile::TempDir {
     let sandbox = tempfile::tempdir().unwrap();
     for folder in FOLDERS {
         copy(
@@ -83,6 +83,13 @@ fn run(name: &str) {
             &sandbox.path().join("fixtures").join(folder),
         );
     }
+    sandbox
+}
+
+/// Runs a guide in a folder of its own.
+fn run(name: &str) {
+    let guide = std::fs::read_to_string(root().join("docs/guides").join(name)).unwrap();
+    let sandbox = sandbox();
     let (mut commands, mut shown) = (0, 0);
     let mut printed = String::new();
     for block in blocks(&guide) {
@@ -122,6 +129,90 @@ fn run(name: &str) {
     }
     assert!(commands >= 3, "{name}: {commands} commands");
     assert!(shown >= 2, "{name}: {shown} lines are shown");
+}
+
+/// A command of a console block, with the lines shown below it.
+struct Shown<'l> {
+    arguments: &'l str,
+    lines: Vec<&'l str>,
+}
+
+/// The commands `haptical` of a console block: `$ haptical ...`, then printed lines, `...` for lines left out.
+fn console(block: &Block) -> Vec<Shown<'_>> {
+    let mut found = Vec::new();
+    let mut is_ours = false;
+    for line in &block.lines {
+        if let Some(command) = line.strip_prefix("$ ") {
+            let arguments = command.strip_prefix("haptical ");
+            is_ours = arguments.is_some();
+            found.extend(arguments.map(|arguments| Shown {
+                arguments,
+                lines: Vec::new(),
+            }));
+        } else if is_ours
+            && line != "..."
+            && let Some(command) = found.last_mut()
+        {
+            command.lines.push(line);
+        }
+    }
+    found
+}
+
+/// Runs the console blocks of a README in a folder of their own and returns how many commands there are. A command whose
+/// first shown line is an error fails, every other succeeds.
+fn run_console(readme: &Path) -> usize {
+    let page = std::fs::read_to_string(readme).unwrap();
+    let blocks = blocks(&page);
+    let consoles = blocks.iter().filter(|block| block.language == "console");
+    let commands: Vec<Shown<'_>> = consoles.flat_map(console).collect();
+    if commands.is_empty() {
+        return 0;
+    }
+    let sandbox = sandbox();
+    for command in &commands {
+        let output = haptical()
+            .current_dir(sandbox.path())
+            .args(command.arguments.split_whitespace())
+            .output()
+            .unwrap();
+        let fails = command
+            .lines
+            .first()
+            .is_some_and(|line| line.starts_with("error: "));
+        let place = format!("{}: haptical {}", readme.display(), command.arguments);
+        let printed = text(if fails {
+            &output.stderr
+        } else {
+            &output.stdout
+        });
+        assert_eq!(
+            !output.status.success(),
+            fails,
+            "{place}\n{}",
+            text(&output.stderr)
+        );
+        let mut rest = printed.lines();
+        for line in &command.lines {
+            assert!(
+                rest.any(|own| is_shown(own, line)),
+                "{place}: not printed, or not in this order:\n{line}\n{printed}"
+            );
+        }
+    }
+    commands.len()
+}
+
+#[test]
+fn console_blocks_of_the_crates_readmes_are_true() {
+    let mut commands = 0;
+    for entry in std::fs::read_dir(root().join("crates")).unwrap() {
+        let readme = entry.unwrap().path().join("README.md");
+        if readme.exists() {
+            commands += run_console(&readme);
+        }
+    }
+    assert!(commands >= 10, "{commands} commands");
 }
 
 #[test]
