@@ -2,19 +2,12 @@
 #![allow(missing_docs, reason = "criterion writes functions without text")]
 
 use std::error::Error;
-use std::path::Path;
 
 use criterion::{Criterion as Bench, criterion_group, criterion_main};
 use haptical_design::{Criterion, Request, Rig, plan};
-use haptical_model::Device;
-
-const DEVICE: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../../fixtures/devices/haptic7.toml"
-);
 
 fn add(bench: &mut Bench) -> Result<(), Box<dyn Error>> {
-    let device = Device::load(Path::new(DEVICE))?.device;
+    let device = haptical_testkit::haptic7();
     let table = Request {
         rigs: vec![Rig::parse("out,cable")?],
         candidates: 500,

@@ -3,10 +3,7 @@
 use std::path::Path as FilePath;
 
 use haptical_model::kinematics::{Convention, Link};
-use haptical_model::{
-    Device, Joint, JointType, Origin, Position, Tracker, TransmissionError, TransmissionKind,
-    read_text_file,
-};
+use haptical_model::{Device, Joint, JointType, Origin, Position, Tracker, read_text_file};
 
 use crate::UrdfError;
 use crate::chain::gravity::{gravity_mps2, said_of_no_gravity};
@@ -23,8 +20,6 @@ const LARGEST_MEBIBYTES: u64 = 8;
 const MOST_JOINTS: usize = 256;
 /// Largest joint limit that a device file takes \[rad\]: what is beyond it is no limit.
 const LARGEST_LIMIT_RAD: f64 = 29.0;
-/// Uncertainty of a torque's scale where nothing is known of it.
-const TORQUE_SCALE_SD: f64 = 0.03;
 
 /// A device from a URDF.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,16 +139,12 @@ pub fn device_from_urdf(
     });
     let mut bodies = vec![None];
     bodies.extend(carried.bodies);
-    // what a URDF says nothing of is as in a device file that does not mention it
-    let rest = Device::from_toml("[[joint]]\n", file)?.device;
+    let links = vec![Link::default(); rows.rows.len() + 1];
     let device = Device {
         name: robot.name.clone(),
-        convention: Convention::Standard,
-        links: vec![Link::default(); rows.rows.len() + 1],
         origins,
         drives: if is_plain { Vec::new() } else { drives },
         bodies,
-        joints,
         // nobody measures in the base's frame by luck
         tracker: Some(Tracker {
             base_known: false,
@@ -162,7 +153,7 @@ pub fn device_from_urdf(
             rotation_sd_rad: None,
         }),
         gravity_mps2,
-        ..rest
+        ..Device::new(Convention::Standard, links, joints)
     };
     Ok(UrdfDevice {
         device,
@@ -234,20 +225,9 @@ fn device_joint(joint: &RobotJoint, file: &str) -> (Joint, Option<String>) {
     let joint = Joint {
         name: joint.name.clone(),
         joint_type,
-        home_rad: 0.0,
         lower_rad: lower,
         upper_rad: upper,
-        sampling_sd_rad: None,
-        transmission: TransmissionKind::Direct,
-        transmission_ratio: 1.0,
-        drum_distance_m: None,
-        input_drum_denominator_m: None,
-        encoder_counts_per_rev: None,
-        external_encoder_counts_per_rev: None,
-        external_encoder_sd_rad: None,
-        torque_scale_sd: TORQUE_SCALE_SD,
-        parallelogram_lengths_m: None,
-        transmission_error: TransmissionError::default(),
+        ..Joint::default()
     };
     (joint, warning)
 }

@@ -3,9 +3,10 @@
 use haptical_calibration::frame_origins_m;
 use haptical_design::{DesignError, Limits, Spread, candidates};
 use haptical_model::{Device, DeviceChain, Recording};
+use haptical_testkit::haptic7;
 use proptest::prelude::*;
 
-use crate::support::{arm, haptic7};
+use crate::support::arm;
 
 fn handle_m(device: &Device, pose: &[f64]) -> [f64; 3] {
     DeviceChain::new(device)

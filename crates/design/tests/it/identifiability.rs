@@ -3,9 +3,10 @@
 use haptical_design::{Information, Terms, equip, suggestions};
 use haptical_identification::Status;
 use haptical_model::Evaluation;
+use haptical_testkit::haptic7;
 use proptest::prelude::*;
 
-use crate::support::{arm, haptic7, is_link, plan, rig};
+use crate::support::{arm, is_link, plan, rig};
 
 #[test]
 fn rows_are_differences_of_what_the_rig_reads() {

@@ -5,9 +5,10 @@ use haptical_design::{
     select, task_rows,
 };
 use haptical_model::Device;
+use haptical_testkit::haptic7;
 use proptest::prelude::*;
 
-use crate::support::{arm, haptic7, names, plan, rig};
+use crate::support::{arm, names, plan, rig};
 
 fn choose(information: &Information, count: usize, criterion: Criterion) -> Selection {
     let judged = information.judge(count).unwrap();

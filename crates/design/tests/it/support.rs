@@ -3,31 +3,20 @@
 use haptical_design::{Equipped, Information, Limits, Posture, Rig, Terms, equip, postures};
 use haptical_model::{Device, ParameterId};
 
-pub(crate) fn haptic7() -> Device {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/devices/haptic7.toml"
-    );
-    Device::load(path.as_ref()).unwrap().device
-}
-
 /// Three joints without any special angle, measured from frame (-1).
 pub(crate) fn arm() -> Device {
-    let mut text =
-        "[device]\nname = \"arm\"\ndof = 3\n[cable_encoder]\ndistance_sd_m = 1e-5\n".to_owned();
     let rows = [
         (0.2, 0.7, 0.1),
         (0.25, -1.1, 0.05),
         (0.2, 0.9, -0.04),
         (0.15, 0.4, 0.08),
     ];
-    for (a, alpha, d) in rows {
-        text += &format!("[[link]]\na_m = {a}\nalpha_rad = {alpha}\nd_m = {d}\n");
-    }
-    for _ in 0..3 {
-        text += "[[joint]]\nlower_rad = -1.2\nupper_rad = 1.0\nexternal_encoder_sd_rad = 1e-4\n";
-    }
-    Device::from_toml(&text, "arm.toml").unwrap().device
+    let joint = "lower_rad = -1.2\nupper_rad = 1.0\nexternal_encoder_sd_rad = 1e-4";
+    haptical_testkit::arm(
+        &rows,
+        &[joint; 3],
+        "[cable_encoder]\ndistance_sd_m = 1e-5\n",
+    )
 }
 
 pub(crate) fn rig(device: &Device, text: &str, terms: Terms) -> Equipped {

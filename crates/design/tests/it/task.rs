@@ -2,8 +2,9 @@
 
 use haptical_design::{Criterion, Limits, Region, Search, Terms, select, task_rows};
 use haptical_model::{DeviceChain, Evaluation, ForceTransmission, handle_force_n};
+use haptical_testkit::haptic7;
 
-use crate::support::{haptic7, plan};
+use crate::support::plan;
 
 #[test]
 fn a_row_of_the_position_is_the_move_of_the_handle() {

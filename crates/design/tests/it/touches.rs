@@ -2,8 +2,9 @@
 
 use haptical_design::{Information, Limits, Posture, Rig, Terms, equip, postures};
 use haptical_model::{Device, DeviceChain};
+use haptical_testkit::haptic7;
 
-use crate::support::{arm, haptic7, plan};
+use crate::support::{arm, plan};
 
 fn rank(device: &Device, text: &str) -> (usize, Vec<String>) {
     let (information, _) = plan(device, text, Terms::Known, 200);

@@ -9,6 +9,9 @@ use haptical_transmission::{
     chebyshev,
 };
 
+/// Relative standard deviation of a torque's scale, unless stated.
+pub(crate) const TORQUE_SCALE_SD: f64 = 0.03;
+
 /// What the joint variable does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointType {
@@ -117,6 +120,30 @@ pub struct Joint {
     pub parallelogram_lengths_m: Option<[f64; 4]>,
     /// Error of the transmission.
     pub transmission_error: TransmissionError,
+}
+
+impl Default for Joint {
+    /// A revolute joint without transmission, limits or external encoder.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            joint_type: JointType::Revolute,
+            home_rad: 0.0,
+            lower_rad: f64::NEG_INFINITY,
+            upper_rad: f64::INFINITY,
+            sampling_sd_rad: None,
+            transmission: TransmissionKind::Direct,
+            transmission_ratio: 1.0,
+            drum_distance_m: None,
+            input_drum_denominator_m: None,
+            encoder_counts_per_rev: None,
+            external_encoder_counts_per_rev: None,
+            external_encoder_sd_rad: None,
+            torque_scale_sd: TORQUE_SCALE_SD,
+            parallelogram_lengths_m: None,
+            transmission_error: TransmissionError::default(),
+        }
+    }
 }
 
 impl Joint {

@@ -86,6 +86,38 @@ pub struct ContactPair {
 }
 
 impl Device {
+    /// A device of these rows (row 0 leads to the base) and joints, without name, sensors, masses or gravity.
+    ///
+    /// ```
+    /// use haptical_model::kinematics::{Convention, Link};
+    /// use haptical_model::{Device, Evaluation, Joint};
+    ///
+    /// let link = Link { a_m: 0.3, ..Link::default() };
+    /// let device = Device::new(Convention::Standard, vec![Link::default(), link], vec![Joint::default()]);
+    /// let mut at = Evaluation::new(&device);
+    /// at.move_to(&[0.0])?;
+    /// assert_eq!(at.pose()?.position_m.x, 0.3);
+    /// # Ok::<(), haptical_model::ModelError>(())
+    /// ```
+    pub fn new(convention: Convention, links: Vec<Link>, joints: Vec<Joint>) -> Self {
+        Self {
+            name: String::new(),
+            convention,
+            bodies: vec![None; links.len()],
+            links,
+            joints,
+            origins: Vec::new(),
+            drives: Vec::new(),
+            cables: Vec::new(),
+            tracker: None,
+            contact_pairs: Vec::new(),
+            gravity_mps2: None,
+            nominal_links: None,
+            deviations: BTreeMap::new(),
+            surroundings: Surroundings::default(),
+        }
+    }
+
     /// Whether the device has links, so that a handle pose can be computed.
     pub fn has_links(&self) -> bool {
         !self.links.is_empty()

@@ -3,7 +3,9 @@
 use haptical_transmission::CapstanError;
 
 use crate::DeviceFileError;
-use crate::device::joint::{Joint, JointType, TransmissionError, TransmissionKind};
+use crate::device::joint::{
+    Joint, JointType, TORQUE_SCALE_SD, TransmissionError, TransmissionKind,
+};
 use crate::file::reader::{SMALLEST, Section};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
@@ -112,7 +114,9 @@ pub(crate) fn read_joint(
         encoder_counts_per_rev: section.positive("encoder_counts_per_rev")?,
         external_encoder_counts_per_rev: section.positive("external_encoder_counts_per_rev")?,
         external_encoder_sd_rad: section.positive("external_encoder_sd_rad")?,
-        torque_scale_sd: section.positive("torque_scale_sd")?.unwrap_or(0.03),
+        torque_scale_sd: section
+            .positive("torque_scale_sd")?
+            .unwrap_or(TORQUE_SCALE_SD),
         parallelogram_lengths_m: section.vector("parallelogram_lengths_m")?,
         transmission_error: TransmissionError::default(),
     };

@@ -8,7 +8,7 @@ use haptical_model::{
 };
 use proptest::prelude::*;
 
-use crate::support::{CASES, all_parameters, device_and_readings, device_of, plain_joint};
+use crate::support::{CASES, all_parameters, device_and_readings};
 
 /// Step of the central differences.
 const STEP: f64 = 1e-6;
@@ -139,7 +139,7 @@ proptest! {
                 JointType::Revolute => row.theta_rad += joint.home_rad + outputs[index],
                 JointType::Prismatic => row.d_m += joint.home_rad + outputs[index],
             }
-            *joint = Joint { joint_type: joint.joint_type, ..plain_joint() };
+            *joint = Joint { joint_type: joint.joint_type, ..Joint::default() };
         }
         let (same, _) = moved(&other, &vec![0.0; readings.len()]);
         prop_assert!((pose.position_m - same.position_m).norm() < ROUNDING);
@@ -155,7 +155,7 @@ fn offset_joint(joint_type: JointType) -> Joint {
             offset_rad: 0.03,
             ..CapstanError::default()
         }),
-        ..plain_joint()
+        ..Joint::default()
     }
 }
 
@@ -167,7 +167,7 @@ fn the_angle_of_one_revolute_joint() {
         ..Link::default()
     };
     let joint = offset_joint(JointType::Revolute);
-    let device = device_of(
+    let device = Device::new(
         Convention::Standard,
         vec![Link::default(), link],
         vec![joint],
@@ -191,7 +191,7 @@ fn the_travel_of_one_prismatic_joint() {
             ..Link::default()
         };
         let joint = offset_joint(JointType::Prismatic);
-        let device = device_of(convention, vec![Link::default(), link], vec![joint]);
+        let device = Device::new(convention, vec![Link::default(), link], vec![joint]);
         let (pose, outputs) = moved(&device, &[0.1]);
         assert!((pose.position_m.z - 0.83).abs() < ROUNDING);
         assert!((outputs[0] - 0.13).abs() < ROUNDING);
@@ -201,7 +201,7 @@ fn the_travel_of_one_prismatic_joint() {
 #[test]
 fn a_device_without_links_has_outputs_and_no_pose() {
     let joint = offset_joint(JointType::Revolute);
-    let device = device_of(Convention::Standard, Vec::new(), vec![joint]);
+    let device = Device::new(Convention::Standard, Vec::new(), vec![joint]);
     let mut at = Evaluation::new(&device);
     at.move_to(&[0.1]).unwrap();
     assert!((at.output_rad(0) - 0.13).abs() < ROUNDING);
@@ -209,7 +209,7 @@ fn a_device_without_links_has_outputs_and_no_pose() {
     assert_eq!(
         refused,
         ModelError::NoLinks {
-            device: "random".to_owned()
+            device: String::new()
         }
     );
 }
@@ -221,12 +221,12 @@ fn readings_of_the_wrong_number_or_without_a_value() {
             range_rad: [-1.0, 1.0],
             coefficients: vec![0.0, 0.1],
         },
-        ..plain_joint()
+        ..Joint::default()
     };
     let links = vec![Link::default(); 3];
     for links in [links, Vec::new()] {
-        let joints = vec![plain_joint(), series.clone()];
-        let device = device_of(Convention::Standard, links, joints);
+        let joints = vec![Joint::default(), series.clone()];
+        let device = Device::new(Convention::Standard, links, joints);
         let mut at = Evaluation::new(&device);
         let count = ModelError::JointCount {
             expected: 2,
@@ -254,7 +254,7 @@ fn a_parameter_of_another_joint_does_not_move_an_output() {
         offset_joint(JointType::Revolute),
         offset_joint(JointType::Revolute),
     ];
-    let device = device_of(Convention::Standard, Vec::new(), joints);
+    let device = Device::new(Convention::Standard, Vec::new(), joints);
     let mut at = Evaluation::new(&device);
     at.move_to(&[0.1, 0.2]).unwrap();
     let offset = |joint| ParameterId::Transmission { joint, index: 0 };

@@ -2,17 +2,10 @@
 
 use haptical_model::kinematics::nalgebra::{Matrix6, Vector6};
 use haptical_model::{Device, Evaluation, ForceTransmission, ModelError, TransmissionError};
+use haptical_testkit::haptic7;
 
 const FREE: [usize; 6] = [0, 1, 3, 4, 5, 6];
 const POSTURE: [f64; 7] = [0.2, -0.3, 0.0, 0.25, 0.4, 0.3, -0.5];
-
-fn device() -> Device {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/devices/haptic7.toml"
-    );
-    Device::load(std::path::Path::new(path)).unwrap().device
-}
 
 fn at(device: &Device) -> Evaluation<'_> {
     let mut evaluation = Evaluation::new(device);
@@ -22,7 +15,7 @@ fn at(device: &Device) -> Evaluation<'_> {
 
 /// A device that differs in lengths, twists and ratios.
 fn other() -> Device {
-    let mut other = device();
+    let mut other = haptic7();
     other.links[3].alpha_rad += 0.02;
     other.links[5].d_m += 3e-3;
     other.links[7].theta_rad -= 0.03;
@@ -35,7 +28,7 @@ fn other() -> Device {
 
 #[test]
 fn joint_torques_do_the_same_work_on_both_devices() {
-    let (truth, controller) = (other(), device());
+    let (truth, controller) = (other(), haptic7());
     let (truth, controller) = (at(&truth), at(&controller));
     let found = ForceTransmission::new(&truth, &controller, FREE).unwrap();
     let wanted = Vector6::new(0.3, -1.0, 2.0, 0.02, -0.01, 0.05);
@@ -63,7 +56,7 @@ fn joint_torques_do_the_same_work_on_both_devices() {
 #[test]
 fn virtual_work_over_a_small_motion_balances() {
     let truth_device = other();
-    let controller_device = device();
+    let controller_device = haptic7();
     let found = ForceTransmission::new(&at(&truth_device), &at(&controller_device), FREE).unwrap();
     let wanted = Vector6::new(1.0, 0.5, -2.0, 0.0, 0.0, 0.0);
     let wrench = found.wrench(&wanted);
@@ -112,8 +105,8 @@ fn virtual_work_over_a_small_motion_balances() {
 
 #[test]
 fn a_ratio_alone_scales_the_torque_of_its_joint() {
-    let controller = device();
-    let mut truth = device();
+    let controller = haptic7();
+    let mut truth = haptic7();
     if let TransmissionError::Capstan(error) = &mut truth.joints[0].transmission_error {
         error.ratio_deviation = -0.4;
     }
@@ -141,7 +134,7 @@ fn a_ratio_alone_scales_the_torque_of_its_joint() {
 
 #[test]
 fn the_loop_removes_the_error_as_the_gain_grows() {
-    let (truth, controller) = (other(), device());
+    let (truth, controller) = (other(), haptic7());
     let found = ForceTransmission::new(&at(&truth), &at(&controller), FREE).unwrap();
     let wanted = Vector6::new(0.0, 0.0, 2.0, 0.0, 0.0, 0.0);
     let error = |gain: f64| (found.wrench_in_loop(&wanted, gain).unwrap() - wanted).norm();
@@ -159,7 +152,7 @@ fn the_loop_removes_the_error_as_the_gain_grows() {
 
 #[test]
 fn singular_postures_and_absent_joints_are_refused() {
-    let device = device();
+    let device = haptic7();
     let mut evaluation = Evaluation::new(&device);
     assert!(matches!(
         ForceTransmission::new(&evaluation, &evaluation.clone(), FREE),

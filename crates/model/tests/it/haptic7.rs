@@ -1,16 +1,14 @@
 //! The device of the paper: it loads without a warning, and its handle at home is where it should be.
 
 use haptical_model::{Device, Evaluation, TransmissionKind};
-
-use crate::support::haptic7_text;
+use haptical_testkit::{HAPTIC7, haptic7};
 
 /// The design study prints the handle and the cable at home to a millimetre.
 const PRINTED_M: f64 = 5e-4;
 
 #[test]
 fn it_loads_without_a_warning() {
-    let Some(text) = haptic7_text() else { return };
-    let loaded = Device::from_toml(&text, "haptic7.toml").unwrap();
+    let loaded = Device::from_toml(HAPTIC7, "haptic7.toml").unwrap();
     assert_eq!(loaded.warnings, Vec::<String>::new());
     let device = loaded.device;
     assert_eq!((device.links.len(), device.joints.len()), (8, 7));
@@ -33,8 +31,7 @@ fn it_loads_without_a_warning() {
 
 #[test]
 fn the_handle_at_home() {
-    let Some(text) = haptic7_text() else { return };
-    let device = Device::from_toml(&text, "haptic7.toml").unwrap().device;
+    let device = haptic7();
     let mut at = Evaluation::new(&device);
     at.move_to(&[0.0; 7]).unwrap();
     let position_m = at.pose().unwrap().position_m;

@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use haptical_model::transmission::{CapstanError, TransmissionError as Reason};
-use haptical_model::{Cable, Joint, TransmissionError};
+use haptical_model::{Cable, Device, Joint, TransmissionError};
 use proptest::prelude::*;
 
-use crate::support::{CASES, device_and_readings, device_of, plain_joint};
+use crate::support::{CASES, device_and_readings};
 use haptical_model::kinematics::Convention;
 
 #[test]
@@ -14,19 +14,19 @@ fn a_count_of_the_motor_side_over_the_ratio() {
     let joint = Joint {
         encoder_counts_per_rev: Some(20_000.0),
         transmission_ratio: -8.0,
-        ..plain_joint()
+        ..Joint::default()
     };
     // 360 deg / 160 000
     let quantum = joint.reading_quantum_rad().unwrap();
     assert!((quantum - 3.926_990_816_987_241e-5).abs() < 1e-19);
-    assert_eq!(plain_joint().reading_quantum_rad(), None);
+    assert_eq!(Joint::default().reading_quantum_rad(), None);
 }
 
 #[test]
 fn standard_deviations_stated_and_by_default() {
     let counts = Joint {
         external_encoder_counts_per_rev: Some(20_000.0),
-        ..plain_joint()
+        ..Joint::default()
     };
     // the paper's sigma_e, 1.0472e-4 rad
     assert!((counts.output_sd_rad().unwrap() - 1.047_197_551e-4).abs() < 1e-13);
@@ -35,7 +35,7 @@ fn standard_deviations_stated_and_by_default() {
         ..counts
     };
     assert_eq!(stated.output_sd_rad(), Some(3e-4));
-    assert_eq!(plain_joint().output_sd_rad(), None);
+    assert_eq!(Joint::default().output_sd_rad(), None);
 
     let cable = Cable {
         anchor_m: [0.0; 3],
@@ -44,7 +44,7 @@ fn standard_deviations_stated_and_by_default() {
         distance_sd_m: None,
         ..Cable::default()
     };
-    let mut device = device_of(Convention::Standard, Vec::new(), vec![plain_joint()]);
+    let mut device = Device::new(Convention::Standard, Vec::new(), vec![Joint::default()]);
     let no_counts = Cable {
         counts_per_rev: None,
         ..cable
@@ -68,7 +68,7 @@ fn a_joint_without_drums_takes_eccentricities_as_angles() {
             output_drum_xy_m: [0.0, 1e-6],
             ..CapstanError::default()
         }),
-        ..plain_joint()
+        ..Joint::default()
     };
     // y (cos theta - 1) over a denominator of 1 m, to second order in y
     let error = joint.error_rad(0.5).unwrap();
@@ -85,11 +85,11 @@ fn a_polynomial_knows_its_range() {
             range_rad: [-0.5, 0.25],
             coefficients: vec![0.1],
         },
-        ..plain_joint()
+        ..Joint::default()
     };
     assert!(joint.error_is_known_at(-0.5) && joint.error_is_known_at(0.25));
     assert!(!joint.error_is_known_at(0.26) && !joint.error_is_known_at(-0.51));
-    assert!(plain_joint().error_is_known_at(100.0));
+    assert!(Joint::default().error_is_known_at(100.0));
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn a_parallelogram_without_bars_is_refused() {
             capstan: CapstanError::default(),
             length_deviations_m: [0.0; 4],
         },
-        ..plain_joint()
+        ..Joint::default()
     };
     let refused = joint.error_rad(0.1).unwrap_err();
     assert!(matches!(refused, Reason::NonFinite { .. }), "{refused}");
@@ -137,7 +137,7 @@ proptest! {
         let joint = Joint {
             transmission_ratio: ratio,
             encoder_counts_per_rev: Some(counts),
-            ..plain_joint()
+            ..Joint::default()
         };
         let turn = joint.reading_quantum_rad().unwrap() * counts * ratio;
         prop_assert!((turn - TAU).abs() < 1e-14);

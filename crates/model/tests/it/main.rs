@@ -5,8 +5,8 @@
     reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
 )]
 
-mod contract;
 mod deviations;
+mod device_file;
 mod evaluation;
 mod force;
 mod haptic7;

@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 use haptical_model::{Device, LinkParameter, ModelError, ParameterId, TransmissionError};
 use proptest::prelude::*;
 
-use crate::support::{CASES, all_parameters, device_and_readings, haptic7_text};
+use haptical_testkit::haptic7;
+
+use crate::support::{CASES, all_parameters, device_and_readings};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(CASES))]
@@ -76,8 +78,7 @@ fn lookup(document: &toml::Table, key: &str) -> Option<f64> {
 
 #[test]
 fn names_keys_and_units_of_the_paper_s_device() {
-    let Some(text) = haptic7_text() else { return };
-    let mut device = Device::from_toml(&text, "haptic7.toml").unwrap().device;
+    let mut device = haptic7();
     device.joints[3].transmission_error = TransmissionError::Parallelogram {
         capstan: Default::default(),
         length_deviations_m: [0.0; 4],

@@ -8,7 +8,7 @@ use haptical_model::{
 };
 use proptest::prelude::*;
 
-use crate::support::{CASES, device_and_readings, device_of, plain_joint};
+use crate::support::{CASES, device_and_readings};
 
 /// Rounding of some twenty transforms of lengths of at most 1 m, with a factor of ten.
 const ROUNDING: f64 = 1e-13;
@@ -382,13 +382,13 @@ proptest! {
 #[test]
 fn a_device_that_no_file_describes_is_not_written() {
     let links = vec![Link::default(); 3];
-    let joints: Vec<Joint> = vec![plain_joint()];
-    let device = device_of(Convention::Standard, links, joints);
+    let joints: Vec<Joint> = vec![Joint::default()];
+    let device = Device::new(Convention::Standard, links, joints);
     assert!(device.to_new_toml().is_err(), "a row without a joint");
-    let mut device = device_of(
+    let mut device = Device::new(
         Convention::Standard,
         vec![Link::default(); 2],
-        vec![plain_joint()],
+        vec![Joint::default()],
     );
     device.links[1].a_m = f64::NAN;
     assert!(device.to_new_toml().is_err(), "not a number");

@@ -1,7 +1,6 @@
 //! Random devices, and their device files written by other means than the crate's writer.
 
 use std::fmt::Write;
-use std::path::Path;
 
 use haptical_model::kinematics::{Convention, Link};
 use haptical_model::transmission::CapstanError;
@@ -10,17 +9,6 @@ use proptest::prelude::*;
 
 /// Cases per property.
 pub(crate) const CASES: u32 = 64;
-
-/// The device of the paper, or none (said on standard output) where the fixtures were not shipped.
-#[allow(clippy::print_stdout, reason = "a test that skips says so")]
-pub(crate) fn haptic7_text() -> Option<String> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/devices/haptic7.toml");
-    if !path.exists() {
-        println!("skipped: {} is absent", path.display());
-        return None;
-    }
-    Some(std::fs::read_to_string(path).unwrap())
-}
 
 /// Every parameter of a device, Hayati's included.
 pub(crate) fn all_parameters(device: &Device) -> Vec<ParameterId> {
@@ -31,48 +19,6 @@ pub(crate) fn all_parameters(device: &Device) -> Vec<ParameterId> {
         .into_iter()
         .chain(transmissions)
         .collect()
-}
-
-/// A revolute joint without transmission error, to be changed by the test.
-pub(crate) fn plain_joint() -> Joint {
-    Joint {
-        name: "1".to_owned(),
-        joint_type: JointType::Revolute,
-        home_rad: 0.0,
-        lower_rad: f64::NEG_INFINITY,
-        upper_rad: f64::INFINITY,
-        sampling_sd_rad: None,
-        transmission: TransmissionKind::Direct,
-        transmission_ratio: 1.0,
-        drum_distance_m: None,
-        input_drum_denominator_m: None,
-        encoder_counts_per_rev: None,
-        external_encoder_counts_per_rev: None,
-        external_encoder_sd_rad: None,
-        torque_scale_sd: 0.03,
-        parallelogram_lengths_m: None,
-        transmission_error: TransmissionError::default(),
-    }
-}
-
-/// A device of these rows and joints without sensors.
-pub(crate) fn device_of(convention: Convention, links: Vec<Link>, joints: Vec<Joint>) -> Device {
-    Device {
-        name: "random".to_owned(),
-        convention,
-        bodies: vec![None; links.len()],
-        origins: Vec::new(),
-        drives: Vec::new(),
-        links,
-        joints,
-        cables: Vec::new(),
-        tracker: None,
-        contact_pairs: Vec::new(),
-        gravity_mps2: None,
-        nominal_links: None,
-        deviations: Default::default(),
-        surroundings: Default::default(),
-    }
 }
 
 fn link() -> impl Strategy<Value = Link> {
@@ -127,11 +73,11 @@ fn drive() -> impl Strategy<Value = Joint> {
             drum_distance_m: Some(distance),
             input_drum_denominator_m: denominator,
             transmission_error: TransmissionError::Capstan(error),
-            ..plain_joint()
+            ..Joint::default()
         });
     let direct = capstan_error().prop_map(|error| Joint {
         transmission_error: TransmissionError::Capstan(error),
-        ..plain_joint()
+        ..Joint::default()
     });
     let polynomial = (
         [-1.2..-0.3, 0.3..1.2],
@@ -142,7 +88,7 @@ fn drive() -> impl Strategy<Value = Joint> {
                 range_rad,
                 coefficients,
             },
-            ..plain_joint()
+            ..Joint::default()
         });
     let parallelogram = (
         drums(),
@@ -161,7 +107,7 @@ fn drive() -> impl Strategy<Value = Joint> {
                     capstan,
                     length_deviations_m: deviations,
                 },
-                ..plain_joint()
+                ..Joint::default()
             },
         );
     prop_oneof![capstan, direct, polynomial, parallelogram]
@@ -194,7 +140,7 @@ pub(crate) fn device_and_readings() -> impl Strategy<Value = (Device, Vec<f64>)>
                 } else {
                     Convention::Standard
                 };
-                (device_of(convention, links, joints), readings)
+                (Device::new(convention, links, joints), readings)
             })
     })
 }

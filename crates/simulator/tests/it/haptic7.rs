@@ -1,23 +1,12 @@
-//! The device of the paper, where the repository's fixtures are at hand.
+//! The device of the paper.
 
-use std::path::Path;
-
-use haptical_simulator::model::{Device, Recording};
+use haptical_simulator::model::Recording;
 use haptical_simulator::{Settings, apply_deviations, simulate, true_poses};
-
-#[allow(clippy::print_stdout, reason = "a test that skips says so")]
-fn haptic7() -> Option<Device> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/devices/haptic7.toml");
-    if !path.exists() {
-        println!("skipped: {} is absent", path.display());
-        return None;
-    }
-    Some(Device::load(&path).expect("the fixture").device)
-}
+use haptical_testkit::haptic7;
 
 #[test]
 fn two_hundred_poses_of_the_paper_s_device() {
-    let Some(nominal) = haptic7() else { return };
+    let nominal = haptic7();
     let assigned = [
         ("a3", 2e-3),
         ("ratio_deviation1", 0.025),
@@ -57,7 +46,7 @@ const HOME_TOLERANCE_M: f64 = 5e-4;
 
 #[test]
 fn the_paper_s_device_at_home() {
-    let Some(nominal) = haptic7() else { return };
+    let nominal = haptic7();
     let recording = Recording {
         joint: vec![vec![0.0]; 7],
         ..Recording::default()
