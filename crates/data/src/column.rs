@@ -1,4 +1,4 @@
-//! What each name in the header means for a device.
+//! The meaning of each name in the header for a device.
 
 use crate::shape::LogShape;
 
@@ -32,7 +32,7 @@ pub(crate) enum Role {
 
 impl Role {
     /// What `name` means for a device of this shape.
-    pub(crate) fn of(name: &str, shape: &LogShape) -> Self {
+    pub(crate) fn parse(name: &str, shape: &LogShape) -> Self {
         match name {
             "" => Self::Unnamed,
             "t_s" => Self::Time,
@@ -40,14 +40,14 @@ impl Role {
             "contact" => Self::Contact,
             "plane" => Self::Plane,
             "temp_degc" => Self::Temperature,
-            _ => Self::of_group(name)
-                .or_else(|| Self::of_cable(name, shape))
-                .or_else(|| Self::of_joint(name, shape))
+            _ => Self::parse_group(name)
+                .or_else(|| Self::parse_cable(name, shape))
+                .or_else(|| Self::parse_joint(name, shape))
                 .unwrap_or(Self::Covariate),
         }
     }
 
-    fn of_group(name: &str) -> Option<Self> {
+    fn parse_group(name: &str) -> Option<Self> {
         let part = |names: &[&str]| names.iter().position(|&part| part == name);
         part(&POSITION)
             .map(Self::Position)
@@ -55,12 +55,12 @@ impl Role {
             .or_else(|| part(&FORCE).map(Self::Force))
     }
 
-    fn of_cable(name: &str, shape: &LogShape) -> Option<Self> {
+    fn parse_cable(name: &str, shape: &LogShape) -> Option<Self> {
         let cable = cable_index(name)?;
         (cable < shape.cable_count).then_some(Self::Cable(cable))
     }
 
-    fn of_joint(name: &str, shape: &LogShape) -> Option<Self> {
+    fn parse_joint(name: &str, shape: &LogShape) -> Option<Self> {
         let (stem, joint, unit) = indexed(name)?;
         let expected = shape.joints.get(joint)?.unit();
         match (stem, unit) {

@@ -1,4 +1,4 @@
-//! What a device file says that a log of this device must fit.
+//! The part of a device file that a log of this device must fit.
 
 /// What the device file says that the log must fit.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,4 +1,4 @@
-//! How large a log may be, so that no file fills the memory or takes for ever.
+//! Limits on the size of a log, so that no file fills the memory or takes for ever.
 
 /// Longest line \[bytes\]: a row of 4096 numbers with all their digits has a tenth of it.
 pub(crate) const LONGEST_LINE_BYTES: u64 = 1 << 20;

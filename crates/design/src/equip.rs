@@ -34,7 +34,7 @@ pub enum Terms {
     Degree(usize),
 }
 
-/// Degree of a parallelogram's polynomial. Higher ones are told by the same encoder as this one.
+/// Degree of a parallelogram's polynomial. The same encoder identifies higher ones.
 pub const DEGREE: usize = 4;
 
 /// Puts the sensors of a rig around a device.

@@ -1,4 +1,4 @@
-//! What a plan can be refused for.
+//! Reasons to refuse a plan.
 
 use haptical_calibration::CalibrationError;
 use haptical_identification::IdentificationError;
@@ -51,7 +51,7 @@ pub enum DesignError {
         /// What refused most.
         filter: &'static str,
     },
-    /// A rig that tells nothing.
+    /// A rig that identifies nothing.
     #[error("rig `{rig}` identifies no parameter of this device: {reason}")]
     NothingIdentifiable {
         /// The rig.

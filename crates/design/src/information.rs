@@ -1,4 +1,4 @@
-//! What each pose of a rig tells of the parameters: weighted derivatives, pose by pose.
+//! The information of each pose of a rig about the parameters: weighted derivatives, pose by pose.
 
 use haptical_calibration::{Channel, DeviceProblem, Weights, parameter_infos, preference_order};
 use haptical_identification::{
@@ -90,7 +90,7 @@ impl Information {
         })
     }
 
-    /// Counts what another recording of the same device told already, whatever is chosen: every pose of `told`.
+    /// Adds the information of another recording of the same device, whatever is chosen: every pose of `known`.
     ///
     /// Parameters are matched by their names; what this rig's parameters lack is taken as known.
     ///
@@ -108,17 +108,17 @@ impl Information {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn knowing(mut self, told: &Self) -> Self {
+    pub fn knowing(mut self, known: &Self) -> Self {
         let theirs: Vec<Option<usize>> = self
             .infos
             .iter()
-            .map(|info| told.infos.iter().position(|other| other.name == info.name))
+            .map(|info| known.infos.iter().position(|other| other.name == info.name))
             .collect();
         let mut rows = Vec::new();
-        let poses = (0..told.poses()).map(Some);
+        let poses = (0..known.poses()).map(Some);
         for row in std::iter::once(None)
             .chain(poses)
-            .flat_map(|pose| told.rows_of(pose))
+            .flat_map(|pose| known.rows_of(pose))
         {
             rows.extend(
                 theirs

@@ -1,4 +1,4 @@
-//! Which further measurement would tell what a rig does not.
+//! Further measurements that would identify the parameters that a rig does not.
 
 use haptical_calibration::Channel;
 use haptical_identification::{Identifiability, Status};
@@ -59,11 +59,11 @@ const LEAST_ROOM_M: f64 = 0.3;
 struct Trial {
     measure: String,
     instead_of: Option<String>,
-    /// Whether it is one of the places of a further cable, of which only the best is told.
+    /// Whether it is one of the places of a further cable, of which only the best is reported.
     is_cable: bool,
     judged: Identifiability,
     /// Parameters of the rig that are identified with it, and the sum of ln(sd / plausible size) over them.
-    told: usize,
+    identified: usize,
     log_sum: f64,
 }
 
@@ -96,7 +96,7 @@ pub fn suggestions(
     let mut trials: Vec<Trial> = trials.into_iter().collect::<Result<_, _>>()?;
     let cables = trials.iter().filter(|trial| trial.is_cable);
     let best = cables.reduce(|best, other| {
-        let better = (other.told, -other.log_sum) > (best.told, -best.log_sum);
+        let better = (other.identified, -other.log_sum) > (best.identified, -best.log_sum);
         if better { other } else { best }
     });
     let best = best.map(|trial| trial.measure.clone());
@@ -156,13 +156,13 @@ fn trial(
     let more = equip(&equipped.device, &rig, terms)?;
     let information = Information::new(&more, postures, &[])?;
     let found = information.judge(count)?;
-    let (mut told, mut log_sum) = (0, 0.0);
+    let (mut identified, mut log_sum) = (0, 0.0);
     for name in &judged.names {
         let place = found.names.iter().position(|other| other == name);
         if let Some(place) = place
             && let Status::Identifiable { standard_deviation } = found.statuses[place]
         {
-            told += 1;
+            identified += 1;
             log_sum += (standard_deviation / information.infos[place].plausible_size).ln();
         }
     }
@@ -171,7 +171,7 @@ fn trial(
         instead_of,
         is_cable,
         judged: found,
-        told,
+        identified,
         log_sum,
     })
 }

@@ -1,4 +1,4 @@
-//! What the device is for: how parameters move the handle, or turn its force, in a region.
+//! The task of the device: how parameters move the handle, or turn its force, in a region.
 
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{

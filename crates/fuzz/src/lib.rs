@@ -1,4 +1,4 @@
-//! What the fuzz targets in `tests/` share: files to start from, and how they are changed.
+//! Shared by the fuzz targets in `tests/`: files to start from, and random changes of them.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! Whether counted successes fit a stated probability, for one count and for many at once.
+//! Tests of counted successes against a stated probability, for one count and for many at once.
 
 use statrs::distribution::{Binomial, Discrete};
 

@@ -1,4 +1,4 @@
-//! Where a sum of squares of correlated normal numbers lies.
+//! The distribution of a sum of squares of correlated normal numbers.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use statrs::distribution::{ContinuousCDF, Normal};

@@ -1,4 +1,4 @@
-//! What can be wrong with a device file or with evaluating a device.
+//! Errors of device files and of evaluating a device.
 
 use std::path::PathBuf;
 

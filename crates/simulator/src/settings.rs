@@ -1,4 +1,4 @@
-//! What a simulated recording is made of: how poses are drawn and what the encoders add.
+//! Settings of a simulated recording: the distribution of poses, the noise of encoders.
 
 use crate::SimulatorError;
 

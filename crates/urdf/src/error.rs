@@ -91,7 +91,7 @@ pub enum UrdfError {
         link: String,
     },
     /// Two links that are fixed to each other.
-    #[error("{file}: no joint between {} and `{tip}` moves: name another --tip", of(base.as_deref()))]
+    #[error("{file}: no joint between {} and `{tip}` moves: name another --tip", base_name(base.as_deref()))]
     Unmoved {
         /// File.
         file: String,
@@ -121,7 +121,7 @@ pub enum UrdfError {
     Kinematics(#[from] KinematicsError),
 }
 
-fn of(base: Option<&str>) -> String {
+fn base_name(base: Option<&str>) -> String {
     base.map_or_else(|| "the root".to_owned(), |base| format!("`{base}`"))
 }
 

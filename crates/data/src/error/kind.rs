@@ -1,4 +1,4 @@
-//! Where an error is and which kind it is, for programs.
+//! The place and the kind of an error, for programs.
 
 use crate::error::DataError;
 use crate::error::place::Place;

@@ -1,4 +1,4 @@
-//! Where in which file something was found.
+//! The place in a file at which something was found.
 
 use std::fmt;
 

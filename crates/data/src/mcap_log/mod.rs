@@ -48,7 +48,7 @@ pub struct McapOptions {
 ///
 /// # Errors
 /// [`DataError::Damaged`] for a file that does not hold together, [`DataError::NotALog`] where the joints or
-/// the topic cannot be told, otherwise as [`read_log`](crate::read_log).
+/// the topic is not unique, otherwise as [`read_log`](crate::read_log).
 pub fn read_mcap(
     path: &Path,
     options: &McapOptions,

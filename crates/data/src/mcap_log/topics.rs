@@ -1,4 +1,4 @@
-//! What the messages of an MCAP file hold, topic by topic, before one topic is chosen.
+//! The messages of an MCAP file, topic by topic, before one topic is chosen.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,4 @@
-//! What a log is, by its first bytes: text, Parquet, MCAP.
+//! The format of a log by its first bytes: text, Parquet, MCAP.
 
 use std::io::Read;
 
@@ -23,7 +23,7 @@ pub(crate) enum Format {
 
 impl Format {
     /// By the first bytes.
-    pub(crate) fn of(first: &[u8]) -> Self {
+    pub(crate) fn detect(first: &[u8]) -> Self {
         if first.starts_with(&PARQUET_MAGIC) {
             Self::Parquet
         } else if first.starts_with(&MCAP_MAGIC) {

@@ -30,7 +30,7 @@ impl Header {
     ) -> Result<Self, DataError> {
         let columns: Vec<(String, Role)> = record
             .iter()
-            .map(|cell| (cell.trim().to_owned(), Role::of(cell.trim(), shape)))
+            .map(|cell| (cell.trim().to_owned(), Role::parse(cell.trim(), shape)))
             .collect();
         let mut header = Self {
             line,

@@ -32,7 +32,7 @@ pub(crate) fn check(
             .into_iter()
             .chain(output.map(|o| (Role::Output(joint), o)))
         {
-            let Some(outside) = Outside::of(readings, device) else {
+            let Some(outside) = Outside::find(readings, device) else {
                 continue;
             };
             let at = cell_of(columns, role, file, recording.line[outside.farthest]);
@@ -84,7 +84,7 @@ struct Outside {
 
 impl Outside {
     /// None if there are no such readings, or no finite limits.
-    fn of(readings: &[f64], device: &JointShape) -> Option<Self> {
+    fn find(readings: &[f64], device: &JointShape) -> Option<Self> {
         let span = device.upper - device.lower;
         if !span.is_finite() || span <= 0.0 {
             return None;

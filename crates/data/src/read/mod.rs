@@ -39,7 +39,7 @@ pub struct LoadedLog {
 }
 
 /// Reads a log: CSV, plain or gzip, and with the features of these names Parquet and MCAP. What it is
-/// is told by its first bytes, not by its name.
+/// is recognised by its first bytes, not by its name.
 ///
 /// In errors and warnings the first row of a Parquet file or of an MCAP file's joint states is line 2, as in
 /// the CSV log of the same rows.
@@ -82,7 +82,7 @@ pub fn read_log_from(
         at: Place::file(name),
         source,
     })?;
-    let format = Format::of(&first);
+    let format = Format::detect(&first);
     let whole = Cursor::new(first).chain(reader);
     if format != Format::Text {
         return read_binary(format, whole, name, shape);

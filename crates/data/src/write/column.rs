@@ -202,7 +202,7 @@ pub(crate) fn check_covariate_names(
 ) -> Result<(), DataError> {
     let first = columns.len().saturating_sub(n_covariates);
     for (index, WriteColumn { name, .. }) in columns.iter().enumerate().skip(first) {
-        let what = if Role::of(name, shape) != Role::Covariate {
+        let what = if Role::parse(name, shape) != Role::Covariate {
             "a covariate cannot have the name of another column or none; rename it"
         } else if columns[..index].iter().any(|other| other.name == *name) {
             "two covariates have this name; rename one"

@@ -1,4 +1,4 @@
-//! What holds for every log.
+//! Properties of every log.
 
 use haptical_data::{LogShape, read_log_from, write_log_to};
 use haptical_model::Recording;

@@ -1,4 +1,4 @@
-//! What a readable log becomes in memory.
+//! A readable log in memory.
 
 use haptical_data::LogShape;
 

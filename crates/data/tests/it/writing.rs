@@ -1,4 +1,4 @@
-//! What a recording becomes as text, and recordings that are refused.
+//! A recording as text, and recordings that are refused.
 
 use haptical_data::{DataError, LogWriter, write_log_to};
 use haptical_model::Recording;

@@ -1,4 +1,4 @@
-//! How far the links of an arm are from each other, each taken as a capsule between two frames.
+//! Distances between the links of an arm, each a capsule between two frames.
 
 use haptical_model::kinematics::nalgebra::Vector3;
 

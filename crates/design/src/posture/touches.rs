@@ -12,7 +12,7 @@ const STATED_SD: f64 = 1e-5;
 const CLOUD: usize = 200;
 /// Steps of the projection onto what is touched.
 const STEPS: usize = 40;
-/// A touch is met to this \[m\], rounding: what only a miss would tell must not seem to be told.
+/// Tolerance of a touch \[m\], rounding: a larger miss would add information that a real touch does not have.
 const MET_M: f64 = 1e-13;
 
 /// What the handle touches.

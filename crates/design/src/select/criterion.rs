@@ -1,4 +1,4 @@
-//! What makes a selection of poses good: criteria on the covariance that it gives.
+//! Criteria of a selection of poses, on the covariance that it gives.
 
 use nalgebra::DMatrix;
 

@@ -1,4 +1,4 @@
-//! What one more pose adds to a criterion: small determinants and traces, asked millions of times.
+//! The gain of a criterion by one more pose: small determinants and traces, asked millions of times.
 
 use nalgebra::allocator::Allocator;
 use nalgebra::{Cholesky, DMatrix, DefaultAllocator, DimSub, Dyn, OMatrix, SMatrix};
@@ -23,7 +23,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// ln det(I + G), and trace((I + G)^-1 H) where H is given, of a pose with `count` readings. Sizes known to the
 /// compiler need no allocation, and this is asked millions of times.
 pub(crate) fn gains(count: usize, spread: &[f64], gained: Option<&[f64]>) -> (f64, f64) {
-    fn of<D: DimSub<Dyn>>(
+    fn small_gain<D: DimSub<Dyn>>(
         spread: OMatrix<f64, D, D>,
         gained: Option<OMatrix<f64, D, D>>,
     ) -> (f64, f64)
@@ -51,7 +51,7 @@ pub(crate) fn gains(count: usize, spread: &[f64], gained: Option<&[f64]>) -> (f6
     }
     fn fixed<const Q: usize>(spread: &[f64], gained: Option<&[f64]>) -> (f64, f64) {
         let matrix = |entries: &[f64]| SMatrix::<f64, Q, Q>::from_column_slice(entries);
-        of(matrix(spread), gained.map(matrix))
+        small_gain(matrix(spread), gained.map(matrix))
     }
     match count {
         0 => (0.0, 0.0),
@@ -65,7 +65,7 @@ pub(crate) fn gains(count: usize, spread: &[f64], gained: Option<&[f64]>) -> (f6
         8 => fixed::<8>(spread, gained),
         _ => {
             let matrix = |entries: &[f64]| DMatrix::from_column_slice(count, count, entries);
-            of(matrix(spread), gained.map(matrix))
+            small_gain(matrix(spread), gained.map(matrix))
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The poses to measure next, and what they will tell.
+//! The poses to measure next, and the uncertainty that they will leave.
 
 pub(crate) mod criterion;
 pub(crate) mod exchange;
@@ -19,7 +19,7 @@ use crate::select::state::State;
 use crate::select::whitened::Whitened;
 use crate::{Criterion, DesignError, Information, Search};
 
-/// What a set of poses tells, in figures without units.
+/// Figures of merit of a set of poses, without units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Figures {
     /// Geometric mean of the standard deviations over plausible sizes along the axes of the confidence

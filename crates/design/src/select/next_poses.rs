@@ -1,4 +1,4 @@
-//! The chosen poses of a plan, in the order in which they are driven to, and what they will tell.
+//! The chosen poses of a plan, in the order in which they are driven to, and the uncertainty that they will leave.
 
 use serde::Serialize;
 
@@ -18,13 +18,13 @@ pub struct NextPoses {
     pub count: usize,
     /// From how many they were chosen.
     pub candidates: usize,
-    /// What they tell.
+    /// Their figures of merit.
     pub figures: Figures,
     /// Medians over random choices of as many candidates.
     pub random: Option<Figures>,
     /// Exchanges of the search.
     pub exchanges: usize,
-    /// What they will tell of each parameter that the rig identifies.
+    /// The standard deviation that they will leave of each parameter that the rig identifies.
     pub parameters: Vec<Predicted>,
     /// The poses, each near the one before: not part of plan.json, but of poses.csv.
     #[serde(skip)]

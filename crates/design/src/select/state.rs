@@ -83,7 +83,7 @@ impl<'w> State<'w> {
         for pose in 0..self.rows.poses() {
             if self.chosen[pose] {
                 self.readings += self.rows.readings(pose);
-                let of = self.rows.of(pose);
+                let of = self.rows.pose_rows(pose);
                 for row in of.column_iter() {
                     information.ger(1.0, &row, &row, 1.0);
                 }
@@ -108,7 +108,7 @@ impl<'w> State<'w> {
             self.trace = dot(self.covariance.as_slice(), weight.as_slice());
         }
         for pose in 0..self.rows.poses() {
-            let of = self.rows.of(pose);
+            let of = self.rows.pose_rows(pose);
             let entries = self.place[pose]..self.place[pose + 1];
             let spread = of.tr_mul(&(&self.covariance * of));
             self.spread[entries.clone()].copy_from_slice(spread.as_slice());
@@ -204,7 +204,7 @@ impl<'w> State<'w> {
         }
         self.log_det += 2.0 * diagonal.iter().map(|value| value.ln()).sum::<f64>();
         // U^T = L^-1 X C
-        let mut turned = self.rows.of(pose).tr_mul(&self.covariance);
+        let mut turned = self.rows.pose_rows(pose).tr_mul(&self.covariance);
         lower.solve_lower_triangular_mut(&mut turned);
         let update = turned.transpose();
         let weighting = self.weight.map(|weight| {

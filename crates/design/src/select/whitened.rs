@@ -102,7 +102,7 @@ impl Whitened {
     }
 
     /// The rows of a pose, as columns.
-    pub(crate) fn of(&self, pose: usize) -> nalgebra::DMatrixView<'_, f64> {
+    pub(crate) fn pose_rows(&self, pose: usize) -> nalgebra::DMatrixView<'_, f64> {
         self.rows.columns(self.first[pose], self.readings(pose))
     }
 

@@ -1,4 +1,4 @@
-//! What cannot be planned is refused with a reason, never with numbers.
+//! A plan that cannot be made is refused with a reason, never answered with numbers.
 
 use haptical_design::{
     Criterion, DesignError, KINDS, Limits, Region, Rig, Search, Terms, candidates, equip, select,

@@ -1,4 +1,4 @@
-//! Where a metric stops having an answer: the last argument served, the first refused, and why.
+//! The limits of each metric: the last argument served, the first refused, and why.
 
 use haptical_metrics::{
     MetricsError, best_rotation, binomial_two_sided_p, chi_square_p_value, chi_square_quantile,

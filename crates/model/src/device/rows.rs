@@ -1,4 +1,4 @@
-//! What a row has besides its six numbers: a constant origin before it, and the joint that drives it.
+//! Additions to the six numbers of a row: a constant origin before it, and the joint that drives it.
 
 use haptical_kinematics::nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use haptical_kinematics::{Link, Motion, Pose};

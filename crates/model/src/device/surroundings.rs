@@ -1,4 +1,4 @@
-//! What a device is measured against: the tracker's place, touched points and planes, a homing fixture.
+//! The references that a device is measured against: the tracker's place, touched points and planes, a homing fixture.
 
 use haptical_kinematics::Pose;
 use haptical_kinematics::nalgebra::{Matrix3, Rotation3, Vector3};

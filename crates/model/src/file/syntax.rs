@@ -1,4 +1,4 @@
-//! What is wrong with a text that is not TOML, and what to do about it.
+//! Explains why a text is not TOML, and how to correct it.
 
 use toml::de::DeTable;
 

@@ -1,5 +1,5 @@
-//! How far numbers of links may be from the device file's, where a user knows: not at all, or farther than devices
-//! usually are.
+//! Stated deviations of link parameters from the device file: zero where a user knows a number, larger than usual where
+//! a user knows that it is uncertain.
 
 use crate::{Device, LinkParameter};
 
@@ -59,7 +59,7 @@ impl Device {
     /// `theta`, `beta`, of all rows but the base's; with a row's number of that row alone. A device file says so row
     /// by row: `hold = ["lengths"]`.
     ///
-    /// Touches of a humanoid, whose links are as drawn and whose joints are mounted a few degrees off, tell offsets
+    /// Touches of a humanoid, whose links are as drawn and whose joints are mounted a few degrees off, identify offsets
     /// well only where lengths are held.
     ///
     /// ```

@@ -1,4 +1,4 @@
-//! What stands beside the chain: read, named, set, written and read again.
+//! The surroundings of a chain: read, named, set, written and read again.
 
 use haptical_model::kinematics::nalgebra::{Rotation3, Vector3};
 use haptical_model::kinematics::{Chain, Convention, Pose};

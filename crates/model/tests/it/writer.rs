@@ -1,4 +1,4 @@
-//! What is written is read again with the same bits, and the file's comments stay.
+//! A written file is read again with the same bits, and keeps the file's comments.
 
 use haptical_model::kinematics::Parameter;
 use haptical_model::transmission::CapstanError;

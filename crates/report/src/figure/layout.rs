@@ -1,4 +1,4 @@
-//! Where the parts of a panel stand: title, legend, axis labels, tick labels and the plot itself.
+//! The places of the parts of a panel: title, legend, axis labels, tick labels and the plot itself.
 
 use crate::canvas::Rectangle;
 use crate::error::ReportError;

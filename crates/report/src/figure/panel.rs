@@ -42,7 +42,7 @@ pub(crate) fn draw_panel(
     let slots = slots(&figure.series, figure.categories.is_some());
     for layer in [Layer::Bands, Layer::Bars, Layer::Marks] {
         let all = figure.series.iter().zip(&slots);
-        for (series, &slot) in all.filter(|(series, _)| Layer::of(series.mark) == layer) {
+        for (series, &slot) in all.filter(|(series, _)| Layer::for_mark(series.mark) == layer) {
             draw_series(canvas, &plot, series, slot);
         }
     }
@@ -60,7 +60,7 @@ enum Layer {
 }
 
 impl Layer {
-    fn of(mark: Mark) -> Self {
+    fn for_mark(mark: Mark) -> Self {
         match mark {
             Mark::Band => Self::Bands,
             Mark::Bars => Self::Bars,

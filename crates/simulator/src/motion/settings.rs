@@ -1,4 +1,4 @@
-//! What a hand-guided recording is made of: how the hand moves and loads the device, what sensors add.
+//! Settings of a hand-guided recording: the motion and load of the hand, the noise of sensors.
 
 use haptical_model::{Device, TransmissionKind};
 

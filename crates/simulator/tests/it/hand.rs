@@ -1,4 +1,4 @@
-//! What the tests of hand-guided recordings share: an arm with masses, short settings, columns.
+//! Shared by the tests of hand-guided recordings: an arm with masses, short settings, columns.
 
 use haptical_simulator::model::{Body, Device, Evaluation, Recording};
 use haptical_simulator::{Effect, Effects, HandMotion, MotionSettings, record_motion};

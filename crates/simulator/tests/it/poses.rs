@@ -1,4 +1,4 @@
-//! How joint readings are distributed.
+//! The distribution of joint readings.
 
 use std::f64::consts::FRAC_PI_2;
 

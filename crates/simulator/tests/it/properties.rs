@@ -1,4 +1,4 @@
-//! What holds for every seed and every sensible device.
+//! Properties of every seed and every sensible device.
 
 use haptical_simulator::model::Recording;
 use haptical_simulator::{Noise, Sampling, Settings, simulate};

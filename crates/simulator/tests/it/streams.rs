@@ -1,4 +1,4 @@
-//! What a number does not depend on: other noises, other channels, the number of rows.
+//! Random numbers do not depend on other noises, other channels or the number of rows.
 
 use haptical_simulator::{Noise, Sampling, Settings, simulate, simulate_transmission};
 

@@ -28,11 +28,11 @@ pub struct ChainEnd {
 ///   <joint name="knuckle" type="continuous"> <parent link="flange"/> <child link="finger"/> </joint>
 /// </robot>"#;
 /// let ends = haptical_urdf::chain_ends(text, "lever.urdf", None)?;
-/// let told: Vec<_> = ends.iter().map(|end| (end.tip.as_str(), end.joints)).collect();
-/// assert_eq!(told, [("flange", 1), ("finger", 2)]);
+/// let found: Vec<_> = ends.iter().map(|end| (end.tip.as_str(), end.joints)).collect();
+/// assert_eq!(found, [("flange", 1), ("finger", 2)]);
 /// let ends = haptical_urdf::chain_ends(text, "lever.urdf", Some("finger"))?;
-/// let told: Vec<_> = ends.iter().map(|end| (end.tip.as_str(), end.joints)).collect();
-/// assert_eq!(told, [("arm", 1), ("base", 2)]);
+/// let found: Vec<_> = ends.iter().map(|end| (end.tip.as_str(), end.joints)).collect();
+/// assert_eq!(found, [("arm", 1), ("base", 2)]);
 /// # Ok::<(), haptical_urdf::UrdfError>(())
 /// ```
 ///

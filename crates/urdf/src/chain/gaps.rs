@@ -1,4 +1,4 @@
-//! What stands between the moving rows of a path, and which joint's origin of it takes up a calibration.
+//! The fixed parts between the moving rows of a path, and the joint whose origin takes up a calibration.
 
 use haptical_model::kinematics::Pose;
 

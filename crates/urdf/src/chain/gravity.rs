@@ -1,4 +1,4 @@
-//! Where gravity pulls in frame (-1): known where the base is fixed to the root.
+//! The direction of gravity in frame (-1): known where the base is fixed to the root.
 
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::Vector3;

@@ -1,4 +1,4 @@
-//! Which links a chain runs between: those that were asked for, or from the root to the end of the longest chain.
+//! The links at the ends of a chain: those that were asked for, or the root and the end of the longest chain.
 
 use std::collections::BTreeMap;
 

@@ -64,12 +64,12 @@ fn what_it_is(root: &str) -> &'static str {
 }
 
 impl<'d, 'input> Reader<'d, 'input> {
-    fn at(&self, byte: usize) -> Box<Position> {
+    fn position_at(&self, byte: usize) -> Box<Position> {
         position(self.file, self.document.text_pos_at(byte))
     }
 
     fn tree(&self, byte: usize, message: String) -> UrdfError {
-        let at = self.at(byte);
+        let at = self.position_at(byte);
         UrdfError::Tree { at, message }
     }
 
@@ -78,7 +78,7 @@ impl<'d, 'input> Reader<'d, 'input> {
         if root.tag_name().name() != "robot" {
             let found = root.tag_name().name();
             return Err(UrdfError::NotUrdf {
-                at: self.at(root.range().start),
+                at: self.position_at(root.range().start),
                 found: found.to_owned(),
                 advice: what_it_is(found),
             });
@@ -336,7 +336,7 @@ impl<'d, 'input> Reader<'d, 'input> {
 
     fn missing(&self, element: Element<'_, '_>, place: &str, what: &'static str) -> UrdfError {
         UrdfError::Missing {
-            at: self.at(element.range().start),
+            at: self.position_at(element.range().start),
             place: place.to_owned(),
             what,
         }
@@ -356,7 +356,7 @@ impl<'d, 'input> Reader<'d, 'input> {
             allowed
         };
         UrdfError::Value {
-            at: self.at(element.range().start),
+            at: self.position_at(element.range().start),
             place: place.to_owned(),
             what,
             // whoever wrote a megabyte need not read it again

@@ -1,4 +1,4 @@
-//! What is said of chains between two links, and which origins a corrected file changes.
+//! Refusals and warnings of chains between two links, and the origins that a corrected file changes.
 
 use haptical_urdf::{BaseAndTip, UrdfError, chain_ends, corrected_urdf, device_from_urdf};
 

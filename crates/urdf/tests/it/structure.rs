@@ -1,4 +1,4 @@
-//! What of a URDF a device keeps: joints, limits, masses, the tip, and what is said of the rest.
+//! The content of a URDF that a device keeps (joints, limits, masses, the tip), and the warnings about the rest.
 
 use haptical_model::{JointType, LinkParameter, ParameterId};
 use haptical_urdf::{BaseAndTip, device_from_urdf};

@@ -1,4 +1,4 @@
-//! What a cable unit measures of the way from its exit to the handle, before counts and noise.
+//! The length that a cable unit measures from its exit to the handle, before counts and noise.
 
 use std::f64::consts::PI;
 
