@@ -5,20 +5,13 @@
     reason = "a command talks to its terminal"
 )]
 
-mod bench_peers;
-mod bench_scaling;
-mod blind;
 mod compare_results;
-mod evidence;
-mod experiment;
-mod instructions;
-mod output;
-mod progress;
-mod tables;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use xtask_paper::{experiment, tables};
+use xtask_peers::{bench_peers, bench_scaling, instructions};
 
 /// Jobs of the Haptical project.
 #[derive(Debug, Parser)]
@@ -35,13 +28,13 @@ enum Job {
     /// Reproduces the paper's experiment on a virtual device: Tables 4 and 5 and what they improve.
     ReproduceExperiment(experiment::Arguments),
     /// Tries the diagnosis on recordings with sealed truths, then opens and scores them.
-    BlindCheck(blind::Arguments),
+    BlindCheck(xtask_trials::Arguments),
     /// Compares ours with Ceres, SciPy and Pinocchio on the same files, where they are there.
     BenchPeers(bench_peers::Arguments),
     /// Measures how time and memory grow with poses, parameters and joints.
     BenchScaling(bench_scaling::Arguments),
     /// Tries the solver on certified problems and writes docs/evidence.md.
-    Evidence(evidence::Arguments),
+    Evidence(xtask_evidence::Arguments),
     /// Runs fixed commands and compares their results with the recorded ones.
     CompareResults(compare_results::Arguments),
     /// Counts the instructions of fixed workloads and compares them with the committed numbers.
@@ -52,10 +45,10 @@ fn main() -> ExitCode {
     let outcome = match Cli::parse().job {
         Job::ReproduceTables(arguments) => tables::reproduce(&arguments),
         Job::ReproduceExperiment(arguments) => experiment::reproduce(&arguments),
-        Job::BlindCheck(arguments) => blind::check(&arguments),
+        Job::BlindCheck(arguments) => xtask_trials::check(&arguments),
         Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
-        Job::Evidence(arguments) => evidence::evidence(&arguments),
+        Job::Evidence(arguments) => xtask_evidence::evidence(&arguments),
         Job::CompareResults(arguments) => compare_results::run(&arguments),
         Job::Instructions(arguments) => instructions::instructions(&arguments),
     };

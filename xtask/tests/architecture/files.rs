@@ -1,17 +1,19 @@
 //! Rules about files: their first line, length, licences, copies, versions.
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
 use crate::{package, packages, read, root, rust_files};
 
-/// Hard limit of a file in `crates/*/src`.
+/// Hard limit of a source file.
 const LONGEST_FILE_LINES: usize = 600;
+/// Most files of a source folder of the jobs; folders of tests excepted.
+const MOST_FILES: usize = 15;
 
 #[test]
 fn files_say_what_they_are_for_and_stay_short() {
     let mut seen = 0;
-    for package in packages()
-        .iter()
-        .filter(|package| package.name.as_str() != "xtask")
-    {
+    for package in &packages() {
         let folder = package.manifest_path.with_file_name("src");
         for file in rust_files(folder.as_std_path()) {
             let text = std::fs::read_to_string(&file).unwrap();
@@ -28,6 +30,25 @@ fn files_say_what_they_are_for_and_stay_short() {
         }
     }
     assert!(seen > 50, "only {seen} files were seen");
+}
+
+#[test]
+fn source_folders_are_small() {
+    for package in packages()
+        .iter()
+        .filter(|package| package.name.starts_with("xtask"))
+    {
+        let mut folders: BTreeMap<PathBuf, usize> = BTreeMap::new();
+        for file in rust_files(package.manifest_path.with_file_name("src").as_std_path()) {
+            let folder = file.parent().unwrap().to_path_buf();
+            if !folder.ends_with("tests") {
+                *folders.entry(folder).or_insert(0) += 1;
+            }
+        }
+        for (folder, files) in folders {
+            assert!(files <= MOST_FILES, "{}: {files} files", folder.display());
+        }
+    }
 }
 
 #[test]

@@ -195,7 +195,7 @@ fn the_picture_shows_the_list() {
         }
     }
     let mut list = listed("Allowed arrows");
-    list.retain(|name, to| name != "xtask" && !to.is_empty());
+    list.retain(|name, to| !name.starts_with("xtask") && !to.is_empty());
     assert_eq!(drawn, list, "the flowchart (left) and the list (right)");
 }
 

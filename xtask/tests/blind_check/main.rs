@@ -7,8 +7,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use haptical_blind::sha256_hex;
 use serde_json::Value;
+use xtask_blind::sha256_hex;
 
 fn blind_check(words: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_xtask"))

@@ -1,0 +1,37 @@
+//! Blind trials of a diagnosis: recordings with a hidden effect, sealed truths, scores.
+//!
+#![doc = include_str!("../README.md")]
+
+mod effects;
+mod error;
+mod files;
+mod gap;
+mod laws;
+mod random;
+mod rig;
+mod score;
+mod seal;
+mod suites;
+mod trial;
+mod truth;
+
+pub use effects::{Draw, Effect, Facts, Group, Info, KINDS, Kind, kind};
+pub use error::BlindError;
+pub use files::{log_shape, write_trial};
+pub use gap::ChannelGapTruth;
+pub use random::Random;
+pub use rig::devices::{NOMINALS, Nominal, perturbed, torque_scales};
+pub use rig::dynamics::Dynamics;
+pub use rig::geometry::{Chain, Flex, HandlePose};
+pub use rig::motion::{Motion, MotionPlan};
+pub use rig::noise::{ChannelNoise, NoisePlan};
+pub use rig::scene::{CablePath, CleanChannels, Recorded, Scene};
+pub use score::{
+    Answer, Calibration, Cause, ChannelGap, Coverage, Gap, HeldOut, ParameterAnswer, Prediction,
+    Rate, ShrinkScore, Summary, TrialScore, TrueReduction, Verdict, Where, judge, summarise,
+    true_reductions,
+};
+pub use seal::{Sealed, seal, sha256_hex};
+pub use suites::Suite;
+pub use trial::Trial;
+pub use truth::{EffectTruth, Event, Truth};

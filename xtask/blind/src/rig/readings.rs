@@ -1,0 +1,106 @@
+//! What the sensors of a recording read: noise, rounding, scale, digits of the log.
+
+use std::f64::consts::TAU;
+
+use crate::effects::Effect;
+use crate::random::Random;
+use crate::rig::noise::NoisePlan;
+use crate::rig::scene::{Recorded, Scene, stream};
+use haptical_model::Recording;
+
+/// Standard deviation of a torque reading \[N m\].
+const TORQUE_SD_NM: f64 = 4e-3;
+/// Standard deviation of a force reading \[N\].
+const FORCE_SD_N: f64 = 0.01;
+/// Standard deviation of a temperature reading \[K\].
+const TEMPERATURE_SD_K: f64 = 0.03;
+
+impl Scene<'_> {
+    pub(crate) fn read_outputs(
+        &self,
+        clean: Vec<Vec<f64>>,
+        noise: &NoisePlan,
+        into: &mut Recorded,
+    ) {
+        for (index, (joint, clean)) in self.device.joints.iter().zip(clean).enumerate() {
+            let Some(sd) = joint.output_sd_rad() else {
+                into.log.output.push(None);
+                into.clean.output_rad.push(None);
+                continue;
+            };
+            let count = joint
+                .external_encoder_counts_per_rev
+                .map(|counts| TAU / counts);
+            let mut random = Random::new(self.seed(), stream::OUTPUT + index as u64);
+            let speed = &self.motion.rate_rad_s[index];
+            let mut read = noise.output[index].add(&clean, speed, sd, count, &mut random);
+            read.iter_mut()
+                .for_each(|value| *value = rounded(*value, 1e7));
+            into.log.output.push(Some(read));
+            into.clean.output_rad.push(Some(clean));
+        }
+    }
+
+    pub(crate) fn read_cables(&self, clean: Vec<Vec<f64>>, noise: &NoisePlan, into: &mut Recorded) {
+        for (index, clean) in clean.into_iter().enumerate() {
+            let cable = &self.device.cables[index];
+            let count = cable
+                .drum_radius_m
+                .zip(cable.counts_per_rev)
+                .map(|(radius, counts)| TAU * radius / counts);
+            let Some(sd) = self.device.cable_sd_m(index) else {
+                into.log.cable_m.push(None);
+                into.clean.cable_m.push(None);
+                continue;
+            };
+            let speed: Vec<f64> = (0..clean.len())
+                .map(|row| clean[(row + 1).min(clean.len() - 1)] - clean[row.saturating_sub(1)])
+                .collect();
+            let mut random = Random::new(self.seed(), stream::CABLE + 1000 * index as u64);
+            let mut read = noise.cable.add(&clean, &speed, sd, count, &mut random);
+            read.iter_mut()
+                .for_each(|value| *value = rounded(*value, 1e7));
+            into.log.cable_m.push(Some(read));
+            into.clean.cable_m.push(Some(clean));
+        }
+    }
+
+    pub(crate) fn read_covariates(
+        &self,
+        effects: &[Box<dyn Effect>],
+        scale: &[f64],
+        log: &mut Recording,
+    ) {
+        let mut torque_nm = self.torque_nm.clone();
+        let mut force_n: [Vec<f64>; 3] =
+            [0, 1, 2].map(|axis| self.force_n.iter().map(|force| force[axis]).collect());
+        for effect in effects {
+            effect.torque(self, &mut torque_nm);
+            effect.force(self, &mut force_n);
+        }
+        let mut random = Random::new(self.seed(), stream::TORQUE);
+        let mut read = |column: Vec<f64>, scale: f64, sd: f64, digits: f64| -> Vec<f64> {
+            column
+                .into_iter()
+                .map(|value| rounded(value * scale + sd * random.normal(), digits))
+                .collect()
+        };
+        log.torque_nm = torque_nm
+            .into_iter()
+            .zip(scale)
+            .map(|(column, scale)| Some(read(column, *scale, TORQUE_SD_NM, 1e4)))
+            .collect();
+        log.force_n = Some(force_n.map(|column| read(column, 1.0, FORCE_SD_N, 1e4)));
+        log.temperature_degc = Some(read(
+            self.temperature_degc.clone(),
+            1.0,
+            TEMPERATURE_SD_K,
+            1e3,
+        ));
+    }
+}
+
+/// Rounded to `1 / scale`, as a log prints it.
+pub(crate) fn rounded(value: f64, scale: f64) -> f64 {
+    libm::round(value * scale) / scale
+}

@@ -1,0 +1,89 @@
+//! How much of the gap an answer really closes, against channels without noise.
+
+use std::collections::BTreeMap;
+
+use crate::laws::rms;
+use crate::rig::scene::CleanChannels;
+
+/// What a model predicts for one reading, without and with the named causes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// Row of the recording, from 0.
+    pub row: usize,
+    /// Without the causes.
+    pub before: f64,
+    /// With them.
+    pub after: f64,
+}
+
+/// The true gap of a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrueReduction {
+    /// Root mean square of prediction less truth, without the causes, in the channel's unit.
+    pub rms_before: f64,
+    /// With them.
+    pub rms_after: f64,
+    /// Root mean square of what the rounding of the motor-side readings puts on any prediction, in the
+    /// channel's unit.
+    pub rounding: f64,
+    /// `100 (1 - sqrt(max(0, after^2 - rounding^2) / (before^2 - rounding^2)))` \[%\]; absent where there was
+    /// no gap.
+    pub percent: Option<f64>,
+}
+
+/// True reductions of all channels in `predictions` (`out2`, `cable`, `cable2`, ...) that `clean` has.
+/// Rows that the recording does not have are left out.
+pub fn true_reductions(
+    predictions: &BTreeMap<String, Vec<Prediction>>,
+    clean: &CleanChannels,
+) -> BTreeMap<String, TrueReduction> {
+    predictions
+        .iter()
+        .filter_map(|(channel, of_channel)| {
+            let truth = clean.channel(channel)?;
+            let gap = |pick: fn(&Prediction) -> f64| {
+                let differences: Vec<f64> = of_channel
+                    .iter()
+                    .filter_map(|one| Some(pick(one) - truth.get(one.row)?))
+                    .filter(|difference| difference.is_finite())
+                    .collect();
+                rms(&differences)
+            };
+            let (rms_before, rms_after) = (gap(|one| one.before), gap(|one| one.after));
+            let name = channel.split('_').next().unwrap_or(channel);
+            let rounding = clean.rounding.get(name).copied().unwrap_or(0.0);
+            let beyond = |rms: f64| rms * rms - rounding * rounding;
+            let percent = (beyond(rms_before) > 0.0).then(|| {
+                let left = beyond(rms_after).max(0.0) / beyond(rms_before);
+                100.0 * (1.0 - libm::sqrt(left))
+            });
+            let reduction = TrueReduction {
+                rms_before,
+                rms_after,
+                rounding,
+                percent,
+            };
+            Some((channel.clone(), reduction))
+        })
+        .collect()
+}
+
+impl CleanChannels {
+    /// The channel of that name: `out1`, `out2`, ..., `cable`, `cable2`, ... (a unit suffix may follow).
+    pub fn channel(&self, name: &str) -> Option<&[f64]> {
+        let name = name.split('_').next().unwrap_or(name);
+        let column = if let Some(number) = name.strip_prefix("out") {
+            let joint: usize = number.parse().ok()?;
+            self.output_rad.get(joint.checked_sub(1)?)?
+        } else {
+            let number = name.strip_prefix("cable")?;
+            let index = if number.is_empty() {
+                0
+            } else {
+                number.parse::<usize>().ok()?.checked_sub(1)?
+            };
+            self.cable_m.get(index)?
+        };
+        column.as_deref()
+    }
+}

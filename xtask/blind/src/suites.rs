@@ -1,0 +1,410 @@
+//! The suites of blind trials: which devices, effects and noises come at which index of a batch.
+
+use haptical_model::Device;
+
+use crate::effects::{Group, KINDS, Kind};
+use crate::error::BlindError;
+use crate::random::Random;
+use crate::rig::devices::{NOMINALS, Nominal};
+use crate::rig::motion::MotionPlan;
+use crate::trial::{Order, Trial};
+
+/// A suite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Suite {
+    /// S0: clean, with white, coloured, unequal noise, outliers, rounding.
+    Clean,
+    /// S1: one strong effect.
+    Singles,
+    /// S1n: one effect a tenth as strong.
+    NearSingles,
+    /// S2: one strong effect whose names are withheld from the catalogue.
+    Withheld,
+    /// S3: effects that are in no catalogue.
+    Unknown,
+    /// S4: two effects.
+    Pairs,
+    /// S5: one effect at seven sizes from a hundredth to strong.
+    Ladder,
+    /// S6: effects with structural twins.
+    Twins,
+    /// S7: pathologies of the noise.
+    Noise,
+    /// S8: the model has the kinematics alone.
+    Ablation,
+    /// SF: effects on the force and torque channels.
+    Force,
+    /// SFW: the same with their names withheld from the catalogue.
+    ForceWithheld,
+    /// SFU: force and torque effects that are in no catalogue.
+    ForceUnknown,
+    /// S10: effects a hundred times beyond their physical bound.
+    Wrong,
+}
+
+/// Streams of suites do not meet: suite number times this, plus the index.
+const SUITE_STREAM: u64 = 1 << 40;
+
+impl Suite {
+    /// All suites.
+    pub const ALL: [Self; 14] = [
+        Self::Clean,
+        Self::Singles,
+        Self::NearSingles,
+        Self::Withheld,
+        Self::Unknown,
+        Self::Pairs,
+        Self::Ladder,
+        Self::Twins,
+        Self::Noise,
+        Self::Ablation,
+        Self::Force,
+        Self::ForceWithheld,
+        Self::ForceUnknown,
+        Self::Wrong,
+    ];
+
+    /// Short name: `s0`, `s1`, `s1n`, ...
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Clean => "s0",
+            Self::Singles => "s1",
+            Self::NearSingles => "s1n",
+            Self::Withheld => "s2",
+            Self::Unknown => "s3",
+            Self::Pairs => "s4",
+            Self::Ladder => "s5",
+            Self::Twins => "s6",
+            Self::Noise => "s7",
+            Self::Ablation => "s8",
+            Self::Force => "sf",
+            Self::ForceWithheld => "sfw",
+            Self::ForceUnknown => "sfu",
+            Self::Wrong => "s10",
+        }
+    }
+
+    /// Number of its streams; a suite keeps its number when others are added.
+    const fn stream(self) -> u64 {
+        match self {
+            Self::Clean => 1,
+            Self::Singles => 2,
+            Self::NearSingles => 3,
+            Self::Withheld => 4,
+            Self::Unknown => 5,
+            Self::Pairs => 6,
+            Self::Ladder => 7,
+            Self::Twins => 8,
+            Self::Noise => 9,
+            Self::Ablation => 10,
+            Self::Wrong => 11,
+            Self::Force => 12,
+            Self::ForceWithheld => 13,
+            Self::ForceUnknown => 14,
+        }
+    }
+
+    /// The suite of that name.
+    ///
+    /// # Errors
+    /// [`BlindError::Unknown`].
+    pub fn named(name: &str) -> Result<Self, BlindError> {
+        let found = Self::ALL.into_iter().find(|suite| suite.name() == name);
+        found.ok_or_else(|| BlindError::Unknown {
+            kind: "suite",
+            name: name.to_owned(),
+            known: Self::ALL.map(Self::name).join(", "),
+        })
+    }
+
+    /// The trial at an index of the batch with a seed: the same for the same numbers, on any machine.
+    ///
+    /// # Errors
+    /// [`BlindError`] where a device cannot be evaluated.
+    pub fn draw(self, index: u64, batch_seed: u64) -> Result<Trial, BlindError> {
+        let mut random = Random::new(batch_seed, SUITE_STREAM * self.stream() + index);
+        let order = self.order(index, &mut random)?;
+        order.make(self.name(), index, batch_seed, &mut random)
+    }
+
+    fn order(self, index: u64, random: &mut Random) -> Result<Order, BlindError> {
+        match self {
+            Self::Clean => clean(index, random),
+            Self::Singles => single(index, random),
+            Self::NearSingles => near(index, random),
+            Self::Withheld => Ok(Order {
+                withhold: true,
+                ..single(index, random)?
+            }),
+            Self::Unknown => one_of(&of_group(Group::Unknown), index, 1.0, Joints::All, random),
+            Self::Pairs => pair(index, random),
+            Self::Ladder => ladder(index, random),
+            Self::Twins => one_of(&named(&TWINS), index, 1.0, Joints::All, random),
+            Self::Noise => Ok(Order {
+                no_gap_is_right: true,
+                ..one_of(&of_group(Group::Noise), index, 1.0, Joints::All, random)?
+            }),
+            Self::Ablation => ablation(index, random),
+            Self::Force => one_of(&of_group(Group::Force), index, 1.0, Joints::All, random),
+            Self::ForceWithheld => {
+                let mut kinds = of_group(Group::Force);
+                kinds.retain(|kind| kind.name != TAKEN_UP);
+                Ok(Order {
+                    withhold: true,
+                    ..one_of(&kinds, index, 1.0, Joints::All, random)?
+                })
+            }
+            Self::ForceUnknown => one_of(
+                &of_group(Group::ForceUnknown),
+                index,
+                1.0,
+                Joints::All,
+                random,
+            ),
+            Self::Wrong => beyond(index, random),
+        }
+    }
+}
+
+/// Effects that can be recorded and identified a hundred times beyond their physical bound, with the
+/// size that takes them there (a strong sag is beyond it already).
+const BEYOND: [(&str, f64); 7] = [
+    ("cable-sag", 2.4),
+    ("thermal-drift", 100.0),
+    ("cable-drift", 100.0),
+    ("external-encoder-drift", 100.0),
+    ("joint-drift", 100.0),
+    ("capstan-compliance", 100.0),
+    ("cable-hysteresis", 100.0),
+];
+
+/// Effects of which the base model takes up nine tenths and more: a tenth of them is lost.
+const MOSTLY_ABSORBED: [&str; 3] = [
+    "cable-pitch",
+    "drum-out-of-round",
+    "external-encoder-eccentricity",
+];
+
+/// A mass that the file does not have: the masses of the base model are fitted, so that it leaves no gap.
+const TAKEN_UP: &str = "unbalanced-gravity";
+
+/// Families whose members overlap too much to be put into one recording: by parts of their names.
+const FAMILIES: [&[&str]; 6] = [
+    &["latency", "lag"],
+    &[
+        "cable-exit",
+        "cable-twist",
+        "cable-zero",
+        "cable-hysteresis",
+    ],
+    &["thermal", "drift", "creep"],
+    &[
+        "joint-compliance",
+        "base-compliance",
+        "tool-compliance",
+        "tool-changed",
+    ],
+    &["count-loss", "slip"],
+    &["backlash", "hysteresis", "windup"],
+];
+
+/// Whether two kinds belong to one family.
+fn are_related(first: &str, second: &str) -> bool {
+    let is_in = |family: &[&str], name: &str| family.iter().any(|part| name.contains(part));
+    first == second
+        || FAMILIES
+            .iter()
+            .any(|family| is_in(family, first) && is_in(family, second))
+}
+
+/// Effects with structural twins.
+const TWINS: [&str; 9] = [
+    "backlash",
+    "hysteresis",
+    "cable-exit-geometry",
+    "cable-twist",
+    "cable-zero-offset",
+    "encoder-count-loss",
+    "capstan-slip",
+    "drum-out-of-round",
+    "cable-pitch",
+];
+
+fn of_group(group: Group) -> Vec<&'static Kind> {
+    KINDS.iter().filter(|kind| kind.group == group).collect()
+}
+
+fn named(names: &[&str]) -> Vec<&'static Kind> {
+    KINDS
+        .iter()
+        .filter(|kind| names.contains(&kind.name))
+        .collect()
+}
+
+/// The 7-DOF device half of the time, the others a quarter each.
+fn nominal(random: &mut Random) -> Nominal {
+    NOMINALS[[0, 0, 1, 2][random.index(4)]]
+}
+
+/// Speeds and ranges differ a little; one recording in ten is slow, one in ten short.
+fn vary(plan: &mut MotionPlan, random: &mut Random) {
+    plan.pace_s *= random.uniform(0.85, 1.2);
+    plan.reach = random.uniform(0.9, 0.97);
+    match random.index(10) {
+        0 => plan.pace_s *= 1.8,
+        1 => plan.rows = plan.rows * 2 / 3,
+        _ => {}
+    }
+}
+
+/// A clean order for a random device.
+fn of_device(random: &mut Random) -> Result<(Order, Device), BlindError> {
+    let nominal = nominal(random);
+    let device = nominal.device()?;
+    let mut order = Order::clean(nominal, device.joints.len());
+    vary(&mut order.plan, random);
+    Ok((order, device))
+}
+
+/// Which joints may be drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Joints {
+    /// All at which the kind can act.
+    All,
+    /// Of these, those with an external encoder, where there are any.
+    Seen,
+}
+
+impl Joints {
+    fn of(self, kind: &Kind, device: &Device) -> Vec<usize> {
+        let all = kind.joints(device);
+        let has_encoder = |joint: &usize| device.joints[*joint].output_sd_rad().is_some();
+        let seen: Vec<usize> = all.iter().copied().filter(has_encoder).collect();
+        if self == Self::All || kind.is_whole() || seen.is_empty() {
+            all
+        } else {
+            seen
+        }
+    }
+}
+
+/// The kinds in turn, each at a random joint; a device without a place for it is drawn again.
+fn one_of(
+    kinds: &[&'static Kind],
+    index: u64,
+    size: f64,
+    joints: Joints,
+    random: &mut Random,
+) -> Result<Order, BlindError> {
+    let kind = kinds[(index % kinds.len().max(1) as u64) as usize];
+    for _ in 0..100 {
+        let (mut order, device) = of_device(random)?;
+        if let Some(joint) = random.choose(&joints.of(kind, &device)) {
+            if kind.needs_two_runs() {
+                order.plan.runs = 2;
+                order.plan.rows /= 2;
+            }
+            order.effects.push((kind, joint, size));
+            return Ok(order);
+        }
+    }
+    Err(BlindError::NoPlace {
+        effect: kind.name.to_owned(),
+        device: "any".to_owned(),
+    })
+}
+
+fn single(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+    one_of(&of_group(Group::Single), index, 1.0, Joints::All, random)
+}
+
+/// Single effects that are not mostly absorbed.
+fn visible() -> Vec<&'static Kind> {
+    let mut kinds = of_group(Group::Single);
+    kinds.retain(|kind| !MOSTLY_ABSORBED.contains(&kind.name));
+    kinds
+}
+
+fn near(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+    one_of(&visible(), index, 0.1, Joints::Seen, random)
+}
+
+fn clean(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+    let (mut order, _) = of_device(random)?;
+    let kind = index % 6;
+    let labels = ["white", "white", "ar", "unequal", "outliers", "rounded"];
+    for channel in order
+        .noise
+        .output
+        .iter_mut()
+        .chain([&mut order.noise.cable])
+    {
+        match kind {
+            2 => channel.autoregression = 0.5,
+            3 => channel.factor = random.uniform(1.3, 2.5),
+            4 => channel.outlier_share = 0.02,
+            5 => channel.rounded = true,
+            _ => {}
+        }
+    }
+    order.label = Some(format!("clean-{}", labels[kind as usize]));
+    Ok(order)
+}
+
+/// Two effects of different families, mostly at different joints or channels.
+fn pair(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+    let kinds = visible();
+    let mut order = one_of(&kinds, index, 1.0, Joints::Seen, random)?;
+    let device = order.nominal.device()?;
+    let (first, first_joint, _) = order.effects[0];
+    for _ in 0..1000 {
+        let Some(second) = random.choose(&kinds) else {
+            break;
+        };
+        let Some(joint) = random.choose(&Joints::Seen.of(second, &device)) else {
+            continue;
+        };
+        let is_apart = joint != first_joint || second.is_whole() != first.is_whole();
+        let is_wanted = is_apart || random.unit() < 0.15;
+        if is_wanted && !second.needs_two_runs() && !are_related(first.name, second.name) {
+            order.effects.push((second, joint, 1.0));
+            return Ok(order);
+        }
+    }
+    Err(BlindError::NoPlace {
+        effect: "a second effect".to_owned(),
+        device: device.name,
+    })
+}
+
+/// Seven sizes of one effect, then of the next: geometric from 1/100 to 1.
+fn ladder(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+    let step = (index % 7) as f64;
+    let size = libm::pow(10.0, -2.0 + step / 3.0);
+    one_of(&visible(), index / 7, size, Joints::Seen, random)
+}
+
+fn beyond(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+    let (name, size) = BEYOND[(index % BEYOND.len() as u64) as usize];
+    Ok(Order {
+        implausible: true,
+        ..one_of(&named(&[name]), index, size, Joints::Seen, random)?
+    })
+}
+
+/// All transmission errors are missing from the model: those of any device, and larger ones at three
+/// places.
+fn ablation(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+    let nominal = NOMINALS[[0, 2][(index % 2) as usize]];
+    let device = nominal.device()?;
+    let mut order = Order::clean(nominal, device.joints.len());
+    vary(&mut order.plan, random);
+    order.is_ablation = true;
+    order.label = Some("kinematics-only".to_owned());
+    for kind in of_group(Group::Base) {
+        if let Some(joint) = random.choose(&kind.joints(&device)) {
+            order.effects.push((kind, joint, 1.0));
+        }
+    }
+    Ok(order)
+}

@@ -1,0 +1,36 @@
+//! Trials as folders: what is written reads back, and the truth stays out when it is sealed.
+
+use haptical_data::read_log;
+use haptical_model::Device;
+use xtask_blind::{Suite, Truth, log_shape, write_trial};
+
+#[test]
+fn a_folder_reads_back_as_the_trial() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let trial = Suite::Singles.draw(31, 6).expect("a trial of two runs");
+    write_trial(&trial, folder.path(), true).expect("files");
+    let text = std::fs::read_to_string(folder.path().join("device.toml")).expect("a file");
+    let device = Device::from_toml(&text, "device.toml")
+        .expect("a device")
+        .device;
+    assert_eq!(device, trial.device);
+    for (name, log) in [("log.csv.gz", &trial.log), ("log2.csv.gz", &trial.log2)] {
+        let read = read_log(&folder.path().join(name), &log_shape(&device)).expect("a log");
+        assert_eq!(&read.recording, log, "{name}");
+    }
+    let text = std::fs::read_to_string(folder.path().join("truth.json")).expect("a file");
+    let truth: Truth = serde_json::from_str(&text).expect("a truth");
+    assert_eq!(
+        (truth.right, truth.joint),
+        (trial.truth.right.clone(), trial.truth.joint)
+    );
+}
+
+#[test]
+fn a_sealed_folder_has_no_truth() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let trial = Suite::Ablation.draw(0, 6).expect("a trial");
+    write_trial(&trial, &folder.path().join("deep/down"), false).expect("files");
+    let has = |name: &str| folder.path().join("deep/down").join(name).exists();
+    assert!(has("model.toml") && has("log2.csv.gz") && !has("truth.json"));
+}

@@ -1,0 +1,11 @@
+//! Tests of xtask-blind.
+
+mod dynamics;
+mod effects;
+mod files;
+mod geometry;
+mod motion;
+mod noise;
+mod score;
+mod seal;
+mod suites;

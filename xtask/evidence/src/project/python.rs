@@ -1,0 +1,171 @@
+//! The Python package: its wheel built in a virtual environment below `target/`, its tests, its fleet example.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+use xtask_output::{Output, Progress};
+
+/// What the environment needs beside the wheel, with the versions that were tried.
+const PACKAGES: [&str; 5] = [
+    "maturin>=1.9,<2",
+    "numpy>=1.24",
+    "pytest>=8",
+    "mypy>=1.10",
+    "dask[bag]>=2024.1",
+];
+
+/// Oldest Python that the wheel is for.
+const OLDEST: (u32, u32) = (3, 10);
+
+/// Devices of the fleet example.
+const DEVICES: &str = "1000";
+
+/// Writes the section; where there is no Python it says so on the terminal and writes none.
+pub(crate) fn section(output: &mut Output, root: &Path) -> Result<()> {
+    let Some(python) = python() else {
+        let (major, minor) = OLDEST;
+        output.terminal(format!(
+            "Python package: not run: no Python {major}.{minor} or later with venv"
+        ));
+        return Ok(());
+    };
+    let progress = Progress::new("python", 5);
+    let target = root.join("target").join("python");
+    let environment = target.join("environment");
+    run(Command::new(python).args(["-m", "venv"]).arg(&environment))?;
+    let inside = environment_python(&environment);
+    let pip = [
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+    ];
+    run(Command::new(&inside).args(pip).args(PACKAGES))?;
+    progress.step();
+    let wheel = wheel(root, &target, &inside)?;
+    run(Command::new(&inside)
+        .args(pip)
+        .args(["--force-reinstall", "--no-deps"])
+        .arg(&wheel))?;
+    progress.step();
+    let command = built_command(root)?;
+    progress.step();
+    let package = root.join("outside").join("python");
+    let tests = run(Command::new(&inside)
+        .current_dir(&package)
+        .env("HAPTICAL_COMMAND", &command)
+        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]))?;
+    progress.step();
+    let fleet = run(Command::new(&inside)
+        .arg(package.join("examples").join("fleet.py"))
+        .args(["--devices", DEVICES]))?;
+    progress.step();
+    drop(progress);
+    describe(output, &wheel, &tests, &fleet);
+    Ok(())
+}
+
+fn describe(output: &mut Output, wheel: &Path, tests: &str, fleet: &str) {
+    let name = wheel.file_name().unwrap_or_default().to_string_lossy();
+    let is_abi3 = name.contains("-abi3-");
+    let summary = tests.lines().last().unwrap_or_default();
+    let identified = format!("{DEVICES} of {DEVICES} devices identified");
+    output.section("Python package");
+    output.words(
+        "`outside/python` as a wheel, built by maturin in a virtual environment below `target/python`. Its tests \
+         compare forward kinematics with closed forms and a product of matrices, and identification, diagnosis and plans \
+         with the command's JSON on the same input, number by number.",
+    );
+    output.verdict(is_abi3, "one wheel for every Python from 3.10 on (abi3)");
+    output.verdict(
+        summary.contains(" passed") && !summary.contains("failed") && !summary.contains("skipped"),
+        "`pytest`: every test passed, none was skipped",
+    );
+    output.verdict(
+        fleet.contains(&identified),
+        format!("`examples/fleet.py --devices {DEVICES}`: Dask identified every device"),
+    );
+    // times and counts are this run's: not for the document
+    output.terminal(format!("     {name}\n     {summary}\n{fleet}"));
+}
+
+/// Builds the wheel; returns where it is.
+fn wheel(root: &Path, target: &Path, inside: &Path) -> Result<PathBuf> {
+    let wheels = target.join("wheels");
+    // an older wheel of another version must not be taken for this one
+    if wheels.exists() {
+        std::fs::remove_dir_all(&wheels)?;
+    }
+    run(Command::new(inside)
+        .current_dir(root.join("outside").join("python"))
+        .env("CARGO_TARGET_DIR", target.canonicalize()?.join("build"))
+        .args([
+            "-m",
+            "maturin",
+            "build",
+            "--release",
+            "--locked",
+            "--quiet",
+            "--out",
+        ])
+        .arg(target.canonicalize()?.join("wheels")))?;
+    let mut found = std::fs::read_dir(&wheels)?.collect::<std::io::Result<Vec<_>>>()?;
+    match (found.pop(), found.pop()) {
+        (Some(wheel), None) => Ok(wheel.path()),
+        _ => bail!(
+            "maturin wrote no wheel, or several, into {}",
+            wheels.display()
+        ),
+    }
+}
+
+/// Builds the command that the tests compare with; returns where it is.
+fn built_command(root: &Path) -> Result<PathBuf> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    run(Command::new(cargo).current_dir(root).args([
+        "build",
+        "--release",
+        "--quiet",
+        "-p",
+        "haptical-cli",
+    ]))?;
+    let name = format!("haptical{}", std::env::consts::EXE_SUFFIX);
+    let folder = std::env::current_exe()?;
+    let folder = folder.parent().context("the folder of this program")?;
+    Ok(folder.join(name))
+}
+
+/// A Python that is new enough and can make virtual environments.
+fn python() -> Option<&'static str> {
+    let (major, minor) = OLDEST;
+    let asks =
+        format!("import sys, venv, ensurepip; sys.exit(sys.version_info < ({major}, {minor}))");
+    ["python3", "python"].into_iter().find(|python| {
+        let done = Command::new(python).args(["-c", &asks]).output();
+        done.is_ok_and(|done| done.status.success())
+    })
+}
+
+/// The interpreter of a virtual environment.
+fn environment_python(environment: &Path) -> PathBuf {
+    if cfg!(windows) {
+        environment.join("Scripts").join("python.exe")
+    } else {
+        environment.join("bin").join("python")
+    }
+}
+
+/// Runs a program; returns its standard output, or an error with all that it said.
+fn run(command: &mut Command) -> Result<String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let done = command.output().with_context(|| name.clone())?;
+    let text = String::from_utf8_lossy(&done.stdout).trim_end().to_owned();
+    if !done.status.success() {
+        let arguments: Vec<_> = command.get_args().map(|a| a.to_string_lossy()).collect();
+        let said = String::from_utf8_lossy(&done.stderr);
+        bail!("{name} {} failed:\n{text}\n{said}", arguments.join(" "));
+    }
+    Ok(text)
+}

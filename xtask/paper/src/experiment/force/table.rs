@@ -1,0 +1,121 @@
+//! Tables of the virtual wall: transverse forces before and after calibration, over seeds and over poses.
+
+use anyhow::Result;
+use haptical_metrics::{median, quantile, rms};
+use haptical_report::{Cell, Column, Table};
+
+use super::sample::{CONTROLLERS, Kind, Sample};
+use crate::monte_carlo::Spread;
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, f64::max)
+}
+
+/// Over seeds: RMS and peak of the poses of each seed.
+pub(crate) fn over_seeds(kinds: &[Kind]) -> Result<Table> {
+    let mut table = Table::new(
+        "Transverse force of the virtual wall (2 N along the handle's z), 100 poses for each seed",
+        [
+            ("truth and loop", ""),
+            ("controller", ""),
+            ("RMS, median seed", "mN"),
+            ("RMS, 95 % of seeds", "mN"),
+            ("peak, median seed", "mN"),
+            ("peak, worst seed", "mN"),
+            ("RMS of nominal, median seed", "%"),
+            ("of nominal, 95 % of seeds", "%"),
+            ("of nominal, worst seed", "%"),
+            ("poses left out", "of 100"),
+        ]
+        .map(|(name, unit)| Column::new(name, unit))
+        .to_vec(),
+    );
+    for kind in kinds {
+        for (index, controller) in CONTROLLERS.iter().enumerate() {
+            let of = |pick: &dyn Fn(&[f64]) -> Result<f64>| -> Result<Vec<f64>> {
+                let samples = kind.samples.iter();
+                samples
+                    .map(|sample| Ok(1e3 * pick(&sample.transverse_n[index])?))
+                    .collect()
+            };
+            let rms_mn = Spread::new(&of(&|forces| Ok(rms(forces)?))?)?;
+            let peak_mn = of(&|forces| Ok(largest(forces)))?;
+            let ratios = kind.ratios(|sample| sample.ratio(index))?;
+            let ratio = Spread::new(&ratios)?;
+            let left_out: usize = kind.samples.iter().map(|sample| sample.left_out).sum();
+            let percent = |value: f64| Cell::number(100.0 * value, 2);
+            table.push(vec![
+                kind.name.as_str().into(),
+                (*controller).into(),
+                Cell::number(rms_mn.median, 2),
+                format!("{:.2} to {:.2}", rms_mn.low, rms_mn.high).into(),
+                Cell::number(median(&peak_mn)?, 2),
+                Cell::number(largest(&peak_mn), 2),
+                percent(ratio.median),
+                format!("{:.2} to {:.2}", 100.0 * ratio.low, 100.0 * ratio.high).into(),
+                percent(largest(&ratios)),
+                Cell::number(left_out as f64 / kind.samples.len().max(1) as f64, 1),
+            ])?;
+        }
+    }
+    table.notes.push(
+        "\"95 % of seeds\" are the 2.5 % and 97.5 % quantiles over the seeds: what one calibration may come to, not \
+         how well the median is known. The nominal controller differs between seeds because the poses do."
+            .to_owned(),
+    );
+    Ok(table)
+}
+
+/// Over poses, those of all seeds together.
+pub(crate) fn over_poses(kinds: &[Kind]) -> Result<Table> {
+    let mut table = Table::new(
+        "The same pose by pose, the poses of all seeds together",
+        [
+            ("truth and loop", ""),
+            ("controller", ""),
+            ("median pose", "mN"),
+            ("95 % of poses below", "mN"),
+            ("worst pose", "mN"),
+            ("of nominal in that pose, median", "%"),
+            ("95 % of poses below", "%"),
+            ("of nominal, worst pose", "%"),
+            ("poses", ""),
+        ]
+        .map(|(name, unit)| Column::new(name, unit))
+        .to_vec(),
+    );
+    for kind in kinds {
+        for (index, controller) in CONTROLLERS.iter().enumerate() {
+            let forces_mn: Vec<f64> = kind
+                .samples
+                .iter()
+                .flat_map(|sample| &sample.transverse_n[index])
+                .map(|force| 1e3 * force)
+                .collect();
+            let ratio = |sample: &Sample| -> Vec<f64> {
+                let pairs = sample.transverse_n[index].iter();
+                let pairs = pairs.zip(&sample.transverse_n[0]);
+                pairs
+                    .map(|(after, before)| 100.0 * after / before)
+                    .collect()
+            };
+            let percent: Vec<f64> = kind.samples.iter().flat_map(ratio).collect();
+            table.push(vec![
+                kind.name.as_str().into(),
+                (*controller).into(),
+                Cell::number(median(&forces_mn)?, 2),
+                Cell::number(quantile(&forces_mn, 0.95)?, 2),
+                Cell::number(largest(&forces_mn), 2),
+                Cell::number(median(&percent)?, 2),
+                Cell::number(quantile(&percent, 0.95)?, 2),
+                Cell::number(largest(&percent), 1),
+                Cell::number(forces_mn.len() as f64, 0),
+            ])?;
+        }
+    }
+    table.notes.push(
+        "A pose where the nominal controller happens to push straight has a large ratio and a small force."
+            .to_owned(),
+    );
+    Ok(table)
+}

@@ -1,0 +1,265 @@
+//! Many seeds of the same calibration, in parallel, with results in the order of the seeds.
+
+use anyhow::{Result, bail};
+use haptical_identification::Reduction;
+use haptical_metrics::{median, percentile_interval, rms, spearman};
+use haptical_model::Device;
+use rayon::prelude::*;
+use xtask_output::Progress;
+
+use crate::pose_error::PoseErrors;
+use crate::run::{CapstanEstimate, evaluation_readings, run, step_two};
+use crate::scenario::Scenario;
+
+/// The figures kept of one run.
+#[derive(Debug, Clone)]
+pub(crate) struct Sample {
+    /// Estimated minus assigned, per row of Table 3, after both steps.
+    pub(crate) errors: Vec<f64>,
+    /// The same with the transmissions known exactly.
+    pub(crate) errors_known_angles: Vec<f64>,
+    /// Cramér-Rao standard deviations for known angles.
+    pub(crate) bounds: Vec<f64>,
+    /// Information matrix of the rows of Table 3, as the factor of its QR.
+    pub(crate) information: Reduction,
+    pub(crate) capstans: Vec<CapstanEstimate>,
+    pub(crate) pose: PoseSummary,
+    /// Orientation RMS without the unobservable part where the transmissions are known exactly.
+    pub(crate) orientation_observable_known_rad: f64,
+    pub(crate) from_home: FarFromHome,
+}
+
+/// How the errors before calibration depend on the distance from home, in one run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FarFromHome {
+    /// Rank correlation of the position error with the norm of all joint readings.
+    pub(crate) position_all: f64,
+    /// The same with the norm of the cable-driven joints' readings.
+    pub(crate) position_driven: f64,
+    /// The same of the orientation error.
+    pub(crate) orientation_all: f64,
+    pub(crate) orientation_driven: f64,
+    /// Shares of poses beyond 8 mm and 0.03 rad.
+    pub(crate) beyond_8_mm: f64,
+    pub(crate) beyond_30_mrad: f64,
+    /// Mean rank (0 to 1) of the distance from home of the poses beyond 8 mm, where there are any.
+    pub(crate) rank_beyond_8_mm: Option<f64>,
+}
+
+impl FarFromHome {
+    pub(crate) fn new(errors: &PoseErrors) -> Result<Self> {
+        let share = |values: &[f64], limit: f64| {
+            values.iter().filter(|value| **value > limit).count() as f64 / values.len() as f64
+        };
+        let far: Vec<f64> = errors
+            .position_before_m
+            .iter()
+            .zip(&errors.driven_from_home_rad)
+            .filter(|(error, _)| **error > 8e-3)
+            .map(|(_, from)| {
+                let nearer = errors
+                    .driven_from_home_rad
+                    .iter()
+                    .filter(|other| *other < from);
+                nearer.count() as f64 / errors.driven_from_home_rad.len() as f64
+            })
+            .collect();
+        Ok(Self {
+            position_all: spearman(&errors.from_home_rad, &errors.position_before_m)?,
+            position_driven: spearman(&errors.driven_from_home_rad, &errors.position_before_m)?,
+            orientation_all: spearman(&errors.from_home_rad, &errors.orientation_before_rad)?,
+            orientation_driven: spearman(
+                &errors.driven_from_home_rad,
+                &errors.orientation_before_rad,
+            )?,
+            beyond_8_mm: share(&errors.position_before_m, 8e-3),
+            beyond_30_mrad: share(&errors.orientation_before_rad, 0.03),
+            rank_beyond_8_mm: (!far.is_empty()).then(|| far.iter().sum::<f64>() / far.len() as f64),
+        })
+    }
+}
+
+/// Root mean squares of one run's check.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PoseSummary {
+    pub(crate) distance_before_m: f64,
+    pub(crate) distance_after_m: f64,
+    pub(crate) position_before_m: f64,
+    pub(crate) position_after_m: f64,
+    pub(crate) position_observable_m: f64,
+    pub(crate) orientation_before_rad: f64,
+    pub(crate) orientation_after_rad: f64,
+    pub(crate) orientation_observable_rad: f64,
+}
+
+impl PoseSummary {
+    pub(crate) fn new(errors: &PoseErrors) -> Result<Self> {
+        Ok(Self {
+            distance_before_m: rms(&errors.distance_before_m)?,
+            distance_after_m: rms(&errors.distance_after_m)?,
+            position_before_m: rms(&errors.position_before_m)?,
+            position_after_m: rms(&errors.position_after_m)?,
+            position_observable_m: rms(&errors.position_observable_m)?,
+            orientation_before_rad: rms(&errors.orientation_before_rad)?,
+            orientation_after_rad: rms(&errors.orientation_after_rad)?,
+            orientation_observable_rad: rms(&errors.orientation_observable_rad)?,
+        })
+    }
+}
+
+/// All runs of one scenario.
+#[derive(Debug)]
+pub(crate) struct MonteCarlo {
+    pub(crate) samples: Vec<Sample>,
+    /// Seeds whose search did not end at a minimum, with the reason.
+    pub(crate) failures: Vec<(u64, String)>,
+}
+
+/// Median and 95 % interval.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Spread {
+    pub(crate) median: f64,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+}
+
+impl Spread {
+    pub(crate) fn new(values: &[f64]) -> Result<Self> {
+        let interval = percentile_interval(values, 0.95)?;
+        Ok(Self {
+            median: median(values)?,
+            low: interval.low,
+            high: interval.high,
+        })
+    }
+}
+
+impl MonteCarlo {
+    /// Runs the seeds `seed`, `seed` + 1, ...
+    pub(crate) fn new(
+        scenario: &Scenario,
+        assigned: &[(String, f64)],
+        seed: u64,
+        runs: usize,
+        progress: &Progress,
+    ) -> Result<Self> {
+        let outcomes: Vec<(u64, Result<Sample>)> = (0..runs as u64)
+            .into_par_iter()
+            .map(|index| {
+                let seed = seed.wrapping_add(index);
+                let sample = Sample::new(scenario, assigned, seed);
+                progress.step();
+                (seed, sample)
+            })
+            .collect();
+        let mut samples = Vec::with_capacity(runs);
+        let mut failures = Vec::new();
+        for (seed, outcome) in outcomes {
+            match outcome {
+                Ok(sample) => samples.push(sample),
+                Err(error) => failures.push((seed, format!("{error:#}"))),
+            }
+        }
+        if samples.len() * 2 < runs {
+            bail!(
+                "more than half of the runs failed, the first with: {:?}",
+                failures.first()
+            );
+        }
+        Ok(Self { samples, failures })
+    }
+
+    /// One figure of every run.
+    pub(crate) fn spread(&self, figure: impl Fn(&Sample) -> f64) -> Result<Spread> {
+        Spread::new(&self.samples.iter().map(figure).collect::<Vec<f64>>())
+    }
+}
+
+impl Sample {
+    fn new(scenario: &Scenario, assigned: &[(String, f64)], seed: u64) -> Result<Self> {
+        let outcome = run(scenario, seed)?;
+        let known = step_two(scenario, &known_angles(scenario), seed)?;
+        let mut errors = Vec::new();
+        let mut errors_known_angles = Vec::new();
+        let mut bounds = Vec::new();
+        for (name, value) in assigned {
+            let (Some((found, _)), Some(position)) = (
+                outcome.deviation(&scenario.nominal, name),
+                known
+                    .estimates
+                    .iter()
+                    .position(|estimate| estimate.name == *name),
+            ) else {
+                bail!("seed {seed}: {name} was not identified");
+            };
+            let estimate = &known.estimates[position];
+            let (Some(absolute), Some(sd)) = (estimate.value, estimate.standard_deviation) else {
+                bail!("seed {seed}: {name} was not identified at known angles");
+            };
+            let parameter = scenario.nominal.parameter(name)?;
+            errors.push(found - value);
+            errors_known_angles.push(absolute - parameter.value(&scenario.nominal) - value);
+            bounds.push(sd);
+        }
+        let readings = evaluation_readings(scenario, seed)?;
+        let known_pose =
+            PoseErrors::new(&scenario.truth, &scenario.nominal, &known.device, &readings)?;
+        let capstans = (0..3).filter_map(|joint| outcome.capstan(joint)).collect();
+        Ok(Self {
+            errors,
+            errors_known_angles,
+            bounds,
+            information: information(&known, assigned)?,
+            capstans,
+            pose: PoseSummary::new(&outcome.pose)?,
+            orientation_observable_known_rad: rms(&known_pose.orientation_observable_rad)?,
+            from_home: FarFromHome::new(&outcome.pose)?,
+        })
+    }
+}
+
+/// The nominal device with the true transmissions: step 1 without any error.
+pub fn known_angles(scenario: &Scenario) -> Device {
+    let mut device = scenario.nominal.clone();
+    for (joint, truth) in device.joints.iter_mut().zip(&scenario.truth.joints) {
+        joint.transmission_error = truth.transmission_error.clone();
+    }
+    device
+}
+
+/// The inverse covariance of the rows of Table 3 as a small least-squares problem.
+fn information(
+    fit: &haptical_calibration::ParameterFit,
+    assigned: &[(String, f64)],
+) -> Result<Reduction> {
+    let positions: Vec<usize> = assigned
+        .iter()
+        .filter_map(|(name, _)| {
+            let index = fit
+                .estimates
+                .iter()
+                .position(|estimate| estimate.name == *name)?;
+            fit.fitted.iter().position(|&fitted| fitted == index)
+        })
+        .collect();
+    let size = positions.len();
+    let covariance = nalgebra::DMatrix::from_fn(size, size, |i, j| {
+        fit.uncertainty.covariance[(positions[i], positions[j])]
+    });
+    let Some(factor) = covariance.cholesky() else {
+        bail!("the covariance is not positive")
+    };
+    let Some(inverse) = factor.l().try_inverse() else {
+        bail!("the covariance is singular")
+    };
+    let matrix = haptical_linalg::Matrix::from_fn(size, size, |i, j| inverse[(i, j)]);
+    Ok(Reduction::new(&matrix, &vec![0.0; size])?)
+}
+
+/// e' C^-1 e for errors e under a run's covariance C.
+pub(crate) fn chi_square(information: &Reduction, errors: &[f64]) -> Result<f64> {
+    let columns: Vec<usize> = (0..errors.len()).collect();
+    let factor = information.scaled_factor(&columns, information.column_norms())?;
+    let whitened = factor.times(errors)?;
+    Ok(whitened.iter().map(|value| value * value).sum())
+}

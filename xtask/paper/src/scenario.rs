@@ -1,0 +1,146 @@
+//! The simulated device of the paper: nominal, with the assigned deviations, and how it is measured.
+
+use anyhow::{Context, Result, ensure};
+use haptical_calibration::{CalibrationMethod, Degree, HeldOut, Options, Weighting};
+use haptical_identification::Settings as Search;
+use haptical_model::transmission::CapstanError;
+use haptical_model::{Device, TransmissionError, TransmissionKind};
+use haptical_simulator::{Settings, apply_deviations};
+
+use crate::published::Paper;
+
+const NOMINAL: &str = include_str!("../../../fixtures/devices/haptic7.toml");
+
+/// Everything that one simulated calibration depends on, besides the seed.
+#[derive(Debug, Clone)]
+pub struct Scenario {
+    /// What is known before.
+    pub nominal: Device,
+    /// What is simulated.
+    pub truth: Device,
+    /// Noise and ranges.
+    pub settings: Settings,
+    /// Poses for step 2.
+    pub poses: usize,
+    /// Samples for each transmission.
+    pub samples: usize,
+    /// Poses to check on.
+    pub evaluation_poses: usize,
+    /// Degree of the polynomial of the fourth transmission.
+    pub degree: usize,
+    /// Rules of the search.
+    pub search: Search,
+}
+
+/// Denominators of the input drums' terms that bring the printed ripple and the printed precision of
+/// r_i together (docs/assumptions.md).
+pub(crate) const PRESET_DENOMINATORS_M: [f64; 4] = [2.9e-3, 2.9e-3, 2.9e-3, 2.6e-3];
+
+/// The nominal device: the given file, or the one that the paper's tables imply.
+pub fn nominal_device(path: Option<&std::path::Path>) -> Result<Device> {
+    let device = match path {
+        Some(path) => Device::load(path)?.device,
+        None => Device::from_toml(NOMINAL, "fixtures/devices/haptic7.toml")?.device,
+    };
+    ensure!(
+        device.joints.len() == 7 && device.links.len() == 8,
+        "the paper's tables belong to a 7-joint device with 8 link rows; `{}` has {} joints",
+        device.name,
+        device.joints.len()
+    );
+    let kinds: Vec<TransmissionKind> = device
+        .joints
+        .iter()
+        .take(4)
+        .map(|joint| joint.transmission)
+        .collect();
+    ensure!(
+        kinds[..3]
+            .iter()
+            .all(|kind| *kind == TransmissionKind::Capstan)
+            && kinds[3] == TransmissionKind::Parallelogram,
+        "joints 1 to 3 must be capstans and joint 4 a parallelogram, as in the paper"
+    );
+    Ok(device)
+}
+
+impl Scenario {
+    /// The paper's simulation on a nominal device.
+    pub fn paper(mut nominal: Device, paper: &Paper, preset: bool) -> Result<Self> {
+        for (joint, denominator) in nominal.joints.iter_mut().zip(PRESET_DENOMINATORS_M) {
+            if preset {
+                joint.input_drum_denominator_m = Some(denominator);
+            }
+        }
+        // The paper's simulation adds Gaussian noise only: no count of a motor-side encoder.
+        for joint in &mut nominal.joints {
+            joint.encoder_counts_per_rev = None;
+        }
+        let truth = true_device(&nominal, paper, 1.0)?;
+        Ok(Self {
+            nominal,
+            truth,
+            settings: Settings::paper(),
+            poses: 200,
+            samples: 200,
+            evaluation_poses: 200,
+            degree: 10,
+            search: Search::default(),
+        })
+    }
+
+    /// Options of the two fits: the paper's choices.
+    pub fn options(&self) -> Options {
+        Options {
+            method: CalibrationMethod::TwoStep,
+            degree: Degree::Fixed(self.degree),
+            zeroed_at_home: true,
+            weighting: Weighting::Stated,
+            held_out: HeldOut::None,
+            search: self.search,
+            ..Options::default()
+        }
+    }
+}
+
+/// The nominal device with Table 2's transmission errors and `scale` times Table 3's deviations.
+pub fn true_device(nominal: &Device, paper: &Paper, scale: f64) -> Result<Device> {
+    let deviations: Vec<(&str, f64)> = paper
+        .table3
+        .iter()
+        .map(|row| (row.name.as_str(), scale * row.assigned))
+        .chain(
+            paper
+                .unidentified
+                .iter()
+                .map(|(name, value)| (name.as_str(), scale * value)),
+        )
+        .collect();
+    let mut truth = apply_deviations(nominal, &deviations).context("assigning Table 3")?;
+    let table = &paper.table2;
+    for joint in 0..3 {
+        truth.joints[joint].transmission_error =
+            TransmissionError::Capstan(CapstanError::from_polar(
+                0.0,
+                table.ratio_deviation.assigned[joint],
+                table.ro_mm.assigned[joint] * 1e-3,
+                table.beta_o_deg.assigned[joint].to_radians(),
+                table.ri_mm.assigned[joint] * 1e-3,
+                table.beta_i_deg.assigned[joint].to_radians(),
+            ));
+    }
+    let fourth = &table.parallelogram_assigned;
+    let [first, second] = paper.length_deviations_m;
+    truth.joints[3].transmission_error = TransmissionError::Parallelogram {
+        capstan: CapstanError::from_polar(
+            0.0,
+            fourth.ratio_deviation,
+            fourth.ro4_mm * 1e-3,
+            fourth.beta_o4_deg.to_radians(),
+            fourth.ri4_mm * 1e-3,
+            fourth.beta_i4_deg.to_radians(),
+        ),
+        length_deviations_m: [first, second, 0.0, 0.0],
+    };
+    Ok(truth)
+}

@@ -1,0 +1,347 @@
+//! How time and memory of the distance identification grow with poses, parameters and joints.
+
+mod arms;
+mod peak;
+mod stream;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use haptical_batch::{PoseBatch, Threads, solve_distances};
+use haptical_identification::{Method, Settings};
+use haptical_linalg::{Matrix, RANK_TOLERANCE, Reduction};
+use haptical_report::{Cell, Column, Figure, FigureGrid, Mark, Series, Table};
+use xtask_output::{Layout, Output, Progress};
+
+use arms::Arm;
+
+/// Arguments of `bench-scaling`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: cargo xtask bench-scaling --most 1000000")]
+pub struct Arguments {
+    /// Largest number of poses that are streamed from a file; each takes about 96 bytes on disk.
+    #[arg(long, default_value_t = 10_000_000)]
+    most: usize,
+    /// Folder for tables, figures and report.
+    #[arg(long, default_value = "target/bench-scaling")]
+    out: PathBuf,
+    #[arg(long, hide = true)]
+    stream: Option<PathBuf>,
+    #[arg(long, hide = true, default_value_t = JOINTS)]
+    joints: usize,
+    #[arg(long, hide = true, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Joints of the paper's device.
+const JOINTS: usize = 7;
+/// Poses held in memory.
+const HELD: [usize; 6] = [200, 1000, 10_000, 100_000, 300_000, 1_000_000];
+/// Joints of the arms that are compared, and their poses.
+const ARMS: [usize; 6] = [2, 3, 5, 7, 10, 14];
+const ARM_POSES: usize = 20_000;
+/// Flops of the derivatives of one row of a chain, forth and back: a joint's turn with its sine and cosine turned by
+/// the offset, a constant turn, and what each derivative takes.
+const FLOPS_PER_ROW: usize = 30;
+/// A time is the least of repeats that take this long together \[s\].
+const REPEATED_S: f64 = 0.4;
+
+/// Runs the job.
+pub fn measure(arguments: &Arguments) -> Result<()> {
+    if let Some(path) = &arguments.stream {
+        let arm = Arm::new(arguments.joints, arguments.seed)?;
+        println!("{}", serde_json::to_string(&stream::in_child(path, &arm)?)?);
+        return Ok(());
+    }
+    let mut output = Output::new(Layout {
+        stem: "scaling",
+        figures: "figures/",
+        tables: "tables/",
+    });
+    let seed = arguments.seed;
+    let progress = Progress::new("scaling", HELD.len() + ARMS.len() + 3);
+    let peak = peak::flops_per_s();
+    output.section("The floor");
+    output.words(format!(
+        "One core computes {:.1} GFlop/s (fused multiply-adds in lanes, on numbers in registers). A pass over n poses of \
+         an arm of m joints with k parameters needs about n (2 k^2 + {FLOPS_PER_ROW} (m + 1)) flops, {:.0} a pose for the \
+         28 parameters of 7 joints: at that rate {:.1} ns a pose.",
+        peak / 1e9,
+        flops(JOINTS, 4 * JOINTS),
+        1e9 * flops(JOINTS, 4 * JOINTS) / peak,
+    ));
+    output.value("peak_flops_per_s", peak.into());
+    output.terminal(format!("one core: {:.1} GFlop/s", peak / 1e9));
+    let by_poses = poses_section(&mut output, seed, peak, &progress)?;
+    let by_parameters = parameters_section(&mut output, seed, peak, &progress)?;
+    stream_section(&mut output, arguments, &progress)?;
+    let panel = |title: &str, label: &str, points: &[(f64, f64)]| {
+        let mut figure = Figure::new(title, label, "log10 of the time [s]");
+        let points = points.iter().map(|(x, y)| (x.log10(), y.log10())).collect();
+        figure.legend = false;
+        figure
+            .series
+            .push(Series::new("ours", Mark::Points, 0, points));
+        figure
+    };
+    let panels = vec![
+        panel("by poses", "log10 of the poses", &by_poses),
+        panel("by parameters", "log10 of the parameters", &by_parameters),
+    ];
+    let grid = FigureGrid::new("Time of one fit, one thread", 2, panels);
+    output.grid(
+        "scaling",
+        "Time of one fit over poses and parameters",
+        &grid,
+    )?;
+    let lead = "How time and memory of the 28-parameter distance identification grow, on the machine that ran it. Times \
+                are the least of several; exponents are slopes of straight lines through logarithms.";
+    for text in output.write(&arguments.out, "Scaling", lead)? {
+        println!("{text}");
+    }
+    println!("report: {}", arguments.out.join("report.html").display());
+    Ok(())
+}
+
+/// Flops of a pass, a pose.
+fn flops(joints: usize, parameters: usize) -> f64 {
+    (2 * parameters * parameters + FLOPS_PER_ROW * (joints + 1)) as f64
+}
+
+/// Least time of one fit \[s\], and its steps.
+fn fit_s(arm: &Arm, poses: &PoseBatch, threads: usize) -> Result<(f64, usize)> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let settings = Settings {
+        method: Method::GaussNewton,
+        cost_tolerance: 1e-8,
+        ..Settings::default()
+    };
+    pool.build()?.install(|| {
+        let (mut least, mut steps) = (f64::INFINITY, 0);
+        let begin = Instant::now();
+        while begin.elapsed().as_secs_f64() < REPEATED_S {
+            let from = Instant::now();
+            let start = arm.model.start();
+            let several = Threads::Several;
+            let fit = solve_distances(&arm.model, poses, &start, &arm.free, &settings, several)?;
+            least = least.min(from.elapsed().as_secs_f64());
+            steps = fit.iterations;
+        }
+        Ok((least, steps))
+    })
+}
+
+fn poses_section(
+    output: &mut Output,
+    seed: u64,
+    peak: f64,
+    progress: &Progress,
+) -> Result<Vec<(f64, f64)>> {
+    let arm = Arm::new(JOINTS, seed)?;
+    let columns = [
+        ("poses", ""),
+        ("one thread", "ms"),
+        ("two threads", "ms"),
+        ("one over two", ""),
+        ("steps", ""),
+        ("each pose and pass", "ns"),
+        ("over the floor", ""),
+    ];
+    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
+    let mut table = Table::new("Time over the number of poses, 28 parameters", columns);
+    let mut points = Vec::new();
+    for poses in HELD {
+        let batch = arm.batch(poses, seed)?;
+        let (one_s, steps) = fit_s(&arm, &batch, 1)?;
+        let (two_s, _) = fit_s(&arm, &batch, 2)?;
+        points.push((poses as f64, one_s));
+        // a pass at the start and one for each step
+        let passes = (steps + 1) as f64;
+        let each_s = one_s / passes / poses as f64;
+        table.push(vec![
+            Cell::number(poses as f64, 0),
+            Cell::number(1e3 * one_s, 3),
+            Cell::number(1e3 * two_s, 3),
+            Cell::number(one_s / two_s, 2),
+            Cell::number(steps as f64, 0),
+            Cell::number(1e9 * each_s, 1),
+            Cell::number(each_s * peak / flops(JOINTS, arm.free.len()), 2),
+        ])?;
+        progress.step();
+    }
+    output.section("Poses in memory");
+    output.terminal_table(&table, &[0, 1, 2, 3, 4, 5, 6]);
+    output.table("poses", table)?;
+    let most: Vec<(f64, f64)> = points.iter().copied().filter(|(n, _)| *n >= 1e4).collect();
+    let words = format!(
+        "Exponent of the time over the poses: {:.3} from 10 000 on, {:.3} from 200 on.",
+        exponent(&most)?,
+        exponent(&points)?
+    );
+    output.terminal(words.clone());
+    output.words(words);
+    Ok(points)
+}
+
+fn parameters_section(
+    output: &mut Output,
+    seed: u64,
+    peak: f64,
+    progress: &Progress,
+) -> Result<Vec<(f64, f64)>> {
+    let columns = [
+        ("joints", ""),
+        ("parameters", ""),
+        ("one thread", "ms"),
+        ("steps", ""),
+        ("each pose and pass", "ns"),
+        ("over the floor", ""),
+    ];
+    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
+    let mut table = Table::new("Time over the number of joints, 20 000 poses", columns);
+    let mut points = Vec::new();
+    for joints in ARMS {
+        let arm = Arm::new(joints, seed)?;
+        let batch = arm.batch(ARM_POSES, seed)?;
+        let (one_s, steps) = fit_s(&arm, &batch, 1)?;
+        let each_s = one_s / (steps + 1) as f64;
+        points.push((arm.free.len() as f64, each_s));
+        table.push(vec![
+            Cell::number(joints as f64, 0),
+            Cell::number(arm.free.len() as f64, 0),
+            Cell::number(1e3 * one_s, 3),
+            Cell::number(steps as f64, 0),
+            Cell::number(1e9 * each_s / ARM_POSES as f64, 1),
+            Cell::number(
+                each_s * peak / ARM_POSES as f64 / flops(joints, arm.free.len()),
+                2,
+            ),
+        ])?;
+        progress.step();
+    }
+    output.section("Parameters");
+    output.terminal_table(&table, &[0, 1, 2, 3, 4, 5]);
+    output.table("parameters", table)?;
+    // the parameters are four times the joints, so the floor's own slope over either is one number
+    let floor: Vec<(f64, f64)> = ARMS
+        .iter()
+        .map(|&joints| ((4 * joints) as f64, flops(joints, 4 * joints)))
+        .collect();
+    let upper = |points: &[(f64, f64)]| exponent(&points[ARMS.len() / 2 - 1..]);
+    let words = format!(
+        "Exponent of a pass over the parameters, and over the joints, as there are four of them to a joint: {:.2} from 8 \
+         parameters on, {:.2} from 20 on; that of the floor's flops: {:.2} and {:.2}. The derivatives alone have the \
+         exponent 1, the reduction alone 2.",
+        exponent(&points)?,
+        upper(&points)?,
+        exponent(&floor)?,
+        upper(&floor)?,
+    );
+    output.terminal(words.clone());
+    output.words(words);
+    Ok(points)
+}
+
+fn stream_section(output: &mut Output, arguments: &Arguments, progress: &Progress) -> Result<()> {
+    let columns = [
+        ("poses", ""),
+        ("file", "MB"),
+        ("plain read", "s"),
+        ("parsing once", "s"),
+        ("parsing / read", ""),
+        ("fit, all passes", "s"),
+        ("passes", ""),
+        ("fit less parsing / read", ""),
+        ("peak memory", "MiB"),
+        ("scatter", ""),
+    ];
+    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
+    let mut table = Table::new(
+        "Poses streamed from a CSV file, parsed again for every pass",
+        columns,
+    );
+    let (seed, arm) = (arguments.seed, Arm::new(JOINTS, arguments.seed)?);
+    std::fs::create_dir_all(&arguments.out)?;
+    let path = arguments.out.join("streamed.csv");
+    let mut peaks = Vec::new();
+    for poses in [arguments.most / 100, arguments.most / 10, arguments.most] {
+        let found = streamed(&path, &arm, poses, seed);
+        let removed = std::fs::remove_file(&path);
+        let found = found?;
+        removed.with_context(|| path.display().to_string())?;
+        let parsing_s = found.passes as f64 * found.parse_s;
+        peaks.extend(found.peak_kib);
+        let peak = found
+            .peak_kib
+            .map(|kib| Cell::number(kib as f64 / 1024.0, 1));
+        table.push(vec![
+            Cell::number(found.poses as f64, 0),
+            Cell::number(found.file_bytes as f64 / 1e6, 1),
+            Cell::number(found.read_s, 3),
+            Cell::number(found.parse_s, 3),
+            Cell::number(found.parse_s / found.read_s, 1),
+            Cell::number(found.solve_s, 2),
+            Cell::number(found.passes as f64, 0),
+            Cell::number((found.solve_s - parsing_s) / found.read_s, 1),
+            peak.unwrap_or_else(|| "not told".into()),
+            Cell::number(found.scatter, 4),
+        ])?;
+        progress.step();
+    }
+    output.section("Poses streamed");
+    output.terminal_table(&table, &[0, 1, 2, 3, 5, 6, 8, 9]);
+    output.table("streamed", table)?;
+    if let Some(most) = peaks.iter().max() {
+        let mib = *most as f64 / 1024.0;
+        output.verdict(
+            mib < 200.0,
+            format!(
+                "{} poses streamed: at most {mib:.1} MiB (bar: 200)",
+                arguments.most
+            ),
+        );
+    }
+    Ok(())
+}
+
+fn streamed(path: &Path, arm: &Arm, poses: usize, seed: u64) -> Result<stream::Streamed> {
+    stream::write(path, arm, poses, seed)?;
+    stream::run(path, JOINTS, seed)
+}
+
+/// Slope of the straight line of least squares through the logarithms.
+fn exponent(points: &[(f64, f64)]) -> Result<f64> {
+    let design = Matrix::from_fn(points.len(), 2, |row, column| match column {
+        0 => 1.0,
+        _ => points[row].0.ln(),
+    });
+    let logs: Vec<f64> = points.iter().map(|(_, y)| y.ln()).collect();
+    let line = Reduction::new(&design, &logs)?.solve(&[0, 1], 0.0, RANK_TOLERANCE)?;
+    Ok(line.values[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_exponent_is_a_slope_of_logarithms() {
+        let points: Vec<(f64, f64)> = (1..6)
+            .map(|n| (f64::from(n), 3.0 * f64::from(n).powf(1.7)))
+            .collect();
+        assert!((exponent(&points).unwrap() - 1.7).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_streamed_file_gives_the_fit_of_the_poses_in_memory() {
+        let arm = Arm::new(3, 5).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        stream::write(&path, &arm, 500, 5).unwrap();
+        let found = stream::in_child(&path, &arm).unwrap();
+        assert_eq!(found.poses, 500);
+        // chi-square with 488 degrees of freedom: five deviations are 0.32
+        assert!((found.scatter - 1.0).abs() < 0.32, "{}", found.scatter);
+    }
+}

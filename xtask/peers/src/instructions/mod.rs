@@ -1,0 +1,152 @@
+//! Instruction counts of fixed workloads under callgrind, compared with committed ones.
+
+mod committed;
+mod compare;
+mod count;
+mod environment;
+mod output;
+#[cfg(test)]
+mod tests;
+mod workloads;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use rayon::prelude::*;
+use xtask_output::Progress;
+
+use committed::{Committed, Found};
+use compare::Comparison;
+use environment::Environment;
+use output::Results;
+use workloads::{Workload, all};
+
+/// Arguments of `instructions`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples: cargo xtask instructions --quick\n          \
+                         cargo xtask instructions --only csv-rows,fit-200-poses --json\n          \
+                         cargo xtask instructions --record     after a change that moves counts")]
+pub struct Arguments {
+    /// Commit these counts instead of comparing them: writes `fixtures/instructions/VERSION.toml`.
+    #[arg(long)]
+    record: bool,
+    /// Only these workloads.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "NAME",
+        conflicts_with = "quick"
+    )]
+    only: Vec<String>,
+    /// Leave out the workloads that take valgrind more than ten seconds.
+    #[arg(long)]
+    quick: bool,
+    /// Print JSON alone.
+    #[arg(long)]
+    json: bool,
+    /// Run one workload, as the counted process does.
+    #[arg(long, hide = true, value_name = "NAME")]
+    run: Option<String>,
+}
+
+/// Where the committed counts are, one file for each version of the compiler.
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/instructions")
+}
+
+/// Runs the job.
+pub fn instructions(arguments: &Arguments) -> Result<()> {
+    if let Some(name) = &arguments.run {
+        let lanes = count::run(&chosen(std::slice::from_ref(name))?[0])?;
+        println!("{lanes}");
+        return Ok(());
+    }
+    let mut workloads = chosen(&arguments.only)?;
+    workloads.retain(|workload| !(arguments.quick && workload.is_long));
+    let environment = match Environment::here() {
+        Ok(environment) => environment,
+        Err(why) if arguments.record => bail!("nothing can be recorded: {why}"),
+        Err(why) => return output::nothing_counted(&why, arguments.json),
+    };
+    let (environment, counts) = counted(environment, &workloads)?;
+    let folder = folder();
+    let known: Vec<&str> = all().map(|workload| workload.name).collect();
+    if arguments.record {
+        let is_part = workloads.len() < known.len();
+        let path = committed::record(&folder, &environment, &counts, &known, is_part)?;
+        let path = path.canonicalize().unwrap_or(path);
+        eprintln!("recorded: {}", path.display());
+    }
+    let found = committed::find(&folder, &environment)?;
+    let comparison = match &found {
+        Found::Same(Committed { instructions, .. }) => {
+            Some(Comparison::new(&counts, instructions, &known))
+        }
+        Found::NotComparable(_) => None,
+    };
+    let results = Results {
+        environment: &environment,
+        workloads: &workloads,
+        counts: &counts,
+        comparison: comparison.as_ref(),
+        why_not: match &found {
+            Found::Same(_) => None,
+            Found::NotComparable(why) => Some(why),
+        },
+    };
+    results.print(arguments.json)?;
+    let failures = comparison.map_or_else(Vec::new, |comparison| comparison.failures());
+    ensure!(
+        failures.is_empty(),
+        "{}\nwhere the change is meant, commit it: cargo xtask instructions --record",
+        failures.join("\n")
+    );
+    Ok(())
+}
+
+/// The workloads of these names; all if there are none.
+fn chosen(names: &[String]) -> Result<Vec<Workload>> {
+    let known: Vec<&str> = all().map(|workload| workload.name).collect();
+    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        bail!(
+            "there is no workload `{name}`; known are {}",
+            known.join(", ")
+        );
+    }
+    let wanted = |workload: &Workload| names.is_empty() || names.iter().any(|n| n == workload.name);
+    Ok(all().filter(wanted).collect())
+}
+
+/// Counts every workload in a process of its own, several at a time: counts do not depend on the load.
+fn counted(
+    environment: Environment,
+    workloads: &[Workload],
+) -> Result<(Environment, Vec<(&'static str, u64)>)> {
+    let progress = Progress::new("counting instructions", workloads.len());
+    let counts = workloads
+        .par_iter()
+        .with_max_len(1)
+        .map(|workload| {
+            let count = count::count(workload.name).with_context(|| workload.name.to_owned());
+            progress.step();
+            count
+        })
+        .collect::<Result<Vec<_>>>()?;
+    drop(progress);
+    let lanes = counts
+        .first()
+        .map(|count| count.lanes.clone())
+        .unwrap_or_default();
+    let counts = workloads
+        .iter()
+        .zip(&counts)
+        .map(|(workload, count)| (workload.name, count.instructions))
+        .collect();
+    Ok((
+        Environment {
+            lanes,
+            ..environment
+        },
+        counts,
+    ))
+}

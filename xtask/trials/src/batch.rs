@@ -1,0 +1,221 @@
+//! A batch in its three acts: seal every truth, fix every answer, open and judge.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use serde::Serialize;
+use xtask_blind::{
+    Answer, Random, Sealed, Suite, TrialScore, TrueReduction, Truth, judge, seal, sha256_hex,
+    true_reductions, write_trial,
+};
+use xtask_output::Progress;
+
+use super::subject::Given;
+use super::threads::in_parallel;
+
+/// Streams of salts: beyond those of the trials, which are below 2^44.
+const SALT_STREAM: u64 = 1 << 60;
+
+/// The trials of a batch and how they are worked on.
+#[derive(Debug, Clone)]
+pub(crate) struct Batch {
+    pub(crate) seed: u64,
+    /// Suite and index.
+    pub(crate) trials: Vec<(Suite, u64)>,
+    /// Threads.
+    pub(crate) jobs: usize,
+}
+
+/// What may be published before the diagnosis.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct Commitment {
+    pub(crate) suite: &'static str,
+    pub(crate) index: u64,
+    pub(crate) commitment: String,
+}
+
+/// What may be published before the seals are opened.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct Published {
+    pub(crate) suite: &'static str,
+    pub(crate) index: u64,
+    /// SHA-256 of gap.json; absent where there is none.
+    pub(crate) answer_sha256: Option<String>,
+}
+
+/// An answer, fixed before its truth is opened.
+#[derive(Debug)]
+pub(crate) struct Fixed {
+    /// The answer with the SHA-256 of its gap.json, or why there is none.
+    pub(crate) answer: Result<(Answer, String), String>,
+    /// True reductions of the gap by the answer's predictions.
+    pub(crate) reductions: BTreeMap<String, TrueReduction>,
+    /// Rows of the recording.
+    pub(crate) rows: usize,
+    /// Time of the diagnosis on one core \[s\].
+    pub(crate) time_s: f64,
+}
+
+/// A trial after its truth was opened.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Case {
+    pub(crate) suite: &'static str,
+    pub(crate) index: u64,
+    /// Arguments that run this trial alone, seed included.
+    pub(crate) rerun: String,
+    pub(crate) commitment: String,
+    pub(crate) salt: String,
+    /// The text that was committed to.
+    pub(crate) truth_json: String,
+    /// SHA-256 of gap.json.
+    pub(crate) answer_sha256: Option<String>,
+    pub(crate) answer: Option<Answer>,
+    /// Why there is no answer.
+    pub(crate) error: Option<String>,
+    pub(crate) score: Option<TrialScore>,
+    #[serde(skip)]
+    pub(crate) truth: Truth,
+    #[serde(skip)]
+    pub(crate) rows: usize,
+    #[serde(skip)]
+    pub(crate) time_s: f64,
+}
+
+impl Fixed {
+    /// SHA-256 of gap.json.
+    pub(crate) fn sha256(&self) -> Option<&str> {
+        self.answer.as_ref().ok().map(|(_, sha256)| sha256.as_str())
+    }
+}
+
+impl Batch {
+    /// Seals every truth.
+    pub(crate) fn seal(&self) -> Result<Vec<Sealed>> {
+        let progress = Progress::new("sealing", self.trials.len());
+        let sealed = in_parallel(self.jobs, self.trials.len(), &progress, |number| {
+            let (suite, index) = self.trials[number];
+            let trial = suite.draw(index, self.seed)?;
+            self.sealed(number, &trial.truth)
+        })?;
+        sealed.into_iter().collect()
+    }
+
+    /// What is published of the seals.
+    pub(crate) fn commitments(&self, sealed: &[Sealed]) -> Vec<Commitment> {
+        let pairs = self.trials.iter().zip(sealed);
+        let publish = |((suite, index), sealed): (&(Suite, u64), &Sealed)| Commitment {
+            suite: suite.name(),
+            index: *index,
+            commitment: sealed.commitment.clone(),
+        };
+        pairs.map(publish).collect()
+    }
+
+    /// The salt belongs to suite and index, so that a trial that is run alone has the same commitment.
+    fn sealed(&self, number: usize, truth: &Truth) -> Result<Sealed> {
+        let (suite, index) = self.trials[number];
+        let place = Suite::ALL.iter().position(|other| *other == suite);
+        let stream = SALT_STREAM + ((place.unwrap_or(0) as u64) << 40) + index;
+        Ok(seal(truth, &mut Random::new(self.seed, stream))?)
+    }
+
+    /// Diagnoses every trial.
+    pub(crate) fn diagnose(&self, sealed: &[Sealed]) -> Result<Vec<Fixed>> {
+        let progress = Progress::new("diagnosing", self.trials.len());
+        let fixed = in_parallel(self.jobs, self.trials.len(), &progress, |number| {
+            self.fixed(number, &sealed[number])
+        })?;
+        fixed.into_iter().collect()
+    }
+
+    fn fixed(&self, number: usize, sealed: &Sealed) -> Result<Fixed> {
+        let (suite, index) = self.trials[number];
+        let trial = suite.draw(index, self.seed)?;
+        ensure!(
+            self.sealed(number, &trial.truth)? == *sealed,
+            "{} {index} is not the trial that was sealed: the generator does not repeat itself",
+            suite.name()
+        );
+        let given = Given::of(&trial)?;
+        let answered = given.answer();
+        // from here on the answer is what it is
+        let mut fixed = Fixed {
+            answer: Err(String::new()),
+            reductions: BTreeMap::new(),
+            rows: given.rows(),
+            time_s: 0.0,
+        };
+        fixed.answer = answered.and_then(|answered| {
+            fixed.time_s = answered.time_s;
+            fixed.reductions = true_reductions(&answered.predictions, &trial.clean2);
+            let answer = Answer::from_json(&answered.gap_json)
+                .map_err(|error| format!("gap.json is not what the contract says: {error:?}"))?;
+            Ok((answer, sha256_hex(&answered.gap_json)))
+        });
+        Ok(fixed)
+    }
+
+    /// What is published of the answers before the seals are opened.
+    pub(crate) fn answers(&self, fixed: &[Fixed]) -> Vec<Published> {
+        let pairs = self.trials.iter().zip(fixed);
+        let publish = |((suite, index), fixed): (&(Suite, u64), &Fixed)| Published {
+            suite: suite.name(),
+            index: *index,
+            answer_sha256: fixed.sha256().map(str::to_owned),
+        };
+        pairs.map(publish).collect()
+    }
+
+    /// Opens the seals and judges the answers.
+    pub(crate) fn open(
+        &self,
+        published: &[Commitment],
+        sealed: Vec<Sealed>,
+        fixed: Vec<Fixed>,
+    ) -> Result<Vec<Case>> {
+        let mut cases = Vec::with_capacity(sealed.len());
+        for ((commitment, sealed), fixed) in published.iter().zip(sealed).zip(fixed) {
+            let Commitment { suite, index, .. } = *commitment;
+            let truth = sealed
+                .open(&commitment.commitment)
+                .with_context(|| format!("{suite} {index}"))?;
+            let (answer, answer_sha256, error) = match fixed.answer {
+                Ok((answer, sha256)) => (Some(answer), Some(sha256), None),
+                Err(error) => (None, None, Some(error)),
+            };
+            let score = answer
+                .as_ref()
+                .map(|answer| judge(&truth, answer, &fixed.reductions));
+            cases.push(Case {
+                suite,
+                index,
+                rerun: format!(
+                    "--suite {suite} --first {index} --count 1 --seed {}",
+                    self.seed
+                ),
+                commitment: sealed.commitment,
+                salt: sealed.salt,
+                truth_json: sealed.truth_json,
+                answer_sha256,
+                answer,
+                error,
+                score,
+                truth,
+                rows: fixed.rows,
+                time_s: fixed.time_s,
+            });
+        }
+        Ok(cases)
+    }
+
+    /// Writes every trial with its truth below `folder`.
+    pub(crate) fn dump(&self, folder: &Path) -> Result<()> {
+        for (suite, index) in &self.trials {
+            let trial = suite.draw(*index, self.seed)?;
+            let name = format!("{}-{index:03}-{}", suite.name(), trial.truth.name);
+            write_trial(&trial, &folder.join(name), true)?;
+        }
+        Ok(())
+    }
+}

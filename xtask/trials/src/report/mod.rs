@@ -1,0 +1,278 @@
+//! The report of a batch: bars, suites, pictures, the trials that went wrong.
+
+pub(crate) mod bars;
+mod figures;
+pub(crate) mod record;
+mod wrong;
+
+use anyhow::Result;
+use haptical_report::{Cell, Column, Table};
+use serde_json::json;
+use xtask_blind::{Rate, TrialScore, summarise};
+use xtask_output::Output;
+
+use self::wrong::Fault;
+use crate::batch::Case;
+use crate::calibration::{probabilities, reliability_bins};
+use crate::measure::Measure;
+
+/// Suites in which not seeing a small effect is no fault.
+const SMALL: [&str; 2] = ["s1n", "s5"];
+
+/// What a suite holds.
+fn about(suite: &str) -> &'static str {
+    match suite {
+        "s0" => "clean",
+        "s1" => "one strong effect",
+        "s1n" => "one effect, a tenth as strong",
+        "s2" => "one strong effect, withheld from the catalogue",
+        "s3" => "an effect in no catalogue",
+        "s4" => "two effects",
+        "s5" => "one effect, 1/100 to strong",
+        "s6" => "an effect with structural twins",
+        "s7" => "a pathology of the noise",
+        "s8" => "ablation: kinematics only",
+        "s10" => "100 times beyond the physical bound",
+        "sf" => "an effect on force or torque",
+        "sfw" => "the same, withheld from the catalogue",
+        "sfu" => "an effect on force or torque in no catalogue",
+        _ => "",
+    }
+}
+
+/// Everything, section by section.
+pub(crate) fn write(output: &mut Output, cases: &[Case], measures: &[Measure]) -> Result<()> {
+    bars(output, measures)?;
+    suites(output, cases)?;
+    calibration(output, cases)?;
+    confusions(output, cases)?;
+    if let Some(figure) = figures::ladder(cases) {
+        output.section("Power");
+        let caption = "Suite s5: the same effects at seven sizes, with 95 % intervals.";
+        output.figure("ladder", caption, &figure)?;
+    }
+    parameters(output, cases)?;
+    wrong_ones(output, cases)?;
+    Ok(())
+}
+
+fn bars(output: &mut Output, measures: &[Measure]) -> Result<()> {
+    output.section("Bars");
+    let judged: Vec<&Measure> = measures.iter().filter(|one| one.bar.is_some()).collect();
+    let met = judged.iter().filter(|one| one.met == Some(true)).count();
+    output.words(format!(
+        "{met} of {} figures with a bar meet it. Intervals are Wilson's at 95 %, of figures that are no \
+         shares by bootstrap over the trials.",
+        judged.len()
+    ));
+    let columns = ["of", "figure", "measured", "95 % interval", "bar", ""];
+    let columns = columns.map(|name| Column::new(name, "")).to_vec();
+    let mut table = Table::new("", columns);
+    for one in measures {
+        let bar = one.bar.map_or(String::new(), |bar| bar.words(&one.value));
+        table.push(vec![
+            one.group.into(),
+            Cell::Text(one.name.clone()),
+            Cell::Text(one.value.words()),
+            Cell::Text(one.value.interval()),
+            Cell::Text(bar),
+            one.verdict().into(),
+        ])?;
+    }
+    output.terminal(lines(measures));
+    output.table("bars", table)?;
+    output.value("measures", json!(measures));
+    Ok(())
+}
+
+/// The table of bars with a line for each heading, no wider than it must be.
+fn lines(measures: &[Measure]) -> String {
+    let mut lines = Vec::new();
+    let mut group = "";
+    for one in measures {
+        if one.group != group {
+            group = one.group;
+            lines.push(group.to_owned());
+        }
+        let bar = one.bar.map_or(String::new(), |bar| bar.words(&one.value));
+        let (name, value, interval) = (&one.name, one.value.words(), one.value.interval());
+        let line = format!(
+            "  {name:54} {value:20} {interval:19} {bar:15} {}",
+            one.verdict()
+        );
+        lines.push(line.trim_end().to_owned());
+    }
+    lines.join("\n")
+}
+
+fn suites(output: &mut Output, cases: &[Case]) -> Result<()> {
+    output.section("Suites");
+    let names = [
+        "suite",
+        "what",
+        "trials",
+        "no answer",
+        "detected",
+        "named",
+        "right",
+        "wrong name alone",
+        "unknown",
+        "joint right",
+        "false causes",
+    ];
+    let columns = names.map(|name| Column::new(name, "")).to_vec();
+    let mut table = Table::new("", columns);
+    let mut present: Vec<&str> = cases.iter().map(|case| case.suite).collect();
+    present.dedup();
+    let mut summaries = Vec::new();
+    for suite in present {
+        let of_suite: Vec<&Case> = cases.iter().filter(|case| case.suite == suite).collect();
+        let scores: Vec<TrialScore> = of_suite
+            .iter()
+            .filter_map(|case| case.score.clone())
+            .collect();
+        let summary = summarise(suite, &scores);
+        let wrong = scores.iter().map(|score| score.confidently_wrong);
+        table.push(vec![
+            suite.into(),
+            about(suite).into(),
+            Cell::number(of_suite.len() as f64, 0),
+            Cell::number((of_suite.len() - scores.len()) as f64, 0),
+            percent(&summary.detected),
+            percent(&summary.named),
+            percent(&summary.right),
+            percent(&Rate::of_cases(wrong)),
+            percent(&summary.unknown),
+            percent(&summary.joint_right),
+            Cell::number_or_missing(summary.false_causes_per_trial, 2),
+        ])?;
+        summaries.push(summary);
+    }
+    table.notes.push(
+        "Shares of all trials that were answered; joint: of those whose effect was found, or whose gap \
+         lies in one."
+            .to_owned(),
+    );
+    output.table("suites", table)?;
+    output.value("suites", json!(summaries));
+    Ok(())
+}
+
+fn percent(rate: &Rate) -> Cell {
+    match rate.share {
+        Some(share) => Cell::Text(format!("{:.1} %", 100.0 * share)),
+        None => Cell::Missing,
+    }
+}
+
+fn calibration(output: &mut Output, cases: &[Case]) -> Result<()> {
+    let pairs = probabilities(cases, None);
+    let bins = reliability_bins(&pairs);
+    if bins.is_empty() {
+        return Ok(());
+    }
+    output.section("Probabilities");
+    output.figure(
+        "reliability",
+        "Stated probability of the first cause, or of unknown, against how often it was so, all suites.",
+        &figures::reliability(&bins),
+    )?;
+    let columns = vec![
+        Column::new("mean probability", ""),
+        Column::new("share that was so", ""),
+        Column::new("95 % interval", ""),
+        Column::new("answers", ""),
+    ];
+    let mut table = Table::new("", columns);
+    for bin in &bins {
+        let interval = bin
+            .happened
+            .ci95
+            .map_or(Cell::Missing, |[low, high]| Cell::interval(low, high, 2));
+        table.push(vec![
+            Cell::number(bin.probability, 3),
+            Cell::number_or_missing(bin.happened.share, 3),
+            interval,
+            Cell::number(bin.happened.of as f64, 0),
+        ])?;
+    }
+    output.folded_table("reliability", "Reliability table", table)
+}
+
+fn confusions(output: &mut Output, cases: &[Case]) -> Result<()> {
+    output.section("Who was taken for whom");
+    for (file, title, suites) in [
+        (
+            "confusion",
+            "Clean, strong single effects, effects in no catalogue",
+            &["s0", "s1", "s3"][..],
+        ),
+        ("confusion-near", "Effects a tenth as strong", &["s1n"]),
+        ("confusion-withheld", "Strong effects, withheld", &["s2"]),
+        ("confusion-twins", "Effects with structural twins", &["s6"]),
+        (
+            "confusion-others",
+            "Noise, impossible magnitudes, force",
+            &["s7", "s10", "sf", "sfw", "sfu"],
+        ),
+    ] {
+        let wanted: Vec<&Case> = cases
+            .iter()
+            .filter(|case| suites.contains(&case.suite))
+            .collect();
+        if let Some((map, caption)) = figures::confusion(title, &wanted) {
+            output.heat_map(file, &caption, &map)?;
+        }
+    }
+    Ok(())
+}
+
+fn parameters(output: &mut Output, cases: &[Case]) -> Result<()> {
+    let scores: Vec<TrialScore> = cases.iter().filter_map(|case| case.score.clone()).collect();
+    let by_name = summarise("all", &scores).parameters_covered_by_name;
+    if by_name.is_empty() {
+        return Ok(());
+    }
+    output.section("Intervals of parameters");
+    let columns = vec![
+        Column::new("effect: parameter", ""),
+        Column::new("intervals that hold the truth", ""),
+        Column::new("of", ""),
+        Column::new("95 % interval", ""),
+    ];
+    let mut table = Table::new("", columns);
+    for (name, rate) in &by_name {
+        let interval = rate.ci95.map_or(Cell::Missing, |[low, high]| {
+            Cell::interval(100.0 * low, 100.0 * high, 0)
+        });
+        table.push(vec![
+            Cell::Text(name.clone()),
+            percent(rate),
+            Cell::number(rate.of as f64, 0),
+            interval,
+        ])?;
+    }
+    output.folded_table("parameters", "By parameter, all suites", table)
+}
+
+fn wrong_ones(output: &mut Output, cases: &[Case]) -> Result<()> {
+    output.section("Trials that were not answered rightly");
+    output.words(
+        "Each can be run again with the arguments in its row and the seed of the batch; --dump FOLDER \
+         writes its files.",
+    );
+    let is_small =
+        |case: &Case, fault: Fault| fault == Fault::Missed && SMALL.contains(&case.suite);
+    let table = wrong::table("", cases, |case, fault| !is_small(case, fault))?;
+    if table.rows.is_empty() {
+        output.words("None.");
+    } else {
+        output.table("wrong", table)?;
+    }
+    let missed = wrong::table("", cases, is_small)?;
+    if !missed.rows.is_empty() {
+        let summary = format!("Small effects that were missed: {}", missed.rows.len());
+        output.folded_table("missed", &summary, missed)?;
+    }
+    Ok(())
+}

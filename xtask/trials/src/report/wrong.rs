@@ -1,0 +1,184 @@
+//! The trials that were not answered rightly, each with what was said and how to run it again.
+
+use haptical_report::{Cell, Column, ReportError, Table};
+use xtask_blind::{Answer, TrialScore, Verdict};
+
+use crate::batch::Case;
+
+/// What is wrong with an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Fault {
+    /// The diagnosis failed.
+    NoAnswer,
+    /// A wrong name, given alone.
+    NamedWrong,
+    /// A gap where there is none.
+    FalseAlarm,
+    /// A class of names without the right one.
+    ClassWrong,
+    /// A gap was seen and nothing named, though the catalogue has the name.
+    Declined,
+    /// Not all of several effects were found.
+    Incomplete,
+    /// The right name at the wrong joint.
+    Joint,
+    /// Causes that were not put in beside right ones.
+    Extra,
+    /// No gap was seen.
+    Missed,
+}
+
+impl Fault {
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::NoAnswer => "no answer",
+            Self::NamedWrong => "named and wrong",
+            Self::FalseAlarm => "false alarm",
+            Self::ClassWrong => "class without the truth",
+            Self::Declined => "declined",
+            Self::Incomplete => "not all found",
+            Self::Joint => "joint",
+            Self::Extra => "false extra cause",
+            Self::Missed => "missed",
+        }
+    }
+}
+
+/// What is wrong with the answer of a trial; none where it is right.
+pub(crate) fn fault(case: &Case) -> Option<Fault> {
+    let Some(score) = &case.score else {
+        return Some(Fault::NoAnswer);
+    };
+    if score.right {
+        return if score.joint_right == Some(false) && !score.is_unknown {
+            Some(Fault::Joint)
+        } else {
+            (score.false_causes > 0).then_some(Fault::Extra)
+        };
+    }
+    Some(of_wrong(score))
+}
+
+fn of_wrong(score: &TrialScore) -> Fault {
+    match score.verdict {
+        Verdict::NoGap => Fault::Missed,
+        Verdict::Named if score.groups > 1 && score.groups_found > 0 => Fault::Incomplete,
+        Verdict::Named => Fault::NamedWrong,
+        _ if score.is_clean => Fault::FalseAlarm,
+        Verdict::Ambiguous if score.groups > 1 && score.groups_found > 0 => Fault::Incomplete,
+        Verdict::Ambiguous => Fault::ClassWrong,
+        Verdict::Unknown => Fault::Declined,
+    }
+}
+
+/// The table of the trials with one of these faults, worst first.
+pub(crate) fn table(
+    title: &str,
+    cases: &[Case],
+    wanted: impl Fn(&Case, Fault) -> bool,
+) -> Result<Table, ReportError> {
+    let mut found: Vec<(Fault, &Case)> = cases
+        .iter()
+        .filter_map(|case| Some((fault(case)?, case)))
+        .filter(|(fault, case)| wanted(case, *fault))
+        .collect();
+    found.sort_by_key(|(fault, _)| *fault);
+    let names = ["fault", "trial", "device", "truth", "verdict", "answer"];
+    let columns = names.map(|name| Column::new(name, "")).to_vec();
+    let mut table = Table::new(title, columns);
+    for (fault, case) in found {
+        table.push(vec![
+            fault.words().into(),
+            Cell::Text(format!(
+                "--suite {} --first {} --count 1",
+                case.suite, case.index
+            )),
+            Cell::Text(case.truth.device.clone()),
+            Cell::Text(truth(case)),
+            Cell::Text(
+                case.answer
+                    .as_ref()
+                    .map_or("none", |answer| answer.verdict.text())
+                    .to_owned(),
+            ),
+            Cell::Text(match (&case.answer, &case.error) {
+                (Some(answer), _) => answered(answer),
+                (None, Some(error)) => error.clone(),
+                (None, None) => String::new(),
+            }),
+        ])?;
+    }
+    Ok(table)
+}
+
+/// `backlash joint 3 + cable-drift`, with the size where it is not a strong one.
+fn truth(case: &Case) -> String {
+    if case.truth.effects.is_empty() || case.suite == "s8" {
+        return case.truth.name.clone();
+    }
+    let effects: Vec<String> = case
+        .truth
+        .effects
+        .iter()
+        .map(|effect| {
+            let joint = effect
+                .joint
+                .map_or(String::new(), |joint| format!(" joint {joint}"));
+            let size = if effect.size == 1.0 {
+                String::new()
+            } else {
+                format!(" x {:.2}", effect.size)
+            };
+            format!("{}{joint}{size}", effect.effect)
+        })
+        .collect();
+    let withheld = if case.truth.without.is_empty() {
+        String::new()
+    } else {
+        format!(" (without {})", case.truth.without.join(", "))
+    };
+    effects.join(" + ") + &withheld
+}
+
+/// `backlash joint 3, p 0.93, or hysteresis; cable-drift, p 0.99`.
+fn answered(answer: &Answer) -> String {
+    let causes: Vec<String> = answer
+        .causes
+        .iter()
+        .map(|cause| {
+            let joint = cause
+                .joint
+                .map_or(String::new(), |joint| format!(" joint {joint}"));
+            let probability = cause
+                .probability
+                .map_or(String::new(), |probability| format!(", p {probability:.2}"));
+            let class = if cause.confusable_with.is_empty() {
+                String::new()
+            } else {
+                format!(", or {}", cause.confusable_with.join(", "))
+            };
+            format!("{}{joint}{probability}{class}", cause.effect)
+        })
+        .collect();
+    let place = answer.place.as_ref().map_or(String::new(), |place| {
+        format!(
+            "in {}{}, depends on {}",
+            place.channel.as_deref().unwrap_or("no channel"),
+            place
+                .joint
+                .map_or(String::new(), |joint| format!(", joint {joint}")),
+            if place.depends_on.is_empty() {
+                "nothing".to_owned()
+            } else {
+                place.depends_on.join(", ")
+            }
+        )
+    });
+    let unknown = answer
+        .probability_unknown
+        .filter(|_| answer.verdict == Verdict::Unknown)
+        .map_or(String::new(), |p| format!("p unknown {p:.2}"));
+    let parts = [causes.join("; "), unknown, place];
+    let said: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    said.join("; ")
+}

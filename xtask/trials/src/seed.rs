@@ -1,0 +1,144 @@
+//! The seed of a batch: a number while developing, the commit that froze the thresholds for a scored one.
+
+use std::path::Path;
+use std::process::Command;
+use std::str::FromStr;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use anyhow::{Context, Result, bail, ensure};
+use serde::Serialize;
+
+/// The thresholds, from the root of the repository.
+pub(crate) const THRESHOLDS: &str = "crates/diagnosis/thresholds.toml";
+/// What must be committed before a scored batch.
+const COMMITTED: [&str; 3] = [THRESHOLDS, "crates/diagnosis/src", "xtask/blind/src"];
+/// What may not change between the freeze and the batch without being said.
+const JUDGED: &str = "crates/diagnosis/src";
+/// Hexadecimal digits of the commit that make the seed.
+const DIGITS: usize = 8;
+
+/// What `--seed` asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SeedRule {
+    /// This number.
+    Number(u64),
+    /// The first digits of the commit that last changed the thresholds.
+    Commit,
+}
+
+impl FromStr for SeedRule {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "commit" {
+            return Ok(Self::Commit);
+        }
+        let number = text.parse().map(Self::Number);
+        number.map_err(|_| format!("`{text}` is neither a number nor `commit`"))
+    }
+}
+
+/// A seed and where it comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct Seed {
+    pub(crate) value: u64,
+    /// The commit that froze the thresholds, where the seed is its first digits.
+    pub(crate) frozen_by: Option<String>,
+    /// Commits that changed the diagnosis after that one.
+    pub(crate) changes_since: usize,
+}
+
+impl SeedRule {
+    /// The seed; `root` is the repository.
+    pub(crate) fn seed(self, root: &Path) -> Result<Seed> {
+        match self {
+            Self::Number(value) => Ok(Seed {
+                value,
+                frozen_by: None,
+                changes_since: 0,
+            }),
+            Self::Commit => of_commit(root),
+        }
+    }
+}
+
+fn of_commit(root: &Path) -> Result<Seed> {
+    let mut status = vec!["status", "--porcelain", "--"];
+    status.extend(COMMITTED);
+    let changed = git(root, &status)?;
+    ensure!(
+        changed.is_empty(),
+        "--seed commit needs these committed, for a scored batch is one that can be repeated:\n{changed}"
+    );
+    let commit = git(root, &["log", "-1", "--format=%H", "--", THRESHOLDS])?;
+    let Some(digits) = commit.get(..DIGITS) else {
+        bail!("--seed commit: no commit has changed {THRESHOLDS}");
+    };
+    let value = u64::from_str_radix(digits, 16)
+        .with_context(|| format!("`{commit}` is not the name of a commit"))?;
+    let since = format!("{commit}..HEAD");
+    let changes = git(root, &["log", "--format=%H", &since, "--", JUDGED])?;
+    Ok(Seed {
+        value,
+        frozen_by: Some(commit),
+        changes_since: changes.lines().count(),
+    })
+}
+
+/// The commit at hand, in short, and whether files differ from it; `none` outside a repository.
+pub(crate) fn head(root: &Path) -> String {
+    let Ok(commit) = git(root, &["rev-parse", "--short=8", "HEAD"]) else {
+        return "none".to_owned();
+    };
+    match git(
+        root,
+        &["status", "--porcelain", "--", "crates", "Cargo.lock"],
+    ) {
+        Ok(changes) if changes.is_empty() => commit,
+        _ => format!("{commit} with changes"),
+    }
+}
+
+/// Today in universal time, YYYY-MM-DD.
+pub(crate) fn today() -> String {
+    let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH);
+    date(since_epoch.map_or(0, |time| (time.as_secs() / 86_400).cast_signed()))
+}
+
+/// The date of a day counted from 1970-01-01 in the Gregorian calendar. Source: Hinnant,
+/// "chrono-compatible low-level date algorithms", civil_from_days: years begin in March.
+pub(crate) fn date(days: i64) -> String {
+    let shifted = days + 719_468;
+    let era = shifted.div_euclid(146_097);
+    let day_of_era = shifted.rem_euclid(146_097);
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
+    let month = if from_march < 10 {
+        from_march + 3
+    } else {
+        from_march - 9
+    };
+    let year = year_of_era + era * 400 + i64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+fn git(root: &Path, arguments: &[&str]) -> Result<String> {
+    let output = Command::new("git")
+        .arg("-C")
+        .arg(root)
+        .args(arguments)
+        .output()
+        .context("git cannot be run")?;
+    ensure!(
+        output.status.success(),
+        "git {}: {}",
+        arguments.join(" "),
+        String::from_utf8_lossy(&output.stderr).trim()
+    );
+    Ok(String::from_utf8_lossy(&output.stdout)
+        .trim_end()
+        .to_owned())
+}
