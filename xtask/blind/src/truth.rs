@@ -18,13 +18,13 @@ pub struct Event {
 /// One effect as it was put in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectTruth {
-    /// The contract's name, or the name of an effect that is in no catalogue.
+    /// The name in the catalogue, or the name of an effect that is in no catalogue.
     pub effect: String,
     /// Joint, from 1.
     pub joint: Option<usize>,
     /// Size relative to the strong one.
     pub size: f64,
-    /// Parameters with the contract's names, effective values over the first recording.
+    /// Parameters with the catalogue's names, effective values over the first recording.
     pub parameters: BTreeMap<String, f64>,
     /// Numbers of the true law, for readers.
     pub law: BTreeMap<String, f64>,

@@ -150,7 +150,7 @@ impl Batch {
             fixed.time_s = answered.time_s;
             fixed.reductions = true_reductions(&answered.predictions, &trial.clean2);
             let answer = Answer::from_json(&answered.gap_json)
-                .map_err(|error| format!("gap.json is not what the contract says: {error:?}"))?;
+                .map_err(|error| format!("gap.json cannot be read: {error:?}"))?;
             Ok((answer, sha256_hex(&answered.gap_json)))
         });
         Ok(fixed)

@@ -1,4 +1,4 @@
-//! A figure with its interval beside the bar that it has to meet.
+//! A figure, its interval, and the bar that it has to meet.
 
 use haptical_metrics::Bootstrap;
 use serde::Serialize;
@@ -43,7 +43,7 @@ pub(crate) struct Number {
 /// A figure under its name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Measure {
-    /// Heading of the table that it belongs to.
+    /// Heading of the report that it belongs to.
     pub(crate) group: &'static str,
     pub(crate) name: String,
     pub(crate) value: Value,
@@ -61,7 +61,7 @@ impl Bar {
         }
     }
 
-    /// As in the table.
+    /// `at least 90 %`.
     pub(crate) fn words(self, value: &Value) -> String {
         let text = |limit: f64| match value {
             Value::Share(_) => format!("{} %", round(100.0 * limit)),

@@ -53,7 +53,7 @@ pub(crate) trait Law: std::fmt::Debug + Send + Sync {
     /// lets the motor lead.
     fn deviation(&self, scene: &Scene<'_>, place: Place, signal: &[f64]) -> Vec<f64>;
 
-    /// Parameters with the contract's names and numbers of the law.
+    /// Parameters with the catalogue's names and numbers of the law.
     fn facts(&self, scene: &Scene<'_>, place: Place) -> Facts;
 }
 

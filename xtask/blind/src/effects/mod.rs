@@ -29,7 +29,7 @@ pub use registry::{Group, KINDS, Kind, kind};
 /// What an effect is called and which answers to it are right.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Info {
-    /// The contract's name, or a name of its own for an effect in no catalogue.
+    /// The name in the catalogue (docs/diagnosis.md), or one of its own for an effect that is in none.
     pub name: &'static str,
     /// Joint, from 0.
     pub joint: Option<usize>,
@@ -46,7 +46,7 @@ pub struct Info {
 /// Numbers of an effect in one recording.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Facts {
-    /// Parameters with the contract's names: effective values.
+    /// Parameters with the catalogue's names: effective values.
     pub parameters: BTreeMap<&'static str, f64>,
     /// Numbers of the law.
     pub law: BTreeMap<&'static str, f64>,
@@ -55,7 +55,7 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// With a parameter of the contract.
+    /// With a parameter of the catalogue.
     #[must_use]
     pub(crate) fn with(mut self, name: &'static str, value: f64) -> Self {
         self.parameters.insert(name, value);

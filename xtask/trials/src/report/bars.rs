@@ -1,4 +1,4 @@
-//! Every figure of the table of bars, from the judged trials.
+//! The figures that a batch is judged by (docs/blind-checks.md, What is counted), from the judged trials.
 
 use xtask_blind::{Rate, TrialScore, Verdict};
 
@@ -50,7 +50,7 @@ fn named(score: &TrialScore) -> bool {
     score.verdict == Verdict::Named
 }
 
-/// All figures, in the order of the table.
+/// All figures, in the order of the report.
 pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
     let mut all = answered(cases);
     all.extend(clean(cases));
