@@ -33,7 +33,7 @@ enum Job {
     BenchPeers(bench_peers::Arguments),
     /// Measures how time and memory grow with poses, parameters and joints.
     BenchScaling(bench_scaling::Arguments),
-    /// Tries the solver on certified problems and writes docs/evidence.md.
+    /// Computes the figures of docs/evidence.md and writes it.
     Evidence(xtask_evidence::Arguments),
     /// Runs fixed commands and compares their results with the recorded ones.
     CompareResults(compare_results::Arguments),

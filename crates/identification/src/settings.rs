@@ -24,7 +24,7 @@ pub struct Settings {
     pub max_iterations: usize,
     /// Stop when the fall of the cost that the undamped step promises is below this share of it: the
     /// square of Bates & Watts' (1981) relative offset, the cosine between residual and derivatives. The
-    /// default 1e-20 leaves ten digits of the parameters where the data have them (docs/evidence.md).
+    /// default 1e-20 leaves ten digits of the parameters where the data have them (docs/evidence/solver.md).
     pub cost_tolerance: f64,
     /// Stop when each parameter's undamped step is below this share of its size (plus 1e-3 in its unit).
     pub step_tolerance: f64,

@@ -31,7 +31,7 @@ pub(crate) const MAX_HALVINGS: usize = 30;
 /// Share of an earlier column norm that still weighs in the damping one step later. Without memory a
 /// parameter that loses its effect leaps away (NIST's BoxBOD, MGH17); with an endless one, which is
 /// Moré's, a wild start slows every later step. The second is tried where the first finds no minimum:
-/// Brown & Dennis' function from far is such a case (docs/evidence.md).
+/// Brown & Dennis' function from far is such a case (docs/evidence/solver.md).
 const FORGETTING: [f64; 2] = [0.8, 1.0];
 
 /// Above zero, so that the damping can grow again.

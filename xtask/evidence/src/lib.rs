@@ -1,4 +1,4 @@
-//! Evidence for numbers that others may cite: `cargo xtask evidence` writes docs/evidence.md.
+//! Evidence for numbers that others may cite: `cargo xtask evidence` writes docs/evidence.md and the tables behind it.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -24,7 +24,10 @@ mod rigs;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use haptical_report::write_atomically;
 use xtask_output::{Layout, Output, Progress};
+
+use document::{CLAIMS, PARTS};
 
 /// Arguments of `evidence`.
 #[derive(Debug, clap::Args)]
@@ -33,37 +36,19 @@ pub struct Arguments {
     /// Folder for tables and report.
     #[arg(long, default_value = "target/evidence")]
     out: PathBuf,
-    /// Leave out sections that take more than a minute; docs/evidence.md is not written then.
+    /// Leave out sections that take more than a minute; nothing in docs is written then.
     #[arg(long)]
     quick: bool,
     /// Simulated devices of each trial of the intervals.
     #[arg(long, default_value_t = 1000)]
     devices: usize,
-    /// One part alone: its sections replace those of docs/evidence.md.
-    #[arg(long, value_parser = PARTS)]
+    /// One part alone: its page in docs/evidence is written again.
+    #[arg(long, value_parser = PARTS.map(|part| part.name))]
     only: Option<String>,
-    /// Do not write docs/evidence.md: fail where it does not hold this run's sections.
+    /// Write nothing in docs: fail where its pages of evidence do not hold this run's sections.
     #[arg(long)]
     check: bool,
 }
-
-/// The committed file, from the root of the repository.
-const DOCUMENT: &str = "docs/evidence.md";
-
-/// What `--only` names.
-const PARTS: [&str; 11] = [
-    "solver",
-    "intervals",
-    "basin",
-    "parallel-joints",
-    "poses",
-    "formats",
-    "fuzz",
-    "python",
-    "licences",
-    "coverage",
-    "mutants",
-];
 
 /// Devices of each trial with `--quick`.
 const QUICK_DEVICES: usize = 4;
@@ -71,9 +56,7 @@ const QUICK_DEVICES: usize = 4;
 /// How long each fuzz target runs.
 const FUZZ_SECONDS: u64 = 120;
 
-const LEAD: &str = "Figures of `cargo xtask evidence`, which writes this file; `cargo xtask evidence --check` says whether it \
-                    is stale. The report with the same tables is `target/evidence/report.html`. The last digit of a score and \
-                    the number of steps depend on the exponentials of the platform: x86-64 Linux here.";
+const LEAD: &str = "All tables of this run. docs/evidence.md has the claims.";
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -141,22 +124,37 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
         println!("{text}");
     }
     println!("report: {}", arguments.out.join("report.html").display());
-    let text = std::fs::read_to_string(arguments.out.join("evidence.md"))?;
-    let text = document::without_figures(&text);
-    let path = root().join(DOCUMENT);
-    if arguments.check {
-        document::check(&std::fs::read_to_string(&path).unwrap_or_default(), &text)?;
-        println!("{DOCUMENT} is up to date");
-    } else if !arguments.quick {
-        let text = match &arguments.only {
-            None => text,
-            Some(_) => document::with_sections(
-                &std::fs::read_to_string(&path).unwrap_or(text.clone()),
-                &text,
-            ),
-        };
-        haptical_report::write_atomically(&path, text.as_bytes())?;
-        println!("written: {DOCUMENT}");
+    if arguments.quick && !arguments.check {
+        return Ok(());
     }
+    let text = std::fs::read_to_string(arguments.out.join("evidence.md"))?;
+    publish(&document::without_figures(&text), arguments.check)
+}
+
+/// Writes the pages of a run's parts and the page of claims, or checks those that are committed.
+fn publish(run: &str, check: bool) -> Result<()> {
+    document::assert_placed(run)?;
+    let committed = |path: &str| std::fs::read_to_string(root().join(path)).unwrap_or_default();
+    let publish = |path: &str, text: &str| -> Result<()> {
+        if check {
+            return document::check(path, &committed(path), text);
+        }
+        Ok(write_atomically(&root().join(path), text.as_bytes())?)
+    };
+    let mut pages = Vec::new();
+    for part in PARTS {
+        let path = part.path();
+        let held = committed(&path);
+        let page = part.page(&held, run);
+        if let Some(page) = &page {
+            publish(&path, page)?;
+        }
+        pages.push((part, page.unwrap_or(held)));
+    }
+    publish(CLAIMS, &document::claims(&pages))?;
+    println!(
+        "{CLAIMS} is {}",
+        if check { "up to date" } else { "written" }
+    );
     Ok(())
 }

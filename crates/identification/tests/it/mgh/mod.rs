@@ -11,7 +11,7 @@ use set::judge::{Outcome, run};
 use set::{Instance, START_FACTORS, Tables};
 
 /// Runs that reach no known sum of squares, by problem, parameters and factor of the start: none from the
-/// standard start; docs/evidence.md has the causes. None of them is claimed to have converged.
+/// standard start; docs/evidence/solver.md has the causes. None of them is claimed to have converged.
 const UNSOLVED: [(&str, usize, f64); 10] = [
     ("meyer", 3, 100.0),
     ("box-3d", 3, 100.0),
