@@ -2,8 +2,8 @@
 
 use std::f64::consts::FRAC_2_PI;
 
-pub(crate) use haptical_kinematics::quadrant::LARGEST_RAD;
-use haptical_kinematics::quadrant::{COSINE, QUADRANT_HIGH, QUADRANT_LOW, ROUNDING, SINE};
+pub(crate) use haptical_kinematics::trigonometry::LARGEST_RAD;
+use haptical_kinematics::trigonometry::{COSINE, QUADRANT_HIGH, QUADRANT_LOW, ROUNDING, SINE};
 use pulp::{Arch, Simd, WithSimd};
 
 /// The polynomial of Horner's rule.
@@ -78,7 +78,7 @@ impl WithSimd for SinesCosines<'_> {
 /// Sines and cosines of angles in rad, into slices of the same length; what is beyond the shortest of
 /// the three is left alone.
 ///
-/// Within 2.3e-16 of the true value for magnitudes up to 1e5 rad, as `libm` beyond; NaN for an angle
+/// Within 2.3e-16 of the true value for magnitudes up to 1e6 rad, as `libm` beyond; NaN for an angle
 /// that is not finite. Source: Cody & Waite, *Software Manual for the Elementary Functions*, chapter 8
 /// (reduction); fdlibm (polynomials).
 ///

@@ -1,7 +1,5 @@
 //! Joins rows into a chain and computes the pose of its end.
 
-use nalgebra::Matrix3;
-
 use crate::frame::Frame;
 use crate::{Convention, KinematicsError, Link, Motion, Parameter, Pose};
 
@@ -111,7 +109,7 @@ impl<'a> Chain<'a> {
         }
         for (row, origin) in origins.iter().enumerate() {
             if let Some(origin) = origin
-                && !is_rigid(origin)
+                && !origin.is_rigid(POSITION_LIMIT_M)
             {
                 return Err(KinematicsError::Origin { row });
             }
@@ -238,18 +236,4 @@ fn check_range(frame: &Frame, row: usize) -> Result<(), KinematicsError> {
         row,
         limit_m: POSITION_LIMIT_M,
     })
-}
-
-/// How far the product of a rotation with its transpose may be from the identity: what six digits in
-/// a file leave.
-const ROTATION_TOLERANCE: f64 = 1e-6;
-
-/// Whether a constant transform is finite and turns without stretching or mirroring. NaN is not.
-fn is_rigid(pose: &Pose) -> bool {
-    let error = pose.rotation.transpose() * pose.rotation - Matrix3::identity();
-    pose.position_m
-        .iter()
-        .all(|coordinate| coordinate.abs() <= POSITION_LIMIT_M)
-        && error.iter().all(|entry| entry.abs() <= ROTATION_TOLERANCE)
-        && pose.rotation.determinant() > 0.0
 }

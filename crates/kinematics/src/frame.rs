@@ -1,13 +1,15 @@
 //! Moves a frame by one elementary motion at a time, for the forward pass.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{ArrayStorage, Matrix3, Vector3};
 
+use crate::trigonometry::sine_cosine;
 use crate::{Parameter, Pose, Twist};
 
 /// A frame as its origin and its three axes, expressed in frame (-1).
 ///
 /// Not a 4x4 matrix: an elementary turn mixes two axes and a slide moves the origin along one, so
-/// the general product would spend most of its work on zeros.
+/// the general product would spend most of its work on zeros. Its steps are constant functions, which
+/// know no operators of vectors: a device can be prepared by the compiler.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     pub(crate) origin: Vector3<f64>,
@@ -17,35 +19,69 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    pub(crate) fn identity() -> Self {
+    pub(crate) const fn identity() -> Self {
         Self {
-            origin: Vector3::zeros(),
-            x: Vector3::x(),
-            y: Vector3::y(),
-            z: Vector3::z(),
+            origin: Vector3::new(0.0, 0.0, 0.0),
+            x: Vector3::new(1.0, 0.0, 0.0),
+            y: Vector3::new(0.0, 1.0, 0.0),
+            z: Vector3::new(0.0, 0.0, 1.0),
         }
     }
 
     /// Multiplies the frame from the right by the elementary motion of `parameter`.
     pub(crate) fn step(&mut self, parameter: Parameter, value: f64) {
         match parameter {
-            Parameter::A => self.origin += self.x * value,
-            Parameter::B => self.origin += self.y * value,
-            Parameter::D => self.origin += self.z * value,
-            Parameter::Alpha => turn(&mut self.y, &mut self.z, value),
-            Parameter::Beta => turn(&mut self.z, &mut self.x, value),
-            Parameter::Theta => turn(&mut self.x, &mut self.y, value),
+            Parameter::A | Parameter::B | Parameter::D => self.slide(parameter, value),
+            _ => self.turn(parameter, libm::sincos(value)),
+        }
+    }
+
+    /// As [`Frame::step`], with sines that the compiler can evaluate; angles up to
+    /// [`LARGEST_RAD`](crate::trigonometry::LARGEST_RAD).
+    pub(crate) const fn constant_step(&mut self, parameter: Parameter, value: f64) {
+        match parameter {
+            Parameter::A | Parameter::B | Parameter::D => self.slide(parameter, value),
+            _ => self.turn(parameter, sine_cosine(value)),
+        }
+    }
+
+    /// Multiplies the frame by a slide along x, y or z.
+    #[inline]
+    const fn slide(&mut self, parameter: Parameter, length_m: f64) {
+        let axis = match parameter {
+            Parameter::A => self.x,
+            Parameter::B => self.y,
+            _ => self.z,
+        };
+        self.origin = along(&self.origin, &axis, length_m);
+    }
+
+    /// Multiplies the frame by a turn about x, y or z, whose sine and cosine are given.
+    #[inline]
+    const fn turn(&mut self, parameter: Parameter, turn: (f64, f64)) {
+        match parameter {
+            Parameter::Alpha => (self.y, self.z) = turned(&self.y, &self.z, turn),
+            Parameter::Beta => (self.z, self.x) = turned(&self.z, &self.x, turn),
+            _ => (self.x, self.y) = turned(&self.x, &self.y, turn),
         }
     }
 
     /// Multiplies the frame from the right by a constant transform.
-    pub(crate) fn place(&mut self, constant: &Pose) {
-        let rotation = Matrix3::from_columns(&[self.x, self.y, self.z]);
-        self.origin += rotation * constant.position_m;
-        let turned = rotation * constant.rotation;
-        self.x = turned.column(0).into_owned();
-        self.y = turned.column(1).into_owned();
-        self.z = turned.column(2).into_owned();
+    pub(crate) const fn place(&mut self, constant: &Pose) {
+        let [x, y, z] = constant.rotation.data.0;
+        let origin = self.rotate(constant.position_m.data.0[0]);
+        self.origin = along(&self.origin, &origin, 1.0);
+        (self.x, self.y, self.z) = (self.rotate(x), self.rotate(y), self.rotate(z));
+    }
+
+    /// A direction of this frame, expressed in frame (-1).
+    const fn rotate(&self, [a, b, c]: [f64; 3]) -> Vector3<f64> {
+        let ([x], [y], [z]) = (self.x.data.0, self.y.data.0, self.z.data.0);
+        Vector3::new(
+            x[0] * a + y[0] * b + z[0] * c,
+            x[1] * a + y[1] * b + z[1] * c,
+            x[2] * a + y[2] * b + z[2] * c,
+        )
     }
 
     /// What the parameter's motion, made from this frame, does to a body attached after it.
@@ -71,10 +107,11 @@ impl Frame {
         }
     }
 
-    pub(crate) fn pose(&self) -> Pose {
+    pub(crate) const fn pose(&self) -> Pose {
+        let ([x], [y], [z]) = (self.x.data.0, self.y.data.0, self.z.data.0);
         Pose {
             position_m: self.origin,
-            rotation: Matrix3::from_columns(&[self.x, self.y, self.z]),
+            rotation: Matrix3::from_array_storage(ArrayStorage([x, y, z])),
         }
     }
 }
@@ -84,10 +121,35 @@ pub(crate) fn complete_turn(twist: &mut Twist, end: &Vector3<f64>) {
     twist.linear = twist.angular.cross(&(end - twist.linear));
 }
 
+/// Moves a point along an axis.
+#[inline]
+const fn along(point: &Vector3<f64>, axis: &Vector3<f64>, length_m: f64) -> Vector3<f64> {
+    let ([p], [a]) = (point.data.0, axis.data.0);
+    Vector3::new(
+        p[0] + a[0] * length_m,
+        p[1] + a[1] * length_m,
+        p[2] + a[2] * length_m,
+    )
+}
+
 /// Turns two axes in their plane, the first towards the second.
-fn turn(first: &mut Vector3<f64>, second: &mut Vector3<f64>, angle_rad: f64) {
-    let (sine, cosine) = libm::sincos(angle_rad);
-    let turned = *first * cosine + *second * sine;
-    *second = *second * cosine - *first * sine;
-    *first = turned;
+#[inline]
+const fn turned(
+    first: &Vector3<f64>,
+    second: &Vector3<f64>,
+    (sine, cosine): (f64, f64),
+) -> (Vector3<f64>, Vector3<f64>) {
+    let ([f], [s]) = (first.data.0, second.data.0);
+    (
+        Vector3::new(
+            f[0] * cosine + s[0] * sine,
+            f[1] * cosine + s[1] * sine,
+            f[2] * cosine + s[2] * sine,
+        ),
+        Vector3::new(
+            s[0] * cosine - f[0] * sine,
+            s[1] * cosine - f[1] * sine,
+            s[2] * cosine - f[2] * sine,
+        ),
+    )
 }

@@ -21,8 +21,8 @@
 //! the rows, which needs no sine or cosine, adds the end point `P`. Nothing is approximated.
 //!
 //! Sines and cosines come from `libm`, so the same input gives the same bits on every machine.
-//! [`PreparedChain`] answers pose and Jacobian in less time, by other steps and with sines of its own:
-//! its numbers differ from the chain's by rounding, and are the same on every machine too.
+//! [`PreparedChain`] answers pose and Jacobian in less time, by other steps and with the sines of
+//! [`trigonometry`]: its numbers differ from the chain's by rounding, and are the same on every machine too.
 #![no_std]
 
 #[cfg(doctest)]
@@ -38,9 +38,9 @@ mod link;
 mod pose;
 mod preparation;
 mod prepared;
-pub mod quadrant;
 mod sines;
 mod statics;
+pub mod trigonometry;
 
 pub use nalgebra;
 
@@ -50,6 +50,6 @@ pub use crate::distance::{distance_derivative, distance_m};
 pub use crate::error::KinematicsError;
 pub use crate::link::{Convention, Link, Motion, Parameter};
 pub use crate::pose::{Pose, Twist};
-pub use crate::preparation::{ChainConstants, JointConstants};
+pub use crate::preparation::{ChainConstants, JointConstants, Preparation};
 pub use crate::prepared::PreparedChain;
 pub use crate::statics::joint_torques_nm;

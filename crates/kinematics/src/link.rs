@@ -83,6 +83,16 @@ pub struct Link {
 }
 
 impl Link {
+    /// The row that does nothing: all six are 0. Usable in a constant.
+    pub const IDENTITY: Self = Self {
+        a_m: 0.0,
+        alpha_rad: 0.0,
+        d_m: 0.0,
+        theta_rad: 0.0,
+        beta_rad: 0.0,
+        b_m: 0.0,
+    };
+
     /// The value of one parameter, in the unit of [`Parameter::unit`].
     pub const fn get(&self, parameter: Parameter) -> f64 {
         match parameter {

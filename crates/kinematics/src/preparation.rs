@@ -16,7 +16,8 @@ use nalgebra::Vector3;
 
 use crate::chain::{Chain, POSITION_LIMIT_M};
 use crate::frame::Frame;
-use crate::{KinematicsError, Motion, Parameter, Pose};
+use crate::trigonometry::{LARGEST_RAD, arctangent2, constant_square_root, sine_cosine};
+use crate::{Convention, KinematicsError, Link, Motion, Parameter, Pose};
 
 /// A chain without what does not move: see [`PreparedChain::constants`](crate::PreparedChain::constants).
 ///
@@ -80,32 +81,156 @@ struct Euler {
 }
 
 /// The angles of a frame's rotation, phi in [-pi/2, pi/2]: where the rows need no phi, it is 0.
-fn euler(frame: &Frame) -> Euler {
+const fn euler(frame: &Frame) -> Euler {
     // the third column is (sin phi sin alpha, -cos phi sin alpha, cos alpha)
-    let z = frame.z;
-    let sign = if z.y > 0.0 { -1.0 } else { 1.0 };
-    // adding 0 turns -0 into 0: the angle of (0, -0) would be pi
-    let phi_rad = libm::atan2(sign * z.x + 0.0, -sign * z.y + 0.0);
-    let (alpha_sine, alpha_cosine) = (sign * libm::hypot(z.x, z.y), z.z);
+    let [[x, y, alpha_cosine]] = frame.z.data.0;
+    let sign = if y > 0.0 { -1.0 } else { 1.0 };
+    let sine = constant_square_root(x * x + y * y);
+    let phi_rad = if sine == 0.0 {
+        0.0
+    } else {
+        arctangent2(sign * x, (-sign * y).abs())
+    };
+    let alpha_sine = sign * sine;
     // Rz(-phi) times the first column is (cos psi, cos alpha sin psi, sin alpha sin psi)
-    let x = turned_back(&frame.x, phi_rad);
-    let psi_rad = libm::atan2(alpha_cosine * x.y + alpha_sine * x.z, x.x);
+    let [x, y, z] = turned_back(&frame.x, phi_rad);
     Euler {
         phi_rad,
         alpha_sine,
         alpha_cosine,
-        psi_rad,
+        psi_rad: arctangent2(alpha_cosine * y + alpha_sine * z, x),
     }
 }
 
 /// Rz(-phi) `vector`.
-fn turned_back(vector: &Vector3<f64>, phi_rad: f64) -> Vector3<f64> {
-    let (sine, cosine) = libm::sincos(phi_rad);
-    Vector3::new(
-        vector.x * cosine + vector.y * sine,
-        vector.y * cosine - vector.x * sine,
-        vector.z,
-    )
+const fn turned_back(vector: &Vector3<f64>, phi_rad: f64) -> [f64; 3] {
+    let ([[x, y, z]], (sine, cosine)) = (vector.data.0, sine_cosine(phi_rad));
+    [x * cosine + y * sine, y * cosine - x * sine, z]
+}
+
+/// The rows of a chain with `JOINTS` moving rows, taken one after the other, usable in a constant.
+///
+/// ```
+/// use haptical_kinematics::{Convention, Link, Motion, PreparedChain, Preparation, Twist};
+/// static ARM: PreparedChain<1> = {
+///     let link = Link { a_m: 0.3, ..Link::IDENTITY };
+///     let rows = Preparation::<1>::new().row(Convention::Standard, &link, Motion::Revolute);
+///     PreparedChain::from_constants(rows.finish())
+/// };
+/// let mut jacobian = [Twist::default()];
+/// let pose = ARM.pose_and_jacobian(&[0.5], &mut jacobian)?;
+/// assert!((pose.position_m.y - 0.3 * 0.5f64.sin()).abs() < 1e-15);
+/// # Ok::<(), haptical_kinematics::KinematicsError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Preparation<const JOINTS: usize> {
+    start: Frame,
+    /// What stands behind each joint.
+    constants: [Frame; JOINTS],
+    joints: [JointConstants; JOINTS],
+    rows: usize,
+    moving: usize,
+}
+
+impl<const JOINTS: usize> Default for Preparation<JOINTS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const JOINTS: usize> Preparation<JOINTS> {
+    /// A chain without rows.
+    pub const fn new() -> Self {
+        Self {
+            start: Frame::identity(),
+            constants: [Frame::identity(); JOINTS],
+            joints: [JointConstants::NONE; JOINTS],
+            rows: 0,
+            moving: 0,
+        }
+    }
+
+    /// Goes on by a constant rigid transform.
+    #[must_use]
+    pub const fn origin(mut self, constant: &Pose) -> Self {
+        self.behind(self.moving).place(constant);
+        self
+    }
+
+    /// Goes on by a row, whose angles are at most [`LARGEST_RAD`](crate::trigonometry::LARGEST_RAD) and
+    /// whose lengths are finite.
+    ///
+    /// # Panics
+    ///
+    /// If more rows move than there are joints.
+    #[must_use]
+    pub const fn row(mut self, convention: Convention, link: &Link, motion: Motion) -> Self {
+        let order = convention.order();
+        let mut index = 0;
+        while index < order.len() {
+            let parameter = order[index];
+            let frame = self.behind(self.moving);
+            frame.constant_step(parameter, link.get(parameter));
+            // the variable is of the same turn or slide as the parameter: it goes behind it
+            let is_prismatic = matches!(motion, Motion::Prismatic);
+            let moves = match parameter {
+                Parameter::Theta => matches!(motion, Motion::Revolute),
+                Parameter::D => is_prismatic,
+                _ => false,
+            };
+            if moves {
+                self.joints[self.moving].row = self.rows;
+                self.joints[self.moving].is_prismatic = is_prismatic;
+                self.moving += 1;
+            }
+            index += 1;
+        }
+        self.rows += 1;
+        self
+    }
+
+    /// What is left of the chain.
+    pub const fn finish(mut self) -> ChainConstants<JOINTS> {
+        // from the end to the base, because what is passed on is passed on again
+        let mut joint = JOINTS;
+        while joint > 0 {
+            joint -= 1;
+            let [[x, y, slide_m]] = self.constants[joint].origin.data.0;
+            self.constants[joint].origin = Vector3::new(x, y, 0.0);
+            self.behind(joint).constant_step(Parameter::D, slide_m);
+        }
+        let mut psi_rad = 0.0;
+        while joint < JOINTS {
+            let constant = &self.constants[joint];
+            let angles = euler(constant);
+            let [x_m, y_m, _] = turned_back(&constant.origin, angles.phi_rad);
+            self.joints[joint] = JointConstants {
+                offset_rad: psi_rad + angles.phi_rad,
+                x_m,
+                y_m,
+                twist_sine: angles.alpha_sine,
+                twist_cosine: angles.alpha_cosine,
+                ..self.joints[joint]
+            };
+            psi_rad = angles.psi_rad;
+            joint += 1;
+        }
+        let (end_sine, end_cosine) = sine_cosine(psi_rad);
+        ChainConstants {
+            start: self.start.pose(),
+            joints: self.joints,
+            end_sine,
+            end_cosine,
+        }
+    }
+
+    /// What stands behind the first `moving` joints.
+    const fn behind(&mut self, moving: usize) -> &mut Frame {
+        match moving {
+            0 => &mut self.start,
+            joints => &mut self.constants[joints - 1],
+        }
+    }
 }
 
 /// Works out the constants of a chain with `JOINTS` moving rows.
@@ -119,58 +244,29 @@ pub(crate) fn prepare<const JOINTS: usize>(
         });
     }
     check_reach(chain)?;
-    let mut joints = [JointConstants::NONE; JOINTS];
-    // constant[i] is what stands behind joint i; before the first joint it is `start`
-    let mut constants = [Frame::identity(); JOINTS];
-    let mut start = Frame::identity();
-    let mut moving = 0;
+    let mut rows = Preparation::new();
     for (row, (link, motion)) in chain.links().iter().zip(chain.motions()).enumerate() {
         if let Some(origin) = chain.origin(row) {
-            behind(&mut start, &mut constants, moving).place(origin);
+            rows = rows.origin(origin);
         }
-        for parameter in chain.convention().order() {
-            let frame = behind(&mut start, &mut constants, moving);
-            frame.step(parameter, link.get(parameter));
-            // the variable is of the same turn or slide as the parameter: it goes behind it
-            if motion.variable() == Some(parameter) {
-                joints[moving].row = row;
-                joints[moving].is_prismatic = *motion == Motion::Prismatic;
-                moving += 1;
-            }
-        }
+        rows = rows.row(chain.convention(), &within_range(link), *motion);
     }
     if let Some(origin) = chain.origin(chain.links().len()) {
-        behind(&mut start, &mut constants, moving).place(origin);
+        rows = rows.origin(origin);
     }
-    // from the end to the base, because what is passed on is passed on again
-    for joint in (0..JOINTS).rev() {
-        let slide_m = core::mem::take(&mut constants[joint].origin.z);
-        behind(&mut start, &mut constants, joint).step(Parameter::D, slide_m);
-    }
-    let mut psi_rad = 0.0;
-    for (joint, constant) in joints.iter_mut().zip(&constants) {
-        let angles = euler(constant);
-        let slide_m = turned_back(&constant.origin, angles.phi_rad);
-        joint.offset_rad = psi_rad + angles.phi_rad;
-        (joint.x_m, joint.y_m) = (slide_m.x, slide_m.y);
-        (joint.twist_sine, joint.twist_cosine) = (angles.alpha_sine, angles.alpha_cosine);
-        psi_rad = angles.psi_rad;
-    }
-    let (end_sine, end_cosine) = libm::sincos(psi_rad);
-    Ok(ChainConstants {
-        start: start.pose(),
-        joints,
-        end_sine,
-        end_cosine,
-    })
+    Ok(rows.finish())
 }
 
-/// What stands behind the first `moving` joints.
-fn behind<'f>(start: &'f mut Frame, constants: &'f mut [Frame], moving: usize) -> &'f mut Frame {
-    match moving {
-        0 => start,
-        joints => &mut constants[joints - 1],
+/// The row with angles that the sines serve.
+fn within_range(link: &Link) -> Link {
+    let mut link = *link;
+    for angle_rad in [&mut link.alpha_rad, &mut link.theta_rad, &mut link.beta_rad] {
+        if angle_rad.abs() > LARGEST_RAD {
+            let (sine, cosine) = libm::sincos(*angle_rad);
+            *angle_rad = libm::atan2(sine, cosine);
+        }
     }
+    link
 }
 
 /// Refuses lengths whose sum leaves the range of positions: then no posture can leave it.

@@ -5,8 +5,8 @@ use wide::f64x4;
 
 use crate::chain::POSITION_LIMIT_M;
 use crate::preparation::prepare;
-use crate::quadrant::LARGEST_RAD;
 use crate::sines::sines_cosines;
+use crate::trigonometry::LARGEST_RAD;
 use crate::{Chain, ChainConstants, KinematicsError, Pose, Twist};
 
 /// A chain of `JOINTS` moving rows whose constants are worked out once.
@@ -67,8 +67,8 @@ fn turn(first: &mut f64x4, second: &mut f64x4, sine: f64x4, cosine: f64x4) {
     *first = turned;
 }
 
-fn lanes(vector: &Vector3<f64>) -> f64x4 {
-    f64x4::new([vector.x, vector.y, vector.z, 0.0])
+const fn lanes([x, y, z]: [f64; 3]) -> f64x4 {
+    f64x4::new([x, y, z, 0.0])
 }
 
 #[inline(always)]
@@ -85,26 +85,49 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
     /// [`KinematicsError::JointCount`] if the chain has not `JOINTS` moving rows;
     /// [`KinematicsError::PositionOutOfRange`] if the sum of its lengths' magnitudes is beyond the limit.
     pub fn new(chain: &Chain<'_>) -> Result<Self, KinematicsError> {
-        let constants = prepare::<JOINTS>(chain)?;
-        let axis = |column: usize| lanes(&constants.start.rotation.column(column).into_owned());
-        Ok(Self {
+        prepare(chain).map(Self::from_constants)
+    }
+
+    /// A chain of constants as [`Preparation`](crate::Preparation) finishes them; usable in a constant.
+    pub const fn from_constants(constants: ChainConstants<JOINTS>) -> Self {
+        let [x, y, z] = constants.start.rotation.data.0;
+        let [origin] = constants.start.position_m.data.0;
+        let zero = f64x4::splat(0.0);
+        let mut prepared = Self {
             start: Walker {
-                x: axis(0),
-                y: axis(1),
-                z: axis(2),
-                origin: lanes(&constants.start.position_m),
+                x: lanes(x),
+                y: lanes(y),
+                z: lanes(z),
+                origin: lanes(origin),
             },
-            behind: constants.joints.map(|joint| Behind {
+            behind: [Behind {
+                x_m: zero,
+                y_m: zero,
+                sine: zero,
+                cosine: zero,
+            }; JOINTS],
+            end: [
+                f64x4::splat(constants.end_sine),
+                f64x4::splat(constants.end_cosine),
+            ],
+            offsets_rad: [0.0; JOINTS],
+            has_prismatic: false,
+            constants,
+        };
+        let mut index = 0;
+        while index < JOINTS {
+            let joint = &constants.joints[index];
+            prepared.behind[index] = Behind {
                 x_m: f64x4::splat(joint.x_m),
                 y_m: f64x4::splat(joint.y_m),
                 sine: f64x4::splat(joint.twist_sine),
                 cosine: f64x4::splat(joint.twist_cosine),
-            }),
-            end: [constants.end_sine, constants.end_cosine].map(f64x4::splat),
-            offsets_rad: constants.joints.map(|joint| joint.offset_rad),
-            has_prismatic: constants.joints.iter().any(|joint| joint.is_prismatic),
-            constants,
-        })
+            };
+            prepared.offsets_rad[index] = joint.offset_rad;
+            prepared.has_prismatic |= joint.is_prismatic;
+            index += 1;
+        }
+        prepared
     }
 
     /// What is left of the chain: the same motions, fewer of them.
@@ -134,6 +157,18 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
         if !is_served {
             return self.far(joints, out);
         }
+        Ok(self.pose_and_jacobian_in_range(joints, out))
+    }
+
+    /// As [`Self::pose_and_jacobian`], for joint variables of at most
+    /// [`LARGEST_RAD`](crate::trigonometry::LARGEST_RAD) in size, which the caller has checked: fixed work and
+    /// no panic. Beyond that size the numbers have no meaning.
+    #[inline]
+    pub fn pose_and_jacobian_in_range(
+        &self,
+        joints: &[f64; JOINTS],
+        out: &mut [Twist; JOINTS],
+    ) -> Pose {
         if self.has_prismatic {
             let angles_rad = core::array::from_fn(|joint| {
                 let variable = if self.constants.joints[joint].is_prismatic {
@@ -144,11 +179,11 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
                 self.offsets_rad[joint] + variable
             });
             let (sines, cosines) = sines_cosines(&angles_rad);
-            return Ok(self.walk::<true>(joints, &sines, &cosines, out));
+            return self.walk::<true>(joints, &sines, &cosines, out);
         }
         let angles_rad = core::array::from_fn(|joint| self.offsets_rad[joint] + joints[joint]);
         let (sines, cosines) = sines_cosines(&angles_rad);
-        Ok(self.walk::<false>(joints, &sines, &cosines, out))
+        self.walk::<false>(joints, &sines, &cosines, out)
     }
 
     /// As [`Self::pose_and_jacobian`], for joint variables of any size.

@@ -22,7 +22,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use haptical_runtime::{
-    Capstan, Convention, Joint, Model, Motion, Parallelogram, Row, Transmission,
+    Capstan, Convention, Joint, Link, Model, Motion, Parallelogram, Transmission,
 };
 
 /// As `haptical export --format rust` writes it.
@@ -85,12 +85,13 @@ fn seven_parallelograms() -> Result<Model<7>, haptical_runtime::DeviceError> {
             lengths_m: [0.18, 0.0755, 0.1793, 0.076],
         }),
     };
-    let row = Row {
+    let row = Link {
         a_m: 0.1,
         alpha_rad: 1.5,
         d_m: 0.2,
         theta_rad: 0.0,
         beta_rad: 0.01,
+        b_m: 0.0,
     };
     Model::new(Convention::Standard, row, [row; 7], [joint; 7])
 }

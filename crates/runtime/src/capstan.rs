@@ -1,7 +1,9 @@
 //! The error of a capstan drive, eq. (1), with what does not change worked out beforehand.
 
+use haptical_kinematics::trigonometry::{LARGEST_RAD, sine_cosine, small_arctangent};
+use haptical_transmission::{CapstanError, CapstanTerms, Drum};
+
 use crate::error::{Refusal, bounded, is_bounded, length};
-use crate::trigonometry::{sine_cosine, small_arctangent};
 
 /// A capstan drive and its identified error, as a device file holds them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,56 +28,27 @@ pub struct Capstan {
 /// the tangent `n / d` is at most 0.3 / 0.7, within the range of [`small_arctangent`].
 const LARGEST_ECCENTRICITY: f64 = 0.3;
 
-/// An eccentric drum: its centre at home over the denominator, and its angle there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Drum {
-    x: f64,
-    y: f64,
-    home_rad: f64,
-}
-
-impl Drum {
-    const fn new(
-        quantity: &'static str,
-        [x_m, y_m]: [f64; 2],
-        denominator_m: f64,
-    ) -> Result<Self, Refusal> {
-        let (x, y) = (x_m / denominator_m, y_m / denominator_m);
-        let squared = x * x + y * y;
-        let inside = squared <= LARGEST_ECCENTRICITY * LARGEST_ECCENTRICITY;
-        if !inside {
-            return Err(Refusal {
-                quantity,
-                value: squared,
-                allowed: "at most 0.3 of its denominator (the value is the square of this part)",
-            });
-        }
-        let home_rad = small_arctangent(y / (1.0 - x));
-        Ok(Self { x, y, home_rad })
-    }
-
-    /// `g(phi) - g(0)` and its slope: docs/equations.md, Capstan error.
-    #[inline]
-    fn angle(&self, phi_rad: f64) -> (f64, f64) {
-        let (sine, cosine) = sine_cosine(phi_rad);
-        let n = self.x * sine + self.y * cosine;
-        let q = self.x * cosine - self.y * sine;
-        let d = 1.0 - q;
-        (
-            small_arctangent(n / d) - self.home_rad,
-            (q * d - n * n) / (n * n + d * d),
-        )
+/// The drum's angle at home.
+const fn home_rad(quantity: &'static str, drum: &Drum) -> Result<f64, Refusal> {
+    let squared = drum.eccentricity_squared();
+    let inside = squared <= LARGEST_ECCENTRICITY * LARGEST_ECCENTRICITY;
+    if inside {
+        Ok(small_arctangent(drum.home().tangent()))
+    } else {
+        Err(Refusal {
+            quantity,
+            value: squared,
+            allowed: "at most 0.3 of its denominator (the value is the square of this part)",
+        })
     }
 }
 
-/// A capstan as a step needs it.
+/// A capstan as a step needs it: eq. (1) with sines and an arctangent of fixed work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PreparedCapstan {
-    offset: f64,
-    ratio: f64,
-    ratio_slope: f64,
-    output: Drum,
-    input: Drum,
+    terms: CapstanTerms,
+    /// Angles of the output and the input drum at home.
+    homes_rad: [f64; 2],
 }
 
 impl PreparedCapstan {
@@ -107,46 +80,53 @@ impl PreparedCapstan {
                 allowed: "other than 0",
             });
         }
-        let ratio_slope = -deviation / (ratio + deviation);
+        let error = CapstanError {
+            offset_rad: offset,
+            ratio_deviation: deviation,
+            output_drum_xy_m: capstan.output_drum_xy_m,
+            input_drum_xy_m: capstan.input_drum_xy_m,
+        };
+        let terms = CapstanTerms::new(ratio, [output_m, input_m], &error);
         // infinite or NaN where the deviation cancels the ratio
-        if !is_bounded(ratio_slope) {
+        if !is_bounded(terms.ratio_slope()) {
             return Err(Refusal {
                 quantity: "ratio_deviation",
                 value: deviation,
                 allowed: "not the negative of transmission_ratio",
             });
         }
-        let output = match Drum::new("output_drum_xy_m", capstan.output_drum_xy_m, output_m) {
-            Ok(output) => output,
-            Err(refusal) => return Err(refusal),
+        let homes_rad = match (
+            home_rad("output_drum_xy_m", &terms.output),
+            home_rad("input_drum_xy_m", &terms.input),
+        ) {
+            (Ok(output), Ok(input)) => [output, input],
+            (Err(refusal), _) | (_, Err(refusal)) => return Err(refusal),
         };
-        let input = match Drum::new("input_drum_xy_m", capstan.input_drum_xy_m, input_m) {
-            Ok(input) => input,
-            Err(refusal) => return Err(refusal),
-        };
-        Ok(Self {
-            offset,
-            ratio,
-            ratio_slope,
-            output,
-            input,
-        })
+        Ok(Self { terms, homes_rad })
     }
 
     /// Largest reading of which both drums' angles are within the sine's range.
     pub(crate) const fn largest_reading(&self) -> f64 {
-        let ratio = self.ratio.abs();
-        crate::LARGEST_ANGLE_RAD / if ratio > 1.0 { ratio } else { 1.0 }
+        let ratio = self.terms.ratio().abs();
+        LARGEST_RAD / if ratio > 1.0 { ratio } else { 1.0 }
     }
 
     /// Error and slope at a reading, Baser & Konukseven eq. (1).
     #[inline]
     pub(crate) fn error(&self, reading: f64) -> (f64, f64) {
-        let (output, output_slope) = self.output.angle(reading);
-        let (input, input_slope) = self.input.angle(self.ratio * reading);
+        let output = self.terms.output.turned(sine_cosine(reading));
+        let input = self
+            .terms
+            .input
+            .turned(sine_cosine(self.terms.ratio() * reading));
+        let [output_home_rad, input_home_rad] = self.homes_rad;
+        let drums_rad = [
+            small_arctangent(output.tangent()) - output_home_rad,
+            small_arctangent(input.tangent()) - input_home_rad,
+        ];
         (
-            self.offset + self.ratio_slope * reading + output + input,
-            self.ratio_slope + output_slope + self.ratio * input_slope,
+            self.terms.value_rad(reading, drums_rad),
+            self.terms.slope(&output, &input),
         )
     }
 }

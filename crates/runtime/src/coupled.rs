@@ -1,10 +1,11 @@
 //! A device with more moving rows than joints: rows that follow another row's joint.
 
+use haptical_kinematics::{Convention, Pose, PreparedChain, Twist};
+
+use crate::device::prepared_chain;
 use crate::error::{DeviceError, bounded, is_bounded};
-use crate::transmission::PreparedTransmission;
-use crate::{
-    Convention, Frame, GeneralRow, Joint, Model, Motion, RuntimeError, State, Transmission, Twist,
-};
+use crate::transmission::Transmissions;
+use crate::{GeneralRow, Joint, Motion, RuntimeError, State};
 
 /// What drives a row: its variable is `multiplier (home + output) + offset` of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,17 +22,17 @@ pub struct RowDrive {
 
 /// A calibrated device of `JOINTS` joints that move `ROWS` rows, ready for a control loop.
 ///
-/// The chain is a [`Model`] of the rows; a joint's column of the Jacobian is the sum of those of its rows,
+/// The chain is that of the rows; a joint's column of the Jacobian is the sum of those of its rows,
 /// each times its multiplier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoupledModel<const JOINTS: usize, const ROWS: usize> {
-    chain: Model<ROWS>,
+    transmissions: Transmissions<JOINTS>,
+    chain: PreparedChain<ROWS>,
     drives: [RowDrive; ROWS],
-    transmissions: [PreparedTransmission; JOINTS],
 }
 
 impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
-    /// Prepares a device; arguments as for [`Model::general`]. A joint's own motion is not looked at:
+    /// Prepares a device; arguments as for [`Model::general`](crate::Model::general). A joint's own motion is not looked at:
     /// each of its rows has one. Usable in a constant.
     ///
     /// # Errors
@@ -40,15 +41,16 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
     /// ```
     /// use haptical_runtime::*;
     /// // Two links of 0.1 m; the second turns back as far as the first turns.
-    /// let arm = Row { a_m: 0.1, ..Row::default() };
-    /// let rows = [GeneralRow { row: arm, ..GeneralRow::IDENTITY }; 2];
+    /// let link = Link { a_m: 0.1, ..Link::IDENTITY };
+    /// let rows = [GeneralRow { link, ..GeneralRow::IDENTITY }; 2];
     /// let joint = Joint { motion: Motion::Revolute, home: 0.0, transmission: Transmission::Exact };
     /// let drives = [1.0, -1.0]
     ///     .map(|multiplier| RowDrive { motion: Motion::Revolute, joint: 0, multiplier, offset: 0.0 });
     /// let base = GeneralRow::IDENTITY;
     /// let model = CoupledModel::new(Convention::Standard, base, rows, None, [joint], drives)?;
     /// let state = model.step(&[core::f64::consts::FRAC_PI_2])?;
-    /// assert!((state.position_m[0] - 0.1).abs() < 1e-15 && (state.position_m[1] - 0.1).abs() < 1e-15);
+    /// let position_m = state.pose.position_m;
+    /// assert!((position_m.x - 0.1).abs() < 1e-15 && (position_m.y - 0.1).abs() < 1e-15);
     /// assert!(state.jacobian[0].angular[2].abs() < 1e-15);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -56,27 +58,15 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
         convention: Convention,
         base: GeneralRow,
         rows: [GeneralRow; ROWS],
-        handle: Option<Frame>,
+        handle: Option<Pose>,
         joints: [Joint; JOINTS],
         drives: [RowDrive; ROWS],
     ) -> Result<Self, DeviceError> {
-        let mut transmissions = [PreparedTransmission::Exact; JOINTS];
-        let mut index = 0;
-        while index < JOINTS {
-            if let Err(refusal) = bounded("home", joints[index].home) {
-                return Err(refusal.at(index + 1));
-            }
-            transmissions[index] = match PreparedTransmission::new(&joints[index].transmission) {
-                Ok(transmission) => transmission,
-                Err(refusal) => return Err(refusal.at(index + 1)),
-            };
-            index += 1;
-        }
-        let mut axes = [Joint {
-            motion: Motion::Revolute,
-            home: 0.0,
-            transmission: Transmission::Exact,
-        }; ROWS];
+        let transmissions = match Transmissions::new(&joints) {
+            Ok(transmissions) => transmissions,
+            Err(error) => return Err(error),
+        };
+        let mut moves = [(Motion::Revolute, 0.0); ROWS];
         let mut row = 0;
         while row < ROWS {
             let drive = &drives[row];
@@ -90,16 +80,16 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
             if let Err(refusal) = bounded("driven_multiplier", drive.multiplier) {
                 return Err(refusal.at(drive.joint + 1));
             }
-            axes[row].motion = drive.motion;
             // its size is checked with the chain's other homes
-            axes[row].home = drive.multiplier * joints[drive.joint].home + drive.offset;
+            let home = drive.multiplier * joints[drive.joint].home + drive.offset;
+            moves[row] = (drive.motion, home);
             row += 1;
         }
-        match Model::general(convention, base, rows, handle, axes) {
+        match prepared_chain(convention, &base, &rows, &handle, &moves) {
             Ok(chain) => Ok(Self {
+                transmissions,
                 chain,
                 drives,
-                transmissions,
             }),
             Err(error) => Err(error),
         }
@@ -107,35 +97,22 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
 
     /// Readings within which the model holds, lowest and highest of each joint, \[rad\] or \[m\].
     #[must_use]
-    pub fn ranges(&self) -> [[f64; 2]; JOINTS] {
-        let mut ranges = [[0.0; 2]; JOINTS];
-        for (range, transmission) in ranges.iter_mut().zip(&self.transmissions) {
-            *range = transmission.range();
-        }
-        ranges
+    pub const fn ranges(&self) -> [[f64; 2]; JOINTS] {
+        self.transmissions.ranges
     }
 
-    /// Where the device stands at `readings`: see [`Model::step`].
+    /// Where the device stands at `readings`: see [`Model::step`](crate::Model::step).
     ///
     /// # Errors
-    /// [`RuntimeError`], as [`Model::step`]; [`RuntimeError::OutputOutOfRange`] also for a row's variable.
+    /// [`RuntimeError`], as [`Model::step`](crate::Model::step); [`RuntimeError::OutputOutOfRange`] also for a row's variable.
     #[inline]
     pub fn step(&self, readings: &[f64; JOINTS]) -> Result<State<JOINTS>, RuntimeError> {
-        let mut outputs = [0.0; JOINTS];
-        let mut output_slopes = [0.0; JOINTS];
+        let (outputs, output_slopes) = self.transmissions.outputs(readings)?;
         let mut variables = [0.0; ROWS];
-        let results = outputs.iter_mut().zip(&mut output_slopes);
-        for (joint, ((transmission, &reading), (output, slope))) in self
-            .transmissions
-            .iter()
-            .zip(readings)
-            .zip(results)
-            .enumerate()
-        {
-            (*output, *slope) = transmission.output(joint + 1, transmission.range(), reading)?;
+        for (joint, (&output, &reading)) in outputs.iter().zip(readings).enumerate() {
             for (variable, drive) in variables.iter_mut().zip(&self.drives) {
                 if drive.joint == joint {
-                    *variable = drive.multiplier * *output;
+                    *variable = drive.multiplier * output;
                     if !is_bounded(*variable) {
                         return Err(RuntimeError::OutputOutOfRange {
                             joint: joint + 1,
@@ -146,30 +123,24 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
                 }
             }
         }
-        let of_rows = self.chain.step(&variables)?;
+        let mut of_rows = [Twist::default(); ROWS];
+        let pose = self
+            .chain
+            .pose_and_jacobian_in_range(&variables, &mut of_rows);
         let mut jacobian = [Twist::default(); JOINTS];
         for (joint, column) in jacobian.iter_mut().enumerate() {
-            for (drive, row) in self.drives.iter().zip(&of_rows.jacobian) {
+            for (drive, row) in self.drives.iter().zip(&of_rows) {
                 if drive.joint == joint {
-                    add(&mut column.linear, row.linear, drive.multiplier);
-                    add(&mut column.angular, row.angular, drive.multiplier);
+                    column.linear += row.linear * drive.multiplier;
+                    column.angular += row.angular * drive.multiplier;
                 }
             }
         }
         Ok(State {
             outputs,
             output_slopes,
-            position_m: of_rows.position_m,
-            rotation: of_rows.rotation,
+            pose,
             jacobian,
         })
-    }
-}
-
-/// Adds a multiple of a vector.
-#[inline]
-fn add(sum: &mut [f64; 3], vector: [f64; 3], factor: f64) {
-    for (sum, component) in sum.iter_mut().zip(vector) {
-        *sum += factor * component;
     }
 }

@@ -1,17 +1,12 @@
 //! What describes a device: its rows and joints as plain numbers, as a device file holds them.
 
-use crate::Transmission;
-use crate::error::{DeviceError, bounded, is_bounded};
-use crate::transmission::PreparedTransmission;
+use haptical_kinematics::{
+    Convention, Link, Motion as RowMotion, Parameter, Pose, Preparation, PreparedChain,
+};
 
-/// The order in which the motions of a row act.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Convention {
-    /// Distal: `Rz(theta) T(a, 0, d) Rx(alpha) Ry(beta)`, Baser & Konukseven eq. (3).
-    Standard,
-    /// Proximal (Craig): `Tx(a) Rx(alpha) Ry(beta) Rz(theta) Tz(d)`.
-    Modified,
-}
+use crate::Transmission;
+use crate::error::{DeviceError, LARGEST_NUMBER, bounded, is_bounded};
+use crate::transmission::PreparedTransmission;
 
 /// What a joint does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,21 +15,6 @@ pub enum Motion {
     Revolute,
     /// Slides along z; its values are in m.
     Prismatic,
-}
-
-/// One Denavit-Hartenberg row with Hayati's `beta`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Row {
-    /// Length along x \[m\].
-    pub a_m: f64,
-    /// Twist about x \[rad\].
-    pub alpha_rad: f64,
-    /// Offset along z \[m\].
-    pub d_m: f64,
-    /// Angle about z at home 0 and joint value 0 \[rad\].
-    pub theta_rad: f64,
-    /// Tilt about y \[rad\].
-    pub beta_rad: f64,
 }
 
 /// One joint: what it does, where its home is, and what is between encoder and axis.
@@ -62,41 +42,138 @@ impl Joint {
     /// # Ok::<(), haptical_runtime::DeviceError>(())
     /// ```
     pub const fn range(&self, joint: usize) -> Result<[f64; 2], DeviceError> {
+        match self.prepared(joint) {
+            Ok(transmission) => Ok(transmission.range()),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The transmission as a step needs it.
+    pub(crate) const fn prepared(&self, joint: usize) -> Result<PreparedTransmission, DeviceError> {
         if let Err(refusal) = bounded("home", self.home) {
             return Err(refusal.at(joint));
         }
         match PreparedTransmission::new(&self.transmission) {
-            Ok(transmission) => Ok(transmission.range()),
+            Ok(transmission) => Ok(transmission),
             Err(refusal) => Err(refusal.at(joint)),
         }
     }
 }
 
-impl Row {
+/// A row with a constant transform before it, as devices from a URDF have them:
+/// [`Model::general`](crate::Model::general).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GeneralRow {
+    /// Constant transform before the row.
+    pub origin: Option<Pose>,
+    /// The row's numbers.
+    pub link: Link,
+}
+
+impl GeneralRow {
+    /// A row that does nothing but move with its joint.
+    pub const IDENTITY: Self = Self {
+        origin: None,
+        link: Link::IDENTITY,
+    };
+
     /// Whether the runtime can hold the row's numbers; `row` is its number, from 0, for the error.
     ///
     /// # Errors
-    /// [`DeviceError::Row`].
+    /// [`DeviceError::Row`], [`DeviceError::Origin`].
+    ///
+    /// ```
+    /// use haptical_runtime::{DeviceError, GeneralRow, Pose};
+    /// let mirror = Pose::from_rows([0.0; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
+    /// let row = GeneralRow { origin: Some(mirror), ..GeneralRow::IDENTITY };
+    /// assert_eq!(row.check(3), Err(DeviceError::Origin { row: 3 }));
+    /// ```
     pub const fn check(&self, row: usize) -> Result<(), DeviceError> {
-        let numbers = [
-            ("a_m", self.a_m),
-            ("alpha_rad", self.alpha_rad),
-            ("d_m", self.d_m),
-            ("theta_offset_rad", self.theta_rad),
-            ("beta_rad", self.beta_rad),
+        /// Keys of the device file, in the order of [`Parameter::ALL`].
+        const KEYS: [&str; 6] = [
+            "a_m",
+            "alpha_rad",
+            "d_m",
+            "theta_offset_rad",
+            "beta_rad",
+            "b_m",
         ];
+        if let Err(error) = check_origin(&self.origin, row) {
+            return Err(error);
+        }
         let mut index = 0;
-        while index < numbers.len() {
-            let (quantity, value) = numbers[index];
+        while index < KEYS.len() {
+            let value = self.link.get(Parameter::ALL[index]);
             if !is_bounded(value) {
                 return Err(DeviceError::Row {
                     row,
-                    quantity,
+                    quantity: KEYS[index],
                     value,
                 });
             }
             index += 1;
         }
         Ok(())
+    }
+}
+
+const fn check_origin(origin: &Option<Pose>, row: usize) -> Result<(), DeviceError> {
+    match origin {
+        Some(pose) if !pose.is_rigid(LARGEST_NUMBER) => Err(DeviceError::Origin { row }),
+        _ => Ok(()),
+    }
+}
+
+/// Prepares the chain of a device whose rows behind row 0 move, each from its home.
+pub(crate) const fn prepared_chain<const ROWS: usize>(
+    convention: Convention,
+    base: &GeneralRow,
+    rows: &[GeneralRow; ROWS],
+    handle: &Option<Pose>,
+    moves: &[(Motion, f64); ROWS],
+) -> Result<PreparedChain<ROWS>, DeviceError> {
+    if let Err(error) = base.check(0) {
+        return Err(error);
+    }
+    let mut chain = placed(Preparation::new(), &base.origin);
+    chain = chain.row(convention, &base.link, RowMotion::Fixed);
+    let mut index = 0;
+    while index < ROWS {
+        let (row, (motion, home)) = (&rows[index], moves[index]);
+        if let Err(error) = row.check(index + 1) {
+            return Err(error);
+        }
+        if let Err(refusal) = bounded("home", home) {
+            return Err(refusal.at(index + 1));
+        }
+        let mut link = row.link;
+        let motion = match motion {
+            Motion::Revolute => {
+                link.theta_rad += home;
+                RowMotion::Revolute
+            }
+            Motion::Prismatic => {
+                link.d_m += home;
+                RowMotion::Prismatic
+            }
+        };
+        chain = placed(chain, &row.origin).row(convention, &link, motion);
+        index += 1;
+    }
+    if let Err(error) = check_origin(handle, ROWS + 1) {
+        return Err(error);
+    }
+    Ok(PreparedChain::from_constants(
+        placed(chain, handle).finish(),
+    ))
+}
+
+const fn placed<const ROWS: usize>(
+    chain: Preparation<ROWS>,
+    origin: &Option<Pose>,
+) -> Preparation<ROWS> {
+    match origin {
+        Some(pose) => chain.origin(pose),
+        None => chain,
     }
 }

@@ -2,10 +2,12 @@
 
 use core::f64::consts::FRAC_PI_2;
 
+use haptical_kinematics::trigonometry::{arctangent2, constant_square_root, sine_cosine};
+use haptical_transmission::FourBar;
+
 use crate::Capstan;
 use crate::capstan::PreparedCapstan;
 use crate::error::{Refusal, length};
-use crate::trigonometry::{arctangent2, constant_square_root, sine_cosine};
 
 /// A capstan followed by a four-bar loop, as a device file holds them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,27 +18,13 @@ pub struct Parallelogram {
     pub lengths_m: [f64; 4],
 }
 
-/// A triangle inequality must hold by this part of the perimeter, as in `haptical-transmission`.
-const SINGULAR_MARGIN: f64 = 1e-9;
-
-/// A cascade as a step needs it; lengths over the longest.
+/// A cascade as a step needs it: eq. (2) with sines and arctangents of fixed work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PreparedParallelogram {
     capstan: PreparedCapstan,
-    l1: f64,
-    l2: f64,
-    l3: f64,
-    l4: f64,
+    bars: FourBar,
     /// Interior angle at A at home.
     home_rad: f64,
-}
-
-/// The loop at one input angle, before square roots: the caller's differ.
-struct Corner {
-    u: f64,
-    v: f64,
-    sine: f64,
-    s_squared: f64,
 }
 
 impl PreparedParallelogram {
@@ -46,79 +34,35 @@ impl PreparedParallelogram {
             Err(refusal) => return Err(refusal),
         };
         let lengths_m = parallelogram.lengths_m;
-        let mut longest_m = 0.0;
         let mut index = 0;
         while index < lengths_m.len() {
-            match length("parallelogram_lengths_m", lengths_m[index]) {
-                Ok(length_m) if length_m > longest_m => longest_m = length_m,
-                Ok(_) => {}
-                Err(refusal) => return Err(refusal),
+            if let Err(refusal) = length("parallelogram_lengths_m", lengths_m[index]) {
+                return Err(refusal);
             }
             index += 1;
         }
-        let [l1, l2, l3, l4] = lengths_m;
-        let mut prepared = Self {
-            capstan,
-            l1: l1 / longest_m,
-            l2: l2 / longest_m,
-            l3: l3 / longest_m,
-            l4: l4 / longest_m,
-            home_rad: 0.0,
-        };
-        let corner = prepared.corner((0.0, 1.0));
-        let s = constant_square_root(corner.s_squared);
-        prepared.home_rad = match prepared.heron(s) {
-            Some(product) => prepared.interior_angle(&corner, constant_square_root(product)),
-            None => {
-                return Err(Refusal {
-                    quantity: "parallelogram_lengths_m",
-                    value: lengths_m[0],
-                    allowed: "four lengths that form a loop at home",
-                });
+        let (bars, _) = FourBar::new(lengths_m);
+        let [u, v] = bars.corner((0.0, 1.0));
+        let s = constant_square_root(u * u + v * v);
+        match closed(&bars, s) {
+            Some([first, second]) => {
+                let k = constant_square_root(first) * constant_square_root(second);
+                Ok(Self {
+                    capstan,
+                    bars,
+                    home_rad: arctangent2(v, u) + arctangent2(k, bars.gamma_side(s)),
+                })
             }
-        };
-        Ok(prepared)
+            None => Err(Refusal {
+                quantity: "parallelogram_lengths_m",
+                value: lengths_m[0],
+                allowed: "four lengths that form a loop at home",
+            }),
+        }
     }
 
     pub(crate) const fn largest_reading(&self) -> f64 {
         self.capstan.largest_reading()
-    }
-
-    #[inline]
-    const fn corner(&self, (sine, cosine): (f64, f64)) -> Corner {
-        let (u, v) = (self.l1 - self.l2 * sine, self.l2 * cosine);
-        Corner {
-            u,
-            v,
-            sine,
-            s_squared: u * u + v * v,
-        }
-    }
-
-    /// Heron's product `k^2`, or nothing where the triangle CAE is open or a line.
-    #[inline]
-    const fn heron(&self, s: f64) -> Option<f64> {
-        let (l3, l4) = (self.l3, self.l4);
-        let perimeter = l3 + l4 + s;
-        let (first, second, third) = (l3 + l4 - s, l3 + (s - l4), l4 + (s - l3));
-        let margin = SINGULAR_MARGIN * perimeter;
-        if first > margin && second > margin && third > margin {
-            Some(perimeter * first * (second * third))
-        } else {
-            None
-        }
-    }
-
-    /// `l4^2 - l3^2` without loss of digits.
-    #[inline]
-    const fn difference(&self) -> f64 {
-        (self.l4 - self.l3) * (self.l4 + self.l3)
-    }
-
-    /// Interior angle at A, `alpha + gamma`: docs/equations.md, Parallelogram error.
-    #[inline]
-    const fn interior_angle(&self, corner: &Corner, k: f64) -> f64 {
-        arctangent2(corner.v, corner.u) + arctangent2(k, corner.s_squared + self.difference())
     }
 
     /// Error and slope at a reading, or nothing where the loop is open or a line.
@@ -129,23 +73,31 @@ impl PreparedParallelogram {
         let (capstan, capstan_slope) = self.capstan.error(reading);
         let input_rad = reading + capstan;
         let (sine, cosine) = sine_cosine(input_rad);
-        if input_rad.abs() >= FRAC_PI_2 || cosine <= SINGULAR_MARGIN {
+        if input_rad.abs() >= FRAC_PI_2 || cosine <= FourBar::SINGULAR_MARGIN {
             return None;
         }
-        let corner = self.corner((sine, cosine));
-        let k = libm::sqrt(self.heron(libm::sqrt(corner.s_squared))?);
-        let angle_rad = self.interior_angle(&corner, k) - self.home_rad - input_rad;
-
-        // du/dtheta = -v, dv/dtheta = -l2 sin; gamma's rate with s is (l4^2 - l3^2 - s^2) / (s k)
-        let v_rate = -self.l2 * corner.sine;
-        let alpha_rate = (corner.u * v_rate + corner.v * corner.v) / corner.s_squared;
-        let half_square_rate = corner.v * (v_rate - corner.u);
-        let gamma_rate =
-            (self.difference() - corner.s_squared) * half_square_rate / (corner.s_squared * k);
-        let slope = alpha_rate + gamma_rate - 1.0;
+        let [u, v] = self.bars.corner((sine, cosine));
+        let s = libm::sqrt(u * u + v * v);
+        let [first, second] = closed(&self.bars, s)?;
+        let k = libm::sqrt(first) * libm::sqrt(second);
+        let angle_rad = arctangent2(v, u) + arctangent2(k, self.bars.gamma_side(s));
+        let [_, l2, _, _] = self.bars.lengths();
+        let slope = self.bars.rate([u, v], [-v, -l2 * sine], [s, k]) - 1.0;
         Some((
-            capstan + angle_rad,
+            capstan + (angle_rad - self.home_rad - input_rad),
             capstan_slope + slope * (1.0 + capstan_slope),
         ))
+    }
+}
+
+/// Heron's product in two factors, or nothing where the triangle CAE is open or a line.
+#[inline]
+const fn closed(bars: &FourBar, s: f64) -> Option<[f64; 2]> {
+    let [perimeter, first, second, third] = bars.heron(s);
+    let margin = FourBar::SINGULAR_MARGIN * perimeter;
+    if first > margin && second > margin && third > margin {
+        Some([perimeter * first, second * third])
+    } else {
+        None
     }
 }

@@ -1,15 +1,9 @@
-//! What one step yields, and the torques that exert a wanted force there.
+//! The result of one step, and the torques that exert a wanted force there.
+
+use haptical_kinematics::nalgebra::Vector3;
+use haptical_kinematics::{Pose, Twist};
 
 use crate::RuntimeError;
-
-/// Velocity of the handle per unit of one joint's speed, in frame (-1).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Twist {
-    /// Of its origin: \[m/rad\], or \[m/m\] for a prismatic joint.
-    pub linear: [f64; 3],
-    /// Of its orientation: \[rad/rad\], zero for a prismatic joint.
-    pub angular: [f64; 3],
-}
 
 /// A device at one set of readings. Vectors are in frame (-1).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,23 +12,11 @@ pub struct State<const JOINTS: usize> {
     pub outputs: [f64; JOINTS],
     /// d(output)/d(reading) of each joint, no unit.
     pub output_slopes: [f64; JOINTS],
-    /// Origin of the handle's frame \[m\].
-    pub position_m: [f64; 3],
-    /// Orientation of the handle's frame, `rotation[row][column]`: its axes are the columns.
-    pub rotation: [[f64; 3]; 3],
+    /// The handle's frame.
+    pub pose: Pose,
     /// Geometric Jacobian with respect to the outputs, one column per joint. With respect to the
     /// readings each column is multiplied by its joint's slope.
     pub jacobian: [Twist; JOINTS],
-}
-
-#[inline]
-pub(crate) const fn dot([a0, a1, a2]: [f64; 3], [b0, b1, b2]: [f64; 3]) -> f64 {
-    a0 * b0 + a1 * b1 + a2 * b2
-}
-
-#[inline]
-pub(crate) const fn cross([a0, a1, a2]: [f64; 3], [b0, b1, b2]: [f64; 3]) -> [f64; 3] {
-    [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
 }
 
 impl<const JOINTS: usize> State<JOINTS> {
@@ -49,10 +31,10 @@ impl<const JOINTS: usize> State<JOINTS> {
     /// [`RuntimeError::NonFiniteWrench`], [`RuntimeError::TorqueOverflow`].
     ///
     /// ```
-    /// use haptical_runtime::{Convention, Joint, Model, Motion, Row, Transmission};
-    /// let arm = Row { a_m: 0.3, ..Row::default() };
+    /// use haptical_runtime::{Convention, Joint, Link, Model, Motion, Transmission};
+    /// let arm = Link { a_m: 0.3, ..Link::IDENTITY };
     /// let joint = Joint { motion: Motion::Revolute, home: 0.0, transmission: Transmission::Exact };
-    /// let model = Model::new(Convention::Standard, Row::default(), [arm], [joint])?;
+    /// let model = Model::new(Convention::Standard, Link::IDENTITY, [arm], [joint])?;
     /// let torques_nm = model.step(&[0.0])?.joint_torques_nm([0.0, 2.0, 0.0], [0.0; 3])?;
     /// assert!((torques_nm[0] - 0.6).abs() < 1e-15); // 2 N at 0.3 m
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -73,15 +55,15 @@ impl<const JOINTS: usize> State<JOINTS> {
     /// As [`State::joint_torques_nm`].
     ///
     /// ```
-    /// use haptical_runtime::{Capstan, Convention, Joint, Model, Motion, Row, Transmission};
-    /// let arm = Row { a_m: 0.3, ..Row::default() };
+    /// use haptical_runtime::{Capstan, Convention, Joint, Link, Model, Motion, Transmission};
+    /// let arm = Link { a_m: 0.3, ..Link::IDENTITY };
     /// let drive = Capstan {
     ///     transmission_ratio: 8.0, drum_distance_m: 0.07, input_drum_denominator_m: 0.07,
     ///     offset: 0.0, ratio_deviation: 2.0, output_drum_xy_m: [0.0; 2], input_drum_xy_m: [0.0; 2],
     /// };
     /// let transmission = Transmission::Capstan(drive);
     /// let joint = Joint { motion: Motion::Revolute, home: 0.0, transmission };
-    /// let model = Model::new(Convention::Standard, Row::default(), [arm], [joint])?;
+    /// let model = Model::new(Convention::Standard, Link::IDENTITY, [arm], [joint])?;
     /// let torques_nm = model.step(&[0.0])?.reading_torques_nm([0.0, 2.0, 0.0], [0.0; 3])?;
     /// assert!((torques_nm[0] - 0.6 * 0.8).abs() < 1e-15); // the joint turns 8/10 of the reading
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -109,11 +91,12 @@ impl<const JOINTS: usize> State<JOINTS> {
                 }
             }
         }
+        let (force_n, moment_nm) = (Vector3::from(force_n), Vector3::from(moment_nm));
         let mut torques_nm = [0.0; JOINTS];
         let columns = self.jacobian.iter().zip(factors);
         for (index, (torque_nm, (column, factor))) in torques_nm.iter_mut().zip(columns).enumerate()
         {
-            let sum = factor * (dot(column.linear, force_n) + dot(column.angular, moment_nm));
+            let sum = factor * (column.linear.dot(&force_n) + column.angular.dot(&moment_nm));
             if !sum.is_finite() {
                 return Err(RuntimeError::TorqueOverflow { joint: index + 1 });
             }

@@ -1,10 +1,38 @@
-//! What stands between an encoder and its joint, and the corrected joint value at a reading.
+//! Transmissions between encoders and joints, and the corrected joint values at readings.
+
+use haptical_kinematics::trigonometry::LARGEST_RAD;
+use haptical_transmission::chebyshev;
 
 use crate::capstan::PreparedCapstan;
-use crate::error::{Refusal, is_bounded};
+use crate::error::{DeviceError, Refusal, SMALLEST_LENGTH, bounded, is_bounded};
 use crate::parallelogram::PreparedParallelogram;
-use crate::polynomial::PreparedPolynomial;
-use crate::{Capstan, POLYNOMIAL_TERMS, Parallelogram, RuntimeError};
+use crate::{Capstan, Joint, Parallelogram, RuntimeError};
+
+/// Terms of a polynomial: degree 24, the highest that the command fits. All are evaluated, so that
+/// the work does not depend on the device.
+pub const POLYNOMIAL_TERMS: usize = 25;
+
+/// Coefficients filled up with zeros; more than [`POLYNOMIAL_TERMS`] do not compile.
+///
+/// ```
+/// assert_eq!(haptical_runtime::padded([1e-3, 2e-3])[..3], [1e-3, 2e-3, 0.0]);
+/// ```
+#[must_use]
+pub const fn padded<const TERMS: usize>(coefficients: [f64; TERMS]) -> [f64; POLYNOMIAL_TERMS] {
+    const {
+        assert!(
+            TERMS <= POLYNOMIAL_TERMS,
+            "a polynomial of degree 24 at most"
+        );
+    };
+    let mut all = [0.0; POLYNOMIAL_TERMS];
+    let mut index = 0;
+    while index < TERMS {
+        all[index] = coefficients[index];
+        index += 1;
+    }
+    all
+}
 
 /// Error of a transmission: the joint stands at reading + error(reading).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +66,10 @@ pub(crate) enum PreparedTransmission {
     Exact,
     Capstan(PreparedCapstan),
     Parallelogram(PreparedParallelogram),
-    Polynomial(PreparedPolynomial),
+    Polynomial {
+        range: [f64; 2],
+        coefficients: [f64; POLYNOMIAL_TERMS],
+    },
 }
 
 impl PreparedTransmission {
@@ -58,8 +89,11 @@ impl PreparedTransmission {
             Transmission::Polynomial {
                 range,
                 coefficients,
-            } => match PreparedPolynomial::new(*range, coefficients) {
-                Ok(prepared) => Ok(Self::Polynomial(prepared)),
+            } => match check_polynomial(*range, coefficients) {
+                Ok(()) => Ok(Self::Polynomial {
+                    range: *range,
+                    coefficients: *coefficients,
+                }),
                 Err(refusal) => Err(refusal),
             },
         }
@@ -68,10 +102,10 @@ impl PreparedTransmission {
     /// Readings that a step takes.
     pub(crate) const fn range(&self) -> [f64; 2] {
         let largest = match self {
-            Self::Exact => crate::LARGEST_ANGLE_RAD,
+            Self::Exact => LARGEST_RAD,
             Self::Capstan(capstan) => capstan.largest_reading(),
             Self::Parallelogram(parallelogram) => parallelogram.largest_reading(),
-            Self::Polynomial(polynomial) => return polynomial.range,
+            Self::Polynomial { range, .. } => return *range,
         };
         [-largest, largest]
     }
@@ -95,7 +129,10 @@ impl PreparedTransmission {
                 Some(error) => error,
                 None => return Err(RuntimeError::OpenLoop { joint, reading }),
             },
-            Self::Polynomial(polynomial) => polynomial.error(reading),
+            Self::Polynomial {
+                range,
+                coefficients,
+            } => chebyshev::evaluate(*range, coefficients, reading),
         };
         let output = reading + error;
         if !is_bounded(output) {
@@ -109,6 +146,34 @@ impl PreparedTransmission {
     }
 }
 
+/// Refuses a series that has no answer, or whose sum may leave the range of numbers.
+const fn check_polynomial(
+    [lower, upper]: [f64; 2],
+    coefficients: &[f64; POLYNOMIAL_TERMS],
+) -> Result<(), Refusal> {
+    if let Err(refusal) = bounded("range_rad", lower) {
+        return Err(refusal);
+    }
+    if let Err(refusal) = bounded("range_rad", upper) {
+        return Err(refusal);
+    }
+    if upper - lower < SMALLEST_LENGTH {
+        return Err(Refusal {
+            quantity: "range_rad",
+            value: upper - lower,
+            allowed: "two ascending ends at least 1e-9 apart (the value is their difference)",
+        });
+    }
+    let mut index = 0;
+    while index < POLYNOMIAL_TERMS {
+        if let Err(refusal) = bounded("chebyshev", coefficients[index]) {
+            return Err(refusal);
+        }
+        index += 1;
+    }
+    Ok(())
+}
+
 #[cold]
 fn refuse(joint: usize, lower: f64, upper: f64, reading: f64) -> RuntimeError {
     if reading.is_finite() {
@@ -120,5 +185,49 @@ fn refuse(joint: usize, lower: f64, upper: f64, reading: f64) -> RuntimeError {
         }
     } else {
         RuntimeError::NonFiniteReading { joint, reading }
+    }
+}
+
+/// The transmissions of a device, and the readings that each takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Transmissions<const JOINTS: usize> {
+    transmissions: [PreparedTransmission; JOINTS],
+    pub(crate) ranges: [[f64; 2]; JOINTS],
+}
+
+impl<const JOINTS: usize> Transmissions<JOINTS> {
+    pub(crate) const fn new(joints: &[Joint; JOINTS]) -> Result<Self, DeviceError> {
+        let mut prepared = Self {
+            transmissions: [PreparedTransmission::Exact; JOINTS],
+            ranges: [[0.0; 2]; JOINTS],
+        };
+        let mut index = 0;
+        while index < JOINTS {
+            let transmission = match joints[index].prepared(index + 1) {
+                Ok(transmission) => transmission,
+                Err(error) => return Err(error),
+            };
+            prepared.ranges[index] = transmission.range();
+            prepared.transmissions[index] = transmission;
+            index += 1;
+        }
+        Ok(prepared)
+    }
+
+    /// Joint values and d(joint value)/d(reading).
+    #[inline]
+    pub(crate) fn outputs(
+        &self,
+        readings: &[f64; JOINTS],
+    ) -> Result<([f64; JOINTS], [f64; JOINTS]), RuntimeError> {
+        let (mut outputs, mut slopes) = ([0.0; JOINTS], [0.0; JOINTS]);
+        let joints = self.transmissions.iter().zip(&self.ranges).zip(readings);
+        let into = outputs.iter_mut().zip(&mut slopes);
+        for (index, (((transmission, range), reading), (output, slope))) in
+            joints.zip(into).enumerate()
+        {
+            (*output, *slope) = transmission.output(index + 1, *range, *reading)?;
+        }
+        Ok((outputs, slopes))
     }
 }

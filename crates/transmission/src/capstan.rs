@@ -15,7 +15,7 @@
 //! so that the estimated parameters are `x` and `y`: `beta` has no meaning at `r = 0`, while `x` and
 //! `y` and all derivatives stay smooth there.
 
-use crate::drum::Drum;
+use crate::capstan_terms::{CapstanTerms, Drum, TurnedDrum};
 use crate::error::{TransmissionError, finite, positive};
 use crate::evaluation::Evaluation;
 use crate::inverse::invert;
@@ -243,26 +243,37 @@ impl Capstan {
                 ratio_deviation: p.ratio_deviation,
             });
         }
-        let ratio_slope = -p.ratio_deviation / actual_ratio;
+        check_eccentricity("output", p.output_drum_xy_m, self.drum_distance_m)?;
+        check_eccentricity("input", p.input_drum_xy_m, self.input_drum_denominator_m)?;
 
-        let output = Drum::new("output", p.output_drum_xy_m, self.drum_distance_m)?
-            .angle_from_home(theta_rad);
-        let input = Drum::new("input", p.input_drum_xy_m, self.input_drum_denominator_m)?
-            .angle_from_home(input_angle_rad);
-
+        let terms = self.terms(p);
+        let output = terms.output.turned(libm::sincos(theta_rad));
+        let input = terms.input.turned(libm::sincos(input_angle_rad));
+        let [output_x, output_y] = per_xy_from_home(&terms.output, &output);
+        let [input_x, input_y] = per_xy_from_home(&terms.input, &input);
+        let drums_rad = [
+            angle_rad(&output) - angle_rad(&terms.output.home()),
+            angle_rad(&input) - angle_rad(&terms.input.home()),
+        ];
         Evaluation {
-            value_rad: p.offset_rad + ratio_slope * theta_rad + output.value_rad + input.value_rad,
-            slope: ratio_slope + output.slope + ratio * input.slope,
+            value_rad: terms.value_rad(theta_rad, drums_rad),
+            slope: terms.slope(&output, &input),
             derivatives: [
                 1.0,
-                -(ratio / actual_ratio) * (theta_rad / actual_ratio),
-                output.per_xy[0],
-                output.per_xy[1],
-                input.per_xy[0],
-                input.per_xy[1],
+                terms.per_ratio_and_angle() * theta_rad,
+                output_x,
+                output_y,
+                input_x,
+                input_y,
             ],
         }
         .checked()
+    }
+
+    /// Eq. (1) with parameters that are allowed.
+    pub(crate) const fn terms(&self, p: &CapstanError) -> CapstanTerms {
+        let denominators_m = [self.drum_distance_m, self.input_drum_denominator_m];
+        CapstanTerms::new(self.transmission_ratio, denominators_m, p)
     }
 
     /// The encoder angle in rad within `bracket_rad` at which the output stands at `output_rad`.
@@ -289,4 +300,33 @@ impl Capstan {
         let error = |theta_rad| self.evaluate(p, theta_rad).map(|e| (e.value_rad, e.slope));
         invert(error, output_rad, bracket_rad)
     }
+}
+
+/// Refuses a drum whose centre is not nearer to its axis than `D`.
+fn check_eccentricity(
+    drum: &'static str,
+    [x_m, y_m]: [f64; 2],
+    denominator_m: f64,
+) -> Result<(), TransmissionError> {
+    let eccentricity_m = libm::hypot(x_m, y_m);
+    if eccentricity_m < denominator_m {
+        Ok(())
+    } else {
+        Err(TransmissionError::EccentricityTooLarge {
+            drum,
+            eccentricity_m,
+            denominator_m,
+        })
+    }
+}
+
+/// The drum's angle `g`.
+fn angle_rad(drum: &TurnedDrum) -> f64 {
+    libm::atan2(drum.n, drum.d)
+}
+
+/// Derivatives of `g(phi) - g(0)`: the encoder reads zero at home, whatever the drum's orientation there.
+fn per_xy_from_home(drum: &Drum, turned: &TurnedDrum) -> [f64; 2] {
+    let ([x, y], [home_x, home_y]) = (turned.per_xy(), drum.home().per_xy());
+    [x - home_x, y - home_y]
 }

@@ -10,22 +10,29 @@
 //! | [`Parallelogram`] | four-bar loop with four wrong lengths | Baser & Konukseven eq. (2), corrected |
 //! | [`CapstanParallelogram`] | the first driving the second | cascade of the two |
 //! | [`chebyshev`] | polynomial over a stated range | the paper's 10th-order polynomial |
+//! | [`CapstanTerms`], [`FourBar`] | eqs. (1) and (2) without sines and arctangents, for other forms of them | |
+//! | [`CapstanRows`] | eq. (1) at many angles at once | |
 //! | [`invert`] | angle of the encoder for a wanted angle of the output | safeguarded Newton |
 #![no_std]
 
 mod capstan;
+mod capstan_rows;
+mod capstan_terms;
 mod cascade;
 pub mod chebyshev;
-mod drum;
 mod error;
 mod evaluation;
+mod four_bar;
 mod inverse;
 mod parallelogram;
 
 pub use capstan::{Capstan, CapstanError};
+pub use capstan_rows::CapstanRows;
+pub use capstan_terms::{CapstanTerms, Drum, TurnedDrum};
 pub use cascade::CapstanParallelogram;
 pub use error::TransmissionError;
 pub use evaluation::Evaluation;
+pub use four_bar::FourBar;
 pub use inverse::invert;
 pub use parallelogram::Parallelogram;
 

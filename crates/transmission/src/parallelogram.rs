@@ -19,11 +19,8 @@
 
 use crate::error::{TransmissionError, finite, positive};
 use crate::evaluation::Evaluation;
+use crate::four_bar::{FourBar, SINGULAR_MARGIN};
 use core::f64::consts::FRAC_PI_2;
-
-/// A triangle inequality of the loop must hold by this part of the triangle's perimeter: nearer to a
-/// line the derivatives, which grow with the inverse of the area, hold fewer than half the digits.
-const SINGULAR_MARGIN: f64 = 1e-9;
 
 const LENGTH_NAMES: [&str; 4] = ["length 1, m", "length 2, m", "length 3, m", "length 4, m"];
 
@@ -128,9 +125,7 @@ fn interior_angle(
     lengths_m: [f64; 4],
     theta_a_rad: f64,
 ) -> Result<Evaluation<4>, TransmissionError> {
-    // Lengths over the longest: squares of very small or large lengths would lose digits or overflow.
-    let scale_m = lengths_m.into_iter().fold(0.0, f64::max);
-    let [l1, l2, l3, l4] = lengths_m.map(|length_m| length_m / scale_m);
+    let (bars, scale_m) = FourBar::new(lengths_m);
     let singular = TransmissionError::SingularLoop {
         lengths_m,
         theta_a_rad,
@@ -139,16 +134,10 @@ fn interior_angle(
     if theta_a_rad.abs() >= FRAC_PI_2 || cos <= SINGULAR_MARGIN {
         return Err(singular);
     }
-
-    // Triangle ABC: two sides and the angle between them are given.
-    let (u, v) = (l1 - l2 * sin, l2 * cos);
+    let corner = bars.corner((sin, cos));
+    let [u, v] = corner;
     let s = libm::hypot(u, v);
-    let alpha = libm::atan2(v, u);
-
-    // Triangle CAE: three sides are given. The factors of Heron's product are its three triangle
-    // inequalities and its perimeter.
-    let perimeter = l3 + l4 + s;
-    let excesses = [l3 + l4 - s, l3 + (s - l4), l4 + (s - l3)];
+    let [perimeter, excesses @ ..] = bars.heron(s);
     let smallest = excesses.into_iter().fold(f64::INFINITY, f64::min);
     if smallest < 0.0 {
         return Err(TransmissionError::OpenLoop {
@@ -160,27 +149,18 @@ fn interior_angle(
         return Err(singular);
     }
     let k = libm::sqrt(perimeter * excesses[0]) * libm::sqrt(excesses[1] * excesses[2]);
-    let gamma = libm::atan2(k, s * s + (l4 - l3) * (l4 + l3));
+    let gamma = libm::atan2(k, bars.gamma_side(s));
 
-    // From the cosine law L3^2 = L4^2 + s^2 - 2 L4 s cos gamma, with k = 2 L4 s sin gamma.
-    let gamma_s = ((l4 - l3) * (l4 + l3) - s * s) / (s * k);
-    let gamma_l3 = 2.0 * l3 / k;
-    let gamma_l4 = (s * s - l3 * l3 - l4 * l4) / (l4 * k);
-
-    // How u and v change, for each of theta_a, L1 and L2; alpha and s follow from them.
-    let through_diagonal = |u_rate: f64, v_rate: f64| {
-        let alpha_rate = (u * v_rate - v * u_rate) / (s * s);
-        let s_rate = (u * u_rate + v * v_rate) / s;
-        alpha_rate + gamma_s * s_rate
-    };
+    let [_, l2, l3, l4] = bars.lengths();
+    let through_diagonal = |rates| bars.rate(corner, rates, [s, k]);
     Evaluation {
-        value_rad: alpha + gamma,
-        slope: through_diagonal(-v, -l2 * sin),
+        value_rad: libm::atan2(v, u) + gamma,
+        slope: through_diagonal([-v, -l2 * sin]),
         derivatives: [
-            through_diagonal(1.0, 0.0),
-            through_diagonal(-sin, cos),
-            gamma_l3,
-            gamma_l4,
+            through_diagonal([1.0, 0.0]),
+            through_diagonal([-sin, cos]),
+            2.0 * l3 / k,
+            (s * s - l3 * l3 - l4 * l4) / (l4 * k),
         ]
         .map(|derivative| derivative / scale_m),
     }

@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
+use haptical_model::kinematics::trigonometry::{arctangent2, sine_cosine};
 use haptical_runtime::{
-    Capstan, Convention, Frame, GeneralRow, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram,
+    Capstan, Convention, GeneralRow, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Pose,
     RowDrive, Transmission,
 };
 
-use super::described::Described;
+use super::described::{Described, row_by_row};
 use super::{Provenance, VERSION, one_line};
 
 /// Types and functions, with marks where the device's numbers go.
@@ -68,22 +69,22 @@ fn at_home(row: &GeneralRow, drive: &RowDrive, home: f64) -> GeneralRow {
     let mut row = *row;
     let constant = drive.multiplier * home + drive.offset;
     match drive.motion {
-        Motion::Revolute => row.row.theta_rad += constant,
-        Motion::Prismatic => row.row.d_m += constant,
+        Motion::Revolute => row.link.theta_rad += constant,
+        Motion::Prismatic => row.link.d_m += constant,
     }
     row
 }
 
-fn push_frame(text: &mut String, frame: Option<Frame>) {
-    let frame = frame.unwrap_or(Frame::IDENTITY);
-    let [x, y, z] = frame.rotation.map(|row| list(&row));
-    let _ = write!(text, "{{{}, {{{x}, {y}, {z}}}}}", list(&frame.position_m));
+fn push_frame(text: &mut String, pose: Option<Pose>) {
+    let (position_m, rotation) = row_by_row(&pose.unwrap_or_default());
+    let [x, y, z] = rotation.map(|row| list(&row));
+    let _ = write!(text, "{{{}, {{{x}, {y}, {z}}}}}", list(&position_m));
 }
 
 fn push_row(text: &mut String, general: &GeneralRow, drive: Option<&RowDrive>, is_general: bool) {
-    let row = &general.row;
-    let (sin_alpha, cos_alpha) = haptical_runtime::sine_cosine(row.alpha_rad);
-    let (sin_beta, cos_beta) = haptical_runtime::sine_cosine(row.beta_rad);
+    let row = &general.link;
+    let (sin_alpha, cos_alpha) = sine_cosine(row.alpha_rad);
+    let (sin_beta, cos_beta) = sine_cosine(row.beta_rad);
     // `write!` to a String cannot fail.
     let _ = write!(
         text,
@@ -93,7 +94,7 @@ fn push_row(text: &mut String, general: &GeneralRow, drive: Option<&RowDrive>, i
         row.a_m, row.d_m, row.theta_rad
     );
     if is_general {
-        let _ = write!(text, ",\n     .b_m = {:?}, .origin = ", general.b_m);
+        let _ = write!(text, ",\n     .b_m = {:?}, .origin = ", row.b_m);
         push_frame(text, general.origin);
     }
     if let Some(drive) = drive {
@@ -110,7 +111,7 @@ fn push_row(text: &mut String, general: &GeneralRow, drive: Option<&RowDrive>, i
 /// A drum's centre over the denominator, and its angle at home.
 fn drum(text: &mut String, name: &str, [x_m, y_m]: [f64; 2], denominator_m: f64) {
     let (x, y) = (x_m / denominator_m, y_m / denominator_m);
-    let home_rad = haptical_runtime::arctangent2(y, 1.0 - x);
+    let home_rad = arctangent2(y, 1.0 - x);
     let _ = writeln!(
         text,
         "     .{name}_x = {x:?}, .{name}_y = {y:?}, .{name}_home_rad = {home_rad:?},"

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use haptical_model::kinematics::{Convention as ModelConvention, Link, Pose};
 use haptical_model::{Device, Joint as ModelJoint, JointType, TransmissionError};
 use haptical_runtime::{
-    Capstan, Convention, Frame, GeneralRow, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Row,
+    Capstan, Convention, GeneralRow, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Pose,
     RowDrive, Transmission,
 };
 
@@ -20,7 +19,7 @@ pub(super) struct Described {
     /// Rows 1 to n.
     pub(super) rows: Vec<GeneralRow>,
     /// From the last row's frame to the handle.
-    pub(super) handle: Option<Frame>,
+    pub(super) handle: Option<Pose>,
     /// What drives rows 1 to n.
     pub(super) drives: Vec<RowDrive>,
     /// Whether each row has a joint of its own.
@@ -40,25 +39,23 @@ impl Described {
         let refuse = |what: String, next: &str| {
             Failure::bad_input("not-exportable", what, path.display().to_string(), next)
         };
-        let Some((base, rows)) = device.links.split_first() else {
+        if device.links.is_empty() {
             return Err(refuse(
                 "the device has no [[link]] rows, so it has no handle".to_owned(),
                 "add one [[link]] for the base and one for each joint",
             ));
-        };
+        }
         let origins = device.chain_origins();
-        let origin = |row: usize| origins.get(row).copied().flatten().map(frame);
+        let origin = |row: usize| origins.get(row).copied().flatten();
+        let rows = device.links.iter().enumerate();
+        let mut rows = rows.map(|(row, link)| GeneralRow {
+            origin: origin(row),
+            link: *link,
+        });
         let mut described = Self {
-            convention: match device.convention {
-                ModelConvention::Standard => Convention::Standard,
-                ModelConvention::Modified => Convention::Modified,
-            },
-            base: row(base, origin(0)),
-            rows: rows
-                .iter()
-                .enumerate()
-                .map(|(index, link)| row(link, origin(index + 1)))
-                .collect(),
+            convention: device.convention,
+            base: rows.next().unwrap_or(GeneralRow::IDENTITY),
+            rows: rows.collect(),
             handle: origin(device.links.len()),
             drives: Vec::new(),
             drives_are_plain: device.drives_are_plain(),
@@ -110,27 +107,10 @@ fn motion(joint_type: JointType) -> Motion {
     }
 }
 
-fn frame(pose: Pose) -> Frame {
+/// Position and rotation as plain numbers, `rotation[row][column]`.
+pub(super) fn row_by_row(pose: &Pose) -> ([f64; 3], [[f64; 3]; 3]) {
     // nalgebra's arrays are columns
-    Frame {
-        position_m: pose.position_m.into(),
-        rotation: pose.rotation.transpose().into(),
-    }
-}
-
-fn row(link: &Link, origin: Option<Frame>) -> GeneralRow {
-    let row = Row {
-        a_m: link.a_m,
-        alpha_rad: link.alpha_rad,
-        d_m: link.d_m,
-        theta_rad: link.theta_rad,
-        beta_rad: link.beta_rad,
-    };
-    GeneralRow {
-        origin,
-        row,
-        b_m: link.b_m,
-    }
+    (pose.position_m.into(), pose.rotation.transpose().into())
 }
 
 /// What is wrong, and what to do.

@@ -1,9 +1,9 @@
 //! Writes a device as JSON: one flat array per quantity, with names and units.
 
-use haptical_runtime::{Capstan, Convention, Frame, GeneralRow, Joint, Motion, Transmission};
+use haptical_runtime::{Capstan, Convention, GeneralRow, Joint, Motion, Pose, Transmission};
 use serde_json::{Value, json};
 
-use super::described::Described;
+use super::described::{Described, row_by_row};
 use super::{Provenance, VERSION};
 use crate::failure::Failure;
 
@@ -12,8 +12,8 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
     let rows: Vec<&GeneralRow> = std::iter::once(&described.base)
         .chain(&described.rows)
         .collect();
-    let place = |frame: Option<&Frame>| frame.map(|frame| frame.position_m);
-    let turn = |frame: Option<&Frame>| frame.map(|frame| frame.rotation);
+    let place = |pose: Option<&Pose>| pose.map(|pose| row_by_row(pose).0);
+    let turn = |pose: Option<&Pose>| pose.map(|pose| row_by_row(pose).1);
     let origins = || rows.iter().map(|row| row.origin.as_ref());
     let driven_by: Vec<usize> = described
         .drives
@@ -52,12 +52,12 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
             "others": "in their names",
         },
         "rows": {
-            "a_m": row_column(|row| row.row.a_m),
-            "alpha_rad": row_column(|row| row.row.alpha_rad),
-            "d_m": row_column(|row| row.row.d_m),
-            "theta_offset_rad": row_column(|row| row.row.theta_rad),
-            "beta_rad": row_column(|row| row.row.beta_rad),
-            "b_m": row_column(|row| row.b_m),
+            "a_m": row_column(|row| row.link.a_m),
+            "alpha_rad": row_column(|row| row.link.alpha_rad),
+            "d_m": row_column(|row| row.link.d_m),
+            "theta_offset_rad": row_column(|row| row.link.theta_rad),
+            "beta_rad": row_column(|row| row.link.beta_rad),
+            "b_m": row_column(|row| row.link.b_m),
             "origin_xyz_m": origins().map(place).collect::<Vec<_>>(),
             "origin_rotation": origins().map(turn).collect::<Vec<_>>(),
         },

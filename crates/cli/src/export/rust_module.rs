@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use haptical_runtime::{Capstan, Convention, Frame, GeneralRow, Motion, Row, Transmission};
+use haptical_runtime::{Capstan, Convention, GeneralRow, Link, Motion, Pose, Transmission};
 
-use super::described::Described;
+use super::described::{Described, row_by_row};
 use super::{Provenance, VERSION, one_line};
 
 /// The text of the module.
@@ -48,7 +48,7 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
         described.joints.len(),
     );
     let row = |own: &GeneralRow| match described.is_plain_table {
-        true => row(&own.row),
+        true => link(&own.link),
         false => general_row(own),
     };
     let base = row(&described.base).replace("\n        ", "\n    ");
@@ -58,7 +58,7 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
     }
     text.push_str("    ],\n");
     if !described.is_plain_table {
-        let _ = writeln!(text, "    {},", frame(described.handle.as_ref()));
+        let _ = writeln!(text, "    {},", pose(described.handle.as_ref()));
     }
     text.push_str("    [\n");
     for (joint, name) in described.joints.iter().zip(&described.names) {
@@ -97,33 +97,29 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
     text
 }
 
-fn row(row: &Row) -> String {
+fn link(link: &Link) -> String {
     format!(
-        "haptical_runtime::Row {{ a_m: {:?}, alpha_rad: {:?}, d_m: {:?}, theta_rad: {:?}, \
-         beta_rad: {:?} }}",
-        row.a_m, row.alpha_rad, row.d_m, row.theta_rad, row.beta_rad
+        "haptical_runtime::Link {{ a_m: {:?}, alpha_rad: {:?}, d_m: {:?}, theta_rad: {:?}, \
+         beta_rad: {:?}, b_m: {:?} }}",
+        link.a_m, link.alpha_rad, link.d_m, link.theta_rad, link.beta_rad, link.b_m
     )
 }
 
-fn frame(frame: Option<&Frame>) -> String {
-    frame.map_or_else(
+fn pose(pose: Option<&Pose>) -> String {
+    pose.map_or_else(
         || "None".to_owned(),
-        |frame| {
-            format!(
-                "Some(haptical_runtime::Frame {{ position_m: {:?}, rotation: {:?} }})",
-                frame.position_m, frame.rotation
-            )
+        |pose| {
+            let (position_m, rotation) = row_by_row(pose);
+            format!("Some(haptical_runtime::Pose::from_rows({position_m:?}, {rotation:?}))")
         },
     )
 }
 
 fn general_row(general: &GeneralRow) -> String {
     format!(
-        "haptical_runtime::GeneralRow {{\n            origin: {},\n            row: {},\n            \
-         b_m: {:?},\n        }}",
-        frame(general.origin.as_ref()),
-        row(&general.row),
-        general.b_m
+        "haptical_runtime::GeneralRow {{\n            origin: {},\n            link: {},\n        }}",
+        pose(general.origin.as_ref()),
+        link(&general.link),
     )
 }
 

@@ -13,3 +13,4 @@ mod pinocchio;
 mod prepared;
 mod refusals;
 mod support;
+mod trigonometry;

@@ -147,11 +147,11 @@ fn far_postures_are_served_too() {
         gap(&case)
     };
     // the offset is added to the variable: half the spacing of numbers of its size is lost
-    let last_served: f64 = 99_999.875;
+    let last_served: f64 = 999_999.875;
     let spacing = last_served.next_up() - last_served;
     assert!(gap_at([last_served, 0.2, -1.0]) < PREPARED + spacing);
     // beyond it the two are rotated into one
-    for joints in [[100_000.125, 0.2, -1.0], [-1e9, 0.2, 1e15]] {
+    for joints in [[1_000_000.125, 0.2, -1.0], [-1e9, 0.2, 1e15]] {
         let gap = gap_at(joints);
         assert!(gap < PREPARED, "{gap:e}: {joints:?}");
     }

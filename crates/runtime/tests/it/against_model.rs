@@ -18,9 +18,9 @@ fn near(ours: f64, theirs: f64, what: &str) {
     assert!(is_near, "{what}: {ours:?} here, {theirs:?} there");
 }
 
-fn all_near(ours: [f64; 3], theirs: &Vector3<f64>, what: &str) {
-    for (ours, theirs) in ours.into_iter().zip(theirs.iter()) {
-        near(ours, *theirs, what);
+fn all_near(ours: &Vector3<f64>, theirs: &Vector3<f64>, what: &str) {
+    for (ours, theirs) in ours.iter().zip(theirs.iter()) {
+        near(*ours, *theirs, what);
     }
 }
 
@@ -58,11 +58,9 @@ fn compare_step<const JOINTS: usize>(
         return;
     };
     let pose = evaluation.pose().unwrap();
-    all_near(state.position_m, &pose.position_m, "position");
-    for (row, axes) in state.rotation.iter().enumerate() {
-        for (column, component) in axes.iter().enumerate() {
-            near(*component, pose.rotation[(row, column)], "rotation");
-        }
+    all_near(&state.pose.position_m, &pose.position_m, "position");
+    for (component, expected) in state.pose.rotation.iter().zip(&pose.rotation) {
+        near(*component, *expected, "rotation");
     }
     let mut twists = Vec::new();
     for joint in 0..JOINTS {
@@ -74,8 +72,8 @@ fn compare_step<const JOINTS: usize>(
         );
         let Twist { linear, angular } = state.jacobian[joint];
         let twist = evaluation.joint_twist(joint);
-        all_near(linear, &twist.linear, "linear part");
-        all_near(angular, &twist.angular, "angular part");
+        all_near(&linear, &twist.linear, "linear part");
+        all_near(&angular, &twist.angular, "angular part");
         twists.push(evaluation.reading_twist(joint));
     }
     let moment_nm = [0.1, -0.2, 0.3];

@@ -1,13 +1,13 @@
 //! Devices of every kind for the tests, and the same devices as the runtime takes them.
 
-use haptical_model::kinematics::{Convention as ModelConvention, Link};
+use haptical_model::kinematics::{Convention, Link};
 use haptical_model::transmission::CapstanError;
 use haptical_model::{
     Device, Drive, Joint as ModelJoint, JointType, Origin, TransmissionError, TransmissionKind,
 };
 use haptical_runtime::{
-    Capstan, Convention, CoupledModel, Frame, GeneralRow, Joint, Model, Motion, POLYNOMIAL_TERMS,
-    Parallelogram, Row, RowDrive, Transmission,
+    Capstan, CoupledModel, GeneralRow, Joint, Model, Motion, POLYNOMIAL_TERMS, Parallelogram, Pose,
+    RowDrive, Transmission,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -23,15 +23,12 @@ pub(crate) fn fixture(name: &str) -> Device {
 
 /// A device as a device file with it would give the runtime.
 pub(crate) fn model<const JOINTS: usize>(device: &Device) -> Model<JOINTS> {
-    let convention = match device.convention {
-        ModelConvention::Standard => Convention::Standard,
-        ModelConvention::Modified => Convention::Modified,
-    };
+    let convention = device.convention;
     let rows = std::array::from_fn(|index| row(device, index + 1));
     let joints = std::array::from_fn(|index| joint(&device.joints[index]));
     if device.is_plain_table() {
-        let rows = rows.map(|row: GeneralRow| row.row);
-        return Model::new(convention, row(device, 0).row, rows, joints).unwrap();
+        let rows = rows.map(|row: GeneralRow| row.link);
+        return Model::new(convention, device.links[0], rows, joints).unwrap();
     }
     let handle = frame(device, device.links.len());
     Model::general(convention, row(device, 0), rows, handle, joints).unwrap()
@@ -41,10 +38,7 @@ pub(crate) fn model<const JOINTS: usize>(device: &Device) -> Model<JOINTS> {
 pub(crate) fn coupled<const JOINTS: usize, const ROWS: usize>(
     device: &Device,
 ) -> CoupledModel<JOINTS, ROWS> {
-    let convention = match device.convention {
-        ModelConvention::Standard => Convention::Standard,
-        ModelConvention::Modified => Convention::Modified,
-    };
+    let convention = device.convention;
     let rows = std::array::from_fn(|index| row(device, index + 1));
     let joints = std::array::from_fn(|index| joint(&device.joints[index]));
     let drives = std::array::from_fn(|index| {
@@ -75,28 +69,14 @@ fn joint(joint: &ModelJoint) -> Joint {
     }
 }
 
-fn frame(device: &Device, row: usize) -> Option<Frame> {
-    let origin = device.origins.get(row).copied().flatten()?.pose();
-    Some(Frame {
-        position_m: origin.position_m.into(),
-        rotation: std::array::from_fn(|row| {
-            std::array::from_fn(|column| origin.rotation[(row, column)])
-        }),
-    })
+fn frame(device: &Device, row: usize) -> Option<Pose> {
+    Some(device.origins.get(row).copied().flatten()?.pose())
 }
 
 fn row(device: &Device, index: usize) -> GeneralRow {
-    let link = device.links[index];
     GeneralRow {
         origin: frame(device, index),
-        row: Row {
-            a_m: link.a_m,
-            alpha_rad: link.alpha_rad,
-            d_m: link.d_m,
-            theta_rad: link.theta_rad,
-            beta_rad: link.beta_rad,
-        },
-        b_m: link.b_m,
+        link: device.links[index],
     }
 }
 
@@ -152,9 +132,9 @@ pub(crate) fn any_device(joints: usize) -> impl Strategy<Value = Device> {
         .prop_map(|(modified, links, joints)| Device {
             name: "random".to_owned(),
             convention: if modified {
-                ModelConvention::Modified
+                Convention::Modified
             } else {
-                ModelConvention::Standard
+                Convention::Standard
             },
             bodies: vec![None; links.len()],
             origins: Vec::new(),

@@ -16,4 +16,3 @@ mod no_allocation;
 mod no_panic;
 mod refusals;
 mod torques;
-mod trigonometry;

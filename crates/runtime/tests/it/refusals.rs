@@ -1,8 +1,8 @@
 //! What a step and a model refuse, and that nothing else ever comes out than finite numbers.
 
 use haptical_runtime::{
-    Capstan, Convention, CoupledModel, DeviceError, Frame, GeneralRow, Joint, Model, Motion,
-    Parallelogram, Row, RowDrive, RuntimeError, Transmission, padded,
+    Capstan, Convention, CoupledModel, DeviceError, GeneralRow, Joint, Link, Model, Motion,
+    Parallelogram, Pose, RowDrive, RuntimeError, Transmission, padded,
 };
 use proptest::prelude::*;
 
@@ -26,8 +26,8 @@ fn with(transmission: Transmission) -> Result<Model<1>, DeviceError> {
     };
     Model::new(
         Convention::Standard,
-        Row::default(),
-        [Row::default()],
+        Link::IDENTITY,
+        [Link::IDENTITY],
         [joint],
     )
 }
@@ -48,12 +48,12 @@ fn origins_that_are_no_rigid_transforms_are_refused_with_their_row() {
         home: 0.0,
         transmission: Transmission::Exact,
     };
-    let mut bad = [Frame::IDENTITY; 5];
-    bad[0].rotation[1][1] = f64::NAN;
-    bad[1].rotation[2][2] = -1.0; // mirrors
-    bad[2].rotation[0][0] = 1.001; // stretches
+    let mut bad = [Pose::default(); 5];
+    bad[0].rotation[(1, 1)] = f64::NAN;
+    bad[1].rotation[(2, 2)] = -1.0; // mirrors
+    bad[2].rotation[(0, 0)] = 1.001; // stretches
     bad[3].position_m[2] = f64::INFINITY;
-    bad[4].rotation[0][1] = 0.01; // shears
+    bad[4].rotation[(0, 1)] = 0.01; // shears
     for frame in bad {
         for row in 0..3 {
             let general = |index| GeneralRow {
@@ -67,7 +67,10 @@ fn origins_that_are_no_rigid_transforms_are_refused_with_their_row() {
         }
     }
     let row = GeneralRow {
-        b_m: 2e6,
+        link: Link {
+            b_m: 2e6,
+            ..Link::IDENTITY
+        },
         ..GeneralRow::IDENTITY
     };
     let Err(DeviceError::Row {
@@ -259,14 +262,14 @@ fn a_row_that_is_not_finite_is_refused_with_its_number() {
         home: 0.0,
         transmission: Transmission::Exact,
     };
-    let bad = Row {
+    let bad = Link {
         d_m: f64::NAN,
-        ..Row::default()
+        ..Link::IDENTITY
     };
     let refused = Model::new(
         Convention::Modified,
-        Row::default(),
-        [Row::default(), bad],
+        Link::IDENTITY,
+        [Link::IDENTITY, bad],
         [joint; 2],
     );
     let Err(
@@ -297,9 +300,9 @@ proptest! {
                 bits.map(|bits| (bits as f64 / u64::MAX as f64 - 0.5) * 2f64.powi(size)),
             ] {
                 let Ok(state) = model.step(&readings) else { continue };
-                let twists = state.jacobian.iter().flat_map(|t| t.linear.into_iter().chain(t.angular));
-                let all = state.outputs.into_iter().chain(state.output_slopes).chain(state.position_m)
-                    .chain(state.rotation.into_iter().flatten()).chain(twists);
+                let twists = state.jacobian.iter().flat_map(|t| t.linear.iter().chain(t.angular.iter()));
+                let all = state.outputs.iter().chain(&state.output_slopes).chain(&state.pose.position_m)
+                    .chain(&state.pose.rotation).chain(twists);
                 for number in all {
                     prop_assert!(number.is_finite());
                 }

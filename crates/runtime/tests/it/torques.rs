@@ -24,7 +24,7 @@ fn work_is_virtual_work(model: &Model<7>) {
         };
         let (above, below) = (at(1.0), at(-1.0));
         let work: f64 = (0..3)
-            .map(|axis| force_n[axis] * (above.position_m[axis] - below.position_m[axis]))
+            .map(|axis| force_n[axis] * (above.pose.position_m[axis] - below.pose.position_m[axis]))
             .sum();
         assert!((work / (2.0 * STEP) - torques_nm[joint]).abs() < TOLERANCE);
         let slope = (above.outputs[joint] - below.outputs[joint]) / (2.0 * STEP);

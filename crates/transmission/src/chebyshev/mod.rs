@@ -87,18 +87,22 @@ pub fn basis(range_rad: [f64; 2], theta_rad: f64, out: &mut [f64]) {
 /// let (value_rad, slope) = evaluate([-2.0, 2.0], &[0.0, 0.0, 1.0], 1.0);
 /// assert_eq!((value_rad, slope), (-0.5, 1.0));
 /// ```
+#[inline]
 #[must_use]
 pub fn evaluate(range_rad: [f64; 2], coefficients: &[f64], theta_rad: f64) -> (f64, f64) {
     let (x, beyond) = split(unit_coordinate(range_rad, theta_rad));
     let (mut b1, mut b2) = (0.0, 0.0);
     let (mut slope1, mut slope2) = (0.0, 0.0);
-    for &coefficient in coefficients.iter().skip(1).rev() {
+    let (constant, others) = match coefficients.split_first() {
+        Some((constant, others)) => (*constant, others),
+        None => (0.0, coefficients),
+    };
+    for &coefficient in others.iter().rev() {
         let slope0 = 2.0 * (b1 + x * slope1) - slope2;
         let b0 = coefficient + 2.0 * x * b1 - b2;
         (slope1, slope2) = (slope0, slope1);
         (b1, b2) = (b0, b1);
     }
-    let constant = coefficients.first().copied().unwrap_or(0.0);
     let value_rad = constant + x * b1 - b2;
     let slope_per_x = b1 + x * slope1 - slope2;
     let x_per_rad = 2.0 / (range_rad[1] - range_rad[0]);
@@ -134,6 +138,7 @@ pub fn invert(
 
 /// `x` in `[-1, 1]` over the range. The distances to both ends are used so that each end is met
 /// without rounding; a range that is not ascending gives NaN.
+#[inline]
 fn unit_coordinate([lower_rad, upper_rad]: [f64; 2], theta_rad: f64) -> f64 {
     let width_rad = upper_rad - lower_rad;
     if width_rad > 0.0 {
@@ -144,6 +149,7 @@ fn unit_coordinate([lower_rad, upper_rad]: [f64; 2], theta_rad: f64) -> f64 {
 }
 
 /// The nearest `x` within `[-1, 1]` and how far beyond it the argument lies.
+#[inline]
 fn split(x: f64) -> (f64, f64) {
     let inside = x.clamp(-1.0, 1.0);
     (inside, x - inside)

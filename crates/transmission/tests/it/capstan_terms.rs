@@ -2,7 +2,8 @@
 
 use crate::fixture::{assert_close, difference_quotient};
 use core::f64::consts::FRAC_PI_2;
-use haptical_transmission::{Capstan, CapstanError};
+use haptical_transmission::{Capstan, CapstanError, CapstanRows};
+use proptest::prelude::*;
 
 /// A few roundings of numbers below 1.
 const ROUNDING: f64 = 2e-15;
@@ -206,4 +207,47 @@ fn polar_form_round_trips_and_has_the_papers_sense() {
         ..CapstanError::default()
     };
     assert_eq!(centred.output_drum_polar(), (0.0, 0.0));
+}
+
+proptest! {
+    /// The form for many angles against the form for one, on both sides of the series' limit.
+    #[test]
+    fn rows_agree_with_single_angles(
+        xy in [-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64],
+        part in prop_oneof![Just(0.0), Just(0.02), Just(0.5)],
+        offset_rad in -0.1..0.1_f64,
+        ratio_deviation in -1.0..1.0_f64,
+        angles_rad in prop::array::uniform4(-3.0..3.0_f64),
+    ) {
+        let capstan = Capstan::new(8.0, 0.07, 0.03).unwrap();
+        let p = CapstanError {
+            offset_rad,
+            ratio_deviation,
+            output_drum_xy_m: [xy[0], xy[1]].map(|x| x * part * 0.07),
+            input_drum_xy_m: [xy[2], xy[3]].map(|x| x * part * 0.03),
+        };
+        let [sines, cosines] = [angles_rad.map(f64::sin), angles_rad.map(f64::cos)];
+        let input = angles_rad.map(|angle_rad| 8.0 * angle_rad);
+        let [input_sines, input_cosines] = [input.map(f64::sin), input.map(f64::cos)];
+        let rows = CapstanRows {
+            capstan,
+            angles_rad: &angles_rad,
+            output: [&sines, &cosines],
+            input: [&input_sines, &input_cosines],
+        };
+        let (mut values, mut alone, mut columns) = ([0.0; 4], [0.0; 4], [[0.0; 4]; 6]);
+        let into = columns.each_mut().map(|column| &mut column[..]);
+        rows.evaluate(&p, &mut values, Some(into)).unwrap();
+        rows.evaluate(&p, &mut alone, None).unwrap();
+        for ((row, &angle_rad), slope) in angles_rad.iter().enumerate().zip(rows.slopes(&p)) {
+            let expected = capstan.evaluate(&p, angle_rad).unwrap();
+            prop_assert!((values[row] - expected.value_rad).abs() < 1e-15);
+            prop_assert_eq!(values[row], alone[row]);
+            prop_assert!((slope - expected.slope).abs() < 1e-13);
+            for (column, derivative) in columns.iter().zip(expected.derivatives) {
+                // per m and over a denominator of 3 cm, of which half is left
+                prop_assert!((column[row] - derivative).abs() < 1e-12);
+            }
+        }
+    }
 }
