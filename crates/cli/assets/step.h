@@ -29,21 +29,13 @@ enum haptical_transmission {
     HAPTICAL_POLYNOMIAL = 3
 };
 
-/* A constant rigid transform; rotation[row][column]. */
-typedef struct haptical_frame {
-    double position_m[3];
-    double rotation[3][3];
-} haptical_frame;
-
-/* One Denavit-Hartenberg row, home included, and what drives it. */
+/* One row that moves: what is left of the chain up to the next one, worked out by haptical-kinematics
+ * (Preparation). It turns about z by offset_rad and, if it is a turn, its variable; or slides along z by
+ * its variable; then slides along x and y, and turns about x. */
 typedef struct haptical_row {
-    double a_m;
-    double b_m; /* along y */
-    double d_m;
-    double theta_rad;
-    double sin_alpha, cos_alpha;
-    double sin_beta, cos_beta;
-    haptical_frame origin; /* before the row */
+    double offset_rad;
+    double x_m, y_m;
+    double twist_sine, twist_cosine;
     int prismatic;
     int joint;         /* from 0 */
     double multiplier; /* row variable per joint variable */
@@ -90,25 +82,9 @@ static inline void haptical_slide(double origin[3], const double axis[3], double
     }
 }
 
-/* Goes on to a frame that is fixed in this one. */
-static inline void haptical_place(double origin[3], double x[3], double y[3], double z[3],
-                                  const haptical_frame *frame)
-{
-    double axes[3][3];
-    for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            axes[k][i] = x[i] * frame->rotation[0][k] + y[i] * frame->rotation[1][k]
-                         + z[i] * frame->rotation[2][k];
-        }
-        origin[i] += x[i] * frame->position_m[0] + y[i] * frame->position_m[1]
-                     + z[i] * frame->position_m[2];
-    }
-    for (int i = 0; i < 3; ++i) {
-        x[i] = axes[0][i];
-        y[i] = axes[1][i];
-        z[i] = axes[2][i];
-    }
-}
+/* The formulas below are those of haptical-transmission (CapstanTerms, FourBar, chebyshev) and of
+ * haptical-kinematics (PreparedChain), in C because a controller's compiler knows no Rust; a test of the
+ * command compares them with the Rust on thousands of readings. */
 
 /* An eccentric drum's angle from home and its slope, eq. (1). */
 static inline double haptical_drum(double x, double y, double home_rad, double phi_rad, double *slope)
@@ -209,9 +185,8 @@ static inline int haptical_output(const haptical_joint *joint, double reading, d
  * error only `joint` of the state is of use. */
 static inline int haptical_step(const double readings[HAPTICAL_JOINTS], haptical_state *state)
 {
-    double origin[3] = {0.0, 0.0, 0.0};
-    double x[3] = {1.0, 0.0, 0.0}, y[3] = {0.0, 1.0, 0.0}, z[3] = {0.0, 0.0, 1.0};
-    double points[HAPTICAL_ROWS + 1][3], axes[HAPTICAL_ROWS + 1][3];
+    double origin[3], x[3], y[3], z[3];
+    double points[HAPTICAL_ROWS + 1][3], axes[HAPTICAL_ROWS + 1][3]; /* C knows no empty arrays */
     state->joint = 0;
     for (int index = 0; index < HAPTICAL_JOINTS; ++index) {
         const int status = haptical_output(&haptical_joints[index], readings[index],
@@ -225,59 +200,42 @@ static inline int haptical_step(const double readings[HAPTICAL_JOINTS], haptical
             state->jacobian_angular[index][i] = 0.0;
         }
     }
-    for (int row = 0; row <= HAPTICAL_ROWS; ++row) {
+    for (int i = 0; i < 3; ++i) {
+        origin[i] = haptical_start[0][i];
+        x[i] = haptical_start[1][i];
+        y[i] = haptical_start[2][i];
+        z[i] = haptical_start[3][i];
+    }
+    for (int row = 0; row < HAPTICAL_ROWS; ++row) {
         const haptical_row *constants = &haptical_rows[row];
-        double theta_rad = constants->theta_rad, d_m = constants->d_m;
-        if (HAPTICAL_GENERAL) {
-            haptical_place(origin, x, y, z, &constants->origin);
+        const double variable = constants->multiplier * state->outputs[constants->joint];
+        double angle_rad = constants->offset_rad;
+        if (!(fabs(variable) <= HAPTICAL_LARGEST_VALUE)) {
+            state->joint = constants->joint + 1;
+            return HAPTICAL_VALUE_TOO_LARGE;
         }
-        if (HAPTICAL_MODIFIED) {
-            haptical_slide(origin, x, constants->a_m);
-            if (HAPTICAL_GENERAL) {
-                haptical_slide(origin, y, constants->b_m);
-            }
-            haptical_turn(y, z, constants->sin_alpha, constants->cos_alpha);
-            haptical_turn(z, x, constants->sin_beta, constants->cos_beta);
+        for (int i = 0; i < 3; ++i) {
+            points[row][i] = origin[i];
+            axes[row][i] = z[i];
         }
-        if (row > 0) {
-            const double variable = constants->multiplier * state->outputs[constants->joint];
-            if (!(fabs(variable) <= HAPTICAL_LARGEST_VALUE)) {
-                state->joint = constants->joint + 1;
-                return HAPTICAL_VALUE_TOO_LARGE;
-            }
-            if (constants->prismatic) {
-                d_m += variable;
-            } else {
-                theta_rad += variable;
-            }
-            for (int i = 0; i < 3; ++i) {
-                points[row][i] = origin[i];
-                axes[row][i] = z[i];
-            }
+        if (constants->prismatic) {
+            haptical_slide(origin, z, variable);
+        } else {
+            angle_rad += variable;
         }
-        haptical_turn(x, y, sin(theta_rad), cos(theta_rad));
-        if (!HAPTICAL_MODIFIED) {
-            haptical_slide(origin, x, constants->a_m);
-            if (HAPTICAL_GENERAL) {
-                haptical_slide(origin, y, constants->b_m);
-            }
-        }
-        haptical_slide(origin, z, d_m);
-        if (!HAPTICAL_MODIFIED) {
-            haptical_turn(y, z, constants->sin_alpha, constants->cos_alpha);
-            haptical_turn(z, x, constants->sin_beta, constants->cos_beta);
-        }
+        haptical_turn(x, y, sin(angle_rad), cos(angle_rad));
+        haptical_slide(origin, x, constants->x_m);
+        haptical_slide(origin, y, constants->y_m);
+        haptical_turn(y, z, constants->twist_sine, constants->twist_cosine);
     }
-    if (HAPTICAL_GENERAL) {
-        haptical_place(origin, x, y, z, &haptical_handle);
-    }
+    haptical_turn(x, y, haptical_end[0], haptical_end[1]);
     for (int i = 0; i < 3; ++i) {
         state->position_m[i] = origin[i];
         state->rotation[i][0] = x[i];
         state->rotation[i][1] = y[i];
         state->rotation[i][2] = z[i];
     }
-    for (int row = 1; row <= HAPTICAL_ROWS; ++row) {
+    for (int row = 0; row < HAPTICAL_ROWS; ++row) {
         const haptical_row *constants = &haptical_rows[row];
         double *linear = state->jacobian_linear[constants->joint];
         double *angular = state->jacobian_angular[constants->joint];

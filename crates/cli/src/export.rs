@@ -105,7 +105,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let described = || Described::new(&input.device, &arguments.device);
     let content = match arguments.format {
         FormatName::Rust => rust_module::text(&described()?, &provenance),
-        FormatName::CHeader => c_header::text(&described()?, &provenance),
+        FormatName::CHeader => c_header::text(&described()?, &provenance)?,
         FormatName::Json => flat_json::text(&described()?, &provenance)?,
         FormatName::Toml => input.text.clone(),
         FormatName::Urdf | FormatName::Mjcf => {

@@ -108,13 +108,13 @@ const fn turned_back(vector: &Vector3<f64>, phi_rad: f64) -> [f64; 3] {
     [x * cosine + y * sine, y * cosine - x * sine, z]
 }
 
-/// The rows of a chain with `JOINTS` moving rows, taken one after the other, usable in a constant.
+/// The rows of a chain with at most `JOINTS` moving rows, taken one after the other, usable in a constant.
 ///
 /// ```
 /// use haptical_kinematics::{Convention, Link, Motion, PreparedChain, Preparation, Twist};
 /// static ARM: PreparedChain<1> = {
 ///     let link = Link { a_m: 0.3, ..Link::IDENTITY };
-///     let rows = Preparation::<1>::new().row(Convention::Standard, &link, Motion::Revolute);
+///     let rows = Preparation::<1>::EMPTY.row(Convention::Standard, &link, Motion::Revolute);
 ///     PreparedChain::from_constants(rows.finish())
 /// };
 /// let mut jacobian = [Twist::default()];
@@ -132,23 +132,15 @@ pub struct Preparation<const JOINTS: usize> {
     moving: usize,
 }
 
-impl<const JOINTS: usize> Default for Preparation<JOINTS> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl<const JOINTS: usize> Preparation<JOINTS> {
     /// A chain without rows.
-    pub const fn new() -> Self {
-        Self {
-            start: Frame::identity(),
-            constants: [Frame::identity(); JOINTS],
-            joints: [JointConstants::NONE; JOINTS],
-            rows: 0,
-            moving: 0,
-        }
-    }
+    pub const EMPTY: Self = Self {
+        start: Frame::identity(),
+        constants: [Frame::identity(); JOINTS],
+        joints: [JointConstants::NONE; JOINTS],
+        rows: 0,
+        moving: 0,
+    };
 
     /// Goes on by a constant rigid transform.
     #[must_use]
@@ -189,10 +181,10 @@ impl<const JOINTS: usize> Preparation<JOINTS> {
         self
     }
 
-    /// What is left of the chain.
+    /// What is left of the chain; joints for which there were no rows stay without motion.
     pub const fn finish(mut self) -> ChainConstants<JOINTS> {
         // from the end to the base, because what is passed on is passed on again
-        let mut joint = JOINTS;
+        let mut joint = self.moving;
         while joint > 0 {
             joint -= 1;
             let [[x, y, slide_m]] = self.constants[joint].origin.data.0;
@@ -200,7 +192,7 @@ impl<const JOINTS: usize> Preparation<JOINTS> {
             self.behind(joint).constant_step(Parameter::D, slide_m);
         }
         let mut psi_rad = 0.0;
-        while joint < JOINTS {
+        while joint < self.moving {
             let constant = &self.constants[joint];
             let angles = euler(constant);
             let [x_m, y_m, _] = turned_back(&constant.origin, angles.phi_rad);
@@ -244,7 +236,7 @@ pub(crate) fn prepare<const JOINTS: usize>(
         });
     }
     check_reach(chain)?;
-    let mut rows = Preparation::new();
+    let mut rows = Preparation::EMPTY;
     for (row, (link, motion)) in chain.links().iter().zip(chain.motions()).enumerate() {
         if let Some(origin) = chain.origin(row) {
             rows = rows.origin(origin);

@@ -135,7 +135,7 @@ pub(crate) const fn prepared_chain<const ROWS: usize>(
     if let Err(error) = base.check(0) {
         return Err(error);
     }
-    let mut chain = placed(Preparation::new(), &base.origin);
+    let mut chain = placed(Preparation::EMPTY, &base.origin);
     chain = chain.row(convention, &base.link, RowMotion::Fixed);
     let mut index = 0;
     while index < ROWS {

@@ -55,21 +55,16 @@ impl CapstanRows<'_> {
         // says whether the parameters are allowed
         self.capstan.evaluate(p, 0.0)?;
         let terms = self.capstan.terms(p);
+        if !(is_small(&terms.output) && is_small(&terms.input)) {
+            return self.one_by_one(p, values_rad, derivatives);
+        }
         for (value_rad, theta_rad) in values_rad.iter_mut().zip(self.angles_rad) {
             *value_rad = terms.centred_rad(*theta_rad);
         }
         let drums = [(&terms.output, self.output), (&terms.input, self.input)];
-        let is_small = drums.iter().all(|(drum, _)| is_small(drum));
-        if !is_small {
-            for (value_rad, theta_rad) in values_rad.iter_mut().zip(self.angles_rad) {
-                *value_rad = self.capstan.error(p, *theta_rad)?;
-            }
-        }
         let Some([offset, ratio, output_x, output_y, input_x, input_y]) = derivatives else {
-            for (drum, angles) in drums {
-                if is_small && !drum.is_centred() {
-                    add_angles(drum, angles, values_rad);
-                }
+            for (drum, angles) in drums.into_iter().filter(|(drum, _)| !drum.is_centred()) {
+                add_angles(drum, angles, values_rad);
             }
             return Ok(());
         };
@@ -80,10 +75,24 @@ impl CapstanRows<'_> {
         }
         let columns = [[output_x, output_y], [input_x, input_y]];
         for ((drum, angles), per_xy) in drums.into_iter().zip(columns) {
-            if is_small {
-                add_with_derivatives(drum, angles, values_rad, per_xy);
-            } else {
-                write_derivatives(drum, angles, per_xy);
+            add_with_derivatives(drum, angles, values_rad, per_xy);
+        }
+        Ok(())
+    }
+
+    /// By the first form, for drums too eccentric for the series.
+    #[cold]
+    fn one_by_one(
+        &self,
+        p: &CapstanError,
+        values_rad: &mut [f64],
+        mut derivatives: Option<[&mut [f64]; 6]>,
+    ) -> Result<(), TransmissionError> {
+        for (row, theta_rad) in self.angles_rad.iter().enumerate() {
+            let evaluation = self.capstan.evaluate(p, *theta_rad)?;
+            values_rad[row] = evaluation.value_rad;
+            for (column, derivative) in derivatives.iter_mut().flatten().zip(evaluation.derivatives) {
+                column[row] = derivative;
             }
         }
         Ok(())
@@ -111,7 +120,7 @@ fn add_angles(drum: &Drum, [sines, cosines]: [&[f64]; 2], values_rad: &mut [f64]
     }
 }
 
-/// As [`add_angles`] and [`write_derivatives`] in one go.
+/// As [`add_angles`], with the derivatives from home.
 fn add_with_derivatives(
     drum: &Drum,
     [sines, cosines]: [&[f64]; 2],
@@ -128,16 +137,6 @@ fn add_with_derivatives(
         let here = turned.per_xy();
         *per_x = here[0] - per_home[0];
         *per_y = here[1] - per_home[1];
-    }
-}
-
-fn write_derivatives(drum: &Drum, [sines, cosines]: [&[f64]; 2], [per_x, per_y]: [&mut [f64]; 2]) {
-    let home = drum.home().per_xy();
-    let into = per_x.iter_mut().zip(per_y);
-    for ((per_x, per_y), (&sine, &cosine)) in into.zip(sines.iter().zip(cosines)) {
-        let here = drum.turned((sine, cosine)).per_xy();
-        *per_x = here[0] - home[0];
-        *per_y = here[1] - home[1];
     }
 }
 

@@ -2,20 +2,20 @@
 
 use std::fmt::Write;
 
-use haptical_model::kinematics::trigonometry::{arctangent2, sine_cosine};
-use haptical_runtime::{
-    Capstan, Convention, GeneralRow, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Pose,
-    RowDrive, Transmission,
-};
+use haptical_model::kinematics::{self, ChainConstants, Preparation};
+use haptical_model::transmission::{Drum, FourBar};
+use haptical_runtime::{Capstan, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Transmission};
 
-use super::described::{Described, row_by_row};
+use super::described::Described;
 use super::{Provenance, VERSION, one_line};
+use crate::failure::Failure;
 
 /// Types and functions, with marks where the device's numbers go.
 const TEMPLATE: &str = include_str!("../../assets/step.h");
 
 /// The text of the header.
-pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
+pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<String, Failure> {
+    let constants = constants(described)?;
     let comment = format!(
         "/* Written by `haptical export --format c-header`, version {VERSION}: export again, do not edit.\n \
          * Device: {}\n * From: {}, SHA-256 {}\n \
@@ -25,39 +25,87 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
         provenance.sha256
     );
     // The comment comes last: a device's name may look like a mark.
-    TEMPLATE
+    let text = TEMPLATE
         .replacen("/*@JOINTS@*/", &described.joints.len().to_string(), 1)
         .replacen("/*@ROWS@*/", &described.rows.len().to_string(), 1)
         .replacen("/*@TERMS@*/", &POLYNOMIAL_TERMS.to_string(), 1)
-        .replacen("/*@DATA@*/\n", &data(described), 1)
-        .replacen("/*@PROVENANCE@*/", &comment, 1)
+        .replacen("/*@DATA@*/\n", &data(described, &constants), 1)
+        .replacen("/*@PROVENANCE@*/", &comment, 1);
+    Ok(text)
 }
 
-fn data(described: &Described) -> String {
-    let modified = i32::from(described.convention == Convention::Modified);
-    let general = i32::from(!described.is_plain_table);
+/// Rows that move, at most: the chain's constants are worked out in memory of fixed size.
+const ROOM: usize = 64;
+
+/// What is left of the chain: its rows move from their homes.
+fn constants(described: &Described) -> Result<ChainConstants<ROOM>, Failure> {
+    if described.rows.len() > ROOM {
+        return Err(Failure::bad_input(
+            "not-exportable",
+            format!("{} rows move; the header holds {ROOM}", described.rows.len()),
+            "the device",
+            "write --format rust or json",
+        ));
+    }
+    let mut chain = Preparation::EMPTY;
+    let fixed = (&described.base, kinematics::Motion::Fixed, 0.0);
+    let moving = described.rows.iter().zip(&described.drives);
+    let moving = moving.map(|(row, drive)| {
+        let home = described.joints.get(drive.joint).map_or(0.0, |own| own.home);
+        let motion = match drive.motion {
+            Motion::Revolute => kinematics::Motion::Revolute,
+            Motion::Prismatic => kinematics::Motion::Prismatic,
+        };
+        (row, motion, drive.multiplier * home + drive.offset)
+    });
+    for (row, motion, home) in std::iter::once(fixed).chain(moving) {
+        if let Some(origin) = &row.origin {
+            chain = chain.origin(origin);
+        }
+        let mut link = row.link;
+        if let Some(parameter) = motion.variable() {
+            link.set(parameter, link.get(parameter) + home);
+        }
+        chain = chain.row(described.convention, &link, motion);
+    }
+    if let Some(handle) = &described.handle {
+        chain = chain.origin(handle);
+    }
+    Ok(chain.finish())
+}
+
+fn data(described: &Described, constants: &ChainConstants<ROOM>) -> String {
+    let start = &constants.start;
+    let axes = start.rotation.column_iter().map(|axis| list(axis.into_owned().as_slice()));
+    let start: Vec<String> = std::iter::once(list(start.position_m.as_slice())).chain(axes).collect();
+    // `write!` to a String cannot fail.
     let mut text = format!(
-        "#define HAPTICAL_MODIFIED {modified} /* 1: Craig's convention */\n\
-         #define HAPTICAL_GENERAL {general} /* 1: rows have origins, or slides along y */\n\n\
-         static const haptical_row haptical_rows[HAPTICAL_ROWS + 1] = {{\n"
+        "/* Frame of the first row in frame (-1): origin, x, y, z. */\n\
+         static const double haptical_start[4][3] = {{\n    {}}};\n\
+         /* Sine and cosine of the last turn about z. */\n\
+         static const double haptical_end[2] = {};\n\n\
+         static const haptical_row haptical_rows[HAPTICAL_ROWS + 1] = {{\n",
+        start.join(",\n    "),
+        list(&[constants.end_sine, constants.end_cosine]),
     );
-    let is_general = !described.is_plain_table;
-    push_row(&mut text, &described.base, None, is_general);
-    for (row, drive) in described.rows.iter().zip(&described.drives) {
-        let home = described
-            .joints
-            .get(drive.joint)
-            .map_or(0.0, |own| own.home);
-        push_row(
-            &mut text,
-            &at_home(row, drive, home),
-            Some(drive),
-            is_general,
+    for (row, drive) in constants.joints.iter().zip(&described.drives) {
+        let _ = writeln!(
+            text,
+            "    {{.offset_rad = {:?}, .x_m = {:?}, .y_m = {:?},\n     \
+             .twist_sine = {:?}, .twist_cosine = {:?},\n     \
+             .prismatic = {}, .joint = {}, .multiplier = {:?}}},",
+            row.offset_rad,
+            row.x_m,
+            row.y_m,
+            row.twist_sine,
+            row.twist_cosine,
+            i32::from(row.is_prismatic),
+            drive.joint,
+            drive.multiplier
         );
     }
-    text.push_str("};\n\nstatic const haptical_frame haptical_handle = ");
-    push_frame(&mut text, described.handle);
-    text.push_str(";\n\nstatic const haptical_joint haptical_joints[HAPTICAL_JOINTS] = {\n");
+    // one more than there are rows: C knows no empty arrays
+    text.push_str("    {.joint = 0},\n};\n\nstatic const haptical_joint haptical_joints[HAPTICAL_JOINTS] = {\n");
     for (joint, range) in described.joints.iter().zip(&described.ranges) {
         push_joint(&mut text, joint, *range);
     }
@@ -65,53 +113,10 @@ fn data(described: &Described) -> String {
     text
 }
 
-fn at_home(row: &GeneralRow, drive: &RowDrive, home: f64) -> GeneralRow {
-    let mut row = *row;
-    let constant = drive.multiplier * home + drive.offset;
-    match drive.motion {
-        Motion::Revolute => row.link.theta_rad += constant,
-        Motion::Prismatic => row.link.d_m += constant,
-    }
-    row
-}
-
-fn push_frame(text: &mut String, pose: Option<Pose>) {
-    let (position_m, rotation) = row_by_row(&pose.unwrap_or_default());
-    let [x, y, z] = rotation.map(|row| list(&row));
-    let _ = write!(text, "{{{}, {{{x}, {y}, {z}}}}}", list(&position_m));
-}
-
-fn push_row(text: &mut String, general: &GeneralRow, drive: Option<&RowDrive>, is_general: bool) {
-    let row = &general.link;
-    let (sin_alpha, cos_alpha) = sine_cosine(row.alpha_rad);
-    let (sin_beta, cos_beta) = sine_cosine(row.beta_rad);
-    // `write!` to a String cannot fail.
-    let _ = write!(
-        text,
-        "    {{.a_m = {:?}, .d_m = {:?}, .theta_rad = {:?},\n     \
-         .sin_alpha = {sin_alpha:?}, .cos_alpha = {cos_alpha:?},\n     \
-         .sin_beta = {sin_beta:?}, .cos_beta = {cos_beta:?}",
-        row.a_m, row.d_m, row.theta_rad
-    );
-    if is_general {
-        let _ = write!(text, ",\n     .b_m = {:?}, .origin = ", row.b_m);
-        push_frame(text, general.origin);
-    }
-    if let Some(drive) = drive {
-        let prismatic = i32::from(drive.motion == Motion::Prismatic);
-        let (joint, multiplier) = (drive.joint, drive.multiplier);
-        let _ = write!(
-            text,
-            ",\n     .prismatic = {prismatic}, .joint = {joint}, .multiplier = {multiplier:?}"
-        );
-    }
-    text.push_str("},\n");
-}
-
 /// A drum's centre over the denominator, and its angle at home.
-fn drum(text: &mut String, name: &str, [x_m, y_m]: [f64; 2], denominator_m: f64) {
-    let (x, y) = (x_m / denominator_m, y_m / denominator_m);
-    let home_rad = arctangent2(y, 1.0 - x);
+fn drum(text: &mut String, name: &str, xy_m: [f64; 2], denominator_m: f64) {
+    let [x, y] = xy_m.map(|offset_m| offset_m / denominator_m);
+    let home_rad = Drum::new(xy_m, denominator_m).home().tangent().atan();
     let _ = writeln!(
         text,
         "     .{name}_x = {x:?}, .{name}_y = {y:?}, .{name}_home_rad = {home_rad:?},"
@@ -126,29 +131,23 @@ fn push_capstan(text: &mut String, capstan: &Capstan) {
         "     .offset = {:?}, .ratio = {ratio:?}, .ratio_slope = {slope:?},",
         capstan.offset
     );
-    drum(
-        text,
-        "output",
-        capstan.output_drum_xy_m,
-        capstan.drum_distance_m,
-    );
+    let denominator_m = capstan.drum_distance_m;
+    drum(text, "output", capstan.output_drum_xy_m, denominator_m);
     let denominator_m = capstan.input_drum_denominator_m;
     drum(text, "input", capstan.input_drum_xy_m, denominator_m);
 }
 
-/// Lengths over the longest, and the interior angle at A at home by the law of cosines:
-/// docs/equations.md, Parallelogram error.
+/// Lengths over the longest, and the interior angle at A at home: docs/equations.md, Parallelogram error.
 fn push_loop(text: &mut String, parallelogram: &Parallelogram) {
-    let longest_m = parallelogram.lengths_m.into_iter().fold(0.0, f64::max);
-    let lengths = parallelogram.lengths_m.map(|length_m| length_m / longest_m);
-    let [l1, l2, l3, l4] = lengths;
-    let s = l1.hypot(l2);
-    let cosine = (l4 * l4 + s * s - l3 * l3) / (2.0 * l4 * s);
-    let home_rad = l2.atan2(l1) + cosine.clamp(-1.0, 1.0).acos();
+    let (bars, _) = FourBar::new(parallelogram.lengths_m);
+    let [u, v] = bars.corner((0.0, 1.0));
+    let s = u.hypot(v);
+    let product: f64 = bars.heron(s).into_iter().product();
+    let home_rad = v.atan2(u) + product.max(0.0).sqrt().atan2(bars.gamma_side(s));
     let _ = writeln!(
         text,
         "     .lengths = {}, .loop_home_rad = {home_rad:?},",
-        list(&lengths)
+        list(&bars.lengths())
     );
 }
 
