@@ -6,7 +6,7 @@
 )]
 
 use haptical_calibration::{CalibrationMethod, Channel, Options, calibrate};
-use haptical_model::{Device, Evaluation, LinkParameter, ParameterId, Recording};
+use haptical_model::{Device, Evaluation, Parameter, ParameterId, Recording};
 
 const ARM: &str = r#"
 [[link]]
@@ -44,10 +44,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let link = |row, parameter| ParameterId::Link { row, parameter };
     let ratio = ParameterId::Transmission { joint: 0, index: 1 };
     for (parameter, deviation) in [
-        (link(1, LinkParameter::Theta), 8e-3),
-        (link(2, LinkParameter::A), -1.2e-3),
-        (link(2, LinkParameter::Alpha), 5e-3),
-        (link(3, LinkParameter::D), 9e-4),
+        (link(1, Parameter::Theta), 8e-3),
+        (link(2, Parameter::A), -1.2e-3),
+        (link(2, Parameter::Alpha), 5e-3),
+        (link(3, Parameter::D), 9e-4),
         (ratio, 0.05),
     ] {
         parameter.set(&mut truth, parameter.value(&nominal) + deviation);

@@ -3,7 +3,7 @@
 use haptical_identification::ParameterInfo;
 use haptical_model::SurroundingParameter;
 use haptical_model::kinematics::Convention;
-use haptical_model::{Device, LinkParameter, ParameterId};
+use haptical_model::{Device, Parameter, ParameterId};
 
 /// Two successive axes within this angle count as parallel, so that Hayati's angle is offered.
 /// (Judd & Knasinski and Hayati & Mirmirani 1985 advise it where a twist of a few degrees would
@@ -32,7 +32,7 @@ pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
         .filter(|parameter| match parameter {
             ParameterId::Link {
                 row,
-                parameter: LinkParameter::Beta,
+                parameter: Parameter::Beta,
             } => {
                 let is_parallel = || device.links[*row].alpha_rad.sin().abs() < PARALLEL_RAD.sin();
                 device.is_general_row(*row) || (has_axes(*row) && is_parallel())
@@ -57,25 +57,25 @@ pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
 pub fn preference_order(parameters: &[ParameterId]) -> Vec<usize> {
     let general_base = parameters.contains(&ParameterId::Link {
         row: 0,
-        parameter: LinkParameter::B,
+        parameter: Parameter::B,
     });
     let class = |parameter: &ParameterId| -> i8 {
         match *parameter {
             ParameterId::Link {
                 row: 0,
-                parameter: LinkParameter::A,
+                parameter: Parameter::A,
             } if !general_base => 1,
             ParameterId::Link { row: 0, parameter } => match parameter {
-                LinkParameter::Alpha => 7,
-                LinkParameter::Theta => 8,
+                Parameter::Alpha => 7,
+                Parameter::Theta => 8,
                 _ => 9,
             },
             ParameterId::Link { parameter, .. } => match parameter {
-                LinkParameter::Theta => 0,
-                LinkParameter::A | LinkParameter::B => 1,
-                LinkParameter::D => 2,
-                LinkParameter::Alpha => 3,
-                LinkParameter::Beta => 4,
+                Parameter::Theta => 0,
+                Parameter::A | Parameter::B => 1,
+                Parameter::D => 2,
+                Parameter::Alpha => 3,
+                Parameter::Beta => 4,
             },
             ParameterId::Transmission { index: 0, .. } => 6,
             ParameterId::Transmission { .. } => 5,

@@ -34,7 +34,7 @@ impl Distances {
         let parameters: Vec<_> = parameters
             .iter()
             .map(|parameter| match parameter {
-                ParameterId::Link { row, parameter } => Some((*row, parameter.kinematic())),
+                ParameterId::Link { row, parameter } => Some((*row, *parameter)),
                 _ => None,
             })
             .collect::<Option<_>>()?;

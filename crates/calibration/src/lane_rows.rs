@@ -177,7 +177,7 @@ fn channel_plan(
     let (mut chosen, mut links) = (Vec::new(), Vec::new());
     for (parameter, id) in parameters.iter().enumerate() {
         if let ParameterId::Link { row, parameter: of } = *id {
-            chosen.push((row, of.kinematic()));
+            chosen.push((row, of));
             links.push(Some(parameter));
         }
     }

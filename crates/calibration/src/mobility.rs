@@ -7,7 +7,7 @@ use haptical_identification::IdentificationError;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Convention, Twist};
 use haptical_model::{
-    Device, DeviceChain, Evaluation, LinkParameter, ParameterId, SurroundingParameter, TouchedPlane,
+    Device, DeviceChain, Evaluation, Parameter, ParameterId, SurroundingParameter, TouchedPlane,
 };
 
 use crate::{Channel, DeviceProblem};
@@ -193,7 +193,7 @@ struct AtTouch<'t> {
 
 impl AtTouch<'_> {
     fn axis(&self, row: usize) -> Twist {
-        let parameter = LinkParameter::Theta;
+        let parameter = Parameter::Theta;
         self.evaluation
             .pose_derivative(ParameterId::Link { row, parameter })
     }
@@ -253,7 +253,7 @@ impl AtTouch<'_> {
         let of_joint = |joint: usize, factor: f64| -> f64 {
             let own = self.driven.iter().filter(|driven| driven.joint == joint);
             own.map(|driven| {
-                let parameter = LinkParameter::Theta;
+                let parameter = Parameter::Theta;
                 driven.multiplier * self.of_link(driven.row, parameter, pulls)
             })
             .sum::<f64>()
@@ -274,12 +274,12 @@ impl AtTouch<'_> {
 
     /// Derivative by a number of a link. What it moves, twist (v, w) of the handle, turns the velocity that a row
     /// behind it gives the handle, by w x L; a row before it has its axis where it was, and the handle moves: o x v.
-    fn of_link(&self, row: usize, parameter: LinkParameter, pulls: &[Vector3<f64>]) -> f64 {
+    fn of_link(&self, row: usize, parameter: Parameter, pulls: &[Vector3<f64>]) -> f64 {
         let moved = self
             .evaluation
             .pose_derivative(ParameterId::Link { row, parameter });
         let is_before_own_turn = self.convention == Convention::Modified
-            && !matches!(parameter, LinkParameter::Theta | LinkParameter::D);
+            && !matches!(parameter, Parameter::Theta | Parameter::D);
         let mut slope = 0.0;
         for (driven, pull) in self.driven.iter().zip(pulls) {
             let axis = self.axis(driven.row);

@@ -6,7 +6,7 @@ use haptical_identification::{
 };
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{
-    Device, Evaluation, JointType, LinkParameter, ParameterId, Recording, SurroundingParameter,
+    Device, Evaluation, JointType, Parameter, ParameterId, Recording, SurroundingParameter,
 };
 
 use crate::form::Prepared;
@@ -122,7 +122,7 @@ fn judged(
 
 /// Whether touches are all that tells of lengths, and nobody said of one that it is right.
 pub(crate) fn is_open(device: &Device, channels: &[Channel]) -> bool {
-    let is_kept = |((row, number), size): (&(usize, LinkParameter), &f64)| {
+    let is_kept = |((row, number), size): (&(usize, Parameter), &f64)| {
         let kept = ParameterId::Link {
             row: *row,
             parameter: *number,
@@ -167,9 +167,9 @@ fn length(device: &Device, parameter: ParameterId) -> f64 {
     match parameter {
         ParameterId::Link { row, parameter } => {
             let axis = match parameter {
-                LinkParameter::A => 0,
-                LinkParameter::B => 1,
-                LinkParameter::D => 2,
+                Parameter::A => 0,
+                Parameter::B => 1,
+                Parameter::D => 2,
                 _ => return 0.0,
             };
             let behind = device.origins.get(row + 1).copied().flatten();

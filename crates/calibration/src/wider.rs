@@ -1,7 +1,7 @@
 //! Joint offsets that are farther off than a machined device's, where the residual says so.
 
 use haptical_identification::Status;
-use haptical_model::{LinkParameter, ParameterId};
+use haptical_model::{Parameter, ParameterId};
 
 use crate::fit::Task;
 use crate::multi_start::implausible;
@@ -31,7 +31,7 @@ pub(crate) fn widen_offsets(
         if let (
             ParameterId::Link {
                 row,
-                parameter: number @ LinkParameter::Theta,
+                parameter: number @ Parameter::Theta,
             },
             Status::Weak { .. },
         ) = (parameter, status)

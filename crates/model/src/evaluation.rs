@@ -226,9 +226,7 @@ impl<'d> Evaluation<'d> {
                 }
             }
             ParameterId::Surrounding(_) => Twist::default(),
-            ParameterId::Link { row, parameter } => {
-                self.link_derivatives[row].get(parameter.kinematic())
-            }
+            ParameterId::Link { row, parameter } => self.link_derivatives[row].get(parameter),
             ParameterId::Transmission { joint, index } => {
                 let factor = self.errors[joint].derivatives[index];
                 let twist = self.joint_twist(joint);

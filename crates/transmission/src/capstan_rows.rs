@@ -91,7 +91,8 @@ impl CapstanRows<'_> {
         for (row, theta_rad) in self.angles_rad.iter().enumerate() {
             let evaluation = self.capstan.evaluate(p, *theta_rad)?;
             values_rad[row] = evaluation.value_rad;
-            for (column, derivative) in derivatives.iter_mut().flatten().zip(evaluation.derivatives) {
+            for (column, derivative) in derivatives.iter_mut().flatten().zip(evaluation.derivatives)
+            {
                 column[row] = derivative;
             }
         }

@@ -6,7 +6,7 @@ use haptical_calibration::{
     predict_distances,
 };
 use haptical_metrics::rms;
-use haptical_model::{Device, LinkParameter, ParameterId};
+use haptical_model::{Device, Parameter, ParameterId};
 use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
 use haptical_simulator::{Settings, simulate, true_poses};
 use rand::RngExt;
@@ -207,7 +207,7 @@ fn device(
                 let share = size as f64 / 10.0;
                 let largest = match parameter {
                     ParameterId::Link {
-                        parameter: LinkParameter::A | LinkParameter::D | LinkParameter::B,
+                        parameter: Parameter::A | Parameter::D | Parameter::B,
                         ..
                     } => LARGEST.1,
                     _ => LARGEST.0,

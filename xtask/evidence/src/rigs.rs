@@ -1,7 +1,7 @@
 //! Simulated devices around the paper's, and how they are recorded for the trials of intervals.
 
 use anyhow::{Context, Result, anyhow};
-use haptical_model::{Device, LinkParameter, ParameterId, Recording, TransmissionError};
+use haptical_model::{Device, Parameter, ParameterId, Recording, TransmissionError};
 use haptical_simulator::{CableSigma, Noise, Settings, simulate, true_poses};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -82,7 +82,7 @@ pub(super) fn true_device(nominal: &Device, share: f64, seed: u64) -> Device {
     for parameter in nominal.link_parameters(false) {
         let twists_the_handle = matches!(
             parameter,
-            ParameterId::Link { row, parameter: LinkParameter::Alpha } if row == last
+            ParameterId::Link { row, parameter: Parameter::Alpha } if row == last
         );
         let deviation = share * SHARE * parameter.plausible_size(nominal) * normal();
         if !twists_the_handle {

@@ -7,7 +7,7 @@ use haptical_batch::{
 use haptical_calibration::{Channel, DeviceProblem, Weights};
 use haptical_identification::{Fit, Settings, solve};
 use haptical_kinematics::Parameter;
-use haptical_model::{Device, Evaluation, LinkParameter, ParameterId, Recording};
+use haptical_model::{Device, Evaluation, ParameterId, Recording};
 
 use crate::support::numbers;
 
@@ -32,10 +32,10 @@ fn haptic7() -> Option<Device> {
 /// The paper's 28: without theta0, alpha0, d0 and alpha7.
 fn parameters(device: &Device) -> Vec<ParameterId> {
     let fixed = [
-        (0, LinkParameter::Theta),
-        (0, LinkParameter::Alpha),
-        (0, LinkParameter::D),
-        (7, LinkParameter::Alpha),
+        (0, Parameter::Theta),
+        (0, Parameter::Alpha),
+        (0, Parameter::D),
+        (7, Parameter::Alpha),
     ];
     let all = device.link_parameters(false).into_iter();
     all.filter(|id| match id {
@@ -102,7 +102,7 @@ fn both(rows: usize, sines: Sines) -> Option<Both> {
     let of_rows: Vec<(usize, Parameter)> = parameters
         .iter()
         .filter_map(|id| match id {
-            ParameterId::Link { row, parameter } => Some((*row, parameter.kinematic())),
+            ParameterId::Link { row, parameter } => Some((*row, *parameter)),
             _ => None,
         })
         .collect();

@@ -1,7 +1,7 @@
 //! Known angles at which a homing fixture holds a joint's link.
 
 use haptical_model::kinematics::Twist;
-use haptical_model::{Device, JointType, LinkParameter, ModelError, ParameterId, Recording};
+use haptical_model::{Device, JointType, ModelError, Parameter, ParameterId, Recording};
 
 use super::{Measurement, Posture, is_known, reading};
 
@@ -31,8 +31,8 @@ impl Fixture {
     fn offset(&self, device: &Device) -> Option<ParameterId> {
         let row = device.first_row(self.joint)?;
         let parameter = match device.joints.get(self.joint)?.joint_type {
-            JointType::Revolute => LinkParameter::Theta,
-            JointType::Prismatic => LinkParameter::D,
+            JointType::Revolute => Parameter::Theta,
+            JointType::Prismatic => Parameter::D,
         };
         (row < device.links.len()).then_some(ParameterId::Link { row, parameter })
     }
@@ -60,7 +60,7 @@ impl Measurement for Fixture {
         match parameter {
             ParameterId::Transmission { joint, .. } => joint == self.joint,
             ParameterId::Link { parameter, .. } => {
-                matches!(parameter, LinkParameter::Theta | LinkParameter::D)
+                matches!(parameter, Parameter::Theta | Parameter::D)
             }
             _ => false,
         }

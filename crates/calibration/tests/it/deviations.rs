@@ -2,7 +2,7 @@
 
 use haptical_calibration::{HeldOut, Options, Weighting, candidate_parameters, fit_device};
 use haptical_model::kinematics::nalgebra::Vector3;
-use haptical_model::{Device, LinkParameter, ParameterId, Recording};
+use haptical_model::{Device, Parameter, ParameterId, Recording};
 
 use crate::rig_scene::{Target, add_touches, normal, plain, poses, shaken, table, touches};
 
@@ -87,7 +87,7 @@ fn what_is_held_is_no_candidate() {
     let left = candidate_parameters(&device);
     let d2 = ParameterId::Link {
         row: 2,
-        parameter: LinkParameter::D,
+        parameter: Parameter::D,
     };
     assert_eq!(left.len(), count - 1);
     assert!(!left.contains(&d2));

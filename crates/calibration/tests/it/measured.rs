@@ -6,7 +6,7 @@ use haptical_calibration::{
     Calibration, HeldOut, Options, ParameterFit, Weights, calibrate, channel_residuals, channels,
     fit_device, fit_parameters, prepare_device,
 };
-use haptical_model::{ContactPair, Device, LinkParameter, ParameterId, Recording};
+use haptical_model::{ContactPair, Device, Parameter, ParameterId, Recording};
 
 fn measured(part: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/measured");
@@ -229,7 +229,7 @@ fn a_sensor_put_in_moves_the_tool_alone() {
         let all = channel_residuals(&fit, &fit, &changed, &channels, &weights).unwrap();
         all[0].rms().unwrap() * 3.0_f64.sqrt()
     };
-    let tool = [LinkParameter::A, LinkParameter::B, LinkParameter::D];
+    let tool = [Parameter::A, Parameter::B, Parameter::D];
     let tool = tool.map(|parameter| ParameterId::Link { row: 7, parameter });
     let (with, without) = (left(&later, &tool), left(&later, &[]));
     println!("tool refitted {with:.2e} m, as it was {without:.2e} m");

@@ -2,7 +2,7 @@
 
 use haptical_calibration::{Channel, Weights, candidate_parameters, identifiability_at};
 use haptical_identification::IdentifiabilityRules;
-use haptical_model::{LinkParameter, ParameterId};
+use haptical_model::{Parameter, ParameterId};
 use proptest::prelude::*;
 
 use crate::chain::{
@@ -33,7 +33,7 @@ proptest! {
 
         let plain: Vec<ParameterId> = candidate_parameters(&device)
             .into_iter()
-            .filter(|p| !matches!(p, ParameterId::Link { parameter: LinkParameter::Beta, .. }))
+            .filter(|p| !matches!(p, ParameterId::Link { parameter: Parameter::Beta, .. }))
             .collect();
         let channels = [Channel::Cable { index: 0 }];
         let weights = Weights::stated(&device, &channels);

@@ -5,7 +5,7 @@ use haptical_calibration::{
     fit_parameters, prepare_device,
 };
 use haptical_model::kinematics::nalgebra::Vector3;
-use haptical_model::{Device, LinkParameter, ParameterId, Recording};
+use haptical_model::{Device, Parameter, ParameterId, Recording};
 
 use crate::chain::pseudo_random;
 use crate::rig_scene::{Target, add_touches, plain, poses, shaken, touch};
@@ -49,8 +49,8 @@ fn built(nominal: &Device, seed: u64) -> Device {
             continue;
         };
         let size = match kind {
-            LinkParameter::A | LinkParameter::B | LinkParameter::D => 1e-3,
-            LinkParameter::Theta => 2e-2,
+            Parameter::A | Parameter::B | Parameter::D => 1e-3,
+            Parameter::Theta => 2e-2,
             _ => 5e-3,
         };
         if row > 0 {

@@ -42,7 +42,10 @@ fn constants(described: &Described) -> Result<ChainConstants<ROOM>, Failure> {
     if described.rows.len() > ROOM {
         return Err(Failure::bad_input(
             "not-exportable",
-            format!("{} rows move; the header holds {ROOM}", described.rows.len()),
+            format!(
+                "{} rows move; the header holds {ROOM}",
+                described.rows.len()
+            ),
             "the device",
             "write --format rust or json",
         ));
@@ -51,7 +54,10 @@ fn constants(described: &Described) -> Result<ChainConstants<ROOM>, Failure> {
     let fixed = (&described.base, kinematics::Motion::Fixed, 0.0);
     let moving = described.rows.iter().zip(&described.drives);
     let moving = moving.map(|(row, drive)| {
-        let home = described.joints.get(drive.joint).map_or(0.0, |own| own.home);
+        let home = described
+            .joints
+            .get(drive.joint)
+            .map_or(0.0, |own| own.home);
         let motion = match drive.motion {
             Motion::Revolute => kinematics::Motion::Revolute,
             Motion::Prismatic => kinematics::Motion::Prismatic,
@@ -76,8 +82,13 @@ fn constants(described: &Described) -> Result<ChainConstants<ROOM>, Failure> {
 
 fn data(described: &Described, constants: &ChainConstants<ROOM>) -> String {
     let start = &constants.start;
-    let axes = start.rotation.column_iter().map(|axis| list(axis.into_owned().as_slice()));
-    let start: Vec<String> = std::iter::once(list(start.position_m.as_slice())).chain(axes).collect();
+    let axes = start
+        .rotation
+        .column_iter()
+        .map(|axis| list(axis.into_owned().as_slice()));
+    let start: Vec<String> = std::iter::once(list(start.position_m.as_slice()))
+        .chain(axes)
+        .collect();
     // `write!` to a String cannot fail.
     let mut text = format!(
         "/* Frame of the first row in frame (-1): origin, x, y, z. */\n\

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use haptical_kinematics::{Convention, Link};
 
 use crate::Surroundings;
-use crate::{Cable, Drive, Joint, LinkParameter, Origin};
+use crate::{Cable, Drive, Joint, Origin, Parameter};
 
 /// A device as its file describes it. Without links it has transmissions only.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +45,7 @@ pub struct Device {
     pub nominal_links: Option<Vec<Link>>,
     /// How far rows' numbers may plausibly be from the device's, where somebody says so (\[m\] or \[rad\]); 0 where
     /// a calibration keeps them ([`Device::hold`], [`Device::expect_deviation`]).
-    pub deviations: BTreeMap<(usize, LinkParameter), f64>,
+    pub deviations: BTreeMap<(usize, Parameter), f64>,
     /// Numbers beside the chain that may have to be fitted with it: the tracker's place, touched points.
     pub surroundings: Surroundings,
 }

@@ -10,7 +10,7 @@ use crate::device::rows::{Drive, Origin};
 use crate::file::joint::{LARGEST_ANGLE_RAD, angle};
 use crate::file::reader::{SMALLEST, Section};
 use crate::parameter::unknown::{DEVIATION_KEYS, numbers_of};
-use crate::{DeviceFileError, LinkParameter};
+use crate::{DeviceFileError, Parameter};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -24,7 +24,7 @@ pub(crate) struct Rows {
     pub(crate) bodies: Vec<Option<Body>>,
     pub(crate) origins: Vec<Option<Origin>>,
     pub(crate) drives: Vec<Drive>,
-    pub(crate) deviations: BTreeMap<(usize, LinkParameter), f64>,
+    pub(crate) deviations: BTreeMap<(usize, Parameter), f64>,
 }
 
 /// Reads all rows; `head` is `[device]`, which says where the handle is behind the last row.
@@ -70,7 +70,7 @@ pub(crate) fn read_rows(
 }
 
 /// What a row says of how far its numbers may be off.
-fn read_deviations(section: &Section<'_, '_>) -> Result<Vec<(LinkParameter, f64)>> {
+fn read_deviations(section: &Section<'_, '_>) -> Result<Vec<(Parameter, f64)>> {
     let mut found = Vec::new();
     for (number, key) in DEVIATION_KEYS {
         if let Some(size) = section.number(key)? {

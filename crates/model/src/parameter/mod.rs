@@ -21,7 +21,7 @@ pub enum ParameterId {
         /// Row.
         row: usize,
         /// Which of the six.
-        parameter: LinkParameter,
+        parameter: Parameter,
     },
     /// A parameter of a joint's transmission error.
     Transmission {
@@ -37,47 +37,6 @@ pub enum ParameterId {
     },
     /// A number of a cable, the tracker, a touched point or plane.
     Surrounding(SurroundingParameter),
-}
-
-/// The six numbers of a row. (The kinematics' [`Parameter`] with an order.)
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum LinkParameter {
-    /// Length along x.
-    A,
-    /// Twist about x.
-    Alpha,
-    /// Offset along z.
-    D,
-    /// Angle about z: the joint offset.
-    Theta,
-    /// Hayati's rotation about y.
-    Beta,
-    /// Length along y, of a general row.
-    B,
-}
-
-impl LinkParameter {
-    /// All six.
-    pub const ALL: [Self; 6] = [
-        Self::A,
-        Self::Alpha,
-        Self::D,
-        Self::Theta,
-        Self::Beta,
-        Self::B,
-    ];
-
-    /// The kinematics' word for it.
-    pub fn kinematic(self) -> Parameter {
-        match self {
-            Self::A => Parameter::A,
-            Self::Alpha => Parameter::Alpha,
-            Self::D => Parameter::D,
-            Self::Theta => Parameter::Theta,
-            Self::Beta => Parameter::Beta,
-            Self::B => Parameter::B,
-        }
-    }
 }
 
 /// Plausible size of a length deviation \[m\]: the largest of the paper's Table 5 is 4.2 mm.
@@ -98,7 +57,7 @@ impl ParameterId {
     pub fn unit(self, device: &Device) -> &'static str {
         match self {
             Self::Link {
-                parameter: LinkParameter::A | LinkParameter::B | LinkParameter::D,
+                parameter: Parameter::A | Parameter::B | Parameter::D,
                 ..
             } => "m",
             Self::Compliance { joint } => match device.joints[joint].joint_type {
@@ -126,7 +85,7 @@ impl ParameterId {
         match self {
             Self::Compliance { joint } => format!("joint_compliance{}", joint + 1),
             Self::Surrounding(parameter) => parameter.name(device),
-            Self::Link { row, parameter } => format!("{}{row}", parameter.kinematic().name()),
+            Self::Link { row, parameter } => format!("{}{row}", parameter.name()),
             Self::Transmission { joint, index } => {
                 let number = joint + 1;
                 match &device.joints[joint].transmission_error {
@@ -150,12 +109,12 @@ impl ParameterId {
             Self::Surrounding(parameter) => parameter.key(device),
             Self::Link { row, parameter } => {
                 let key = match parameter {
-                    LinkParameter::A => "a_m",
-                    LinkParameter::Alpha => "alpha_rad",
-                    LinkParameter::D => "d_m",
-                    LinkParameter::Theta => "theta_offset_rad",
-                    LinkParameter::Beta => "beta_rad",
-                    LinkParameter::B => "b_m",
+                    Parameter::A => "a_m",
+                    Parameter::Alpha => "alpha_rad",
+                    Parameter::D => "d_m",
+                    Parameter::Theta => "theta_offset_rad",
+                    Parameter::Beta => "beta_rad",
+                    Parameter::B => "b_m",
                 };
                 format!("link[{row}].{key}")
             }
@@ -185,7 +144,7 @@ impl ParameterId {
                 size
             }
             Self::Link {
-                parameter: LinkParameter::A | LinkParameter::B | LinkParameter::D,
+                parameter: Parameter::A | Parameter::B | Parameter::D,
                 ..
             } => PLAUSIBLE_LENGTH_M,
             Self::Link { .. } => PLAUSIBLE_ANGLE_RAD,
@@ -211,7 +170,7 @@ impl ParameterId {
         match self {
             Self::Compliance { joint } => device.compliance_rad_per_nm(joint),
             Self::Surrounding(parameter) => parameter.value(device),
-            Self::Link { row, parameter } => device.links[row].get(parameter.kinematic()),
+            Self::Link { row, parameter } => device.links[row].get(parameter),
             Self::Transmission { joint, index } => match &device.joints[joint].transmission_error {
                 TransmissionError::Capstan(error) => error.to_array()[index],
                 TransmissionError::Chebyshev { coefficients, .. } => coefficients[index],
@@ -236,7 +195,7 @@ impl ParameterId {
                 compliance[joint].rad_per_nm = value;
             }
             Self::Surrounding(parameter) => parameter.set(device, value),
-            Self::Link { row, parameter } => device.links[row].set(parameter.kinematic(), value),
+            Self::Link { row, parameter } => device.links[row].set(parameter, value),
             Self::Transmission { joint, index } => {
                 match &mut device.joints[joint].transmission_error {
                     TransmissionError::Capstan(error) => set_capstan(error, index, value),
@@ -276,11 +235,11 @@ impl Device {
     pub fn link_parameters(&self, with_beta: bool) -> Vec<ParameterId> {
         (0..self.links.len())
             .flat_map(|row| {
-                LinkParameter::ALL
+                Parameter::ALL
                     .into_iter()
                     .filter(move |parameter| match parameter {
-                        LinkParameter::Beta => with_beta || self.is_general_row(row),
-                        LinkParameter::B => self.is_general_row(row),
+                        Parameter::Beta => with_beta || self.is_general_row(row),
+                        Parameter::B => self.is_general_row(row),
                         _ => true,
                     })
                     .map(move |parameter| ParameterId::Link { row, parameter })

@@ -1,35 +1,32 @@
 //! Stated deviations of link parameters from the device file: zero where a user knows a number, larger than usual where
 //! a user knows that it is uncertain.
 
-use crate::{Device, LinkParameter};
+use crate::{Device, Parameter};
 
 /// Words for several numbers of a row.
-const GROUPS: [(&str, &[LinkParameter]); 3] = [
-    (
-        "lengths",
-        &[LinkParameter::A, LinkParameter::B, LinkParameter::D],
-    ),
-    ("twists", &[LinkParameter::Alpha, LinkParameter::Beta]),
-    ("offsets", &[LinkParameter::Theta]),
+const GROUPS: [(&str, &[Parameter]); 3] = [
+    ("lengths", &[Parameter::A, Parameter::B, Parameter::D]),
+    ("twists", &[Parameter::Alpha, Parameter::Beta]),
+    ("offsets", &[Parameter::Theta]),
 ];
 /// Words for one.
-const WORDS: [(&str, &[LinkParameter]); 6] = [
-    ("a", &[LinkParameter::A]),
-    ("b", &[LinkParameter::B]),
-    ("d", &[LinkParameter::D]),
-    ("alpha", &[LinkParameter::Alpha]),
-    ("theta", &[LinkParameter::Theta]),
-    ("beta", &[LinkParameter::Beta]),
+const WORDS: [(&str, &[Parameter]); 6] = [
+    ("a", &[Parameter::A]),
+    ("b", &[Parameter::B]),
+    ("d", &[Parameter::D]),
+    ("alpha", &[Parameter::Alpha]),
+    ("theta", &[Parameter::Theta]),
+    ("beta", &[Parameter::Beta]),
 ];
 
 /// Keys of a `[[link]]` for the plausible deviation of each number.
-pub(crate) const DEVIATION_KEYS: [(LinkParameter, &str); 6] = [
-    (LinkParameter::A, "a_deviation_m"),
-    (LinkParameter::B, "b_deviation_m"),
-    (LinkParameter::D, "d_deviation_m"),
-    (LinkParameter::Alpha, "alpha_deviation_rad"),
-    (LinkParameter::Theta, "theta_offset_deviation_rad"),
-    (LinkParameter::Beta, "beta_deviation_rad"),
+pub(crate) const DEVIATION_KEYS: [(Parameter, &str); 6] = [
+    (Parameter::A, "a_deviation_m"),
+    (Parameter::B, "b_deviation_m"),
+    (Parameter::D, "d_deviation_m"),
+    (Parameter::Alpha, "alpha_deviation_rad"),
+    (Parameter::Theta, "theta_offset_deviation_rad"),
+    (Parameter::Beta, "beta_deviation_rad"),
 ];
 
 /// A word that names no number of a link.
@@ -46,7 +43,7 @@ pub struct UnknownNumbers {
 }
 
 /// The numbers of a row that a word stands for.
-pub(crate) fn numbers_of(word: &str) -> Option<&'static [LinkParameter]> {
+pub(crate) fn numbers_of(word: &str) -> Option<&'static [Parameter]> {
     let known = GROUPS
         .iter()
         .chain(&WORDS)
@@ -67,8 +64,8 @@ impl Device {
     /// let mut device = haptical_model::Device::load(path.as_ref())?.device;
     /// device.hold("lengths")?;
     /// device.hold("alpha2")?;
-    /// assert!(device.is_held(3, haptical_model::LinkParameter::D));
-    /// assert!(!device.is_held(3, haptical_model::LinkParameter::Alpha));
+    /// assert!(device.is_held(3, haptical_model::Parameter::D));
+    /// assert!(!device.is_held(3, haptical_model::Parameter::Alpha));
     /// assert!(device.hold("length").is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -111,12 +108,12 @@ impl Device {
     }
 
     /// How far a number of a row may plausibly be off, where it is stated.
-    pub fn deviation(&self, row: usize, number: LinkParameter) -> Option<f64> {
+    pub fn deviation(&self, row: usize, number: Parameter) -> Option<f64> {
         self.deviations.get(&(row, number)).copied()
     }
 
     /// Whether a calibration keeps a number of a row.
-    pub fn is_held(&self, row: usize, number: LinkParameter) -> bool {
+    pub fn is_held(&self, row: usize, number: Parameter) -> bool {
         self.deviation(row, number) == Some(0.0)
     }
 }

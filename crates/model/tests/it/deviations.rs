@@ -1,6 +1,6 @@
 //! `hold` and the deviations of a `[[link]]`.
 
-use haptical_model::{Device, LinkParameter, ParameterId};
+use haptical_model::{Device, Parameter, ParameterId};
 
 const FILE: &str = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\
     [[link]]\na_m = 0.4\nalpha_rad = 0.1\nd_m = 0.0\nhold = [\"lengths\", \"alpha\"]\n\
@@ -10,11 +10,11 @@ const FILE: &str = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\
 fn a_row_says_what_it_holds() {
     let device = Device::from_toml(FILE, "lever.toml").unwrap().device;
     for (number, deviation) in [
-        (LinkParameter::A, Some(0.0)),
-        (LinkParameter::D, Some(0.0)),
-        (LinkParameter::Alpha, Some(0.0)),
-        (LinkParameter::Theta, Some(0.06)),
-        (LinkParameter::Beta, None),
+        (Parameter::A, Some(0.0)),
+        (Parameter::D, Some(0.0)),
+        (Parameter::Alpha, Some(0.0)),
+        (Parameter::Theta, Some(0.06)),
+        (Parameter::Beta, None),
     ] {
         assert_eq!(device.deviation(1, number), deviation, "{number:?}");
         assert_eq!(device.deviation(0, number), None, "{number:?}");
@@ -24,7 +24,7 @@ fn a_row_says_what_it_holds() {
     assert_eq!(again.warnings, Vec::<String>::new());
     let offset = ParameterId::Link {
         row: 1,
-        parameter: LinkParameter::Theta,
+        parameter: Parameter::Theta,
     };
     assert_eq!(offset.plausible_size(&device), 0.06);
 }
@@ -34,9 +34,9 @@ fn words_stand_for_rows() {
     let mut device = Device::from_toml(FILE, "lever.toml").unwrap().device;
     device.deviations.clear();
     device.hold("twists").unwrap();
-    assert!(device.is_held(1, LinkParameter::Beta) && !device.is_held(0, LinkParameter::Beta));
+    assert!(device.is_held(1, Parameter::Beta) && !device.is_held(0, Parameter::Beta));
     device.hold("a0").unwrap();
-    assert!(device.is_held(0, LinkParameter::A) && !device.is_held(1, LinkParameter::A));
+    assert!(device.is_held(0, Parameter::A) && !device.is_held(1, Parameter::A));
     for wrong in ["a2", "length", "", "3", "theta99999999999999999999", "a-1"] {
         assert!(device.hold(wrong).is_err(), "{wrong}");
     }

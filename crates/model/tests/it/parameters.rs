@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use haptical_model::{Device, LinkParameter, ModelError, ParameterId, TransmissionError};
+use haptical_model::{Device, ModelError, Parameter, ParameterId, TransmissionError};
 use proptest::prelude::*;
 
 use haptical_testkit::haptic7;
@@ -53,7 +53,7 @@ proptest! {
         }
         let text = device.to_toml(&crate::support::nominal_text(&device), "f").unwrap();
         let document: toml::Table = text.parse().unwrap();
-        for id in ids.iter().filter(|id| !matches!(id, ParameterId::Link { parameter: LinkParameter::Beta, .. })) {
+        for id in ids.iter().filter(|id| !matches!(id, ParameterId::Link { parameter: Parameter::Beta, .. })) {
             prop_assert_eq!(lookup(&document, &id.key(&device)), Some(id.value(&device)), "{}", id.key(&device));
         }
     }

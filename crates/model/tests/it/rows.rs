@@ -3,7 +3,7 @@
 use haptical_model::kinematics::nalgebra::{Matrix4, UnitQuaternion, Vector3};
 use haptical_model::kinematics::{Convention, Link, Pose};
 use haptical_model::{
-    Device, DeviceChain, DeviceFileError, Drive, Evaluation, Joint, JointType, LinkParameter,
+    Device, DeviceChain, DeviceFileError, Drive, Evaluation, Joint, JointType, Parameter,
     ParameterId,
 };
 use proptest::prelude::*;
@@ -112,7 +112,7 @@ fn only_general_rows_offer_a_slide_along_y() {
     ];
     assert_eq!(names, expected);
     let slide = device.parameter("b1").unwrap();
-    let parameter = LinkParameter::B;
+    let parameter = Parameter::B;
     assert_eq!(slide, ParameterId::Link { row: 1, parameter });
     assert_eq!(
         (slide.key(&device).as_str(), slide.unit(&device)),

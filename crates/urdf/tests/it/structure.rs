@@ -1,6 +1,6 @@
 //! The content of a URDF that a device keeps (joints, limits, masses, the tip), and the warnings about the rest.
 
-use haptical_model::{JointType, LinkParameter, ParameterId};
+use haptical_model::{JointType, Parameter, ParameterId};
 use haptical_urdf::{BaseAndTip, device_from_urdf};
 
 use crate::support::{fixture, pose};
@@ -50,7 +50,7 @@ fn the_arm_s_joints_limits_and_warnings() {
     assert_eq!(device.link_parameters(false).len(), 6 * 7);
     let slide = ParameterId::Link {
         row: 2,
-        parameter: LinkParameter::B,
+        parameter: Parameter::B,
     };
     assert_eq!(
         (slide.key(&device).as_str(), slide.unit(&device)),

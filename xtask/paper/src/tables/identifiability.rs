@@ -3,7 +3,7 @@
 use anyhow::Result;
 use haptical_calibration::{Channel, Weights, candidate_parameters, identifiability_at};
 use haptical_identification::{Identifiability, IdentifiabilityRules, Status};
-use haptical_model::{Device, LinkParameter, ParameterId, Recording, TransmissionError};
+use haptical_model::{Device, Parameter, ParameterId, Recording, TransmissionError};
 use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
 use haptical_simulator::simulate;
 
@@ -72,7 +72,7 @@ fn at(device: &Device, recording: &Recording) -> Result<Identifiability> {
             !matches!(
                 id,
                 ParameterId::Link {
-                    parameter: LinkParameter::Beta,
+                    parameter: Parameter::Beta,
                     ..
                 }
             )

@@ -4,7 +4,7 @@ use anyhow::Result;
 use haptical_calibration::{
     CalibrationMethod, Channel, Options, Weights, channels, fit_device, fit_parameters,
 };
-use haptical_model::{Device, LinkParameter, ParameterId};
+use haptical_model::{Device, Parameter, ParameterId};
 use haptical_report::{Cell, Figure, Mark, Series, Table};
 use haptical_simulator::simulate;
 use xtask_output::Progress;
@@ -117,7 +117,7 @@ impl Kind {
                 let offsets: Vec<ParameterId> = (1..=7)
                     .map(|row| ParameterId::Link {
                         row,
-                        parameter: LinkParameter::Theta,
+                        parameter: Parameter::Theta,
                     })
                     .collect();
                 fit_parameters(

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use haptical_calibration::{Channel, Weights};
-use haptical_model::{Device, LinkParameter, ParameterId, Recording};
+use haptical_model::{Device, Parameter, ParameterId, Recording};
 use haptical_report::write_atomically;
 use haptical_simulator::simulate;
 use xtask_paper::{Paper, Scenario, nominal_device};
@@ -22,11 +22,11 @@ use xtask_paper::{Paper, Scenario, nominal_device};
 /// Rows of the chain, and joints.
 const ROWS: usize = 8;
 /// The four parameters of a row, in the order of the file.
-const PARAMETERS: [LinkParameter; 4] = [
-    LinkParameter::A,
-    LinkParameter::Alpha,
-    LinkParameter::D,
-    LinkParameter::Theta,
+const PARAMETERS: [Parameter; 4] = [
+    Parameter::A,
+    Parameter::Alpha,
+    Parameter::D,
+    Parameter::Theta,
 ];
 /// Random numbers of the recordings.
 const SEED: u64 = 1;
@@ -93,7 +93,7 @@ impl DataSet {
         ensure!(links.len() == ROWS, "the chain has {} rows", links.len());
         let mut numbers = vec![self.poses() as f64, self.sd_m];
         for link in &links {
-            numbers.extend(PARAMETERS.map(|parameter| link.get(parameter.kinematic())));
+            numbers.extend(PARAMETERS.map(|parameter| link.get(parameter)));
         }
         for free in &self.free {
             numbers.push(place(*free)? as f64);

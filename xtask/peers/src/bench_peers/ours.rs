@@ -127,7 +127,7 @@ fn lanes(
                 .free
                 .iter()
                 .filter_map(|id| match id {
-                    ParameterId::Link { row, parameter } => Some((*row, parameter.kinematic())),
+                    ParameterId::Link { row, parameter } => Some((*row, *parameter)),
                     _ => None,
                 })
                 .collect();

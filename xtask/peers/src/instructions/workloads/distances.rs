@@ -95,7 +95,7 @@ impl Distances {
         let mut chosen = Vec::new();
         for row in &paper.table3 {
             if let ParameterId::Link { row, parameter } = nominal.parameter(&row.name)? {
-                chosen.push((row, parameter.kinematic()));
+                chosen.push((row, parameter));
             }
         }
         let motions = nominal.motions();
