@@ -1,10 +1,10 @@
 //! What to record next, so that what is confused can be told apart.
 
 use crate::answer::{Asked, Verdict};
-use crate::catalogue::{Effect, Family};
 use crate::generic::Covariate;
 use crate::place::Located;
 use crate::unlisted::IN_NO_CATALOGUE;
+use haptical_effects::{Effect, Family};
 
 /// The next experiment in words; none where there is no gap.
 pub(crate) fn next_experiment(

@@ -11,7 +11,6 @@ use crate::answer::{
 };
 use crate::base::Base;
 use crate::causes::{base_term, cause_answer, force_findings, noise_findings};
-use crate::context::Stream;
 use crate::earlier::{Difference, difference};
 use crate::engine::Engine;
 use crate::force::answer::ForceAnswer;
@@ -26,6 +25,7 @@ use crate::unlisted::hedged;
 use crate::unseen::{hints, unseen};
 use crate::wrong_angles::torque_nm;
 use crate::{DiagnosisError, Options};
+use haptical_effects::Stream;
 
 /// What the answer is put together from.
 #[derive(Clone, Copy)]

@@ -9,8 +9,8 @@ use haptical_model::{Device, ParameterId, Recording};
 
 use crate::DiagnosisError;
 use crate::anchor::{Anchor, anchored, is_needed};
-use crate::context::Stream;
 use crate::measured::is_stated;
+use haptical_effects::Stream;
 
 /// Rows from which the base fit starts; the search that follows uses all of them.
 const START_ROWS: usize = 900;

@@ -3,8 +3,8 @@
 
 use haptical_calibration::Channel;
 
-use crate::context::Context;
 use crate::noise::Noise;
+use haptical_effects::Context;
 
 /// Blocks that a long recording is averaged into, about.
 const BLOCKS: usize = 1200;

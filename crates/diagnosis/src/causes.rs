@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use crate::adequacy::Adequacy;
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
-use crate::catalogue::{Effect, Family, Hook, Need};
 use crate::earlier::BaseTerm;
 use crate::force::answer::ForceAnswer;
 use crate::model::{Cause, Refit};
 use crate::rivals::{Rival, warms_with_time};
 use crate::select::{Selection, Selector, misfit, values_are_plausible};
 use crate::shrink::{Shrink, Unseen};
+use haptical_effects::{Effect, Family, Hook, Need};
 
 /// One cause of a selection.
 pub(crate) fn cause_answer(

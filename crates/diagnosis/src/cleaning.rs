@@ -4,8 +4,8 @@ use haptical_calibration::Channel;
 use haptical_model::Recording;
 
 use crate::base::BaseProblem;
-use crate::context::Context;
 use crate::noise;
+use haptical_effects::Context;
 
 /// Rows that stand alone in a channel (any of its axes), by the base model's residuals.
 pub(crate) fn outlying_rows(

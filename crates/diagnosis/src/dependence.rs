@@ -8,9 +8,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::DiagnosisError;
 use crate::answer::Dependence;
-use crate::context::Context;
-use crate::signal::Signal;
 use crate::system::{System, dot, take_off};
+use haptical_effects::Context;
+use haptical_effects::Signal;
 
 use self::questions::questions;
 

@@ -6,7 +6,6 @@ use haptical_model::{Device, JointCompliance, ParameterId, Recording};
 use crate::answer::{Diagnosis, Verdict};
 use crate::assemble::{Inputs, assemble};
 use crate::base::{Base, Unfinished};
-use crate::catalogue::{Effect, catalogue};
 use crate::cleaning::without_readings;
 use crate::earlier_model::placed;
 use crate::engine::Prepared;
@@ -15,6 +14,7 @@ use crate::select::{MOVED_FAR, Selector};
 use crate::thresholds::Thresholds;
 use crate::too_coarse::Corrected;
 use crate::{DiagnosisError, Options};
+use haptical_effects::{Effect, catalogue};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
 /// effect of the catalogue causes it, or that none does.
@@ -217,7 +217,7 @@ fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {
 
 /// Names of the catalogue, each once.
 pub fn effect_names() -> Vec<&'static str> {
-    crate::catalogue::names()
+    haptical_effects::names()
 }
 
 /// Smallest and largest magnitude of an effect's parameter that a sound device can show: ten times wider than

@@ -8,13 +8,13 @@ use haptical_identification::Matrix;
 use crate::DiagnosisError;
 use crate::base::{Base, BaseProblem};
 use crate::blocks::Blocks;
-use crate::catalogue::Effect;
-use crate::context::{Context, Stream};
 use crate::measured::{KnownNoise, estimate_noise, is_stated};
 use crate::model::{Cause, Model, Refit};
 use crate::noise::Noise;
 use crate::part::{Part, root_mean_square};
 use crate::system::{System, compress_rows};
+use haptical_effects::Effect;
+use haptical_effects::{Context, Stream};
 
 pub(crate) use self::prepared::Prepared;
 

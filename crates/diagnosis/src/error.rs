@@ -1,6 +1,7 @@
 //! What stops a diagnosis.
 
 use haptical_calibration::CalibrationError;
+use haptical_effects::ContextError;
 use haptical_identification::IdentificationError;
 use haptical_linalg::LinalgError;
 use haptical_metrics::MetricsError;
@@ -73,6 +74,14 @@ impl DiagnosisError {
             Self::Calibration(error) => error.is_unidentifiable(),
             Self::TooFewReadings { .. } => true,
             _ => false,
+        }
+    }
+}
+
+impl From<ContextError> for DiagnosisError {
+    fn from(error: ContextError) -> Self {
+        match error {
+            ContextError::Row { line, source } => Self::Row { line, source },
         }
     }
 }

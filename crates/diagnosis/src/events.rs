@@ -1,10 +1,10 @@
 //! Steps: the instants at which they explain most (docs/diagnosis.md, "Events").
 
-use crate::catalogue::Effect;
-use crate::context::Context;
 use crate::scan::{Candidate, Score};
-use crate::signal::Signal;
 use crate::system::{System, across, dot, take_off};
+use haptical_effects::Context;
+use haptical_effects::Effect;
+use haptical_effects::Signal;
 
 /// The best instant of an event, searched at every block.
 pub(crate) fn event_score(

@@ -3,11 +3,11 @@
 
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use crate::catalogue::{Effect, Family, Hook};
-use crate::context::Context;
 use crate::scan::{Candidate, Score};
-use crate::signal::Signal;
 use crate::system::System;
+use haptical_effects::Context;
+use haptical_effects::Signal;
+use haptical_effects::{Effect, Family, Hook};
 
 /// A recorded or derived quantity that a residual may depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

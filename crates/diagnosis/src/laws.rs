@@ -3,12 +3,12 @@
 
 use haptical_metrics::chi_square_p_value;
 
-use crate::catalogue::{Effect, Hook};
 use crate::generic::{self, own_covariates};
 use crate::model::Cause;
 use crate::scan::Candidate;
 use crate::select::Selector;
 use crate::system::System;
+use haptical_effects::{Effect, Hook};
 
 /// Probability above which a rest that follows an effect's own covariate is chance.
 const LAW_P: f64 = 1e-3;

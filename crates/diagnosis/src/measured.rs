@@ -5,8 +5,8 @@ use haptical_model::Device;
 use rayon::prelude::*;
 
 use crate::base::BaseProblem;
-use crate::context::Context;
 use crate::noise::{self, Noise};
+use haptical_effects::Context;
 
 /// Noise that is known from an earlier look.
 #[derive(Debug, Clone)]

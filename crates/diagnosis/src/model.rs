@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use haptical_identification::Matrix;
 
-use crate::catalogue::Effect;
-use crate::context::Context;
 use crate::scan::Score;
-use crate::signal::Signal;
+use haptical_effects::Context;
+use haptical_effects::Effect;
+use haptical_effects::Signal;
 
 /// A cause with its fitted numbers.
 #[derive(Debug, Clone, PartialEq)]

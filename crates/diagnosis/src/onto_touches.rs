@@ -6,8 +6,8 @@ use haptical_model::{Evaluation, Recording};
 
 use crate::DiagnosisError;
 use crate::base::{Base, BaseProblem};
-use crate::context::streams;
-use crate::touches::Touches;
+use haptical_effects::Touches;
+use haptical_effects::streams;
 
 /// Share of the mean square of the three directions that is added to each: where the handle cannot move, no joint does.
 const RIDGE: f64 = 1e-3;

@@ -6,9 +6,9 @@ use haptical_linalg::{OrthonormalBasis, RANK_TOLERANCE};
 use crate::DiagnosisError;
 use crate::base::{Base, BaseProblem};
 use crate::blocks::Blocks;
-use crate::context::Context;
-use crate::signal::Signal;
 use crate::system::{compress_matrix, compress_rows, dot, take_off};
+use haptical_effects::Context;
+use haptical_effects::Signal;
 
 /// Rows that a fit sees: their blocks, and the base model's derivatives on them.
 #[derive(Debug, Clone)]

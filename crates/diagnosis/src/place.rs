@@ -1,14 +1,14 @@
 //! Where a gap lies: channel, joint, covariates and region, in words.
 
 use crate::answer::{Asked, Dependence, Place as Answer};
-use crate::catalogue::{Effect, Family, Hook};
-use crate::context::{Context, Stream};
 use crate::dependence::TOLD;
 use crate::earlier::{BaseTerm, TOOL_CHANGED};
 use crate::engine::Engine;
 use crate::generic::{Covariate, Place, inner_range, score};
 use crate::place_touched::of_tool;
 use crate::select::{Selection, Selector};
+use haptical_effects::{Context, Stream};
+use haptical_effects::{Effect, Family, Hook};
 
 /// Where it lies, with the covariate that a picture should show.
 #[derive(Debug, Clone)]

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use crate::DiagnosisError;
-use crate::catalogue::Effect;
 use crate::engine::Engine;
 use crate::model::{Cause, Model, Refit};
 use crate::part::{Part, dense, square};
+use haptical_effects::Effect;
 
 /// A step that changes no prediction by more than this share of the noise ends a refit.
 pub(crate) const SMALL_STEP: f64 = 0.02;

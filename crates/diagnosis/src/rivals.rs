@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 
 use crate::DiagnosisError;
-use crate::catalogue::Family;
-use crate::context::Context;
 use crate::model::{Cause, Refit};
 use crate::scan::Score;
 use crate::select::{Selection, Selector, misfit};
+use haptical_effects::Context;
+use haptical_effects::Family;
 
 /// An effect in a cause's place.
 #[derive(Debug, Clone)]

@@ -4,11 +4,11 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::catalogue::Effect;
-use crate::context::Context;
 use crate::model::Cause;
-use crate::signal::Signal;
 use crate::system::{Column, System, dot};
+use haptical_effects::Context;
+use haptical_effects::Effect;
+use haptical_effects::Signal;
 
 /// An effect at one shape, with its whitened columns.
 #[derive(Debug, Clone)]

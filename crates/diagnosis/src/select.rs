@@ -7,13 +7,13 @@ mod ranking;
 mod springs;
 
 use crate::DiagnosisError;
-use crate::catalogue::{Effect, Family};
 use crate::engine::Engine;
 use crate::laws::law_is_kept;
 use crate::model::{Cause, Refit};
 use crate::scan::{Candidate, Score, candidates};
 use crate::system::{SlowEnergy, System};
 use crate::thresholds::Thresholds;
+use haptical_effects::{Effect, Family};
 
 pub(crate) use self::excess::{excess, misfit, worst_excess};
 pub(crate) use self::ranking::values_are_plausible;

@@ -5,8 +5,8 @@ use haptical_model::{Device, JointCompliance, ParameterId, Recording, holding_to
 use proptest::prelude::*;
 
 use crate::base::{Base, BaseProblem};
-use crate::catalogue::catalogue;
-use crate::context::{Context, streams};
+use haptical_effects::catalogue;
+use haptical_effects::{Context, streams};
 
 const ROWS: usize = 12;
 

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 use crate::DiagnosisError;
 use crate::base::BaseProblem;
 use crate::blocks::Blocks;
-use crate::context::Context;
 use crate::part::Part;
-use crate::signal::Signal;
+use haptical_effects::Context;
+use haptical_effects::Signal;
 
 /// Share of a column that must lie across those before it for a direction of its own.
 const ABSENT: f64 = 1e-7;

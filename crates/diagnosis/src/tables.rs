@@ -4,11 +4,11 @@ use haptical_calibration::Channel;
 use haptical_metrics::gap_reduction_percent;
 
 use crate::answer::{ChannelGap, NoiseAnswer, Trace, Untestable};
-use crate::catalogue::Effect;
 use crate::force::answer::ForceAnswer;
 use crate::place::Located;
 use crate::select::{Selection, Selector};
 use crate::shrink::{Shrink, Unseen};
+use haptical_effects::Effect;
 
 pub(crate) fn channel_gaps(
     selector: &Selector<'_, '_>,

@@ -6,10 +6,10 @@ use haptical_model::kinematics::nalgebra::Matrix3;
 use haptical_model::{Device, Evaluation};
 
 use crate::answer::ParameterAnswer;
-use crate::context::Stream;
 use crate::engine::Engine;
 use crate::least::Columns;
 use crate::part::dense;
+use haptical_effects::Stream;
 
 /// A shift of the handle in its own frame.
 #[derive(Debug, Clone)]

@@ -2,10 +2,10 @@
 //! a name is worth that explains a part of a gap only.
 
 use crate::answer::{CauseAnswer, Verdict};
-use crate::catalogue::Effect;
 use crate::earlier::{BaseTerm, Difference};
 use crate::rivals::Rival;
 use crate::select::{Selection, Selector};
+use haptical_effects::Effect;
 
 /// Among what a cause may be taken for: an effect that is in no catalogue.
 pub const IN_NO_CATALOGUE: &str = "unknown";

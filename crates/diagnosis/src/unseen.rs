@@ -4,11 +4,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::answer::{Detectable, Hint, Invisible};
-use crate::catalogue::Effect;
 use crate::engine::Engine;
 use crate::scan::{Candidate, Score};
 use crate::select::{Selector, values_are_plausible};
 use crate::system::{Column, dot};
+use haptical_effects::Effect;
 
 /// Score that is noticed in four of five recordings at the family-wise threshold: (4.9 + 0.84)^2, the
 /// normal quantiles of 0.003 over 1500 tests and of 80 %.

@@ -2,8 +2,8 @@
 
 use haptical_calibration::Channel;
 
-use crate::catalogue::Hook;
 use crate::select::{Selection, Selector};
+use haptical_effects::Hook;
 
 /// What the holding torques are wrong by where the model's angles are \[Nm\]: about the torque times the
 /// angle, the largest that a gap or a cause shows.

@@ -4,10 +4,10 @@
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::answer::Asked;
-use crate::catalogue::Hook;
-use crate::context::{Context, Stream};
 use crate::generic::{Covariate, Place, free_function};
-use crate::signal::Signal;
+use haptical_effects::Hook;
+use haptical_effects::Signal;
+use haptical_effects::{Context, Stream};
 
 /// Intervals of the free functions of an angle.
 const KNOTS: usize = 6;

@@ -10,12 +10,12 @@ use super::base_fit::BaseFit;
 use super::{Engine, beside};
 use crate::DiagnosisError;
 use crate::base::{Base, BaseProblem};
-use crate::catalogue::Effect;
 use crate::cleaning::outlying_rows;
-use crate::context::{Context, streams};
 use crate::measured::{KnownNoise, floors};
 use crate::model::{Model, Refit};
 use crate::system::{System, compress_matrix};
+use haptical_effects::Effect;
+use haptical_effects::{Context, streams};
 
 /// A recording with the base model's residuals and derivatives, before anything is fitted to it.
 #[derive(Debug)]

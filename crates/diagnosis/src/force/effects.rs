@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::along::Along;
 use super::columns::{Fast, Term, Values};
 use super::fast::ORDERS;
-use crate::signal::{dahl, smooth};
+use haptical_effects::signal::{dahl, smooth};
 
 /// Kinds of effects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -320,7 +320,7 @@ impl<'e, 'a> Effects<'e, 'a> {
             .map(|index| {
                 let values = &self.along.recorded.harmonics[channel][index];
                 let runs = &recorded.context.runs;
-                let motion = crate::signal::local_motion(values, time_s, runs);
+                let motion = haptical_effects::signal::local_motion(values, time_s, runs);
                 let acceleration = self.along.half_means(&motion.acceleration);
                 let mut column = vec![0.0; recorded.len()];
                 for (half, (torques, rate)) in mass.iter().zip(&acceleration).enumerate() {

@@ -32,20 +32,9 @@ use self::effects::Effects;
 use self::recorded::{Besides, Recorded};
 use self::select::Selector;
 use crate::DiagnosisError;
-use crate::context::Context;
+use haptical_effects::Context;
 
-/// Names of the effects on torques and forces.
-pub(crate) const NAMES: [&str; 9] = [
-    "force-bias",
-    "force-gain",
-    "force-crosstalk",
-    "force-hysteresis",
-    "joint-friction",
-    "motor-cogging",
-    "torque-gain",
-    "unbalanced-gravity",
-    "grip-force",
-];
+pub(crate) use haptical_effects::FORCE_NAMES as NAMES;
 
 /// Tests the recorded torques and forces for effects of their own, with some of [`NAMES`] left out of
 /// the catalogue.

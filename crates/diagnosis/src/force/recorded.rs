@@ -6,9 +6,9 @@ use std::ops::Range;
 use nalgebra::{DMatrix, Vector3};
 
 use super::fast;
-use crate::context::Context;
 use crate::noise;
-use crate::signal::{LocalMotion, smooth};
+use haptical_effects::Context;
+use haptical_effects::signal::{LocalMotion, smooth};
 
 /// Time that one block averages \[s\]: short against a motion, long against the sampling.
 const BLOCK_S: f64 = 0.1;

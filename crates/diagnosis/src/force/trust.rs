@@ -4,8 +4,8 @@
 use haptical_calibration::Channel;
 
 use super::base::Base;
-use crate::context::Context;
 use crate::noise;
+use haptical_effects::Context;
 
 /// Residuals of positions over their noise that are a gap.
 const POSITION_GAP: f64 = 1.5;

@@ -1,10 +1,10 @@
 //! What the laws of earlier causes may have got wrong, where a later pick shows.
 
 use super::{Selector, worst_excess};
-use crate::catalogue::{Effect, Family, Hook};
 use crate::model::Cause;
 use crate::scan::Score;
 use crate::system::SlowEnergy;
+use haptical_effects::{Effect, Family, Hook};
 
 /// Share of the earlier laws' possible error that a later pick must exceed where it leaves a rest.
 const LATER_PICK: f64 = 0.15;

@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 
 use super::Selector;
-use crate::catalogue::{Effect, under_load};
 use crate::events::{event_score, with_more_steps};
 use crate::model::{Cause, Model};
 use crate::scan::Score;
 use crate::system::System;
+use haptical_effects::{Effect, under_load};
 
 /// Two steps so near to each other are one event, seen by more than one channel \[s\].
 const COINCIDENT_S: f64 = 0.8;

@@ -3,8 +3,8 @@
 
 use super::{Grown, Selector, excess};
 use crate::DiagnosisError;
-use crate::catalogue::{Family, Hook};
 use crate::scan::Score;
+use haptical_effects::{Family, Hook};
 
 impl Selector<'_, '_> {
     /// Takes up further joints that yield, all refitted together, where one does already,

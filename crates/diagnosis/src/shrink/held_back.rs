@@ -8,9 +8,9 @@ use haptical_model::Recording;
 use super::Shrink;
 use super::reduction::collect;
 use crate::DiagnosisError;
-use crate::context::Stream;
 use crate::engine::Engine;
 use crate::select::{Selection, Selector};
+use haptical_effects::Stream;
 
 /// Share of the rows that is held back without a second recording.
 const HELD_BACK: f64 = 0.2;

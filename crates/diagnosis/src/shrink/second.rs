@@ -8,13 +8,13 @@ use super::reduction::collect;
 use crate::DiagnosisError;
 use crate::answer::Prediction;
 use crate::base::Base;
-use crate::catalogue::Effect;
 use crate::cleaning::without_readings;
 use crate::earlier_model::{placed, places};
 use crate::engine::{Engine, Prepared};
 use crate::events::{event_score, with_more_steps};
 use crate::model::Cause;
 use crate::select::{Selection, Selector};
+use haptical_effects::Effect;
 
 /// Predicts a second recording with the models of the first. Events belong to one recording: their
 /// instants and sizes are looked for in the second one.

@@ -4,9 +4,9 @@ use haptical_model::kinematics::{Chain, Convention, Link};
 use haptical_model::{Device, JointType, Recording};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::context::Context;
 use crate::force::answer::ForceAnswer;
 use crate::{Diagnosis, Options, diagnose};
+use haptical_effects::Context;
 
 /// Time between rows unless said otherwise.
 const STEP_S: f64 = 0.01;

@@ -2,9 +2,9 @@
 
 use super::arm::{Noise, Scene, arm, diagnosed, examined, examined_as};
 use crate::answer::{Diagnosis, Verdict};
-use crate::context::Context;
 use crate::force::answer::{ForceAnswer, ForceFinding};
 use crate::force::examine;
+use haptical_effects::Context;
 
 const ROWS: usize = 3000;
 

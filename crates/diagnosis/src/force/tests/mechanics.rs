@@ -6,7 +6,6 @@ use haptical_model::kinematics::Parameter;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::arm::{Noise, Scene, arm, masses, other_arm, parameters, virtual_work};
-use crate::context::Context;
 use crate::force::along::Along;
 use crate::force::columns::{Term, Values};
 use crate::force::energy::Energy;
@@ -15,6 +14,7 @@ use crate::force::normal::Normal;
 use crate::force::posture::{PER_LINK, Posture, Rows};
 use crate::force::recorded::{Besides, Recorded};
 use crate::force::weights::Weights;
+use haptical_effects::Context;
 
 /// Finite differences of second order over steps of 1e-3 s.
 const DIFFERENCES: f64 = 2e-5;

@@ -1,7 +1,7 @@
 //! Names of the catalogue against those of the contract.
 
 use super::rig::rigs;
-use crate::catalogue::{catalogue, names};
+use crate::{catalogue, names};
 
 /// Effects of the contract with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.

@@ -6,7 +6,7 @@ use haptical_calibration::channels;
 use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use haptical_model::{Device, Evaluation, Recording};
 
-use crate::catalogue::Effect;
+use crate::Effect;
 use crate::context::{Context, streams};
 
 /// An effect of the registry.

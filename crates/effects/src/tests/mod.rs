@@ -12,9 +12,9 @@ mod tracker;
 use haptical_calibration::Channel;
 
 use self::rig::{AnyEffect, amplitudes, rigs, typical, values};
-use super::{Hook, catalogue};
 use crate::context::Context;
 use crate::signal::Signal;
+use crate::{Hook, catalogue};
 
 /// Calls a check with every effect that a recording can test.
 fn for_every_effect(check: impl Fn(&AnyEffect, &Context<'_>)) {

@@ -4,11 +4,11 @@ use haptical_calibration::Channel;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, DeviceChain, Recording};
 
-use crate::context::Stream;
+use super::Stream;
 
 /// Directions in which touches are read (docs/diagnosis.md, "Touches").
 #[derive(Debug, Default)]
-pub(crate) struct Touches {
+pub struct Touches {
     /// The base's axes as rows: touches of points are read along them.
     into_base: Matrix3<f64>,
     /// Normals of the touched planes, frame (-1).
@@ -19,7 +19,7 @@ pub(crate) struct Touches {
 
 impl Touches {
     /// Directions of a device whose touched points and planes are placed.
-    pub(crate) fn new(device: &Device, recording: &Recording) -> Self {
+    pub fn new(device: &Device, recording: &Recording) -> Self {
         let chain = DeviceChain::new(device);
         let base = chain.part(1).and_then(|chain| chain.pose(&[]));
         let surroundings = &device.surroundings;
@@ -41,7 +41,7 @@ impl Touches {
     }
 
     /// The direction in which a stream of touches shows a displacement of the handle at a row.
-    pub(crate) fn direction(&self, stream: &Stream, row: usize) -> Vector3<f64> {
+    pub fn direction(&self, stream: &Stream, row: usize) -> Vector3<f64> {
         let along = |linear: &Vector3<f64>| match stream.channel {
             Channel::Plane => self.along_plane(row, linear),
             _ => self.along_contact(stream.axis, linear),
@@ -50,12 +50,12 @@ impl Touches {
     }
 
     /// What an axis of a touched point shows of a displacement.
-    pub(crate) fn along_contact(&self, axis: usize, linear: &Vector3<f64>) -> f64 {
+    pub fn along_contact(&self, axis: usize, linear: &Vector3<f64>) -> f64 {
         self.into_base.row(axis).transpose().dot(linear)
     }
 
     /// What a touched plane shows of a displacement: its normal component.
-    pub(crate) fn along_plane(&self, row: usize, linear: &Vector3<f64>) -> f64 {
+    pub fn along_plane(&self, row: usize, linear: &Vector3<f64>) -> f64 {
         let plane = self.plane.get(row).copied().flatten();
         plane.map_or(0.0, |plane| self.normals[plane].dot(linear))
     }

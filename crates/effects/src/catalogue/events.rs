@@ -189,7 +189,7 @@ impl Effect for Step {
 }
 
 /// Whether a slip at a row would have happened under a load that few rows exceed.
-pub(crate) fn under_load(context: &Context<'_>, joint: usize, row: f64) -> bool {
+pub fn under_load(context: &Context<'_>, joint: usize, row: f64) -> bool {
     let (Some(torque), Some(times)) = (
         context.torque_nm.get(joint).and_then(Option::as_ref),
         &context.recording.time_s,

@@ -5,16 +5,16 @@ use haptical_model::Device;
 
 /// One measured quantity, an axis of a channel.
 #[derive(Debug, Clone)]
-pub(crate) struct Stream {
-    pub(crate) channel: Channel,
+pub struct Stream {
+    pub channel: Channel,
     /// Axis of a position or orientation.
-    pub(crate) axis: usize,
-    pub(crate) unit: &'static str,
+    pub axis: usize,
+    pub unit: &'static str,
 }
 
 impl Stream {
     /// `out2`, `cable`, `position.x`.
-    pub(crate) fn name(&self) -> String {
+    pub fn name(&self) -> String {
         if self.channel.width() == 1 {
             self.channel.name()
         } else {
@@ -22,7 +22,7 @@ impl Stream {
         }
     }
 
-    pub(crate) fn joint(&self) -> Option<usize> {
+    pub fn joint(&self) -> Option<usize> {
         match self.channel {
             Channel::Output { joint } => Some(joint),
             _ => None,
@@ -31,7 +31,7 @@ impl Stream {
 
     /// Whether it moves with the handle. Known distances and angles between touched places do not, nor do
     /// encoders and fixtures.
-    pub(crate) fn shows_handle(&self) -> bool {
+    pub fn shows_handle(&self) -> bool {
         match self.channel {
             Channel::Cable { .. }
             | Channel::Position
@@ -46,13 +46,13 @@ impl Stream {
     }
 
     /// Whether its readings are touches: of a posture each, however close the postures are.
-    pub(crate) fn is_touch(&self) -> bool {
+    pub fn is_touch(&self) -> bool {
         matches!(self.channel, Channel::Contact | Channel::Plane)
     }
 }
 
 /// The streams of channels, axis by axis.
-pub(crate) fn streams(device: &Device, channels: &[Channel]) -> Vec<Stream> {
+pub fn streams(device: &Device, channels: &[Channel]) -> Vec<Stream> {
     channels
         .iter()
         .flat_map(|&channel| {

@@ -12,7 +12,7 @@ use crate::signal::Signal;
 
 impl Context<'_> {
     /// Derivative of a stream with respect to a joint's output angle, behind its external encoder.
-    pub(crate) fn sensitivity(&self, stream: usize, joint: usize, row: usize) -> f64 {
+    pub fn sensitivity(&self, stream: usize, joint: usize, row: usize) -> f64 {
         let Some(twist) = self.twist.get(joint) else {
             return 0.0;
         };
@@ -66,7 +66,7 @@ impl Context<'_> {
 
     /// An error of a joint between motor encoder and external encoder: both the encoder and
     /// everything behind it see it (hook H2 of docs/diagnosis.md).
-    pub(crate) fn upstream(&self, joint: usize, error: &[f64]) -> Signal {
+    pub fn upstream(&self, joint: usize, error: &[f64]) -> Signal {
         let mut signal = self.downstream(joint, error);
         if let Some(stream) = self.output_stream(joint) {
             signal.parts.push((stream, error.to_vec()));
@@ -82,7 +82,7 @@ impl Context<'_> {
     /// Errors of all joints at once in front of their external encoders, as large as they are: the chain is
     /// evaluated again, because the square of a few hundredths of a radian is more than a cable
     /// encoder's noise.
-    pub(crate) fn upstream_of_all(&self, errors: &[Vec<f64>]) -> Signal {
+    pub fn upstream_of_all(&self, errors: &[Vec<f64>]) -> Signal {
         let mut signal = Signal::default();
         for (joint, error) in errors.iter().enumerate() {
             signal.add(&self.upstream(joint, error), 1.0);
@@ -138,22 +138,22 @@ impl Context<'_> {
     }
 
     /// An error of an external encoder alone (H3).
-    pub(crate) fn encoder(&self, joint: usize, error: &[f64]) -> Signal {
+    pub fn encoder(&self, joint: usize, error: &[f64]) -> Signal {
         on_one(self.output_stream(joint), error.to_vec())
     }
 
     /// An error of a joint behind its external encoder (H4).
-    pub(crate) fn downstream(&self, joint: usize, error: &[f64]) -> Signal {
+    pub fn downstream(&self, joint: usize, error: &[f64]) -> Signal {
         self.on_handle(|stream, row| error[row] * self.sensitivity(stream, joint, row))
     }
 
     /// An error of the first cable's reading alone (H6).
-    pub(crate) fn cable_error(&self, error: Vec<f64>) -> Signal {
+    pub fn cable_error(&self, error: Vec<f64>) -> Signal {
         on_one(self.cable.as_ref().map(|cable| cable.stream), error)
     }
 
     /// A small displacement of the handle, `(translation, rotation)` in frame (-1) (H5).
-    pub(crate) fn handle(&self, moved: impl Fn(usize) -> (Vector3<f64>, Vector3<f64>)) -> Signal {
+    pub fn handle(&self, moved: impl Fn(usize) -> (Vector3<f64>, Vector3<f64>)) -> Signal {
         let moved: Vec<_> = (0..self.rows()).map(moved).collect();
         self.on_handle(|stream, row| {
             let (linear, angular) = &moved[row];

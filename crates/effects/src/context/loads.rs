@@ -3,24 +3,24 @@
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Recording, Statics};
 
-use crate::DiagnosisError;
+use crate::ContextError;
 
 /// Loads at rest, by the model's statics.
-pub(crate) struct Loads {
+pub struct Loads {
     /// Per joint and row.
-    pub(crate) torque_nm: Vec<Vec<f64>>,
+    pub torque_nm: Vec<Vec<f64>>,
     /// Per row, frame (-1).
-    pub(crate) base_moment_nm: Vec<Vector3<f64>>,
+    pub base_moment_nm: Vec<Vector3<f64>>,
 }
 
 /// Torques of the drives and moment about the base that hold masses and hand; none where neither masses
 /// with gravity nor forces are known.
-pub(crate) fn loads(
+pub fn loads(
     device: &Device,
     recording: &Recording,
     output: &[Vec<f64>],
     force_n: Option<&[Vector3<f64>]>,
-) -> Result<Option<Loads>, DiagnosisError> {
+) -> Result<Option<Loads>, ContextError> {
     let mut statics = Statics::new(device);
     if !device.has_links() || (!statics.has_weights() && force_n.is_none()) {
         return Ok(None);
@@ -36,7 +36,7 @@ pub(crate) fn loads(
             *angle = column[row];
         }
         let load = statics.load(&angles, |_| force_n.map(|force| force[row]));
-        let load = load.map_err(|source| DiagnosisError::Row {
+        let load = load.map_err(|source| ContextError::Row {
             line: recording.line.get(row).copied().unwrap_or(0),
             source: source.into(),
         })?;

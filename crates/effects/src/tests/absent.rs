@@ -6,7 +6,7 @@ use super::rig::{
     AnyEffect, Rig, SECOND_RUN_S, amplitudes, context, rigs, seven_joints, three_joints,
 };
 use super::{NOTHING, follows_a_slide, size};
-use crate::catalogue::catalogue;
+use crate::catalogue;
 use crate::context::Context;
 
 /// Ways to spoil a recording, with what the reason must mention and which effects must be lost.

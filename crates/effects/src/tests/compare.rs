@@ -4,7 +4,7 @@ use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Evaluation};
 
 use super::rig::{AnyEffect, RUN, SECOND_RUN_S, STEP_S, reading, values};
-use crate::catalogue::catalogue;
+use crate::catalogue;
 use crate::context::Context;
 use crate::signal::Signal;
 

@@ -2,9 +2,12 @@
 //! with the recorded covariates smoothed.
 
 mod cable;
+mod frames;
 mod hooks;
+mod loads;
 mod rows;
 mod stream;
+mod touches;
 
 use std::ops::Range;
 
@@ -13,51 +16,51 @@ use haptical_model::kinematics::Twist;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, Evaluation, Recording};
 
-use crate::DiagnosisError;
-use crate::frames::Frames;
-use crate::loads::loads;
+use self::frames::Frames;
+use self::loads::loads;
+use crate::ContextError;
 use crate::signal::{LocalMotion, local_motion, smooth};
-use crate::touches::Touches;
 
 use self::cable::cable_geometry;
 use self::rows::{STEP_OF_A_MOTION, load_reach, runs_of, step_of_range};
 use self::stream::stream_of;
 
-pub(crate) use self::cable::CableGeometry;
-pub(crate) use self::stream::{Stream, streams};
+pub use self::cable::CableGeometry;
+pub use self::stream::{Stream, streams};
+pub use self::touches::Touches;
 
 /// Everything effects are computed from.
 #[derive(Debug)]
-pub(crate) struct Context<'a> {
-    pub(crate) device: &'a Device,
-    pub(crate) recording: &'a Recording,
-    pub(crate) runs: Vec<Range<usize>>,
+pub struct Context<'a> {
+    pub device: &'a Device,
+    pub recording: &'a Recording,
+    pub runs: Vec<Range<usize>>,
     /// Successive rows are successive instants of a motion.
-    pub(crate) ordered: bool,
-    pub(crate) streams: Vec<Stream>,
+    pub ordered: bool,
+    pub streams: Vec<Stream>,
     /// Output angles by the base model, per joint.
-    pub(crate) output: Vec<Vec<f64>>,
+    pub output: Vec<Vec<f64>>,
     /// Motor-side readings with derivatives in time, per joint; none without a time column.
-    pub(crate) motion: Option<Vec<LocalMotion>>,
+    pub motion: Option<Vec<LocalMotion>>,
     /// Pose derivative per joint and row; empty without links.
-    pub(crate) twist: Vec<Vec<Twist>>,
-    pub(crate) position: Vec<Vector3<f64>>,
+    pub twist: Vec<Vec<Twist>>,
+    pub position: Vec<Vector3<f64>>,
     /// Orientation of the handle.
-    pub(crate) rotation: Vec<Matrix3<f64>>,
+    pub rotation: Vec<Matrix3<f64>>,
     /// What a tracker sees of the handle, where it stands or is fixed anywhere: per row, or none.
     tracked: Vec<Tracked>,
     /// Origin of the frame that each joint turns (or slides) in, frame (-1); per joint and row.
-    pub(crate) origin: Vec<Vec<Vector3<f64>>>,
+    pub origin: Vec<Vec<Vector3<f64>>>,
     /// The robot's base, frame (-1), per row.
     base_origin_m: Vec<Vector3<f64>>,
     /// Moment of hand and gravity about the robot's base, where either is known; frame (-1).
-    pub(crate) base_moment_nm: Option<Vec<Vector3<f64>>>,
-    pub(crate) cable: Option<CableGeometry>,
-    pub(crate) torque_nm: Vec<Option<Vec<f64>>>,
+    pub base_moment_nm: Option<Vec<Vector3<f64>>>,
+    pub cable: Option<CableGeometry>,
+    pub torque_nm: Vec<Option<Vec<f64>>>,
     /// Force of the hand on the handle, frame (-1).
-    pub(crate) force_n: Option<Vec<Vector3<f64>>>,
+    pub force_n: Option<Vec<Vector3<f64>>>,
     /// Temperature less its mean.
-    pub(crate) warming_k: Option<Vec<f64>>,
+    pub warming_k: Option<Vec<f64>>,
     touches: Touches,
 }
 
@@ -66,11 +69,11 @@ const TEMPERATURE_REACH: usize = 50;
 
 impl<'a> Context<'a> {
     /// Evaluates the base device at every row.
-    pub(crate) fn new(
+    pub fn new(
         device: &'a Device,
         recording: &'a Recording,
         streams: &[Stream],
-    ) -> Result<Self, DiagnosisError> {
+    ) -> Result<Self, ContextError> {
         let rows = recording.len();
         let runs = runs_of(recording);
         let step = step_of_range(recording, &runs);
@@ -95,7 +98,7 @@ impl<'a> Context<'a> {
             }
             evaluation
                 .move_to(&readings)
-                .map_err(|source| DiagnosisError::Row {
+                .map_err(|source| ContextError::Row {
                     line: recording.line.get(row).copied().unwrap_or(0),
                     source,
                 })?;
@@ -122,7 +125,7 @@ impl<'a> Context<'a> {
                 .map(|column| local_motion(column, time_s, &runs))
                 .collect()
         });
-        let cable = cable_geometry(device, &streams, &position, time_s, &runs)?;
+        let cable = cable_geometry(device, &streams, &position, time_s, &runs);
         let frames = Frames::new(device, &output, rows);
         let smoothed =
             |column: &Vec<f64>, reach| smooth(column, if ordered { reach } else { 0 }, &runs);
@@ -171,12 +174,12 @@ impl<'a> Context<'a> {
         })
     }
 
-    pub(crate) fn rows(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.recording.len()
     }
 
     /// Time since the start of the run \[s\].
-    pub(crate) fn elapsed_s(&self) -> Option<Vec<f64>> {
+    pub fn elapsed_s(&self) -> Option<Vec<f64>> {
         let time_s = self.recording.time_s.as_ref()?;
         let mut elapsed = vec![0.0; time_s.len()];
         for run in &self.runs {
@@ -188,18 +191,18 @@ impl<'a> Context<'a> {
     }
 
     /// The stream of a joint's external encoder.
-    pub(crate) fn output_stream(&self, joint: usize) -> Option<usize> {
+    pub fn output_stream(&self, joint: usize) -> Option<usize> {
         stream_of(&self.streams, Channel::Output { joint })
     }
 
     /// The way from the robot's base to the handle, frame (-1).
-    pub(crate) fn way_from_base(&self, row: usize) -> Vector3<f64> {
+    pub fn way_from_base(&self, row: usize) -> Vector3<f64> {
         let base = self.base_origin_m.get(row).copied();
         self.position[row] - base.unwrap_or_else(Vector3::zeros)
     }
 
     /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint.
-    pub(crate) fn lever(&self, joint: usize, row: usize) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    pub fn lever(&self, joint: usize, row: usize) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let axis = self.twist.get(joint)?.get(row)?.angular;
         if axis.norm_squared() < 0.5 {
             return None;

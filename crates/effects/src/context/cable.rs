@@ -7,20 +7,19 @@ use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Evaluation};
 
 use super::stream::{Stream, stream_of};
-use crate::DiagnosisError;
 use crate::signal::{LocalMotion, local_motion};
 
 /// The first cable at every row.
 #[derive(Debug, Clone)]
-pub(crate) struct CableGeometry {
-    pub(crate) stream: usize,
+pub struct CableGeometry {
+    pub stream: usize,
     /// Distance by the model \[m\].
-    pub(crate) length_m: Vec<f64>,
+    pub length_m: Vec<f64>,
     /// From the exit to the handle, frame (-1).
-    pub(crate) direction: Vec<Vector3<f64>>,
+    pub direction: Vec<Vector3<f64>>,
     /// Where the cable leaves its guide straight.
-    pub(crate) exit_axis: Vector3<f64>,
-    pub(crate) motion: LocalMotion,
+    pub exit_axis: Vector3<f64>,
+    pub motion: LocalMotion,
 }
 
 /// Exit of a cable, frame (-1) \[m\].
@@ -35,10 +34,8 @@ pub(super) fn cable_geometry(
     position: &[Vector3<f64>],
     time_s: Option<&[f64]>,
     runs: &[Range<usize>],
-) -> Result<Option<CableGeometry>, DiagnosisError> {
-    let Some(stream) = stream_of(streams, Channel::Cable { index: 0 }) else {
-        return Ok(None);
-    };
+) -> Option<CableGeometry> {
+    let stream = stream_of(streams, Channel::Cable { index: 0 })?;
     let cable = device.cables.first();
     let anchor = anchor_m(device, 0);
     let length_m: Vec<f64> = position.iter().map(|p| (p - anchor).norm()).collect();
@@ -63,11 +60,11 @@ pub(super) fn cable_geometry(
         Some(time_s) => local_motion(&length_m, time_s, runs),
         None => LocalMotion::default(),
     };
-    Ok(Some(CableGeometry {
+    Some(CableGeometry {
         stream,
         length_m,
         direction,
         exit_axis: exit_axis.try_normalize(1e-12).unwrap_or(Vector3::x()),
         motion,
-    }))
+    })
 }

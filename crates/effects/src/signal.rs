@@ -7,14 +7,14 @@ use nalgebra::{Matrix4, Vector4};
 /// An effect's contribution to measured streams: per stream one value for each row of the recording,
 /// in the stream's unit; streams that are not listed get nothing.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Signal {
+pub struct Signal {
     /// Stream index and values.
-    pub(crate) parts: Vec<(usize, Vec<f64>)>,
+    pub parts: Vec<(usize, Vec<f64>)>,
 }
 
 impl Signal {
     /// Adds `factor` times another signal.
-    pub(crate) fn add(&mut self, other: &Self, factor: f64) {
+    pub fn add(&mut self, other: &Self, factor: f64) {
         for (stream, values) in &other.parts {
             match self.parts.iter_mut().find(|(have, _)| have == stream) {
                 Some((_, sum)) => {
@@ -31,7 +31,7 @@ impl Signal {
     }
 
     /// The values on one stream.
-    pub(crate) fn on(&self, stream: usize) -> Option<&[f64]> {
+    pub fn on(&self, stream: usize) -> Option<&[f64]> {
         self.parts
             .iter()
             .find(|(index, _)| *index == stream)
@@ -41,10 +41,10 @@ impl Signal {
 
 /// A time series with its first two derivatives, all smoothed over a few samples.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct LocalMotion {
-    pub(crate) value: Vec<f64>,
-    pub(crate) velocity: Vec<f64>,
-    pub(crate) acceleration: Vec<f64>,
+pub struct LocalMotion {
+    pub value: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub acceleration: Vec<f64>,
 }
 
 /// Samples on each side of a local fit.
@@ -52,7 +52,7 @@ const REACH: usize = 3;
 
 /// Local cubics through seven samples (Savitzky & Golay 1964, for uneven sampling too): counts of an
 /// encoder are averaged, while motion of up to about a tenth of the sampling rate passes.
-pub(crate) fn local_motion(values: &[f64], time_s: &[f64], runs: &[Range<usize>]) -> LocalMotion {
+pub fn local_motion(values: &[f64], time_s: &[f64], runs: &[Range<usize>]) -> LocalMotion {
     let mut motion = LocalMotion {
         value: values.to_vec(),
         velocity: vec![0.0; values.len()],
@@ -115,7 +115,7 @@ fn local_cubic(
 
 /// Centred moving average over up to `2 reach + 1` samples of the run; cells without a reading are
 /// filled from their neighbours.
-pub(crate) fn smooth(values: &[f64], reach: usize, runs: &[Range<usize>]) -> Vec<f64> {
+pub fn smooth(values: &[f64], reach: usize, runs: &[Range<usize>]) -> Vec<f64> {
     let mut smoothed = vec![0.0; values.len()];
     for run in runs {
         let mut last = values[run.clone()]
@@ -149,7 +149,7 @@ pub(crate) fn smooth(values: &[f64], reach: usize, runs: &[Range<usize>]) -> Vec
 /// Dahl's friction state (Dahl 1968, with exponent 1), scaled to saturate at 1: after a reversal it goes to
 /// the other side over a travel of `transition`. In the limit of no transition it is the sign of the
 /// motion, the output of a play much smaller than the travel.
-pub(crate) fn dahl(travel: &[f64], transition: f64, runs: &[Range<usize>]) -> Vec<f64> {
+pub fn dahl(travel: &[f64], transition: f64, runs: &[Range<usize>]) -> Vec<f64> {
     let mut state = vec![0.0; travel.len()];
     let scale = transition.max(1e-12);
     for run in runs {
@@ -181,7 +181,7 @@ fn decay(x: f64) -> f64 {
 
 /// Output of a play (Prandtl's element) of half-width `half_width` minus its input, scaled by the
 /// half-width: -1 after a long motion forward, +1 after one back.
-pub(crate) fn play(travel: &[f64], half_width: f64, runs: &[Range<usize>]) -> Vec<f64> {
+pub fn play(travel: &[f64], half_width: f64, runs: &[Range<usize>]) -> Vec<f64> {
     let mut lost = vec![0.0; travel.len()];
     let half_width = half_width.max(1e-12);
     for run in runs {

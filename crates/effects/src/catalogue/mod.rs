@@ -12,10 +12,8 @@ mod lag;
 mod load;
 mod shape;
 mod structure;
-#[cfg(test)]
-mod tests;
 
-pub(crate) use events::under_load;
+pub use events::under_load;
 
 use std::fmt::Debug;
 
@@ -45,7 +43,7 @@ pub enum Hook {
 /// Effects of one kind: of each kind a place shows at most one, because what a second one explains there
 /// is what the first one's law gets wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Family {
+pub enum Family {
     /// Functions of the joint's own angle.
     Shape,
     /// Loops over reversals.
@@ -67,7 +65,7 @@ pub(crate) enum Family {
 impl Family {
     /// Share of an effect's energy that the law of this kind may get wrong on a real device: a step and a
     /// delay are what they are, a spring hardens and a loop has no single form.
-    pub(crate) fn law_error(self) -> f64 {
+    pub fn law_error(self) -> f64 {
         match self {
             Self::Step => 0.003,
             Self::Lag => 0.015,
@@ -80,7 +78,7 @@ impl Family {
     }
 
     /// Relative standard deviation that the law's error puts on an amplitude.
-    pub(crate) fn amplitude_error(self) -> f64 {
+    pub fn amplitude_error(self) -> f64 {
         match self {
             Self::Step => 0.006,
             Self::Shape | Self::Coupling => 0.01,
@@ -94,7 +92,7 @@ impl Family {
 
 /// What must have been recorded for an effect to be tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Need {
+pub enum Need {
     Time,
     /// Rows that follow a motion, so that reversals can be told.
     Motion,
@@ -116,15 +114,15 @@ pub(crate) enum Need {
 
 /// A parameter of an effect, as it is reported.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ParameterSpec {
+pub struct ParameterSpec {
     /// Name, with its unit.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Smallest and largest magnitude that a sound device can show; outside the effect is called
     /// implausible. From the ranges of docs/diagnosis.md, a factor of ten wider.
-    pub(crate) plausible: [f64; 2],
+    pub plausible: [f64; 2],
 }
 
-pub(crate) const fn parameter(name: &'static str, low: f64, high: f64) -> ParameterSpec {
+pub const fn parameter(name: &'static str, low: f64, high: f64) -> ParameterSpec {
     ParameterSpec {
         name,
         plausible: [low, high],
@@ -132,7 +130,7 @@ pub(crate) const fn parameter(name: &'static str, low: f64, high: f64) -> Parame
 }
 
 /// One effect at one place.
-pub(crate) trait Effect: Debug + Send + Sync {
+pub trait Effect: Debug + Send + Sync {
     /// Name of the contract.
     fn name(&self) -> &'static str;
     /// Joint, from 0.
@@ -188,10 +186,6 @@ pub(crate) trait Effect: Debug + Send + Sync {
         vec![amplitudes[0]]
     }
     /// Amplitudes and shape that have these values: the inverse of [`Effect::values`].
-    #[cfg_attr(
-        not(test),
-        expect(dead_code, reason = "the registry tests go there and back")
-    )]
     fn amplitudes(&self, _context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![values[0]], 0.0)
     }
@@ -211,8 +205,7 @@ pub(crate) trait Effect: Debug + Send + Sync {
 
 impl dyn Effect {
     /// `backlash@3`, `cable-latency`.
-    #[cfg(test)]
-    pub(crate) fn label(&self) -> String {
+    pub fn label(&self) -> String {
         match self.joint() {
             Some(joint) => format!("{}@{}", self.name(), joint + 1),
             None => self.name().to_owned(),
@@ -220,7 +213,7 @@ impl dyn Effect {
     }
 
     /// Why it cannot be tested on a recording.
-    pub(crate) fn untestable(&self, context: &Context<'_>) -> Option<String> {
+    pub fn untestable(&self, context: &Context<'_>) -> Option<String> {
         self.needs()
             .into_iter()
             .find_map(|need| missing(need, context))
@@ -241,7 +234,7 @@ impl dyn Effect {
     }
 
     /// Whether it cannot be tested for want of the covariate that drives it alone: what it shows on is recorded.
-    pub(crate) fn lacks_covariate(&self, context: &Context<'_>) -> bool {
+    pub fn lacks_covariate(&self, context: &Context<'_>) -> bool {
         let needs = self.needs();
         let mut lacking = needs
             .iter()
@@ -257,7 +250,7 @@ impl dyn Effect {
     }
 
     /// Whether another effect is of the same kind at the same place.
-    pub(crate) fn is_kin_of(&self, other: &dyn Effect) -> bool {
+    pub fn is_kin_of(&self, other: &dyn Effect) -> bool {
         self.family() == other.family()
             && self.joint() == other.joint()
             && (self.hook() == other.hook() || self.family() == Family::Drift)
@@ -332,7 +325,7 @@ fn missing(need: Need, context: &Context<'_>) -> Option<String> {
 }
 
 /// Every effect at every place of a device where it can occur.
-pub(crate) fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
+pub fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
     let mut effects: Vec<Box<dyn Effect>> = Vec::new();
     for joint in 0..device.joints.len() {
         let has_drums = device.joints[joint].transmission != TransmissionKind::Direct;
@@ -368,8 +361,21 @@ const OTHER_NAMES: [&str; 5] = [
     "link-geometry",
 ];
 
+/// Names of the effects on torques and forces.
+pub const FORCE_NAMES: [&str; 9] = [
+    "force-bias",
+    "force-gain",
+    "force-crosstalk",
+    "force-hysteresis",
+    "joint-friction",
+    "motor-cogging",
+    "torque-gain",
+    "unbalanced-gravity",
+    "grip-force",
+];
+
 /// Every name of the catalogue, in its order.
-pub(crate) fn names() -> Vec<&'static str> {
+pub fn names() -> Vec<&'static str> {
     let mut names: Vec<&'static str> = Vec::new();
     let mut effects: Vec<Box<dyn Effect>> = Vec::new();
     effects.extend(load::at_joint(0, true));
@@ -390,7 +396,7 @@ pub(crate) fn names() -> Vec<&'static str> {
         .iter()
         .map(|effect| effect.name())
         .chain(OTHER_NAMES)
-        .chain(crate::force::NAMES)
+        .chain(FORCE_NAMES)
     {
         if !names.contains(&name) {
             names.push(name);

@@ -3,7 +3,7 @@
 use haptical_model::Recording;
 
 use super::rig::{AnyEffect, RUN, Rig, amplitudes, context, rigs};
-use crate::catalogue::catalogue;
+use crate::catalogue;
 use crate::context::Context;
 use crate::signal::Signal;
 
