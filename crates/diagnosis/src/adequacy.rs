@@ -37,7 +37,7 @@ pub(crate) fn adequacy(
     let mut own = Vec::new();
     for (cause, part) in causes.iter().zip(&selection.explained) {
         let effect = selector.effects[cause.effect].as_ref();
-        allowed += effect.family().law_error() * part / explained.max(1e-300);
+        allowed += effect.spec().law_error.share * part / explained.max(1e-300);
         own.push(selector.broken_law(&selection.system, effect, cause, *part));
     }
     let laws_hold = causes

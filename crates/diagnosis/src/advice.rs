@@ -1,10 +1,11 @@
 //! What to record next, so that what is confused can be told apart.
 
+use haptical_effects::{Effect, Family, spec};
+
 use crate::answer::{Asked, Verdict};
 use crate::generic::Covariate;
 use crate::place::Located;
 use crate::unlisted::IN_NO_CATALOGUE;
-use haptical_effects::{Effect, Family};
 
 /// The next experiment in words; none where there is no gap.
 pub(crate) fn next_experiment(
@@ -28,7 +29,7 @@ pub(crate) fn next_experiment(
 /// A recording that would contradict a wrong name.
 fn confirm(effect: &dyn Effect) -> String {
     let joint = effect.joint().map_or(0, |joint| joint + 1);
-    match effect.family() {
+    match effect.spec().family {
         Family::Load if effect.joint().is_some() => format!(
             "to confirm: hold joint {joint} still and load it both ways with a known weight; the error must \
              follow the torque and vanish with it"
@@ -63,6 +64,7 @@ fn confirm(effect: &dyn Effect) -> String {
              cable's angle, one of the device does not"
                 .to_owned()
         }
+        Family::Stated => "to confirm: check the stated number against a standard".to_owned(),
         Family::Wobble => format!(
             "to confirm: turn joint {joint} alone through its range with a dial gauge on the next link"
         ),
@@ -87,10 +89,10 @@ fn separate(first: Option<&dyn Effect>, confused_with: &[String]) -> String {
     let Some(first) = first else {
         return "repeat the recording with a wider range and different speeds".to_owned();
     };
-    let has = |part: &str| confused_with.iter().any(|name| name.contains(part));
-    let how = match first.family() {
+    let drifts = |name: &String| spec(name).is_some_and(|spec| spec.family == Family::Drift);
+    let how = match first.spec().family {
         Family::Drift => "record a cycle of warming and cooling, and home the device in between",
-        Family::Step if has("drift") || has("creep") => {
+        Family::Step if confused_with.iter().any(drifts) => {
             "record longer, returning to home every ten seconds: a step stays, a drift goes on"
         }
         Family::Step => {
@@ -108,6 +110,7 @@ fn separate(first: Option<&dyn Effect>, confused_with: &[String]) -> String {
             "widen the range of that joint as far as it goes, and move it alone"
         }
         Family::Tool => "push the handle with known forces while the device stands still",
+        Family::Stated => "check the stated number against a standard",
     };
     let joint = first
         .joint()

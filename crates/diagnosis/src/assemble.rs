@@ -1,6 +1,7 @@
 //! Puts the answer together from a selection.
 
 use haptical_calibration::{Channel, implausible_deviations};
+use haptical_effects::{Parameter, Stream};
 use haptical_model::{Device, Recording};
 
 use crate::adequacy::{Adequacy, adequacy};
@@ -25,7 +26,6 @@ use crate::unlisted::hedged;
 use crate::unseen::{hints, unseen};
 use crate::wrong_angles::torque_nm;
 use crate::{DiagnosisError, Options};
-use haptical_effects::Stream;
 
 /// What the answer is put together from.
 #[derive(Clone, Copy)]
@@ -326,6 +326,7 @@ const LATER_PROBABILITY: f64 = 0.6;
 /// Whether a later cause is more than what an earlier one's law gets wrong: its class is likely and
 /// small, and its size is not zero.
 fn is_told(selector: &Selector<'_, '_>, cause: &CauseAnswer) -> bool {
+    let is_size = |name: &str| is_size(&cause.effect, name);
     let sizes = cause.parameters.iter().filter(|(name, _)| is_size(name));
     cause.class_probability >= LATER_PROBABILITY
         && cause.confusable_with.len() < selector.thresholds.names
@@ -335,15 +336,8 @@ fn is_told(selector: &Selector<'_, '_>, cause: &CauseAnswer) -> bool {
 }
 
 /// Whether a parameter is a size, not a place of it.
-fn is_size(name: &str) -> bool {
-    ![
-        "phase_rad",
-        "time_s",
-        "order",
-        "from_joint",
-        "transition_rad",
-    ]
-    .contains(&name)
+fn is_size(effect: &str, name: &str) -> bool {
+    haptical_effects::parameter(effect, name).is_none_or(Parameter::is_size)
 }
 
 /// The causes that positions show, strongest first.
@@ -443,7 +437,7 @@ fn stands(cause: &CauseAnswer) -> bool {
     let mut sizes = cause
         .parameters
         .iter()
-        .filter(|(name, _)| is_size(name))
+        .filter(|(name, _)| is_size(&cause.effect, name))
         .peekable();
     let has_size =
         sizes.peek().is_none() || sizes.any(|(_, size)| size.ci95[0] * size.ci95[1] > 0.0);

@@ -4,13 +4,13 @@ use haptical_calibration::{
     Channel, Degree, DeviceProblem, HeldOut, Options, ParameterFit, Weighting, Weights, channels,
     fit_device, fit_transmissions, prepare_device,
 };
+use haptical_effects::Stream;
 use haptical_identification::{Matrix, Problem, Settings};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::DiagnosisError;
 use crate::anchor::{Anchor, anchored, is_needed};
 use crate::measured::is_stated;
-use haptical_effects::Stream;
 
 /// Rows from which the base fit starts; the search that follows uses all of them.
 const START_ROWS: usize = 900;

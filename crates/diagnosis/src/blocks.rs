@@ -2,9 +2,9 @@
 //! and effects alike, which keeps what varies slowly and costs a fraction of the arithmetic.
 
 use haptical_calibration::Channel;
+use haptical_effects::Context;
 
 use crate::noise::Noise;
-use haptical_effects::Context;
 
 /// Blocks that a long recording is averaged into, about.
 const BLOCKS: usize = 1200;

@@ -2,15 +2,17 @@
 
 use std::collections::BTreeMap;
 
+use haptical_effects::noise::{NOISE_LEVEL, OUTLIERS};
+use haptical_effects::{Effect, Family, Hook, Need, Role, Spec};
+
 use crate::adequacy::Adequacy;
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
 use crate::earlier::BaseTerm;
 use crate::force::answer::ForceAnswer;
 use crate::model::{Cause, Refit};
 use crate::rivals::{Rival, warms_with_time};
-use crate::select::{Selection, Selector, misfit, values_are_plausible};
+use crate::select::{Selection, Selector, misfit};
 use crate::shrink::{Shrink, Unseen};
-use haptical_effects::{Effect, Family, Hook, Need};
 
 /// One cause of a selection.
 pub(crate) fn cause_answer(
@@ -30,12 +32,12 @@ pub(crate) fn cause_answer(
     let own = rivals.first().map_or(1.0, |rival| rival.probability);
     let mut probability = own * (1.0 - adequacy.doubt());
     // a drift that settles has no law of its own: many things settle
-    if effect.family() == Family::Drift && cause.shape != 0.0 {
+    if effect.spec().family == Family::Drift && cause.shape != 0.0 {
         probability *= SETTLING;
-    } else if effect.name() == "joint-drift" && effect.needs().contains(&Need::Time) {
+    } else if effect.spec().family == Family::Drift && !effect.spec().look_alikes.is_empty() {
         // a cable that creeps under a steady load drifts as steadily
         probability *= STEADY;
-    } else if effect.family() == Family::Drift
+    } else if effect.spec().family == Family::Drift
         && confusable.is_empty()
         && !is_time_tried(selector, effect)
     {
@@ -54,26 +56,26 @@ pub(crate) fn cause_answer(
         probability,
         confusable_with: confusable,
         parameters: parameters(selector, selection, index),
-        plausible: values_are_plausible(effect, &values),
-        implausible: !values_are_plausible(effect, &values),
+        plausible: effect.is_plausible(&values),
+        implausible: !effect.is_plausible(&values),
         share: selection.explained[index] / total.max(1e-300),
-        held_out: held_out(shrink, effect.hook(), effect.joint()),
+        held_out: held_out(shrink, effect.spec().hook, effect.joint()),
     }
 }
 
 /// Whether a drift in time was tried in the place of one by load, or of one with a temperature that
 /// follows the time.
 fn is_time_tried(selector: &Selector<'_, '_>, effect: &dyn Effect) -> bool {
-    let with_temperature = effect.needs().contains(&Need::Temperature);
+    let with_temperature = effect.spec().needs.contains(&Need::Temperature);
     let in_time = |index: &usize| {
         let other = selector.effects[*index].as_ref();
-        other.family() == Family::Drift
+        other.spec().family == Family::Drift
             && other.joint() == effect.joint()
-            && other.hook() == effect.hook()
-            && other.needs().contains(&Need::Time)
+            && other.spec().hook == effect.spec().hook
+            && other.spec().needs.contains(&Need::Time)
     };
     (with_temperature && !warms_with_time(&selector.engine.context))
-        || effect.needs().contains(&Need::Time)
+        || effect.spec().needs.contains(&Need::Time)
         || selector.tested.iter().any(in_time)
 }
 
@@ -109,15 +111,15 @@ pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAn
 }
 
 /// What is said of the data: a number with its standard deviation.
-fn finding(effect: &str, joint: Option<usize>, name: &str, value: f64, sd: f64) -> CauseAnswer {
+fn finding(spec: &Spec, joint: Option<usize>, value: f64, sd: f64) -> CauseAnswer {
     CauseAnswer {
-        effect: effect.to_owned(),
+        effect: spec.name.to_owned(),
         joint: joint.map(|joint| joint + 1),
         class_probability: 0.95,
         probability: 0.95,
         confusable_with: Vec::new(),
         parameters: BTreeMap::from([(
-            name.to_owned(),
+            spec.parameters[0].name.to_owned(),
             ParameterAnswer {
                 value,
                 ci95: [(value - 1.96 * sd).max(0.0), value + 1.96 * sd],
@@ -132,7 +134,7 @@ fn finding(effect: &str, joint: Option<usize>, name: &str, value: f64, sd: f64) 
 
 /// Noise of another size than stated, `ratio` times as large.
 pub(crate) fn noise_level(joint: Option<usize>, ratio: f64, sd: f64) -> CauseAnswer {
-    finding("noise-level", joint, "ratio", ratio, sd)
+    finding(&NOISE_LEVEL, joint, ratio, sd)
 }
 
 /// Noise far from the stated one, and outliers: said of the data, not of the device, so they leave the
@@ -150,13 +152,7 @@ pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) ->
         if channel.outlier_share > MANY_OUTLIERS && !told.contains(&name) {
             told.push(name);
             let sd = (channel.outlier_share / channel.readings.max(1) as f64).sqrt();
-            found.push(finding(
-                "outliers",
-                joint,
-                "share",
-                channel.outlier_share,
-                sd,
-            ));
+            found.push(finding(&OUTLIERS, joint, channel.outlier_share, sd));
         }
     }
     found
@@ -288,7 +284,7 @@ fn parameters(
     let cause = &causes[index];
     let effect = selector.effects[cause.effect].as_ref();
     let continuous =
-        |cause: &Cause| usize::from(selector.effects[cause.effect].shape_is_continuous());
+        |cause: &Cause| usize::from(selector.effects[cause.effect].spec().shape.is_continuous());
     let before: usize = causes[..index]
         .iter()
         .map(|cause| cause.amplitudes.len() + continuous(cause))
@@ -303,7 +299,7 @@ fn parameters(
     };
     let slopes = slopes(selector, effect, &amplitudes, shape, &spread);
     let mut answers = BTreeMap::new();
-    for (position, (spec, &value)) in effect.parameters().iter().zip(&values).enumerate() {
+    for (position, (spec, &value)) in effect.spec().parameters.iter().zip(&values).enumerate() {
         let mut variance = 0.0;
         for a in 0..spread.count {
             for b in 0..spread.count {
@@ -311,12 +307,12 @@ fn parameters(
             }
         }
         if position == 0 {
-            let law = effect.family().amplitude_error() / kept(selection, cause, effect);
+            let law = effect.spec().law_error.amplitude / kept(selection, cause, effect);
             let relative = effect.scale_uncertainty(context).hypot(law);
             variance += (value * relative).powi(2);
         }
         let mut half = 1.96 * variance.max(0.0).sqrt();
-        if spec.name == "time_s" {
+        if spec.role == Role::Instant {
             half = half.max(instant_uncertainty_s(selector, shape));
         }
         answers.insert(
@@ -333,7 +329,7 @@ fn parameters(
 /// Share of a shape that the base model does not swallow: what its law gets wrong counts the more, the
 /// less of it is seen. 1 for the other kinds.
 fn kept(selection: &Selection, cause: &Cause, effect: &dyn Effect) -> f64 {
-    if !matches!(effect.family(), Family::Shape | Family::Wobble) {
+    if !matches!(effect.spec().family, Family::Shape | Family::Wobble) {
         return 1.0;
     }
     let score = selection

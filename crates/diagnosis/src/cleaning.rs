@@ -1,11 +1,11 @@
 //! Readings that stand alone, and recordings without them.
 
 use haptical_calibration::Channel;
+use haptical_effects::Context;
 use haptical_model::Recording;
 
 use crate::base::BaseProblem;
 use crate::noise;
-use haptical_effects::Context;
 
 /// Rows that stand alone in a channel (any of its axes), by the base model's residuals.
 pub(crate) fn outlying_rows(

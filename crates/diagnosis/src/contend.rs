@@ -1,12 +1,13 @@
 //! Refits of the effects that contend for the next cause: close ones are all refitted, and the costs decide.
 
+use haptical_effects::Shape;
 use rayon::prelude::*;
 
 use crate::DiagnosisError;
 use crate::events::sharpen;
 use crate::model::{Cause, Model, Refit};
 use crate::scan::Score;
-use crate::select::{Grown, Selector, values_are_plausible};
+use crate::select::{Grown, Selector};
 use crate::system::System;
 
 /// Contenders that are refitted at most when a pick is close.
@@ -112,7 +113,7 @@ impl Selector<'_, '_> {
     ) -> Result<(Refit, f64), DiagnosisError> {
         let cause = Cause::of(&self.sharpened(system, score));
         let effect = self.effects[score.effect].as_ref();
-        let shapes = if effect.has_sides() {
+        let shapes = if effect.spec().shape == Shape::Sides {
             effect.shapes(&self.engine.context)
         } else {
             vec![cause.shape]
@@ -160,9 +161,9 @@ impl Selector<'_, '_> {
     fn is_sound(&self, model: &Model) -> bool {
         model.causes.iter().all(|cause| {
             let effect = self.effects[cause.effect].as_ref();
-            let amplitudes = &cause.amplitudes[..effect.amplitude_count()];
+            let amplitudes = &cause.amplitudes[..effect.spec().amplitudes];
             let values = effect.values(&self.engine.context, amplitudes, cause.shape);
-            values_are_plausible(effect, &values)
+            effect.is_plausible(&values)
         })
     }
 

@@ -3,14 +3,13 @@
 
 mod questions;
 
+use haptical_effects::{Context, Signal};
 use haptical_metrics::{chi_square_p_value, holm_adjusted};
 use nalgebra::{DMatrix, DVector};
 
 use crate::DiagnosisError;
 use crate::answer::Dependence;
 use crate::system::{System, dot, take_off};
-use haptical_effects::Context;
-use haptical_effects::Signal;
 
 use self::questions::questions;
 

@@ -1,6 +1,8 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
 use haptical_calibration::{CalibrationError, channels, check_recording, check_rig};
+use haptical_effects::structure::JOINT_COMPLIANCE;
+use haptical_effects::{Absorbed, Effect, catalogue};
 use haptical_model::{Device, JointCompliance, ParameterId, Recording};
 
 use crate::answer::{Diagnosis, Verdict};
@@ -14,7 +16,6 @@ use crate::select::{MOVED_FAR, Selector};
 use crate::thresholds::Thresholds;
 use crate::too_coarse::Corrected;
 use crate::{DiagnosisError, Options};
-use haptical_effects::{Effect, catalogue};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
 /// effect of the catalogue causes it, or that none does.
@@ -204,51 +205,22 @@ fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {
             .iter()
             .any(|parameter| matches!(parameter, ParameterId::Transmission { joint: of, .. } if *of == joint))
     };
-    match effect.name() {
-        "ratio-error" | "drum-eccentricity" | "device-encoder-eccentricity" => {
-            effect.joint().is_some_and(fitted)
-        }
-        "joint-compliance" => effect
-            .joint()
-            .is_some_and(|joint| base.parameters.contains(&ParameterId::Compliance { joint })),
-        _ => false,
+    let yields = |joint: usize| base.parameters.contains(&ParameterId::Compliance { joint });
+    match effect.spec().absorbed_by {
+        Absorbed::ByTransmission | Absorbed::ByInputDrum => effect.joint().is_some_and(fitted),
+        Absorbed::ByCompliance => effect.joint().is_some_and(yields),
+        Absorbed::ByLengths | Absorbed::Never => false,
     }
 }
 
-/// Names of the catalogue, each once.
-pub fn effect_names() -> Vec<&'static str> {
-    haptical_effects::names()
-}
-
-/// Smallest and largest magnitude of an effect's parameter that a sound device can show: ten times wider than
-/// the ranges of docs/diagnosis.md, Catalogue. None where a device cannot have the effect or it has no such parameter.
-///
-/// ```
-/// use haptical_diagnosis::plausible_range;
-/// let text = "[[joint]]\nname = \"one\"\n";
-/// let device = haptical_model::Device::from_toml(text, "one.toml")?.device;
-/// let [_, largest] = plausible_range(&device, "backlash", "width_rad").ok_or("no backlash")?;
-/// assert!(largest > 1e-3 && largest < 1.0);
-/// assert!(plausible_range(&device, "backlash", "stiffness").is_none());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn plausible_range(device: &Device, effect: &str, parameter: &str) -> Option<[f64; 2]> {
-    let effects = catalogue(device);
-    let specs = effects.iter().filter(|known| known.name() == effect);
-    specs
-        .flat_map(|known| known.parameters())
-        .find(|spec| spec.name == parameter)
-        .map(|spec| spec.plausible)
-}
-
-/// Other names that the contract knows.
-const ALIASES: [(&str, &str); 1] = [("link-compliance", "joint-compliance")];
+/// Other names that are understood.
+const ALIASES: [(&str, &str); 1] = [("link-compliance", JOINT_COMPLIANCE.name)];
 
 fn catalogue_without(
     device: &Device,
     without: &[String],
 ) -> Result<Vec<Box<dyn Effect>>, DiagnosisError> {
-    let names = effect_names();
+    let names = haptical_effects::names();
     let without: Vec<String> = without
         .iter()
         .map(|name| {

@@ -3,6 +3,9 @@
 
 use std::collections::BTreeMap;
 
+use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
+use haptical_effects::structure::{JOINT_COMPLIANCE, TOOL_CHANGED};
+use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
 use haptical_model::{
     Device, ParameterId, SurroundingParameter, TransmissionError, TransmissionKind,
 };
@@ -26,9 +29,6 @@ pub(crate) struct BaseTerm {
     /// Names that explain the difference as well.
     pub(crate) confusable_with: Vec<String>,
 }
-
-/// Name of the contract.
-pub(crate) const TOOL_CHANGED: &str = "tool-changed";
 
 /// What a model differs in.
 #[derive(Debug, Clone, Default)]
@@ -61,7 +61,7 @@ impl Difference {
     pub(crate) fn is_tool(&self) -> bool {
         self.terms
             .first()
-            .is_some_and(|term| term.name == TOOL_CHANGED)
+            .is_some_and(|term| term.name == TOOL_CHANGED.name)
     }
 }
 
@@ -198,7 +198,7 @@ impl Earlier<'_, '_> {
             .collect();
         confusable_with.dedup();
         Some(BaseTerm {
-            name: TOOL_CHANGED,
+            name: TOOL_CHANGED.name,
             joint: None,
             explained,
             parameters: shift.parameters,
@@ -317,8 +317,8 @@ fn groups(engine: &Engine<'_>) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for (column, &position) in engine.base.free.iter().enumerate() {
         let (name, joint, in_drive) = match engine.base.parameters[position] {
-            ParameterId::Link { row, .. } => ("link-geometry", row.checked_sub(1), false),
-            ParameterId::Compliance { joint } => ("joint-compliance", Some(joint), false),
+            ParameterId::Link { row, .. } => (LINK_GEOMETRY.name, row.checked_sub(1), false),
+            ParameterId::Compliance { joint } => (JOINT_COMPLIANCE.name, Some(joint), false),
             // where a rig stands is no effect of the device
             ParameterId::Surrounding(_) => continue,
             ParameterId::Transmission { joint, index } => {
@@ -347,11 +347,11 @@ fn term_name(device: &Device, joint: usize, index: usize) -> &'static str {
         TransmissionError::Capstan(_)
     );
     match (device.joints[joint].transmission, is_capstan, index) {
-        (TransmissionKind::Parallelogram, _, _) => "parallelogram-error",
-        (_, _, 0) => "joint-offset",
-        (_, true, 1) => "ratio-error",
-        (_, true, _) => "drum-eccentricity",
-        (_, false, 1) => "ratio-error",
-        (_, false, _) => "drum-eccentricity",
+        (TransmissionKind::Parallelogram, _, _) => PARALLELOGRAM_ERROR.name,
+        (_, _, 0) => JOINT_OFFSET.name,
+        (_, true, 1) => RATIO_ERROR.name,
+        (_, true, _) => DRUM_ECCENTRICITY.name,
+        (_, false, 1) => RATIO_ERROR.name,
+        (_, false, _) => DRUM_ECCENTRICITY.name,
     }
 }

@@ -3,6 +3,7 @@
 mod base_fit;
 mod prepared;
 
+use haptical_effects::{Context, Effect, Stream};
 use haptical_identification::Matrix;
 
 use crate::DiagnosisError;
@@ -13,8 +14,6 @@ use crate::model::{Cause, Model, Refit};
 use crate::noise::Noise;
 use crate::part::{Part, root_mean_square};
 use crate::system::{System, compress_rows};
-use haptical_effects::Effect;
-use haptical_effects::{Context, Stream};
 
 pub(crate) use self::prepared::Prepared;
 

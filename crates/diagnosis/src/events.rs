@@ -1,10 +1,9 @@
 //! Steps: the instants at which they explain most (docs/diagnosis.md, "Events").
 
+use haptical_effects::{Context, Effect, Signal};
+
 use crate::scan::{Candidate, Score};
 use crate::system::{System, across, dot, take_off};
-use haptical_effects::Context;
-use haptical_effects::Effect;
-use haptical_effects::Signal;
 
 /// The best instant of an event, searched at every block.
 pub(crate) fn event_score(

@@ -1,13 +1,11 @@
 //! Free functions of one covariate at one place: where a gap lies before any name is tried, and whether a
 //! named law leaves something that its own covariate still explains.
 
+use haptical_effects::{Context, Effect, Family, Hook, Signal};
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::scan::{Candidate, Score};
 use crate::system::System;
-use haptical_effects::Context;
-use haptical_effects::Signal;
-use haptical_effects::{Effect, Family, Hook};
 
 /// A recorded or derived quantity that a residual may depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -158,7 +156,7 @@ pub(crate) fn score(
 /// Covariates that an effect's law speaks of, and where: what a wrong law would leave there.
 pub(crate) fn own_covariates(effect: &dyn Effect) -> Vec<(Place, Covariate, usize)> {
     let place = Place {
-        hook: match effect.hook() {
+        hook: match effect.spec().hook {
             Hook::Structure | Hook::Timing => Hook::CableSensor,
             hook => hook,
         },
@@ -168,7 +166,7 @@ pub(crate) fn own_covariates(effect: &dyn Effect) -> Vec<(Place, Covariate, usiz
         effect.joint().map(|joint| (place, covariate(joint), knots))
     };
     let cable = |covariate, knots| Some((place, covariate, knots));
-    let wanted = match effect.family() {
+    let wanted = match effect.spec().family {
         Family::Shape if effect.joint().is_some() => vec![of_joint(Covariate::Angle, 24)],
         Family::Shape | Family::Exit => {
             vec![
@@ -190,7 +188,7 @@ pub(crate) fn own_covariates(effect: &dyn Effect) -> Vec<(Place, Covariate, usiz
             of_joint(Covariate::Angle, 12),
         ],
         Family::Coupling => vec![of_joint(Covariate::Angle, 12)],
-        Family::Wobble => vec![],
+        Family::Wobble | Family::Stated => vec![],
         Family::Tool => vec![cable(Covariate::Time, 8)],
     };
     wanted.into_iter().flatten().collect()

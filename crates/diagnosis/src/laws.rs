@@ -1,6 +1,7 @@
 //! Whether an effect keeps its law: what a free function of its own covariates still explains, and what
 //! the other side of the external encoder shows (docs/diagnosis.md, "Adequacy").
 
+use haptical_effects::{Effect, Hook};
 use haptical_metrics::chi_square_p_value;
 
 use crate::generic::{self, own_covariates};
@@ -8,7 +9,6 @@ use crate::model::Cause;
 use crate::scan::Candidate;
 use crate::select::Selector;
 use crate::system::System;
-use haptical_effects::{Effect, Hook};
 
 /// Probability above which a rest that follows an effect's own covariate is chance.
 const LAW_P: f64 = 1e-3;
@@ -52,7 +52,10 @@ impl Selector<'_, '_> {
         explained: f64,
     ) -> (f64, f64) {
         let context = &self.engine.context;
-        let in_encoder = matches!(effect.hook(), Hook::Transmission | Hook::ExternalEncoder);
+        let in_encoder = matches!(
+            effect.spec().hook,
+            Hook::Transmission | Hook::ExternalEncoder
+        );
         let Some((joint, stream)) = effect
             .joint()
             .and_then(|joint| Some((joint, context.output_stream(joint)?)))
@@ -84,5 +87,5 @@ impl Selector<'_, '_> {
 
 /// Whether what a free function still explains is chance, or within what the law may get wrong.
 pub(crate) fn law_is_kept(effect: &dyn Effect, (share, p): (f64, f64)) -> bool {
-    share <= effect.family().law_error() || p > LAW_P
+    share <= effect.spec().law_error.share || p > LAW_P
 }

@@ -54,9 +54,9 @@ pub use answer::{
     HeldOutAnswer, Hint, Invisible, NoiseAnswer, ParameterAnswer, Place, Prediction, Provenance,
     Trace, Untestable, Verdict,
 };
-pub use diagnose::{diagnose, effect_names, plausible_range};
+pub use diagnose::diagnose;
 pub use error::DiagnosisError;
-pub use haptical_effects::Hook;
+pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use options::Options;
 pub use shrink::BOOTSTRAP_SEED;
 pub use unlisted::IN_NO_CATALOGUE;

@@ -1,12 +1,12 @@
 //! The noise of a recording's streams, from the residuals of a model.
 
 use haptical_calibration::Channel;
+use haptical_effects::Context;
 use haptical_model::Device;
 use rayon::prelude::*;
 
 use crate::base::BaseProblem;
 use crate::noise::{self, Noise};
-use haptical_effects::Context;
 
 /// Noise that is known from an earlier look.
 #[derive(Debug, Clone)]

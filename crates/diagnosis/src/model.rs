@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
+use haptical_effects::{Context, Effect, Signal};
 use haptical_identification::Matrix;
 
 use crate::scan::Score;
-use haptical_effects::Context;
-use haptical_effects::Effect;
-use haptical_effects::Signal;
 
 /// A cause with its fitted numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,11 +53,11 @@ impl Cause {
     ) -> Signal {
         let effect = effects[self.effect].as_ref();
         if self.times.is_empty() {
-            return effect.contribution(context, &self.amplitudes, self.shape);
+            return effect.signal(context, &self.amplitudes, self.shape);
         }
         let mut sum = Signal::default();
         for (&time, amplitude) in self.times.iter().zip(&self.amplitudes) {
-            sum.add(&effect.contribution(context, &[*amplitude], time), 1.0);
+            sum.add(&effect.signal(context, &[*amplitude], time), 1.0);
         }
         sum
     }

@@ -1,13 +1,12 @@
 //! The postures of touches, moved to where the handle is on what it touches: there derivatives know nothing of noise.
 
 use haptical_calibration::Weights;
+use haptical_effects::{Touches, streams};
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Evaluation, Recording};
 
 use crate::DiagnosisError;
 use crate::base::{Base, BaseProblem};
-use haptical_effects::Touches;
-use haptical_effects::streams;
 
 /// Share of the mean square of the three directions that is added to each: where the handle cannot move, no joint does.
 const RIDGE: f64 = 1e-3;

@@ -1,5 +1,6 @@
 //! Rows that a fit sees, and one Gauss-Newton step on them.
 
+use haptical_effects::{Context, Signal};
 use haptical_identification::{Matrix, Reduction};
 use haptical_linalg::{OrthonormalBasis, RANK_TOLERANCE};
 
@@ -7,8 +8,6 @@ use crate::DiagnosisError;
 use crate::base::{Base, BaseProblem};
 use crate::blocks::Blocks;
 use crate::system::{compress_matrix, compress_rows, dot, take_off};
-use haptical_effects::Context;
-use haptical_effects::Signal;
 
 /// Rows that a fit sees: their blocks, and the base model's derivatives on them.
 #[derive(Debug, Clone)]

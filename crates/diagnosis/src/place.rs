@@ -1,14 +1,15 @@
 //! Where a gap lies: channel, joint, covariates and region, in words.
 
+use haptical_effects::structure::TOOL_CHANGED;
+use haptical_effects::{Context, Effect, Follows, Hook, Stream};
+
 use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::dependence::TOLD;
-use crate::earlier::{BaseTerm, TOOL_CHANGED};
+use crate::earlier::BaseTerm;
 use crate::engine::Engine;
 use crate::generic::{Covariate, Place, inner_range, score};
 use crate::place_touched::of_tool;
 use crate::select::{Selection, Selector};
-use haptical_effects::{Context, Stream};
-use haptical_effects::{Effect, Family, Hook};
 
 /// Where it lies, with the covariate that a picture should show.
 #[derive(Debug, Clone)]
@@ -60,20 +61,20 @@ fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) ->
     let context = &selector.engine.context;
     let effect = selector.effects[index].as_ref();
     let cause = selection.refit.model.causes.first()?;
-    let stream = stream_of(context, selection, effect.hook(), effect.joint())?;
+    let stream = stream_of(context, selection, effect.spec().hook, effect.joint())?;
     let joint = effect.joint();
     let covariate = law_covariate(effect, cause.shape);
     let mut depends_on = vec![covariate.column(context)];
-    if effect.name() == "tool-changed" && context.recording.run.is_some() {
+    if effect.spec().follows == Follows::Run && context.recording.run.is_some() {
         depends_on = vec!["run".to_owned()];
     }
-    if effect.name() == "cross-coupling"
+    if effect.spec().follows == Follows::OtherAngle
         && let Some(joint) = joint
     {
         depends_on.push(Covariate::Angle(joint).column(context));
     }
     let place = Place {
-        hook: effect.hook(),
+        hook: effect.spec().hook,
         joint,
     };
     Some(Located {
@@ -103,7 +104,7 @@ pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Locat
         .or_else(|| context.streams.iter().position(Stream::shows_handle))
         .unwrap_or(0);
     let covariate = Covariate::Angle(term.joint.unwrap_or(0));
-    if term.name == TOOL_CHANGED {
+    if term.name == TOOL_CHANGED.name {
         return of_tool(context, stream, term);
     }
     let words = match term.joint {
@@ -125,30 +126,20 @@ pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Locat
     })
 }
 
-/// The covariate that an effect's law speaks of.
+/// The covariate that an effect's law is a function of.
 fn law_covariate(effect: &dyn Effect, shape: f64) -> Covariate {
-    let joint = effect.joint();
-    match (effect.family(), joint) {
-        (Family::Load, Some(joint)) => Covariate::Torque(joint),
-        (Family::Load | Family::Tool, None) => {
-            if effect.name() == "tool-changed" {
-                Covariate::Time
-            } else {
-                Covariate::Force
-            }
-        }
-        (Family::Lag, Some(joint)) => Covariate::Speed(joint),
-        (Family::Lag, None) if effect.hook() == Hook::CableSensor => Covariate::CableSpeed,
-        (Family::Coupling, _) => Covariate::Angle((shape as usize).saturating_sub(1)),
-        (Family::Drift, _) if effect.parameters()[0].name.ends_with("degc") => {
-            Covariate::Temperature
-        }
-        (Family::Step | Family::Drift, _) => Covariate::Time,
-        (Family::Exit, _) => Covariate::ExitAngle,
-        (Family::Loop, None) => Covariate::CableSpeed,
-        (_, Some(joint)) => Covariate::Angle(joint),
-        (Family::Lag, None) => Covariate::Speed(0),
-        (_, None) => Covariate::Length,
+    let joint = effect.joint().unwrap_or(0);
+    match effect.spec().follows {
+        Follows::Angle => Covariate::Angle(joint),
+        Follows::OtherAngle => Covariate::Angle((shape as usize).saturating_sub(1)),
+        Follows::Speed => Covariate::Speed(joint),
+        Follows::Torque => Covariate::Torque(joint),
+        Follows::Force => Covariate::Force,
+        Follows::Temperature => Covariate::Temperature,
+        Follows::Time | Follows::Run => Covariate::Time,
+        Follows::Length => Covariate::Length,
+        Follows::ExitAngle => Covariate::ExitAngle,
+        Follows::CableSpeed => Covariate::CableSpeed,
     }
 }
 

@@ -1,12 +1,12 @@
 //! Where a gap lies that single postures show: in the tool, or in what the residuals depend on.
 
+use haptical_effects::{Context, Hook, Stream};
+
 use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::earlier::BaseTerm;
 use crate::generic::Covariate;
 use crate::place::{Located, stream_of};
 use crate::select::Selection;
-use haptical_effects::Hook;
-use haptical_effects::{Context, Stream};
 
 /// Chance below which a dependence of a gap is told, all questions counted: that there is a gap is known, and the words
 /// say how sure its place is.

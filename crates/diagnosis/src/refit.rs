@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use haptical_effects::Effect;
+
 use crate::DiagnosisError;
 use crate::engine::Engine;
 use crate::model::{Cause, Model, Refit};
 use crate::part::{Part, dense, square};
-use haptical_effects::Effect;
 
 /// A step that changes no prediction by more than this share of the noise ends a refit.
 pub(crate) const SMALL_STEP: f64 = 0.02;
@@ -168,9 +169,9 @@ impl Engine<'_> {
                 columns.push(dense(part, signal));
                 owners.push(Owner::Amplitude(index, amplitude));
             }
-            if effect.shape_is_continuous() {
+            if effect.spec().shape.is_continuous() {
                 let step = 0.02;
-                let at = |shape: f64| effect.contribution(&self.context, &cause.amplitudes, shape);
+                let at = |shape: f64| effect.signal(&self.context, &cause.amplitudes, shape);
                 let mut slope = at(cause.shape * (1.0 + step));
                 slope.add(&at(cause.shape * (1.0 - step)), -1.0);
                 let mut dense = dense(part, &slope);

@@ -1,13 +1,12 @@
 //! Which other effects could stand in a cause's place, and how far behind they are.
 
+use haptical_effects::{Context, Family};
 use rayon::prelude::*;
 
 use crate::DiagnosisError;
 use crate::model::{Cause, Refit};
 use crate::scan::Score;
 use crate::select::{Selection, Selector, misfit};
-use haptical_effects::Context;
-use haptical_effects::Family;
 
 /// An effect in a cause's place.
 #[derive(Debug, Clone)]
@@ -185,7 +184,7 @@ fn hedge_drifts(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &m
     for (effect, value, share, _) in evidence.iter_mut() {
         let other = selector.effects[*effect].as_ref();
         let is_kin = *effect != own
-            && own_effect.family() == Family::Drift
+            && own_effect.spec().family == Family::Drift
             && other.is_kin_of(own_effect)
             && other.name() != own_effect.name();
         if is_kin && *share > LOOK_ALIKE && warms_with_time(&selector.engine.context) {
@@ -204,9 +203,9 @@ const COUPLED: f64 = 0.98;
 /// An axis that wobbles and a cable that is routed over a joint differ by their laws' errors where the axes
 /// intersect (docs/diagnosis.md, "Rivals"): while one explains almost as much, it counts as near.
 fn hedge_wobbles(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &mut [Evidence]) {
-    let own_family = selector.effects[own].family();
+    let own_family = selector.effects[own].spec().family;
     for (effect, value, share, _) in evidence.iter_mut() {
-        let pair = (own_family, selector.effects[*effect].family());
+        let pair = (own_family, selector.effects[*effect].spec().family);
         let look_alikes = matches!(
             pair,
             (Family::Coupling, Family::Wobble) | (Family::Wobble, Family::Coupling)

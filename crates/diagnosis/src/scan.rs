@@ -1,14 +1,12 @@
 //! The score scan: how much each effect of the catalogue would explain, the base model's freedom and the
 //! causes found so far projected out (docs/diagnosis.md, "Score scan").
 
+use haptical_effects::{Context, Effect, Shape, Signal};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::model::Cause;
 use crate::system::{Column, System, dot};
-use haptical_effects::Context;
-use haptical_effects::Effect;
-use haptical_effects::Signal;
 
 /// An effect at one shape, with its whitened columns.
 #[derive(Debug, Clone)]
@@ -186,10 +184,10 @@ pub(crate) fn candidates(
 ) -> Vec<Candidate> {
     tested
         .par_iter()
-        .filter(|&&index| !effects[index].is_event())
+        .filter(|&&index| effects[index].spec().shape != Shape::Event)
         .flat_map_iter(|&index| {
             let effect = effects[index].as_ref();
-            let zero = vec![0.0; effect.amplitude_count()];
+            let zero = vec![0.0; effect.spec().amplitudes];
             effect
                 .shapes(context)
                 .into_iter()

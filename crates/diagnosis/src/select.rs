@@ -6,6 +6,8 @@ mod excess;
 mod ranking;
 mod springs;
 
+use haptical_effects::{Effect, Family};
+
 use crate::DiagnosisError;
 use crate::engine::Engine;
 use crate::laws::law_is_kept;
@@ -13,10 +15,8 @@ use crate::model::{Cause, Refit};
 use crate::scan::{Candidate, Score, candidates};
 use crate::system::{SlowEnergy, System};
 use crate::thresholds::Thresholds;
-use haptical_effects::{Effect, Family};
 
 pub(crate) use self::excess::{excess, misfit, worst_excess};
-pub(crate) use self::ranking::values_are_plausible;
 
 /// The causes that were found, and what they leave.
 #[derive(Debug)]
@@ -175,7 +175,7 @@ impl<'e, 'a> Selector<'e, 'a> {
                     && ((self.is_quiet_there(effect, &after)
                         && self.is_elsewhere(&score, causes))
                         || score.score > self.law_errors(causes, &grown.explained, &score)));
-            let strict = !is_first || effect.family() == Family::Step;
+            let strict = !is_first || effect.spec().family == Family::Step;
             let keeps_its_law = !strict
                 || next.model.causes.last().is_none_or(|cause| {
                     let broken = self.broken_law(&system, effect, cause, score.score);

@@ -1,12 +1,11 @@
 //! The compliance that a diagnosis names has the column of the one that a calibration fits.
 
 use haptical_calibration::{Channel, Weights, prepare_device};
+use haptical_effects::{Context, catalogue, streams};
 use haptical_model::{Device, JointCompliance, ParameterId, Recording, holding_torques_nm};
 use proptest::prelude::*;
 
 use crate::base::{Base, BaseProblem};
-use haptical_effects::catalogue;
-use haptical_effects::{Context, streams};
 
 const ROWS: usize = 12;
 

@@ -1,5 +1,6 @@
 //! Whitened residuals with everything that the base model can adjust projected out.
 
+use haptical_effects::{Context, Signal};
 use haptical_linalg::Matrix;
 
 use rayon::prelude::*;
@@ -8,8 +9,6 @@ use crate::DiagnosisError;
 use crate::base::BaseProblem;
 use crate::blocks::Blocks;
 use crate::part::Part;
-use haptical_effects::Context;
-use haptical_effects::Signal;
 
 /// Share of a column that must lie across those before it for a direction of its own.
 const ABSENT: f64 = 1e-7;

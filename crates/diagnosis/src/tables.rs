@@ -1,6 +1,7 @@
 //! Parts of the answer that are tables: gaps by channel, residuals for a picture, what was not tested, noise.
 
 use haptical_calibration::Channel;
+use haptical_effects::Effect;
 use haptical_metrics::gap_reduction_percent;
 
 use crate::answer::{ChannelGap, NoiseAnswer, Trace, Untestable};
@@ -8,7 +9,6 @@ use crate::force::answer::ForceAnswer;
 use crate::place::Located;
 use crate::select::{Selection, Selector};
 use crate::shrink::{Shrink, Unseen};
-use haptical_effects::Effect;
 
 pub(crate) fn channel_gaps(
     selector: &Selector<'_, '_>,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use haptical_effects::Stream;
 use haptical_model::kinematics::nalgebra::Matrix3;
 use haptical_model::{Device, Evaluation};
 
@@ -9,7 +10,6 @@ use crate::answer::ParameterAnswer;
 use crate::engine::Engine;
 use crate::least::Columns;
 use crate::part::dense;
-use haptical_effects::Stream;
 
 /// A shift of the handle in its own frame.
 #[derive(Debug, Clone)]

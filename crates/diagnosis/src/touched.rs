@@ -1,13 +1,13 @@
 //! What single postures at which something is touched allow to be said of a gap.
 
 use haptical_calibration::Channel;
+use haptical_effects::Stream;
 
 use crate::DiagnosisError;
 use crate::answer::{Asked, Dependence, Verdict};
 use crate::dependence::{TOLD, dependences};
 use crate::measured::is_stated;
 use crate::select::Selector;
-use haptical_effects::Stream;
 
 /// A ball in a socket, or a tip on a plane, repeats better than this \[m\].
 const ROUGHEST_TOUCH_M: f64 = 5e-4;

@@ -1,11 +1,12 @@
 //! What a verdict says of the first cause beyond its own evidence: rivals that no scan could list, and how little
 //! a name is worth that explains a part of a gap only.
 
+use haptical_effects::Effect;
+
 use crate::answer::{CauseAnswer, Verdict};
 use crate::earlier::{BaseTerm, Difference};
 use crate::rivals::Rival;
 use crate::select::{Selection, Selector};
-use haptical_effects::Effect;
 
 /// Among what a cause may be taken for: an effect that is in no catalogue.
 pub const IN_NO_CATALOGUE: &str = "unknown";

@@ -1,14 +1,14 @@
 //! What cannot be seen: effects that the base model swallows, with what they would falsify, and the
 //! smallest size of every other one that would have been noticed.
 
+use haptical_effects::{Absorbed, Effect, Role, Shape, parameter};
 use nalgebra::{DMatrix, DVector};
 
 use crate::answer::{Detectable, Hint, Invisible};
 use crate::engine::Engine;
 use crate::scan::{Candidate, Score};
-use crate::select::{Selector, values_are_plausible};
+use crate::select::Selector;
 use crate::system::{Column, dot};
-use haptical_effects::Effect;
 
 /// Score that is noticed in four of five recordings at the family-wise threshold: (4.9 + 0.84)^2, the
 /// normal quantiles of 0.003 over 1500 tests and of 80 %.
@@ -33,17 +33,17 @@ pub(crate) fn unseen(
             continue;
         };
         let scale = NOTICED_SCORE.sqrt() * score.unit_amplitude;
-        let mut amplitudes = vec![0.0; effect.amplitude_count()];
+        let mut amplitudes = vec![0.0; effect.spec().amplitudes];
         amplitudes[0] = scale;
         let values = effect.values(&engine.context, &amplitudes, score.shape);
         let visible = score.rank > 0
             && scale.is_finite()
-            && (score.retained > VISIBLE || values_are_plausible(effect, &values));
+            && (score.retained > VISIBLE || effect.is_plausible(&values));
         if visible {
             detectable.push(Detectable {
                 effect: effect.name().to_owned(),
                 joint: effect.joint().map(|joint| joint + 1),
-                parameter: effect.parameters()[0].name.to_owned(),
+                parameter: effect.spec().parameters[0].name.to_owned(),
                 value: values[0].abs(),
             });
         } else {
@@ -57,7 +57,7 @@ pub(crate) fn unseen(
     }
     for &index in in_base {
         let effect = selector.effects[index].as_ref();
-        if effect.name() == "device-encoder-eccentricity" {
+        if effect.spec().absorbed_by == Absorbed::ByInputDrum {
             invisible.push(Invisible {
                 effect: effect.name().to_owned(),
                 joint: effect.joint().map(|joint| joint + 1),
@@ -76,7 +76,8 @@ pub(crate) fn unseen(
 fn merge(mut all: Vec<Detectable>) -> Vec<Detectable> {
     let mut kept: Vec<Detectable> = Vec::new();
     for entry in all.drain(..) {
-        let stiff = entry.parameter.starts_with("stiffness");
+        let parameter = parameter(&entry.effect, &entry.parameter);
+        let stiff = parameter.is_some_and(|parameter| parameter.role == Role::Inverse);
         match kept.iter_mut().find(|other| {
             other.effect == entry.effect
                 && other.joint == entry.joint
@@ -91,8 +92,8 @@ fn merge(mut all: Vec<Detectable>) -> Vec<Detectable> {
 }
 
 fn why(effect: &dyn Effect, retained: f64) -> String {
-    match effect.name() {
-        "cable-scale" | "cable-stretch" => "indistinguishable from scaling every length".to_owned(),
+    match effect.spec().absorbed_by {
+        Absorbed::ByLengths => "indistinguishable from scaling every length".to_owned(),
         _ => format!(
             "the base model's own parameters imitate {:.2} % of it",
             100.0 * (1.0 - retained * retained).max(0.0).sqrt()
@@ -103,7 +104,7 @@ fn why(effect: &dyn Effect, retained: f64) -> String {
 fn most_sensitive(selector: &Selector<'_, '_>, index: usize) -> Option<(Score, Candidate)> {
     let engine = selector.engine;
     let effect = selector.effects[index].as_ref();
-    if effect.is_event() {
+    if effect.spec().shape == Shape::Event {
         let middle = (engine.context.rows() / 2) as f64;
         let candidate = Candidate::new(
             &engine.system,

@@ -1,9 +1,9 @@
 //! What a gap of positions does to torques: effects on torques are not told where it is as large.
 
 use haptical_calibration::Channel;
+use haptical_effects::Hook;
 
 use crate::select::{Selection, Selector};
-use haptical_effects::Hook;
 
 /// What the holding torques are wrong by where the model's angles are \[Nm\]: about the torque times the
 /// angle, the largest that a gap or a cause shows.
@@ -37,7 +37,7 @@ fn cause_rad(selector: &Selector<'_, '_>, selection: &Selection, cause: usize) -
     let Some(joint) = effect.joint() else {
         return 0.0;
     };
-    if !matches!(effect.hook(), Hook::Transmission | Hook::Joint) {
+    if !matches!(effect.spec().hook, Hook::Transmission | Hook::Joint) {
         return 0.0;
     }
     let signal = cause.contribution(selector.effects, context);

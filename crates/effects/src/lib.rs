@@ -2,16 +2,39 @@
 //!
 #![doc = include_str!("../README.md")]
 
-mod catalogue;
+pub mod base_model;
+pub mod cable;
 mod context;
+mod effect;
 mod error;
+pub mod external_encoder;
+pub mod force;
+mod laws;
+mod listing;
+pub mod motor_encoder;
+mod need;
+pub mod noise;
+mod parameter;
+mod registry;
 pub mod signal;
+mod spec;
+pub mod structure;
 #[cfg(test)]
 mod tests;
+pub mod transmission;
+mod unit;
 
-pub use catalogue::{
-    Effect, FORCE_NAMES, Family, Hook, Need, ParameterSpec, catalogue, names, under_load,
-};
 pub use context::{CableGeometry, Context, Stream, Touches, streams};
+pub use effect::Effect;
 pub use error::ContextError;
+pub use laws::under_load;
+pub use listing::markdown;
+pub use need::Need;
+pub use parameter::{Parameter, Role};
+pub use registry::{catalogue, names, parameter, plausible_range, spec, specs};
 pub use signal::Signal;
+pub use spec::{Absorbed, Family, Follows, Hook, LawError, Shape, Spec};
+pub use unit::Unit;
+
+#[cfg(test)]
+pub(crate) use tests::conforms;

@@ -42,8 +42,11 @@ impl Signal {
 /// A time series with its first two derivatives, all smoothed over a few samples.
 #[derive(Debug, Clone, Default)]
 pub struct LocalMotion {
+    /// As it was.
     pub value: Vec<f64>,
+    /// First derivative.
     pub velocity: Vec<f64>,
+    /// Second derivative.
     pub acceleration: Vec<f64>,
 }
 

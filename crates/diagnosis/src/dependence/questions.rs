@@ -1,13 +1,11 @@
 //! What the residuals of single postures are asked for: angles, torques, the side that a joint came from, the
 //! direction of approach, and everything that was logged beside them.
 
+use haptical_effects::{Context, Hook, Signal, Stream};
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::answer::Asked;
 use crate::generic::{Covariate, Place, free_function};
-use haptical_effects::Hook;
-use haptical_effects::Signal;
-use haptical_effects::{Context, Stream};
 
 /// Intervals of the free functions of an angle.
 const KNOTS: usize = 6;

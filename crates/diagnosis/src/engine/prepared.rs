@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use haptical_calibration::{Channel, Weights};
+use haptical_effects::{Context, Effect, streams};
 use haptical_identification::Matrix;
 use haptical_model::Recording;
 
@@ -14,8 +15,6 @@ use crate::cleaning::outlying_rows;
 use crate::measured::{KnownNoise, floors};
 use crate::model::{Model, Refit};
 use crate::system::{System, compress_matrix};
-use haptical_effects::Effect;
-use haptical_effects::{Context, streams};
 
 /// A recording with the base model's residuals and derivatives, before anything is fitted to it.
 #[derive(Debug)]

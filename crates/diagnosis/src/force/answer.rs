@@ -1,12 +1,14 @@
 //! From a selection to findings with values, intervals and shares.
 
-use super::NAMES;
+use haptical_effects::force::{GRIP_FORCE, UNBALANCED_GRAVITY};
+
 use super::base::Base;
 use super::effects::Kind;
 pub(crate) use super::gaps::TorqueGap;
 use super::gaps::{add_torque, channels, scale_before};
 use super::gravity::{self, Unbalanced};
 use super::grip::{self, Grip};
+use super::names;
 use super::recorded::{Recorded, column};
 use super::select::{Pick, Selection, Selector};
 use super::trust;
@@ -91,7 +93,7 @@ impl ForceAnswer {
     pub(super) fn untestable(why: &str, has_torques: bool) -> Self {
         Self {
             not_tested: has_torques.then(|| why.to_owned()),
-            untestable: NAMES.iter().map(|&name| (name, why.to_owned())).collect(),
+            untestable: names().map(|name| (name, why.to_owned())).collect(),
             ..Self::default()
         }
     }
@@ -160,7 +162,7 @@ pub(super) fn answer(
         let excess = selection.before.excess();
         let before = &selection.rest_before;
         if is_structured
-            && !selector.effects.is_left_out("grip-force")
+            && !selector.effects.is_left_out(GRIP_FORCE.name)
             && let Some(grip) = grip::grip(along, selector.weights, before, excess)
         {
             unexplained_share = grip.left;
@@ -178,7 +180,7 @@ pub(super) fn answer(
     }
     if (named || !significant)
         && trust::weighs(base)
-        && !selector.effects.is_left_out("unbalanced-gravity")
+        && !selector.effects.is_left_out(UNBALANCED_GRAVITY.name)
         && let Some(found) = gravity::unbalanced(along, base, &row_sd)?
     {
         add_torque(&mut channels, selector, &found.torque_nm);
@@ -268,15 +270,14 @@ fn untestable(selector: &Selector<'_, '_, '_>, is_falsified: bool) -> Vec<(&'sta
     let recorded = selector.recorded;
     let context = recorded.context;
     if is_falsified {
-        let all = NAMES.iter().map(|&name| (name, FALSIFIED.to_owned()));
-        return all.collect();
+        return names().map(|name| (name, FALSIFIED.to_owned())).collect();
     }
     let mut untestable = Vec::new();
     let of_force = [Kind::Bias, Kind::Gain, Kind::Crosstalk, Kind::Hysteresis];
     if recorded.force_n.is_none() {
         let why = "no columns fx_n, fy_n, fz_n: a free force of the hand is allowed for";
         untestable.extend(of_force.iter().map(|kind| (kind.name(), why.to_owned())));
-        untestable.push(("grip-force", why.to_owned()));
+        untestable.push((GRIP_FORCE.name, why.to_owned()));
     } else {
         if !selector.effects.force_varies {
             let why = "the hand's force is constant";
@@ -287,7 +288,7 @@ fn untestable(selector: &Selector<'_, '_, '_>, is_falsified: bool) -> Vec<(&'sta
             );
         }
         if !grip::is_testable(recorded.channels.len()) {
-            untestable.push(("grip-force", "fewer than five torques".to_owned()));
+            untestable.push((GRIP_FORCE.name, "fewer than five torques".to_owned()));
         }
     }
     let missing: Vec<String> = (0..context.device.joints.len())
@@ -309,7 +310,7 @@ fn untestable(selector: &Selector<'_, '_, '_>, is_falsified: bool) -> Vec<(&'sta
         .all(Option::is_none)
     {
         let why = "no mass_kg and centre_of_mass_m in the device file";
-        untestable.push(("unbalanced-gravity", why.to_owned()));
+        untestable.push((UNBALANCED_GRAVITY.name, why.to_owned()));
     }
     untestable
 }
@@ -358,17 +359,17 @@ fn finding(
 fn of_grip(grip: &Grip) -> ForceFinding {
     let half = QUANTILE_975 * grip.force_sd_n;
     ForceFinding {
-        effect: "grip-force",
+        effect: GRIP_FORCE.name,
         joint: None,
         probability: GRIP_PROBABILITY,
         confusable_with: vec!["unknown".to_owned()],
         parameters: vec![(
-            "rms_n".to_owned(),
+            GRIP_FORCE.parameters[0].name.to_owned(),
             grip.force_n,
             [(grip.force_n - half).max(0.0), grip.force_n + half],
         )],
         share: 1.0 - grip.left,
-        plausible: grip.force_n < 30.0,
+        plausible: GRIP_FORCE.parameters[0].is_plausible(grip.force_n, 1.0),
     }
 }
 
@@ -378,26 +379,27 @@ fn of_gravity(found: &Unbalanced, selector: &Selector<'_, '_, '_>, total: f64) -
     let rows = selector.rows();
     let mut parameters = vec![
         (
-            "moment_nm".to_owned(),
+            UNBALANCED_GRAVITY.parameters[0].name.to_owned(),
             found.moment_nm,
             [found.moment_nm - half, found.moment_nm + half],
         ),
         (
-            "deviations".to_owned(),
+            UNBALANCED_GRAVITY.parameters[1].name.to_owned(),
             found.deviations,
             [found.deviations; 2],
         ),
     ];
     if let Some((mass, sd)) = found.mass_kg {
         let half = QUANTILE_975 * sd;
-        parameters.push(("mass_kg".to_owned(), mass, [mass - half, mass + half]));
+        let mass_name = UNBALANCED_GRAVITY.parameters[2].name;
+        parameters.push((mass_name.to_owned(), mass, [mass - half, mass + half]));
     }
     let names = found
         .rivals
         .iter()
-        .map(|joint| format!("unbalanced-gravity@{}", joint + 1));
+        .map(|joint| format!("{}@{}", UNBALANCED_GRAVITY.name, joint + 1));
     ForceFinding {
-        effect: "unbalanced-gravity",
+        effect: UNBALANCED_GRAVITY.name,
         joint: Some(found.joint),
         probability: found.probability,
         confusable_with: names.collect(),

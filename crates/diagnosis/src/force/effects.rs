@@ -1,11 +1,13 @@
 //! The effects on torques and forces, as columns beside the base model.
 
+use haptical_effects::signal::{dahl, local_motion, smooth};
+use haptical_effects::transmission::INPUT_DRUM_HARMONIC;
+use haptical_effects::{Spec, force as specs};
 use nalgebra::Vector3;
 
 use super::along::Along;
 use super::columns::{Fast, Term, Values};
 use super::fast::ORDERS;
-use haptical_effects::signal::{dahl, smooth};
 
 /// Kinds of effects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,18 +25,23 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// Name of the contract.
-    pub(super) fn name(self) -> &'static str {
+    /// What is known of it.
+    pub(super) fn spec(self) -> &'static Spec {
         match self {
-            Self::Bias => "force-bias",
-            Self::Gain => "force-gain",
-            Self::Crosstalk => "force-crosstalk",
-            Self::Hysteresis => "force-hysteresis",
-            Self::Friction => "joint-friction",
-            Self::Cogging => "motor-cogging",
-            Self::Scale => "torque-gain",
-            Self::Ripple => "input-drum-harmonic",
+            Self::Bias => &specs::BIAS,
+            Self::Gain => &specs::GAIN,
+            Self::Crosstalk => &specs::CROSSTALK,
+            Self::Hysteresis => &specs::HYSTERESIS,
+            Self::Friction => &specs::JOINT_FRICTION,
+            Self::Cogging => &specs::MOTOR_COGGING,
+            Self::Scale => &specs::TORQUE_GAIN,
+            Self::Ripple => &INPUT_DRUM_HARMONIC,
         }
+    }
+
+    /// Its name.
+    pub(super) fn name(self) -> &'static str {
+        self.spec().name
     }
 }
 
@@ -320,7 +327,7 @@ impl<'e, 'a> Effects<'e, 'a> {
             .map(|index| {
                 let values = &self.along.recorded.harmonics[channel][index];
                 let runs = &recorded.context.runs;
-                let motion = haptical_effects::signal::local_motion(values, time_s, runs);
+                let motion = local_motion(values, time_s, runs);
                 let acceleration = self.along.half_means(&motion.acceleration);
                 let mut column = vec![0.0; recorded.len()];
                 for (half, (torques, rate)) in mass.iter().zip(&acceleration).enumerate() {

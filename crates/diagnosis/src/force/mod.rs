@@ -26,17 +26,24 @@ mod trust;
 mod values;
 mod weights;
 
+use haptical_effects::{Context, Hook, Spec};
+
 use self::along::Along;
 use self::answer::ForceAnswer;
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded};
 use self::select::Selector;
 use crate::DiagnosisError;
-use haptical_effects::Context;
 
-pub(crate) use haptical_effects::FORCE_NAMES as NAMES;
+/// Names of the effects on torques and forces.
+fn names() -> impl Iterator<Item = &'static str> {
+    let is_force = |spec: &&Spec| matches!(spec.hook, Hook::Torque | Hook::ForceSensor);
+    haptical_effects::specs()
+        .filter(is_force)
+        .map(|spec| spec.name)
+}
 
-/// Tests the recorded torques and forces for effects of their own, with some of [`NAMES`] left out of
+/// Tests the recorded torques and forces for effects of their own, with some of them left out of
 /// the catalogue.
 ///
 /// # Errors

@@ -3,12 +3,12 @@
 
 use std::ops::Range;
 
+use haptical_effects::Context;
+use haptical_effects::signal::{LocalMotion, smooth};
 use nalgebra::{DMatrix, Vector3};
 
 use super::fast;
 use crate::noise;
-use haptical_effects::Context;
-use haptical_effects::signal::{LocalMotion, smooth};
 
 /// Time that one block averages \[s\]: short against a motion, long against the sampling.
 const BLOCK_S: f64 = 0.1;

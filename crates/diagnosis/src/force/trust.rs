@@ -2,10 +2,10 @@
 //! not in the model falsify lengths and angles, and these the torques.
 
 use haptical_calibration::Channel;
+use haptical_effects::Context;
 
 use super::base::Base;
 use crate::noise;
-use haptical_effects::Context;
 
 /// Residuals of positions over their noise that are a gap.
 const POSITION_GAP: f64 = 1.5;

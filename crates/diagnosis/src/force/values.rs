@@ -1,5 +1,7 @@
 //! The numbers of a chosen effect, in its own units.
 
+use haptical_effects::force::TORQUE_GAIN;
+
 use super::base::Base;
 use super::effects::{Kind, Place};
 use super::select::{Pick, Selector};
@@ -23,12 +25,11 @@ pub(super) fn parameters(
         .collect();
     let covariance = normal.covariance(pick.first, pick.count) * dispersion;
     let sd = |k: usize| covariance[(k, k)].max(0.0).sqrt();
-    let listed = |names: &[&'static str]| -> Vec<(&'static str, f64, f64)> {
-        names
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| *k < amplitudes.len())
-            .map(|(k, name)| (*name, amplitudes[k], sd(k)))
+    let spec = pick.place.kind.spec();
+    let name = |index: usize| spec.parameters[index].name;
+    let listed = |count: usize| -> Vec<(&'static str, f64, f64)> {
+        (0..count.min(amplitudes.len()))
+            .map(|k| (name(k), amplitudes[k], sd(k)))
             .collect()
     };
     // a torque of the joint, read through a scale that is known as well as the fit says
@@ -45,25 +46,22 @@ pub(super) fn parameters(
         )
     };
     match pick.place.kind {
-        Kind::Bias => listed(&["x_n", "y_n", "z_n", "x_n_per_k", "y_n_per_k", "z_n_per_k"]),
+        Kind::Bias => listed(6),
         Kind::Gain => {
             // the column is what the sensor read, not the force: a = e / (1 + e)
             let true_gain = |(name, a, sd): (&'static str, f64, f64)| {
                 let rest = (1.0 - a).max(0.01);
                 (name, a / rest, sd / (rest * rest))
             };
-            listed(&["x", "y", "z"])
-                .into_iter()
-                .map(true_gain)
-                .collect()
+            listed(3).into_iter().map(true_gain).collect()
         }
-        Kind::Crosstalk => listed(&["xy", "xz", "yx", "yz", "zx", "zy"]),
+        Kind::Crosstalk => listed(6),
         Kind::Hysteresis => {
-            let mut parameters = listed(&["x_n", "y_n", "z_n"]);
+            let mut parameters = listed(3);
             for (_, value, sd) in &mut parameters {
                 *sd = sd.hypot(*value * LOOP_SD);
             }
-            parameters.push(("transition_n", pick.place.shape, pick.place.shape * sd(3)));
+            parameters.push((name(3), pick.place.shape, pick.place.shape * sd(3)));
             parameters
         }
         Kind::Friction => {
@@ -75,18 +73,15 @@ pub(super) fn parameters(
             let (viscous, viscous_sd) = apart(viscous, viscous_sd);
             let (stribeck, stribeck_sd) = apart(stribeck, stribeck_sd);
             let mut parameters = vec![
-                ("coulomb_nm", coulomb, coulomb_sd),
-                ("viscous_nm_s_per_rad", viscous, viscous_sd),
-                ("stribeck_nm", stribeck, stribeck_sd),
+                (name(0), coulomb, coulomb_sd),
+                (name(1), viscous, viscous_sd),
+                (name(2), stribeck, stribeck_sd),
             ];
             let shape = pick.place.shape.abs();
             let shape_sd = sd(pick.count - 1);
-            let name = if pick.place.shape > 0.0 {
-                "transition_rad"
-            } else {
-                "transition_rad_per_s"
-            };
-            parameters.push((name, shape, shape * shape_sd));
+            // a travel, or below zero a rate
+            let transition = if pick.place.shape > 0.0 { 3 } else { 4 };
+            parameters.push((name(transition), shape, shape * shape_sd));
             parameters
         }
         Kind::Cogging => {
@@ -104,19 +99,23 @@ pub(super) fn parameters(
             };
             let (amplitude, amplitude_sd) = true_torque(size, spread(along));
             vec![
-                ("amplitude_nm", amplitude, amplitude_sd),
-                ("phase_rad", b.atan2(a), spread(across) / size),
-                ("order", pick.place.shape, 0.0),
+                (name(0), amplitude, amplitude_sd),
+                (name(1), b.atan2(a), spread(across) / size),
+                (name(2), pick.place.shape, 0.0),
             ]
         }
         Kind::Scale | Kind::Ripple => {
             // what of it is the drive's own scale is known to its stated deviation alone
-            vec![("gain", gain, gain_sd.hypot(own_scale_sd * (1.0 + gain)))]
+            vec![(
+                TORQUE_GAIN.parameters[0].name,
+                gain,
+                gain_sd.hypot(own_scale_sd * (1.0 + gain)),
+            )]
         }
     }
 }
 
-/// Whether a sound device can show it: the ranges of docs/diagnosis-force.md, ten times wider.
+/// Whether a sound device can show it.
 pub(super) fn is_plausible(
     place: &Place,
     selector: &Selector<'_, '_, '_>,
@@ -124,25 +123,11 @@ pub(super) fn is_plausible(
 ) -> bool {
     let ratio = place.channel.map_or(1.0, |channel| {
         let joint = selector.recorded.channels[channel];
-        selector.recorded.context.device.joints[joint]
-            .transmission_ratio
-            .abs()
+        selector.recorded.context.device.joints[joint].transmission_ratio
     });
-    let most = match place.kind {
-        Kind::Bias => 5.0,
-        Kind::Gain | Kind::Crosstalk => 0.2,
-        Kind::Hysteresis => 2.0,
-        Kind::Friction => 0.3 * ratio.max(1.0),
-        Kind::Cogging => 0.3 * ratio.max(1.0),
-        Kind::Scale | Kind::Ripple => 1.0,
-    };
-    let sizes: usize = match place.kind {
-        Kind::Friction | Kind::Cogging | Kind::Scale | Kind::Ripple => 1,
-        Kind::Crosstalk => 6,
-        _ => 3,
-    };
-    parameters
-        .iter()
-        .take(sizes)
-        .all(|(_, value, _)| value.abs() <= most)
+    let spec = place.kind.spec();
+    parameters.iter().all(|(name, value, _)| {
+        let parameter = spec.parameter(name);
+        parameter.is_none_or(|parameter| parameter.is_plausible(*value, ratio))
+    })
 }

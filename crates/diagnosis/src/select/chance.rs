@@ -1,5 +1,6 @@
 //! Whether a pick is more than chance, and explains enough.
 
+use haptical_effects::Shape;
 use haptical_metrics::chi_square_p_value;
 
 use super::{Selector, excess, misfit};
@@ -16,7 +17,7 @@ impl Selector<'_, '_> {
     /// as more noise (Bonferroni over effects, shapes and instants).
     pub(crate) fn family_wise_p(&self, score: &Score, misfit: f64) -> Result<f64, DiagnosisError> {
         let effect = self.effects[score.effect].as_ref();
-        let tries = if effect.is_event() {
+        let tries = if effect.spec().shape == Shape::Event {
             let instants = 0.15 * self.engine.system.blocks.count() as f64
                 / self.engine.context.streams.len().max(1) as f64;
             instants.max(1.0).powi(score.times.len().max(1) as i32)

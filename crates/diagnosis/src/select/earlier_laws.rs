@@ -1,10 +1,11 @@
 //! What the laws of earlier causes may have got wrong, where a later pick shows.
 
+use haptical_effects::{Effect, Family, Hook};
+
 use super::{Selector, worst_excess};
 use crate::model::Cause;
 use crate::scan::Score;
 use crate::system::SlowEnergy;
-use haptical_effects::{Effect, Family, Hook};
 
 /// Share of the earlier laws' possible error that a later pick must exceed where it leaves a rest.
 const LATER_PICK: f64 = 0.15;
@@ -23,14 +24,17 @@ impl Selector<'_, '_> {
             let other = self.effects[cause.effect].as_ref();
             let theirs = self.joints(cause.effect, cause.shape);
             main(other) != own
-                && other.hook() != Hook::Timing
+                && other.spec().hook != Hook::Timing
                 && !joints.iter().any(|joint| theirs.contains(joint))
         })
     }
 
     /// The external encoder that shows an effect.
     fn main_stream(&self, effect: &dyn Effect) -> Option<usize> {
-        let in_encoder = matches!(effect.hook(), Hook::Transmission | Hook::ExternalEncoder);
+        let in_encoder = matches!(
+            effect.spec().hook,
+            Hook::Transmission | Hook::ExternalEncoder
+        );
         let joint = effect.joint().filter(|_| in_encoder)?;
         self.engine.context.output_stream(joint)
     }
@@ -55,7 +59,7 @@ impl Selector<'_, '_> {
             } else {
                 LATER_PICK
             };
-            share * self.effects[cause.effect].family().law_error() * explained
+            share * self.effects[cause.effect].spec().law_error.share * explained
         });
         errors.sum()
     }
@@ -64,7 +68,7 @@ impl Selector<'_, '_> {
     fn joints(&self, effect: usize, shape: f64) -> Vec<usize> {
         let effect = self.effects[effect].as_ref();
         let from =
-            (effect.family() == Family::Coupling).then(|| (shape as usize).saturating_sub(1));
+            (effect.spec().family == Family::Coupling).then(|| (shape as usize).saturating_sub(1));
         effect.joint().into_iter().chain(from).collect()
     }
 }

@@ -1,5 +1,6 @@
 //! Every effect that may be picked next, best first.
 
+use haptical_effects::{Effect, Shape, under_load};
 use rayon::prelude::*;
 
 use super::Selector;
@@ -7,7 +8,6 @@ use crate::events::{event_score, with_more_steps};
 use crate::model::{Cause, Model};
 use crate::scan::Score;
 use crate::system::System;
-use haptical_effects::{Effect, under_load};
 
 /// Two steps so near to each other are one event, seen by more than one channel \[s\].
 const COINCIDENT_S: f64 = 0.8;
@@ -33,7 +33,7 @@ impl Selector<'_, '_> {
             .filter_map(|&index| {
                 let effect = self.effects[index].as_ref();
                 let context = &self.engine.context;
-                if !effect.is_event() {
+                if effect.spec().shape != Shape::Event {
                     return None;
                 }
                 let score = event_score(system, context, effect, index)?;
@@ -61,7 +61,7 @@ impl Selector<'_, '_> {
         };
         let believable =
             score.retained >= self.thresholds.retained || self.is_plausible(effect, score);
-        let loaded = effect.name() != "capstan-slip"
+        let loaded = !effect.spec().under_load
             || effect.joint().is_some_and(|joint| {
                 score
                     .times
@@ -89,39 +89,25 @@ impl Selector<'_, '_> {
     }
 
     fn is_plausible(&self, effect: &dyn Effect, score: &Score) -> bool {
-        values_are_plausible(
-            effect,
-            &effect.values(
-                &self.engine.context,
-                &score.amplitudes[..effect.amplitude_count()],
-                score.shape,
-            ),
-        )
+        let amplitudes = &score.amplitudes[..effect.spec().amplitudes];
+        effect.is_plausible(&effect.values(&self.engine.context, amplitudes, score.shape))
     }
 
     /// Evidence of a score in nats: half the explained square, less what its freedom costs.
     pub(crate) fn criterion(&self, score: &Score) -> f64 {
         let effect = self.effects[score.effect].as_ref();
         let readings = self.engine.system.blocks.count().max(2) as f64;
-        let shapes = if effect.is_event() {
+        let shapes = if effect.spec().shape == Shape::Event {
             let instants = readings / self.engine.context.streams.len().max(1) as f64;
             instants.max(1.0).ln() * score.times.len() as f64
         } else {
             (effect.shapes(&self.engine.context).len().max(1) as f64).ln()
         };
         let mut criterion = 0.5 * score.score - 0.5 * score.rank as f64 * readings.ln() - shapes
-            + effect.log_prior();
+            + effect.spec().log_prior;
         if !self.is_plausible(effect, score) {
             criterion -= self.thresholds.implausible_nats;
         }
         criterion
     }
-}
-
-pub(crate) fn values_are_plausible(effect: &dyn Effect, values: &[f64]) -> bool {
-    effect
-        .parameters()
-        .iter()
-        .zip(values)
-        .all(|(spec, value)| value.abs() <= spec.plausible[1] && value.abs() >= spec.plausible[0])
 }

@@ -1,10 +1,11 @@
 //! Joints that yield together: a weight loads every joint between it and the base, so where one yields the
 //! others do by the same law, each with a stiffness of its own.
 
+use haptical_effects::{Family, Hook};
+
 use super::{Grown, Selector, excess};
 use crate::DiagnosisError;
 use crate::scan::Score;
-use haptical_effects::{Family, Hook};
 
 impl Selector<'_, '_> {
     /// Takes up further joints that yield, all refitted together, where one does already,
@@ -50,6 +51,8 @@ impl Selector<'_, '_> {
     /// Whether an effect is a joint that yields behind its encoders.
     fn is_spring(&self, effect: usize) -> bool {
         let effect = self.effects[effect].as_ref();
-        effect.family() == Family::Load && effect.hook() == Hook::Joint && effect.joint().is_some()
+        effect.spec().family == Family::Load
+            && effect.spec().hook == Hook::Joint
+            && effect.joint().is_some()
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use haptical_calibration::{HeldOut, split};
+use haptical_effects::Stream;
 use haptical_model::Recording;
 
 use super::Shrink;
@@ -10,7 +11,6 @@ use super::reduction::collect;
 use crate::DiagnosisError;
 use crate::engine::Engine;
 use crate::select::{Selection, Selector};
-use haptical_effects::Stream;
 
 /// Share of the rows that is held back without a second recording.
 const HELD_BACK: f64 = 0.2;

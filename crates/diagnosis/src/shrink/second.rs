@@ -1,6 +1,7 @@
 //! A second recording predicted with the models of the first.
 
 use haptical_calibration::{Channel, channels};
+use haptical_effects::Effect;
 use haptical_model::Recording;
 
 use super::Shrink;
@@ -14,7 +15,6 @@ use crate::engine::{Engine, Prepared};
 use crate::events::{event_score, with_more_steps};
 use crate::model::Cause;
 use crate::select::{Selection, Selector};
-use haptical_effects::Effect;
 
 /// Predicts a second recording with the models of the first. Events belong to one recording: their
 /// instants and sizes are looked for in the second one.

@@ -12,6 +12,7 @@ use crate::signal::{LocalMotion, local_motion};
 /// The first cable at every row.
 #[derive(Debug, Clone)]
 pub struct CableGeometry {
+    /// Its stream.
     pub stream: usize,
     /// Distance by the model \[m\].
     pub length_m: Vec<f64>,
@@ -19,7 +20,17 @@ pub struct CableGeometry {
     pub direction: Vec<Vector3<f64>>,
     /// Where the cable leaves its guide straight.
     pub exit_axis: Vector3<f64>,
+    /// How its length changes in time.
     pub motion: LocalMotion,
+}
+
+impl CableGeometry {
+    /// Angle between the cable and the axis along which it leaves its guide straight.
+    pub(crate) fn exit_angle_rad(&self, row: usize) -> f64 {
+        let cosine = self.direction[row].dot(&self.exit_axis).clamp(-1.0, 1.0);
+        let sine = self.direction[row].cross(&self.exit_axis).norm();
+        sine.atan2(cosine)
+    }
 }
 
 /// Exit of a cable, frame (-1) \[m\].

@@ -6,17 +6,17 @@ use haptical_model::{Device, DeviceChain};
 
 /// Frames of a device along a recording.
 #[derive(Debug, Default)]
-pub struct Frames {
+pub(super) struct Frames {
     /// Origin of the frame that each joint turns in, per joint and row.
-    pub origin: Vec<Vec<Vector3<f64>>>,
+    pub(super) origin: Vec<Vec<Vector3<f64>>>,
     /// Where row 0 ends: the robot's base.
-    pub base: Vec<Vector3<f64>>,
+    pub(super) base: Vec<Vector3<f64>>,
 }
 
 impl Frames {
     /// Frames at given output angles; nothing for a device without links, nor for one with rows that
     /// follow another's joint: a joint then moves what is behind it about several axes.
-    pub fn new(device: &Device, output: &[Vec<f64>], rows: usize) -> Self {
+    pub(super) fn new(device: &Device, output: &[Vec<f64>], rows: usize) -> Self {
         let mut frames = Self::default();
         if !device.has_links() || !device.drives_are_plain() {
             return frames;

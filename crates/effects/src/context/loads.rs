@@ -6,16 +6,16 @@ use haptical_model::{Device, Recording, Statics};
 use crate::ContextError;
 
 /// Loads at rest, by the model's statics.
-pub struct Loads {
+pub(super) struct Loads {
     /// Per joint and row.
-    pub torque_nm: Vec<Vec<f64>>,
+    pub(super) torque_nm: Vec<Vec<f64>>,
     /// Per row, frame (-1).
-    pub base_moment_nm: Vec<Vector3<f64>>,
+    pub(super) base_moment_nm: Vec<Vector3<f64>>,
 }
 
 /// Torques of the drives and moment about the base that hold masses and hand; none where neither masses
 /// with gravity nor forces are known.
-pub fn loads(
+pub(super) fn loads(
     device: &Device,
     recording: &Recording,
     output: &[Vec<f64>],

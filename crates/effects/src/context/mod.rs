@@ -32,11 +32,15 @@ pub use self::touches::Touches;
 /// Everything effects are computed from.
 #[derive(Debug)]
 pub struct Context<'a> {
+    /// The base model.
     pub device: &'a Device,
+    /// What was recorded.
     pub recording: &'a Recording,
+    /// Rows of each run.
     pub runs: Vec<Range<usize>>,
     /// Successive rows are successive instants of a motion.
     pub ordered: bool,
+    /// What was measured.
     pub streams: Vec<Stream>,
     /// Output angles by the base model, per joint.
     pub output: Vec<Vec<f64>>,
@@ -44,18 +48,21 @@ pub struct Context<'a> {
     pub motion: Option<Vec<LocalMotion>>,
     /// Pose derivative per joint and row; empty without links.
     pub twist: Vec<Vec<Twist>>,
+    /// Position of the handle, frame (-1) \[m\].
     pub position: Vec<Vector3<f64>>,
     /// Orientation of the handle.
     pub rotation: Vec<Matrix3<f64>>,
     /// What a tracker sees of the handle, where it stands or is fixed anywhere: per row, or none.
     tracked: Vec<Tracked>,
     /// Origin of the frame that each joint turns (or slides) in, frame (-1); per joint and row.
-    pub origin: Vec<Vec<Vector3<f64>>>,
+    pub(crate) origin: Vec<Vec<Vector3<f64>>>,
     /// The robot's base, frame (-1), per row.
     base_origin_m: Vec<Vector3<f64>>,
     /// Moment of hand and gravity about the robot's base, where either is known; frame (-1).
     pub base_moment_nm: Option<Vec<Vector3<f64>>>,
+    /// The first cable, where it was recorded.
     pub cable: Option<CableGeometry>,
+    /// Torques per joint, recorded and smoothed, or those that masses and hand need \[N m\].
     pub torque_nm: Vec<Option<Vec<f64>>>,
     /// Force of the hand on the handle, frame (-1).
     pub force_n: Option<Vec<Vector3<f64>>>,
@@ -69,6 +76,9 @@ const TEMPERATURE_REACH: usize = 50;
 
 impl<'a> Context<'a> {
     /// Evaluates the base device at every row.
+    ///
+    /// # Errors
+    /// [`ContextError`] for a row at which the device has no value.
     pub fn new(
         device: &'a Device,
         recording: &'a Recording,
@@ -174,6 +184,7 @@ impl<'a> Context<'a> {
         })
     }
 
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.recording.len()
     }
@@ -199,6 +210,13 @@ impl<'a> Context<'a> {
     pub fn way_from_base(&self, row: usize) -> Vector3<f64> {
         let base = self.base_origin_m.get(row).copied();
         self.position[row] - base.unwrap_or_else(Vector3::zeros)
+    }
+
+    /// Mean distance of the first cable; 1 m without one.
+    pub(crate) fn mean_length_m(&self) -> f64 {
+        self.cable.as_ref().map_or(1.0, |cable| {
+            cable.length_m.iter().sum::<f64>() / cable.length_m.len().max(1) as f64
+        })
     }
 
     /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint.

@@ -6,9 +6,11 @@ use haptical_model::Device;
 /// One measured quantity, an axis of a channel.
 #[derive(Debug, Clone)]
 pub struct Stream {
+    /// Channel.
     pub channel: Channel,
     /// Axis of a position or orientation.
     pub axis: usize,
+    /// Unit of its readings.
     pub unit: &'static str,
 }
 
@@ -22,6 +24,7 @@ impl Stream {
         }
     }
 
+    /// Joint of an external encoder, from 0.
     pub fn joint(&self) -> Option<usize> {
         match self.channel {
             Channel::Output { joint } => Some(joint),

@@ -23,7 +23,7 @@ const SPOILT: [Spoilt; 8] = [
         |log| log.time_s = None,
         "t_s",
         |effect| {
-            let parameters = effect.parameters().iter();
+            let parameters = effect.spec().parameters.iter();
             let in_time =
                 |name: &str| ["time_s", "delay_s"].contains(&name) || name.ends_with("_per_s");
             parameters.clone().any(|spec| in_time(spec.name))
@@ -33,13 +33,13 @@ const SPOILT: [Spoilt; 8] = [
         "without temperature",
         |log| log.temperature_degc = None,
         "temp_degc",
-        |effect| effect.parameters()[0].name.ends_with("_per_degc"),
+        |effect| effect.spec().parameters[0].name.ends_with("_per_degc"),
     ),
     (
         "at constant temperature",
         |log| log.temperature_degc = Some(vec![22.3; log.len()]),
         "temp_degc is constant",
-        |effect| effect.parameters()[0].name.ends_with("_per_degc"),
+        |effect| effect.spec().parameters[0].name.ends_with("_per_degc"),
     ),
     (
         "under constant torques",
@@ -166,7 +166,7 @@ fn assert_refused_or_felt(how: &str, context: &Context<'_>) {
             continue;
         }
         let (amplitudes, shape) = amplitudes(effect.as_ref(), context);
-        let felt = size(&effect.contribution(context, &amplitudes, shape));
+        let felt = size(&effect.signal(context, &amplitudes, shape));
         assert!(
             felt > NOTHING,
             "{how}: {} is tested and adds {felt:e}",

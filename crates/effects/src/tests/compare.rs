@@ -17,7 +17,9 @@ pub(super) fn with_effect(
 ) -> Box<AnyEffect> {
     let mut effects = catalogue(device);
     let found = effects.iter().position(|effect| {
-        effect.name() == name && effect.joint() == joint && effect.parameters()[0].name == parameter
+        effect.name() == name
+            && effect.joint() == joint
+            && effect.spec().parameters[0].name == parameter
     });
     effects.swap_remove(found.unwrap_or_else(|| panic!("{name} {joint:?} {parameter}")))
 }
@@ -31,13 +33,13 @@ pub(super) fn added(
 ) -> Signal {
     let effect = with_effect(context.device, name, joint, given[0].0);
     let mut values = values(effect.as_ref(), context, 1.0);
-    for (value, spec) in values.iter_mut().zip(effect.parameters()) {
+    for (value, spec) in values.iter_mut().zip(effect.spec().parameters) {
         if let Some((_, given)) = given.iter().find(|(name, _)| *name == spec.name) {
             *value = *given;
         }
     }
     let (amplitudes, shape) = effect.amplitudes(context, &values);
-    effect.contribution(context, &amplitudes, shape)
+    effect.signal(context, &amplitudes, shape)
 }
 
 pub(super) fn on<'s>(signal: &'s Signal, context: &Context<'_>, stream: &str) -> &'s [f64] {

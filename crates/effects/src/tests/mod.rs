@@ -1,4 +1,4 @@
-//! What every effect of the registry has to fulfil, at every place of two devices.
+//! What every effect has to fulfil, at every place of two devices.
 
 mod absent;
 mod compare;
@@ -11,21 +11,54 @@ mod tracker;
 
 use haptical_calibration::Channel;
 
-use self::rig::{AnyEffect, amplitudes, rigs, typical, values};
-use crate::context::Context;
-use crate::signal::Signal;
-use crate::{Hook, catalogue};
+use self::rig::{AnyEffect, amplitudes, rigs, values};
+use crate::{Context, Hook, Role, Shape, Signal, Spec, Unit, catalogue};
 
-/// Calls a check with every effect that a recording can test.
-fn for_every_effect(check: impl Fn(&AnyEffect, &Context<'_>)) {
+/// Tests an effect: `conforms!(SPEC)` in its file.
+macro_rules! conforms {
+    ($spec:expr) => {
+        #[test]
+        fn conforms() {
+            crate::tests::check(&$spec);
+        }
+    };
+}
+pub(crate) use conforms;
+
+/// Checks an effect at every place where a recording can test it.
+pub(crate) fn check(spec: &Spec) {
+    assert_units_agree(spec);
+    let mut places = 0;
     for rig in rigs() {
         let context = rig.context();
         for effect in &catalogue(&rig.device) {
-            if effect.untestable(&context).is_none() {
-                check(effect.as_ref(), &context);
+            if effect.spec() == spec && effect.untestable(&context).is_none() {
+                let effect = effect.as_ref();
+                places += 1;
+                assert_is_felt(effect, &context);
+                assert_adds_nothing_at_zero_size(effect, &context);
+                assert_parameters_survive_the_way_through_amplitudes(effect, &context);
+                assert_typical_sizes_are_plausible(effect, &context);
+                assert_derivative_agrees_with_differences(effect, &context);
+                assert_changes_smoothly_with_its_shape(effect, &context);
+                assert_reaches_its_hook_alone(effect, &context);
             }
         }
     }
+    assert!(places > 0, "{} is tested nowhere", spec.name);
+}
+
+/// Names of parameters end with their unit.
+fn assert_units_agree(spec: &Spec) {
+    for parameter in spec.parameters {
+        let (_, unit) = Unit::split(parameter.name);
+        assert_eq!(unit, parameter.unit, "{} {}", spec.name, parameter.name);
+    }
+}
+
+#[test]
+fn units_agree_with_names_throughout() {
+    crate::specs().for_each(assert_units_agree);
 }
 
 /// Largest magnitude of a signal.
@@ -56,7 +89,7 @@ const NOTHING: f64 = 1e-8;
 
 fn assert_is_felt(effect: &AnyEffect, context: &Context<'_>) {
     let (amplitudes, shape) = amplitudes(effect, context);
-    let felt = size(&effect.contribution(context, &amplitudes, shape));
+    let felt = size(&effect.signal(context, &amplitudes, shape));
     assert!(
         felt > NOTHING,
         "{}: {} adds {felt:e}",
@@ -64,11 +97,11 @@ fn assert_is_felt(effect: &AnyEffect, context: &Context<'_>) {
         effect.label()
     );
     for shape in effect.shapes(context) {
-        let zero = vec![0.0; effect.amplitude_count()];
+        let zero = vec![0.0; effect.spec().amplitudes];
         let columns = effect.derivative(context, &zero, shape);
         assert_eq!(
             columns.len(),
-            effect.amplitude_count(),
+            effect.spec().amplitudes,
             "{}",
             effect.label()
         );
@@ -86,121 +119,92 @@ fn assert_is_felt(effect: &AnyEffect, context: &Context<'_>) {
     }
 }
 
-#[test]
-fn every_effect_is_felt() {
-    for_every_effect(|effect, context| {
-        if !follows_a_slide(effect, context) {
-            assert_is_felt(effect, context);
-        }
-    });
-}
-
-#[test]
-fn a_wobble_behind_a_slide_is_felt() {
-    for_every_effect(|effect, context| {
-        if follows_a_slide(effect, context) {
-            assert_is_felt(effect, context);
-        }
-    });
-}
-
-#[test]
-fn nothing_is_added_at_zero_size() {
-    for_every_effect(|effect, context| {
-        let zero = vec![0.0; effect.amplitude_count()];
-        for shape in effect.shapes(context) {
-            let added = size(&effect.contribution(context, &zero, shape));
-            assert_eq!(added, 0.0, "{} at shape {shape}", effect.label());
-        }
-    });
+fn assert_adds_nothing_at_zero_size(effect: &AnyEffect, context: &Context<'_>) {
+    let zero = vec![0.0; effect.spec().amplitudes];
+    for shape in effect.shapes(context) {
+        let added = size(&effect.signal(context, &zero, shape));
+        assert_eq!(added, 0.0, "{} at shape {shape}", effect.label());
+    }
 }
 
 /// Rounding of a few operations.
 const ROUNDING: f64 = 1e-12;
 
-#[test]
-fn parameters_survive_the_way_through_amplitudes() {
-    for_every_effect(|effect, context| {
-        let label = effect.label();
-        for factor in [0.3, 1.0, 3.0] {
-            for phase_rad in [-2.5, 0.0, 0.7, 3.0] {
-                for shape in effect.shapes(context).into_iter().chain([0.07]) {
-                    let mut given = values(effect, context, factor);
-                    for (value, spec) in given.iter_mut().zip(effect.parameters()) {
-                        match spec.name {
-                            "phase_rad" => *value = phase_rad,
-                            "transition_rad" | "order" | "from_joint" => *value = shape,
-                            _ => {}
-                        }
+fn assert_parameters_survive_the_way_through_amplitudes(effect: &AnyEffect, context: &Context<'_>) {
+    let (label, spec) = (effect.label(), effect.spec());
+    for factor in [0.3, 1.0, 3.0] {
+        for phase_rad in [-2.5, 0.0, 0.7, 3.0] {
+            for shape in effect.shapes(context).into_iter().chain([0.07]) {
+                let mut given = values(effect, context, factor);
+                for (value, parameter) in given.iter_mut().zip(spec.parameters) {
+                    match parameter.role {
+                        Role::Phase => *value = phase_rad,
+                        Role::Transition | Role::Number => *value = shape,
+                        _ => {}
                     }
-                    let (amplitudes, shape) = effect.amplitudes(context, &given);
-                    assert_eq!(amplitudes.len(), effect.amplitude_count(), "{label}");
-                    assert!(effect.is_possible(&amplitudes), "{label}: {given:?}");
-                    let found = effect.values(context, &amplitudes, shape);
-                    assert_eq!(found.len(), effect.parameters().len(), "{label}");
-                    for (given, found) in given.iter().zip(&found) {
-                        let error = (given - found).abs();
-                        assert!(
-                            error <= ROUNDING * given.abs().max(1.0),
-                            "{label}: {given} {found}"
-                        );
-                    }
+                }
+                let (amplitudes, shape) = effect.amplitudes(context, &given);
+                assert_eq!(amplitudes.len(), spec.amplitudes, "{label}");
+                assert!(effect.is_possible(&amplitudes), "{label}: {given:?}");
+                let found = effect.values(context, &amplitudes, shape);
+                assert_eq!(found.len(), spec.parameters.len(), "{label}");
+                for (given, found) in given.iter().zip(&found) {
+                    let error = (given - found).abs();
+                    assert!(
+                        error <= ROUNDING * given.abs().max(1.0),
+                        "{label}: {given} {found}"
+                    );
                 }
             }
         }
-    });
+    }
 }
 
-#[test]
-fn typical_sizes_are_plausible_and_ten_thousand_times_them_are_not() {
-    for_every_effect(|effect, context| {
-        for (spec, value) in effect.parameters().iter().zip(values(effect, context, 1.0)) {
-            let [low, high] = spec.plausible;
-            let label = format!("{} {}: {value}", effect.label(), spec.name);
-            assert!((low..=high).contains(&value.abs()), "{label}");
-            let is_size =
-                typical(spec.name).is_some() && !["phase_rad", "time_s"].contains(&spec.name);
-            let stiff = spec.name.starts_with("stiffness");
-            let absurd = if stiff { value / 1e4 } else { value * 1e4 };
-            assert!(!is_size || !(low..=high).contains(&absurd), "{label}");
-        }
-    });
+fn assert_typical_sizes_are_plausible(effect: &AnyEffect, context: &Context<'_>) {
+    let parameters = effect.spec().parameters.iter();
+    for (parameter, value) in parameters.zip(values(effect, context, 1.0)) {
+        let label = format!("{} {}: {value}", effect.label(), parameter.name);
+        assert!(parameter.is_plausible(value, 1.0), "{label}");
+        let absurd = match parameter.role {
+            Role::Size | Role::Transition => value * 1e4,
+            Role::Inverse => value / 1e4,
+            Role::Phase | Role::Instant | Role::Number => continue,
+        };
+        assert!(!parameter.is_plausible(absurd, 1.0), "{label}");
+    }
 }
 
 /// Central differences of smooth contributions, steps of 1e-4 of the amplitude: third derivatives and
 /// rounding stay below.
 const DIFFERENCES: f64 = 1e-6;
 
-#[test]
-fn derivatives_agree_with_finite_differences() {
-    for_every_effect(|effect, context| {
-        let (amplitudes, first) = amplitudes(effect, context);
-        let shapes = if effect.is_event() {
-            vec![first]
-        } else {
-            effect.shapes(context)
-        };
-        for shape in shapes {
-            if effect.name() == "encoder-latency" {
-                assert_linear_in_the_limit(effect, context, &amplitudes);
-                continue;
-            }
-            let columns = effect.derivative(context, &amplitudes, shape);
-            for (index, column) in columns.iter().enumerate() {
-                let difference = finite_difference(effect, context, &amplitudes, shape, index);
-                let (label, scale) = (effect.label(), size(column));
-                let error = distance(column, &difference);
-                if effect.name() == "backlash" {
-                    assert_differs_at_reversals_alone(&label, column, &difference);
-                } else {
-                    assert!(
-                        error <= DIFFERENCES * scale,
-                        "{label} {index}: {error:e} of {scale:e}"
-                    );
-                }
+fn assert_derivative_agrees_with_differences(effect: &AnyEffect, context: &Context<'_>) {
+    let (amplitudes, first) = amplitudes(effect, context);
+    let shapes = if effect.spec().shape == Shape::Event {
+        vec![first]
+    } else {
+        effect.shapes(context)
+    };
+    if effect.spec().hook == Hook::Timing {
+        assert_linear_in_the_limit(effect, context, &amplitudes);
+        return;
+    }
+    for shape in shapes {
+        let columns = effect.derivative(context, &amplitudes, shape);
+        for (index, column) in columns.iter().enumerate() {
+            let difference = finite_difference(effect, context, &amplitudes, shape, index);
+            let (label, scale) = (effect.label(), size(column));
+            let error = distance(column, &difference);
+            if effect.spec().shape == Shape::Sides {
+                assert_differs_at_reversals_alone(&label, column, &difference);
+            } else {
+                assert!(
+                    error <= DIFFERENCES * scale,
+                    "{label} {index}: {error:e} of {scale:e}"
+                );
             }
         }
-    });
+    }
 }
 
 fn finite_difference(
@@ -214,7 +218,7 @@ fn finite_difference(
     let moved = |change: f64| {
         let mut moved = amplitudes.to_vec();
         moved[index] += change;
-        effect.contribution(context, &moved, shape)
+        effect.signal(context, &moved, shape)
     };
     let mut difference = Signal::default();
     difference.add(&moved(step), 0.5 / step);
@@ -268,34 +272,31 @@ fn assert_differs_at_reversals_alone(label: &str, column: &Signal, difference: &
     }
 }
 
-#[test]
-fn contributions_change_smoothly_with_continuous_shapes() {
-    for_every_effect(|effect, context| {
-        if !effect.shape_is_continuous() {
-            return;
-        }
-        let (amplitudes, _) = amplitudes(effect, context);
-        let grid = effect.shapes(context);
-        for pair in grid.windows(2) {
-            let middle = (pair[0] * pair[1]).sqrt();
-            let at = |factor: f64| effect.contribution(context, &amplitudes, middle * factor);
-            let (here, near, far) = (at(1.0), at(1.001), at(1.002));
-            let (step, double) = (distance(&near, &here), distance(&far, &here));
-            let label = format!("{} at {middle}", effect.label());
-            assert!(step > 0.0, "{label}: the shape does nothing");
-            // twice the step, twice the change; a state is never steeper than once per logarithm of its
-            // transition
-            assert!(
-                (double / step - 2.0).abs() < 0.02,
-                "{label}: {step:e} {double:e}"
-            );
-            assert!(
-                step < 0.002 * size(&here),
-                "{label}: {step:e} of {:e}",
-                size(&here)
-            );
-        }
-    });
+fn assert_changes_smoothly_with_its_shape(effect: &AnyEffect, context: &Context<'_>) {
+    if !effect.spec().shape.is_continuous() {
+        return;
+    }
+    let (amplitudes, _) = amplitudes(effect, context);
+    let grid = effect.shapes(context);
+    for pair in grid.windows(2) {
+        let middle = (pair[0] * pair[1]).sqrt();
+        let near = |factor: f64| effect.signal(context, &amplitudes, middle * factor);
+        let (here, near, far) = (near(1.0), near(1.001), near(1.002));
+        let (step, double) = (distance(&near, &here), distance(&far, &here));
+        let label = format!("{} at {middle}", effect.label());
+        assert!(step > 0.0, "{label}: the shape does nothing");
+        // twice the step, twice the change; a state is never steeper than once per logarithm of its
+        // transition
+        assert!(
+            (double / step - 2.0).abs() < 0.02,
+            "{label}: {step:e} {double:e}"
+        );
+        assert!(
+            step < 0.002 * size(&here),
+            "{label}: {step:e} of {:e}",
+            size(&here)
+        );
+    }
 }
 
 /// Whether a hook reaches a stream, by the definition of [`Hook`].
@@ -308,31 +309,29 @@ fn reaches(hook: Hook, joint: Option<usize>, channel: Channel) -> bool {
         Hook::Joint | Hook::Structure => chain,
         Hook::CableSensor => channel == Channel::Cable { index: 0 },
         Hook::Timing => true,
+        Hook::Torque | Hook::ForceSensor | Hook::Readings | Hook::BaseModel => false,
     }
 }
 
-#[test]
-fn effects_reach_the_streams_of_their_hook_and_no_others() {
-    for_every_effect(|effect, context| {
-        let label = effect.label();
-        let (amplitudes, shape) = amplitudes(effect, context);
-        let signal = effect.contribution(context, &amplitudes, shape);
-        for (index, stream) in context.streams.iter().enumerate() {
-            let felt = signal
-                .on(index)
-                .is_some_and(|values| values.iter().any(|v| *v != 0.0));
-            let reached = reaches(effect.hook(), effect.joint(), stream.channel);
-            assert!(reached || !felt, "{label} leaks into {}", stream.name());
-            // the first cable and a joint's own encoder feel whatever reaches them
-            let plain = stream.channel == Channel::Cable { index: 0 } || stream.joint().is_some();
-            let must = reached && plain && !follows_a_slide(effect, context);
-            assert!(felt || !must, "{label} does not reach {}", stream.name());
-        }
-        for (stream, values) in &signal.parts {
-            assert!(*stream < context.streams.len(), "{label}");
-            assert_eq!(values.len(), context.rows(), "{label}");
-        }
-    });
+fn assert_reaches_its_hook_alone(effect: &AnyEffect, context: &Context<'_>) {
+    let label = effect.label();
+    let (amplitudes, shape) = amplitudes(effect, context);
+    let signal = effect.signal(context, &amplitudes, shape);
+    for (index, stream) in context.streams.iter().enumerate() {
+        let felt = signal
+            .on(index)
+            .is_some_and(|values| values.iter().any(|v| *v != 0.0));
+        let reached = reaches(effect.spec().hook, effect.joint(), stream.channel);
+        assert!(reached || !felt, "{label} leaks into {}", stream.name());
+        // the first cable and a joint's own encoder feel whatever reaches them
+        let plain = stream.channel == Channel::Cable { index: 0 } || stream.joint().is_some();
+        let must = reached && plain && !follows_a_slide(effect, context);
+        assert!(felt || !must, "{label} does not reach {}", stream.name());
+    }
+    for (stream, values) in &signal.parts {
+        assert!(*stream < context.streams.len(), "{label}");
+        assert_eq!(values.len(), context.rows(), "{label}");
+    }
 }
 
 #[test]
@@ -343,7 +342,8 @@ fn a_name_stands_once_at_a_place_and_parameter() {
         let mut seen: Vec<String> = effects
             .iter()
             .map(|effect| {
-                let parameters: Vec<&str> = effect.parameters().iter().map(|p| p.name).collect();
+                let parameters: Vec<&str> =
+                    effect.spec().parameters.iter().map(|p| p.name).collect();
                 let from = if effect.name() == "cross-coupling" {
                     effect.shapes(&context)
                 } else {
@@ -352,7 +352,7 @@ fn a_name_stands_once_at_a_place_and_parameter() {
                 format!(
                     "{} {:?} {parameters:?} {from:?}",
                     effect.label(),
-                    effect.hook()
+                    effect.spec().hook
                 )
             })
             .collect();

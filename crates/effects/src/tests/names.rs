@@ -84,7 +84,12 @@ fn every_effect_at_a_place_has_a_name_and_the_parameters_of_the_contract() {
         for effect in catalogue(&rig.device) {
             let entry = CONTRACT.iter().find(|(name, _)| *name == effect.name());
             let (_, parameters) = entry.unwrap_or_else(|| panic!("{}", effect.name()));
-            let have: Vec<&str> = effect.parameters().iter().map(|spec| spec.name).collect();
+            let have: Vec<&str> = effect
+                .spec()
+                .parameters
+                .iter()
+                .map(|spec| spec.name)
+                .collect();
             // a finer one may be added behind
             assert!(have.starts_with(parameters), "{}: {have:?}", effect.label());
             assert!(!have.is_empty(), "{}", effect.label());
@@ -114,7 +119,9 @@ fn a_drift_in_time_and_one_with_temperature_have_parameters_of_their_own() {
     let drifts = effects
         .iter()
         .filter(|effect| effect.name() == "joint-drift" && effect.joint() == Some(0));
-    let mut parameters: Vec<&str> = drifts.map(|effect| effect.parameters()[0].name).collect();
+    let mut parameters: Vec<&str> = drifts
+        .map(|effect| effect.spec().parameters[0].name)
+        .collect();
     parameters.sort_unstable();
     assert_eq!(parameters, ["rad_per_degc", "rad_per_s"]);
 }

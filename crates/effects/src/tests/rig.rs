@@ -7,7 +7,7 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use haptical_model::{Device, Evaluation, Recording};
 
 use crate::Effect;
-use crate::context::{Context, streams};
+use crate::{Context, streams};
 
 /// An effect of the registry.
 pub(super) type AnyEffect = dyn Effect + 'static;
@@ -302,7 +302,8 @@ pub(super) fn typical(parameter: &str) -> Option<f64> {
 pub(super) fn values(effect: &AnyEffect, context: &Context<'_>, factor: f64) -> Vec<f64> {
     let shape = effect.shapes(context).first().copied().unwrap_or(0.0);
     effect
-        .parameters()
+        .spec()
+        .parameters
         .iter()
         .map(|spec| match (typical(spec.name), spec.name) {
             (Some(value), "phase_rad" | "time_s") => value,

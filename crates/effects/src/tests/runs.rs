@@ -19,7 +19,7 @@ fn contribution(
     amplitudes: &[f64],
     shape: f64,
 ) -> Signal {
-    effect.contribution(context, amplitudes, shape)
+    effect.signal(context, amplitudes, shape)
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn the_order_of_the_runs_changes_nothing_within_them() {
             let (amplitudes, shape) = amplitudes(effect.as_ref(), &here);
             let one = contribution(effect.as_ref(), &here, &amplitudes, shape);
             // the shape of an event is a row, and the rows have moved
-            let there_shape = if effect.is_event() {
+            let there_shape = if effect.spec().shape == crate::Shape::Event {
                 ((shape as usize + RUN) % (2 * RUN)) as f64
             } else {
                 shape
@@ -101,7 +101,10 @@ fn a_step_ends_with_its_run() {
     } in rigs()
     {
         let context = context(&device, &recording);
-        for effect in catalogue(&device).iter().filter(|effect| effect.is_event()) {
+        for effect in catalogue(&device)
+            .iter()
+            .filter(|effect| effect.spec().shape == crate::Shape::Event)
+        {
             if effect.untestable(&context).is_some() {
                 continue;
             }
@@ -119,7 +122,7 @@ fn a_step_ends_with_its_run() {
 
 /// First and last row that a step at a row changes in its last stream.
 fn span(effect: &AnyEffect, context: &Context<'_>, row: usize) -> Option<[usize; 2]> {
-    let signal = effect.contribution(context, &[1.0], row as f64);
+    let signal = effect.signal(context, &[1.0], row as f64);
     let (_, values) = signal.parts.last()?;
     let first = values.iter().position(|value| *value != 0.0)?;
     let last = values.iter().rposition(|value| *value != 0.0)?;
@@ -138,7 +141,10 @@ fn a_step_is_found_again_where_every_run_starts_at_zero() {
         recording.time_s = Some(restarted);
         let context = context(&device, &recording);
         assert_eq!(context.runs, [0..RUN, RUN..2 * RUN]);
-        for effect in catalogue(&device).iter().filter(|effect| effect.is_event()) {
+        for effect in catalogue(&device)
+            .iter()
+            .filter(|effect| effect.spec().shape == crate::Shape::Event)
+        {
             if effect.untestable(&context).is_some() {
                 continue;
             }

@@ -6,8 +6,8 @@ use haptical_model::kinematics::nalgebra::{
 use haptical_model::{Device, Evaluation, Origin, Placement};
 
 use super::rig::{Rig, context, three_joints};
-use crate::context::{Context, Stream};
 use crate::signal::Signal;
+use crate::{Context, Stream};
 
 /// Places far from the chain's own frames, turned about all axes.
 const BASE: Origin = Origin {

@@ -1,7 +1,7 @@
 //! What cannot be tested is said, with its reason; what can be, still is.
 
 use super::arm::{Scene, arm, examined, examined_as};
-use crate::force::NAMES;
+use crate::force::names;
 
 const ROWS: usize = 2500;
 
@@ -42,7 +42,7 @@ fn without_what_all_need_nothing_is_tested() {
     for (device, recording, why) in [no_torque, no_time, no_gravity, no_links, short] {
         let answer = examined_as(&device, &recording);
         assert!(!answer.significant && answer.findings.is_empty());
-        for name in NAMES {
+        for name in names() {
             let given = reason(&answer, name).unwrap();
             assert!(given.contains(why), "{name}: {given}, not {why}");
         }

@@ -1,12 +1,12 @@
 //! A small arm of point masses, its torques by virtual work: another route than the module's.
 
+use haptical_effects::Context;
 use haptical_model::kinematics::{Chain, Convention, Link};
 use haptical_model::{Device, JointType, Recording};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::force::answer::ForceAnswer;
 use crate::{Diagnosis, Options, diagnose};
-use haptical_effects::Context;
 
 /// Time between rows unless said otherwise.
 const STEP_S: f64 = 0.01;

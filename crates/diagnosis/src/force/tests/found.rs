@@ -1,10 +1,11 @@
 //! Each effect is found with its size, clean torques are not, and what is in no list has no name.
 
+use haptical_effects::Context;
+
 use super::arm::{Noise, Scene, arm, diagnosed, examined, examined_as};
 use crate::answer::{Diagnosis, Verdict};
 use crate::force::answer::{ForceAnswer, ForceFinding};
 use crate::force::examine;
-use haptical_effects::Context;
 
 const ROWS: usize = 3000;
 

@@ -1,6 +1,7 @@
 //! Regressor, Jacobian and geometry against virtual work and finite differences; the score against
 //! a projection.
 
+use haptical_effects::Context;
 use haptical_model::Device;
 use haptical_model::kinematics::Parameter;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -14,7 +15,6 @@ use crate::force::normal::Normal;
 use crate::force::posture::{PER_LINK, Posture, Rows};
 use crate::force::recorded::{Besides, Recorded};
 use crate::force::weights::Weights;
-use haptical_effects::Context;
 
 /// Finite differences of second order over steps of 1e-3 s.
 const DIFFERENCES: f64 = 2e-5;

@@ -1,0 +1,76 @@
+//! The cable bends over a round guide where it leaves its encoder.
+
+use crate::context::Context;
+use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+
+/// The measuring cable bends round its guide where it leaves.
+pub const SPEC: Spec = Spec {
+    name: "cable-exit-geometry",
+    meaning: "the measuring cable bends round its guide where it leaves",
+    inspect: "the radius of the guide; enter it, or turn the encoder towards the workspace",
+    adds: "Exit guide",
+    source: "C5, C11",
+    hook: Hook::CableSensor,
+    family: Family::Exit,
+    needs: &[Need::Cable],
+    parameters: &[Parameter::size("radius_m", Unit::Metre, 0.0, 0.05)],
+    follows: Follows::ExitAngle,
+    law_error: LawError::EXIT,
+    ..Spec::COMMON
+};
+
+#[derive(Debug)]
+pub(crate) struct ExitGeometry;
+
+/// Length over a guide of radius r that the cable touches along its exit axis, minus the straight
+/// distance `length_m` at the angle `angle_rad` from that axis: with the guide's centre at r across
+/// the axis, v the handle seen from it, s^2 = v^2 - r^2 and the arc's angle that of v plus
+/// atan(r / s), the length is s + r times that angle (docs/diagnosis.md, "Exit guide").
+fn over_guide(length_m: f64, angle_rad: f64, radius_m: f64) -> f64 {
+    let (sin, cos) = angle_rad.sin_cos();
+    let (along, across) = (length_m * cos, length_m * sin - radius_m);
+    let straight = (length_m * (length_m - 2.0 * radius_m * sin))
+        .max(0.0)
+        .sqrt();
+    let turned = across.atan2(along) + radius_m.atan2(straight);
+    straight + radius_m * turned - length_m
+}
+
+/// Step of the central difference \[m\].
+const STEP_M: f64 = 1e-5;
+
+impl Effect for ExitGeometry {
+    fn spec(&self) -> &'static Spec {
+        &SPEC
+    }
+
+    fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<Signal> {
+        let Some(cable) = &context.cable else {
+            return vec![];
+        };
+        let radius = amplitudes[0];
+        let slope = |row: usize| {
+            let (length, angle) = (cable.length_m[row], cable.exit_angle_rad(row));
+            let wider = over_guide(length, angle, radius + STEP_M);
+            (wider - over_guide(length, angle, radius - STEP_M)) / (2.0 * STEP_M)
+        };
+        vec![context.cable_error((0..context.rows()).map(slope).collect())]
+    }
+
+    fn signal(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Signal {
+        let Some(cable) = &context.cable else {
+            return Signal::default();
+        };
+        let error = |row| {
+            over_guide(
+                cable.length_m[row],
+                cable.exit_angle_rad(row),
+                amplitudes[0],
+            )
+        };
+        context.cable_error((0..context.rows()).map(error).collect())
+    }
+}
+
+#[cfg(test)]
+crate::conforms!(SPEC);

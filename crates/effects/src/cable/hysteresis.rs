@@ -1,0 +1,51 @@
+//! Friction and spring of the cable encoder: a loop in the distance.
+
+use crate::context::Context;
+use crate::signal::{dahl, smooth};
+use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+
+/// The cable encoder reads differently on the way in and out.
+pub const SPEC: Spec = Spec {
+    name: "cable-hysteresis",
+    meaning: "the cable encoder reads differently on the way in and out",
+    inspect: "friction of its spring, drum and guide",
+    adds: "Dahl's loop in L",
+    source: "C7",
+    hook: Hook::CableSensor,
+    family: Family::Loop,
+    needs: &[Need::Motion, Need::Cable],
+    parameters: &[Parameter::size("amplitude_m", Unit::Metre, 0.0, 1e-2)],
+    shape: Shape::Continuous(&[2e-4, 2e-3, 0.01, 0.05, 0.2]),
+    follows: Follows::CableSpeed,
+    law_error: LawError::LOOP,
+    ..Spec::COMMON
+};
+
+#[derive(Debug)]
+pub(crate) struct Hysteresis;
+
+impl Effect for Hysteresis {
+    fn spec(&self) -> &'static Spec {
+        &SPEC
+    }
+
+    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
+        let Some(cable) = &context.cable else {
+            return vec![];
+        };
+        // rounding of the readings must not look like reversals
+        let length = smooth(&cable.length_m, 2, &context.runs);
+        vec![context.cable_error(dahl(&length, shape, &context.runs))]
+    }
+
+    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+        vec![amplitudes[0].abs()]
+    }
+
+    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+        (vec![values[0]], 2e-3)
+    }
+}
+
+#[cfg(test)]
+crate::conforms!(SPEC);

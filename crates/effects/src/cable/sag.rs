@@ -1,0 +1,66 @@
+//! The cable hangs through by its weight w under the tension T: (w cos(elevation) / T)^2 L^3 / 24, the amplitude being
+//! (w / T)^2. Physically negligible (docs/diagnosis.md): a fit that needs it is a warning. A cable of 1e-2 N/m under
+//! 3 N has 1e-5 per m^2; ten times that is no cable.
+
+use nalgebra::Vector3;
+
+use crate::context::Context;
+use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+
+/// The measuring cable hangs through.
+pub const SPEC: Spec = Spec {
+    name: "cable-sag",
+    meaning: "the measuring cable hangs through",
+    inspect: "the spring's force; a real cable of this length sags far less than it shows",
+    adds: "see above",
+    source: "C3",
+    hook: Hook::CableSensor,
+    family: Family::Exit,
+    needs: &[Need::Cable, Need::Gravity],
+    parameters: &[Parameter::size(
+        "weight_n_per_m_over_tension",
+        Unit::PerMetre,
+        0.0,
+        0.05,
+    )],
+    follows: Follows::ExitAngle,
+    is_positive: true,
+    log_prior: -4.0,
+    law_error: LawError::EXIT,
+    ..Spec::COMMON
+};
+
+#[derive(Debug)]
+pub(crate) struct Sag;
+
+impl Effect for Sag {
+    fn spec(&self) -> &'static Spec {
+        &SPEC
+    }
+
+    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
+        let Some(cable) = &context.cable else {
+            return vec![];
+        };
+        let gravity = context.device.gravity_mps2.map(Vector3::from);
+        let down = gravity
+            .and_then(|gravity| gravity.try_normalize(1e-12))
+            .unwrap_or(Vector3::zeros());
+        let sags = (0..context.rows()).map(|row| {
+            let level = 1.0 - cable.direction[row].dot(&down).powi(2);
+            level * cable.length_m[row].powi(3) / 24.0
+        });
+        vec![context.cable_error(sags.collect())]
+    }
+
+    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+        vec![amplitudes[0].max(0.0).sqrt()]
+    }
+
+    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+        (vec![values[0] * values[0]], 0.0)
+    }
+}
+
+#[cfg(test)]
+crate::conforms!(SPEC);

@@ -1,0 +1,45 @@
+//! The reading grows with the square of the angle at which the cable leaves its guide.
+
+use crate::context::Context;
+use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+
+/// The reading changes with the cable's angle to its straight direction.
+pub const SPEC: Spec = Spec {
+    name: "cable-twist",
+    meaning: "the reading changes with the cable's angle to its straight direction",
+    inspect: "the guide and the fastening of the cable",
+    adds: "c phi^2",
+    source: "C4",
+    hook: Hook::CableSensor,
+    family: Family::Exit,
+    needs: &[Need::Cable],
+    parameters: &[Parameter::size(
+        "twist_m_per_rad2",
+        Unit::MetrePerSquareRadian,
+        0.0,
+        0.02,
+    )],
+    follows: Follows::ExitAngle,
+    law_error: LawError::EXIT,
+    ..Spec::COMMON
+};
+
+#[derive(Debug)]
+pub(crate) struct Twist;
+
+impl Effect for Twist {
+    fn spec(&self) -> &'static Spec {
+        &SPEC
+    }
+
+    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
+        let Some(cable) = &context.cable else {
+            return vec![];
+        };
+        let squares = (0..context.rows()).map(|row| cable.exit_angle_rad(row).powi(2));
+        vec![context.cable_error(squares.collect())]
+    }
+}
+
+#[cfg(test)]
+crate::conforms!(SPEC);

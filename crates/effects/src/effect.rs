@@ -1,0 +1,128 @@
+//! An effect at a place: what it adds to the measured streams, and its numbers.
+
+use std::fmt::Debug;
+
+use crate::context::{Context, Stream};
+use crate::{Family, Hook, Shape, Signal, Spec};
+
+/// One effect at one place.
+pub trait Effect: Debug + Send + Sync {
+    /// What is known of it without a recording.
+    fn spec(&self) -> &'static Spec;
+
+    /// Joint, from 0.
+    fn joint(&self) -> Option<usize> {
+        None
+    }
+
+    /// Grid of the one parameter that enters nonlinearly (a transition, an order, a time constant).
+    fn shapes(&self, _context: &Context<'_>) -> Vec<f64> {
+        match self.spec().shape {
+            Shape::Listed(shapes) | Shape::Continuous(shapes) => shapes.to_vec(),
+            Shape::Sides | Shape::Event | Shape::Given => vec![0.0],
+        }
+    }
+
+    /// Derivative of the signal with respect to each amplitude, at `amplitudes` (all zero for the score scan).
+    fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<Signal>;
+
+    /// What it adds to the measured streams; the derivative times the amplitudes where it is linear.
+    fn signal(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Signal {
+        let mut sum = Signal::default();
+        let columns = self.derivative(context, amplitudes, shape);
+        for (column, &amplitude) in columns.iter().zip(amplitudes) {
+            sum.add(column, amplitude);
+        }
+        sum
+    }
+
+    /// The reported parameters; the first amplitude where nothing else is said.
+    fn values(&self, _context: &Context<'_>, amplitudes: &[f64], _shape: f64) -> Vec<f64> {
+        vec![amplitudes[0]]
+    }
+
+    /// Amplitudes and shape that have these values: the inverse of [`Effect::values`].
+    fn amplitudes(&self, _context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+        let mut amplitudes = vec![0.0; self.spec().amplitudes];
+        amplitudes[0] = values[0];
+        (amplitudes, 0.0)
+    }
+
+    /// Whether nature allows these amplitudes.
+    fn is_possible(&self, amplitudes: &[f64]) -> bool {
+        !self.spec().is_positive || amplitudes[0] > 0.0
+    }
+}
+
+impl dyn Effect + '_ {
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        self.spec().name
+    }
+
+    /// `backlash@3`, `cable-latency`.
+    pub fn label(&self) -> String {
+        match self.joint() {
+            Some(joint) => format!("{}@{}", self.name(), joint + 1),
+            None => self.name().to_owned(),
+        }
+    }
+
+    /// Why it cannot be tested on a recording.
+    pub fn untestable(&self, context: &Context<'_>) -> Option<String> {
+        let joint = self.joint().unwrap_or(0);
+        let mut needs = self.spec().needs.iter();
+        needs
+            .find_map(|need| need.missing(joint, context))
+            .or_else(|| self.unseen(context))
+    }
+
+    /// Why no measured stream can show it.
+    fn unseen(&self, context: &Context<'_>) -> Option<String> {
+        let is_transmission = self.spec().hook == Hook::Transmission;
+        let joint = self.joint().filter(|_| is_transmission)?;
+        let is_seen = |stream: &Stream| stream.joint() == Some(joint) || stream.shows_handle();
+        (!context.streams.iter().any(is_seen)).then(|| {
+            let unit = context.device.joints[joint].unit();
+            format!(
+                "no column out{}_{unit}, and no distance, position or orientation, and no touch",
+                joint + 1
+            )
+        })
+    }
+
+    /// Whether it cannot be tested for want of the covariate that drives it alone: what it shows on is recorded.
+    pub fn lacks_covariate(&self, context: &Context<'_>) -> bool {
+        let joint = self.joint().unwrap_or(0);
+        let needs = self.spec().needs.iter();
+        let mut lacking = needs
+            .filter(|need| need.missing(joint, context).is_some())
+            .peekable();
+        lacking.peek().is_some() && lacking.all(|need| need.is_covariate())
+    }
+
+    /// Whether another effect is of the same kind at the same place.
+    pub fn is_kin_of(&self, other: &dyn Effect) -> bool {
+        let (own, theirs) = (self.spec(), other.spec());
+        own.family == theirs.family
+            && self.joint() == other.joint()
+            && (own.hook == theirs.hook || own.family == Family::Drift)
+            && own.family != Family::Coupling
+    }
+
+    /// Relative uncertainty that a covariate's scale adds to the first parameter.
+    pub fn scale_uncertainty(&self, context: &Context<'_>) -> f64 {
+        match self.joint() {
+            Some(joint) if self.spec().scales_with_torque => {
+                context.device.joints[joint].torque_scale_sd
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Whether values are of a size that a sound device can show.
+    pub fn is_plausible(&self, values: &[f64]) -> bool {
+        let mut pairs = self.spec().parameters.iter().zip(values);
+        pairs.all(|(parameter, value)| parameter.is_plausible(*value, 1.0))
+    }
+}

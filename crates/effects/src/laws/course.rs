@@ -1,0 +1,23 @@
+//! Courses of slow changes.
+
+use crate::context::Context;
+
+/// Shapes of a drift: steady, then time constants of one that settles, as shares of the recording.
+pub(crate) const COURSES: [f64; 4] = [0.0, 1.0, 0.3, 0.1];
+
+/// Time since the start of the run \[s\]; of a drift that settles, scaled to the slope of a steady one with the
+/// same end.
+pub(crate) fn course(context: &Context<'_>, shape: f64) -> Vec<f64> {
+    let Some(elapsed_s) = context.elapsed_s() else {
+        return vec![0.0; context.rows()];
+    };
+    let whole = elapsed_s.iter().copied().fold(0.0, f64::max).max(1e-9);
+    if shape == 0.0 {
+        return elapsed_s;
+    }
+    let end = 1.0 - (-1.0 / shape).exp();
+    elapsed_s
+        .into_iter()
+        .map(|time| whole * (1.0 - (-time / (shape * whole)).exp()) / end)
+        .collect()
+}

@@ -1,0 +1,52 @@
+//! A constant step from an instant on; the shape is the first row after it.
+
+use crate::context::Context;
+
+/// 1 from a row to the end of its run.
+pub(crate) fn step(context: &Context<'_>, shape: f64) -> Vec<f64> {
+    let mut error = vec![0.0; context.rows()];
+    let first = shape.max(0.0) as usize;
+    if let Some(run) = context.runs.iter().find(|run| run.contains(&first)) {
+        error[first..run.end].fill(1.0);
+    }
+    error
+}
+
+/// Time of a row \[s\].
+pub(crate) fn instant(context: &Context<'_>, shape: f64) -> f64 {
+    let time_s = context.recording.time_s.as_ref();
+    let time = time_s.and_then(|time_s| time_s.get(shape as usize));
+    time.copied().unwrap_or(shape)
+}
+
+/// First row from a time on.
+pub(crate) fn row_at(context: &Context<'_>, instant_s: f64) -> f64 {
+    let time_s = context.recording.time_s.as_ref();
+    time_s.map_or(instant_s, |time_s| {
+        time_s.partition_point(|&time| time < instant_s) as f64
+    })
+}
+
+/// Share of the torques that the torque at a slip must exceed: a cable slips under load.
+const SLIPS_ABOVE: f64 = 0.9;
+
+/// Whether an event of a joint at a row would have happened under a load that few rows exceed.
+pub fn under_load(context: &Context<'_>, joint: usize, row: f64) -> bool {
+    let (Some(torque), Some(times)) = (
+        context.torque_nm.get(joint).and_then(Option::as_ref),
+        &context.recording.time_s,
+    ) else {
+        return false;
+    };
+    let Some(&time_s) = times.get(row as usize) else {
+        return false;
+    };
+    let near = times
+        .iter()
+        .zip(torque)
+        .filter(|(time, _)| (**time - time_s).abs() < 0.2)
+        .map(|(_, torque)| torque.abs())
+        .fold(0.0, f64::max);
+    let below = torque.iter().filter(|torque| torque.abs() < near).count();
+    below as f64 >= SLIPS_ABOVE * torque.len() as f64
+}

@@ -1,0 +1,49 @@
+//! All motor encoders are sampled late: everything else is ahead of them.
+
+use crate::context::Context;
+use crate::laws::{moved, slope};
+use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+
+/// All motor encoders are sampled later or earlier than the rest.
+pub const SPEC: Spec = Spec {
+    name: "encoder-latency",
+    meaning: "all motor encoders are sampled later or earlier than the rest",
+    inspect: "the time stamps of the motor encoders",
+    adds: "theta(t + d) - theta(t), all joints",
+    hook: Hook::Timing,
+    family: Family::Lag,
+    needs: &[Need::Time, Need::Motion],
+    parameters: &[Parameter::size("delay_s", Unit::Second, 0.0, 0.05)],
+    follows: Follows::Speed,
+    law_error: LawError::LAG,
+    ..Spec::COMMON
+};
+
+#[derive(Debug)]
+pub(crate) struct EncoderLatency;
+
+impl Effect for EncoderLatency {
+    fn spec(&self) -> &'static Spec {
+        &SPEC
+    }
+
+    fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<Signal> {
+        let mut sum = Signal::default();
+        for (joint, motion) in context.motion.iter().flatten().enumerate() {
+            let error = slope(motion, -amplitudes[0]);
+            sum.add(&context.upstream(joint, &error), -1.0);
+        }
+        vec![sum]
+    }
+
+    fn signal(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Signal {
+        let Some(motion) = &context.motion else {
+            return Signal::default();
+        };
+        let errors = motion.iter().map(|motion| moved(motion, -amplitudes[0]));
+        context.upstream_of_all(&errors.collect::<Vec<_>>())
+    }
+}
+
+#[cfg(test)]
+crate::conforms!(SPEC);

@@ -1,0 +1,136 @@
+//! What must have been recorded for an effect to be tested.
+
+use haptical_model::Recording;
+
+use crate::context::{Context, Stream};
+
+/// A column, a number of the device file, or a property of the recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    /// Times.
+    Time,
+    /// Rows that follow a motion, so that reversals can be told.
+    Motion,
+    /// The joint's torque, recorded or by masses and gravity.
+    Torque,
+    /// The hand's force.
+    Force,
+    /// The moment of hand and weights about the base.
+    BaseMoment,
+    /// A temperature.
+    Temperature,
+    /// The joint's external encoder.
+    Output,
+    /// The first cable.
+    Cable,
+    /// Radius of the first cable's drum.
+    DrumRadius,
+    /// A distance, position, orientation or touch.
+    Chain,
+    /// Two runs.
+    Runs,
+    /// The direction of gravity.
+    Gravity,
+    /// Counts of the joint's motor-side encoder.
+    Counts,
+    /// A model identified earlier.
+    EarlierModel,
+}
+
+impl Need {
+    /// In words: `external encoder`.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Motion => "motion",
+            Self::Torque => "torque",
+            Self::Force => "force",
+            Self::BaseMoment => "force or masses with gravity",
+            Self::Temperature => "temperature",
+            Self::Output => "external encoder",
+            Self::Cable => "cable",
+            Self::DrumRadius => "drum radius",
+            Self::Chain => "distance or pose",
+            Self::Runs => "two runs",
+            Self::Gravity => "gravity",
+            Self::Counts => "counts",
+            Self::EarlierModel => "an earlier model",
+        }
+    }
+
+    /// Whether it drives effects, rather than shows them.
+    pub fn is_covariate(self) -> bool {
+        matches!(
+            self,
+            Self::Time | Self::Temperature | Self::Motion | Self::Torque
+        )
+    }
+
+    /// Why a recording lacks it at a joint (from 0; 0 for an effect of the device).
+    pub fn missing(self, joint: usize, context: &Context<'_>) -> Option<String> {
+        let (device, recording) = (context.device, context.recording);
+        let number = joint + 1;
+        let lacks = |is_lacking: bool, why: &str| is_lacking.then(|| why.to_owned());
+        let cable = device.cables.first();
+        match self {
+            Self::Time => lacks(recording.time_s.is_none(), "no column t_s"),
+            Self::Motion => lacks(
+                !context.ordered,
+                "the rows are single postures, not a motion",
+            ),
+            Self::Torque => match context.torque_nm.get(joint).and_then(Option::as_ref) {
+                None => Some(format!(
+                    "no column torque{number}_nm, and no masses with gravity"
+                )),
+                Some(values) if !varies(values) => Some(format!("torque{number}_nm is constant")),
+                Some(_) => None,
+            },
+            Self::Force => force_is_missing(recording),
+            Self::BaseMoment => lacks(
+                context.base_moment_nm.is_none(),
+                "neither forces nor masses and gravity are known",
+            ),
+            Self::Temperature => match &context.warming_k {
+                None => Some("no column temp_degc".to_owned()),
+                Some(values) => lacks(!varies(values), "temp_degc is constant"),
+            },
+            Self::Output => context
+                .output_stream(joint)
+                .is_none()
+                .then(|| format!("no column out{number}_{}", device.joints[joint].unit())),
+            Self::Cable => lacks(context.cable.is_none(), "no column cable_m"),
+            Self::DrumRadius => lacks(
+                cable.is_none_or(|cable| cable.drum_radius_m.is_none()),
+                "no drum_radius_m in the device file",
+            ),
+            Self::Chain => lacks(
+                !context.streams.iter().any(Stream::shows_handle),
+                "no distance, position or orientation, and no touch",
+            ),
+            Self::Runs => lacks(context.runs.len() < 2, "one run only"),
+            Self::Counts => lacks(
+                device.joints[joint].encoder_counts_per_rev.is_none(),
+                "no encoder_counts_per_rev in the device file",
+            ),
+            Self::Gravity => lacks(
+                device.gravity_mps2.is_none(),
+                "no [gravity] in the device file",
+            ),
+            Self::EarlierModel => None,
+        }
+    }
+}
+
+fn force_is_missing(recording: &Recording) -> Option<String> {
+    match &recording.force_n {
+        None => Some("no columns fx_n, fy_n, fz_n".to_owned()),
+        Some(axes) => (!axes.iter().any(|axis| varies(axis)))
+            .then(|| "the hand's force is constant".to_owned()),
+    }
+}
+
+fn varies(values: &[f64]) -> bool {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    high > low
+}

@@ -1,0 +1,16 @@
+//! Noise of another size than stated.
+
+use crate::{Family, Hook, Parameter, Spec, Unit};
+
+/// Noise of another size than stated.
+pub const SPEC: Spec = Spec {
+    name: "noise-level",
+    meaning: "the noise is not of the stated size",
+    inspect: "the stated figures, shielding and the encoders' mounting",
+    adds: "noise of another size",
+    source: "B6",
+    hook: Hook::Readings,
+    family: Family::Stated,
+    parameters: &[Parameter::size("ratio", Unit::One, 0.0, f64::MAX)],
+    ..Spec::COMMON
+};

@@ -1,0 +1,16 @@
+//! Single readings far from the rest.
+
+use crate::{Family, Hook, Parameter, Spec, Unit};
+
+/// Single readings far from the rest.
+pub const SPEC: Spec = Spec {
+    name: "outliers",
+    meaning: "single readings stand far from the rest",
+    inspect: "loose plugs, and the receiver of that channel",
+    adds: "single wild readings",
+    source: "F",
+    hook: Hook::Readings,
+    family: Family::Stated,
+    parameters: &[Parameter::size("share", Unit::One, 0.0, 1.0)],
+    ..Spec::COMMON
+};

@@ -1,0 +1,226 @@
+//! The one list of effects. A new one is a file and a line here.
+
+use haptical_model::{Device, Joint, JointType, TransmissionKind};
+
+use crate::{Effect, Parameter, Spec};
+use crate::{
+    base_model, cable, external_encoder, force, motor_encoder, noise, structure, transmission,
+};
+
+/// Where an effect can occur, and how it is made there.
+enum Site {
+    /// At each joint of a kind.
+    Joint(fn(&Joint) -> bool, fn(usize) -> Box<dyn Effect>),
+    /// At each joint of a kind, from each other joint.
+    Pair(fn(&Joint) -> bool, fn(usize, usize) -> Box<dyn Effect>),
+    /// Once on a device.
+    Device(fn() -> Box<dyn Effect>),
+    /// Found outside the scan of measured positions.
+    Elsewhere,
+}
+
+/// A line of the registry.
+struct Line {
+    spec: &'static Spec,
+    site: Site,
+}
+
+fn any(_: &Joint) -> bool {
+    true
+}
+
+fn has_drums(joint: &Joint) -> bool {
+    joint.transmission != TransmissionKind::Direct
+}
+
+fn turns(joint: &Joint) -> bool {
+    joint.joint_type == JointType::Revolute
+}
+
+fn turns_by_drums(joint: &Joint) -> bool {
+    turns(joint) && has_drums(joint)
+}
+
+macro_rules! at_joints {
+    ($kind:ident, $file:path, $effect:ident) => {{
+        use $file as file;
+        Line {
+            spec: &file::SPEC,
+            site: Site::Joint($kind, |joint| Box::new(file::$effect { joint })),
+        }
+    }};
+}
+
+macro_rules! on_device {
+    ($file:path, $effect:ident) => {{
+        use $file as file;
+        Line {
+            spec: &file::SPEC,
+            site: Site::Device(|| Box::new(file::$effect)),
+        }
+    }};
+}
+
+const fn elsewhere(spec: &'static Spec) -> Line {
+    Line {
+        spec,
+        site: Site::Elsewhere,
+    }
+}
+
+/// Order matters: of effects that explain equally much the first is taken.
+const REGISTRY: [Line; 54] = [
+    at_joints!(any, transmission::capstan_compliance, CapstanCompliance),
+    at_joints!(any, structure::joint_compliance, JointCompliance),
+    at_joints!(has_drums, transmission::capstan_creep, CapstanCreep),
+    at_joints!(any, transmission::backlash, Backlash),
+    at_joints!(any, transmission::hysteresis, Hysteresis),
+    at_joints!(any, external_encoder::windup, Windup),
+    at_joints!(any, transmission::viscous_lag, ViscousLag),
+    at_joints!(any, external_encoder::latency, Latency),
+    at_joints!(any, motor_encoder::encoder_count_loss, EncoderCountLoss),
+    at_joints!(any, external_encoder::count_loss, CountLoss),
+    at_joints!(has_drums, transmission::capstan_slip, CapstanSlip),
+    at_joints!(any, transmission::joint_drift, JointDrift),
+    at_joints!(any, transmission::joint_warming, JointWarming),
+    at_joints!(any, external_encoder::drift, Drift),
+    at_joints!(turns, external_encoder::eccentricity, Eccentricity),
+    at_joints!(turns, transmission::drum_eccentricity, DrumEccentricity),
+    at_joints!(any, transmission::ratio_error, RatioError),
+    at_joints!(
+        turns_by_drums,
+        transmission::drum_out_of_round,
+        DrumOutOfRound
+    ),
+    at_joints!(
+        turns_by_drums,
+        transmission::input_drum_harmonic,
+        InputDrumHarmonic
+    ),
+    at_joints!(
+        turns_by_drums,
+        motor_encoder::device_encoder_eccentricity,
+        DeviceEncoderEccentricity
+    ),
+    at_joints!(turns_by_drums, transmission::cable_pitch, CablePitch),
+    Line {
+        spec: &transmission::cross_coupling::SPEC,
+        site: Site::Pair(turns, |joint, from| {
+            Box::new(transmission::cross_coupling::CrossCoupling { joint, from })
+        }),
+    },
+    at_joints!(turns, structure::axis_wobble, AxisWobble),
+    on_device!(structure::base_compliance, BaseCompliance),
+    on_device!(structure::tool_compliance, ToolCompliance),
+    on_device!(cable::hysteresis, Hysteresis),
+    on_device!(cable::latency, Latency),
+    on_device!(motor_encoder::encoder_latency, EncoderLatency),
+    on_device!(cable::count_loss, CountLoss),
+    on_device!(cable::drift, Drift),
+    on_device!(cable::warming, Warming),
+    on_device!(structure::warming, Warming),
+    on_device!(cable::zero_offset, ZeroOffset),
+    on_device!(cable::scale, Scale),
+    on_device!(cable::stretch, Stretch),
+    on_device!(cable::sag, Sag),
+    on_device!(cable::twist, Twist),
+    on_device!(cable::drum_eccentricity, DrumEccentricity),
+    on_device!(cable::exit_geometry, ExitGeometry),
+    on_device!(structure::tool_changed, ToolChanged),
+    elsewhere(&noise::NOISE_LEVEL),
+    elsewhere(&noise::OUTLIERS),
+    elsewhere(&base_model::PARALLELOGRAM_ERROR),
+    elsewhere(&base_model::JOINT_OFFSET),
+    elsewhere(&base_model::LINK_GEOMETRY),
+    elsewhere(&force::BIAS),
+    elsewhere(&force::GAIN),
+    elsewhere(&force::CROSSTALK),
+    elsewhere(&force::HYSTERESIS),
+    elsewhere(&force::JOINT_FRICTION),
+    elsewhere(&force::MOTOR_COGGING),
+    elsewhere(&force::TORQUE_GAIN),
+    elsewhere(&force::UNBALANCED_GRAVITY),
+    elsewhere(&force::GRIP_FORCE),
+];
+
+impl Line {
+    /// Whether a device can have the effect.
+    fn occurs_on(&self, device: &Device) -> bool {
+        match self.site {
+            Site::Joint(is_kind, _) => device.joints.iter().any(is_kind),
+            Site::Pair(is_kind, _) => device.joints.len() > 1 && device.joints.iter().any(is_kind),
+            Site::Device(_) | Site::Elsewhere => true,
+        }
+    }
+}
+
+/// Every effect that positions show, at every place of a device where it can occur.
+pub fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
+    let mut effects: Vec<Box<dyn Effect>> = Vec::new();
+    let joints = device.joints.len();
+    for (joint, own) in device.joints.iter().enumerate() {
+        for line in &REGISTRY {
+            match line.site {
+                Site::Joint(is_kind, make) if is_kind(own) => effects.push(make(joint)),
+                Site::Pair(is_kind, make) if is_kind(own) => {
+                    let others = (0..joints).filter(|&from| from != joint);
+                    effects.extend(others.map(|from| make(joint, from)));
+                }
+                _ => {}
+            }
+        }
+    }
+    effects.extend(REGISTRY.iter().filter_map(|line| match line.site {
+        Site::Device(make) => Some(make()),
+        _ => None,
+    }));
+    effects
+}
+
+/// What is known of every effect, in the order of the registry.
+pub fn specs() -> impl Iterator<Item = &'static Spec> {
+    REGISTRY.iter().map(|line| line.spec)
+}
+
+/// Every name, once.
+pub fn names() -> Vec<&'static str> {
+    let mut names: Vec<&'static str> = Vec::new();
+    for spec in specs() {
+        if !names.contains(&spec.name) {
+            names.push(spec.name);
+        }
+    }
+    names
+}
+
+/// The first effect of a name; an index of the joint (`name@3`) is ignored.
+pub fn spec(name: &str) -> Option<&'static Spec> {
+    let name = name.split('@').next()?;
+    specs().find(|spec| spec.name == name)
+}
+
+/// A parameter of an effect.
+pub fn parameter(effect: &str, parameter: &str) -> Option<&'static Parameter> {
+    let mut named = specs().filter(|spec| spec.name == effect);
+    named.find_map(|spec| spec.parameter(parameter))
+}
+
+/// Smallest and largest magnitude of an effect's parameter that a sound device can show: ten times wider than its
+/// usual range. None where a device cannot have the effect or it has no such parameter.
+///
+/// ```
+/// use haptical_effects::plausible_range;
+/// let text = "[[joint]]\nname = \"one\"\n";
+/// let device = haptical_model::Device::from_toml(text, "one.toml")?.device;
+/// let [_, largest] = plausible_range(&device, "backlash", "width_rad").ok_or("no backlash")?;
+/// assert!(largest > 1e-3 && largest < 1.0);
+/// assert!(plausible_range(&device, "backlash", "stiffness").is_none());
+/// assert!(plausible_range(&device, "capstan-slip", "slip_rad").is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn plausible_range(device: &Device, effect: &str, parameter: &str) -> Option<[f64; 2]> {
+    let lines = REGISTRY.iter();
+    let mut lines = lines.filter(|line| line.spec.name == effect && line.occurs_on(device));
+    let found = lines.find_map(|line| line.spec.parameter(parameter))?;
+    Some(found.plausible)
+}

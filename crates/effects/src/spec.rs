@@ -1,0 +1,253 @@
+//! What is known of an effect without a recording.
+
+use crate::{Need, Parameter};
+
+/// Where an effect enters the chain from motor encoder to measured streams (docs/diagnosis.md).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Hook {
+    /// Between motor encoder and external encoder of a joint: that encoder and the chain see it.
+    Transmission,
+    /// An external encoder: nothing else sees it.
+    ExternalEncoder,
+    /// A joint behind its external encoder: the chain alone sees it.
+    Joint,
+    /// Links, base or handle: the chain alone sees it.
+    Structure,
+    /// The cable encoder: the cable alone sees it.
+    CableSensor,
+    /// The sampling of all motor encoders: everything sees it.
+    Timing,
+    /// The torques of the drives.
+    Torque,
+    /// The force sensor of the handle.
+    ForceSensor,
+    /// The readings of any channel, not the device.
+    Readings,
+    /// A number of the base model, found against an earlier model.
+    BaseModel,
+}
+
+impl Hook {
+    /// In words: `external encoder`.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Transmission => "transmission",
+            Self::ExternalEncoder => "external encoder",
+            Self::Joint => "joint",
+            Self::Structure => "structure",
+            Self::CableSensor => "cable sensor",
+            Self::Timing => "timing",
+            Self::Torque => "torque",
+            Self::ForceSensor => "force sensor",
+            Self::Readings => "readings",
+            Self::BaseModel => "base model",
+        }
+    }
+}
+
+/// Effects of one kind: of each kind a place shows at most one, because what a second one explains there
+/// is what the first one's law gets wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// Functions of the joint's own angle.
+    Shape,
+    /// Loops over reversals.
+    Loop,
+    /// Steps.
+    Step,
+    /// Delays.
+    Lag,
+    /// Proportional to a load.
+    Load,
+    /// Slow changes.
+    Drift,
+    /// Of one joint by another.
+    Coupling,
+    /// Where the cable leaves its guide.
+    Exit,
+    /// Of a joint's axis.
+    Wobble,
+    /// Of the handle.
+    Tool,
+    /// Numbers of a sensor or of the device file.
+    Stated,
+}
+
+/// What a law gets wrong on a real device: a step and a delay are what they are, a spring hardens and a loop has
+/// no single form.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LawError {
+    /// Share of the effect's energy.
+    pub share: f64,
+    /// Relative standard deviation of its amplitude.
+    pub amplitude: f64,
+}
+
+impl LawError {
+    /// Of an effect that the scan does not test.
+    pub const NONE: Self = Self::new(0.0, 0.0);
+    /// Of a step.
+    pub const STEP: Self = Self::new(0.003, 0.006);
+    /// Of a delay.
+    pub const LAG: Self = Self::new(0.015, 0.015);
+    /// Of a function of an angle.
+    pub const SHAPE: Self = Self::new(0.02, 0.01);
+    /// Of a cable's way to its drum.
+    pub const EXIT: Self = Self::new(0.03, 0.02);
+    /// Of an axis that tilts, and of a tool.
+    pub const RIGID: Self = Self::new(0.03, 0.015);
+    /// Of a loop.
+    pub const LOOP: Self = Self::new(0.05, 0.05);
+    /// Of a slow change.
+    pub const DRIFT: Self = Self::new(0.06, 0.02);
+    /// Of a spring.
+    pub const LOAD: Self = Self::new(0.09, 0.06);
+
+    const fn new(share: f64, amplitude: f64) -> Self {
+        Self { share, amplitude }
+    }
+}
+
+/// The one number that enters an effect's law nonlinearly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// One of these.
+    Listed(&'static [f64]),
+    /// Any number; the search starts from these.
+    Continuous(&'static [f64]),
+    /// The side that drives it: both are refitted.
+    Sides,
+    /// The first row after an event: it is searched over all rows, and belongs to one recording.
+    Event,
+    /// Given by the device or the recording.
+    Given,
+}
+
+impl Shape {
+    /// Of a law that is linear in its amplitudes.
+    pub const NONE: Self = Self::Listed(&[0.0]);
+
+    /// Whether shapes between those of the grid exist.
+    pub fn is_continuous(self) -> bool {
+        matches!(self, Self::Continuous(_))
+    }
+}
+
+/// What an effect's law is a function of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Follows {
+    /// The joint's own angle.
+    Angle,
+    /// Another joint's angle.
+    OtherAngle,
+    /// The joint's speed.
+    Speed,
+    /// The joint's torque.
+    Torque,
+    /// The force on the handle.
+    Force,
+    /// Temperature.
+    Temperature,
+    /// Time.
+    Time,
+    /// The number of the run.
+    Run,
+    /// The cable's length.
+    Length,
+    /// The cable's angle where it leaves its guide.
+    ExitAngle,
+    /// The cable's speed.
+    CableSpeed,
+}
+
+/// What of the base model takes an effect up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Absorbed {
+    /// Nothing.
+    Never,
+    /// Fitted numbers of the joint's transmission: the same term.
+    ByTransmission,
+    /// The same, under another name: the centre of the input drum.
+    ByInputDrum,
+    /// A fitted compliance of the joint.
+    ByCompliance,
+    /// The scale of all lengths.
+    ByLengths,
+}
+
+/// What is known of an effect without a recording. Of two effects with one name the parameters differ, or the
+/// place where they enter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spec {
+    /// Name: `backlash`.
+    pub name: &'static str,
+    /// What happens, a clause without a full stop.
+    pub meaning: &'static str,
+    /// What to look at on the device.
+    pub inspect: &'static str,
+    /// What it adds to a reading; empty where docs/diagnosis-force.md derives it.
+    pub adds: &'static str,
+    /// Its number in the study of effects; empty for one without.
+    pub source: &'static str,
+    /// Where it enters.
+    pub hook: Hook,
+    /// Kind.
+    pub family: Family,
+    /// What must have been recorded for it to be tested.
+    pub needs: &'static [Need],
+    /// Reported numbers, the size first.
+    pub parameters: &'static [Parameter],
+    /// Number of amplitudes that its law is fitted with.
+    pub amplitudes: usize,
+    /// What else its law is fitted with.
+    pub shape: Shape,
+    /// What its law is a function of.
+    pub follows: Follows,
+    /// Whether nature allows positive amplitudes alone (a stiffness, a delay of a drive).
+    pub is_positive: bool,
+    /// Whether the scale of the recorded torque is that of the first parameter.
+    pub scales_with_torque: bool,
+    /// Whether an event happens under a load that few rows exceed.
+    pub under_load: bool,
+    /// What of the base model takes it up.
+    pub absorbed_by: Absorbed,
+    /// Effects with the same course where their covariate does not vary.
+    pub look_alikes: &'static [&'static str],
+    /// Logarithm of its prior odds against a common effect.
+    pub log_prior: f64,
+    /// What its law gets wrong.
+    pub law_error: LawError,
+}
+
+impl Spec {
+    /// What most effects have in common, for `..Spec::COMMON`.
+    pub const COMMON: Self = Self {
+        name: "",
+        meaning: "",
+        inspect: "",
+        adds: "",
+        source: "",
+        hook: Hook::Transmission,
+        family: Family::Stated,
+        needs: &[],
+        parameters: &[],
+        amplitudes: 1,
+        shape: Shape::NONE,
+        follows: Follows::Time,
+        is_positive: false,
+        scales_with_torque: false,
+        under_load: false,
+        absorbed_by: Absorbed::Never,
+        look_alikes: &[],
+        log_prior: 0.0,
+        law_error: LawError::NONE,
+    };
+
+    /// The parameter of a name.
+    pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
+        self.parameters
+            .iter()
+            .find(|parameter| parameter.name == name)
+    }
+}

@@ -1,0 +1,54 @@
+//! Pitch of the helix and cables that walk or cross: to leading order an even term, and a cubic one where the cable
+//! does not start in the middle of its drum.
+
+use crate::context::Context;
+use crate::{Effect, Family, Follows, Hook, LawError, Parameter, Signal, Spec, Unit};
+
+/// The cable walks along its drum.
+pub const SPEC: Spec = Spec {
+    name: "cable-pitch",
+    meaning: "the cable walks along its drum",
+    inspect: "the groove and the lead of the cable on the drum",
+    adds: "c_2 theta^2 + c_3 theta^3",
+    source: "A8",
+    hook: Hook::Transmission,
+    family: Family::Shape,
+    parameters: &[Parameter::size(
+        "quadratic_per_rad",
+        Unit::PerRadian,
+        0.0,
+        0.1,
+    )],
+    amplitudes: 2,
+    follows: Follows::Angle,
+    law_error: LawError::SHAPE,
+    ..Spec::COMMON
+};
+
+#[derive(Debug)]
+pub(crate) struct CablePitch {
+    pub(crate) joint: usize,
+}
+
+impl Effect for CablePitch {
+    fn spec(&self) -> &'static Spec {
+        &SPEC
+    }
+
+    fn joint(&self) -> Option<usize> {
+        Some(self.joint)
+    }
+
+    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
+        let readings = &context.recording.joint[self.joint];
+        let power =
+            |exponent: i32| -> Vec<f64> { readings.iter().map(|q| q.powi(exponent)).collect() };
+        vec![
+            context.upstream(self.joint, &power(2)),
+            context.upstream(self.joint, &power(3)),
+        ]
+    }
+}
+
+#[cfg(test)]
+crate::conforms!(SPEC);

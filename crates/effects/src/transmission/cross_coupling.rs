@@ -1,0 +1,59 @@
+//! A joint is turned by another one through the routing of its cable; one of many pairs.
+
+use crate::context::Context;
+use crate::{Effect, Family, Follows, Hook, LawError, Parameter, Shape, Signal, Spec, Unit};
+
+/// One joint moves with another because of the cable's routing.
+pub const SPEC: Spec = Spec {
+    name: "cross-coupling",
+    meaning: "one joint moves with another because of the cable's routing",
+    inspect: "pulleys that the cable of the joint runs over at the other joint",
+    adds: "kappa theta_from",
+    source: "A13",
+    hook: Hook::Transmission,
+    family: Family::Coupling,
+    parameters: &[
+        Parameter::size("gain", Unit::One, 0.0, 0.5),
+        Parameter::number("from_joint", 1000.0),
+    ],
+    shape: Shape::Given,
+    follows: Follows::OtherAngle,
+    log_prior: -1.0,
+    law_error: LawError::SHAPE,
+    ..Spec::COMMON
+};
+
+#[derive(Debug)]
+pub(crate) struct CrossCoupling {
+    pub(crate) joint: usize,
+    pub(crate) from: usize,
+}
+
+impl Effect for CrossCoupling {
+    fn spec(&self) -> &'static Spec {
+        &SPEC
+    }
+
+    fn joint(&self) -> Option<usize> {
+        Some(self.joint)
+    }
+
+    fn shapes(&self, _: &Context<'_>) -> Vec<f64> {
+        vec![(self.from + 1) as f64]
+    }
+
+    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
+        vec![context.upstream(self.joint, &context.recording.joint[self.from])]
+    }
+
+    fn values(&self, _: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        vec![amplitudes[0], shape]
+    }
+
+    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+        (vec![values[0]], values[1])
+    }
+}
+
+#[cfg(test)]
+crate::conforms!(SPEC);
