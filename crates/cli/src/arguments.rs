@@ -147,15 +147,33 @@ pub(crate) struct IdentifyArguments {
 #[derive(Debug, Args)]
 pub(crate) struct DiagnoseArguments {
     /// Device file (TOML or URDF)
-    #[arg(long, value_name = "FILE")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        required = false,
+        required_unless_present = "list",
+        default_value_if("list", "true", "-")
+    )]
     pub(crate) device: PathBuf,
     #[command(flatten)]
     pub(crate) device_options: DeviceOptions,
     /// Log (CSV, plain or gzip)
-    #[arg(long, value_name = "FILE")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        required = false,
+        required_unless_present = "list",
+        default_value_if("list", "true", "-")
+    )]
     pub(crate) log: PathBuf,
     /// Folder for the result files; made if it is missing
-    #[arg(long, value_name = "DIR")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        required = false,
+        required_unless_present = "list",
+        default_value_if("list", "true", "-")
+    )]
     pub(crate) out: PathBuf,
     /// Diagnose against a model identified earlier: what the device deviates from it is part of
     /// the gap
@@ -174,7 +192,10 @@ pub(crate) struct DiagnoseArguments {
         hide_possible_values = true
     )]
     pub(crate) without: Vec<String>,
-    /// Print gap.json instead of the summary
+    /// Print the effects that can be named, with their numbers; needs no device and no log
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Print gap.json instead of the summary, or the list as JSON
     #[arg(long)]
     pub(crate) json: bool,
 }

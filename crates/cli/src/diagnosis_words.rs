@@ -5,7 +5,6 @@ use haptical_diagnosis::{
 };
 use haptical_report::Tone;
 
-use crate::effect_words::effect_words;
 use crate::quantity::Quantity;
 use crate::units::Shown;
 
@@ -95,7 +94,8 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
 
 /// Whether a finding is one on the data: it explains no gap.
 fn is_of_data(cause: &CauseAnswer) -> bool {
-    ["noise-level", "outliers"].contains(&cause.effect.as_str())
+    let spec = haptical_effects::spec(&cause.effect);
+    spec.is_some_and(|spec| spec.hook == haptical_effects::Hook::Readings)
 }
 
 fn besides(causes: &[&CauseAnswer]) -> String {
@@ -259,11 +259,11 @@ pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
         (Verdict::NoGap, _) => "nothing; the model is as good as these data can tell. What could \
                                 still hide stands under \"what cannot be seen\""
             .to_owned(),
-        (Verdict::Named, Some(cause)) => match effect_words(&cause.effect) {
-            Some(words) => format!(
+        (Verdict::Named, Some(cause)) => match haptical_effects::spec(&cause.effect) {
+            Some(spec) => format!(
                 "check {}; mend it, or put the effect into the model with the parameters found, \
                  and record again to see that the gap is gone",
-                words.check
+                spec.inspect
             ),
             None => "put the effect into the model with the parameters found, or mend it, and \
                      record again to see that the gap is gone"
@@ -289,7 +289,7 @@ pub(crate) fn parameters(cause: &CauseAnswer) -> String {
         .parameters
         .iter()
         .map(|(name, parameter)| {
-            let quantity = Quantity::new(name, parameter.value);
+            let quantity = Quantity::new(&cause.effect, name, parameter.value);
             let value = quantity.text(parameter.value, parameter.ci95);
             format!("{} {value}", quantity.words)
         })

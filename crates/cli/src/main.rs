@@ -1,12 +1,12 @@
 //! The `haptical` command: flags, texts, exit status and progress; all numbers come from the libraries.
 
 mod arguments;
+mod catalogue;
 mod check;
 mod check_text;
 mod device_source;
 mod diagnose;
 mod diagnosis_words;
-mod effect_words;
 #[cfg(test)]
 mod example_diagnosis;
 mod export;
@@ -68,6 +68,7 @@ fn run(command: Command) -> Result<ExitCode, Failure> {
         Command::Identify(arguments) => identify::run(&arguments).map_err(|failure| {
             failure.with_equipment(&arguments.device, &arguments.device_options)
         }),
+        Command::Diagnose(arguments) if arguments.list => catalogue::print(arguments.json),
         Command::Diagnose(arguments) => diagnose::run(&arguments).map_err(|failure| {
             failure.with_equipment(&arguments.device, &arguments.device_options)
         }),

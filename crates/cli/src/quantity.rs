@@ -1,29 +1,9 @@
-//! Numbers of effects in units for people: the unit stands at the end of the parameter's name.
+//! Numbers of effects in units for people.
 
+use haptical_effects::{Role, Unit, parameter};
 use haptical_report::Cell;
 
 use crate::units::decimals;
-
-/// Endings of names: SI unit, unit for people, how many of it make one SI unit. Longer endings of
-/// the same letters come first.
-const ENDINGS: [(&str, &str, &str, f64); 16] = [
-    ("nm_per_rad", "N m/rad", "N m/rad", 1.0),
-    ("m_per_rad2", "m/rad²", "mm/rad²", 1e3),
-    ("n_per_m_over_tension", "1/m", "1/m", 1.0),
-    ("rad_per_degc", "rad/°C", "µrad/°C", 1e6),
-    ("rad_per_nm", "rad/(N m)", "mrad/(N m)", 1e3),
-    ("rad_per_s", "rad/s", "µrad/s", 1e6),
-    ("m_per_degc", "m/°C", "µm/°C", 1e6),
-    ("m_per_s", "m/s", "µm/s", 1e6),
-    ("m_per_n", "m/N", "µm/N", 1e6),
-    ("per_nm", "1/(N m)", "1/(N m)", 1.0),
-    ("per_rad", "1/rad", "1/rad", 1.0),
-    ("degc", "°C", "°C", 1.0),
-    ("rad", "rad", "mrad", 1e3),
-    ("nm", "N m", "N m", 1.0),
-    ("m", "m", "mm", 1e3),
-    ("n", "N", "N", 1.0),
-];
 
 /// Lengths below this are shown in µm, others in mm \[m\].
 const SMALL_M: f64 = 1e-3;
@@ -43,36 +23,22 @@ pub(crate) struct Quantity {
 }
 
 impl Quantity {
-    /// From a parameter's name in the contract and its size.
-    pub(crate) fn new(name: &str, size: f64) -> Self {
-        let plain = |unit, per_si, rest: &str| Self {
+    /// Of an effect's parameter with its size. A number of the base model has the unit that its name ends with.
+    pub(crate) fn new(effect: &str, name: &str, size: f64) -> Self {
+        let (rest, by_name) = Unit::split(name);
+        let (unit, role) = match parameter(effect, name) {
+            Some(parameter) => (parameter.unit, parameter.role),
+            None => (by_name, Role::Size),
+        };
+        let (unit, per_si) = match role {
+            Role::Phase | Role::Instant => (unit.symbol(), 1.0),
+            _ => for_people(unit, size),
+        };
+        Self {
             words: words(rest, name),
             unit,
             per_si,
-        };
-        if name == "phase_rad" {
-            return plain("rad", 1.0, "phase");
         }
-        if let Some(rest) = ending(name, "s")
-            && !name.contains("_per_s")
-        {
-            return match size.abs() {
-                _ if rest == "time" => plain("s", 1.0, rest),
-                short if short < SHORT_S[0] => plain("µs", 1e6, rest),
-                short if short < SHORT_S[1] => plain("ms", 1e3, rest),
-                _ => plain("s", 1.0, rest),
-            };
-        }
-        for (letters, _, unit, per_si) in ENDINGS {
-            if let Some(rest) = ending(name, letters) {
-                return match letters {
-                    "m" if size.abs() < SMALL_M => plain("µm", 1e6, rest),
-                    "rad" if size.abs() < SMALL_RAD => plain("µrad", 1e6, rest),
-                    _ => plain(unit, per_si, rest),
-                };
-            }
-        }
-        plain("", 1.0, name)
     }
 
     /// A value as a cell, with the digits that its interval leaves.
@@ -151,26 +117,32 @@ impl Quantity {
     }
 }
 
-/// A column of a log as the label of an axis, in its own unit: `torque2 [N m]`.
-pub(crate) fn axis_label(column: &str) -> String {
-    let seconds = ("s", "s", "s", 1.0);
-    let found = ENDINGS
-        .into_iter()
-        .chain([seconds])
-        .find_map(|(letters, unit, ..)| Some((column.strip_suffix(letters)?, unit)));
-    match found.map(|(rest, unit)| (rest.strip_suffix('_'), unit)) {
-        Some((Some(rest), unit)) => format!("{} [{unit}]", rest.replace('_', " ")),
-        _ => column.replace('_', " "),
+/// Unit for people, and how many of it make one SI unit.
+fn for_people(unit: Unit, size: f64) -> (&'static str, f64) {
+    let size = size.abs();
+    match unit {
+        Unit::Metre if size < SMALL_M => ("µm", 1e6),
+        Unit::Metre => ("mm", 1e3),
+        Unit::Radian if size < SMALL_RAD => ("µrad", 1e6),
+        Unit::Radian => ("mrad", 1e3),
+        Unit::Second if size < SHORT_S[0] => ("µs", 1e6),
+        Unit::Second if size < SHORT_S[1] => ("ms", 1e3),
+        Unit::MetrePerSquareRadian => ("mm/rad²", 1e3),
+        Unit::RadianPerKelvin => ("µrad/°C", 1e6),
+        Unit::RadianPerNewtonMetre => ("mrad/(N m)", 1e3),
+        Unit::RadianPerSecond => ("µrad/s", 1e6),
+        Unit::MetrePerKelvin => ("µm/°C", 1e6),
+        Unit::MetrePerSecond => ("µm/s", 1e6),
+        Unit::MetrePerNewton => ("µm/N", 1e6),
+        plain => (plain.symbol(), 1.0),
     }
 }
 
-/// What stands before an ending, or nothing where the name is the ending alone.
-fn ending<'a>(name: &'a str, letters: &str) -> Option<&'a str> {
-    let rest = name.strip_suffix(letters)?;
-    if rest.is_empty() {
-        Some(rest)
-    } else {
-        rest.strip_suffix('_')
+/// A column of a log as the label of an axis, in its own unit: `torque2 [N m]`.
+pub(crate) fn axis_label(column: &str) -> String {
+    match Unit::split(column) {
+        (_, Unit::One) | ("", _) => column.replace('_', " "),
+        (rest, unit) => format!("{} [{}]", rest.replace('_', " "), unit.symbol()),
     }
 }
 
@@ -191,29 +163,73 @@ mod tests {
     use super::*;
 
     #[test]
-    fn contract_names_have_units_for_people() {
-        for (name, size, words, unit, shown) in [
-            ("stiffness_nm_per_rad", 258.0, "stiffness", "N m/rad", 258.0),
-            ("slip_rad", 0.002, "slip", "mrad", 2.0),
-            ("width_rad", 2e-5, "width", "µrad", 20.0),
-            ("delay_s", 2e-5, "delay", "µs", 20.0),
-            ("time_s", 0.05, "time", "s", 0.05),
-            ("delay_s", 0.002, "delay", "ms", 2.0),
-            ("offset_m", 2e-4, "offset", "µm", 200.0),
-            ("radius_m", 0.006, "radius", "mm", 6.0),
-            ("phase_rad", 1.5, "phase", "rad", 1.5),
-            ("rad_per_degc", 2e-5, "rate", "µrad/°C", 20.0),
-            ("m_per_s", 2e-6, "rate", "µm/s", 2.0),
-            ("rad_per_s", 2e-6, "rate", "µrad/s", 2.0),
-            ("m_per_n", 2e-6, "rate", "µm/N", 2.0),
-            ("creep_per_nm", 0.5, "creep", "1/(N m)", 0.5),
-            ("twist_m_per_rad2", 0.001, "twist", "mm/rad²", 1.0),
-            ("weight_n_per_m_over_tension", 0.5, "weight", "1/m", 0.5),
-            ("counts", 12.0, "counts", "", 12.0),
-            ("from_joint", 3.0, "from joint", "", 3.0),
-            ("gain", 0.5, "gain", "", 0.5),
+    fn parameters_have_units_for_people() {
+        for (effect, name, size, words, unit, shown) in [
+            (
+                "capstan-compliance",
+                "stiffness_nm_per_rad",
+                258.0,
+                "stiffness",
+                "N m/rad",
+                258.0,
+            ),
+            ("capstan-slip", "slip_rad", 0.002, "slip", "mrad", 2.0),
+            ("backlash", "width_rad", 2e-5, "width", "µrad", 20.0),
+            ("cable-latency", "delay_s", 2e-5, "delay", "µs", 20.0),
+            ("capstan-slip", "time_s", 0.05, "time", "s", 0.05),
+            ("cable-latency", "delay_s", 0.002, "delay", "ms", 2.0),
+            ("cable-zero-offset", "offset_m", 2e-4, "offset", "µm", 200.0),
+            (
+                "cable-exit-geometry",
+                "radius_m",
+                0.006,
+                "radius",
+                "mm",
+                6.0,
+            ),
+            ("drum-out-of-round", "phase_rad", 1.5, "phase", "rad", 1.5),
+            ("joint-drift", "rad_per_degc", 2e-5, "rate", "µrad/°C", 20.0),
+            ("cable-drift", "m_per_s", 2e-6, "rate", "µm/s", 2.0),
+            ("joint-drift", "rad_per_s", 2e-6, "rate", "µrad/s", 2.0),
+            ("tool-compliance", "m_per_n", 2e-6, "rate", "µm/N", 2.0),
+            (
+                "capstan-creep",
+                "creep_per_nm",
+                0.5,
+                "creep",
+                "1/(N m)",
+                0.5,
+            ),
+            (
+                "cable-twist",
+                "twist_m_per_rad2",
+                0.001,
+                "twist",
+                "mm/rad²",
+                1.0,
+            ),
+            (
+                "cable-sag",
+                "weight_n_per_m_over_tension",
+                0.5,
+                "weight",
+                "1/m",
+                0.5,
+            ),
+            ("cable-count-loss", "counts", 12.0, "counts", "", 12.0),
+            ("cross-coupling", "from_joint", 3.0, "from joint", "", 3.0),
+            ("cross-coupling", "gain", 0.5, "gain", "", 0.5),
+            (
+                "joint-friction",
+                "viscous_nm_s_per_rad",
+                0.5,
+                "viscous",
+                "N m s/rad",
+                0.5,
+            ),
+            ("joint-offset", "home_rad", 0.5, "home", "mrad", 500.0),
         ] {
-            let quantity = Quantity::new(name, size);
+            let quantity = Quantity::new(effect, name, size);
             assert_eq!(
                 (quantity.words.as_str(), quantity.unit),
                 (words, unit),
@@ -225,22 +241,22 @@ mod tests {
 
     #[test]
     fn the_interval_decides_the_digits() {
-        let stiffness = Quantity::new("stiffness_nm_per_rad", 258.04);
+        let stiffness = Quantity::new("capstan-compliance", "stiffness_nm_per_rad", 258.04);
         assert_eq!(
             stiffness.text(258.04, [243.1, 273.2]),
             "258 [243, 273] N m/rad"
         );
-        let slip = Quantity::new("slip_rad", 0.002);
+        let slip = Quantity::new("capstan-slip", "slip_rad", 0.002);
         assert_eq!(slip.text(0.002, [0.0019, 0.0021]), "2.00 [1.90, 2.10] mrad");
-        let order = Quantity::new("order", 2.0);
+        let order = Quantity::new("axis-wobble", "order", 2.0);
         assert_eq!(order.text(2.0, [2.0, 2.0]), "2");
-        let creep = Quantity::new("creep_per_nm", 2e-5);
+        let creep = Quantity::new("capstan-creep", "creep_per_nm", 2e-5);
         assert_eq!(
             creep.text(2e-5, [1e-5, 3e-5]),
             "2.00e-5 [1.00e-5, 3.00e-5] 1/(N m)"
         );
         assert_eq!(
-            Quantity::new("width_rad", 1.23456e-4).short(1.23456e-4),
+            Quantity::new("backlash", "width_rad", 1.23456e-4).short(1.23456e-4),
             "0.123 mrad"
         );
     }

@@ -391,3 +391,31 @@ fn refusal(error: &SimulatorError, truth: &Path, arguments: &SimulateArguments) 
         ),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use haptical_simulator::{simulated_effects, simulated_keys};
+
+    /// Which side drives a loop is the recording's, not the effect's.
+    const OF_THE_RECORDING: [&str; 2] = ["joint", "driven_by"];
+
+    #[test]
+    fn names_and_keys_of_effects_are_those_of_the_catalogue() {
+        for name in simulated_effects() {
+            let specs = haptical_effects::specs().filter(|spec| spec.name == name);
+            let mut known: Vec<&str> = specs
+                .flat_map(|spec| spec.parameters)
+                .map(|parameter| parameter.name)
+                .collect();
+            let mut taken: Vec<&str> = simulated_keys(name).unwrap().to_vec();
+            taken.retain(|key| !OF_THE_RECORDING.contains(key));
+            known.sort_unstable();
+            known.dedup();
+            taken.sort_unstable();
+            assert!(
+                !known.is_empty() && taken == known,
+                "{name}: {taken:?} {known:?}"
+            );
+        }
+    }
+}

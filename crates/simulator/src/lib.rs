@@ -60,7 +60,7 @@ mod waves;
 pub use haptical_model as model;
 
 pub use effect::error::EffectError;
-pub use effect::names::simulated_effects;
+pub use effect::names::{simulated_effects, simulated_keys};
 pub use effect::{Driver, Effect, Effects};
 pub use error::{Part, SimulatorError};
 pub use motion::hand_path::{JointMotion, Motion};

@@ -213,6 +213,42 @@ fn arrows_make_no_circle() {
     }
 }
 
+/// Crates of ours that a crate uses, directly or through others, in its tests too.
+fn reached(packages: &[Package], from: &str) -> BTreeSet<String> {
+    let kinds = [DependencyKind::Normal, DependencyKind::Build];
+    let (arrows, in_tests) = (
+        arrows(packages, &kinds),
+        arrows(packages, &[DependencyKind::Development]),
+    );
+    let mut open: Vec<&String> = arrows[from].iter().chain(&in_tests[from]).collect();
+    let mut found = BTreeSet::new();
+    while let Some(name) = open.pop() {
+        if found.insert(name.clone()) {
+            open.extend(&arrows[name]);
+        }
+    }
+    found
+}
+
+/// Whoever judges a diagnosis has laws of his own: neither side has seen the other's.
+#[test]
+fn the_diagnosis_and_its_trials_have_laws_of_their_own() {
+    let packages = packages();
+    for (from, unseen) in [
+        (
+            "haptical-diagnosis",
+            ["haptical-simulator", "haptical-blind"],
+        ),
+        ("haptical-effects", ["haptical-simulator", "haptical-blind"]),
+        ("haptical-blind", ["haptical-effects", "haptical-diagnosis"]),
+    ] {
+        let reached = reached(&packages, from);
+        for name in unseen {
+            assert!(!reached.contains(name), "{from} reaches {name}");
+        }
+    }
+}
+
 #[test]
 fn faer_is_known_to_one_crate() {
     let users: Vec<String> = packages()

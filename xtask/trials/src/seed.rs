@@ -11,9 +11,14 @@ use serde::Serialize;
 /// The thresholds, from the root of the repository.
 pub(crate) const THRESHOLDS: &str = "crates/diagnosis/thresholds.toml";
 /// What must be committed before a scored batch.
-const COMMITTED: [&str; 3] = [THRESHOLDS, "crates/diagnosis/src", "xtask/blind/src"];
+const COMMITTED: [&str; 4] = [
+    THRESHOLDS,
+    "crates/diagnosis/src",
+    "crates/effects/src",
+    "xtask/blind/src",
+];
 /// What may not change between the freeze and the batch without being said.
-const JUDGED: &str = "crates/diagnosis/src";
+const JUDGED: [&str; 2] = ["crates/diagnosis/src", "crates/effects/src"];
 /// Hexadecimal digits of the commit that make the seed.
 const DIGITS: usize = 8;
 
@@ -77,7 +82,9 @@ fn of_commit(root: &Path) -> Result<Seed> {
     let value = u64::from_str_radix(digits, 16)
         .with_context(|| format!("`{commit}` is not the name of a commit"))?;
     let since = format!("{commit}..HEAD");
-    let changes = git(root, &["log", "--format=%H", &since, "--", JUDGED])?;
+    let [diagnosis, effects] = JUDGED;
+    let log = ["log", "--format=%H", &since, "--", diagnosis, effects];
+    let changes = git(root, &log)?;
     Ok(Seed {
         value,
         frozen_by: Some(commit),

@@ -7,7 +7,6 @@ use haptical_diagnosis::{Diagnosis, Verdict};
 use haptical_report::{Block, Column, Document, Section, Table, Tone};
 
 use crate::diagnosis_words::{next_step, percent, place_sentence, verdict_mark, verdict_sentence};
-use crate::effect_words::effect_words;
 use crate::failure::Failure;
 use crate::gap_file::GapFile;
 
@@ -105,10 +104,10 @@ fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Failure> {
         .causes
         .iter()
         .filter_map(|cause| {
-            let words = effect_words(&cause.effect)?;
+            let spec = haptical_effects::spec(&cause.effect)?;
             Some(format!(
                 "{}: {}. Check {}.",
-                cause.effect, words.what, words.check
+                cause.effect, spec.meaning, spec.inspect
             ))
         })
         .collect();

@@ -230,3 +230,28 @@ fn a_name_does_not_steer_the_terminal() {
         "{said}"
     );
 }
+
+#[test]
+fn the_catalogue_is_listed_without_a_device_and_a_log() {
+    let list = |further: &[&str]| {
+        let arguments = ["diagnose", "--list"].iter().chain(further);
+        let output = haptical().args(arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let table = list(&[]);
+    assert!(table.contains("stiffness_nm_per_rad [N m/rad]"), "{table}");
+    let json: serde_json::Value = serde_json::from_str(&list(&["--json"])).unwrap();
+    let effects = json.as_array().unwrap();
+    let backlash = effects.iter().find(|effect| effect["name"] == "backlash");
+    let width = &backlash.unwrap()["parameters"][0];
+    assert_eq!(
+        (&width["name"], &width["unit"]),
+        (&"width_rad".into(), &"rad".into())
+    );
+    for missing in [&["--device", "device.toml"][..], &[]] {
+        let refused = haptical().arg("diagnose").args(missing).output().unwrap();
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(text(&refused.stderr).contains("--log"));
+    }
+}

@@ -4,7 +4,7 @@ use haptical_calibration::Channel;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, DeviceChain, Recording};
 
-use super::Stream;
+use super::stream::Stream;
 
 /// Directions in which touches are read (docs/diagnosis.md, "Touches").
 #[derive(Debug, Default)]

@@ -70,6 +70,11 @@ pub fn simulated_effects() -> Vec<&'static str> {
     KNOWN.iter().map(|known| known.name).collect()
 }
 
+/// Keys of an effect in `effects.toml`, beside `name`; none for an effect that cannot be simulated.
+pub fn simulated_keys(name: &str) -> Option<&'static [&'static str]> {
+    known(name).map(|known| known.parameters)
+}
+
 pub(crate) fn known(name: &str) -> Option<&'static Known> {
     KNOWN.iter().find(|known| known.name == name)
 }

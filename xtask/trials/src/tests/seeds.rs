@@ -61,7 +61,7 @@ fn the_seed_is_the_commit_that_froze_the_thresholds() {
 
     write(root, "README.md", "unrelated");
     commit(root, "words");
-    write(root, "crates/diagnosis/src/lib.rs", "b");
+    write(root, "crates/effects/src/lib.rs", "b");
     commit(root, "more code");
     let later = SeedRule::Commit.seed(root).unwrap();
     assert_eq!((later.value, later.changes_since), (seed.value, 1));
@@ -79,6 +79,7 @@ fn a_scored_batch_needs_everything_committed() {
     git(root, &["init", "-q"]);
     write(root, THRESHOLDS, "z = 1");
     write(root, "crates/diagnosis/src/lib.rs", "a");
+    write(root, "crates/effects/src/lib.rs", "a");
     write(root, "crates/blind/src/lib.rs", "a");
     write(root, "docs/note.md", "a");
     commit(root, "all");
@@ -92,6 +93,7 @@ fn a_scored_batch_needs_everything_committed() {
         THRESHOLDS,
         "crates/diagnosis/src/lib.rs",
         "crates/diagnosis/src/new.rs",
+        "crates/effects/src/lib.rs",
         "crates/blind/src/lib.rs",
     ] {
         write(root, path, "changed");

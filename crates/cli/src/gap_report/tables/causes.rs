@@ -69,7 +69,7 @@ pub(in crate::gap_report) fn parameters(diagnosis: &Diagnosis) -> Result<Block, 
     let mut table = table("Their numbers", &columns);
     for cause in &diagnosis.causes {
         for (name, parameter) in &cause.parameters {
-            let quantity = Quantity::new(name, parameter.value);
+            let quantity = Quantity::new(&cause.effect, name, parameter.value);
             table.push(vec![
                 named_at(&cause.effect, cause.joint).into(),
                 quantity.words.as_str().into(),

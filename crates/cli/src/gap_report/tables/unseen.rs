@@ -35,10 +35,15 @@ pub(in crate::gap_report) fn detectable(diagnosis: &Diagnosis) -> Result<Option<
                     (other.effect.as_str(), other.parameter.as_str()) == key && other.joint == joint
                 })
                 .map_or(Cell::Missing, |found| {
-                    Quantity::new(key.1, found.value).short(found.value).into()
+                    Quantity::new(key.0, key.1, found.value)
+                        .short(found.value)
+                        .into()
                 })
         };
-        let mut row: Vec<Cell> = vec![key.0.into(), Quantity::new(key.1, entry.value).words.into()];
+        let mut row: Vec<Cell> = vec![
+            key.0.into(),
+            Quantity::new(key.0, key.1, entry.value).words.into(),
+        ];
         row.extend(joints.iter().map(|joint| at(Some(*joint))));
         if of_device {
             row.push(at(None));
