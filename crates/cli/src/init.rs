@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use haptical_data::write_log_to;
+use haptical_data::{LogShape, write_log_to};
 use haptical_model::Device;
 use haptical_simulator::{CableSigma, Settings, apply_deviations, simulate};
 
 use crate::arguments::InitArguments;
 use crate::failure::Failure;
-use crate::inputs::log_shape;
 use crate::output_files::{check_folder, write_all};
 use crate::provenance::shell_word;
 use crate::terminal;
@@ -119,7 +118,7 @@ fn sample_log() -> Result<Vec<u8>, Failure> {
     };
     let recording = simulate(&truth, &settings, ROWS, SEED).map_err(Failure::internal)?;
     let mut log = Vec::new();
-    write_log_to(&mut log, &recording, &log_shape(&device)).map_err(Failure::internal)?;
+    write_log_to(&mut log, &recording, &LogShape::from(&device)).map_err(Failure::internal)?;
     Ok(log)
 }
 

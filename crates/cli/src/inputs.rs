@@ -4,8 +4,8 @@ use std::fs::File;
 use std::path::Path;
 
 use haptical_calibration::check_reach;
-use haptical_data::{JointShape, LogShape, read_log, read_log_from};
-use haptical_model::{Device, JointType, Recording};
+use haptical_data::{LogShape, read_log, read_log_from};
+use haptical_model::{Device, Recording};
 use haptical_urdf::BaseAndTip;
 use toml_edit::{DocumentMut, Item, value};
 
@@ -117,7 +117,7 @@ pub(crate) struct LogInput {
 
 /// Reads a log of a device, once: it may be a pipe.
 pub(crate) fn read_recording(path: &Path, device: &Device) -> Result<LogInput, Failure> {
-    let shape = log_shape(device);
+    let shape = LogShape::from(device);
     let name = path.display().to_string();
     let file = match File::open(path) {
         Ok(file) => file,
@@ -139,25 +139,6 @@ pub(crate) fn read_recording(path: &Path, device: &Device) -> Result<LogInput, F
         warnings: log.warnings,
         fingerprint,
     })
-}
-
-/// What a device says of its logs.
-pub(crate) fn log_shape(device: &Device) -> LogShape {
-    let joints = device
-        .joints
-        .iter()
-        .map(|joint| JointShape {
-            name: joint.name.clone(),
-            prismatic: joint.joint_type == JointType::Prismatic,
-            lower: joint.lower_rad,
-            upper: joint.upper_rad,
-        })
-        .collect();
-    LogShape {
-        joints,
-        // a chain without a [cable_encoder] still has the distance from frame (-1)'s origin
-        cable_count: device.cables.len().max(usize::from(device.has_links())),
-    }
 }
 
 /// The model must be of the same device: the same joints, in the same order, on as many links.

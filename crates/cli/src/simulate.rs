@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptical_data::LogFile;
+use haptical_data::{LogFile, LogShape};
 use haptical_model::{Device, check_toml_syntax, read_toml_text};
 use haptical_simulator::{
     Effect, EffectError, Effects, HandMotion, MotionSettings, SimulatorError, simulate_motion,
@@ -15,7 +15,7 @@ use crate::arguments::{above_zero, whole_number};
 use crate::device_source::DeviceOptions;
 use crate::failure::Failure;
 use crate::input_files::{Fingerprint, InputFile, Source, file_name};
-use crate::inputs::{InputDrumDenominators, log_shape, read_device};
+use crate::inputs::{InputDrumDenominators, read_device};
 use crate::interrupt::Writing;
 use crate::output_files::{check_outputs, make_folder, write_all};
 use crate::provenance::{OutputFile, Record, VERSION, sealed_json};
@@ -159,7 +159,7 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         // Declared before the log, so that its temporary file is gone first.
         let writing = Writing::begin();
         let _folder = make_folder(arguments.out.parent().unwrap_or(Path::new("")))?;
-        let mut log = LogFile::create(&arguments.out, &chunk, &log_shape(truth))?;
+        let mut log = LogFile::create(&arguments.out, &chunk, &LogShape::from(truth))?;
         let mut written = 0;
         loop {
             writing.go_on(&arguments.out)?;

@@ -1,5 +1,7 @@
 //! The part of a device file that a log of this device must fit.
 
+use haptical_model::{Device, JointType};
+
 /// What the device file says that the log must fit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LogShape {
@@ -20,6 +22,23 @@ pub struct JointShape {
     pub lower: f64,
     /// Upper limit from home \[rad\] or \[m\]; may be infinite.
     pub upper: f64,
+}
+
+impl From<&Device> for LogShape {
+    /// The shape of the logs of a device. A chain without a `[cable_encoder]` still has the distance from frame
+    /// (-1)'s origin, so its logs may have `cable_m`.
+    fn from(device: &Device) -> Self {
+        let joints = device.joints.iter().map(|joint| JointShape {
+            name: joint.name.clone(),
+            prismatic: joint.joint_type == JointType::Prismatic,
+            lower: joint.lower_rad,
+            upper: joint.upper_rad,
+        });
+        Self {
+            joints: joints.collect(),
+            cable_count: device.cables.len().max(usize::from(device.has_links())),
+        }
+    }
 }
 
 impl JointShape {

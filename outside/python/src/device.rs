@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use haptical_data::{JointShape, LogShape};
 use haptical_model::{Device as Model, JointType, read_toml_text};
 use haptical_urdf::{BaseAndTip, device_from_urdf, read_urdf_text};
 use pyo3::prelude::*;
@@ -204,19 +203,4 @@ fn read(source: Source, ends: BaseAndTip<'_>, rig: Option<Source>) -> Result<Dev
         label,
         warnings,
     })
-}
-
-/// What a device says of its logs.
-pub(crate) fn log_shape(device: &Model) -> LogShape {
-    let joints = device.joints.iter().map(|joint| JointShape {
-        name: joint.name.clone(),
-        prismatic: joint.joint_type == JointType::Prismatic,
-        lower: joint.lower_rad,
-        upper: joint.upper_rad,
-    });
-    LogShape {
-        joints: joints.collect(),
-        // a chain without a [cable_encoder] still has the distance from frame (-1)'s origin
-        cable_count: device.cables.len().max(usize::from(device.has_links())),
-    }
 }

@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use haptical_calibration::check_reach;
-use haptical_data::{Cells, LoadedLog, log_from_columns, read_log};
+use haptical_data::{Cells, LoadedLog, LogShape, log_from_columns, read_log};
 use haptical_model::Device as Model;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::device::log_shape;
 use crate::failure::Failure;
 
 /// A recording that was taken from Python, still to be checked.
@@ -113,7 +112,7 @@ impl Log {
     }
 
     fn loaded(&self, device: &Model) -> Result<LoadedLog, Failure> {
-        let shape = &log_shape(device);
+        let shape = &LogShape::from(device);
         let columns = match self {
             Self::File(path) => return Ok(read_log(path, shape)?),
             Self::Columns(columns) => columns,

@@ -2,28 +2,10 @@
 
 use std::path::Path;
 
-use haptical_data::{JointShape, LogShape, write_log};
-use haptical_model::{Device, JointType};
+use haptical_data::{LogShape, write_log};
 
 use crate::error::BlindError;
 use crate::trial::Trial;
-
-/// What a log of the device looks like.
-pub fn log_shape(device: &Device) -> LogShape {
-    LogShape {
-        joints: device
-            .joints
-            .iter()
-            .map(|joint| JointShape {
-                name: joint.name.clone(),
-                prismatic: joint.joint_type == JointType::Prismatic,
-                lower: joint.lower_rad,
-                upper: joint.upper_rad,
-            })
-            .collect(),
-        cable_count: device.cables.len(),
-    }
-}
 
 /// Writes `device.toml`, `log.csv.gz`, `log2.csv.gz`, for an ablation `model.toml`, and with
 /// `with_truth` `truth.json` into a folder, which is made if it is not there.
@@ -43,7 +25,7 @@ pub fn write_trial(trial: &Trial, folder: &Path, with_truth: bool) -> Result<(),
     if let Some(model) = &trial.model_toml {
         write("model.toml", model)?;
     }
-    let shape = log_shape(&trial.device);
+    let shape = LogShape::from(&trial.device);
     write_log(&folder.join("log.csv.gz"), &trial.log, &shape)?;
     write_log(&folder.join("log2.csv.gz"), &trial.log2, &shape)?;
     if with_truth {

@@ -17,7 +17,7 @@ mod truth;
 
 pub use effects::{Draw, Effect, Facts, Group, Info, KINDS, Kind, kind};
 pub use error::BlindError;
-pub use files::{log_shape, write_trial};
+pub use files::write_trial;
 pub use gap::ChannelGapTruth;
 pub use random::Random;
 pub use rig::devices::{NOMINALS, Nominal, perturbed, torque_scales};

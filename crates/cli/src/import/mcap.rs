@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use haptical_data::{McapOptions, read_mcap, write_log_to};
+use haptical_data::{LogShape, McapOptions, read_mcap, write_log_to};
 
 use super::{Imported, Target};
 use crate::device_source::DeviceOptions;
 use crate::failure::Failure;
-use crate::inputs::{InputDrumDenominators, log_shape, read_equipped_device};
+use crate::inputs::{InputDrumDenominators, read_equipped_device};
 
 /// What stands below the help of `haptical import mcap`.
 pub(super) const HELP: &str = "\
@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &McapArguments) -> Result<(), Failure> {
         rig.as_deref(),
         InputDrumDenominators::Stated,
     )?;
-    let shape = log_shape(&device.device);
+    let shape = LogShape::from(&device.device);
     let options = McapOptions {
         joint_names: arguments.joints.clone(),
         joint_topic: arguments.topic.clone(),

@@ -1,8 +1,8 @@
 //! Trials as folders: what is written reads back, and the truth stays out when it is sealed.
 
-use haptical_data::read_log;
+use haptical_data::{LogShape, read_log};
 use haptical_model::Device;
-use xtask_blind::{Suite, Truth, log_shape, write_trial};
+use xtask_blind::{Suite, Truth, write_trial};
 
 #[test]
 fn a_folder_reads_back_as_the_trial() {
@@ -15,7 +15,7 @@ fn a_folder_reads_back_as_the_trial() {
         .device;
     assert_eq!(device, trial.device);
     for (name, log) in [("log.csv.gz", &trial.log), ("log2.csv.gz", &trial.log2)] {
-        let read = read_log(&folder.path().join(name), &log_shape(&device)).expect("a log");
+        let read = read_log(&folder.path().join(name), &LogShape::from(&device)).expect("a log");
         assert_eq!(&read.recording, log, "{name}");
     }
     let text = std::fs::read_to_string(folder.path().join("truth.json")).expect("a file");

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use anyhow::{Context, Result};
-use haptical_data::{read_log_from, write_log_to};
+use haptical_data::{LogShape, read_log_from, write_log_to};
 use haptical_diagnosis::{Options, diagnose};
 use haptical_model::{Device, Recording};
 use haptical_simulator::{Effect, Effects, HandMotion, MotionSettings, record_motion};
@@ -58,7 +58,7 @@ pub(crate) fn log(rows: usize, effects: &[Effect]) -> Result<(Device, Recording)
 
 fn csv_rows() -> Result<Job> {
     let (device, recording) = log(LOG_ROWS, &[])?;
-    let shape = log_shape(&device);
+    let shape = LogShape::from(&device);
     let mut text = Vec::new();
     write_log_to(&mut text, &recording, &shape)?;
     Ok(Box::new(move || {
