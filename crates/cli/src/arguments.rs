@@ -10,10 +10,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use haptical_calibration::Degree;
 use haptical_diagnosis::effect_names;
 
-use crate::device_source::DeviceOptions;
 use crate::export::ExportArguments;
-use crate::failure::Failure;
-use crate::hold::HoldOptions;
+use crate::failure::{self, Failure};
+use crate::flags::{DeviceOptions, HoldOptions};
 use crate::{STATUS_BAD_INPUT, terminal};
 
 /// Calibrates a cable-driven haptic device from its own logs.
@@ -312,14 +311,14 @@ pub(crate) fn explain(error: &clap::Error, wants_json: bool) -> ExitCode {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             match terminal::write_output(error.render().to_string().as_bytes()) {
                 Ok(()) => ExitCode::SUCCESS,
-                Err(failure) => failure.report(false),
+                Err(refused) => failure::report(&refused, false),
             }
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand if !wants_json => {
             terminal::write_message(&error.render().to_string());
             ExitCode::from(STATUS_BAD_INPUT)
         }
-        _ => failure_of(error).report(wants_json),
+        _ => failure::report(&failure_of(error), wants_json),
     }
 }
 

@@ -9,14 +9,14 @@ mod rust_module;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use haptical::files::{Source, check_folder, check_outputs};
 use haptical_model::Device;
 use serde_json::json;
 
 use self::described::Described;
-use crate::device_source::DeviceOptions;
 use crate::failure::Failure;
-use crate::input_files::Source;
-use crate::output_files::{check_folder, check_outputs, write_all};
+use crate::flags::DeviceOptions;
+use crate::interrupt::write_all;
 use crate::terminal;
 
 /// Flags of `haptical export`.
@@ -96,26 +96,26 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     check_outputs(std::slice::from_ref(&arguments.out), &inputs)?;
     let mut input = description::read(arguments)?;
     let provenance = Provenance {
-        device: input.device.name.clone(),
+        device: input.model.name.clone(),
         file: file_name(&arguments.device),
         sha256: Source::given(&arguments.device)
-            .fingerprint_text(&input.text)
+            .fingerprint_text(input.to_toml())
             .sha256,
     };
-    let described = || Described::new(&input.device, &arguments.device);
+    let described = || Described::new(&input.model, &arguments.device);
     let content = match arguments.format {
         FormatName::Rust => rust_module::text(&described()?, &provenance),
         FormatName::CHeader => c_header::text(&described()?, &provenance)?,
         FormatName::Json => flat_json::text(&described()?, &provenance)?,
-        FormatName::Toml => input.text.clone(),
+        FormatName::Toml => input.to_toml().to_owned(),
         FormatName::Urdf | FormatName::Mjcf => {
-            let (text, warnings) = description::text(arguments, &input.device)?;
+            let (text, warnings) = description::text(arguments, &input.model)?;
             input.warnings.extend(warnings);
             text
         }
     };
     if arguments.format != FormatName::Toml {
-        input.warnings.extend(said_of_compliance(&input.device));
+        input.warnings.extend(said_of_compliance(&input.model));
     }
     write_all(folder, &[(name, content.into_bytes())])?;
     terminal::warn(&input.warnings);
@@ -126,7 +126,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
             "device": provenance.device,
             "device_file": arguments.device.display().to_string(),
             "device_sha256": provenance.sha256,
-            "joints": input.device.joints.len(),
+            "joints": input.model.joints.len(),
             "version": VERSION,
             "warnings": input.warnings,
         });
@@ -135,7 +135,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         let said = format!(
             "Written:\n  {}: {} joints of `{}`\n",
             arguments.out.display(),
-            input.device.joints.len(),
+            input.model.joints.len(),
             one_line(&provenance.device),
         );
         terminal::write_output(said.as_bytes())

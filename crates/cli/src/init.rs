@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
+use haptical::files::{check_folder, shell_word};
 use haptical_data::{LogShape, write_log_to};
 use haptical_model::Device;
 use haptical_simulator::{CableSigma, Settings, apply_deviations, simulate};
 
 use crate::arguments::InitArguments;
 use crate::failure::Failure;
-use crate::output_files::{check_folder, write_all};
-use crate::provenance::shell_word;
+use crate::interrupt::write_all;
 use crate::terminal;
 
 /// The template: the 7-DOF device of the paper.

@@ -1,8 +1,10 @@
 //! Ctrl-C: ends the command at once, or while files are written as soon as they are cleaned up.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::exit;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use haptical::files::NewFile;
 
 use crate::failure::Failure;
 
@@ -63,4 +65,10 @@ impl Drop for Writing {
     fn drop(&mut self) {
         state().writing = false;
     }
+}
+
+/// Writes all files into a folder, or after Ctrl-C none.
+pub(crate) fn write_all(folder: &Path, files: &[NewFile<'_>]) -> Result<Vec<PathBuf>, Failure> {
+    let _writing = Writing::begin();
+    haptical::files::write_all(folder, files, &|| state().requested)
 }

@@ -3,40 +3,20 @@
 mod arguments;
 mod catalogue;
 mod check;
-mod check_text;
-mod device_source;
 mod diagnose;
-mod diagnosis_words;
-#[cfg(test)]
-mod example_diagnosis;
 mod export;
 mod failure;
+mod flags;
 #[cfg(test)]
 mod fuzz;
-mod gap_file;
-mod gap_report;
-mod gap_summary;
-mod hold;
-mod identified;
 mod identify;
 mod import;
 mod init;
-mod input_files;
-mod inputs;
 mod interrupt;
-mod intervals;
-mod method;
-mod output_files;
 mod plan;
 mod play;
-mod provenance;
-mod quantity;
-mod report;
 mod simulate;
-mod summary;
 mod terminal;
-mod transmissions;
-mod units;
 mod verify;
 
 use std::process::ExitCode;
@@ -59,23 +39,17 @@ fn main() -> ExitCode {
     interrupt::listen();
     match run(arguments.command) {
         Ok(status) => status,
-        Err(failure) => failure.report(wants_json),
+        Err(failure) => failure::report(&failure, wants_json),
     }
 }
 
 fn run(command: Command) -> Result<ExitCode, Failure> {
     let done = match command {
-        Command::Identify(arguments) => identify::run(&arguments).map_err(|failure| {
-            failure.with_equipment(&arguments.device, &arguments.device_options)
-        }),
+        Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) if arguments.list => catalogue::print(arguments.json),
-        Command::Diagnose(arguments) => diagnose::run(&arguments).map_err(|failure| {
-            failure.with_equipment(&arguments.device, &arguments.device_options)
-        }),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
-        Command::Check(arguments) => check::run(&arguments).map_err(|failure| {
-            failure.with_equipment(&arguments.device, &arguments.device_options)
-        }),
+        Command::Check(arguments) => check::run(&arguments),
         Command::Init(arguments) => init::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),

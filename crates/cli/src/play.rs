@@ -8,18 +8,17 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptical_model::Device;
+use haptical::files::{
+    InputFile, Record, Source, VERSION, check_folder, check_outputs, file_name, make_folder, reason,
+};
+use haptical::{Device, Equipment, Log, refuse_other_device};
 use haptical_report::{ReportError, write_atomically};
 
 use crate::arguments::one_or_more;
-use crate::device_source::DeviceOptions;
 use crate::failure::Failure;
-use crate::input_files::{InputFile, Source, file_name};
-use crate::inputs::{InputDrumDenominators, read_device, read_recording, refuse_other_device};
+use crate::flags::DeviceOptions;
 use crate::interrupt::Writing;
-use crate::output_files::{check_folder, check_outputs, make_folder, reason};
 use crate::play::recorded::Recorded;
-use crate::provenance::{Record, VERSION};
 use crate::terminal;
 use crate::terminal::Progress;
 
@@ -58,34 +57,39 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     let progress = Progress::start("reading");
     let source = Source::given(&arguments.device);
     let equipment = arguments.device_options.equipment();
-    let (nominal, mut files) = equipment.read("device", &source, InputDrumDenominators::Stated)?;
-    refuse_no_links(&nominal.device, &arguments.device)?;
-    let mut warnings = nominal.warnings;
+    let nominal = Device::open(&source, &equipment)?;
+    let mut files = nominal.inputs("device");
+    refuse_no_links(&nominal)?;
+    let mut warnings = nominal.warnings.clone();
     let model = match &arguments.model {
         None => None,
         Some(path) => {
-            let mut model = read_device(path, InputDrumDenominators::Stated)?;
-            let source = Source::given(path);
-            files.push(source.input("model", source.fingerprint_device(&mut model)));
+            let model = Device::open(&Source::given(path), &Equipment::default())?;
+            files.extend(model.inputs("model"));
             warnings.extend(model.warnings);
-            refuse_other_device(&nominal.device, &model.device, path)?;
-            if nominal.device.name != model.device.name {
+            let (model, nominal) = (model.model, &nominal.model);
+            refuse_other_device(nominal, &model, path)?;
+            if nominal.name != model.name {
                 warnings.push(format!(
                     "the model is called \"{}\", the device \"{}\": both must be the same device",
-                    model.device.name, nominal.device.name
+                    model.name, nominal.name
                 ));
             }
-            Some(model.device)
+            Some(model)
         }
     };
-    let log = read_recording(&arguments.log, &nominal.device)
-        .map_err(|failure| failure.with_equipment(&arguments.device, &arguments.device_options))?;
+    // messages call the log by its whole path
+    let log = Log::open(&Source::by_path(&arguments.log), &nominal)?;
+    let file = log.input("log").map(|input| InputFile {
+        file: Source::given(&arguments.log).label,
+        ..input
+    });
+    files.extend(file);
     let recording = log.recording;
     warnings.extend(log.warnings);
-    files.push(Source::given(&arguments.log).input("log", log.fingerprint));
     progress.say(format!("placing the arm at {} rows", recording.len()));
     let recorded = Recorded::new(
-        &nominal.device,
+        &nominal.model,
         model.as_ref(),
         &recording,
         &recorded::Request {
@@ -97,7 +101,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     )?;
     progress.say("writing");
     let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
-    flags.extend(arguments.device_options.chain.flags());
+    flags.extend(equipment.chain_flags());
     flags.push(format!("--every={}", recorded.every));
     let record = Record::new(VERSION, "play", flags, files);
     let page = page::page(&recorded, &file_name(&arguments.log), &record)?;
@@ -153,14 +157,14 @@ fn unwritable(out: &Path, error: &ReportError) -> Failure {
     )
 }
 
-fn refuse_no_links(device: &Device, path: &Path) -> Result<(), Failure> {
-    if device.has_links() {
+fn refuse_no_links(device: &Device) -> Result<(), Failure> {
+    if device.model.has_links() {
         return Ok(());
     }
     Err(Failure::bad_input(
         "no-links",
         "the device has no [[link]] rows, so there is no arm to draw",
-        path.display().to_string(),
+        device.source().path.display().to_string(),
         "add the Denavit-Hartenberg rows as [[link]] tables; errors of transmissions alone are in \
          the report.html of `haptical identify`",
     ))

@@ -3,8 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use haptical::files::{
+    Fingerprint, InputFile, OutputFile, Record, Source, VERSION, check_outputs, file_name,
+    make_folder, sealed_json,
+};
+use haptical::{Device, Equipment};
 use haptical_data::{LogFile, LogShape};
-use haptical_model::{Device, check_toml_syntax, read_toml_text};
+use haptical_model::{Device as Model, check_toml_syntax, read_toml_text};
 use haptical_simulator::{
     Effect, EffectError, Effects, HandMotion, MotionSettings, SimulatorError, simulate_motion,
     simulated_effects,
@@ -12,13 +17,9 @@ use haptical_simulator::{
 use serde::Serialize;
 
 use crate::arguments::{above_zero, whole_number};
-use crate::device_source::DeviceOptions;
 use crate::failure::Failure;
-use crate::input_files::{Fingerprint, InputFile, Source, file_name};
-use crate::inputs::{InputDrumDenominators, read_device};
-use crate::interrupt::Writing;
-use crate::output_files::{check_outputs, make_folder, write_all};
-use crate::provenance::{OutputFile, Record, VERSION, sealed_json};
+use crate::flags::DeviceOptions;
+use crate::interrupt::{Writing, write_all};
 use crate::terminal::{self, Progress};
 
 /// Rows made at a time: enough that progress costs nothing, few enough to take no memory.
@@ -118,21 +119,20 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     check_outputs(std::slice::from_ref(&place), &arguments.inputs())?;
     let source = Source::given(&arguments.device);
     let equipment = arguments.device_options.equipment();
-    let (mut input, mut files) =
-        equipment.read("device", &source, InputDrumDenominators::Stated)?;
+    let mut device = Device::open(&source, &equipment)?;
+    let mut files = device.inputs("device");
     let truth_path = arguments.truth.as_ref().unwrap_or(&arguments.device);
     let truth = match &arguments.truth {
         None => None,
         Some(path) => {
-            let mut truth = read_device(path, InputDrumDenominators::Stated)?;
-            let source = Source::given(path);
-            files.push(source.input("truth", source.fingerprint_device(&mut truth)));
-            check_likeness(&input.device, &truth.device, path)?;
-            input.warnings.extend(truth.warnings);
-            Some(truth.device)
+            let truth = Device::open(&Source::given(path), &Equipment::default())?;
+            files.extend(truth.inputs("truth"));
+            check_likeness(&device.model, &truth.model, path)?;
+            device.warnings.extend(truth.warnings);
+            Some(truth.model)
         }
     };
-    let truth = truth.as_ref().unwrap_or(&input.device);
+    let truth = truth.as_ref().unwrap_or(&device.model);
     let effects = match &arguments.effects {
         None => Effects::none(),
         Some(path) => {
@@ -195,7 +195,7 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let json = sealed_json(&summary)?;
     write_all(folder, &[(beside.as_str(), json.into_bytes())])?;
     drop(progress);
-    terminal::warn(&input.warnings);
+    terminal::warn(&device.warnings);
     summary.log = arguments.out.display().to_string();
     let text = if arguments.json {
         serde_json::to_string_pretty(&summary).map_err(Failure::internal)? + "\n"
@@ -240,7 +240,7 @@ impl SimulateArguments {
     /// How the log came about.
     fn record(&self, files: Vec<InputFile>, log: &Source, hashed: Fingerprint) -> Record {
         let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
-        flags.extend(self.device_options.chain.flags());
+        flags.extend(self.device_options.equipment().chain_flags());
         flags.extend([
             format!("--seconds={}", self.seconds),
             format!("--rate-hz={}", self.rate_hz),
@@ -274,9 +274,8 @@ impl Written<'_> {
 }
 
 /// Refuses a true device whose logs the device cannot read.
-fn check_likeness(device: &Device, truth: &Device, path: &Path) -> Result<(), Failure> {
-    let kinds =
-        |of: &Device| -> Vec<_> { of.joints.iter().map(|joint| joint.joint_type).collect() };
+fn check_likeness(device: &Model, truth: &Model, path: &Path) -> Result<(), Failure> {
+    let kinds = |of: &Model| -> Vec<_> { of.joints.iter().map(|joint| joint.joint_type).collect() };
     let is_alike = kinds(device) == kinds(truth)
         && device.cables.len() == truth.cables.len()
         && device.has_links() == truth.has_links();

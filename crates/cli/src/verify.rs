@@ -1,7 +1,6 @@
 //! `haptical verify`: recomputes a result from its inputs and compares every number.
 
 mod compare;
-mod leaves;
 mod recorded;
 mod said;
 mod sought;
@@ -10,12 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use haptical::files::{NewFile, Source};
+use haptical::{Device, Diagnose, Equipment, Log, diagnose_as, identify_as, plan_as};
 
-use crate::device_source::{DeviceOptions, Equipment};
 use crate::failure::Failure;
-use crate::output_files::NewFile;
 use crate::terminal::{self, Progress};
-use crate::{diagnose, identify, plan};
 
 use self::compare::{FileVerdict, Written, compare};
 use self::recorded::{Recorded, RecordedCommand};
@@ -68,10 +66,10 @@ pub(crate) struct VerifyArguments {
 pub(crate) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     let results = recorded::read(&arguments.result)?;
     refuse_needless(arguments, &results)?;
-    let progress = Progress::start("reading");
+    let progress = Progress::start("computing again");
     let mut checked = Vec::new();
     for result in &results {
-        let (inputs, files) = recompute(result, arguments, &progress)?;
+        let (inputs, files) = recompute(result, arguments)?;
         let files = files
             .iter()
             .map(|file| verdict(result, &results, file))
@@ -118,78 +116,98 @@ fn refuse_needless(arguments: &VerifyArguments, results: &[Recorded]) -> Result<
 fn recompute(
     result: &Recorded,
     arguments: &VerifyArguments,
-    progress: &Progress,
 ) -> Result<(Vec<Found>, Vec<NewFile<'static>>), Failure> {
-    let search = Search { result };
-    let find = |flag: &str, recorded: &Path, given: &Option<PathBuf>| {
-        search.find(flag, recorded, given.as_deref())
+    let mut inputs = Inputs {
+        search: Search { result },
+        found: Vec::new(),
     };
-    match &result.command {
+    let version = &result.version;
+    let files = match &result.command {
         RecordedCommand::Identify(options) => {
-            let device = find("device", &options.device, &arguments.device)?;
-            let log = find("log", &options.log, &arguments.log)?;
-            let (equipment, rig) = equipped(&options.device_options, &arguments.rig, &search)?;
-            let sources = [device.source.clone(), log.source.clone()];
-            let version = &result.version;
-            let outcome = identify::outcome(options, &sources, &equipment, version, progress)?;
-            let found = [Some(device), Some(log), rig];
-            Ok((found.into_iter().flatten().collect(), outcome.files))
+            let device = inputs.find("device", &options.device, &arguments.device)?;
+            let log = inputs.find("log", &options.log, &arguments.log)?;
+            let rig = inputs.option("rig", &options.device_options.rig, &arguments.rig)?;
+            let equipment = Equipment {
+                rig,
+                ..options.equipment()
+            };
+            let device = Device::open(&device, &equipment)?;
+            let log = Log::open(&log, &device)?;
+            identify_as(version, &device, &log, &options.request())?.files()?
         }
         RecordedCommand::Diagnose(options) => {
-            let device = find("device", &options.device, &arguments.device)?;
-            let log = find("log", &options.log, &arguments.log)?;
-            let further = |flag: &str, recorded: &Option<PathBuf>, given| {
-                let found = recorded.as_deref().map(|path| find(flag, path, given));
-                found.transpose()
+            let device = inputs.find("device", &options.device, &arguments.device)?;
+            let log = inputs.find("log", &options.log, &arguments.log)?;
+            let rig = inputs.option("rig", &options.device_options.rig, &arguments.rig)?;
+            let model = inputs.option("model", &options.model, &arguments.model)?;
+            let second = inputs.option("validate", &options.validate, &arguments.validate)?;
+            let equipment = Equipment {
+                rig,
+                ..options.device_options.equipment()
             };
-            let model = further("model", &options.model, &arguments.model)?;
-            let validate = further("validate", &options.validate, &arguments.validate)?;
-            let (equipment, rig) = equipped(&options.device_options, &arguments.rig, &search)?;
-            let source = |found: &Option<Found>| found.as_ref().map(|found| found.source.clone());
-            let sources = diagnose::Sources {
-                device: device.source.clone(),
-                equipment,
-                log: log.source.clone(),
-                model: source(&model),
-                validate: source(&validate),
+            let device = Device::open(&device, &equipment)?;
+            let log = Log::open(&log, &device)?;
+            let plain = Equipment::default();
+            let model = model
+                .map(|source| Device::open(&source, &plain))
+                .transpose()?;
+            let second = second
+                .map(|source| Log::open(&source, &device))
+                .transpose()?;
+            let request = Diagnose {
+                without: options.without.clone(),
+                model: model.as_ref(),
+                validate: second.as_ref(),
             };
-            let outcome = diagnose::outcome(&options.without, &sources, &result.version, progress)?;
-            let found = [Some(device), Some(log), rig, model, validate];
-            Ok((found.into_iter().flatten().collect(), outcome.files))
+            diagnose_as(version, &device, &log, &request)?.files()?
         }
         RecordedCommand::Plan(options) => {
-            let device = find("device", &options.device, &arguments.device)?;
-            let log = options.log.as_deref();
-            let log = log
-                .map(|path| find("log", path, &arguments.log))
-                .transpose()?;
-            let (equipment, rig) = equipped(&options.device_options, &arguments.rig, &search)?;
-            let sources = plan::Sources {
-                device: device.source.clone(),
-                equipment,
-                log: log.as_ref().map(|found| found.source.clone()),
+            let device = inputs.find("device", &options.device, &arguments.device)?;
+            let rig = inputs.option("rig", &options.device_options.rig, &arguments.rig)?;
+            let log = inputs.option("log", &options.log, &arguments.log)?;
+            let equipment = Equipment {
+                rig,
+                ..options.device_options.equipment()
             };
-            let outcome = plan::outcome(options, &sources, &result.version, progress)?;
-            let found = [Some(device), rig, log];
-            Ok((found.into_iter().flatten().collect(), outcome.files))
+            let device = Device::open(&device, &equipment)?;
+            let log = log.map(|source| Log::open(&source, &device)).transpose()?;
+            let request = options.request(&device)?;
+            plan_as(version, &device, &request, log.as_ref(), &|_| ())?.files()?
         }
-    }
+    };
+    Ok((inputs.found, files))
 }
 
-/// The device's equipment as recorded, and where its rig file was found.
-fn equipped(
-    options: &DeviceOptions,
-    given: &Option<PathBuf>,
-    search: &Search<'_>,
-) -> Result<(Equipment, Option<Found>), Failure> {
-    let rig = options.rig.as_deref();
-    let find = |path| search.find("rig", path, given.as_deref());
-    let rig = rig.map(find).transpose()?;
-    let equipment = Equipment {
-        chain: options.chain.clone(),
-        rig: rig.as_ref().map(|found| found.source.clone()),
-    };
-    Ok((equipment, rig))
+/// The inputs that were found, in the order in which they were asked for.
+struct Inputs<'a> {
+    search: Search<'a>,
+    found: Vec<Found>,
+}
+
+impl Inputs<'_> {
+    fn find(
+        &mut self,
+        flag: &str,
+        recorded: &Path,
+        given: &Option<PathBuf>,
+    ) -> Result<Source, Failure> {
+        let found = self.search.find(flag, recorded, given.as_deref())?;
+        let source = found.source.clone();
+        self.found.push(found);
+        Ok(source)
+    }
+
+    fn option(
+        &mut self,
+        flag: &str,
+        recorded: &Option<PathBuf>,
+        given: &Option<PathBuf>,
+    ) -> Result<Option<Source>, Failure> {
+        let recorded = recorded.as_deref();
+        recorded
+            .map(|path| self.find(flag, path, given))
+            .transpose()
+    }
 }
 
 /// What is said of one file of a result.

@@ -1,15 +1,15 @@
 //! Robot descriptions of a device: a corrected URDF, a new one, or an MJCF.
 
+use haptical::files::Source;
+use haptical::{Equipment, is_urdf};
 use haptical_model::Device;
-use haptical_urdf::{BaseAndTip, corrected_urdf, new_mjcf, new_urdf, read_urdf_text};
+use haptical_urdf::{corrected_urdf, new_mjcf, new_urdf, read_urdf_text};
 
 use super::{ExportArguments, FormatName};
-use crate::device_source::is_urdf;
 use crate::failure::Failure;
-use crate::inputs::{DeviceInput, InputDrumDenominators, read_equipped_device};
 
 /// Reads the device. `--base` and `--tip` are about whichever URDF is given.
-pub(super) fn read(arguments: &ExportArguments) -> Result<DeviceInput, Failure> {
+pub(super) fn read(arguments: &ExportArguments) -> Result<haptical::Device, Failure> {
     if arguments.urdf.is_some() && !matches!(arguments.format, FormatName::Urdf) {
         return Err(Failure::command_line(
             "arguments",
@@ -18,16 +18,14 @@ pub(super) fn read(arguments: &ExportArguments) -> Result<DeviceInput, Failure> 
         ));
     }
     let options = &arguments.device_options;
-    let of_device = match arguments.urdf.is_none() || is_urdf(&arguments.device) {
-        true => options.chain.ends(),
-        false => BaseAndTip::default(),
+    if arguments.urdf.is_none() || is_urdf(&arguments.device) {
+        return options.read_by_path(&arguments.device);
+    }
+    let equipment = Equipment {
+        rig: options.rig.as_deref().map(Source::by_path),
+        ..Equipment::default()
     };
-    read_equipped_device(
-        &arguments.device,
-        of_device,
-        options.rig.as_deref(),
-        InputDrumDenominators::Stated,
-    )
+    haptical::Device::open(&Source::by_path(&arguments.device), &equipment)
 }
 
 /// The text, and what it leaves out.
@@ -43,9 +41,10 @@ pub(super) fn text(
         (_, Some(original)) => {
             let refuse = |error: haptical_urdf::UrdfError| Failure::urdf(&error, original);
             let text = read_urdf_text(original).map_err(refuse)?;
-            let ends = arguments.device_options.chain.ends();
+            let equipment = arguments.device_options.equipment();
             let name = original.display().to_string();
-            let corrected = corrected_urdf(&text, &name, ends, device).map_err(refuse)?;
+            let corrected =
+                corrected_urdf(&text, &name, equipment.ends(), device).map_err(refuse)?;
             Ok((corrected.text, corrected.warnings))
         }
     }

@@ -6,9 +6,8 @@ use clap::Args;
 use haptical_data::{LogShape, McapOptions, read_mcap, write_log_to};
 
 use super::{Imported, Target};
-use crate::device_source::DeviceOptions;
 use crate::failure::Failure;
-use crate::inputs::{InputDrumDenominators, read_equipped_device};
+use crate::flags::DeviceOptions;
 
 /// What stands below the help of `haptical import mcap`.
 pub(super) const HELP: &str = "\
@@ -46,14 +45,9 @@ pub(super) struct McapArguments {
 pub(super) fn run(arguments: &McapArguments) -> Result<(), Failure> {
     let target = &arguments.target;
     target.check(None, &[&arguments.recording, &arguments.device])?;
-    let DeviceOptions { chain, rig } = &arguments.device_options;
-    let device = read_equipped_device(
-        &arguments.device,
-        chain.ends(),
-        rig.as_deref(),
-        InputDrumDenominators::Stated,
-    )?;
-    let shape = LogShape::from(&device.device);
+    let options = &arguments.device_options;
+    let device = options.read_by_path(&arguments.device)?;
+    let shape = LogShape::from(&device.model);
     let options = McapOptions {
         joint_names: arguments.joints.clone(),
         joint_topic: arguments.topic.clone(),

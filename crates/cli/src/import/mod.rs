@@ -10,11 +10,12 @@ mod sockets;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
+use haptical::files::{check_folder, check_outputs};
 use haptical_data::{JointShape, LogShape};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::output_files::{check_folder, check_outputs, write_all};
+use crate::interrupt::write_all;
 use crate::terminal;
 
 /// What stands below the help of `haptical import`.

@@ -4,12 +4,12 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use haptical_design::{
-    Criterion, DEGREE, DesignError, KINDS, Limits, Region, Request, Rig, Spread, Terms,
-};
+use haptical::Device;
+use haptical_design::{Criterion, DEGREE, KINDS, Limits, Region, Request, Rig, Spread, Terms};
 
 use crate::arguments::{above_zero, one_or_more, whole_number};
-use crate::device_source::DeviceOptions;
+use crate::failure::Failure;
+use crate::flags::DeviceOptions;
 
 /// The arguments of the command.
 #[derive(Debug, Args)]
@@ -89,11 +89,13 @@ pub(crate) enum SpreadName {
 
 impl PlanArguments {
     /// What is asked of the library.
-    pub(crate) fn request(&self) -> Result<Request, DesignError> {
+    pub(crate) fn request(&self, device: &Device) -> Result<Request, Failure> {
         let usual = Request::default();
         let rigs = self.measure.iter().map(|text| Rig::parse(text));
         Ok(Request {
-            rigs: rigs.collect::<Result<_, _>>()?,
+            rigs: rigs
+                .collect::<Result<_, _>>()
+                .map_err(|error| Failure::design(&error, &device.source().path))?,
             terms: match self.known_transmissions {
                 true => Terms::Known,
                 false => Terms::Degree(DEGREE),
@@ -119,58 +121,6 @@ impl PlanArguments {
             cable_m: self.cable_length.unwrap_or(usual.cable_m),
             link_radius_m: self.link_radius,
         }
-    }
-
-    /// Flags as `--flag=value`, defaults included; files are not among them.
-    pub(crate) fn flags(&self) -> Vec<String> {
-        let name = |value: &dyn ValueName| value.name();
-        let mut flags: Vec<String> = self
-            .measure
-            .iter()
-            .map(|rig| format!("--measure={rig}"))
-            .collect();
-        flags.extend(self.poses.map(|poses| format!("--poses={poses}")));
-        flags.push(format!("--criterion={}", name(&self.criterion)));
-        flags.extend(
-            self.region
-                .as_ref()
-                .map(|region| format!("--region={}", region_text(region))),
-        );
-        flags.push(format!("--candidates={}", self.candidates));
-        flags.push(format!("--seed={}", self.seed));
-        flags.push(format!("--spread={}", name(&self.spread)));
-        let list = |numbers: &[f64]| -> String {
-            numbers
-                .iter()
-                .map(f64::to_string)
-                .collect::<Vec<_>>()
-                .join(",")
-        };
-        let sides = self.workspace.as_ref();
-        flags.extend(sides.map(|sides| format!("--workspace={}", list(sides.as_flattened()))));
-        let cable = self.cable_length.as_ref();
-        flags.extend(cable.map(|cable| format!("--cable-length={}", list(cable))));
-        flags.extend(
-            self.link_radius
-                .map(|radius| format!("--link-radius={radius}")),
-        );
-        flags.extend(
-            self.known_transmissions
-                .then(|| "--known-transmissions".to_owned()),
-        );
-        flags
-    }
-}
-
-/// The name that a value has on the command line.
-trait ValueName {
-    fn name(&self) -> String;
-}
-
-impl<T: ValueEnum> ValueName for T {
-    fn name(&self) -> String {
-        let value = self.to_possible_value();
-        value.map_or_else(String::new, |value| value.get_name().to_owned())
     }
 }
 
@@ -212,20 +162,6 @@ fn region(text: &str) -> Result<Region, String> {
         Ok([low, high])
     });
     Ok(Region::Joints(ranges.collect::<Result<_, String>>()?))
-}
-
-fn region_text(region: &Region) -> String {
-    match region {
-        Region::Everywhere => String::new(),
-        Region::Ball {
-            centre_m: [x, y, z],
-            radius_m,
-        } => format!("{x},{y},{z},{radius_m}"),
-        Region::Joints(ranges) => {
-            let range = |[low, high]: &[f64; 2]| format!("{low}:{high}");
-            ranges.iter().map(range).collect::<Vec<_>>().join(",")
-        }
-    }
 }
 
 fn workspace(text: &str) -> Result<[[f64; 3]; 2], String> {

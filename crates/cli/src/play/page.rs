@@ -1,11 +1,11 @@
 //! The page as one HTML file: text and tables by maud, style, script and data embedded.
 
+use haptical::files::Record;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::recorded::Recorded;
 use super::summary::rms_texts;
 use crate::failure::Failure;
-use crate::provenance::Record;
 
 const STYLE: &str = include_str!("page.css");
 /// The scripts run one after the other in one element: the first two hold functions only.

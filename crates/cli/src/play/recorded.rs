@@ -11,7 +11,7 @@ use haptical_model::{Device, Recording};
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::units::Shown;
+use haptical::units::Shown;
 
 /// Characters that one number takes in the page on average, its comma included.
 const NUMBER_BYTES: usize = 6;

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::recorded::{ChannelErrors, Recorded};
 use crate::failure::Failure;
-use crate::units::{Shown, decimals};
+use haptical::units::{Shown, decimals};
 
 /// What was written; `--json` prints it.
 #[derive(Debug, Serialize)]

@@ -1,10 +1,7 @@
 //! Compares a file of a result with what its inputs give.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
-
-use super::leaves::{Leaf, leaves};
+use serde_json::Value;
 
 /// Largest difference of two numbers, as a share of the larger one, that another machine may make.
 const TOLERANCE: f64 = 1e-9;
@@ -88,15 +85,15 @@ pub(super) fn compare(name: &str, written: Option<Written>, recomputed: &[u8]) -
         return FileVerdict::new(name, Agreement::SameBytes);
     }
     // What was changed after it was written is no other machine's.
-    let tolerance = if is_changed { 0.0 } else { TOLERANCE };
-    let mut found = Differences::default();
-    if name.ends_with(".html") {
-        compare_pages(&mut found, &bytes, recomputed, tolerance);
-    } else {
-        match (leaves(name, &bytes), leaves(name, recomputed)) {
-            (Ok(was), Ok(is)) => compare_leaves(&mut found, &was, &is, is_changed),
-            (Err(why), _) | (_, Err(why)) => found.push("the file", &why, "a file of its kind"),
-        }
+    let mut found = Differences {
+        // What was changed after it was written is no other machine's.
+        tolerance: if is_changed { 0.0 } else { TOLERANCE },
+        ..Differences::default()
+    };
+    match (values(name, &bytes), values(name, recomputed)) {
+        (Ok(Some(was)), Ok(Some(is))) => found.walk("", Some(&was), Some(&is)),
+        (Err(why), _) | (_, Err(why)) => found.push("the file", &why, "a file of its kind"),
+        _ => compare_texts(&mut found, &bytes, recomputed),
     }
     if is_changed && found.count == 0 {
         // Spacing, comments, or how a number is written.
@@ -120,7 +117,9 @@ pub(super) fn compare(name: &str, written: Option<Written>, recomputed: &[u8]) -
 struct Differences {
     count: usize,
     listed: Vec<Difference>,
-    /// Largest relative difference within the tolerance.
+    /// Largest relative difference that counts as none.
+    tolerance: f64,
+    /// Largest one within it.
     largest: f64,
 }
 
@@ -137,13 +136,64 @@ impl Differences {
     }
 
     /// Whether two numbers agree.
-    fn agree(&mut self, was: f64, is: f64, tolerance: f64) -> bool {
+    fn agree(&mut self, was: f64, is: f64) -> bool {
         let relative = relative_difference(was, is);
-        if relative > tolerance {
-            return false;
+        let agrees = relative <= self.tolerance;
+        if agrees {
+            self.largest = self.largest.max(relative);
         }
-        self.largest = self.largest.max(relative);
-        true
+        agrees
+    }
+
+    /// Compares two values and all that are in them.
+    fn walk(&mut self, place: &str, was: Option<&Value>, is: Option<&Value>) {
+        if self.tolerance > 0.0 && HASHES.contains(&place) {
+            return;
+        }
+        match (was, is) {
+            (Some(Value::Object(was)), Some(Value::Object(is))) => {
+                let new = is.keys().filter(|key| !was.contains_key(*key));
+                for key in was.keys().chain(new) {
+                    let dot = if place.is_empty() { "" } else { "." };
+                    self.walk(&format!("{place}{dot}{key}"), was.get(key), is.get(key));
+                }
+            }
+            (Some(Value::Array(was)), Some(Value::Array(is))) => {
+                for index in 0..was.len().max(is.len()) {
+                    self.walk(&format!("{place}[{index}]"), was.get(index), is.get(index));
+                }
+            }
+            (Some(a), Some(b)) if self.agree_as_numbers(a, b) || a == b => {}
+            _ => self.push(place, &shown(was), &shown(is)),
+        }
+    }
+
+    fn agree_as_numbers(&mut self, was: &Value, is: &Value) -> bool {
+        let numbers = was.as_f64().zip(is.as_f64());
+        numbers.is_some_and(|(was, is)| self.agree(was, is))
+    }
+}
+
+/// The values of a JSON or TOML text, none of another file; an error says why it has none.
+fn values(name: &str, bytes: &[u8]) -> Result<Option<Value>, String> {
+    let text = std::str::from_utf8(bytes).map_err(|_| "not a text in UTF-8".to_owned())?;
+    if name.ends_with(".json") {
+        return serde_json::from_str(text).map_err(|error| error.to_string());
+    }
+    if !name.ends_with(".toml") {
+        return Ok(None);
+    }
+    // It refuses what would take the other reader too deep.
+    haptical_model::check_toml_syntax(text, name).map_err(|error| error.to_string())?;
+    toml::from_str(text).map_err(|_| "not TOML".to_owned())
+}
+
+/// A value with the shortest digits that give it back.
+fn shown(value: Option<&Value>) -> String {
+    match value {
+        None => "nothing".to_owned(),
+        Some(Value::Number(number)) => format!("{:?}", number.as_f64().unwrap_or(f64::NAN)),
+        Some(other) => other.to_string(),
     }
 }
 
@@ -156,50 +206,17 @@ fn relative_difference(was: f64, is: f64) -> f64 {
     2.0 * (half / was.abs().max(is.abs()))
 }
 
-fn compare_leaves(
-    found: &mut Differences,
-    was: &[(String, Leaf)],
-    is: &[(String, Leaf)],
-    is_changed: bool,
-) {
-    let tolerance = if is_changed { 0.0 } else { TOLERANCE };
-    let skipped = |place: &str| !is_changed && HASHES.iter().any(|hash| place.starts_with(hash));
-    let recomputed: BTreeMap<&str, &Leaf> = is
-        .iter()
-        .map(|(place, leaf)| (place.as_str(), leaf))
-        .collect();
-    let recorded: BTreeMap<&str, &Leaf> = was
-        .iter()
-        .map(|(place, leaf)| (place.as_str(), leaf))
-        .collect();
-    for (place, leaf) in was.iter().filter(|(place, _)| !skipped(place)) {
-        match (leaf, recomputed.get(place.as_str())) {
-            (Leaf::Number(was), Some(Leaf::Number(is))) if found.agree(*was, *is, tolerance) => {}
-            (was, Some(is)) if was == *is => {}
-            (was, Some(is)) => found.push(place, &was.to_string(), &is.to_string()),
-            (was, None) => found.push(place, &was.to_string(), "nothing"),
-        }
-    }
-    for (place, leaf) in is.iter().filter(|(place, _)| !skipped(place)) {
-        if !recorded.contains_key(place.as_str()) {
-            found.push(place, "nothing", &leaf.to_string());
-        }
-    }
-}
-
-/// Pages hold rounded numbers between texts: the texts must be the same, and the numbers agree within one
-/// unit of their last digit where another machine may have rounded the other way.
-fn compare_pages(found: &mut Differences, was: &[u8], is: &[u8], tolerance: f64) {
+/// Pages, pictures and tables hold numbers between texts: the texts must be the same, and the numbers agree within
+/// one unit of their last digit where another machine may have rounded the other way.
+fn compare_texts(found: &mut Differences, was: &[u8], is: &[u8]) {
     let (was_text, is_text) = (String::from_utf8_lossy(was), String::from_utf8_lossy(is));
     let (was_parts, is_parts) = (parts(&was_text), parts(&is_text));
-    let agrees = tolerance > 0.0
+    let agrees = found.tolerance > 0.0
         && was_parts.len() == is_parts.len()
         && was_parts.iter().zip(&is_parts).all(|(was, is)| {
             was == is
                 || match (was.parse::<f64>(), is.parse::<f64>()) {
-                    (Ok(a), Ok(b)) => {
-                        found.agree(a, b, tolerance) || (a - b).abs() <= 1.01 * last_digit(is)
-                    }
+                    (Ok(a), Ok(b)) => found.agree(a, b) || (a - b).abs() <= 1.01 * last_digit(is),
                     _ => false,
                 }
         });
@@ -316,6 +333,14 @@ mod tests {
             .map(|d| format!("{} {} {}", d.place, d.recorded, d.recomputed))
             .collect();
         assert_eq!(shown, ["b 2.0 nothing", "c nothing 3.0"]);
+    }
+
+    #[test]
+    fn what_is_no_text_of_its_kind_says_so() {
+        for (name, text) in [("x.json", "{"), ("x.toml", "a = =")] {
+            let found = verdict(name, text, "{}", false);
+            assert_eq!(found.differences[0].place, "the file", "{name}");
+        }
     }
 
     #[test]

@@ -5,16 +5,14 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+use haptical::files::{Fingerprint, InputFile, OutputFile, is_seal_whole, reason};
+use haptical::{Diagnosed, Found, Planned};
 use serde::Deserialize;
 use serde_json::Value;
 
 use crate::arguments::{Arguments, Command, DiagnoseArguments, IdentifyArguments, failure_of};
 use crate::failure::Failure;
-use crate::input_files::{Fingerprint, InputFile};
-use crate::output_files::reason;
 use crate::plan::PlanArguments;
-use crate::provenance::{OutputFile, is_seal_whole};
-use crate::{diagnose, identify, plan};
 
 /// Largest result that is read; a result takes some hundred kilobytes.
 const LARGEST_RESULT_BYTES: u64 = 64 << 20;
@@ -58,9 +56,9 @@ impl RecordedCommand {
     /// Name of the file that holds the provenance.
     pub(super) fn result_file(&self) -> &'static str {
         match self {
-            Self::Identify(_) => identify::FILES[1],
-            Self::Diagnose(_) => diagnose::FILES[0],
-            Self::Plan(_) => plan::FILES[0],
+            Self::Identify(_) => Found::FILES[1],
+            Self::Diagnose(_) => Diagnosed::FILES[0],
+            Self::Plan(_) => Planned::FILES[0],
         }
     }
 }
@@ -85,7 +83,7 @@ impl Recorded {
     /// Whether the result says that it wrote this file.
     pub(super) fn lists(&self, name: &str, bytes: &[u8]) -> bool {
         let listed = self.outputs.iter().find(|output| output.file == name);
-        listed.is_some_and(|output| output.sha256 == Fingerprint::of(bytes).sha256)
+        listed.is_some_and(|output| output.sha256 == Fingerprint::from_bytes(bytes).sha256)
     }
 }
 
@@ -103,7 +101,7 @@ pub(super) fn read(given: &Path) -> Result<Vec<Recorded>, Failure> {
     if !there.is_dir() {
         return Ok(vec![read_one(given, true)?]);
     }
-    let names = [identify::FILES[1], diagnose::FILES[0], plan::FILES[0]];
+    let names = [Found::FILES[1], Diagnosed::FILES[0], Planned::FILES[0]];
     let paths = names.map(|name| given.join(name));
     let results = paths
         .iter()

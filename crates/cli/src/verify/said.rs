@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 
+use haptical::files::VERSION;
 use serde::Serialize;
 
 use super::compare::{Agreement, FileVerdict};
 use super::recorded::Recorded;
 use super::sought::Found;
 use crate::failure::Failure;
-use crate::provenance::VERSION;
 
 /// Differences of a file that the terminal lists; `--json` has more.
 const LISTED: usize = 10;

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use haptical::files::{Fingerprint, InputFile, Source, reason};
+
 use super::recorded::Recorded;
 use crate::failure::Failure;
-use crate::input_files::{Fingerprint, InputFile, Source};
-use crate::output_files::reason;
 
 /// An input with the recorded bytes.
 pub(super) struct Found {
@@ -30,6 +30,7 @@ impl Search<'_> {
         let source = |path: PathBuf| Source {
             path,
             label: recorded.file.clone(),
+            text: None,
         };
         if let Some(path) = given {
             let is_it = hash(path)? == recorded.sha256;

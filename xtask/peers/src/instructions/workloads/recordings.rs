@@ -7,7 +7,6 @@ use haptical_data::{LogShape, read_log_from, write_log_to};
 use haptical_diagnosis::{Options, diagnose};
 use haptical_model::{Device, Recording};
 use haptical_simulator::{Effect, Effects, HandMotion, MotionSettings, record_motion};
-use xtask_blind::log_shape;
 use xtask_paper::{Paper, nominal_device, true_device};
 
 use super::{Job, Workload};

@@ -1,0 +1,53 @@
+//! Flags beside `--device`: the chain of a URDF, a rig file.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use haptical::files::Source;
+use haptical::{Device, Equipment};
+
+use crate::failure::Failure;
+
+/// Flags beside `--device`.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct DeviceOptions {
+    #[command(flatten)]
+    pub(crate) chain: ChainOptions,
+    /// Sensors around the device (TOML: `[cable_encoder]`, `[[cable]]`, `[tracker]`, `[[contact_pair]]`,
+    /// `[gravity]`), in the place of the device file's
+    #[arg(long, value_name = "FILE")]
+    pub(crate) rig: Option<PathBuf>,
+}
+
+/// Links between which the chain of a URDF runs.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct ChainOptions {
+    /// Link at which the chain of a URDF begins, frame (-1), such as the other hand; without it the root link;
+    /// needs --tip
+    #[arg(long, value_name = "LINK")]
+    pub(crate) base: Option<String>,
+    /// Link at which the chain of a URDF ends; without it the longest chain is taken
+    #[arg(long, value_name = "LINK")]
+    pub(crate) tip: Option<String>,
+}
+
+impl DeviceOptions {
+    /// As the library takes them.
+    pub(crate) fn equipment(&self) -> Equipment {
+        Equipment {
+            base: self.chain.base.clone(),
+            tip: self.chain.tip.clone(),
+            rig: self.rig.as_deref().map(Source::given),
+            ..Equipment::default()
+        }
+    }
+
+    /// Reads a device that messages call by its whole path.
+    pub(crate) fn read_by_path(&self, device: &Path) -> Result<Device, Failure> {
+        let equipment = Equipment {
+            rig: self.rig.as_deref().map(Source::by_path),
+            ..self.equipment()
+        };
+        Device::open(&Source::by_path(device), &equipment)
+    }
+}

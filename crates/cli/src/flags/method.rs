@@ -1,0 +1,65 @@
+//! The flags of `haptical identify` as what the library is asked for.
+
+use haptical::{Equipment, Identify, InputDrumDenominators};
+use haptical_calibration::{CalibrationMethod, HeldOut, LossChoice, Options, Weighting};
+use haptical_identification::Loss;
+
+use crate::arguments::{IdentifyArguments, LossName, MethodName, NoiseName};
+
+impl IdentifyArguments {
+    /// What is asked for.
+    pub(crate) fn request(&self) -> Identify {
+        Identify {
+            options: self.options(),
+            joint_compliance: !self.with.is_empty(),
+            hold: self.hold.hold(),
+            deviations: self.hold.deviations(),
+        }
+    }
+
+    fn options(&self) -> Options {
+        Options {
+            method: match self.method {
+                MethodName::TwoStep => CalibrationMethod::TwoStep,
+                MethodName::Joint => CalibrationMethod::Joint,
+            },
+            degree: self.degree,
+            weighting: match self.noise {
+                NoiseName::Stated => Weighting::Stated,
+                NoiseName::Estimated => Weighting::Estimated,
+            },
+            loss: self.loss.choice(),
+            held_out: match self.folds {
+                Some(folds) => HeldOut::Folds(folds as usize),
+                None if self.held_out > 0.0 => HeldOut::Share(self.held_out),
+                None => HeldOut::None,
+            },
+            ..Options::default()
+        }
+    }
+
+    /// What the device is read with.
+    pub(crate) fn equipment(&self) -> Equipment {
+        Equipment {
+            denominators: match self.input_drum_denominator_m {
+                Some(length_m) => InputDrumDenominators::Same(length_m),
+                None if self.paper_preset => InputDrumDenominators::Paper,
+                None => InputDrumDenominators::Stated,
+            },
+            ..self.device_options.equipment()
+        }
+    }
+}
+
+impl LossName {
+    fn choice(self) -> LossChoice {
+        LossChoice::Fixed(match self {
+            Self::Auto => return LossChoice::Auto,
+            Self::Squares => Loss::Squares,
+            Self::Huber => Loss::Huber,
+            Self::Cauchy => Loss::Cauchy,
+            Self::Tukey => Loss::Tukey,
+            Self::StudentT => Loss::StudentT,
+        })
+    }
+}

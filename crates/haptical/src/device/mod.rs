@@ -1,0 +1,200 @@
+//! Devices with the text, the files and the warnings that they came with.
+
+mod text;
+
+use std::path::Path;
+
+use haptical_model::Device as Model;
+use haptical_urdf::BaseAndTip;
+
+pub use self::text::is_urdf;
+use self::text::{read, with_denominators};
+use crate::error::Error;
+use crate::files::{InputFile, Source};
+
+/// A device, read once and used many times.
+#[derive(Debug, Clone)]
+pub struct Device {
+    /// The device as numbers.
+    pub model: Model,
+    /// What is odd about its file.
+    pub warnings: Vec<String>,
+    text: String,
+    source: Source,
+    equipment: Equipment,
+    files: Vec<InputFile>,
+}
+
+/// What a device is read with: the ends of a URDF's chain, sensors, numbers in the place of the file's.
+#[derive(Debug, Clone, Default)]
+pub struct Equipment {
+    /// Link at which the chain of a URDF begins; none for the root link. It needs a tip.
+    pub base: Option<String>,
+    /// Link at which the chain of a URDF ends; none for the end of the longest chain.
+    pub tip: Option<String>,
+    /// File with sensors that take the place of the device file's.
+    pub rig: Option<Source>,
+    /// Input drum denominators of equation (1).
+    pub denominators: InputDrumDenominators,
+}
+
+/// Input drum denominators that replace the device file's.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum InputDrumDenominators {
+    /// The file's.
+    #[default]
+    Stated,
+    /// One for all joints with drums.
+    Same(f64),
+    /// 2.9 mm, joint 4: 2.6 mm, as the paper's tables imply.
+    Paper,
+}
+
+impl InputDrumDenominators {
+    fn of_joint(self, joint: usize) -> Option<f64> {
+        match (self, joint) {
+            (Self::Stated, _) => None,
+            (Self::Same(length_m), _) => Some(length_m),
+            (Self::Paper, 3) => Some(2.6e-3),
+            (Self::Paper, _) => Some(2.9e-3),
+        }
+    }
+}
+
+impl Equipment {
+    /// The ends as the reader of URDFs takes them.
+    pub fn ends(&self) -> BaseAndTip<'_> {
+        BaseAndTip {
+            base: self.base.as_deref(),
+            tip: self.tip.as_deref(),
+        }
+    }
+
+    /// The flags of the chain's ends, as results record them.
+    pub fn chain_flags(&self) -> impl Iterator<Item = String> {
+        let base = self.base.iter().map(|base| format!("--base={base}"));
+        base.chain(self.tip.iter().map(|tip| format!("--tip={tip}")))
+    }
+}
+
+impl Device {
+    /// Reads a device file, TOML or, where its name ends in `.urdf`, URDF: there the longest chain from the root
+    /// link is the device.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that is no device file; the place is in the error.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Self::open(&Source::given(path.as_ref()), &Equipment::default())
+    }
+
+    /// Reads the chain of a URDF from its root link to `tip`.
+    ///
+    /// # Errors
+    /// As [`Device::load`], and a link that is not there.
+    pub fn from_urdf(path: impl AsRef<Path>, tip: &str) -> Result<Self, Error> {
+        let equipment = Equipment {
+            tip: Some(tip.to_owned()),
+            ..Equipment::default()
+        };
+        Self::open(&Source::given(path.as_ref()), &equipment)
+    }
+
+    /// Reads the text of a device file (TOML); `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// A text that is no device file.
+    pub fn from_toml(text: &str, name: &str) -> Result<Self, Error> {
+        Self::open(&Source::text(text, name), &Equipment::default())
+    }
+
+    /// Reads a device with its equipment.
+    ///
+    /// # Errors
+    /// As [`Device::load`], of the device file and of the rig file.
+    pub fn open(source: &Source, equipment: &Equipment) -> Result<Self, Error> {
+        let name = source.name();
+        let parse = |text: &str| {
+            Model::from_toml(text, &name).map_err(|error| Error::device_file(&error, &source.path))
+        };
+        let mut read = read(source, equipment)?;
+        let mut loaded = parse(&read.text)?;
+        read.warnings.append(&mut loaded.warnings);
+        if equipment.denominators != InputDrumDenominators::Stated {
+            let denominators = equipment.denominators;
+            read.text = with_denominators(&read.text, &loaded.device, denominators, &name)?;
+            loaded = parse(&read.text)?;
+        }
+        let mut model = loaded.device;
+        // a device without a name is called by its file
+        if model.name == name {
+            model.name.clone_from(&source.label);
+        }
+        source.relabel(&mut read.warnings);
+        let own = source.input("device", source.fingerprint_text(&read.text));
+        Ok(Self {
+            model,
+            warnings: read.warnings,
+            text: read.text,
+            source: source.clone(),
+            equipment: equipment.clone(),
+            files: std::iter::once(own).chain(read.rig).collect(),
+        })
+    }
+
+    /// The text of its device file, TOML; a URDF's is written anew.
+    pub fn to_toml(&self) -> &str {
+        &self.text
+    }
+
+    /// Where it came from.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// What it was read with.
+    pub fn equipment(&self) -> &Equipment {
+        &self.equipment
+    }
+
+    /// The files that it was read from: its own, given by `flag`, and the rig's.
+    pub fn inputs(&self, flag: &str) -> Vec<InputFile> {
+        let mut files = self.files.clone();
+        if let Some(own) = files.first_mut() {
+            flag.clone_into(&mut own.flag);
+        }
+        files
+    }
+}
+
+/// The model must be of the same device: the same joints, in the same order, on as many links.
+///
+/// # Errors
+/// It is not; `path` is the model's.
+pub fn refuse_other_device(nominal: &Model, model: &Model, path: &Path) -> Result<(), Error> {
+    let types =
+        |device: &Model| -> Vec<_> { device.joints.iter().map(|joint| joint.joint_type).collect() };
+    let what = if nominal.joints.len() != model.joints.len() {
+        let (wanted, got) = (nominal.joints.len(), model.joints.len());
+        format!("the model has {got} joints, the device has {wanted}")
+    } else if nominal.links.len() != model.links.len() {
+        let (wanted, got) = (nominal.links.len(), model.links.len());
+        format!("the model has {got} links, the device has {wanted}")
+    } else if nominal.convention != model.convention {
+        "the model has another convention of its links than the device".to_owned()
+    } else if let Some(joint) =
+        (0..nominal.joints.len()).find(|&joint| types(nominal)[joint] != types(model)[joint])
+    {
+        format!(
+            "joint {} turns in one of model and device and slides in the other",
+            joint + 1
+        )
+    } else {
+        return Ok(());
+    };
+    Err(Error::bad_input(
+        "other-device",
+        what,
+        path.display().to_string(),
+        "give the identified.toml of this device",
+    ))
+}

@@ -1,0 +1,186 @@
+//! Diagnoses made by hand, for tests of what is said of them.
+
+use std::collections::BTreeMap;
+
+use haptical_diagnosis::{
+    CandidateAnswer, CauseAnswer, ChannelGap, Detectable, Diagnosis, Gap, HeldOutAnswer, Invisible,
+    NoiseAnswer, ParameterAnswer, Place, Provenance, Trace, Untestable, Verdict,
+};
+use haptical_model::Device;
+
+const TEMPLATE: &str = include_str!("../../../../fixtures/devices/haptic7.toml");
+
+/// A recording without a gap.
+pub(crate) fn no_gap() -> Diagnosis {
+    let channel = |name: &str, joint, unit: &str, floor: f64| ChannelGap {
+        channel: name.to_owned(),
+        joint,
+        rms_before: 1.01 * floor,
+        rms_after: 1.01 * floor,
+        noise_floor: floor,
+        unit: unit.to_owned(),
+        share_of_gap: 0.0,
+        reduction_percent: None,
+        reduction_ci95: None,
+    };
+    let noise = |name: &str| NoiseAnswer {
+        channel: name.to_owned(),
+        ratio: 1.02,
+        colour: 0.01,
+        outlier_share: 0.0,
+        from: "differences of successive rows".to_owned(),
+        speed_ratio: 1.0,
+        readings: 6000,
+        from_motion: true,
+    };
+    Diagnosis {
+        verdict: Verdict::NoGap,
+        gap: Gap {
+            channels: vec![
+                channel("out1", Some(1), "rad", 1.05e-4),
+                channel("out2", Some(2), "rad", 1.05e-4),
+                channel("cable", None, "m", 1.1e-5),
+            ],
+        },
+        place: None,
+        causes: vec![],
+        unexplained_share: 0.0,
+        probability_unknown: 0.0,
+        untestable: vec![Untestable {
+            effect: "thermal-drift".to_owned(),
+            joints: vec![],
+            why: "no column temp_degc".to_owned(),
+        }],
+        invisible: vec![Invisible {
+            effect: "cable-scale".to_owned(),
+            joint: None,
+            why: "indistinguishable from scaling every length".to_owned(),
+            would_bias: "all lengths by the same factor".to_owned(),
+        }],
+        detectable: [(Some(1), 2e-5), (Some(2), 3e-5)]
+            .map(|(joint, value)| Detectable {
+                effect: "backlash".to_owned(),
+                joint,
+                parameter: "width_rad".to_owned(),
+                value,
+            })
+            .to_vec(),
+        noise: ["out1", "out2", "cable"].map(noise).to_vec(),
+        candidates: vec![],
+        plausibility: vec![],
+        next_experiment: None,
+        warnings: vec![],
+        held_out: "a second recording".to_owned(),
+        provenance: Provenance {
+            rows: 1200,
+            base_parameters: 61,
+            base_identifiable: 57,
+            tested: 87,
+            thresholds: "1".to_owned(),
+            last_step: 0.001,
+            without: vec![],
+        },
+        device: Device::from_toml(TEMPLATE, "device.toml").unwrap().device,
+        traces: vec![],
+        predictions: vec![],
+    }
+}
+
+/// The gap of joint 2, before and after.
+fn with_gap(after: f64) -> Diagnosis {
+    let mut diagnosis = no_gap();
+    let out2 = &mut diagnosis.gap.channels[1];
+    out2.rms_before = 1.2e-3;
+    out2.rms_after = after;
+    out2.share_of_gap = 0.83;
+    diagnosis.gap.channels[2].rms_before = 9e-5;
+    diagnosis.gap.channels[2].share_of_gap = 0.17;
+    diagnosis.gap.channels[2].reduction_percent = Some(99.0);
+    let at: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k) - 2.0).collect();
+    diagnosis.traces = vec![Trace {
+        channel: "out2".to_owned(),
+        unit: "rad".to_owned(),
+        covariate: "torque2_nm".to_owned(),
+        before: at.iter().map(|torque| torque / 258.0).collect(),
+        after: at
+            .iter()
+            .map(|torque| 1e-4 * (40.0 * torque).sin())
+            .collect(),
+        at,
+    }];
+    diagnosis
+}
+
+/// One cause, named.
+pub(crate) fn named() -> Diagnosis {
+    let mut diagnosis = with_gap(1.1e-4);
+    diagnosis.verdict = Verdict::Named;
+    diagnosis.gap.channels[1].reduction_percent = Some(97.3);
+    diagnosis.gap.channels[1].reduction_ci95 = Some([96.1, 98.0]);
+    diagnosis.place = Some(Place {
+        channel: "out2".to_owned(),
+        joint: Some(2),
+        depends_on: vec!["torque2_nm".to_owned()],
+        region: "everywhere".to_owned(),
+        explained: vec![0.95],
+        dependence: Vec::new(),
+    });
+    diagnosis.causes = vec![CauseAnswer {
+        effect: "capstan-compliance".to_owned(),
+        joint: Some(2),
+        probability: 0.98,
+        confusable_with: vec![],
+        parameters: BTreeMap::from([(
+            "stiffness_nm_per_rad".to_owned(),
+            ParameterAnswer {
+                value: 258.0,
+                ci95: [243.0, 273.0],
+            },
+        )]),
+        plausible: true,
+        implausible: false,
+        class_probability: 0.98,
+        share: 1.0,
+        held_out: Some(HeldOutAnswer {
+            channel: "out2".to_owned(),
+            rms_before: 1.2e-3,
+            rms_after: 1.1e-4,
+            noise_floor: 1.05e-4,
+            unit: "rad".to_owned(),
+            reduction_percent: Some(97.3),
+            reduction_ci95: Some([96.1, 98.0]),
+        }),
+    }];
+    let candidate = |effect: &str, joint, nats_behind, probability| CandidateAnswer {
+        effect: effect.to_owned(),
+        joint,
+        share: 0.9,
+        nats_behind,
+        probability,
+    };
+    diagnosis.candidates = vec![
+        candidate("capstan-compliance", Some(2), 0.0, 0.98),
+        candidate("hysteresis", Some(2), 4.2, 0.015),
+        candidate("backlash", Some(1), 250.0, 0.0),
+        candidate("cable-latency", None, 3100.0, 0.0),
+    ];
+    diagnosis.probability_unknown = 0.005;
+    diagnosis
+}
+
+/// A gap without a name.
+pub(crate) fn unknown() -> Diagnosis {
+    let mut diagnosis = with_gap(1.2e-3);
+    diagnosis.verdict = Verdict::Unknown;
+    diagnosis.unexplained_share = 1.0;
+    diagnosis.probability_unknown = 0.97;
+    diagnosis.place = Some(Place {
+        channel: "out2".to_owned(),
+        joint: Some(2),
+        depends_on: vec!["theta2_rad".to_owned()],
+        region: "near theta2 = 0.25 rad".to_owned(),
+        explained: vec![0.88],
+        dependence: Vec::new(),
+    });
+    diagnosis
+}

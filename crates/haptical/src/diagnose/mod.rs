@@ -1,0 +1,262 @@
+//! Diagnosis: what a calibration leaves, which effect causes it, and how much of it that effect closes.
+
+#[cfg(test)]
+mod example;
+mod gap_file;
+mod page;
+mod quantity;
+mod summary;
+mod words;
+
+use std::path::{Path, PathBuf};
+
+use haptical_diagnosis::{
+    BOOTSTRAP_SEED, CauseAnswer, Diagnosis, Options, Prediction, Verdict,
+    diagnose as diagnose_recording,
+};
+
+use self::gap_file::GapFile;
+use crate::device::{Device, refuse_other_device};
+use crate::error::Error;
+use crate::files::{InputFile, NewFile, Record, VERSION, write_all};
+use crate::log::Log;
+
+/// Header of predictions.csv, in the order of [`Prediction`].
+const PREDICTION_COLUMNS: [&str; 5] = ["row", "channel", "measured", "before", "after"];
+
+/// What a diagnosis is asked for; the default is what `haptical diagnose` does without flags.
+#[derive(Debug, Clone, Default)]
+pub struct Diagnose<'a> {
+    /// Effects to leave out of the catalogue.
+    pub without: Vec<String>,
+    /// A model identified earlier: what the device deviates from it is part of the gap.
+    pub model: Option<&'a Device>,
+    /// Another log of the device, on which the shrink is measured; without it blocks of the log are held out.
+    pub validate: Option<&'a Log>,
+}
+
+/// A diagnosis with the names and hashes of what it was made from. It prints as the command's answer.
+#[derive(Debug)]
+pub struct Diagnosed {
+    /// The answer.
+    pub diagnosis: Diagnosis,
+    device: String,
+    log: String,
+    validate: Option<String>,
+    model: Option<String>,
+    record: Record,
+}
+
+/// A cause of a gap; it prints as a sentence.
+#[derive(Debug, Clone, Copy)]
+pub struct Cause<'a>(pub &'a CauseAnswer);
+
+/// Identifies a device from a log, then says which effect causes what is left between model and measurement.
+///
+/// # Errors
+/// [`ErrorKind::Unidentifiable`](crate::ErrorKind) where the log fixes nothing, otherwise what is wrong with a
+/// reading, the device or an option, and where; a second log that is the first one.
+pub fn diagnose(device: &Device, log: &Log, options: &Diagnose<'_>) -> Result<Diagnosed, Error> {
+    diagnose_as(VERSION, device, log, options)
+}
+
+/// The same under the name of another version, for a result that is made again.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_as(
+    version: &str,
+    device: &Device,
+    log: &Log,
+    options: &Diagnose<'_>,
+) -> Result<Diagnosed, Error> {
+    let Diagnose {
+        without,
+        model,
+        validate,
+    } = options;
+    if let Some(model) = model {
+        refuse_other_device(&device.model, &model.model, &model.source().path)?;
+    }
+    if let Some(second) = validate {
+        refuse_same_log(log, second)?;
+    }
+    let request = Options {
+        without: without.clone(),
+        model: model.map(|model| &model.model),
+        validation: validate.map(|log| &log.recording),
+    };
+    let (device_path, log_path) = (&device.source().path, &log.source().path);
+    let mut diagnosis = diagnose_recording(&device.model, &log.recording, &request)
+        .map_err(|error| Error::diagnosis(&error, device_path, log_path).with_equipment(device))?;
+    refuse_overflow(&diagnosis, log_path)?;
+    let own = std::mem::take(&mut diagnosis.warnings);
+    let read = [Some(&device.warnings), Some(&log.warnings)];
+    let further = [
+        model.map(|model| &model.warnings),
+        validate.map(|log| &log.warnings),
+    ];
+    let read = read.into_iter().chain(further).flatten().flatten().cloned();
+    diagnosis.warnings = read.chain(own).collect();
+    let mut files = device.inputs("device");
+    files.extend(log.input("log"));
+    files.extend(model.iter().flat_map(|model| model.inputs("model")));
+    files.extend(validate.and_then(|log| log.input("validate")));
+    let mut arguments: Vec<String> = files.iter().map(InputFile::argument).collect();
+    arguments.extend(device.equipment().chain_flags());
+    if !without.is_empty() {
+        arguments.push(format!("--without={}", without.join(",")));
+    }
+    let mut record = Record::new(version, "diagnose", arguments, files);
+    record.seeds.insert("bootstrap", BOOTSTRAP_SEED);
+    Ok(Diagnosed {
+        diagnosis,
+        device: device.source().label.clone(),
+        log: log.source().label.clone(),
+        validate: validate.map(|log| log.source().label.clone()),
+        model: model.map(|model| model.source().label.clone()),
+        record,
+    })
+}
+
+impl Diagnosed {
+    /// Names of the files that are written; the last with a second log only.
+    pub const FILES: [&str; 3] = ["gap.json", "report.html", "predictions.csv"];
+
+    /// What is odd about the device, the logs and the result.
+    pub fn warnings(&self) -> &[String] {
+        &self.diagnosis.warnings
+    }
+
+    /// The first cause, where the verdict is that the causes explain the gap.
+    pub fn named(&self) -> Option<Cause<'_>> {
+        let named = self.diagnosis.verdict == Verdict::Named;
+        self.diagnosis.causes.first().filter(|_| named).map(Cause)
+    }
+
+    /// The files, as they are written.
+    ///
+    /// # Errors
+    /// A fault of this library alone.
+    pub fn files(&self) -> Result<Vec<NewFile<'static>>, Error> {
+        let mut gap = GapFile {
+            diagnosis: &self.diagnosis,
+            device: self.device.clone(),
+            log: self.log.clone(),
+            validate: self.validate.clone(),
+            model: self.model.clone(),
+            record: self.record.clone(),
+        };
+        let [json_name, page_name, predictions_name] = Self::FILES;
+        let mut files = vec![(page_name, page::page(&gap)?.into_bytes())];
+        if self.validate.is_some() {
+            let predictions = predictions_csv(&self.diagnosis.predictions)?;
+            files.push((predictions_name, predictions));
+        }
+        gap.record = gap.record.with_outputs(&files);
+        files.insert(0, (json_name, gap.to_json()?.into_bytes()));
+        Ok(files)
+    }
+
+    /// Writes gap.json, report.html and, with a second log, predictions.csv into a folder: all of them or none.
+    ///
+    /// # Errors
+    /// The folder cannot be written to.
+    pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+        write_all(folder.as_ref(), &self.files()?, &|| false)
+    }
+}
+
+impl std::fmt::Display for Diagnosed {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(&summary::text(&self.diagnosis))
+    }
+}
+
+impl std::fmt::Display for Cause<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(&summary::cause(self.0))
+    }
+}
+
+/// Rows of the fit say nothing of rows that the fit did not see: the second log must be another one. A copy
+/// that was compressed or renamed has the same readings.
+fn refuse_same_log(first: &Log, second: &Log) -> Result<(), Error> {
+    let hash = |log: &Log| log.input("log").map(|file| file.sha256);
+    let same_file = hash(first).is_some() && hash(first) == hash(second);
+    if !same_file && first.recording != second.recording {
+        return Ok(());
+    }
+    Err(Error::bad_input(
+        "same-log",
+        "the log of --validate is that of --log: the fit has seen every row of it",
+        second.source().path.display().to_string(),
+        "give --validate another recording of the same device, or leave it out: then blocks of the log are held \
+         back from the fit",
+    ))
+}
+
+/// Nothing before refuses a reading such as 1e300.
+fn refuse_overflow(diagnosis: &Diagnosis, log: &Path) -> Result<(), Error> {
+    let odd = diagnosis.gap.channels.iter().find(|channel| {
+        let sizes = [channel.rms_before, channel.rms_after, channel.noise_floor];
+        sizes.iter().any(|size| !size.is_finite())
+    });
+    match odd {
+        None => Ok(()),
+        Some(channel) => Err(Error::bad_input(
+            "overflow",
+            format!(
+                "a residual of {} is too large to be squared",
+                channel.channel
+            ),
+            log.display().to_string(),
+            format!(
+                "correct the reading of {} or leave its cell empty",
+                channel.channel
+            ),
+        )),
+    }
+}
+
+/// predictions.csv: a header even without rows.
+fn predictions_csv(predictions: &[Prediction]) -> Result<Vec<u8>, Error> {
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(false)
+        .from_writer(Vec::new());
+    writer
+        .write_record(PREDICTION_COLUMNS)
+        .map_err(Error::internal)?;
+    for prediction in predictions {
+        writer.serialize(prediction).map_err(Error::internal)?;
+    }
+    writer.into_inner().map_err(Error::internal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn predictions_keep_all_digits_and_have_a_header() {
+        let row = Prediction {
+            row: 7,
+            channel: "out2".to_owned(),
+            measured: 0.1 + 0.2,
+            before: -1e-9,
+            after: 0.25,
+        };
+        let text = String::from_utf8(predictions_csv(&[row]).unwrap()).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "row,channel,measured,before,after");
+        let cells: Vec<&str> = lines[1].split(',').collect();
+        assert_eq!(cells[..2], ["7", "out2"]);
+        let numbers: Vec<f64> = cells[2..]
+            .iter()
+            .map(|cell| cell.parse().unwrap())
+            .collect();
+        assert_eq!(numbers, [0.1 + 0.2, -1e-9, 0.25]);
+        let empty = String::from_utf8(predictions_csv(&[]).unwrap()).unwrap();
+        assert_eq!(empty, "row,channel,measured,before,after\n");
+    }
+}

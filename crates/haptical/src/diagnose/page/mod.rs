@@ -1,0 +1,292 @@
+//! report.html of a diagnosis: a page that a lab engineer reads in two minutes.
+
+mod figures;
+mod tables;
+
+use haptical_diagnosis::{Diagnosis, Verdict};
+use haptical_report::{Block, Column, Document, Section, Table, Tone};
+
+use crate::diagnose::gap_file::GapFile;
+use crate::diagnose::words::{next_step, percent, place_sentence, verdict_mark, verdict_sentence};
+use crate::error::Error;
+
+/// Width of a figure, and height of one with two axes \[px\].
+const FIGURE_PX: (u32, u32) = (860, 340);
+/// Figures of residuals that are not folded away.
+const OPEN_FIGURES: usize = 1;
+
+/// The whole page.
+pub(in crate::diagnose) fn page(gap: &GapFile<'_>) -> Result<String, Error> {
+    let diagnosis = gap.diagnosis;
+    let mut sections = vec![answer(diagnosis)?];
+    let place = place(diagnosis)?;
+    if !place.is_empty() {
+        sections.push(Section::new("Where the gap lies", place));
+    }
+    if !diagnosis.causes.is_empty() {
+        sections.push(Section::new("Causes", causes(diagnosis)?));
+    }
+    if !diagnosis.candidates.is_empty() {
+        sections.push(Section::new("Candidates", candidates(diagnosis)?));
+    }
+    sections.push(Section::new("What cannot be seen", unseen(diagnosis)?));
+    if !diagnosis.warnings.is_empty() {
+        let list = Block::List(diagnosis.warnings.clone());
+        sections.push(Section::new("Warnings", vec![list]));
+    }
+    sections.push(Section::new("Noise", vec![tables::noise(diagnosis)?]));
+    sections.push(Section::new(
+        "Provenance",
+        vec![gap.record.table()?, provenance(gap)?],
+    ));
+    let name = &diagnosis.device.name;
+    let title = format!("Diagnosis of {name}");
+    Ok(Document::new(title, lead(diagnosis), sections).to_html())
+}
+
+/// What the answer rests on, in a sentence.
+fn lead(diagnosis: &Diagnosis) -> String {
+    let from = &diagnosis.provenance;
+    let mut text = format!(
+        "{} rows; {} of {} parameters of the model fixed by them; {} effects at their places \
+         tested.",
+        from.rows, from.base_identifiable, from.base_parameters, from.tested
+    );
+    if !diagnosis.held_out.is_empty() {
+        text.push_str(&format!(" Checked on {}.", diagnosis.held_out));
+    }
+    text
+}
+
+/// Verdict, next step, the gap as a figure and as a table.
+fn answer(diagnosis: &Diagnosis) -> Result<Section, Error> {
+    let (tone, label) = verdict_mark(diagnosis.verdict);
+    let mut blocks = vec![
+        Block::Notice {
+            tone,
+            label: label.to_owned(),
+            text: verdict_sentence(diagnosis),
+        },
+        Block::Notice {
+            tone: Tone::Neutral,
+            label: "What to do next:".to_owned(),
+            text: format!("{}.", next_step(diagnosis).trim_end_matches('.')),
+        },
+    ];
+    blocks.extend(figures::gap(diagnosis)?);
+    blocks.push(tables::channels(diagnosis)?);
+    Ok(Section::new("Answer", blocks))
+}
+
+/// Where the residual lies and how it looks there.
+fn place(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
+    let mut blocks = Vec::new();
+    if let Some(sentence) = place_sentence(diagnosis) {
+        blocks.push(Block::Paragraph(format!("{sentence}.")));
+    }
+    blocks.extend(tables::dependence(diagnosis)?);
+    let mut traces = figures::traces(diagnosis)?;
+    let folded = traces.split_off(OPEN_FIGURES.min(traces.len()));
+    blocks.extend(traces);
+    if !folded.is_empty() {
+        blocks.push(Block::Folded {
+            summary: format!("{} further views of the residual", folded.len()),
+            blocks: folded,
+        });
+    }
+    Ok(blocks)
+}
+
+/// What each cause is, how sure it is, and its numbers.
+fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
+    let mut blocks = Vec::new();
+    let words: Vec<String> = diagnosis
+        .causes
+        .iter()
+        .filter_map(|cause| {
+            let spec = haptical_effects::spec(&cause.effect)?;
+            Some(format!(
+                "{}: {}. Check {}.",
+                cause.effect, spec.meaning, spec.inspect
+            ))
+        })
+        .collect();
+    if !words.is_empty() {
+        blocks.push(Block::List(words));
+    }
+    blocks.push(tables::causes(diagnosis)?);
+    blocks.push(tables::parameters(diagnosis)?);
+    Ok(blocks)
+}
+
+/// How far the data tell the candidates for the first cause apart.
+fn candidates(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
+    let mut blocks: Vec<Block> = figures::candidates(diagnosis)?.into_iter().collect();
+    let (open, folded) = tables::candidates(diagnosis)?;
+    blocks.push(open);
+    if let Some(folded) = folded {
+        blocks.push(Block::Folded {
+            summary: "all candidates".to_owned(),
+            blocks: vec![folded],
+        });
+    }
+    Ok(blocks)
+}
+
+/// What these data could not have shown.
+fn unseen(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
+    let mut blocks = Vec::new();
+    if diagnosis.verdict == Verdict::NoGap {
+        blocks.push(Block::Paragraph(
+            "No gap means: nothing larger than the sizes under \"what would have been noticed\"."
+                .to_owned(),
+        ));
+    }
+    if !diagnosis.plausibility.is_empty() {
+        blocks.push(tables::plausibility(diagnosis)?);
+    }
+    let mut fold = |count: usize, summary: String, block: Option<Block>| {
+        if let Some(block) = block.filter(|_| count > 0) {
+            blocks.push(Block::Folded {
+                summary,
+                blocks: vec![block],
+            });
+        }
+    };
+    let count = diagnosis.detectable.len();
+    let summary = format!("What would have been noticed, and from which size on ({count})");
+    fold(count, summary, tables::detectable(diagnosis)?);
+    let count = diagnosis.invisible.len();
+    let summary = format!("Invisible: the model takes them for its own parameters ({count})");
+    fold(count, summary, tables::invisible(diagnosis)?);
+    let count = diagnosis.untestable.len();
+    let summary = format!("Untestable: this log lacks what they need ({count})");
+    fold(count, summary, tables::untestable(diagnosis)?);
+    if blocks.is_empty() {
+        blocks.push(Block::Paragraph("Nothing is listed.".to_owned()));
+    }
+    Ok(blocks)
+}
+
+fn provenance(gap: &GapFile<'_>) -> Result<Block, Error> {
+    let diagnosis = gap.diagnosis;
+    let from = &diagnosis.provenance;
+    let columns = vec![Column::new("what", ""), Column::new("value", "")];
+    let mut table = Table::new("What the answer rests on", columns);
+    let mut row = |what: &str, value: String| table.push(vec![what.into(), value.into()]);
+    row("rows", from.rows.to_string())?;
+    if !diagnosis.held_out.is_empty() {
+        row("held out", diagnosis.held_out.clone())?;
+    }
+    row(
+        "parameters of the model",
+        format!(
+            "{}, {} fixed by the log",
+            from.base_parameters, from.base_identifiable
+        ),
+    )?;
+    let last_step = format!(
+        "{:.1e} standard deviations of the residuals",
+        from.last_step
+    );
+    row("last step of its fit", last_step)?;
+    row("effects at their places tested", from.tested.to_string())?;
+    if !from.without.is_empty() {
+        row("left out on request", from.without.join(", "))?;
+    }
+    row("thresholds", from.thresholds.clone())?;
+    row(
+        "probability of none of the catalogue",
+        percent(diagnosis.probability_unknown),
+    )?;
+    Ok(Block::Table(table))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::example::{named, no_gap, unknown};
+    use crate::files::InputFile;
+    use crate::files::Record;
+
+    fn html(diagnosis: &Diagnosis) -> String {
+        let input = |flag: &str, file: &str| InputFile {
+            flag: flag.to_owned(),
+            file: file.to_owned(),
+            bytes: 1,
+            sha256: "0".to_owned(),
+        };
+        let inputs = vec![input("log", "log.csv"), input("validate", "log2.csv")];
+        page(&GapFile {
+            diagnosis,
+            device: "device.toml".to_owned(),
+            log: "log.csv".to_owned(),
+            validate: Some("log2.csv".to_owned()),
+            model: None,
+            record: Record::new("0", "diagnose", Vec::new(), inputs),
+        })
+        .unwrap()
+    }
+
+    /// Positions of texts in the page, all present.
+    fn positions(page: &str, texts: &[&str]) -> Vec<usize> {
+        let find = |text: &&str| page.find(text).unwrap_or_else(|| panic!("no `{text}`"));
+        texts.iter().map(find).collect()
+    }
+
+    #[test]
+    fn a_named_page_answers_in_the_order_of_the_questions() {
+        let page = html(&named());
+        let order = positions(
+            &page,
+            &[
+                "explains the gap",
+                "What to do next:",
+                "Gap of out2",
+                "before and after",
+                "stretches with the torque",
+                "243 to 273",
+                "nats behind the best",
+                "What would have been noticed",
+                "Invisible: the model takes",
+                "Untestable: this log lacks",
+                "differences of successive rows",
+                "log2.csv",
+            ],
+        );
+        assert!(order.is_sorted(), "{order:?}");
+        assert_eq!(page.matches("<svg").count(), 3);
+        assert!(!page.contains("was left out"), "a figure is missing");
+        assert!(!page.contains("not finite"));
+    }
+
+    #[test]
+    fn a_page_without_a_gap_shows_what_could_have_been_noticed() {
+        let page = html(&no_gap());
+        positions(
+            &page,
+            &["No gap.", "nothing larger than", "20.0 µrad", "30.0 µrad"],
+        );
+        assert!(!page.contains("Causes") && !page.contains("Candidates"));
+        assert_eq!(page.matches("<svg").count(), 1);
+    }
+
+    #[test]
+    fn an_unknown_page_shows_where_it_is() {
+        let page = html(&unknown());
+        positions(
+            &page,
+            &[
+                "no effect of the catalogue",
+                "near theta2 = 0.25 rad",
+                "residual over torque2",
+            ],
+        );
+        assert!(!page.contains("Causes"));
+    }
+
+    #[test]
+    fn the_same_diagnosis_gives_the_same_page() {
+        assert_eq!(html(&named()), html(&named()));
+    }
+}

@@ -1,0 +1,267 @@
+//! A diagnosis in fewer than 25 lines for a terminal.
+
+use std::fmt::Write as _;
+
+use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis, Verdict};
+
+use crate::diagnose::words::{
+    held_out_sizes, listed, named_at, next_step, parameters, percent, place_sentence, probability,
+    reduction, rivals, verdict_mark, verdict_sentence,
+};
+use crate::units::Shown;
+
+/// Longest line, in characters.
+const WIDTH: usize = 100;
+/// Lines that channels and causes have together; gap.json has all of both.
+const LISTED: usize = 9;
+/// Width of the word before a text.
+const INDENT: usize = 9;
+
+/// The summary: verdict, gap, place, causes, what cannot be seen, next step.
+pub(super) fn text(diagnosis: &Diagnosis) -> String {
+    let mut text = String::new();
+    let (_, mark) = verdict_mark(diagnosis.verdict);
+    let verdict = format!("{mark} {}", verdict_sentence(diagnosis));
+    push(&mut text, "", &verdict, 4);
+    text.push('\n');
+    channels(&mut text, diagnosis);
+    if let Some(place) = place_sentence(diagnosis) {
+        push(&mut text, "where", &place, 2);
+    }
+    causes(&mut text, &diagnosis.causes);
+    held_out(&mut text, diagnosis);
+    push(&mut text, "unseen", &unseen(diagnosis), 1);
+    push(&mut text, "next", &next_step(diagnosis), 2);
+    text
+}
+
+/// Before, after and floor of the channels that show most of the gap.
+fn channels(text: &mut String, diagnosis: &Diagnosis) {
+    let mut order: Vec<&ChannelGap> = diagnosis.gap.channels.iter().collect();
+    let listed = LISTED.saturating_sub(cause_lines(&diagnosis.causes));
+    let kept = if order.len() > listed {
+        // Adding zero makes one of the two zeros.
+        order.sort_by(|a, b| (b.share_of_gap + 0.0).total_cmp(&(a.share_of_gap + 0.0)));
+        listed.saturating_sub(1)
+    } else {
+        listed
+    };
+    let _ = writeln!(
+        text,
+        "{:<12}{:>15}{:>15}{:>15}   gap closed",
+        "channel", "before", "after", "noise floor"
+    );
+    for channel in order.iter().take(kept) {
+        let shown = Shown::fine(&channel.unit);
+        let closed = reduction(channel.reduction_percent, channel.reduction_ci95)
+            .filter(|_| diagnosis.verdict != Verdict::NoGap);
+        let _ = writeln!(
+            text,
+            "{:<12}{:>15}{:>15}{:>15}   {}",
+            channel.channel,
+            shown.text(channel.rms_before),
+            shown.text(channel.rms_after),
+            shown.text(channel.noise_floor),
+            closed.as_deref().unwrap_or("no gap")
+        );
+    }
+    let more = order.len().saturating_sub(kept);
+    if more > 0 {
+        let share: f64 = order
+            .iter()
+            .skip(kept)
+            .map(|channel| channel.share_of_gap)
+            .sum();
+        let _ = writeln!(
+            text,
+            "and {more} more with {} of the gap, see gap.json",
+            percent(share)
+        );
+    }
+    text.push('\n');
+}
+
+/// Most lines of the causes: one each; the only one may take two.
+fn cause_lines(causes: &[CauseAnswer]) -> usize {
+    if causes.len() == 1 { 2 } else { causes.len() }
+}
+
+/// Name, probability, numbers and rivals of each cause.
+fn causes(text: &mut String, causes: &[CauseAnswer]) {
+    for (index, cause) in causes.iter().enumerate() {
+        let label = if causes.len() == 1 {
+            "cause".to_owned()
+        } else {
+            format!("cause {}", index + 1)
+        };
+        let most = if causes.len() == 1 { 2 } else { 1 };
+        push(text, &label, &self::cause(cause), most);
+    }
+}
+
+/// Name, place, probability, numbers and rivals of one cause.
+pub(super) fn cause(cause: &CauseAnswer) -> String {
+    let mut said = format!(
+        "{}, probability {}: {}",
+        named_at(&cause.effect, cause.joint),
+        probability(cause.probability),
+        parameters(cause)
+    );
+    if !cause.confusable_with.is_empty() {
+        let rivals: Vec<String> = rivals(cause).collect();
+        let _ = write!(said, "; not told from {}", listed(&rivals));
+    }
+    if !cause.plausible {
+        said.push_str("; not a size that a sound device has");
+    }
+    said
+}
+
+fn held_out(text: &mut String, diagnosis: &Diagnosis) {
+    let Some(held_out) = diagnosis
+        .causes
+        .iter()
+        .find_map(|cause| cause.held_out.as_ref())
+    else {
+        return;
+    };
+    let closed = reduction(held_out.reduction_percent, held_out.reduction_ci95);
+    let closed = closed.map_or_else(
+        || "no gap there".to_owned(),
+        |closed| format!("{closed} of the gap closed"),
+    );
+    let said = format!(
+        "{closed} ({}); on {}",
+        held_out_sizes(held_out),
+        diagnosis.held_out
+    );
+    push(text, "held out", &said, 2);
+}
+
+/// What cannot be seen, in counts.
+fn unseen(diagnosis: &Diagnosis) -> String {
+    let mut parts = vec![
+        format!("invisible effects: {}", diagnosis.invisible.len()),
+        format!("untestable: {}", diagnosis.untestable.len()),
+        format!(
+            "visible above a size in gap.json: {}",
+            diagnosis.detectable.len()
+        ),
+    ];
+    if !diagnosis.plausibility.is_empty() {
+        let odd = diagnosis.plausibility.len();
+        parts.push(format!("odd values of the model: {odd}"));
+    }
+    parts.join(", ")
+}
+
+/// A text behind a word, in at most `most` lines.
+fn push(text: &mut String, label: &str, said: &str, most: usize) {
+    let indent = if label.is_empty() { 0 } else { INDENT };
+    let mut lines: Vec<String> = vec![String::new()];
+    let room = WIDTH - indent;
+    for word in said.split_whitespace() {
+        let line = lines.last_mut();
+        match line {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= room => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    if lines.len() > most {
+        lines.truncate(most);
+        if let Some(last) = lines.last_mut() {
+            while last.chars().count() + 2 > room {
+                last.pop();
+            }
+            last.push_str(" …");
+        }
+    }
+    for (index, line) in lines.iter().enumerate() {
+        let label = if index == 0 { label } else { "" };
+        let _ = writeln!(text, "{label:<indent$}{line}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::example::{named, no_gap, unknown};
+
+    #[test]
+    fn the_summary_says_all_that_the_brief_wants() {
+        let said = text(&named());
+        for wanted in [
+            "Named. capstan-compliance at joint 2 (probability 98 %)",
+            "out2             1.200 mrad    0.1100 mrad    0.1050 mrad   97.3 % (95 % interval 96.1 \
+             to 98.0 %)",
+            "cable              90.00 µm",
+            "where    out2, joint 2; depends on torque2_nm (explains 95 % alone)",
+            "cause    capstan-compliance at joint 2, probability 98 %: stiffness 258 [243, 273]",
+            "held out 97.3 %",
+            "unseen   invisible effects: 1, untestable: 1, visible above a size in gap.json: 2",
+            "next     check the pre-tension",
+        ] {
+            assert!(said.contains(wanted), "{wanted}: {said}");
+        }
+    }
+
+    #[test]
+    fn it_stays_below_25_lines_whatever_there_is_to_say() {
+        let mut full = named();
+        let words = "a very long sentence about what there is to do ".repeat(20);
+        full.next_experiment = Some(words.clone());
+        full.held_out = words.clone();
+        full.provenance.without = vec![words.replace(' ', "-"); 3];
+        if let Some(place) = &mut full.place {
+            place.region = words;
+        }
+        let cause = full.causes[0].clone();
+        full.causes = vec![cause; 4];
+        let channel = full.gap.channels[1].clone();
+        full.gap.channels = vec![channel; 23];
+        full.plausibility = vec![haptical_diagnosis::Hint {
+            parameter: "output_drum_x1".to_owned(),
+            why: "3 mm".to_owned(),
+        }];
+        for diagnosis in [full, named(), no_gap(), unknown()] {
+            let said = text(&diagnosis);
+            assert!(
+                said.lines().count() < 24,
+                "{} lines: {said}",
+                said.lines().count()
+            );
+        }
+    }
+
+    #[test]
+    fn the_channels_with_the_largest_share_are_kept() {
+        let mut many = named();
+        let quiet = many.gap.channels[0].clone();
+        for index in 0..8 {
+            let mut channel = quiet.clone();
+            channel.channel = format!("out{}", 10 + index);
+            many.gap.channels.insert(0, channel);
+        }
+        let said = text(&many);
+        assert!(
+            said.contains("\nout2 ") && said.contains("\ncable "),
+            "{said}"
+        );
+        assert!(said.contains("and 5 more with 0 % of the gap"), "{said}");
+    }
+
+    #[test]
+    fn long_texts_are_cut_with_a_mark() {
+        let mut text = String::new();
+        push(&mut text, "next", &"word ".repeat(100), 2);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert!(lines.iter().all(|line| line.chars().count() <= WIDTH));
+        assert!(lines[0].starts_with("next     word") && lines[1].starts_with("         word"));
+        assert!(lines[1].ends_with(" …"));
+    }
+}

@@ -1,0 +1,423 @@
+//! A diagnosis in sentences: verdict, place, causes, what to do next.
+
+use haptical_diagnosis::{
+    CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer, IN_NO_CATALOGUE, Verdict,
+};
+use haptical_report::Tone;
+
+use crate::diagnose::quantity::Quantity;
+use crate::units::Shown;
+
+/// `capstan-compliance at joint 2`, `cable-latency`.
+pub(crate) fn named_at(effect: &str, joint: Option<usize>) -> String {
+    match joint {
+        Some(joint) => format!("{effect} at joint {joint}"),
+        None => effect.to_owned(),
+    }
+}
+
+/// A probability in whole percent; none is certain.
+pub(crate) fn probability(probability: f64) -> String {
+    percent(probability.clamp(0.0, 0.999))
+}
+
+/// A share in whole percent; what is not nothing or all is not rounded to it.
+pub(crate) fn percent(share: f64) -> String {
+    if share > 0.995 && share < 1.0 {
+        "> 99 %".to_owned()
+    } else if share > 0.0 && share < 0.005 {
+        "< 1 %".to_owned()
+    } else {
+        format!("{:.0} %", 100.0 * share)
+    }
+}
+
+/// Colour and word of a verdict.
+pub(crate) fn verdict_mark(verdict: Verdict) -> (Tone, &'static str) {
+    match verdict {
+        Verdict::NoGap => (Tone::Good, "No gap."),
+        Verdict::Named => (Tone::Good, "Named."),
+        Verdict::Ambiguous => (Tone::Neutral, "Ambiguous."),
+        Verdict::Unknown => (Tone::Bad, "Unknown."),
+    }
+}
+
+/// The channel that shows most of the gap.
+pub(crate) fn main_channel(diagnosis: &Diagnosis) -> Option<&ChannelGap> {
+    let channels = &diagnosis.gap.channels;
+    let by_share = |a: &&ChannelGap, b: &&ChannelGap| a.share_of_gap.total_cmp(&b.share_of_gap);
+    let place = diagnosis.place.as_ref().map(|place| place.channel.as_str());
+    channels
+        .iter()
+        .find(|channel| place == Some(channel.channel.as_str()))
+        .or_else(|| channels.iter().max_by(by_share))
+}
+
+/// The verdict in a sentence or two.
+pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
+    let causes = &diagnosis.causes;
+    let mut sentence = match (diagnosis.verdict, causes.first()) {
+        (Verdict::NoGap, _) => format!(
+            "What the model leaves is noise in every channel ({} effects at their places were \
+             tested).",
+            diagnosis.provenance.tested
+        ),
+        (Verdict::Named, Some(_)) => {
+            let (of_data, of_device): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
+                causes.iter().partition(|cause| is_of_data(cause));
+            let names: Vec<String> = of_device.into_iter().map(with_probability).collect();
+            let verb = if names.len() == 1 {
+                "explains"
+            } else {
+                "explain"
+            };
+            let besides = match of_data.is_empty() {
+                true => String::new(),
+                false => format!(" {}", besides(&of_data)),
+            };
+            format!("{} {verb} the gap.{besides}", listed(&names))
+        }
+        (Verdict::Ambiguous, Some(first)) => ambiguous(diagnosis, first),
+        _ => unknown(diagnosis),
+    };
+    if matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous)
+        && let Some(closing) = closing(diagnosis)
+    {
+        sentence = format!("{sentence} {closing}");
+    }
+    if !diagnosis.provenance.without.is_empty() {
+        let names = diagnosis.provenance.without.join(", ");
+        sentence = format!("{sentence} Left out of the catalogue on request: {names}.");
+    }
+    sentence
+}
+
+/// Whether a finding is one on the data: it explains no gap.
+fn is_of_data(cause: &CauseAnswer) -> bool {
+    let spec = haptical_effects::spec(&cause.effect);
+    spec.is_some_and(|spec| spec.hook == haptical_effects::Hook::Readings)
+}
+
+fn besides(causes: &[&CauseAnswer]) -> String {
+    let names: Vec<String> = causes.iter().map(|cause| with_probability(cause)).collect();
+    format!("The data show besides: {}.", listed(&names))
+}
+
+fn with_probability(cause: &CauseAnswer) -> String {
+    let name = named_at(&cause.effect, cause.joint);
+    format!("{name} (probability {})", probability(cause.probability))
+}
+
+fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
+    let others = diagnosis.causes[1..].iter();
+    let others: Vec<&CauseAnswer> = others.filter(|cause| !is_of_data(cause)).collect();
+    let rivals: Vec<String> = rivals(first).collect();
+    let mut sentence = format!(
+        "The data cannot tell {} from {}.",
+        with_probability(first),
+        listed_or(&rivals)
+    );
+    if !others.is_empty() {
+        let names: Vec<String> = others.into_iter().map(with_probability).collect();
+        sentence.push_str(&format!(" Beside it: {}.", listed(&names)));
+    }
+    sentence
+}
+
+/// What a cause cannot be told from, in words.
+pub(crate) fn rivals(cause: &CauseAnswer) -> impl Iterator<Item = String> {
+    cause
+        .confusable_with
+        .iter()
+        .map(|name| match name.as_str() {
+            IN_NO_CATALOGUE => "an effect in no catalogue".to_owned(),
+            known => known.to_owned(),
+        })
+}
+
+/// Unexplained share that is told as none.
+const NOTHING_LEFT: f64 = 0.005;
+
+fn unknown(diagnosis: &Diagnosis) -> String {
+    let mut sentence = match main_channel(diagnosis) {
+        Some(channel) => {
+            let place = match channel.joint {
+                Some(joint) => format!("{} (joint {joint})", channel.channel),
+                None => channel.channel.clone(),
+            };
+            format!("There is a gap in {place} that no effect of the catalogue explains")
+        }
+        None => "There is a gap that no effect of the catalogue explains".to_owned(),
+    };
+    if let Some(place) = &diagnosis.place
+        && !place.depends_on.is_empty()
+    {
+        sentence.push_str(&format!("; it depends on {}", listed(&place.depends_on)));
+    }
+    sentence.push('.');
+    let (surely, in_part): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
+        (diagnosis.causes.iter()).partition(|cause| cause.probability > 0.5);
+    if !in_part.is_empty() {
+        // no probability: the name of a part reads as a finding with it
+        let names: Vec<String> = in_part
+            .iter()
+            .map(|cause| named_at(&cause.effect, cause.joint))
+            .collect();
+        let part = listed(&names);
+        sentence.push_str(&match diagnosis.unexplained_share {
+            share if share < NOTHING_LEFT => format!(
+                " It looks like {part}, but a size of none fits too, or data that the fit did not see are predicted no \
+                 better with it."
+            ),
+            share => format!(
+                " A part of it has the course of {part}, which is no finding: {} of it is left, and what is left is \
+                 no noise.",
+                percent(share)
+            ),
+        });
+    }
+    if !surely.is_empty() {
+        sentence.push_str(&format!(" {}", besides(&surely)));
+    }
+    sentence
+}
+
+/// How much of the gap closes: on unseen data, else on the rows of the fit.
+fn closing(diagnosis: &Diagnosis) -> Option<String> {
+    let held_out = diagnosis
+        .causes
+        .iter()
+        .find_map(|cause| cause.held_out.as_ref());
+    if let Some(held_out) = held_out
+        && let Some(text) = reduction(held_out.reduction_percent, held_out.reduction_ci95)
+    {
+        return Some(format!(
+            "On data that the fit did not see, {text} of the gap of {} closes.",
+            held_out.channel
+        ));
+    }
+    let channel = main_channel(diagnosis)?;
+    let text = reduction(channel.reduction_percent, channel.reduction_ci95)?;
+    Some(format!(
+        "On the log itself, {text} of the gap of {} closes.",
+        channel.channel
+    ))
+}
+
+/// `97.3 % (95 % interval 96.1 to 98.0 %)`.
+pub(crate) fn reduction(percent: Option<f64>, ci95: Option<[f64; 2]>) -> Option<String> {
+    let percent = percent?;
+    Some(match ci95 {
+        Some([low, high]) => format!("{percent:.1} % (95 % interval {low:.1} to {high:.1} %)"),
+        None => format!("{percent:.1} %"),
+    })
+}
+
+/// Before, after and floor on unseen data.
+pub(crate) fn held_out_sizes(held_out: &HeldOutAnswer) -> String {
+    let shown = Shown::fine(&held_out.unit);
+    format!(
+        "{} {} before, {} after, noise {}",
+        held_out.channel,
+        shown.text(held_out.rms_before),
+        shown.text(held_out.rms_after),
+        shown.text(held_out.noise_floor)
+    )
+}
+
+/// What the gap depends on and where it lies; none without a gap.
+pub(crate) fn place_sentence(diagnosis: &Diagnosis) -> Option<String> {
+    let place = diagnosis.place.as_ref()?;
+    let mut text = place.channel.clone();
+    if let Some(joint) = place.joint {
+        text.push_str(&format!(", joint {joint}"));
+    }
+    let columns: Vec<String> = place
+        .depends_on
+        .iter()
+        .enumerate()
+        .map(|(index, column)| match place.explained.get(index) {
+            Some(share) => format!("{column} (explains {} alone)", percent(*share)),
+            None => column.clone(),
+        })
+        .collect();
+    if !columns.is_empty() {
+        text.push_str(&format!("; depends on {}", listed(&columns)));
+    }
+    if !place.region.is_empty() {
+        text.push_str(&format!("; {}", place.region));
+    }
+    Some(text)
+}
+
+/// What to do next: the experiment that the diagnosis asks for, else what the verdict suggests.
+pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
+    if let Some(experiment) = &diagnosis.next_experiment {
+        return experiment.clone();
+    }
+    match (diagnosis.verdict, diagnosis.causes.first()) {
+        (Verdict::NoGap, _) => "nothing; the model is as good as these data can tell. What could \
+                                still hide stands under \"what cannot be seen\""
+            .to_owned(),
+        (Verdict::Named, Some(cause)) => match haptical_effects::spec(&cause.effect) {
+            Some(spec) => format!(
+                "check {}; mend it, or put the effect into the model with the parameters found, \
+                 and record again to see that the gap is gone",
+                spec.inspect
+            ),
+            None => "put the effect into the model with the parameters found, or mend it, and \
+                     record again to see that the gap is gone"
+                .to_owned(),
+        },
+        (Verdict::Ambiguous, _) => "record again with the load, the speed or the order of the \
+                                    motions changed, so that the candidates behave differently"
+            .to_owned(),
+        _ => {
+            let channel = main_channel(diagnosis).map(|channel| channel.channel.as_str());
+            format!(
+                "look at the device where {} shows the gap, and record it again more slowly and \
+                 more densely there",
+                channel.unwrap_or("the residual")
+            )
+        }
+    }
+}
+
+/// The parameters of a cause: `stiffness 258 [243, 273] N m/rad`.
+pub(crate) fn parameters(cause: &CauseAnswer) -> String {
+    let texts: Vec<String> = cause
+        .parameters
+        .iter()
+        .map(|(name, parameter)| {
+            let quantity = Quantity::new(&cause.effect, name, parameter.value);
+            let value = quantity.text(parameter.value, parameter.ci95);
+            format!("{} {value}", quantity.words)
+        })
+        .collect();
+    texts.join(", ")
+}
+
+/// `a`, `a and b`, `a, b and c`.
+pub(crate) fn listed(names: &[String]) -> String {
+    joined(names, "and")
+}
+
+fn listed_or(names: &[String]) -> String {
+    joined(names, "or")
+}
+
+fn joined(names: &[String], word: &str) -> String {
+    match names {
+        [] => String::new(),
+        [only] => only.clone(),
+        [first @ .., last] => format!("{} {word} {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::example::{named, no_gap, unknown as unknown_example};
+
+    #[test]
+    fn what_explains_a_part_reads_as_no_finding() {
+        let mut diagnosis = unknown_example();
+        let mut part = named().causes.remove(0);
+        part.probability = 0.05;
+        diagnosis.causes = vec![part];
+        diagnosis.unexplained_share = 0.62;
+        let said = verdict_sentence(&diagnosis);
+        assert!(
+            said.contains("which is no finding: 62 % of it is left"),
+            "{said}"
+        );
+        assert!(!said.contains("probability"), "{said}");
+    }
+
+    #[test]
+    fn findings_on_the_data_explain_no_gap() {
+        let mut diagnosis = named();
+        let mut level = diagnosis.causes[0].clone();
+        "noise-level".clone_into(&mut level.effect);
+        diagnosis.causes.push(level);
+        let said = verdict_sentence(&diagnosis);
+        let (gap, besides) = said.split_once("explains the gap.").unwrap();
+        assert!(
+            !gap.contains("noise-level") && besides.contains("noise-level"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn a_named_verdict_says_what_how_sure_and_how_much() {
+        let said = verdict_sentence(&named());
+        assert_eq!(
+            said,
+            "capstan-compliance at joint 2 (probability 98 %) explains the gap. On data that the \
+             fit did not see, 97.3 % (95 % interval 96.1 to 98.0 %) of the gap of out2 closes."
+        );
+        assert_eq!(
+            parameters(&named().causes[0]),
+            "stiffness 258 [243, 273] N m/rad"
+        );
+        assert!(next_step(&named()).starts_with("check the pre-tension"));
+    }
+
+    #[test]
+    fn several_causes_are_all_named() {
+        let mut diagnosis = named();
+        let mut second = diagnosis.causes[0].clone();
+        second.effect = "cable-latency".to_owned();
+        second.joint = None;
+        second.probability = 0.999;
+        diagnosis.causes.push(second);
+        let said = verdict_sentence(&diagnosis);
+        let wanted = "capstan-compliance at joint 2 (probability 98 %) and cable-latency \
+                      (probability > 99 %) explain the gap.";
+        assert!(said.starts_with(wanted), "{said}");
+    }
+
+    #[test]
+    fn an_ambiguous_verdict_names_the_rivals() {
+        let mut diagnosis = named();
+        diagnosis.verdict = Verdict::Ambiguous;
+        diagnosis.causes[0].confusable_with = ["a", "b"].map(str::to_owned).to_vec();
+        let said = verdict_sentence(&diagnosis);
+        let wanted = "The data cannot tell capstan-compliance at joint 2 (probability 98 %) from a \
+                      or b.";
+        assert!(said.starts_with(wanted), "{said}");
+        diagnosis.next_experiment = Some("record it without a load".to_owned());
+        assert_eq!(next_step(&diagnosis), "record it without a load");
+    }
+
+    #[test]
+    fn an_unknown_verdict_says_where_it_is_and_what_was_left_out() {
+        let mut diagnosis = unknown_example();
+        diagnosis.provenance.without = vec!["backlash".to_owned()];
+        assert_eq!(
+            verdict_sentence(&diagnosis),
+            "There is a gap in out2 (joint 2) that no effect of the catalogue explains; it \
+             depends on theta2_rad. Left out of the catalogue on request: backlash."
+        );
+        assert_eq!(
+            place_sentence(&diagnosis).unwrap(),
+            "out2, joint 2; depends on theta2_rad (explains 88 % alone); near theta2 = 0.25 rad"
+        );
+        assert!(next_step(&diagnosis).contains("where out2 shows the gap"));
+    }
+
+    #[test]
+    fn without_a_gap_nothing_is_to_be_done() {
+        let diagnosis = no_gap();
+        assert!(verdict_sentence(&diagnosis).contains("noise in every channel (87 effects"));
+        assert_eq!(place_sentence(&diagnosis), None);
+        assert!(next_step(&diagnosis).starts_with("nothing"));
+    }
+
+    #[test]
+    fn percentages_do_not_claim_certainty() {
+        let said: Vec<String> = [0.0, 0.001, 0.424, 0.996, 1.0].map(percent).to_vec();
+        assert_eq!(said, ["0 %", "< 1 %", "42 %", "> 99 %", "100 %"]);
+        assert_eq!(probability(1.0), "> 99 %");
+    }
+}

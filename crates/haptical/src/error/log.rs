@@ -1,0 +1,70 @@
+//! What is said of a refused log.
+
+use haptical_data::DataError;
+use haptical_model::Device;
+
+use super::equipment::listed;
+use super::{Error, ErrorKind, Place, split_advice};
+
+impl Error {
+    /// A refused log of a device: the joints that it has no columns of are named.
+    pub(crate) fn log(error: DataError, device: &Device) -> Self {
+        let names: Vec<String> = match &error {
+            DataError::MissingColumn {
+                missing, required, ..
+            } => {
+                let joints = required.iter().zip(&device.joints);
+                let joints = joints.filter(|(column, _)| missing.contains(column));
+                // a file that names no joints numbers them
+                let named = joints.filter(|(_, joint)| joint.name.parse::<f64>().is_err());
+                named.map(|(_, joint)| joint.name.clone()).collect()
+            }
+            _ => Vec::new(),
+        };
+        let mut refused = Self::from(error);
+        match names.as_slice() {
+            [] => {}
+            [name] => refused.what += &format!(" (joint `{name}`)"),
+            _ => refused.what += &format!(" (joints {})", listed(&names)),
+        }
+        refused
+    }
+}
+
+impl From<DataError> for Error {
+    fn from(error: DataError) -> Self {
+        let at = error.place();
+        let text = error.to_string();
+        let text = text.strip_prefix(&format!("{at}: ")).unwrap_or(&text);
+        let (what, next) = split_advice(text);
+        let joint_columns = match &error {
+            DataError::MissingColumn {
+                missing,
+                required,
+                near_misses,
+                ..
+            } if near_misses.is_empty() && required.ends_with(missing) => {
+                Some(required.len() - missing.len())
+            }
+            _ => None,
+        };
+        Self {
+            kind: match &error {
+                DataError::NotFound { .. } => ErrorKind::NotFound,
+                DataError::Unreadable { .. } => ErrorKind::Io,
+                _ => ErrorKind::BadInput,
+            },
+            name: error.kind(),
+            what,
+            place: Box::new(Place {
+                file: at.file.clone(),
+                line: at.line,
+                column: at.column_number.map(|column| column as u64),
+                column_name: at.column.clone(),
+                section: None,
+                joint_columns,
+            }),
+            next,
+        }
+    }
+}

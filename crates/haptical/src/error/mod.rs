@@ -1,0 +1,377 @@
+//! The one error of the library: what is wrong, where, and what to do next.
+
+mod design;
+mod device_file;
+mod equipment;
+mod log;
+mod place;
+mod urdf_file;
+
+use std::path::Path;
+
+pub use self::place::Place;
+use haptical_calibration::CalibrationError;
+use haptical_diagnosis::DiagnosisError;
+use haptical_report::ReportError;
+
+/// Kinds of refusals; the command has an exit status for each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// Input that is not what it must be.
+    BadInput,
+    /// A file that is not there.
+    NotFound,
+    /// A file that the system does not let read or write.
+    Io,
+    /// Sound numbers that fix nothing.
+    Unidentifiable,
+    /// Stopped on request before the end; nothing was written.
+    Interrupted,
+    /// A fault of this library; no input should lead here.
+    Internal,
+}
+
+/// A refusal: its kind, what is wrong, where, and what to do next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Error {
+    kind: ErrorKind,
+    name: &'static str,
+    what: String,
+    place: Box<Place>,
+    next: String,
+}
+
+impl Error {
+    /// Bad input at a place given in words or as a path.
+    pub fn bad_input(
+        name: &'static str,
+        what: impl Into<String>,
+        place: impl Into<String>,
+        next: impl Into<String>,
+    ) -> Self {
+        Self {
+            kind: ErrorKind::BadInput,
+            name,
+            what: what.into(),
+            place: Place::in_file(place),
+            next: next.into(),
+        }
+    }
+
+    /// Bad input in a line of a log.
+    pub fn log_line(
+        name: &'static str,
+        what: impl Into<String>,
+        log: &Path,
+        line: Option<u64>,
+        next: impl Into<String>,
+    ) -> Self {
+        let mut failure = Self::bad_input(name, what, log.display().to_string(), next);
+        failure.place.line = line;
+        failure
+    }
+
+    /// Bad input at a line and a column of a file; column 0 is none.
+    pub fn placed(
+        name: &'static str,
+        what: impl Into<String>,
+        file: &Path,
+        (line, column): (u64, u64),
+        next: impl Into<String>,
+    ) -> Self {
+        let mut failure = Self::log_line(name, what, file, Some(line), next);
+        failure.place.column = (column > 0).then_some(column);
+        failure
+    }
+
+    /// Bad arguments.
+    pub fn command_line(
+        name: &'static str,
+        what: impl Into<String>,
+        next: impl Into<String>,
+    ) -> Self {
+        Self::bad_input(name, what, "the command line", next)
+    }
+
+    /// A request to stop while `out` was written.
+    pub fn interrupted(out: &Path) -> Self {
+        let place = out.display().to_string();
+        Self::bad_input(
+            "interrupted",
+            "interrupted before the end; nothing was written",
+            place,
+            "run the command again",
+        )
+        .of_kind(ErrorKind::Interrupted)
+    }
+
+    /// A failure of the program itself; no input should lead here.
+    pub fn internal(what: impl std::fmt::Display) -> Self {
+        let next = "please report it with the device file and the log";
+        Self::bad_input("internal", what.to_string(), "haptical itself", next)
+            .of_kind(ErrorKind::Internal)
+    }
+
+    /// A refused calibration of a device from a log.
+    pub fn calibration(error: &CalibrationError, device: &Path, log: &Path) -> Self {
+        let (name, what, next) = describe(error);
+        let mut place = Place::in_file(log.display().to_string());
+        match error {
+            CalibrationError::Row { line, .. } => place.line = Some(*line),
+            CalibrationError::LooksLikeMillimetres { line, .. } => place.line = *line,
+            CalibrationError::Reading { line, column, .. } => {
+                place.line = Some(*line);
+                place.column_name = Some(column.clone());
+            }
+            CalibrationError::Rig { what, .. } if what.starts_with('[') => {
+                place.file = device.display().to_string();
+                place.section = Some(what.trim_matches(['[', ']']).to_owned());
+            }
+            CalibrationError::Option { .. } => "the command line".clone_into(&mut place.file),
+            _ => {}
+        }
+        let kind = if error.is_unidentifiable() {
+            ErrorKind::Unidentifiable
+        } else {
+            ErrorKind::BadInput
+        };
+        Self {
+            kind,
+            name,
+            what,
+            place,
+            next,
+        }
+    }
+
+    /// A refused diagnosis of a device from a log.
+    pub(crate) fn diagnosis(error: &DiagnosisError, device: &Path, log: &Path) -> Self {
+        if let DiagnosisError::Calibration(error) = error {
+            return Self::calibration(error, device, log);
+        }
+        let log_place = log.display().to_string();
+        let text = error.to_string();
+        match error {
+            DiagnosisError::Row { line, source } => {
+                let next = "leave this row out of the log, or correct the device file";
+                Self::log_line("row", source.to_string(), log, Some(*line), next)
+            }
+            DiagnosisError::UnknownEffect { .. } => {
+                let (what, next) = split_advice(&text);
+                Self::command_line("unknown-effect", what, next)
+            }
+            DiagnosisError::TooFewReadings { .. } => {
+                let (what, next) = text.split_once(": ").unwrap_or((&text, "record more rows"));
+                Self::bad_input("too-few-rows", what, log_place, next)
+                    .of_kind(ErrorKind::Unidentifiable)
+            }
+            DiagnosisError::Identification(_) => Self::bad_input(
+                "identification",
+                text,
+                log_place,
+                "check the device's lengths and home, and leave out the rows that are named",
+            ),
+            other if other.is_unidentifiable() => Self::bad_input(
+                "nothing-identifiable",
+                text,
+                log_place,
+                "record slow motion of every joint through its whole range",
+            )
+            .of_kind(ErrorKind::Unidentifiable),
+            _ => Self::internal(text),
+        }
+    }
+
+    /// What kind of refusal it is.
+    pub fn kind(&self) -> ErrorKind {
+        self.kind
+    }
+
+    /// Name of the exact reason, for programs, such as `too-few-rows`.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// What is wrong.
+    pub fn what(&self) -> &str {
+        &self.what
+    }
+
+    /// Where it is wrong.
+    pub fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// What to do next.
+    pub fn next_step(&self) -> &str {
+        &self.next
+    }
+
+    fn of_kind(mut self, kind: ErrorKind) -> Self {
+        self.kind = kind;
+        self
+    }
+}
+
+/// Place, what is wrong and what to do next, in one line.
+impl std::fmt::Display for Error {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{}: {}; {}", self.place, self.what, self.next)
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// Name, what and next step of a refused calibration.
+fn describe(error: &CalibrationError) -> (&'static str, String, String) {
+    let more = "record at many different poses that move every joint".to_owned();
+    match error {
+        CalibrationError::NoMotion { rows } => (
+            "no-motion",
+            format!(
+                "no joint moves in the log ({rows} rows at one pose), so nothing can be told apart"
+            ),
+            more,
+        ),
+        CalibrationError::TooFewRows {
+            what,
+            rows,
+            parameters,
+            advised,
+        } => (
+            "too-few-rows",
+            format!("{what}: {rows} readings cannot fix {parameters} parameters"),
+            format!("record at least {advised} readings at different poses"),
+        ),
+        CalibrationError::NothingIdentifiable { .. } => {
+            ("nothing-identifiable", error.to_string(), more)
+        }
+        CalibrationError::NotConverged { what, reason } => (
+            "not-converged",
+            format!("{what}: {reason}"),
+            "the nominal device may be far from the real one: check its lengths, twists, home and \
+             ratios against the device; with --loss squares, wild readings alone can do this: leave it at auto"
+                .to_owned(),
+        ),
+        CalibrationError::Identification { .. } => (
+            "identification",
+            error.to_string(),
+            "check the device's lengths and home, and leave out the rows that are named".to_owned(),
+        ),
+        CalibrationError::Row { source, .. } => (
+            "row",
+            source.to_string(),
+            "leave this row out of the log, or correct the device file".to_owned(),
+        ),
+        CalibrationError::Reading { message, .. } => {
+            let (what, next) = split_advice(message);
+            ("reading", what, next)
+        }
+        CalibrationError::LooksLikeMillimetres { what, next, .. } => {
+            ("looks-like-millimetres", what.clone(), (*next).to_owned())
+        }
+        CalibrationError::MistakenColumns { .. } => {
+            let (what, next) = split_advice(&error.to_string());
+            ("mistaken-columns", what, next)
+        }
+        CalibrationError::Rig { what, message } => {
+            let (message, next) = message
+                .rsplit_once(": ")
+                .unwrap_or((message, "correct the rig or the log"));
+            ("calibration", format!("{what}: {message}"), next.to_owned())
+        }
+        CalibrationError::NoChannel => (
+            "no-channel",
+            "the log has no measurement that this device can be identified from".to_owned(),
+            "add external encoders (outN_rad), or [[link]] rows to the device and a distance \
+             (cable_m) or position (x_m, y_m, z_m) to the log"
+                .to_owned(),
+        ),
+        other => {
+            let (what, next) = split_advice(&other.to_string().replacen(": ", "; ", 1));
+            ("calibration", what, next)
+        }
+    }
+}
+
+impl From<ReportError> for Error {
+    fn from(error: ReportError) -> Self {
+        Self::internal(error)
+    }
+}
+
+/// A message of the form "what; what to do". A semicolon between backticks belongs to what was
+/// found in a file.
+fn split_advice(text: &str) -> (String, String) {
+    let even = |text: &str| text.matches('`').count().is_multiple_of(2);
+    // A backtick in what was found makes the count odd; then the last semicolon is ours.
+    let outside = |at: usize| even(&text[..at]) && even(&text[at..]);
+    let at = text
+        .match_indices("; ")
+        .map(|(at, _)| at)
+        .find(|&at| outside(at))
+        .or_else(|| text.rfind("; "));
+    match at {
+        Some(at) => (text[..at].to_owned(), text[at + 2..].to_owned()),
+        None => (text.to_owned(), "correct the input".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_is_told_from_what_a_cell_holds() {
+        let split = |text| {
+            let (what, next) = split_advice(text);
+            [what, next]
+        };
+        assert_eq!(
+            split("found `1; 2`; correct it"),
+            ["found `1; 2`", "correct it"]
+        );
+        assert_eq!(
+            split("found `a`b; c`; correct it"),
+            ["found `a`b; c`", "correct it"]
+        );
+        assert_eq!(split("no advice"), ["no advice", "correct the input"]);
+    }
+
+    #[test]
+    fn a_refused_diagnosis_has_what_where_next_and_its_status() {
+        let refused = |error: DiagnosisError| {
+            Error::diagnosis(&error, Path::new("device.toml"), Path::new("log.csv"))
+        };
+        let few = refused(DiagnosisError::TooFewReadings {
+            readings: 12,
+            parameters: 57,
+            advised: 1140,
+        });
+        assert_eq!(
+            (few.kind, few.place.file.as_str()),
+            (ErrorKind::Unidentifiable, "log.csv")
+        );
+        assert!(few.what.starts_with("12 usable readings") && few.what.ends_with("57 parameters"));
+        assert!(
+            few.next.starts_with("record at least 1140 rows"),
+            "{}",
+            few.next
+        );
+        let name = refused(DiagnosisError::UnknownEffect {
+            name: "backlsh".to_owned(),
+            nearest: Some("backlash".to_owned()),
+        });
+        assert_eq!(
+            (name.kind, name.name),
+            (ErrorKind::BadInput, "unknown-effect")
+        );
+        assert_eq!(name.next, "did you mean `backlash`?");
+        let still = refused(CalibrationError::NoMotion { rows: 400 }.into());
+        assert_eq!(
+            (still.kind, still.name),
+            (ErrorKind::Unidentifiable, "no-motion")
+        );
+    }
+}

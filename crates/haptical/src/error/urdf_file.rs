@@ -1,0 +1,73 @@
+//! What is said of a refused URDF.
+
+use std::path::Path;
+
+use haptical_urdf::UrdfError;
+
+use super::Error;
+
+impl Error {
+    /// A refused URDF, or a device that is not of it.
+    pub fn urdf(error: &UrdfError, path: &Path) -> Self {
+        let file = path.display().to_string();
+        let mut text = error.to_string();
+        let (kind, next) = match error {
+            UrdfError::File(error) => return Self::device_file(error, path),
+            UrdfError::Xml { .. } => (
+                "syntax",
+                "correct the XML at this place; a document type (DTD) must be removed".to_owned(),
+            ),
+            UrdfError::NotUrdf { at, found, advice } => {
+                text = format!("{at}: the outermost element is <{found}>, not <robot>");
+                ("shape", (*advice).to_owned())
+            }
+            UrdfError::Missing { what, .. } => ("missing-key", format!("add its {what}")),
+            UrdfError::Value {
+                at,
+                place,
+                what,
+                found,
+                allowed,
+            } => {
+                text = format!("{at}: {place}: {what} is {found}");
+                ("value", format!("correct it: {allowed}"))
+            }
+            UrdfError::Tree { .. } => (
+                "shape",
+                "correct links and joints: one root, one parent for each link, no joint that follows \
+                 itself"
+                    .to_owned(),
+            ),
+            UrdfError::UnknownLink { .. } => (
+                "chain",
+                "correct the name that is given with --base or --tip".to_owned(),
+            ),
+            UrdfError::TipMissing { base, ends, .. } => {
+                text = format!("--base {base} needs --tip too");
+                (
+                    "chain",
+                    format!("name the tip with --tip; branches end at {ends}"),
+                )
+            }
+            UrdfError::SameLink { .. } | UrdfError::Unmoved { base: Some(_), .. } => (
+                "chain",
+                "name links with a joint that moves between them with --base and --tip".to_owned(),
+            ),
+            UrdfError::Chain { .. } | UrdfError::Unmoved { .. } => (
+                "chain",
+                "name a link behind a joint that moves with --tip".to_owned(),
+            ),
+            UrdfError::Device { .. } => (
+                "other-device",
+                "give --urdf, --base and --tip as the device came from them".to_owned(),
+            ),
+            _ => ("shape", "correct the file".to_owned()),
+        };
+        let Some(at) = error.position() else {
+            let what = text.strip_prefix(&format!("{file}: ")).unwrap_or(&text);
+            return Self::bad_input(kind, what, file, next);
+        };
+        let what = text.strip_prefix(&format!("{at}: ")).unwrap_or(&text);
+        Self::placed(kind, what, path, (at.line as u64, at.column as u64), next)
+    }
+}

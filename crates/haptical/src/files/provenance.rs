@@ -1,0 +1,329 @@
+//! What every result carries of how it came about: version, command, hashes of inputs, seeds, thresholds.
+
+use std::collections::BTreeMap;
+
+use haptical_calibration::Options;
+use haptical_identification::Method;
+use haptical_report::{Block, Column, Table};
+use serde::{Deserialize, Serialize};
+
+use super::{Fingerprint, InputFile, NewFile};
+use crate::error::Error;
+
+/// Version of the library and of the command.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Begins each line of it in a TOML file, in which it is a comment: older readers warn of tables that
+/// they do not know.
+const COMMENT: &str = "# provenance: ";
+
+/// Stands for the SHA-256 of a result while it is worked out.
+const UNSEALED: &str = "0000000000000000000000000000000000000000000000000000000000000000";
+
+/// How a result came about. The number of threads is not in it: it changes nothing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Record {
+    /// Version of the command that wrote the result.
+    pub haptical_version: String,
+    /// Subcommand.
+    pub command: &'static str,
+    /// Its flags as `--flag=value`, defaults included; those that change nothing in the result
+    /// (`--out`, `--json`) are left out.
+    pub arguments: Vec<String>,
+    /// Files that it was made from.
+    pub inputs: Vec<InputFile>,
+    /// Seeds of random numbers by what they are for; empty where none are drawn.
+    pub seeds: BTreeMap<&'static str, u64>,
+    /// Those of an identification; a diagnosis states the version of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thresholds: Option<Thresholds>,
+    /// The other files of the result.
+    pub outputs: Vec<OutputFile>,
+    /// SHA-256 of the file that this stands in, with 64 zeros in its place.
+    pub result_sha256: String,
+}
+
+/// A file of the result.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OutputFile {
+    /// Name.
+    pub file: String,
+    /// Size.
+    pub bytes: u64,
+    /// SHA-256.
+    pub sha256: String,
+}
+
+/// Thresholds of an identification.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Thresholds {
+    /// When a parameter counts as identifiable.
+    pub identifiability: IdentifiabilityThresholds,
+    /// When a search ends.
+    pub search: SearchThresholds,
+}
+
+/// When a parameter counts as identifiable.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct IdentifiabilityThresholds {
+    /// Column norms below this share of the largest are zero.
+    pub zero_tolerance: f64,
+    /// Remainders below this share of the largest are dependent.
+    pub rank_tolerance: f64,
+    /// Share of the plausible size above which a standard deviation is weak.
+    pub weak_share: f64,
+}
+
+/// When a search ends.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SearchThresholds {
+    /// Gauss-Newton or Levenberg-Marquardt.
+    pub method: Method,
+    /// Most steps.
+    pub max_iterations: usize,
+    /// Relative change of the cost that ends it.
+    pub cost_tolerance: f64,
+    /// Relative step that ends it.
+    pub step_tolerance: f64,
+    /// Remainders below this share of the largest are dependent.
+    pub rank_tolerance: f64,
+    /// First damping.
+    pub initial_damping: f64,
+}
+
+impl Thresholds {
+    /// Those of an identification with these options.
+    pub fn from_options(options: &Options) -> Self {
+        let (rules, search) = (&options.rules, &options.search);
+        Self {
+            identifiability: IdentifiabilityThresholds {
+                zero_tolerance: rules.zero_tolerance,
+                rank_tolerance: rules.rank_tolerance,
+                weak_share: rules.weak_share,
+            },
+            search: SearchThresholds {
+                method: search.method,
+                max_iterations: search.max_iterations,
+                cost_tolerance: search.cost_tolerance,
+                step_tolerance: search.step_tolerance,
+                rank_tolerance: search.rank_tolerance,
+                initial_damping: search.initial_damping,
+            },
+        }
+    }
+}
+
+impl Record {
+    /// A record without outputs and hash.
+    pub fn new(
+        version: &str,
+        command: &'static str,
+        arguments: Vec<String>,
+        inputs: Vec<InputFile>,
+    ) -> Self {
+        Self {
+            haptical_version: version.to_owned(),
+            command,
+            arguments,
+            inputs,
+            seeds: BTreeMap::new(),
+            thresholds: None,
+            outputs: Vec::new(),
+            result_sha256: UNSEALED.to_owned(),
+        }
+    }
+
+    /// The same with the files that lie beside the one that holds it.
+    pub fn with_outputs(&self, files: &[NewFile<'_>]) -> Self {
+        let outputs = files.iter().map(|(name, content)| {
+            let Fingerprint { bytes, sha256 } = Fingerprint::from_bytes(content);
+            let file = (*name).to_owned();
+            OutputFile {
+                file,
+                bytes,
+                sha256,
+            }
+        });
+        Self {
+            outputs: outputs.collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The record in words: what, and its value, each on one line.
+    ///
+    /// # Errors
+    /// A fault of this library alone.
+    pub fn lines(&self) -> Result<Vec<(String, String)>, Error> {
+        let mut lines = vec![
+            (
+                "version".to_owned(),
+                format!("haptical {}", self.haptical_version),
+            ),
+            ("command line".to_owned(), self.command_line()),
+        ];
+        for input in &self.inputs {
+            let InputFile {
+                file,
+                bytes,
+                sha256,
+                ..
+            } = input;
+            let value = format!("{file}, {bytes} bytes, SHA-256 {sha256}");
+            lines.push((input.flag.clone(), value));
+        }
+        let seeds: Vec<String> = self
+            .seeds
+            .iter()
+            .map(|(purpose, seed)| format!("{purpose} {seed}"))
+            .collect();
+        let seeds = if seeds.is_empty() {
+            "none, no random numbers are drawn".to_owned()
+        } else {
+            seeds.join(", ")
+        };
+        lines.push(("seeds".to_owned(), seeds));
+        if let Some(thresholds) = &self.thresholds {
+            let named = [
+                ("identifiability", words(&thresholds.identifiability)?),
+                ("search settings", words(&thresholds.search)?),
+            ];
+            lines.extend(named.map(|(name, words)| (name.to_owned(), words)));
+        }
+        for (_, value) in &mut lines {
+            *value = value.replace(|c: char| c.is_control(), " ");
+        }
+        Ok(lines)
+    }
+
+    /// The command as one would type it.
+    fn command_line(&self) -> String {
+        let mut line = format!("haptical {}", self.command);
+        for argument in &self.arguments {
+            line.push(' ');
+            line.push_str(&match argument.split_once('=') {
+                Some((flag, value)) => format!("{flag} {}", shell_word(value)),
+                None => argument.clone(),
+            });
+        }
+        line
+    }
+
+    /// The record for a page.
+    ///
+    /// # Errors
+    /// A fault of this library alone.
+    pub fn table(&self) -> Result<Block, Error> {
+        let columns = vec![Column::new("what", ""), Column::new("value", "")];
+        let mut table = Table::new("", columns);
+        for (what, value) in self.lines()? {
+            table.push(vec![what.into(), value.into()])?;
+        }
+        Ok(Block::Table(table))
+    }
+
+    /// The record as comments at the head of a TOML file.
+    ///
+    /// # Errors
+    /// A fault of this library alone.
+    pub fn toml_comments(&self) -> Result<String, Error> {
+        let lines = self.lines()?.into_iter();
+        Ok(lines
+            .map(|(what, value)| format!("{COMMENT}{what}: {value}\n"))
+            .collect())
+    }
+}
+
+/// A TOML text without the comments of an earlier result at its head.
+pub(crate) fn without_comments(text: &str) -> &str {
+    let mut rest = text;
+    while rest.starts_with(COMMENT) {
+        rest = rest.split_once('\n').map_or("", |(_, after)| after);
+    }
+    rest
+}
+
+/// `name value, name value` of a struct of numbers.
+fn words(numbers: &impl Serialize) -> Result<String, Error> {
+    let value = serde_json::to_value(numbers).map_err(Error::internal)?;
+    let fields = value.as_object().into_iter().flatten();
+    let words: Vec<String> = fields
+        .map(|(name, value)| match value.as_str() {
+            Some(text) => format!("{name} {text}"),
+            None => format!("{name} {value}"),
+        })
+        .collect();
+    Ok(words.join(", "))
+}
+
+/// A result as JSON, with its own SHA-256 in it.
+///
+/// # Errors
+/// A fault of this library alone.
+pub fn sealed_json(result: &impl Serialize) -> Result<String, Error> {
+    let mut json = serde_json::to_string_pretty(result).map_err(Error::internal)?;
+    json.push('\n');
+    let sha256 = Fingerprint::from_bytes(json.as_bytes()).sha256;
+    Ok(json.replacen(&seal(UNSEALED), &seal(&sha256), 1))
+}
+
+/// Whether a result as JSON has the SHA-256 that stands in it.
+pub fn is_seal_whole(json: &str, sha256: &str) -> bool {
+    let unsealed = json.replacen(&seal(sha256), &seal(UNSEALED), 1);
+    Fingerprint::from_bytes(unsealed.as_bytes()).sha256 == sha256
+}
+
+fn seal(sha256: &str) -> String {
+    format!("\"result_sha256\": \"{sha256}\"")
+}
+
+/// A text as one word of a command line.
+pub fn shell_word(text: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "/._-+,".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record() -> Record {
+        let input = InputFile {
+            flag: "device".to_owned(),
+            file: "my\ndevice.toml".to_owned(),
+            bytes: 3,
+            sha256: "ab".to_owned(),
+        };
+        let arguments = vec!["--device=my device.toml".to_owned()];
+        let mut record = Record::new("1.2", "identify", arguments, vec![input]);
+        record.thresholds = Some(Thresholds::from_options(&Options::default()));
+        record
+    }
+
+    #[test]
+    fn comments_stay_comments_and_go_again() {
+        let comments = record().toml_comments().unwrap();
+        assert!(comments.lines().all(|line| line.starts_with(COMMENT)));
+        assert!(comments.contains("# provenance: device: my device.toml, 3 bytes, SHA-256 ab\n"));
+        assert!(comments.contains("haptical identify --device 'my device.toml'\n"));
+        assert!(comments.contains("rank_tolerance 1e-9"), "{comments}");
+        let text = "# a comment of the user\na = 1\n";
+        assert_eq!(without_comments(&format!("{comments}{text}")), text);
+        assert_eq!(without_comments(text), text);
+    }
+
+    #[test]
+    fn a_changed_digit_breaks_the_seal() {
+        let json = sealed_json(&record()).unwrap();
+        let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let sha256 = value["result_sha256"].as_str().unwrap();
+        assert_ne!(sha256, UNSEALED);
+        assert!(is_seal_whole(&json, sha256));
+        assert!(!is_seal_whole(&json.replacen("0.5", "0.6", 1), sha256));
+        assert!(!is_seal_whole(&json, UNSEALED));
+    }
+}

@@ -1,0 +1,292 @@
+//! Identification: a device and a log in; values, intervals, reasons, files and the table of residuals out.
+
+mod intervals;
+mod page;
+mod result;
+mod summary;
+mod transmissions;
+
+use std::path::{Path, PathBuf};
+
+use haptical_calibration::{
+    Calibration, CalibrationError, Degree, ForceDirection, HeldOut, LossChoice, Options, Weighting,
+    calibrate, force_direction, without_copies,
+};
+use haptical_model::{Device as Model, Recording, TransmissionKind};
+
+use self::result::{Described, identified};
+pub use self::result::{
+    IdentifiabilityEntry, Identified, LossEntry, NoiseEntry, NotIdentified, ParameterEntry,
+    RankEntry, status_name,
+};
+pub use self::transmissions::TransmissionEntry;
+use crate::device::{Device, InputDrumDenominators};
+use crate::error::Error;
+use crate::files::{
+    InputFile, NewFile, Record, Source, Thresholds, VERSION, sealed_json, without_comments,
+    write_all,
+};
+use crate::log::Log;
+
+/// What an identification is asked for; the default is what `haptical identify` does without flags.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identify {
+    /// Method, weights, loss, held-out rows.
+    pub options: Options,
+    /// Whether to fit what joints yield to their torque behind the external encoder.
+    pub joint_compliance: bool,
+    /// Numbers of the links that are kept: `lengths`, `twists`, `offsets`, `a`, `theta`, ..., or one row's, `a3`.
+    pub hold: Vec<String>,
+    /// How far such numbers may plausibly be off \[m\] or \[rad\].
+    pub deviations: Vec<(String, f64)>,
+}
+
+impl Default for Identify {
+    fn default() -> Self {
+        Self {
+            options: Options {
+                loss: LossChoice::Auto,
+                held_out: HeldOut::Share(0.2),
+                ..Options::default()
+            },
+            joint_compliance: false,
+            hold: Vec::new(),
+            deviations: Vec::new(),
+        }
+    }
+}
+
+/// An identified device, with all that is known of how well. It prints as the table of the command.
+#[derive(Debug)]
+pub struct Found {
+    /// The identified device.
+    pub device: Device,
+    /// The calibration in full, residuals of every row included.
+    pub calibration: Calibration,
+    /// The content of identified.json.
+    pub result: Identified,
+    recording: Recording,
+    toml: String,
+}
+
+/// Identifies the parameters of a device from a log.
+///
+/// # Errors
+/// [`ErrorKind::Unidentifiable`](crate::ErrorKind) where the log fixes nothing, otherwise what is wrong with a
+/// reading, the device or an option, and where.
+pub fn identify(device: &Device, log: &Log, options: &Identify) -> Result<Found, Error> {
+    identify_as(VERSION, device, log, options)
+}
+
+/// The same under the name of another version, for a result that is made again.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_as(
+    version: &str,
+    device: &Device,
+    log: &Log,
+    options: &Identify,
+) -> Result<Found, Error> {
+    let (recording, copies) = without_copies(log.recording.clone());
+    let mut model = device.model.clone();
+    options.apply(&mut model)?;
+    let (device_path, log_path) = (&device.source().path, &log.source().path);
+    let refuse = |error: CalibrationError| {
+        Error::calibration(&error, device_path, log_path).with_equipment(device)
+    };
+    let calibration = calibrate(&model, &recording, &options.options).map_err(refuse)?;
+    refuse_overflow(&calibration, &recording, log_path)?;
+    let warnings = [&device.warnings, &log.warnings, &calibration.warnings];
+    let mut warnings = warnings.map(Clone::clone);
+    warnings[1].extend(copies);
+    let mut inputs = device.inputs("device");
+    // behind the device, before the rig: the order of the flags
+    inputs.splice(1..1, log.input("log"));
+    let mut record = Record::new(version, "identify", options.flags(device, &inputs), inputs);
+    record.thresholds = Some(Thresholds::from_options(&options.options));
+    let described = Described {
+        device: device.source().label.clone(),
+        log: log.source().label.clone(),
+        method: Calibration::method_name(options.options.method),
+        rows: recording.len(),
+        record,
+    };
+    let force = force(&model, &calibration, &recording).map_err(refuse)?;
+    let nominal = &calibration.nominal;
+    let result = identified(&calibration, nominal, described, force, warnings.concat());
+    let toml = calibration
+        .device
+        .to_toml(without_comments(device.to_toml()), &device.source().label)
+        .map_err(|error| Error::device_file(&error, device_path))?;
+    let text = result.provenance.toml_comments()? + &toml;
+    let source = Source::text(text, Found::FILES[0]);
+    Ok(Found {
+        device: Device::open(&source, &crate::Equipment::default())?,
+        calibration,
+        result,
+        recording,
+        toml,
+    })
+}
+
+/// How far the force at the handle may lean; none for an arm without drives, which renders no force there.
+fn force(
+    model: &Model,
+    calibration: &Calibration,
+    recording: &Recording,
+) -> Result<Option<ForceDirection>, CalibrationError> {
+    let mut drives = model.joints.iter().map(|joint| joint.transmission);
+    match &calibration.fitted.whole {
+        Some(whole) if drives.any(|drive| drive != TransmissionKind::Direct) => {
+            force_direction(whole, recording)
+        }
+        _ => Ok(None),
+    }
+}
+
+impl Identify {
+    fn apply(&self, model: &mut Model) -> Result<(), Error> {
+        if self.joint_compliance {
+            model.fit_compliance();
+        }
+        self.hold(model)
+    }
+
+    /// Keeps the numbers that are held, and notes how far others may be off.
+    ///
+    /// # Errors
+    /// A word that names no numbers of a link.
+    pub fn hold(&self, model: &mut Model) -> Result<(), Error> {
+        let deviations = self.deviations.iter().map(|(word, size)| (word, *size));
+        for (word, size) in deviations.chain(self.hold.iter().map(|word| (word, 0.0))) {
+            model.expect_deviation(word, size).map_err(|error| {
+                let next = "give such words, separated by commas";
+                Error::command_line("arguments", error.to_string(), next)
+            })?;
+        }
+        Ok(())
+    }
+
+    /// The flags of the command that decide the result, defaults included.
+    fn flags(&self, device: &Device, inputs: &[InputFile]) -> Vec<String> {
+        let options = &self.options;
+        let mut flags: Vec<String> = inputs.iter().map(InputFile::argument).collect();
+        flags.extend([
+            format!("--method={}", Calibration::method_name(options.method)),
+            match options.held_out {
+                HeldOut::Folds(folds) => format!("--folds={folds}"),
+                HeldOut::Share(share) => format!("--held-out={share}"),
+                _ => "--held-out=0".to_owned(),
+            },
+            match options.degree {
+                Degree::Fixed(degree) => format!("--degree={degree}"),
+                Degree::UpTo(_) => "--degree=evidence".to_owned(),
+            },
+            match options.weighting {
+                Weighting::Stated => "--noise=stated".to_owned(),
+                Weighting::Estimated => "--noise=estimated".to_owned(),
+            },
+            match options.loss {
+                LossChoice::Auto => "--loss=auto".to_owned(),
+                LossChoice::Fixed(loss) => format!("--loss={loss}"),
+            },
+        ]);
+        let compliance = || "--with=joint-compliance".to_owned();
+        flags.extend(self.joint_compliance.then(compliance));
+        let deviations = self.deviations.iter();
+        flags.extend(deviations.map(|(word, size)| format!("--deviation={word}={size}")));
+        flags.extend(self.hold.iter().map(|word| format!("--hold={word}")));
+        let equipment = device.equipment();
+        if let InputDrumDenominators::Same(length_m) = equipment.denominators {
+            flags.push(format!("--input-drum-denominator-m={length_m}"));
+        }
+        flags.extend(equipment.chain_flags());
+        if equipment.denominators == InputDrumDenominators::Paper {
+            flags.push("--paper-preset".to_owned());
+        }
+        flags
+    }
+}
+
+impl Found {
+    /// Names of the files that are written.
+    pub const FILES: [&str; 3] = ["identified.toml", "identified.json", "report.html"];
+
+    /// What is odd about the device, the log and the result.
+    pub fn warnings(&self) -> &[String] {
+        &self.result.warnings
+    }
+
+    /// The text of a device file of the identified device, without comments on how it came about.
+    pub fn to_toml(&self) -> &str {
+        &self.toml
+    }
+
+    /// The three files, as they are written.
+    ///
+    /// # Errors
+    /// A fault of this library alone.
+    pub fn files(&self) -> Result<Vec<NewFile<'static>>, Error> {
+        let (result, calibration) = (&self.result, &self.calibration);
+        let page = page::page(result, calibration, &calibration.nominal, &self.recording)?;
+        let [toml_name, json_name, page_name] = Self::FILES;
+        let mut files = vec![
+            (toml_name, self.device.to_toml().as_bytes().to_vec()),
+            (page_name, page.into_bytes()),
+        ];
+        let mut result = result.clone();
+        result.provenance = result.provenance.with_outputs(&files);
+        files.insert(1, (json_name, sealed_json(&result)?.into_bytes()));
+        Ok(files)
+    }
+
+    /// Writes identified.toml, identified.json and report.html into a folder: all of them or none.
+    ///
+    /// # Errors
+    /// The folder cannot be written to.
+    pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+        write_all(folder.as_ref(), &self.files()?, &|| false)
+    }
+}
+
+impl std::fmt::Display for Found {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        summary::write(formatter, &self.result)
+    }
+}
+
+/// Nothing before refuses a reading such as 1e308 in a row that the fit did not see.
+fn refuse_overflow(
+    calibration: &Calibration,
+    recording: &Recording,
+    log: &Path,
+) -> Result<(), Error> {
+    let reports = calibration
+        .held_out_channels
+        .iter()
+        .chain(&calibration.fit_channels);
+    for report in reports {
+        if report.rms_before.is_finite() && report.rms_after.is_finite() {
+            continue;
+        }
+        let by_size = |a: &(usize, &f64), b: &(usize, &f64)| a.1.abs().total_cmp(&b.1.abs());
+        let width = (report.before.len() / report.rows.len().max(1)).max(1);
+        let largest = report.before.iter().enumerate().max_by(by_size);
+        let line = largest.map(|(index, _)| recording.line[report.rows[index / width]]);
+        return Err(Error::log_line(
+            "overflow",
+            format!(
+                "the residual of {} is too large to be squared",
+                report.channel
+            ),
+            log,
+            line,
+            format!(
+                "correct the reading of {} or leave its cell empty",
+                report.channel
+            ),
+        ));
+    }
+    Ok(())
+}

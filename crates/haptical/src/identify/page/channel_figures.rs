@@ -1,0 +1,248 @@
+//! Figures of each channel's residuals: over time, and over the reading that they belong to.
+
+use haptical_calibration::{Calibration, ChannelReport};
+use haptical_model::Recording;
+use haptical_report::{Block, Figure, Mark, Series};
+
+use super::{FIGURE_PX, MOST_POINTS, thinned};
+use crate::error::Error;
+use crate::units::Shown;
+
+/// Colours: before, after on the rows of the fit, after on held-out rows.
+const BEFORE: usize = 0;
+const AFTER: usize = 1;
+const AFTER_HELD_OUT: usize = 2;
+
+/// Where the points of a figure stand: over what, and how it is called.
+struct Axis<'a> {
+    label: String,
+    title: String,
+    at: Box<dyn Fn(usize) -> f64 + 'a>,
+}
+
+/// All figures, channel by channel.
+pub(super) fn blocks(
+    calibration: &Calibration,
+    recording: &Recording,
+) -> Result<Vec<Block>, Error> {
+    let mut blocks = vec![Block::Paragraph(format!(
+        "Each point is one residual, model minus measurement; of more than {MOST_POINTS} points of \
+         a kind every k-th is drawn. Rows not seen by the fit: {}.",
+        calibration.held_out
+    ))];
+    let names: Vec<&ChannelReport> = calibration
+        .fit_channels
+        .iter()
+        .chain(&calibration.held_out_channels)
+        .collect();
+    let mut done: Vec<&str> = Vec::new();
+    for channel in names {
+        if done.contains(&channel.channel.as_str()) {
+            continue;
+        }
+        done.push(&channel.channel);
+        let axes = [Some(over_time(recording)), over_reading(channel, recording)];
+        for axis in axes.into_iter().flatten() {
+            blocks.extend(figure(calibration, &channel.channel, &axis)?);
+        }
+    }
+    Ok(blocks)
+}
+
+/// One figure; none where no residual has a place on the axis.
+fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Option<Block>, Error> {
+    let of = |reports: &[ChannelReport]| {
+        reports
+            .iter()
+            .find(|report| report.channel == name)
+            .cloned()
+    };
+    let fit = of(&calibration.fit_channels);
+    let held_out = of(&calibration.held_out_channels);
+    let unit = fit
+        .as_ref()
+        .or(held_out.as_ref())
+        .map_or("", |report| report.unit.as_str())
+        .to_owned();
+    let shown = Shown::fine(&unit);
+    let points =
+        |report: &ChannelReport, residuals: &[f64]| points(report, residuals, axis, shown.per_si);
+    // Folds of a short log hold out every row once, so that the fit's rows would be drawn twice.
+    let folds = matches!((&fit, &held_out), (Some(fit), Some(held_out))
+        if held_out.rows.len() == fit.rows.len());
+    let mut before: Vec<(f64, f64)> = Vec::new();
+    let mut series = Vec::new();
+    if let Some(fit) = &fit {
+        before.extend(points(fit, &fit.before));
+        if !folds {
+            let after = thinned(points(fit, &fit.after));
+            series.push(Series::new(
+                "after, rows of the fit",
+                Mark::Points,
+                AFTER,
+                after,
+            ));
+        }
+    }
+    if let Some(held_out) = &held_out {
+        if !folds {
+            before.extend(points(held_out, &held_out.before));
+        }
+        let after = thinned(points(held_out, &held_out.after));
+        let label = "after, rows not seen by the fit";
+        series.push(Series::new(label, Mark::Points, AFTER_HELD_OUT, after));
+    }
+    before.sort_by(|a, b| a.0.total_cmp(&b.0));
+    series.insert(
+        0,
+        Series::new("before", Mark::Points, BEFORE, thinned(before)),
+    );
+    series.retain(|series| !series.points.is_empty());
+    if series.is_empty() {
+        return Ok(None);
+    }
+    let title = format!("{name}: residual {}", axis.title);
+    let mut figure = Figure::new(&title, &axis.label, format!("residual [{}]", shown.name));
+    figure.series = series;
+    let sizes = held_out.as_ref().or(fit.as_ref()).map(|report| {
+        format!(
+            "Root mean square {} before and {} after, noise floor {}.",
+            shown.text(report.rms_before),
+            shown.text(report.rms_after),
+            shown.text(report.noise_floor)
+        )
+    });
+    Ok(Some(Block::Svg {
+        caption: sizes.unwrap_or_default(),
+        svg: figure.to_svg(FIGURE_PX.0, FIGURE_PX.1)?,
+    }))
+}
+
+/// Where each residual stands; those without a place on the axis are left out.
+fn points(
+    report: &ChannelReport,
+    residuals: &[f64],
+    axis: &Axis<'_>,
+    per_si: f64,
+) -> Vec<(f64, f64)> {
+    // A position has three residuals a row, one per axis.
+    let width = (residuals.len() / report.rows.len().max(1)).max(1);
+    residuals
+        .iter()
+        .enumerate()
+        .map(|(index, residual)| ((axis.at)(report.rows[index / width]), residual * per_si))
+        .filter(|(x, _)| x.is_finite())
+        .collect()
+}
+
+/// Over time, or over the row where there is no time or where it starts again with each run.
+fn over_time(recording: &Recording) -> Axis<'_> {
+    let one_run = recording
+        .run
+        .as_ref()
+        .is_none_or(|run| run.windows(2).all(|pair| pair[0] == pair[1]));
+    match &recording.time_s {
+        Some(times) if one_run && times.iter().all(|time| time.is_finite()) => Axis {
+            label: "time [s]".to_owned(),
+            title: "over time".to_owned(),
+            at: Box::new(|row| times[row]),
+        },
+        _ => Axis {
+            label: "row of the log [1]".to_owned(),
+            title: "over the rows of the log".to_owned(),
+            at: Box::new(|row| row as f64 + 1.0),
+        },
+    }
+}
+
+/// Over the joint's own reading, or over the distance; none for positions and orientations.
+fn over_reading<'a>(channel: &ChannelReport, recording: &'a Recording) -> Option<Axis<'a>> {
+    if let Some(joint) = channel.joint {
+        let readings = recording.joint.get(joint - 1)?;
+        return Some(Axis {
+            label: format!("theta{joint} [{}]", channel.unit),
+            title: format!("over the motor-side reading of joint {joint}"),
+            at: Box::new(|row| readings[row]),
+        });
+    }
+    let number = channel.channel.strip_prefix("cable")?;
+    let index = if number.is_empty() {
+        0
+    } else {
+        number.parse::<usize>().ok()?.checked_sub(1)?
+    };
+    let distances = recording.cable_m.get(index)?.as_ref()?;
+    Some(Axis {
+        label: "measured distance [m]".to_owned(),
+        title: "over the measured distance".to_owned(),
+        at: Box::new(|row| distances[row]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report(channel: &str, joint: Option<usize>, rows: &[usize]) -> ChannelReport {
+        ChannelReport {
+            channel: channel.to_owned(),
+            joint,
+            unit: "rad".to_owned(),
+            readings: rows.len(),
+            outside_range: 0,
+            rms_before: 1.0,
+            sd_before: 1.0,
+            rms_after: 1.0,
+            sd_after: 1.0,
+            rms_before_good: 1.0,
+            rms_after_good: 1.0,
+            outliers: 0,
+            noise_floor: 1.0,
+            reduction_percent: None,
+            reduction_percent_good: None,
+            before: Vec::new(),
+            after: Vec::new(),
+            rows: rows.to_vec(),
+        }
+    }
+
+    fn recording() -> Recording {
+        Recording {
+            time_s: Some(vec![10.0, 20.0, 30.0]),
+            joint: vec![vec![0.1, 0.2, 0.3], vec![1.1, 1.2, 1.3]],
+            cable_m: vec![Some(vec![0.5, 0.6, 0.7]), Some(vec![5.0, 6.0, 7.0])],
+            ..Recording::default()
+        }
+    }
+
+    #[test]
+    fn points_stand_at_their_rows() {
+        let recording = recording();
+        let single = report("out2", Some(2), &[0, 2]);
+        let at = |axis: &Axis<'_>| points(&single, &[1.0, -2.0], axis, 1e3);
+        assert_eq!(at(&over_time(&recording)), [(10.0, 1e3), (30.0, -2e3)]);
+        let reading = over_reading(&single, &recording).unwrap();
+        assert_eq!(at(&reading), [(1.1, 1e3), (1.3, -2e3)]);
+        assert_eq!(reading.label, "theta2 [rad]");
+        let cable = over_reading(&report("cable2", None, &[]), &recording).unwrap();
+        assert_eq!(at(&cable), [(5.0, 1e3), (7.0, -2e3)]);
+        assert!(over_reading(&report("position", None, &[]), &recording).is_none());
+    }
+
+    #[test]
+    fn three_residuals_of_a_position_stand_at_one_row() {
+        let recording = recording();
+        let position = report("position", None, &[1]);
+        let points = points(&position, &[1.0, 2.0, 3.0], &over_time(&recording), 1.0);
+        assert_eq!(points, [(20.0, 1.0), (20.0, 2.0), (20.0, 3.0)]);
+    }
+
+    #[test]
+    fn times_that_start_again_are_no_axis() {
+        let restarted = Recording {
+            run: Some(vec![1, 2, 2]),
+            ..recording()
+        };
+        assert_eq!((over_time(&restarted).at)(2), 3.0);
+    }
+}

@@ -1,0 +1,119 @@
+//! Tables of the parameters: identified, not identified, correlated.
+
+use haptical_report::{Block, Cell, Column, Table};
+
+use crate::error::Error;
+use crate::identify::intervals;
+use crate::identify::result::{Identified, ParameterEntry};
+use crate::units::Shown;
+
+/// Values of all identified parameters with their intervals.
+pub(super) fn identified(result: &Identified) -> Result<Vec<Block>, Error> {
+    let columns = [
+        "parameter",
+        "unit",
+        "nominal",
+        "identified",
+        "deviation",
+        "standard deviation",
+        "95 % interval of the value",
+    ];
+    let columns = columns.map(|name| Column::new(name, "")).to_vec();
+    let mut table = Table::new("", columns);
+    for entry in result
+        .parameters
+        .iter()
+        .filter(|entry| entry.value.is_some())
+    {
+        table.push(row(entry))?;
+    }
+    table.notes = vec![
+        "Lengths in mm, angles in mrad; ratio deviations have no unit. The names stand for keys of \
+         the device file, listed in identified.json."
+            .to_owned(),
+    ];
+    table
+        .notes
+        .extend(result.intervals.as_ref().map(intervals::sentence));
+    Ok(vec![Block::Table(table)])
+}
+
+fn row(entry: &ParameterEntry) -> Vec<Cell> {
+    let shown = Shown::coarse(&entry.unit);
+    // As many digits as the standard deviation has, with two of its own.
+    let spread = entry.standard_deviation.unwrap_or(0.0) * shown.per_si;
+    let decimals = if spread > 0.0 {
+        (1.0 - spread.log10().floor()).clamp(1.0, 9.0) as usize
+    } else {
+        6
+    };
+    let number = |value: Option<f64>| {
+        Cell::number_or_missing(value.map(|value| value * shown.per_si), decimals)
+    };
+    vec![
+        entry.name.as_str().into(),
+        shown.name.into(),
+        number(entry.nominal),
+        number(entry.value),
+        number(entry.deviation),
+        number(entry.standard_deviation),
+        entry.ci95.map_or(Cell::Missing, |[low, high]| {
+            Cell::interval(low * shown.per_si, high * shown.per_si, decimals)
+        }),
+    ]
+}
+
+/// What kept its nominal value, and why.
+pub(super) fn not_identified(result: &Identified) -> Result<Vec<Block>, Error> {
+    let judged = &result.identifiability;
+    let mut blocks = vec![Block::Paragraph(format!(
+        "Rank {} of {} candidates at the solution ({} by singular values), {} at the nominal \
+         device.",
+        judged.solution.rank,
+        judged.solution.candidates,
+        judged.solution.singular_rank,
+        judged.at_nominal.rank,
+    ))];
+    if result.not_identified.is_empty() {
+        blocks.push(Block::Paragraph(
+            "Every candidate was identified.".to_owned(),
+        ));
+        return Ok(blocks);
+    }
+    let columns = ["parameter", "status", "why"];
+    let columns = columns.map(|name| Column::new(name, "")).to_vec();
+    let mut table = Table::new("Kept at the nominal value", columns);
+    for refused in &result.not_identified {
+        table.push(vec![
+            refused.name.as_str().into(),
+            refused.status.into(),
+            refused.reason.as_str().into(),
+        ])?;
+    }
+    table.notes = vec![
+        "invisible: without effect on any measurement; dependent: its effect is a combination of \
+         others'; weak: fixed no better than it is plausibly large."
+            .to_owned(),
+    ];
+    blocks.push(Block::Table(table));
+    Ok(blocks)
+}
+
+/// Pairs of parameters that the data tell apart badly.
+pub(super) fn correlations(result: &Identified) -> Result<Vec<Block>, Error> {
+    if result.correlations_above_0_95.is_empty() {
+        let none = "No two identified parameters are correlated above 0.95.".to_owned();
+        return Ok(vec![Block::Paragraph(none)]);
+    }
+    let columns = ["parameter", "and", "correlation"];
+    let columns = columns.map(|name| Column::new(name, "")).to_vec();
+    let mut table = Table::new("Correlations above 0.95", columns);
+    for (one, other, correlation) in &result.correlations_above_0_95 {
+        table.push(vec![
+            one.as_str().into(),
+            other.as_str().into(),
+            Cell::number(*correlation, 4),
+        ])?;
+    }
+    Ok(vec![Block::Table(table)])
+}

@@ -1,0 +1,363 @@
+//! The content of identified.json: what was identified, how well, and what was not.
+
+use std::collections::BTreeMap;
+
+use haptical_calibration::{
+    Calibration, ChannelReport, ForceDirection, Intervals, Outlier, ParameterFit, RobustChannel,
+    Robustness, Starts,
+};
+use haptical_identification::{Convergence, Identifiability, Loss, Observability, Status, Term};
+use haptical_model::{Device, ParameterId, TransmissionError};
+use serde::Serialize;
+
+use super::transmissions::{TransmissionEntry, transmissions};
+use crate::files::Record;
+
+/// identified.json.
+#[derive(Debug, Clone, Serialize)]
+pub struct Identified {
+    /// Version that made it.
+    pub haptical_version: String,
+    /// Device file.
+    pub device: String,
+    /// Log.
+    pub log: String,
+    /// `two-step` or `joint`.
+    pub method: &'static str,
+    /// Rows of the log.
+    pub rows: usize,
+    /// Rows that the fit did not see, in words.
+    pub held_out: String,
+    /// How the search ended.
+    pub convergence: Option<Convergence>,
+    /// Steps of the search.
+    pub iterations: usize,
+    /// On held-out rows: empty where none of them could be checked. On the rows of the fit where a user wants nothing
+    /// held out.
+    pub channels: Vec<ChannelReport>,
+    /// The same on the rows of the fit.
+    pub channels_fit: Vec<ChannelReport>,
+    /// The transmissions with an external encoder.
+    pub transmissions: Vec<TransmissionEntry>,
+    /// All candidates.
+    pub parameters: Vec<ParameterEntry>,
+    /// Those that kept their nominal values.
+    pub not_identified: Vec<NotIdentified>,
+    /// How the intervals were made; none where nothing but transmissions was fitted.
+    pub intervals: Option<Intervals>,
+    /// Searches from other places than the device file's values, where the first one was doubted.
+    pub search: Option<Starts>,
+    /// Rank and conditioning.
+    pub identifiability: IdentifiabilityEntry,
+    /// Pairs of parameters whose errors go together.
+    pub correlations_above_0_95: Vec<(String, String, f64)>,
+    /// How far the force may still lean from the wanted direction; none where the device or the log does
+    /// not tell.
+    pub force_direction: Option<ForceDirection>,
+    /// Noise of each channel.
+    pub noise: BTreeMap<String, NoiseEntry>,
+    /// What large residuals cost.
+    pub loss: LossEntry,
+    /// Readings that noise does not explain, farthest first, where a robust loss was used.
+    pub outliers: Vec<Outlier>,
+    /// What is odd.
+    pub warnings: Vec<String>,
+    /// How the result came about.
+    pub provenance: Record,
+}
+
+impl Identified {
+    /// Channels of the fit that no row outside it checks.
+    pub fn unchecked(&self) -> impl Iterator<Item = &ChannelReport> {
+        let is_checked = |name: &str| self.channels.iter().any(|checked| checked.channel == name);
+        let fit = self.channels_fit.iter();
+        fit.filter(move |report| !is_checked(&report.channel))
+    }
+}
+
+/// One candidate parameter.
+#[derive(Debug, Clone, Serialize)]
+pub struct ParameterEntry {
+    /// Name.
+    pub name: String,
+    /// Place in the device file.
+    pub key: String,
+    /// SI unit.
+    pub unit: String,
+    /// Value in the given device; none where its transmission error has another form.
+    pub nominal: Option<f64>,
+    /// Identified value; none where the data do not fix it and the nominal value was kept.
+    pub value: Option<f64>,
+    /// Value minus nominal.
+    pub deviation: Option<f64>,
+    /// Standard deviation.
+    pub standard_deviation: Option<f64>,
+    /// 95 % interval.
+    pub ci95: Option<[f64; 2]>,
+    /// Whether the data fix it.
+    pub status: &'static str,
+    /// For a dependent parameter: changes of others that act like a unit change of it.
+    pub combination: Option<Vec<Term>>,
+    /// Why it has no value, or no sure one.
+    pub reason: Option<String>,
+}
+
+/// A parameter that kept its nominal value.
+#[derive(Debug, Clone, Serialize)]
+pub struct NotIdentified {
+    /// Name.
+    pub name: String,
+    /// Whether the data fix it.
+    pub status: &'static str,
+    /// Why it has no value, or no sure one.
+    pub reason: String,
+}
+
+/// Rank and conditioning at the solution.
+#[derive(Debug, Clone, Serialize)]
+pub struct IdentifiabilityEntry {
+    /// At the solution.
+    #[serde(flatten)]
+    pub solution: RankEntry,
+    /// At the given device.
+    pub at_nominal: RankEntry,
+}
+
+/// Rank and conditioning of the derivative matrix. A device without links has one problem for each
+/// transmission: then ranks and candidates are sums, and the figures of a single matrix are none.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct RankEntry {
+    /// Rank.
+    pub rank: usize,
+    /// Number of candidates.
+    pub candidates: usize,
+    /// Rank by singular values.
+    pub singular_rank: usize,
+    /// Condition number with columns of unit norm.
+    pub condition_unit_norm: Option<f64>,
+    /// Singular values, largest first.
+    pub singular_values: Vec<f64>,
+    /// Remainders between which the rank's tolerance lies: smallest kept, largest dropped.
+    pub gap: Option<[f64; 2]>,
+    /// Observability indices.
+    pub observability: Option<Observability>,
+}
+
+/// Noise of a channel.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct NoiseEntry {
+    /// Standard deviation by the device file, in the channel's unit.
+    pub stated: f64,
+    /// Factor on it that the fit used.
+    pub factor: f64,
+}
+
+/// What large residuals cost.
+#[derive(Debug, Clone, Serialize)]
+pub struct LossEntry {
+    /// The loss.
+    pub used: Loss,
+    /// Reweighted fits; 0 for least squares.
+    pub rounds: usize,
+    /// Whether the weights stood still in the end.
+    pub settled: bool,
+    /// The channels' noise by their good readings; empty for least squares.
+    pub scales: Vec<RobustChannel>,
+}
+
+impl LossEntry {
+    fn new(robust: Option<&Robustness>) -> Self {
+        match robust {
+            Some(robust) => Self {
+                used: robust.loss,
+                rounds: robust.rounds,
+                settled: robust.settled,
+                scales: robust.channels.clone(),
+            },
+            None => Self {
+                used: Loss::Squares,
+                rounds: 0,
+                settled: true,
+                scales: Vec::new(),
+            },
+        }
+    }
+}
+
+/// What was calibrated, in names.
+pub(super) struct Described {
+    pub(super) device: String,
+    pub(super) log: String,
+    pub(super) method: &'static str,
+    pub(super) rows: usize,
+    pub(super) record: Record,
+}
+
+/// Collects everything for identified.json.
+pub(super) fn identified(
+    calibration: &Calibration,
+    nominal: &Device,
+    described: Described,
+    force_direction: Option<ForceDirection>,
+    warnings: Vec<String>,
+) -> Identified {
+    let fitted = &calibration.fitted;
+    let steps: Vec<&ParameterFit> = fitted
+        .transmissions
+        .iter()
+        .filter_map(|transmission| transmission.fit.as_ref())
+        .collect();
+    let fits: Vec<&ParameterFit> = match &fitted.whole {
+        Some(whole) => vec![whole],
+        None => steps.clone(),
+    };
+    let mut parameters: Vec<ParameterEntry> = Vec::new();
+    // In two steps the whole fit has the kinematics alone; the transmissions come from step 1.
+    for fit in fits.iter().chain(&steps) {
+        for entry in entries(fit, nominal, &calibration.device) {
+            // not by key: the three turns of a frame share one
+            if parameters.iter().all(|other| other.name != entry.name) {
+                parameters.push(entry);
+            }
+        }
+    }
+    let not_identified = parameters.iter().filter_map(refusal).collect();
+    Identified {
+        haptical_version: described.record.haptical_version.clone(),
+        device: described.device,
+        log: described.log,
+        method: described.method,
+        rows: described.rows,
+        held_out: calibration.held_out.clone(),
+        convergence: fits.first().map(|fit| fit.convergence),
+        iterations: fits.iter().map(|fit| fit.iterations).sum(),
+        channels: calibration.judged_channels().to_vec(),
+        channels_fit: calibration.fit_channels.clone(),
+        transmissions: transmissions(calibration, &parameters),
+        not_identified,
+        intervals: fits.first().map(|fit| fit.intervals()),
+        search: fitted.whole.as_ref().map(|whole| whole.starts.clone()),
+        identifiability: IdentifiabilityEntry {
+            solution: RankEntry::from_judgements(fits.iter().map(|fit| &fit.identifiability)),
+            at_nominal: RankEntry::from_judgements(
+                fits.iter().map(|fit| &fit.nominal_identifiability),
+            ),
+        },
+        correlations_above_0_95: fits
+            .iter()
+            .flat_map(|fit| fit.high_correlations())
+            .collect(),
+        force_direction,
+        noise: fitted
+            .weights
+            .channel_sd
+            .iter()
+            .map(|(channel, &stated)| {
+                let factor = fitted.weights.factor.get(channel).copied().unwrap_or(1.0);
+                (channel.name(), NoiseEntry { stated, factor })
+            })
+            .collect(),
+        loss: LossEntry::new(fitted.robust.as_ref()),
+        outliers: calibration.outliers.clone(),
+        parameters,
+        warnings,
+        provenance: described.record,
+    }
+}
+
+/// The candidates of one fit.
+fn entries(fit: &ParameterFit, nominal: &Device, device: &Device) -> Vec<ParameterEntry> {
+    fit.parameters
+        .iter()
+        .zip(&fit.estimates)
+        .enumerate()
+        .map(|(index, (&parameter, estimate))| {
+            let nominal = nominal_value(parameter, nominal, device);
+            let combination = match &estimate.status {
+                Status::Dependent { combination } => Some(combination.clone()),
+                _ => None,
+            };
+            let reason = fit.identifiability.reason(index).or_else(|| {
+                estimate.value.is_none().then(|| {
+                    format!(
+                        "{} was held: it could not be fitted at the nominal device",
+                        estimate.name
+                    )
+                })
+            });
+            ParameterEntry {
+                name: estimate.name.clone(),
+                key: parameter.key(device),
+                unit: estimate.unit.clone(),
+                nominal,
+                value: estimate.value,
+                deviation: estimate.value.zip(nominal).map(|(value, was)| value - was),
+                standard_deviation: estimate.standard_deviation,
+                ci95: estimate.ci95,
+                status: estimate.status.name(),
+                combination,
+                reason,
+            }
+        })
+        .collect()
+}
+
+/// Value in the given device. A transmission error of zero is zero in every form; one of another
+/// form has no such parameter.
+fn nominal_value(parameter: ParameterId, nominal: &Device, device: &Device) -> Option<f64> {
+    let ParameterId::Transmission { joint, .. } = parameter else {
+        return Some(parameter.value(nominal));
+    };
+    let was = &nominal.joints[joint].transmission_error;
+    match (was, &device.joints[joint].transmission_error) {
+        (TransmissionError::Capstan(_), TransmissionError::Capstan(_))
+        | (TransmissionError::Parallelogram { .. }, TransmissionError::Parallelogram { .. }) => {
+            Some(parameter.value(nominal))
+        }
+        (
+            TransmissionError::Chebyshev {
+                range_rad,
+                coefficients,
+            },
+            TransmissionError::Chebyshev {
+                range_rad: range,
+                coefficients: now,
+            },
+        ) if range_rad == range && coefficients.len() == now.len() => {
+            Some(parameter.value(nominal))
+        }
+        _ if *was == TransmissionError::default() => Some(0.0),
+        _ => None,
+    }
+}
+
+fn refusal(entry: &ParameterEntry) -> Option<NotIdentified> {
+    if entry.status == "identifiable" && entry.value.is_some() {
+        return None;
+    }
+    Some(NotIdentified {
+        name: entry.name.clone(),
+        status: entry.status,
+        reason: entry.reason.clone()?,
+    })
+}
+
+impl RankEntry {
+    /// The figures of one judgement, or the sums of several.
+    pub fn from_judgements<'a>(judgements: impl Iterator<Item = &'a Identifiability>) -> Self {
+        let judgements: Vec<&Identifiability> = judgements.collect();
+        let mut entry = Self::default();
+        for judged in &judgements {
+            entry.rank += judged.rank;
+            entry.candidates += judged.names.len();
+            entry.singular_rank += judged.singular_rank;
+        }
+        if let [only] = judgements.as_slice() {
+            entry.condition_unit_norm = Some(only.condition_unit_norm);
+            entry.singular_values.clone_from(&only.singular_values);
+            entry.gap = Some(only.gap);
+            entry.observability = only.observability;
+        }
+        entry
+    }
+}

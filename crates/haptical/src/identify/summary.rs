@@ -1,0 +1,129 @@
+//! An identification in a few lines for a terminal.
+
+use haptical_calibration::ChannelReport;
+use haptical_report::{Cell, Column, Table};
+
+use super::result::Identified;
+use crate::error::Error;
+use crate::units::Shown;
+
+/// Parameters that are listed one by one; identified.json has all.
+const LISTED: usize = 10;
+/// Longest line of a reason, in characters.
+const LONGEST_REASON: usize = 110;
+
+/// The summary: channels and what was not identified.
+pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std::fmt::Result {
+    let fixed = result.parameters.len() - result.not_identified.len();
+    writeln!(
+        text,
+        "{} rows, {} method: {fixed} of {} parameters identified",
+        result.rows,
+        result.method,
+        result.parameters.len()
+    )?;
+    let title = format!("Residuals, root mean square; {}", result.held_out);
+    // a table of this many columns in each row is never refused
+    let table = judged_table(&title, result).map_err(|_| std::fmt::Error)?;
+    writeln!(text, "{}", table.to_terminal())?;
+    if let Some(force) = force_sentence(result) {
+        writeln!(text, "\n{force}")?;
+    }
+    if !result.not_identified.is_empty() {
+        writeln!(text, "\nNot identified, kept at the nominal value:")?;
+        for refused in result.not_identified.iter().take(LISTED) {
+            let reason = shorten(&refused.reason);
+            writeln!(text, "  {:<10} {reason}", refused.status)?;
+        }
+        let more = result.not_identified.len().saturating_sub(LISTED);
+        if more > 0 {
+            writeln!(text, "  and {more} more, see identified.json")?;
+        }
+    }
+    Ok(())
+}
+
+/// How far the force still leans from the wanted direction, in words.
+pub(super) fn force_sentence(result: &Identified) -> Option<String> {
+    let force = result.force_direction.as_ref()?;
+    let shown = Shown::fine("rad");
+    let [low, high] = force.ci95_rad;
+    let locked = force.locked_joint.map_or(String::new(), |joint| {
+        format!(", joint {joint} locked at home")
+    });
+    Some(format!(
+        "Direction of the handle's force by the identified model: {} root mean square (95 % interval {} to {}) over \
+         {} postures of the log{locked}.",
+        shown.text(force.rms_rad),
+        shown.text(low),
+        shown.text(high),
+        force.postures
+    ))
+}
+
+/// The channels on rows that the fit did not see; a dash in the place of what no such row checks.
+pub(super) fn judged_table(title: &str, result: &Identified) -> Result<Table, Error> {
+    let mut table = channel_table(title, &result.channels)?;
+    for channel in result.unchecked() {
+        let shown = Shown::fine(&channel.unit);
+        let mut row = vec![Cell::Missing; table.columns.len()];
+        row[0] = channel.channel.as_str().into();
+        row[1] = shown.name.into();
+        row[2] = Cell::number(0.0, 0);
+        table.push(row)?;
+    }
+    Ok(table)
+}
+
+/// Before, after and floor of each channel; where a channel has outliers, without them and, beside, with them.
+pub(super) fn channel_table(title: &str, channels: &[ChannelReport]) -> Result<Table, Error> {
+    let has_outliers = channels.iter().any(|channel| channel.outliers > 0);
+    let mut columns = vec![
+        Column::new("channel", ""),
+        Column::new("unit", ""),
+        Column::new("readings", ""),
+    ];
+    if has_outliers {
+        columns.push(Column::new("outliers", ""));
+    }
+    columns.extend([Column::new("before", ""), Column::new("after", "")]);
+    if has_outliers {
+        columns.push(Column::new("after, outliers too", ""));
+    }
+    columns.push(Column::new("noise floor", ""));
+    columns.push(Column::new("reduction", "%"));
+    let title = if has_outliers {
+        format!("{title}; outliers are left out of before, after and reduction")
+    } else {
+        title.to_owned()
+    };
+    let mut table = Table::new(title, columns);
+    for channel in channels {
+        let shown = Shown::fine(&channel.unit);
+        let mut row = vec![
+            channel.channel.as_str().into(),
+            shown.name.into(),
+            Cell::number(channel.readings as f64, 0),
+        ];
+        if has_outliers {
+            row.push(Cell::number(channel.outliers as f64, 0));
+        }
+        row.push(shown.cell(channel.rms_before_good));
+        row.push(shown.cell(channel.rms_after_good));
+        if has_outliers {
+            row.push(shown.cell(channel.rms_after));
+        }
+        row.push(shown.cell(channel.noise_floor));
+        row.push(Cell::number_or_missing(channel.reduction_percent_good, 2));
+        table.push(row)?;
+    }
+    Ok(table)
+}
+
+fn shorten(reason: &str) -> String {
+    if reason.chars().count() <= LONGEST_REASON {
+        return reason.to_owned();
+    }
+    let kept: String = reason.chars().take(LONGEST_REASON - 1).collect();
+    format!("{kept}…")
+}

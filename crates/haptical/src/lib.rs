@@ -1,0 +1,48 @@
+#![doc = include_str!("../README.md")]
+
+mod device;
+mod diagnose;
+mod error;
+pub mod files;
+mod identify;
+mod log;
+mod plan;
+pub mod units;
+
+pub use haptical_batch as batch;
+pub use haptical_calibration as calibration;
+pub use haptical_data as data;
+pub use haptical_design as design;
+pub use haptical_diagnosis as diagnosis;
+pub use haptical_identification as identification;
+pub use haptical_kinematics as kinematics;
+pub use haptical_linalg as linalg;
+pub use haptical_metrics as metrics;
+pub use haptical_model as model;
+pub use haptical_report as report;
+pub use haptical_runtime as runtime;
+pub use haptical_simulator as simulator;
+pub use haptical_transmission as transmission;
+pub use haptical_urdf as urdf;
+
+pub use device::{Device, Equipment, InputDrumDenominators, is_urdf, refuse_other_device};
+pub use diagnose::{Cause, Diagnose, Diagnosed, diagnose, diagnose_as};
+pub use error::{Error, ErrorKind, Place};
+pub use identify::{
+    Found, IdentifiabilityEntry, Identified, Identify, LossEntry, NoiseEntry, NotIdentified,
+    ParameterEntry, RankEntry, TransmissionEntry, identify, identify_as, status_name,
+};
+pub use log::Log;
+pub use plan::{Planned, plan, plan_as};
+
+/// What a program needs from a device file to a cause: `use haptical::prelude::*;`.
+pub mod prelude {
+    pub use crate::calibration::{CalibrationMethod, Degree, HeldOut, LossChoice, Options};
+    pub use crate::design::{Request, Rig};
+    pub use crate::diagnosis::Verdict;
+    pub use crate::identification::Status;
+    pub use crate::{
+        Cause, Device, Diagnose, Diagnosed, Equipment, Error, ErrorKind, Found, Identify, Log,
+        Planned, diagnose, identify, plan,
+    };
+}

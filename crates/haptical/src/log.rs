@@ -1,0 +1,113 @@
+//! Logs of a device, with the warnings and the hash of the file that they came from.
+
+use std::fs::File;
+use std::path::Path;
+
+use haptical_calibration::check_reach;
+use haptical_data::{Cells, LoadedLog, LogShape, log_from_columns, read_log, read_log_from};
+use haptical_model::Recording;
+
+use crate::device::Device;
+use crate::error::Error;
+use crate::files::{Fingerprint, HashingReader, InputFile, Source};
+
+/// A recording of a device.
+#[derive(Debug, Clone)]
+pub struct Log {
+    /// Its rows.
+    pub recording: Recording,
+    /// What is odd about it.
+    pub warnings: Vec<String>,
+    source: Source,
+    fingerprint: Option<Fingerprint>,
+}
+
+impl Log {
+    /// Reads a log of a device: CSV, plain or gzip; with cargo features Parquet and MCAP.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no log of this device, with line and column; distances in millimetres.
+    pub fn read(path: impl AsRef<Path>, device: &Device) -> Result<Self, Error> {
+        Self::open(&Source::given(path.as_ref()), device)
+    }
+
+    /// Reads a log, once: it may be a pipe.
+    ///
+    /// # Errors
+    /// As [`Log::read`].
+    pub fn open(source: &Source, device: &Device) -> Result<Self, Error> {
+        let shape = LogShape::from(&device.model);
+        let file = match File::open(&source.path) {
+            Ok(file) => file,
+            Err(error) => {
+                let refused = read_log(&source.path, &shape).err();
+                return Err(refused.map_or_else(|| Error::internal(error), Error::from));
+            }
+        };
+        let mut reader = HashingReader::new(file);
+        let log = read_log_from(&mut reader, &source.name(), &shape)
+            .map_err(|error| Error::log(error, &device.model).with_equipment(device))?;
+        // The log was read without error, but its end may not have been asked for.
+        let _ = std::io::copy(&mut reader, &mut std::io::sink());
+        Self::new(log, source.clone(), Some(reader.fingerprint()), device)
+    }
+
+    /// Takes a log from columns in memory, by their names in a file; `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// As [`Log::read`].
+    pub fn from_columns(
+        columns: &[(&str, Cells<'_>)],
+        name: &str,
+        device: &Device,
+    ) -> Result<Self, Error> {
+        let shape = LogShape::from(&device.model);
+        let log = log_from_columns(columns, name, &shape)
+            .map_err(|error| Error::log(error, &device.model).with_equipment(device))?;
+        Self::new(log, Source::text("", name), None, device)
+    }
+
+    /// Takes rows in memory, such as a simulated recording; `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// Distances in millimetres.
+    pub fn from_recording(
+        recording: Recording,
+        name: &str,
+        device: &Device,
+    ) -> Result<Self, Error> {
+        let log = LoadedLog {
+            recording,
+            warnings: Vec::new(),
+        };
+        Self::new(log, Source::text("", name), None, device)
+    }
+
+    fn new(
+        mut log: LoadedLog,
+        source: Source,
+        fingerprint: Option<Fingerprint>,
+        device: &Device,
+    ) -> Result<Self, Error> {
+        check_reach(&device.model, &log.recording)
+            .map_err(|error| Error::calibration(&error, &source.path, &source.path))?;
+        source.relabel(&mut log.warnings);
+        Ok(Self {
+            recording: log.recording,
+            warnings: log.warnings,
+            source,
+            fingerprint,
+        })
+    }
+
+    /// Where it came from.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// The file that it was read from, given by `flag`; none for columns in memory.
+    pub fn input(&self, flag: &str) -> Option<InputFile> {
+        let fingerprint = self.fingerprint.clone()?;
+        Some(self.source.input(flag, fingerprint))
+    }
+}

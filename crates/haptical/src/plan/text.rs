@@ -1,0 +1,166 @@
+//! A plan as text for a terminal.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use haptical_design::{Criterion, NextPoses, ParameterStatus, RigIdentifiability, Suggestion};
+use haptical_identification::Status;
+use haptical_report::{Cell, Column, Table};
+
+use super::Planned;
+use crate::error::Error;
+
+/// Remedies that are named for a parameter.
+const REMEDIES: usize = 3;
+
+/// The plan as text.
+pub(super) fn write(text: &mut impl std::fmt::Write, plan: &Planned) -> std::fmt::Result {
+    writeln!(
+        text,
+        "{}: what {} poses of average worth would tell (standard deviation, or why not)\n",
+        plan.device, plan.plan.poses
+    )?;
+    // a table of this many columns in each row is never refused
+    let table = table(plan).map_err(|_| std::fmt::Error)?;
+    writeln!(text, "{}\n", table.to_terminal())?;
+    for rig in plan.rigs() {
+        for line in lines(rig) {
+            writeln!(text, "{line}")?;
+        }
+    }
+    match plan.next_poses() {
+        Some(next) => writeln!(text, "{}", said(next, plan.plan.measured_poses)),
+        None => Ok(()),
+    }
+}
+
+/// Parameters beside rigs.
+fn table(plan: &Planned) -> Result<Table, Error> {
+    let mut columns = vec![Column::new("parameter", ""), Column::new("unit", "")];
+    columns.extend(plan.rig_names().iter().map(|name| Column::new(name, "")));
+    let mut table = Table::new("", columns);
+    for (name, unit) in parameters(plan) {
+        let mut row: Vec<Cell> = vec![name.as_str().into(), unit.as_str().into()];
+        for rig in plan.rigs() {
+            row.push(match find(rig, &name) {
+                None => Cell::Text("not there".to_owned()),
+                Some(entry) => Cell::Text(word(entry)),
+            });
+        }
+        table.push(row)?;
+    }
+    Ok(table)
+}
+
+/// Names and units of all rigs' parameters, in the order in which they come.
+pub(super) fn parameters(plan: &Planned) -> Vec<(String, String)> {
+    let mut seen = BTreeMap::new();
+    let entries = plan.rigs().iter().flat_map(|rig| &rig.parameters);
+    let new = entries.filter(|entry| seen.insert(entry.name.clone(), ()).is_none());
+    new.map(|entry| (entry.name.clone(), entry.unit.clone()))
+        .collect()
+}
+
+pub(super) fn find<'r>(rig: &'r RigIdentifiability, name: &str) -> Option<&'r ParameterStatus> {
+    rig.parameters.iter().find(|entry| entry.name == name)
+}
+
+/// A cell in words.
+pub(super) fn word(entry: &ParameterStatus) -> String {
+    let name = entry.status.name();
+    match &entry.status {
+        Status::Identifiable { standard_deviation } => format!("{standard_deviation:.2e}"),
+        Status::Weak { standard_deviation } => format!("{name} {standard_deviation:.2e}"),
+        Status::Invisible | Status::Dependent { .. } => name.to_owned(),
+    }
+}
+
+/// The parameters that a rig does not identify, and measurements that would.
+pub(super) fn lines(rig: &RigIdentifiability) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{}: {} of {} parameters; readings a pose: {}",
+        rig.measure,
+        rig.rank,
+        rig.parameters.len(),
+        rig.readings_per_pose
+    )];
+    for suggestion in &rig.suggestions {
+        lines.push(format!("  {}", suggested(suggestion)));
+    }
+    lines
+}
+
+fn suggested(suggestion: &Suggestion) -> String {
+    let remedies: Vec<String> = suggestion
+        .remedies
+        .iter()
+        .take(REMEDIES)
+        .map(|remedy| {
+            let (measure, sd) = (&remedy.measure, remedy.standard_deviation);
+            let instead = remedy.instead_of.as_ref();
+            let instead = instead.map_or_else(String::new, |own| format!(" instead of {own}"));
+            format!("{measure}{instead} (sd {sd:.2e} {})", suggestion.unit)
+        })
+        .collect();
+    let own = &suggestion.parameter;
+    let reason = match suggestion.not_told_from.as_slice() {
+        [other] => format!(
+            "{own} and {other} cannot be told apart with this rig ({})",
+            suggestion.reason
+        ),
+        _ => suggestion.reason.clone(),
+    };
+    match remedies.is_empty() {
+        true => format!("{reason}; nothing that was tried beside this rig tells it"),
+        false => format!("{reason}; adding {} would tell it", remedies.join(", or ")),
+    }
+}
+
+/// The chosen poses in words.
+pub(super) fn said(next: &NextPoses, measured: usize) -> String {
+    let besides = match measured {
+        0 => String::new(),
+        _ => format!(" beside {measured} that were measured"),
+    };
+    let mut text = format!(
+        "{} of {} poses{besides} for {}, {} parameters, {} exchanges.\n",
+        next.count,
+        next.candidates,
+        next.measure,
+        next.parameters.len(),
+        next.exchanges
+    );
+    let mut compare = |what: &str, own: f64, random: Option<f64>| {
+        let random = random.map_or_else(String::new, |random| {
+            format!(" (as many at random: {random:.4e})")
+        });
+        let _ = writeln!(text, "  {what}: {own:.4e}{random}");
+    };
+    let (own, random) = (&next.figures, next.random.as_ref());
+    let what = "geometric mean of sd over plausible size";
+    compare(
+        what,
+        own.geometric_mean_sd,
+        random.map(|random| random.geometric_mean_sd),
+    );
+    compare("observability O1", own.o1, random.map(|random| random.o1));
+    if let Some(value) = own.root_mean_square {
+        let what = match next.criterion {
+            Criterion::TaskPosition => "handle position error in the region by noise, rms [m]",
+            Criterion::TaskForce => "force direction error in the region by noise, rms [rad]",
+            _ => "root mean square of sd over plausible size",
+        };
+        compare(
+            what,
+            value,
+            random.and_then(|random| random.root_mean_square),
+        );
+        if matches!(
+            next.criterion,
+            Criterion::TaskPosition | Criterion::TaskForce
+        ) {
+            text += "  Errors of numbers that this rig does not tell, listed above, come on top of it.\n";
+        }
+    }
+    text
+}

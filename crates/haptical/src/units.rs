@@ -1,0 +1,56 @@
+//! Units in which numbers are shown to people.
+
+use haptical_report::Cell;
+
+/// A unit for tables and axes: its name and how many of it make one SI unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shown {
+    /// Name.
+    pub name: &'static str,
+    /// How many make one SI unit.
+    pub per_si: f64,
+}
+
+impl Shown {
+    /// For residuals.
+    pub fn fine(unit: &str) -> Self {
+        match unit {
+            "m" => Self::new("µm", 1e6),
+            "rad" => Self::new("mrad", 1e3),
+            _ => Self::new("", 1.0),
+        }
+    }
+
+    /// For parameters.
+    pub fn coarse(unit: &str) -> Self {
+        match unit {
+            "m" => Self::new("mm", 1e3),
+            "rad" => Self::new("mrad", 1e3),
+            _ => Self::new("", 1.0),
+        }
+    }
+
+    fn new(name: &'static str, per_si: f64) -> Self {
+        Self { name, per_si }
+    }
+
+    /// A value as a cell with four significant digits.
+    pub fn cell(self, value: f64) -> Cell {
+        let shown = value * self.per_si;
+        Cell::number(shown, decimals(shown))
+    }
+
+    /// A value with four significant digits and the unit's name.
+    pub fn text(self, value: f64) -> String {
+        let shown = value * self.per_si;
+        format!("{shown:.*} {}", decimals(shown), self.name)
+    }
+}
+
+/// Digits after the point that show four significant ones, at most seven.
+pub fn decimals(value: f64) -> usize {
+    if value == 0.0 || !value.is_finite() {
+        return 1;
+    }
+    (3.0 - value.abs().log10().floor()).clamp(0.0, 7.0) as usize
+}

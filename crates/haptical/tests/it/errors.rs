@@ -1,0 +1,63 @@
+//! Refusals: kind, place and next step, whatever was wrong.
+
+use haptical::prelude::*;
+
+const DEVICE: &str = "[[joint]]\nexternal_encoder_counts_per_rev = 20000\n";
+
+fn log_of(text: &str) -> Result<Log, Error> {
+    let device = Device::from_toml(DEVICE, "device.toml")?;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    std::fs::write(&path, text).unwrap();
+    Log::read(path, &device)
+}
+
+#[test]
+fn a_cell_that_is_no_number_is_named_by_line_and_column() {
+    let refused = log_of("theta1_rad,out1_rad\n0.1,0.1\n0.2,abc\n").unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::BadInput);
+    assert_eq!(refused.place().line, Some(3));
+    assert_eq!(refused.place().column_name.as_deref(), Some("out1_rad"));
+    assert!(refused.what().contains("`abc`"), "{refused}");
+    assert!(!refused.next_step().is_empty());
+    assert!(refused.to_string().contains("log.csv:3:"), "{refused}");
+}
+
+#[test]
+fn a_file_that_is_not_there_is_not_found() {
+    for refused in [
+        Device::load("no-such.toml").unwrap_err(),
+        Log::read(
+            "no-such.csv",
+            &Device::from_toml(DEVICE, "device.toml").unwrap(),
+        )
+        .unwrap_err(),
+    ] {
+        assert_eq!(refused.kind(), ErrorKind::NotFound, "{refused}");
+        assert!(refused.place().file.starts_with("no-such"), "{refused}");
+    }
+}
+
+#[test]
+fn a_log_at_one_pose_identifies_nothing() {
+    let device = Device::from_toml(DEVICE, "device.toml").unwrap();
+    let log = log_of(&format!("theta1_rad,out1_rad\n{}", "0.1,0.1\n".repeat(60))).unwrap();
+    let refused = identify(&device, &log, &Identify::default()).unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::Unidentifiable);
+    assert_eq!(refused.name(), "no-motion");
+}
+
+#[test]
+fn the_log_of_the_fit_is_no_second_log() {
+    let device = Device::from_toml(DEVICE, "device.toml").unwrap();
+    let rows: String = (0..80)
+        .map(|row| format!("{0},{0}\n", 0.01 * f64::from(row)))
+        .collect();
+    let log = log_of(&format!("theta1_rad,out1_rad\n{rows}")).unwrap();
+    let request = Diagnose {
+        validate: Some(&log),
+        ..Diagnose::default()
+    };
+    let refused = diagnose(&device, &log, &request).unwrap_err();
+    assert_eq!(refused.name(), "same-log");
+}

@@ -1,0 +1,57 @@
+//! The library from outside: every example holds, what is written is what the command writes, errors have three parts.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails there"
+)]
+
+#[path = "../../examples/capstan.rs"]
+mod capstan;
+#[path = "../../examples/control_loop.rs"]
+mod control_loop;
+#[path = "../../examples/diagnosis.rs"]
+mod diagnosis;
+mod errors;
+#[path = "../../examples/fleet.rs"]
+mod fleet;
+#[path = "../../examples/next_poses.rs"]
+mod next_poses;
+#[path = "../../examples/tracker.rs"]
+mod tracker;
+#[path = "../../examples/two_step.rs"]
+mod two_step;
+
+#[test]
+fn a_capstan_is_identified_from_its_external_encoder() {
+    capstan::main().unwrap();
+}
+
+#[test]
+fn a_control_loop_runs_on_the_calibrated_model() {
+    control_loop::main().unwrap();
+}
+
+#[test]
+fn a_stretching_cable_is_named() {
+    diagnosis::main().unwrap();
+}
+
+#[test]
+fn many_devices_give_the_same_numbers_in_parallel() {
+    fleet::main().unwrap();
+}
+
+#[test]
+fn the_next_poses_are_better_than_random_ones() {
+    next_poses::main().unwrap();
+}
+
+#[test]
+fn a_tracker_at_an_unknown_place_calibrates_a_device() {
+    tracker::main().unwrap();
+}
+
+#[test]
+fn two_steps_calibrate_transmissions_and_kinematics() {
+    two_step::main().unwrap();
+}
