@@ -1,7 +1,7 @@
 //! `haptical.diagnose`: what a calibration leaves, and which effect causes it, as the fields of gap.json.
 
-use haptical_diagnosis::{Options, diagnose as diagnose_recording};
-use haptical_urdf::BaseAndTip;
+use haptical::urdf::BaseAndTip;
+use haptical::{Diagnose, diagnose as diagnose_device};
 use pyo3::prelude::*;
 
 use crate::device::device_of;
@@ -30,29 +30,15 @@ pub(crate) fn diagnose(
     let log = log_of(log)?;
     let validate = validate.map(log_of).transpose()?;
     let text = py.detach(|| -> Result<String, Failure> {
-        let read = log.read(&device.model)?;
-        let validation = validate.map(|log| log.read(&device.model)).transpose()?;
-        if let Some(model) = &model
-            && (model.model.joints.len() != device.model.joints.len()
-                || model.model.links.len() != device.model.links.len())
-        {
-            return Err(Failure::value(
-                "the model has other joints or links than the device; give the identified model of this device",
-            ));
-        }
-        let options = Options {
+        let read = log.read(&device.read)?;
+        let second = validate.map(|log| log.read(&device.read)).transpose()?;
+        let request = Diagnose {
             without,
-            model: model.as_ref().map(|model| &model.model),
-            validation: validation.as_ref().map(|log| &log.recording),
+            model: model.as_ref().map(|model| &model.read),
+            validate: second.as_ref(),
         };
-        let mut diagnosis = diagnose_recording(&device.model, &read.recording, &options)?;
-        let mut warnings = device.warnings.clone();
-        warnings.extend(model.iter().flat_map(|model| model.warnings.iter().cloned()));
-        warnings.extend(read.warnings);
-        warnings.extend(validation.into_iter().flat_map(|log| log.warnings));
-        warnings.append(&mut diagnosis.warnings);
-        diagnosis.warnings = warnings;
-        serde_json::to_string(&diagnosis).map_err(|error| Failure::value(error.to_string()))
+        let gap = diagnose_device(&device.read, &read, &request)?;
+        serde_json::to_string(&gap.diagnosis).map_err(|error| Failure::value(error.to_string()))
     })?;
     Ok(text)
 }

@@ -1,12 +1,7 @@
-//! Errors of the libraries as exceptions of Python, with the same texts.
+//! Errors of the library as exceptions of Python, with the same texts.
 
-use haptical_calibration::CalibrationError;
-use haptical_data::DataError;
-use haptical_design::DesignError;
-use haptical_diagnosis::DiagnosisError;
-use haptical_identification::IdentificationError;
-use haptical_model::{DeviceFileError, ModelError};
-use haptical_urdf::UrdfError;
+use haptical::ErrorKind;
+use haptical::model::ModelError;
 use pyo3::PyErr;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyFileNotFoundError, PyOSError, PyValueError};
@@ -48,72 +43,23 @@ impl From<Failure> for PyErr {
     }
 }
 
-impl From<DataError> for Failure {
-    fn from(error: DataError) -> Self {
-        let text = error.to_string();
-        match error {
-            DataError::NotFound { .. } => Self::NotFound(text),
-            DataError::Unreadable { .. } => Self::System(text),
+impl From<haptical::Error> for Failure {
+    fn from(refused: haptical::Error) -> Self {
+        let text = refused.to_string();
+        // a keyword of a function stands for a flag of the command
+        let text = text.strip_prefix("the command line: ").unwrap_or(&text);
+        let text = text.to_owned();
+        match refused.kind() {
+            ErrorKind::NotFound => Self::NotFound(text),
+            ErrorKind::Io => Self::System(text),
+            ErrorKind::Unidentifiable => Self::Unidentifiable(text),
             _ => Self::Value(text),
         }
-    }
-}
-
-impl From<DeviceFileError> for Failure {
-    fn from(error: DeviceFileError) -> Self {
-        let text = error.to_string();
-        match error {
-            DeviceFileError::Unreadable { source, .. }
-                if source.kind() == std::io::ErrorKind::NotFound =>
-            {
-                Self::NotFound(text)
-            }
-            DeviceFileError::Unreadable { .. } => Self::System(text),
-            _ => Self::Value(text),
-        }
-    }
-}
-
-impl From<UrdfError> for Failure {
-    fn from(error: UrdfError) -> Self {
-        Self::Value(error.to_string())
     }
 }
 
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
-        Self::Value(error.to_string())
-    }
-}
-
-impl From<CalibrationError> for Failure {
-    fn from(error: CalibrationError) -> Self {
-        if error.is_unidentifiable() {
-            return Self::Unidentifiable(error.to_string());
-        }
-        Self::Value(error.to_string())
-    }
-}
-
-impl From<DesignError> for Failure {
-    fn from(error: DesignError) -> Self {
-        match error {
-            DesignError::NothingIdentifiable { .. }
-            | DesignError::Identification(IdentificationError::NothingFree) => {
-                Self::Unidentifiable(error.to_string())
-            }
-            DesignError::Calibration(error) => Self::from(error),
-            _ => Self::Value(error.to_string()),
-        }
-    }
-}
-
-impl From<DiagnosisError> for Failure {
-    fn from(error: DiagnosisError) -> Self {
-        let few = matches!(error, DiagnosisError::TooFewReadings { .. });
-        if few || error.is_unidentifiable() {
-            return Self::Unidentifiable(error.to_string());
-        }
         Self::Value(error.to_string())
     }
 }

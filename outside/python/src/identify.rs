@@ -1,32 +1,30 @@
 //! `haptical.identify`: what identified.json has, as dictionaries and arrays.
 
-use haptical_calibration::{Calibration, ForceDirection, ParameterFit, calibrate, without_copies};
-use haptical_urdf::BaseAndTip;
+use haptical::calibration::ChannelReport;
+use haptical::urdf::BaseAndTip;
+use haptical::{Found, TransmissionEntry, identify as identify_device};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::candidates::{candidates, columns, not_identified};
+use crate::candidates::columns;
 use crate::device::device_of;
 use crate::failure::Failure;
-use crate::judgement::{
-    correlations, force, force_leans, identifiability, intervals, noise, search,
-};
 use crate::log::log_of;
 use crate::options::Keywords;
-use crate::residuals::{channels, loss, outliers};
-use crate::serialised::python;
-use crate::transmissions::transmissions;
+use crate::residuals::{channels, outliers};
+use crate::serialised::{dictionary, python};
 
-/// A calibration with the text of identified.toml and all warnings.
-struct Outcome {
-    calibration: Calibration,
-    method: &'static str,
-    force: Option<ForceDirection>,
-    toml: String,
-    warnings: Vec<String>,
-    rows: usize,
-}
+/// Keys under which numbers stand in a row.
+const ARRAYS: [&str; 5] = [
+    "singular_values",
+    "gap",
+    "ci95_rad",
+    "range_rad",
+    "polynomial_monomials",
+];
+/// What is about files alone.
+const OF_FILES: [&str; 4] = ["haptical_version", "device", "log", "provenance"];
 
 /// Identifies the parameters of a device from a log; see the stub for arguments and result.
 #[pyfunction]
@@ -53,85 +51,58 @@ pub(crate) fn identify<'py>(
         held_out,
         folds,
         with: &with_,
+        hold: &hold,
         degree,
         noise,
         loss,
     };
-    let options = keywords.options()?;
-    let mut device = device_of(device, BaseAndTip { base, tip }, rig)?;
-    if keywords.fits_compliance()? {
-        device.model.fit_compliance();
-    }
-    for word in &hold {
-        device
-            .model
-            .hold(word)
-            .map_err(|error| Failure::Value(error.to_string()))?;
-    }
+    let request = keywords.request()?;
+    let device = device_of(device, BaseAndTip { base, tip }, rig)?;
     let log = log_of(log)?;
-    let outcome = py.detach(|| -> Result<Outcome, Failure> {
-        let read = log.read(&device.model)?;
-        let (recording, copies) = without_copies(read.recording);
-        let calibration = calibrate(&device.model, &recording, &options)?;
-        let force = force_leans(&device.model, &calibration, &recording)?;
-        let toml = calibration.device.to_toml(&device.text, &device.label)?;
-        let mut warnings = device.warnings.clone();
-        warnings.extend(read.warnings);
-        warnings.extend(copies);
-        warnings.extend(calibration.warnings.iter().cloned());
-        Ok(Outcome {
-            calibration,
-            method: Calibration::method_name(options.method),
-            force,
-            toml,
-            warnings,
-            rows: recording.len(),
-        })
+    let found = py.detach(|| -> Result<Found, Failure> {
+        let read = log.read(&device.read)?;
+        Ok(identify_device(&device.read, &read, &request)?)
     })?;
-    result(py, &outcome)
+    result(py, &found)
 }
 
-fn result<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bound<'py, PyDict>> {
-    let calibration = &outcome.calibration;
-    let fitted = &calibration.fitted;
-    let steps: Vec<&ParameterFit> = fitted
-        .transmissions
-        .iter()
-        .filter_map(|step| step.fit.as_ref())
-        .collect();
-    let fits: Vec<&ParameterFit> = match &fitted.whole {
-        Some(whole) => vec![whole],
-        None => steps.clone(),
-    };
-    let found = candidates(calibration, &fits, &steps);
-    let convergence = json!(fits.first().map(|fit| fit.convergence));
-    let iterations: usize = fits.iter().map(|fit| fit.iterations).sum();
-    let rank: usize = fits.iter().map(|fit| fit.identifiability.rank).sum();
-    let count = fits.iter().map(|fit| fit.identifiability.names.len());
+/// The fields of identified.json; what are records there are columns here, and channels have their residuals.
+fn result<'py>(py: Python<'py>, found: &Found) -> PyResult<Bound<'py, PyDict>> {
+    let content = &found.result;
+    let serialised = serde_json::to_value(content);
+    let serialised = serialised.map_err(|error| Failure::value(error.to_string()))?;
     let result = PyDict::new(py);
-    result.set_item("method", outcome.method)?;
-    result.set_item("rows", outcome.rows)?;
-    result.set_item("held_out", &calibration.held_out)?;
-    result.set_item("convergence", python(py, &convergence, &[])?)?;
-    result.set_item("iterations", iterations)?;
-    result.set_item("channels", channels(py, calibration.judged_channels())?)?;
-    result.set_item("channels_fit", channels(py, &calibration.fit_channels)?)?;
-    result.set_item("transmissions", transmissions(py, calibration, &found)?)?;
-    let all: Vec<_> = found.iter().collect();
-    result.set_item("parameters", columns(py, &all)?)?;
-    result.set_item("not_identified", not_identified(py, &found)?)?;
-    result.set_item("intervals", intervals(py, fits.first())?)?;
-    result.set_item("search", search(py, calibration)?)?;
-    result.set_item("identifiability", identifiability(py, &fits)?)?;
-    result.set_item("correlations_above_0_95", correlations(&fits))?;
-    result.set_item("force_direction", force(py, outcome.force.as_ref())?)?;
-    result.set_item("noise", noise(py, &fitted.weights)?)?;
-    result.set_item("loss", loss(py, fitted.robust.as_ref())?)?;
-    result.set_item("outliers", outliers(py, &calibration.outliers)?)?;
-    result.set_item("warnings", &outcome.warnings)?;
+    for (key, value) in serialised.as_object().into_iter().flatten() {
+        if !OF_FILES.contains(&key.as_str()) {
+            result.set_item(key, python(py, value, &ARRAYS)?)?;
+        }
+    }
+    let judged: &[ChannelReport] = &content.channels;
+    result.set_item("channels", channels(py, judged)?)?;
+    result.set_item("channels_fit", channels(py, &content.channels_fit)?)?;
+    let entries = content.transmissions.iter();
+    let entries = entries.map(|entry| transmission(py, entry));
+    result.set_item("transmissions", entries.collect::<PyResult<Vec<_>>>()?)?;
+    result.set_item("parameters", columns(py, &content.parameters)?)?;
+    let correlations = content.correlations_above_0_95.clone();
+    result.set_item("correlations_above_0_95", correlations)?;
+    result.set_item("outliers", outliers(py, &content.outliers)?)?;
     // these two stood here before `identifiability` did
-    result.set_item("rank", rank)?;
-    result.set_item("candidates", count.sum::<usize>())?;
-    result.set_item("identified_toml", &outcome.toml)?;
+    result.set_item("rank", content.identifiability.solution.rank)?;
+    result.set_item("candidates", content.identifiability.solution.candidates)?;
+    result.set_item("identified_toml", found.to_toml())?;
     Ok(result)
+}
+
+fn transmission<'py>(py: Python<'py>, entry: &TransmissionEntry) -> PyResult<Bound<'py, PyDict>> {
+    let value = serde_json::to_value(entry).map(|mut value| {
+        if entry.polynomial_monomials.is_none() {
+            value["polynomial_monomials"] = Value::Null;
+        }
+        value["parameters"] = json!(null);
+        value
+    });
+    let dictionary = dictionary(py, value, &ARRAYS)?;
+    dictionary.set_item("parameters", columns(py, &entry.parameters)?)?;
+    Ok(dictionary)
 }

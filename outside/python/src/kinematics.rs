@@ -1,7 +1,7 @@
 //! `haptical.forward_kinematics`: handle poses of many postures.
 
-use haptical_model::Evaluation;
-use haptical_urdf::BaseAndTip;
+use haptical::model::Evaluation;
+use haptical::urdf::BaseAndTip;
 use numpy::ndarray::{Array2, Array3};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
@@ -25,12 +25,12 @@ pub(crate) fn forward_kinematics<'py>(
 ) -> PyResult<Poses<'py>> {
     let device = device_of(device, BaseAndTip { base, tip }, rig)?;
     let readings = readings.as_array().to_owned();
-    let (positions, rotations) = py.detach(|| poses(&device.model, &readings))?;
+    let (positions, rotations) = py.detach(|| poses(&device.read.model, &readings))?;
     Ok((positions.to_pyarray(py), rotations.to_pyarray(py)))
 }
 
 fn poses(
-    device: &haptical_model::Device,
+    device: &haptical::model::Device,
     readings: &Array2<f64>,
 ) -> Result<(Array2<f64>, Array3<f64>), Failure> {
     let (n_rows, n_columns) = readings.dim();

@@ -5,7 +5,6 @@ mod device;
 mod diagnose;
 mod failure;
 mod identify;
-mod judgement;
 mod kinematics;
 mod log;
 mod options;
@@ -14,7 +13,6 @@ mod plan;
 mod plan_options;
 mod residuals;
 mod serialised;
-mod transmissions;
 
 use pyo3::prelude::*;
 

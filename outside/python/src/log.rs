@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use haptical_calibration::check_reach;
-use haptical_data::{Cells, LoadedLog, LogShape, log_from_columns, read_log};
-use haptical_model::Device as Model;
+use haptical::data::Cells;
+use haptical::files::Source;
+use haptical::{Device, Log as Read};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -104,17 +104,10 @@ fn column(numpy: &Bound<'_, PyModule>, name: &str, cells: &Bound<'_, PyAny>) -> 
 }
 
 impl Log {
-    /// Checks it against a device.
-    pub(crate) fn read(&self, device: &Model) -> Result<LoadedLog, Failure> {
-        let log = self.loaded(device)?;
-        check_reach(device, &log.recording)?;
-        Ok(log)
-    }
-
-    fn loaded(&self, device: &Model) -> Result<LoadedLog, Failure> {
-        let shape = &LogShape::from(device);
+    /// Reads it as a log of a device.
+    pub(crate) fn read(&self, device: &Device) -> Result<Read, Failure> {
         let columns = match self {
-            Self::File(path) => return Ok(read_log(path, shape)?),
+            Self::File(path) => return Ok(Read::open(&Source::by_path(path), device)?),
             Self::Columns(columns) => columns,
         };
         let columns: Vec<(&str, Cells<'_>)> = columns
@@ -128,6 +121,6 @@ impl Log {
                 (name.as_str(), cells)
             })
             .collect();
-        Ok(log_from_columns(&columns, IN_MEMORY, shape)?)
+        Ok(Read::from_columns(&columns, IN_MEMORY, device)?)
     }
 }

@@ -1,7 +1,8 @@
 //! Keyword arguments of `identify` as options of a calibration; names and defaults are the command's.
 
-use haptical_calibration::{CalibrationMethod, Degree, HeldOut, LossChoice, Options, Weighting};
-use haptical_identification::Loss;
+use haptical::Identify;
+use haptical::calibration::{CalibrationMethod, Degree, HeldOut, LossChoice, Options, Weighting};
+use haptical::identification::Loss;
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
@@ -23,13 +24,14 @@ pub(crate) struct Keywords<'k, 'py> {
     pub(crate) held_out: f64,
     pub(crate) folds: Option<&'k Bound<'py, PyAny>>,
     pub(crate) with: &'k [String],
+    pub(crate) hold: &'k [String],
     pub(crate) degree: Option<&'k Bound<'py, PyAny>>,
     pub(crate) noise: &'k str,
     pub(crate) loss: &'k str,
 }
 
 impl Keywords<'_, '_> {
-    pub(crate) fn options(&self) -> Result<Options, Failure> {
+    pub(crate) fn request(&self) -> Result<Identify, Failure> {
         let method = match self.method {
             "joint" => CalibrationMethod::Joint,
             "two-step" => CalibrationMethod::TwoStep,
@@ -62,7 +64,7 @@ impl Keywords<'_, '_> {
             );
             return Err(Failure::value(text));
         }
-        Ok(Options {
+        let options = Options {
             method,
             degree: self.degree()?,
             weighting,
@@ -73,11 +75,17 @@ impl Keywords<'_, '_> {
                 None => HeldOut::None,
             },
             ..Options::default()
+        };
+        Ok(Identify {
+            options,
+            joint_compliance: self.fits_compliance()?,
+            hold: self.hold.to_vec(),
+            deviations: Vec::new(),
         })
     }
 
     /// Whether what joints yield to their torque is fitted too.
-    pub(crate) fn fits_compliance(&self) -> Result<bool, Failure> {
+    fn fits_compliance(&self) -> Result<bool, Failure> {
         match self.with.iter().find(|effect| *effect != COMPLIANCE) {
             Some(other) => Err(unknown("with_", other, COMPLIANCE)),
             None => Ok(!self.with.is_empty()),

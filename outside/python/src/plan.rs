@@ -1,11 +1,8 @@
 //! `haptical.plan`: what rigs tell before anything is measured, and the poses to measure next as an array.
 
-use haptical_design::{
-    Figures, NextPoses, ParameterStatus, Plan, Posture, RigIdentifiability, Suggestion,
-    plan as plan_rigs,
-};
-use haptical_model::Device;
-use haptical_urdf::BaseAndTip;
+use haptical::design::{Figures, NextPoses, ParameterStatus, Posture, RigIdentifiability, Suggestion};
+use haptical::urdf::BaseAndTip;
+use haptical::{Planned, plan as plan_device};
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
@@ -13,14 +10,8 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::device::device_of;
 use crate::failure::Failure;
-use crate::log::{Log, log_of};
+use crate::log::log_of;
 use crate::plan_options::Keywords;
-
-/// A plan with all warnings.
-struct Outcome {
-    plan: Plan,
-    warnings: Vec<String>,
-}
 
 /// Plans for a device; see the stub for arguments and result.
 #[pyfunction]
@@ -64,36 +55,18 @@ pub(crate) fn plan<'py>(
     .request()?;
     let device = device_of(device, BaseAndTip { base, tip }, rig)?;
     let log = log.map(log_of).transpose()?;
-    let outcome = py.detach(|| -> Result<Outcome, Failure> {
-        let mut warnings = device.warnings.clone();
-        let measured = match &log {
-            None => Vec::new(),
-            Some(log) => measured(log, &device.model, &mut warnings)?,
-        };
-        let plan = plan_rigs(&device.model, &request, &measured, &|_| ())?;
-        Ok(Outcome { plan, warnings })
+    let planned = py.detach(|| -> Result<Planned, Failure> {
+        let read = log.map(|log| log.read(&device.read)).transpose()?;
+        Ok(plan_device(&device.read, &request, read.as_ref())?)
     })?;
-    result(py, device.model.joints.len(), criterion, &outcome)
-}
-
-/// Poses of a log.
-fn measured(
-    log: &Log,
-    device: &Device,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<Posture>, Failure> {
-    let read = log.read(device)?;
-    warnings.extend(read.warnings);
-    let joints = &read.recording.joint;
-    let row = |row: usize| Posture::free(joints.iter().map(|column| column[row]).collect());
-    Ok((0..read.recording.len()).map(row).collect())
+    result(py, device.read.model.joints.len(), criterion, &planned)
 }
 
 fn result<'py>(
     py: Python<'py>,
     joints: usize,
     criterion: &str,
-    Outcome { plan, warnings }: &Outcome,
+    Planned { plan, warnings, .. }: &Planned,
 ) -> PyResult<Bound<'py, PyDict>> {
     let result = PyDict::new(py);
     result.set_item("poses", plan.poses)?;

@@ -1,6 +1,6 @@
 //! Keyword arguments of `plan` as a request; names, meaning and defaults are the command's.
 
-use haptical_design::{Criterion, DEGREE, Limits, Region, Request, Rig, Spread, Terms};
+use haptical::design::{Criterion, DEGREE, Limits, Region, Request, Rig, Spread, Terms};
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
@@ -29,7 +29,9 @@ impl Keywords<'_, '_> {
         let poses = self.poses.map(|poses| count("poses", poses)).transpose()?;
         let candidates = self.candidates.map(|all| count("candidates", all));
         Ok(Request {
-            rigs: rigs.collect::<Result<_, _>>()?,
+            rigs: rigs
+                .collect::<Result<_, _>>()
+                .map_err(|error| Failure::value(error.to_string()))?,
             terms: match self.known_transmissions {
                 true => Terms::Known,
                 false => Terms::Degree(DEGREE),

@@ -1,13 +1,11 @@
-//! Residuals of the channels before and after, what large ones cost, and which noise does not explain.
+//! Residuals of the channels before and after, and those that noise does not explain.
 
-use haptical_calibration::{ChannelReport, Outlier, Robustness};
-use haptical_identification::Loss;
+use haptical::calibration::{ChannelReport, Outlier};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::json;
 
-use crate::serialised::{dictionary, python};
+use crate::serialised::dictionary;
 
 /// Reports by the channels' names.
 pub(crate) fn channels<'py>(
@@ -25,21 +23,6 @@ pub(crate) fn channels<'py>(
         channels.set_item(&report.channel, entry)?;
     }
     Ok(channels)
-}
-
-/// What large residuals cost.
-pub(crate) fn loss<'py>(
-    py: Python<'py>,
-    robust: Option<&Robustness>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let scales = robust.map(|robust| robust.channels.as_slice());
-    let entry = json!({
-        "used": robust.map_or(Loss::Squares, |robust| robust.loss),
-        "rounds": robust.map_or(0, |robust| robust.rounds),
-        "settled": robust.is_none_or(|robust| robust.settled),
-        "scales": scales.unwrap_or_default(),
-    });
-    python(py, &entry, &[])
 }
 
 /// Readings that noise does not explain, farthest first, column by column.

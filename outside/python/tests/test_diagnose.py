@@ -32,5 +32,5 @@ def test_bad_arguments_are_value_errors(device):
     log = recording(0.3, 0.2)
     with pytest.raises(ValueError, match="backlsh"):
         haptical.diagnose(device, log, without=["backlsh"])
-    with pytest.raises(ValueError, match="other joints or links"):
+    with pytest.raises(ValueError, match="the model has 1 joints"):
         haptical.diagnose(device, log, model="[device]\ndof = 1\n[[joint]]\n")

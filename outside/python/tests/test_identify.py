@@ -195,16 +195,16 @@ def test_bad_input_is_a_value_error_with_place_and_advice(device):
 
     gap = log["theta1_rad"].copy()
     gap[5] = np.nan
-    refused(r"the log, line 7, column 2 `theta1_rad`: empty", theta1_rad=gap)
+    refused(r"the log:7:2, column `theta1_rad`: empty", theta1_rad=gap)
     refused(r"missing `theta2_rad`", theta2_rad=None)
     refused(r"looks like degrees", theta1_rad=np.degrees(log["theta1_rad"]))
     refused(r"`x_m` is of the type complex128", x_m=log["x_m"] * 1j)
     refused(r"`t_s` is of the type datetime64", t_s=np.zeros(400, dtype="datetime64[ns]"))
     refused(r"`x_m` has 2 dimensions", x_m=np.zeros((400, 1)))
-    refused(r"`x_m`: the column has 3 rows, the first one 400", x_m=np.zeros(3))
-    refused(r"line 72, column 4 `x_m`: .* beyond what any device measures", x_m=np.where(np.arange(400) == 70, 1e200, log["x_m"]))
+    refused(r"column `x_m`: the column has 3 rows, the first one 400", x_m=np.zeros(3))
+    refused(r":72:4, column `x_m`: .* beyond what any device measures", x_m=np.where(np.arange(400) == 70, 1e200, log["x_m"]))
     refused(r"found `abc`", x_m=np.array(["abc"] * 400))
-    refused(r"line 2 of the log: `x_m, y_m, z_m` looks like millimetres: .* reaches 0.5000 m", **millimetres(log))
+    refused(r"the log:2: `x_m, y_m, z_m` looks like millimetres: .* reaches 0.5000 m", **millimetres(log))
     with pytest.raises(FileNotFoundError, match="no_such.csv"):
         haptical.identify(device, "no_such.csv")
     with pytest.raises(ValueError, match="type int; give a path or a dictionary"):
