@@ -14,6 +14,7 @@ pub use haptical_calibration as calibration;
 pub use haptical_data as data;
 pub use haptical_design as design;
 pub use haptical_diagnosis as diagnosis;
+pub use haptical_effects as effects;
 pub use haptical_identification as identification;
 pub use haptical_kinematics as kinematics;
 pub use haptical_linalg as linalg;
@@ -30,7 +31,7 @@ pub use diagnose::{Cause, Diagnose, Diagnosed, diagnose, diagnose_as};
 pub use error::{Error, ErrorKind, Place};
 pub use identify::{
     Found, IdentifiabilityEntry, Identified, Identify, LossEntry, NoiseEntry, NotIdentified,
-    ParameterEntry, RankEntry, TransmissionEntry, identify, identify_as, status_name,
+    ParameterEntry, RankEntry, TransmissionEntry, identify, identify_as,
 };
 pub use log::Log;
 pub use plan::{Planned, plan, plan_as};

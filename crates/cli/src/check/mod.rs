@@ -3,7 +3,7 @@
 mod text;
 
 use haptical::files::Source;
-use haptical::{Identify, Log, NotIdentified, RankEntry, status_name};
+use haptical::{Identify, Log, NotIdentified, RankEntry};
 use haptical_calibration::{
     CalibrationError, Channel, Options, Weights, candidate_parameters, channels, check_rig,
     held_for_scale, identifiability_at, prepare_device,

@@ -17,7 +17,7 @@ use haptical_model::{Device as Model, Recording, TransmissionKind};
 use self::result::{Described, identified};
 pub use self::result::{
     IdentifiabilityEntry, Identified, LossEntry, NoiseEntry, NotIdentified, ParameterEntry,
-    RankEntry, status_name,
+    RankEntry,
 };
 pub use self::transmissions::TransmissionEntry;
 use crate::device::{Device, InputDrumDenominators};

@@ -6,7 +6,7 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
-use haptical_design::{NextPoses, Posture, Request, RigTells, Step, plan as plan_rigs};
+use haptical_design::{NextPoses, Posture, Request, RigIdentifiability, Step, plan as plan_rigs};
 use serde::Serialize;
 
 use crate::device::Device;
@@ -88,7 +88,7 @@ impl Planned {
     /// Names of the files that are written; the last where poses were asked for only.
     pub const FILES: [&str; 4] = ["plan.json", "report.html", "rigs.svg", "poses.csv"];
 
-    fn rigs(&self) -> &[RigTells] {
+    fn rigs(&self) -> &[RigIdentifiability] {
         &self.plan.rigs
     }
 
