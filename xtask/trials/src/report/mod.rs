@@ -1,9 +1,9 @@
 //! The report of a batch: bars, suites, pictures, the trials that went wrong.
 
 pub(crate) mod bars;
-mod figures;
+pub(crate) mod figures;
 pub(crate) mod record;
-mod wrong;
+pub(crate) mod wrong;
 
 use anyhow::Result;
 use haptical_report::{Cell, Column, Table};

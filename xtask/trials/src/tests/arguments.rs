@@ -3,9 +3,9 @@
 use clap::Parser;
 use xtask_blind::Suite;
 
-use crate::blind::Arguments;
-use crate::blind::plan::Plan;
-use crate::blind::seed::SeedRule;
+use crate::Arguments;
+use crate::plan::Plan;
+use crate::seed::SeedRule;
 
 #[derive(Debug, Parser)]
 struct Line {

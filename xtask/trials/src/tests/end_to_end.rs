@@ -2,7 +2,7 @@
 
 use xtask_blind::{Suite, sha256_hex};
 
-use crate::blind::batch::Batch;
+use crate::batch::Batch;
 
 fn batch() -> Batch {
     Batch {

@@ -4,14 +4,14 @@ use xtask_blind::{Suite, TrialScore, summarise};
 use xtask_output::Progress;
 
 use super::{NO_GAP, UNKNOWN, case, cause, right_single};
-use crate::blind::bars::measures;
-use crate::blind::batch::Case;
-use crate::blind::calibration::{calibration_error, probabilities, reliability_bins};
-use crate::blind::figures::{confusion, ladder, reliability};
-use crate::blind::measure::{Bar, Measure, Value, mean, number};
-use crate::blind::quick::assert_sound;
-use crate::blind::threads::in_parallel;
-use crate::blind::wrong::{Fault, fault, table};
+use crate::batch::Case;
+use crate::calibration::{calibration_error, probabilities, reliability_bins};
+use crate::measure::{Bar, Measure, Value, mean, number};
+use crate::quick::assert_sound;
+use crate::report::bars::measures;
+use crate::report::figures::{confusion, ladder, reliability};
+use crate::report::wrong::{Fault, fault, table};
+use crate::threads::in_parallel;
 
 fn figure<'m>(all: &'m [Measure], group: &str, name: &str) -> &'m Measure {
     all.iter()

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::blind::bars::measures;
-use crate::blind::record::{HEADLINES, LOG, Run, row, with_row};
-use crate::blind::root;
-use crate::blind::seed::{SeedRule, THRESHOLDS, date, head};
+use crate::report::bars::measures;
+use crate::report::record::{HEADLINES, LOG, Run, row, with_row};
+use crate::root;
+use crate::seed::{SeedRule, THRESHOLDS, date, head};
 
 fn git(root: &Path, words: &[&str]) -> String {
     let identity = [
