@@ -260,7 +260,7 @@ impl Capstan {
             slope: terms.slope(&output, &input),
             derivatives: [
                 1.0,
-                terms.per_ratio_and_angle() * theta_rad,
+                terms.per_ratio_rad(theta_rad),
                 output_x,
                 output_y,
                 input_x,

@@ -99,8 +99,9 @@ impl CapstanRows<'_> {
         Ok(())
     }
 
-    /// Slopes of the error at all angles, rad/rad, of parameters that [`Capstan::evaluate`] allows.
-    pub fn slopes(&self, p: &CapstanError) -> impl Iterator<Item = f64> {
+    /// Slopes of the joint's angle at all encoder angles, one more than those of the error, rad/rad; for
+    /// parameters that [`Capstan::evaluate`] allows.
+    pub fn output_slopes(&self, p: &CapstanError) -> impl Iterator<Item = f64> {
         let terms = self.capstan.terms(p);
         let ([sines, cosines], [input_sines, input_cosines]) = (self.output, self.input);
         let output = sines.iter().zip(cosines);
@@ -109,7 +110,8 @@ impl CapstanRows<'_> {
             .zip(input)
             .map(move |((&sine, &cosine), (&input_sine, &input_cosine))| {
                 let output = terms.output.turned((sine, cosine));
-                terms.slope(&output, &terms.input.turned((input_sine, input_cosine)))
+                let input = terms.input.turned((input_sine, input_cosine));
+                1.0 + terms.ratio_slope() + output.slope() + terms.ratio() * input.slope()
             })
     }
 }
@@ -129,13 +131,13 @@ fn add_with_derivatives(
     [per_x, per_y]: [&mut [f64]; 2],
 ) {
     let home_rad = series_arctangent(drum.home().tangent());
-    let per_home = drum.home().per_xy();
+    let per_home = drum.home().per_xy_by_reciprocal();
     let angles = sines.iter().zip(cosines);
     let into = values_rad.iter_mut().zip(per_x.iter_mut().zip(per_y));
     for ((value_rad, (per_x, per_y)), (&sine, &cosine)) in into.zip(angles) {
         let turned = drum.turned((sine, cosine));
         *value_rad += series_arctangent(turned.tangent()) - home_rad;
-        let here = turned.per_xy();
+        let here = turned.per_xy_by_reciprocal();
         *per_x = here[0] - per_home[0];
         *per_y = here[1] - per_home[1];
     }

@@ -90,11 +90,25 @@ impl TurnedDrum {
     #[inline]
     #[must_use]
     pub const fn per_xy(&self) -> [f64; 2] {
-        let scale = 1.0 / ((self.n * self.n + self.d * self.d) * self.denominator_m);
-        [
-            (self.sine * self.d + self.cosine * self.n) * scale,
-            (self.cosine * self.d - self.sine * self.n) * scale,
-        ]
+        let ([x, y], [scale, denominator_m]) = self.fractions();
+        [x / scale / denominator_m, y / scale / denominator_m]
+    }
+
+    /// As [`Self::per_xy`] with one division, for loops over many angles: another rounding.
+    #[inline]
+    pub(crate) const fn per_xy_by_reciprocal(&self) -> [f64; 2] {
+        let ([x, y], [scale, denominator_m]) = self.fractions();
+        let reciprocal = 1.0 / (scale * denominator_m);
+        [x * reciprocal, y * reciprocal]
+    }
+
+    /// Numerators of the derivatives with respect to x and y, and the two factors of their denominator.
+    #[inline]
+    const fn fractions(&self) -> ([f64; 2], [f64; 2]) {
+        let x = self.sine * self.d + self.n * self.cosine;
+        let y = self.cosine * self.d - self.n * self.sine;
+        let scale = self.n * self.n + self.d * self.d;
+        ([x, y], [scale, self.denominator_m])
     }
 }
 
@@ -161,10 +175,15 @@ impl CapstanTerms {
         self.ratio_slope + output.slope() + self.ratio * input.slope()
     }
 
-    /// Derivative of the error with respect to the ratio's deviation over `theta`.
+    /// Derivative of the error with respect to the ratio's deviation, rad.
     #[inline]
     #[must_use]
-    pub const fn per_ratio_and_angle(&self) -> f64 {
+    pub const fn per_ratio_rad(&self, theta_rad: f64) -> f64 {
+        -(self.ratio / self.actual_ratio) * (theta_rad / self.actual_ratio)
+    }
+
+    /// As [`Self::per_ratio_rad`] per rad of `theta`, for loops over many angles: another rounding.
+    pub(crate) const fn per_ratio_and_angle(&self) -> f64 {
         -(self.ratio / self.actual_ratio) / self.actual_ratio
     }
 }
