@@ -45,7 +45,7 @@ thread_local! {
 }
 
 /// Sweeps tiles and folds them.
-pub(crate) struct FoldTiles<'a, T> {
+struct FoldTiles<'a, T> {
     pub(crate) tiles: T,
     pub(crate) room: &'a mut TileRoom,
     pub(crate) triangle: &'a mut Triangle,
@@ -73,7 +73,7 @@ impl<'t, T: Iterator<Item = (usize, Tile<'t>)>> WithSimd for FoldTiles<'_, T> {
     }
 }
 
-pub(crate) fn refused(first_pose: usize, bad: BadRow) -> BatchError {
+fn refused(first_pose: usize, bad: BadRow) -> BatchError {
     let pose = first_pose + bad.row;
     if bad.is_zero {
         BatchError::ZeroDistance { pose }
@@ -139,15 +139,6 @@ impl Blocks {
             });
         }
         total.check()
-    }
-}
-
-/// Adds the next block to the total; the first one is the total.
-pub(crate) fn merge_in_order(total: &mut Triangle, block: &Triangle, room: &mut TileRoom) {
-    if total.rows() == 0 {
-        total.copy_from(block);
-    } else {
-        total.merge(block, room.tile.as_mut_slice());
     }
 }
 

@@ -273,7 +273,7 @@ impl PoseBatch {
 }
 
 /// Repeats the last pose: its weight will be 0, its distance must have a derivative.
-pub(crate) fn fill_up(column: &mut [f64], filled: usize) {
+fn fill_up(column: &mut [f64], filled: usize) {
     if let Some(&last) = filled.checked_sub(1).and_then(|last| column.get(last)) {
         column[filled..TILE_ROWS].fill(last);
     }
@@ -299,7 +299,7 @@ pub(crate) fn not_finite(what: &'static str, pose: usize, value: f64) -> BatchEr
     }
 }
 
-pub(crate) fn weight_error(pose: usize, value: f64) -> BatchError {
+fn weight_error(pose: usize, value: f64) -> BatchError {
     BatchError::Pose {
         what: "the weight",
         pose,

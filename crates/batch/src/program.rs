@@ -208,12 +208,6 @@ impl Program {
             .all(|(joint, constant_rad)| poses.largest(joint) + constant_rad.abs() <= LARGEST_RAD)
     }
 
-    /// Largest constant that is added to a joint variable.
-    pub(crate) fn largest_constant_rad(&self) -> f64 {
-        self.joint_angles()
-            .fold(0.0, |most, (_, constant_rad)| most.max(constant_rad.abs()))
-    }
-
     /// Joint and constant of every revolute joint's angle.
     fn joint_angles(&self) -> impl Iterator<Item = (usize, f64)> {
         self.steps.iter().filter_map(|step| match step.action {

@@ -225,14 +225,6 @@ impl Triangle {
         self.rows = rows + all;
     }
 
-    pub(crate) fn copy_from(&mut self, other: &Self) {
-        self.clear(other.columns);
-        let length = self.columns * (self.columns + 1);
-        self.entries.as_mut_slice()[..length].copy_from_slice(&other.entries.as_slice()[..length]);
-        self.rest_square = other.rest_square;
-        self.rows = other.rows;
-    }
-
     /// Refuses what is not finite.
     pub(crate) fn check(&self) -> Result<(), BatchError> {
         let used = &self.entries.as_slice()[..self.columns * (self.columns + 1)];

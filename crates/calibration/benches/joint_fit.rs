@@ -1,4 +1,4 @@
-//! Times one joint fit, dense, by sparse QR and by reduced channels, over the number of rows.
+//! Times one joint fit, dense and by reduced channels, over the number of rows.
 #![allow(
     missing_docs,
     dead_code,
@@ -12,7 +12,7 @@ mod haptic;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use haptical_calibration::{DeviceProblem, ReducedProblem};
-use haptical_identification::{Settings, solve, solve_sparse};
+use haptical_identification::{Settings, solve};
 use haptical_simulator::Noise;
 
 const ROWS: [usize; 6] = [50, 200, 1000, 3000, 6000, 20_000];
@@ -41,19 +41,14 @@ fn joint_fit(criterion: &mut Criterion) {
         let settings = Settings::default();
         let fit = solve(&problem, &start, &joint.free, &settings).unwrap();
         let other = solve(&reduced, &start, &joint.free, &settings).unwrap();
-        let sparse = solve_sparse(&problem, &start, &joint.free, &settings).unwrap();
         println!(
-            "{rows} rows, {} free: steps {} dense, {} reduced, {} sparse",
+            "{rows} rows, {} free: steps {} dense, {} reduced",
             joint.free.len(),
             fit.iterations,
-            other.iterations,
-            sparse.iterations
+            other.iterations
         );
         group.bench_function(BenchmarkId::new("dense", rows), |bencher| {
             bencher.iter(|| solve(&problem, &start, &joint.free, &settings).unwrap());
-        });
-        group.bench_function(BenchmarkId::new("sparse", rows), |bencher| {
-            bencher.iter(|| solve_sparse(&problem, &start, &joint.free, &settings).unwrap());
         });
         group.bench_function(BenchmarkId::new("reduced", rows), |bencher| {
             bencher.iter(|| solve(&reduced, &start, &joint.free, &settings).unwrap());

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use haptical_identification::{IdentificationError, Matrix, Problem, SparseProblem, Triplet};
+use haptical_identification::{IdentificationError, Matrix, Problem};
 use haptical_model::{Device, ModelError, ParameterId, Recording};
 
 use crate::distances::Distances;
@@ -232,19 +232,6 @@ impl Problem for DeviceProblem<'_> {
             Some((free, matrix)) => Sink::Dense(free, matrix),
         };
         self.run(parameters, residuals, sink)
-    }
-}
-
-impl SparseProblem for DeviceProblem<'_> {
-    fn evaluate_sparse(
-        &self,
-        parameters: &[f64],
-        free: &[usize],
-        residuals: &mut [f64],
-        entries: &mut Vec<Triplet>,
-    ) -> Result<(), IdentificationError> {
-        entries.clear();
-        self.run(parameters, residuals, Sink::Sparse(free, entries))
     }
 }
 

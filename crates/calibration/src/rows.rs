@@ -41,7 +41,7 @@ impl DeviceProblem<'_> {
                 Sink::Dense(free, matrix) => {
                     return self.run_in_parallel(device, residuals, Some((free, matrix)));
                 }
-                Sink::Sparse(..) | Sink::Triangles(_) => {}
+                Sink::Triangles(_) => {}
             }
         }
         let firsts: Vec<usize> = self.blocks.iter().map(|block| block.first).collect();

@@ -1,6 +1,6 @@
-//! Where the derivatives of one row go: nowhere, a dense matrix, sparse entries, or triangles.
+//! Where the derivatives of one row go: nowhere, a dense matrix, or triangles.
 
-use haptical_identification::{Matrix, Triplet};
+use haptical_identification::Matrix;
 use haptical_model::{ModelError, ParameterId};
 
 use crate::Channel;
@@ -13,8 +13,6 @@ pub(crate) enum Sink<'s> {
     None,
     /// Free parameters, and a matrix with a column for each.
     Dense(&'s [usize], &'s mut Matrix),
-    /// Free parameters, and entries in row order.
-    Sparse(&'s [usize], &'s mut Vec<Triplet>),
     /// One growing triangle for each channel.
     Triangles(&'s mut [Triangle]),
 }
@@ -56,20 +54,6 @@ impl Sink<'_> {
                     };
                     matrix.column_mut(position)[index..index + width]
                         .copy_from_slice(&values[..width]);
-                }
-            }
-            Sink::Sparse(free, entries) => {
-                for (position, &parameter) in free.iter().enumerate() {
-                    if can_see(channel, parameters[parameter]) {
-                        let values = derivative(parameters[parameter])?;
-                        for (axis, &value) in values[..width].iter().enumerate() {
-                            entries.push(Triplet {
-                                row: index + axis,
-                                column: position,
-                                value,
-                            });
-                        }
-                    }
                 }
             }
             Sink::Triangles(triangles) => {

@@ -1,6 +1,6 @@
 //! What a least-squares problem is: weighted residuals and their analytic derivatives.
 
-use haptical_linalg::{LinalgError, Matrix, Triplet};
+use haptical_linalg::{LinalgError, Matrix};
 
 use crate::IdentificationError;
 
@@ -42,22 +42,6 @@ pub enum Form {
     /// row more than there are free parameters is not zero. The derivatives come with the cost, so a
     /// search asks for both at once, and takes its steps from the triangle as it is.
     Triangle,
-}
-
-/// A problem whose derivative matrix is mostly zero and keeps its pattern of entries.
-pub trait SparseProblem: Problem {
-    /// Writes the residuals and the entries of the derivative matrix; the pattern (rows and columns
-    /// in order) must be the same at every call. Columns count within `free`.
-    ///
-    /// # Errors
-    /// As for [`Problem::evaluate`].
-    fn evaluate_sparse(
-        &self,
-        parameters: &[f64],
-        free: &[usize],
-        residuals: &mut [f64],
-        entries: &mut Vec<Triplet>,
-    ) -> Result<(), IdentificationError>;
 }
 
 /// The derivative matrix (residuals x `free`) and the residuals at one point.

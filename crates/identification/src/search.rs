@@ -7,13 +7,13 @@ use crate::triangle::Triangle;
 use crate::{Convergence, Form, IdentificationError, Problem, Settings};
 
 /// Promised fall, as a share of the cost, that the rounding of the cost can hide.
-pub(crate) const UNSEEN_FALL: f64 = 1e-9;
+const UNSEEN_FALL: f64 = 1e-9;
 
 /// Share of the parameters below which a step cannot be told from rounding in the residuals.
-pub(crate) const UNSEEN_STEP: f64 = 1e-8;
+const UNSEEN_STEP: f64 = 1e-8;
 
 /// A millimetre or a milliradian, so that parameters near zero can converge too.
-pub(crate) const SMALLEST_SCALE: f64 = 1e-3;
+const SMALLEST_SCALE: f64 = 1e-3;
 
 /// A step after which a parameter has lost all but this share of its effect is refused: on such a
 /// plateau no derivative leads back (NIST's BoxBOD, where a rate leaps to where all has decayed).

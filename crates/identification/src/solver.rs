@@ -26,7 +26,7 @@ pub struct Fit {
 }
 
 /// Shortest Gauss-Newton step, and strongest damping steps, that are tried before giving up.
-pub(crate) const MAX_HALVINGS: usize = 30;
+const MAX_HALVINGS: usize = 30;
 
 /// Share of an earlier column norm that still weighs in the damping one step later. Without memory a
 /// parameter that loses its effect leaps away (NIST's BoxBOD, MGH17); with an endless one, which is

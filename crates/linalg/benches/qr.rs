@@ -1,17 +1,13 @@
-//! Times of the dense and the sparse QR on matrices of a calibration's size: `cargo bench -p haptical-linalg`.
+//! Times of the QR on matrices of a calibration's size: `cargo bench -p haptical-linalg`.
 #![allow(missing_docs, reason = "criterion writes functions without text")]
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use haptical_linalg::{
-    LinalgError, Matrix, RANK_TOLERANCE, Reduction, SparseLeastSquares, Triplet,
-};
+use haptical_linalg::{LinalgError, Matrix, RANK_TOLERANCE, Reduction};
 
 /// The paper's number of parameters.
 const COLUMNS: usize = 28;
-/// Columns of one block of the sparse matrix.
-const BLOCK: usize = 4;
 
 /// An entry in [-1, 1); columns are independent (SplitMix64).
 fn entry(row: usize, column: usize) -> f64 {
@@ -55,33 +51,8 @@ fn dense(criterion: &mut Criterion) -> Result<(), LinalgError> {
     Ok(())
 }
 
-/// Seven blocks of four columns, 1000 rows, a row in one block each.
-fn sparse(criterion: &mut Criterion) -> Result<(), LinalgError> {
-    let mut group = criterion.benchmark_group("sparse, 1000 rows in 7 blocks of 4 columns");
-    let rows = 1000;
-    let blocks = COLUMNS / BLOCK;
-    let entries: Vec<Triplet> = (0..rows * BLOCK)
-        .map(|index| {
-            let (row, within) = (index / BLOCK, index % BLOCK);
-            let column = BLOCK * (row % blocks) + within;
-            let value = entry(row, column);
-            Triplet { row, column, value }
-        })
-        .collect();
-    let rhs: Vec<f64> = (0..rows).map(|row| entry(row, COLUMNS)).collect();
-    let solver = SparseLeastSquares::new(rows, COLUMNS, &entries)?;
-    group.bench_function("analysis of the pattern", |bencher| {
-        bencher.iter(|| SparseLeastSquares::new(rows, COLUMNS, black_box(&entries)));
-    });
-    group.bench_function("solution", |bencher| {
-        bencher.iter(|| solver.solve(black_box(&entries), &rhs));
-    });
-    group.finish();
-    Ok(())
-}
-
 fn qr(criterion: &mut Criterion) {
-    let added = dense(criterion).and_then(|()| sparse(criterion));
+    let added = dense(criterion);
     assert!(added.is_ok(), "{added:?}");
 }
 

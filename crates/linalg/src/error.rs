@@ -59,7 +59,7 @@ pub enum LinalgError {
     /// The columns are not independent, so the question has no answer.
     #[error("the {columns} chosen columns have rank {rank}: leave out dependent columns first")]
     RankDeficient {
-        /// Rank found; from the sparse solver only an upper bound.
+        /// Rank found.
         rank: usize,
         /// Columns chosen.
         columns: usize,

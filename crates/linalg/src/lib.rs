@@ -10,7 +10,6 @@ mod matrix;
 mod ordered;
 mod pivoted;
 mod reduction;
-mod sparse;
 mod step;
 
 pub use basis::OrthonormalBasis;
@@ -18,7 +17,6 @@ pub use error::LinalgError;
 pub use matrix::Matrix;
 pub use ordered::{Dependence, OrderedRank};
 pub use reduction::Reduction;
-pub use sparse::{SparseLeastSquares, Triplet};
 pub use step::Solution;
 
 /// Singular values of any finite matrix, largest first.

@@ -11,7 +11,6 @@ mod derivatives;
 mod fit;
 mod pose_lanes;
 mod refusals;
-mod streams;
 mod support;
 mod threads;
 mod triangles;

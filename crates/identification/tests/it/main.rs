@@ -19,6 +19,5 @@ mod profile;
 mod refusals;
 mod robust;
 mod search;
-mod sparse;
 mod support;
 mod triangle_form;

@@ -11,5 +11,4 @@ mod faer_traps;
 mod nalgebra_oracle;
 mod planted;
 mod refusals;
-mod sparse;
 mod support;

@@ -1,8 +1,6 @@
 //! Each error, with what it carries.
 
-use haptical_linalg::{
-    LinalgError, Matrix, RANK_TOLERANCE, Reduction, SparseLeastSquares, Triplet, singular_values,
-};
+use haptical_linalg::{LinalgError, Matrix, Reduction, singular_values};
 
 fn small() -> Matrix {
     Matrix::from_fn(4, 2, |row, column| [1.0, row as f64][column])
@@ -118,67 +116,4 @@ fn a_row_out_of_range_does_not_read_the_next_column() {
     let matrix = small();
     let outside = std::panic::catch_unwind(|| matrix[(4, 0)]);
     assert!(outside.is_err());
-}
-
-#[test]
-fn sparse_input_is_checked() {
-    let entry = |row, column, value| Triplet { row, column, value };
-    let pattern = [entry(0, 0, 1.0), entry(1, 1, 1.0), entry(2, 1, 1.0)];
-    assert!(matches!(
-        SparseLeastSquares::new(1, 2, &pattern[..1]).unwrap_err(),
-        LinalgError::Shape {
-            expected: 2,
-            found: 1,
-            ..
-        }
-    ));
-    assert!(matches!(
-        SparseLeastSquares::new(2, 2, &pattern).unwrap_err(),
-        LinalgError::Shape {
-            expected: 2,
-            found: 2,
-            ..
-        }
-    ));
-    assert!(matches!(
-        SparseLeastSquares::new(3, 1, &pattern).unwrap_err(),
-        LinalgError::Shape {
-            expected: 1,
-            found: 1,
-            ..
-        }
-    ));
-    assert!(matches!(
-        SparseLeastSquares::new(3, 0, &[]).unwrap_err(),
-        LinalgError::Empty { .. }
-    ));
-    let solver = SparseLeastSquares::new(3, 2, &pattern).unwrap();
-    let mut other = pattern;
-    other[2] = entry(0, 1, 1.0);
-    assert!(matches!(
-        solver.solve(&other, &[0.0; 3]).unwrap_err(),
-        LinalgError::Shape { .. }
-    ));
-    assert!(solver.solve(&pattern, &[0.0; 2]).is_err());
-    let mut broken = pattern;
-    broken[1].value = f64::NAN;
-    assert!(matches!(
-        solver.solve(&broken, &[0.0; 3]).unwrap_err(),
-        LinalgError::NotFinite {
-            row: 1,
-            column: 1,
-            ..
-        }
-    ));
-    assert!(matches!(
-        solver
-            .solve(&pattern, &[0.0, f64::INFINITY, 0.0])
-            .unwrap_err(),
-        LinalgError::NotFinite {
-            row: 1,
-            column: 2,
-            ..
-        }
-    ));
-    assert_eq!(RANK_TOLERANCE, 1e-9);
 }

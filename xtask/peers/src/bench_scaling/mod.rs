@@ -2,12 +2,11 @@
 
 mod arms;
 mod peak;
-mod stream;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use haptical_batch::{PoseBatch, Threads, solve_distances};
 use haptical_identification::{Method, Settings};
 use haptical_linalg::{Matrix, RANK_TOLERANCE, Reduction};
@@ -18,18 +17,11 @@ use arms::Arm;
 
 /// Arguments of `bench-scaling`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: cargo xtask bench-scaling --most 1000000")]
+#[command(after_help = "Example: cargo xtask bench-scaling")]
 pub struct Arguments {
-    /// Largest number of poses that are streamed from a file; each takes about 96 bytes on disk.
-    #[arg(long, default_value_t = 10_000_000)]
-    most: usize,
     /// Folder for tables, figures and report.
     #[arg(long, default_value = "target/bench-scaling")]
     out: PathBuf,
-    #[arg(long, hide = true)]
-    stream: Option<PathBuf>,
-    #[arg(long, hide = true, default_value_t = JOINTS)]
-    joints: usize,
     #[arg(long, hide = true, default_value_t = 1)]
     seed: u64,
 }
@@ -49,18 +41,13 @@ const REPEATED_S: f64 = 0.4;
 
 /// Runs the job.
 pub fn measure(arguments: &Arguments) -> Result<()> {
-    if let Some(path) = &arguments.stream {
-        let arm = Arm::new(arguments.joints, arguments.seed)?;
-        println!("{}", serde_json::to_string(&stream::in_child(path, &arm)?)?);
-        return Ok(());
-    }
     let mut output = Output::new(Layout {
         stem: "scaling",
         figures: "figures/",
         tables: "tables/",
     });
     let seed = arguments.seed;
-    let progress = Progress::new("scaling", HELD.len() + ARMS.len() + 3);
+    let progress = Progress::new("scaling", HELD.len() + ARMS.len() + 2);
     let peak = peak::flops_per_s();
     output.section("The floor");
     output.words(format!(
@@ -75,7 +62,6 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
     output.terminal(format!("one core: {:.1} GFlop/s", peak / 1e9));
     let by_poses = poses_section(&mut output, seed, peak, &progress)?;
     let by_parameters = parameters_section(&mut output, seed, peak, &progress)?;
-    stream_section(&mut output, arguments, &progress)?;
     let panel = |title: &str, label: &str, points: &[(f64, f64)]| {
         let mut figure = Figure::new(title, label, "log10 of the time [s]");
         let points = points.iter().map(|(x, y)| (x.log10(), y.log10())).collect();
@@ -243,73 +229,6 @@ fn parameters_section(
     Ok(points)
 }
 
-fn stream_section(output: &mut Output, arguments: &Arguments, progress: &Progress) -> Result<()> {
-    let columns = [
-        ("poses", ""),
-        ("file", "MB"),
-        ("plain read", "s"),
-        ("parsing once", "s"),
-        ("parsing / read", ""),
-        ("fit, all passes", "s"),
-        ("passes", ""),
-        ("fit less parsing / read", ""),
-        ("peak memory", "MiB"),
-        ("scatter", ""),
-    ];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new(
-        "Poses streamed from a CSV file, parsed again for every pass",
-        columns,
-    );
-    let (seed, arm) = (arguments.seed, Arm::new(JOINTS, arguments.seed)?);
-    std::fs::create_dir_all(&arguments.out)?;
-    let path = arguments.out.join("streamed.csv");
-    let mut peaks = Vec::new();
-    for poses in [arguments.most / 100, arguments.most / 10, arguments.most] {
-        let found = streamed(&path, &arm, poses, seed);
-        let removed = std::fs::remove_file(&path);
-        let found = found?;
-        removed.with_context(|| path.display().to_string())?;
-        let parsing_s = found.passes as f64 * found.parse_s;
-        peaks.extend(found.peak_kib);
-        let peak = found
-            .peak_kib
-            .map(|kib| Cell::number(kib as f64 / 1024.0, 1));
-        table.push(vec![
-            Cell::number(found.poses as f64, 0),
-            Cell::number(found.file_bytes as f64 / 1e6, 1),
-            Cell::number(found.read_s, 3),
-            Cell::number(found.parse_s, 3),
-            Cell::number(found.parse_s / found.read_s, 1),
-            Cell::number(found.solve_s, 2),
-            Cell::number(found.passes as f64, 0),
-            Cell::number((found.solve_s - parsing_s) / found.read_s, 1),
-            peak.unwrap_or_else(|| "not told".into()),
-            Cell::number(found.scatter, 4),
-        ])?;
-        progress.step();
-    }
-    output.section("Poses streamed");
-    output.terminal_table(&table, &[0, 1, 2, 3, 5, 6, 8, 9]);
-    output.table("streamed", table)?;
-    if let Some(most) = peaks.iter().max() {
-        let mib = *most as f64 / 1024.0;
-        output.verdict(
-            mib < 200.0,
-            format!(
-                "{} poses streamed: at most {mib:.1} MiB (bar: 200)",
-                arguments.most
-            ),
-        );
-    }
-    Ok(())
-}
-
-fn streamed(path: &Path, arm: &Arm, poses: usize, seed: u64) -> Result<stream::Streamed> {
-    stream::write(path, arm, poses, seed)?;
-    stream::run(path, JOINTS, seed)
-}
-
 /// Slope of the straight line of least squares through the logarithms.
 fn exponent(points: &[(f64, f64)]) -> Result<f64> {
     let design = Matrix::from_fn(points.len(), 2, |row, column| match column {
@@ -331,17 +250,5 @@ mod tests {
             .map(|n| (f64::from(n), 3.0 * f64::from(n).powf(1.7)))
             .collect();
         assert!((exponent(&points).unwrap() - 1.7).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_streamed_file_gives_the_fit_of_the_poses_in_memory() {
-        let arm = Arm::new(3, 5).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("log.csv");
-        stream::write(&path, &arm, 500, 5).unwrap();
-        let found = stream::in_child(&path, &arm).unwrap();
-        assert_eq!(found.poses, 500);
-        // chi-square with 488 degrees of freedom: five deviations are 0.32
-        assert!((found.scatter - 1.0).abs() < 0.32, "{}", found.scatter);
     }
 }
