@@ -3,19 +3,19 @@
 use std::collections::BTreeSet;
 
 use haptical_identification::Loss;
-use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
-use serde::Serialize;
 
-use crate::held_out::{
+use crate::checks::held_out::{
     FOLDS, NOTHING, SHORT_LOG, check_share, dwelt, folds, is_for_folds, is_of_postures,
 };
-use crate::joint_fit::{add_step_one_noise, profile_whole};
-use crate::prepare::with_unseen_touches;
+use crate::checks::{postures, sufficiency};
+use crate::report::warnings;
+use crate::robust::{automatic, reweighted};
+use crate::start::prepare::with_unseen_touches;
+use crate::steps::device::{add_step_one_noise, profile_whole};
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, ChannelResiduals, FittedDevice, HeldOut,
-    LossChoice, Options, Outlier, Weights, automatic_loss, channel_residuals, channels, fit_device,
-    postures, robust, split, sufficiency, warnings,
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice,
+    HeldOut, LossChoice, Options, Outlier, Weights, channel_residuals, channels, fit_device, split,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -40,50 +40,6 @@ pub struct Calibration {
     pub warnings: Vec<String>,
 }
 
-/// One channel before and after.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ChannelReport {
-    /// Channel name: `out2`, `cable`.
-    pub channel: String,
-    /// Joint (from 1) of an external encoder.
-    pub joint: Option<usize>,
-    /// Unit.
-    pub unit: String,
-    /// Readings.
-    pub readings: usize,
-    /// Readings left out, because a polynomial was outside its range there.
-    pub outside_range: usize,
-    /// Root mean square of the nominal device's residuals.
-    pub rms_before: f64,
-    /// Standard deviation of the nominal device's residuals (their mean taken off).
-    pub sd_before: f64,
-    /// Root mean square of the calibrated device's residuals.
-    pub rms_after: f64,
-    /// Standard deviation of the calibrated device's residuals.
-    pub sd_after: f64,
-    /// Root mean square of the nominal device's residuals, outliers left out.
-    pub rms_before_good: f64,
-    /// Root mean square of the calibrated device's residuals, outliers left out.
-    pub rms_after_good: f64,
-    /// Readings that noise does not explain, where a robust loss looked for them.
-    pub outliers: usize,
-    /// Root mean square of the stated noise, quantization included.
-    pub noise_floor: f64,
-    /// Share of the gap that was closed, noise taken out; none where there was no gap.
-    pub reduction_percent: Option<f64>,
-    /// The same, outliers left out.
-    pub reduction_percent_good: Option<f64>,
-    /// Residuals before, in the order of the rows.
-    #[serde(skip)]
-    pub before: Vec<f64>,
-    /// Residuals after.
-    #[serde(skip)]
-    pub after: Vec<f64>,
-    /// Rows of the recording.
-    #[serde(skip)]
-    pub rows: Vec<usize>,
-}
-
 /// Calibrates a device from a recording.
 ///
 /// The fit sees the rows that [`crate::split`] leaves it; before and after are reported for them and
@@ -102,7 +58,7 @@ pub fn calibrate(
 ) -> Result<Calibration, CalibrationError> {
     let channels = channels(device, recording)?;
     sufficiency::check(device, recording, &channels)?;
-    crate::prepare::check_rig(device, recording)?;
+    crate::check_rig(device, recording)?;
     let mut warnings = warnings::of_recording(device, recording, &channels);
     check_share(options.held_out)?;
     let dwelt = match options.held_out {
@@ -161,7 +117,7 @@ pub fn calibrate(
     if let Some(robust) = &fitted.robust {
         for reports in [&mut fit_channels, &mut held_out_channels] {
             for report in reports.iter_mut() {
-                outliers.extend(robust::set_aside(report, robust, recording));
+                outliers.extend(reweighted::set_aside(report, robust, recording));
             }
         }
         outliers.sort_by(|a: &Outlier, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
@@ -169,8 +125,7 @@ pub fn calibrate(
         let mut listed = BTreeSet::new();
         outliers.retain(|outlier| listed.insert((outlier.line, outlier.channel)));
     } else if options.loss == LossChoice::Auto && count.is_none() {
-        outliers =
-            automatic_loss::wild_held_out(&fitted, &seen, &mut held_out_channels, recording)?;
+        outliers = automatic::wild_held_out(&fitted, &seen, &mut held_out_channels, recording)?;
         if !outliers.is_empty() {
             warnings.push(warnings::of_wild_held_out(outliers.len()));
         }
@@ -216,7 +171,7 @@ fn compare(
         .into_iter()
         .zip(after)
         .filter(|(before, _)| !before.residuals.is_empty())
-        .map(|(before, after)| report(nominal, before, after))
+        .map(|(before, after)| ChannelReport::new(nominal, before, after))
         .collect())
 }
 
@@ -224,39 +179,6 @@ fn compare(
 fn in_recording(reports: &mut [ChannelReport], part: &[usize]) {
     for row in reports.iter_mut().flat_map(|report| &mut report.rows) {
         *row = part[*row];
-    }
-}
-
-fn report(device: &Device, before: ChannelResiduals, after: ChannelResiduals) -> ChannelReport {
-    let channel = before.channel;
-    let (rms_before, rms_after) = (before.rms().unwrap_or(0.0), after.rms().unwrap_or(0.0));
-    let spread = |residuals: &[f64], rms: f64| {
-        let mean = residuals.iter().sum::<f64>() / residuals.len() as f64;
-        (rms * rms - mean * mean).max(0.0).sqrt()
-    };
-    let reduction_percent = gap_reduction_percent(rms_before, rms_after, after.noise_floor);
-    ChannelReport {
-        channel: channel.name(),
-        joint: match channel {
-            Channel::Output { joint } => Some(joint + 1),
-            _ => None,
-        },
-        unit: channel.unit(device).to_owned(),
-        readings: before.residuals.len(),
-        outside_range: before.outside_range,
-        rms_before,
-        sd_before: spread(&before.residuals, rms_before),
-        rms_after,
-        sd_after: spread(&after.residuals, rms_after),
-        rms_before_good: rms_before,
-        rms_after_good: rms_after,
-        outliers: 0,
-        noise_floor: after.noise_floor,
-        reduction_percent,
-        reduction_percent_good: reduction_percent,
-        before: before.residuals,
-        after: after.residuals,
-        rows: before.rows,
     }
 }
 
@@ -302,7 +224,7 @@ fn cross_validate(
         .into_iter()
         .zip(after)
         .filter(|(before, _)| !before.residuals.is_empty())
-        .map(|(before, after)| report(device, before, after))
+        .map(|(before, after)| ChannelReport::new(device, before, after))
         .collect();
     if checked == 0 {
         warnings.push(warnings::of_no_check(count, reasons.first()));

@@ -168,3 +168,11 @@ impl CalibrationError {
         }
     }
 }
+
+/// A refusal of the least squares, with the name of the fit.
+pub(crate) fn wrap(what: &str, source: IdentificationError) -> CalibrationError {
+    CalibrationError::Identification {
+        what: what.to_owned(),
+        source,
+    }
+}

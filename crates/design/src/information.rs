@@ -1,6 +1,8 @@
 //! The information of each pose of a rig about the parameters: weighted derivatives, pose by pose.
 
-use haptical_calibration::{Channel, DeviceProblem, Weights, parameter_infos, preference_order};
+use haptical_calibration::{
+    Channel, DeviceProblem, GaugedProblem, Weights, parameter_infos, preference_order,
+};
 use haptical_identification::{
     Identifiability, IdentifiabilityRules, Matrix, ParameterInfo, Reduction, analyse,
     evaluate_jacobian,
@@ -54,7 +56,8 @@ impl Information {
             &weights,
         )?;
         let free: Vec<usize> = (0..parameters.len()).collect();
-        let (jacobian, _) = evaluate_jacobian(&problem, &problem.start(), &free)?;
+        let gauged = GaugedProblem::new(&problem)?;
+        let (jacobian, _) = evaluate_jacobian(&gauged, &problem.start(), &free)?;
         let always = all.len() - postures.len();
         let mut of_row: Vec<Vec<usize>> = vec![Vec::new(); all.len()];
         for (channel, (mut residual, _)) in problem.layout() {

@@ -1,6 +1,6 @@
 //! What keeps the base model of touches near the device: touches of unknown places fix many of its numbers badly.
 
-use haptical_calibration::{Channel, DeviceProblem, ParameterFit, Weights};
+use haptical_calibration::{Channel, DeviceProblem, GaugedProblem, ParameterFit, Weights};
 use haptical_identification::{IdentificationError, Matrix, Problem, Settings, solve};
 use haptical_model::{Device, ParameterId, Recording};
 
@@ -85,8 +85,9 @@ pub(crate) fn anchored(
     let free: Vec<usize> = (0..fit.parameters.len()).filter(weak).collect();
     let anchor = Anchor::new(from, &fit.parameters, &free);
     let problem = DeviceProblem::new(from, recording, channels, &fit.parameters, weights)?;
+    let gauged = GaugedProblem::new(&problem)?;
     let held = Held {
-        problem: &problem,
+        problem: &gauged,
         free: &free,
         anchor: &anchor,
     };
@@ -102,7 +103,7 @@ pub(crate) fn anchored(
 
 /// A recording's residuals, and those of the anchored numbers.
 struct Held<'p> {
-    problem: &'p DeviceProblem<'p>,
+    problem: &'p GaugedProblem<'p>,
     free: &'p [usize],
     anchor: &'p Anchor,
 }

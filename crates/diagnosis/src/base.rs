@@ -204,11 +204,9 @@ impl<'a> BaseProblem<'a> {
         weights: &Weights,
     ) -> Result<Self, DiagnosisError> {
         let (device, parameters) = (&base.device, &base.parameters);
+        // touches in metres, as the effects' columns are
         let problem = |recording: &'a Recording| {
-            let problem =
-                DeviceProblem::new(device, recording, &base.channels, parameters, weights);
-            // as the effects' columns are
-            problem.map(DeviceProblem::with_touches_in_metres)
+            DeviceProblem::new(device, recording, &base.channels, parameters, weights)
         };
         let slopes = match std::ptr::eq(recording, postures) {
             true => None,

@@ -1,6 +1,6 @@
 //! A model identified earlier, put where a recording was made.
 
-use haptical_calibration::{Channel, Options, Weights, fit_parameters, prepare_device};
+use haptical_calibration::{Channel, FitRequest, Options, Weights, fit_parameters, prepare_device};
 use haptical_model::{Device, ParameterId, Recording, SurroundingParameter};
 
 use crate::DiagnosisError;
@@ -33,9 +33,17 @@ pub(crate) fn placed(
             ..Options::default()
         };
         let what = "places of what was touched";
-        let fit = fit_parameters(
-            what, &there, recording, channels, &places, &weights, &options,
-        )?;
+        let fit = fit_parameters(&FitRequest {
+            what,
+            device: &there,
+            recording,
+            channels,
+            parameters: &places,
+            weights: &weights,
+            options: &options,
+            start: None,
+            yielded: None,
+        })?;
         there = fit.device;
     }
     Ok(Base {

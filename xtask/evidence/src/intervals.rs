@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, ensure};
 use haptical_calibration::{
-    CalibrationMethod, Channel, Degree, HeldOut, Options, ParameterFit, Weighting, Weights,
-    channels, fit_device, fit_kinematics, fit_parameters, force_direction, predict_distances,
-    predict_positions, with_step_one_noise,
+    CalibrationMethod, Channel, Degree, FitRequest, HeldOut, Options, ParameterFit, Weighting,
+    Weights, channels, fit_device, fit_kinematics, fit_parameters, force_direction,
+    predict_distances, predict_positions, with_step_one_noise,
 };
 use haptical_model::{Device, ParameterId, Recording};
 use haptical_simulator::true_poses;
@@ -310,7 +310,17 @@ impl Trial {
             .collect();
         let weights = Weights::stated(&device, &seen);
         let what = "exact readings";
-        let exact = fit_parameters(what, &device, exact, &seen, &free, &weights, &options)?;
+        let exact = fit_parameters(&FitRequest {
+            what,
+            device: &device,
+            recording: exact,
+            channels: &seen,
+            parameters: &free,
+            weights: &weights,
+            options: &options,
+            start: None,
+            yielded: None,
+        })?;
         let left = (exact.cost / exact.residuals.len() as f64).sqrt();
         ensure!(
             left < EXACT,

@@ -4,7 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use anyhow::{Context, Result};
 use haptical_calibration::{
-    Channel, DeviceProblem, HeldOut, Options, ParameterFit, Weighting, Weights, fit_parameters,
+    Channel, DeviceProblem, FitRequest, HeldOut, Options, ParameterFit, Weighting, Weights,
+    fit_parameters,
 };
 use haptical_identification::{Convergence, Settings, Status, solve};
 use haptical_metrics::{position_errors_m, rms};
@@ -250,9 +251,17 @@ impl Trial {
         };
         let (nominal, seen, parameters) = (&self.nominal, &self.seen, &self.parameters);
         let what = "parallel joints";
-        Ok(fit_parameters(
-            what, nominal, seen, &channels, parameters, &weights, &options,
-        )?)
+        Ok(fit_parameters(&FitRequest {
+            what,
+            device: nominal,
+            recording: seen,
+            channels: &channels,
+            parameters,
+            weights: &weights,
+            options: &options,
+            start: None,
+            yielded: None,
+        })?)
     }
 
     /// Root mean square distance between predicted and true positions.

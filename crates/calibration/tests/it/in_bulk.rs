@@ -1,8 +1,9 @@
 //! The forms in lanes give what the general form gives, row by row, for random devices.
 
 use haptical_calibration::{
-    CalibrationMethod, Channel, Degree, DeviceProblem, HeldOut, Options, ParameterFit, Weighting,
-    Weights, fit_kinematics, fit_parameters, fit_transmission, parameter_infos, preference_order,
+    CalibrationMethod, Channel, Degree, DeviceProblem, FitRequest, HeldOut, Options, ParameterFit,
+    Weighting, Weights, fit_kinematics, fit_parameters, fit_transmission, parameter_infos,
+    preference_order,
 };
 use haptical_identification::{
     IdentificationError, Matrix, NoiseScale, Problem, Reduction, Status, analyse,
@@ -226,9 +227,7 @@ proptest! {
         let parameters: Vec<ParameterId> =
             (0..6).map(|index| ParameterId::Transmission { joint: 0, index }).collect();
         let what = "a far drum";
-        let fit = fit_parameters(
-            what, &nominal, &recording, &[channel], &parameters, &weights, &options(false),
-        ).unwrap();
+        let fit = fit_parameters(&FitRequest { what, device: &nominal, recording: &recording, channels: &[channel], parameters: &parameters, weights: &weights, options: &options(false), start: None, yielded: None }).unwrap();
         compare(&fit, &nominal, &recording, channel)?;
     }
 }

@@ -1,9 +1,9 @@
 //! Intervals that contain what was held or worked out before: step 1's noise, weak parameters, predictions.
 
 use haptical_calibration::{
-    CalibrationMethod, Channel, Options, ParameterFit, Weighting, Weights, candidate_parameters,
-    fit_device, fit_kinematics, fit_parameters, force_direction, predict_distances,
-    predict_positions, with_step_one_noise,
+    CalibrationMethod, Channel, FitRequest, Options, ParameterFit, Weighting, Weights,
+    candidate_parameters, fit_device, fit_kinematics, fit_parameters, force_direction,
+    predict_distances, predict_positions, with_step_one_noise,
 };
 use haptical_identification::Status;
 use haptical_model::{Device, ParameterId, Recording};
@@ -255,15 +255,17 @@ fn a_device_without_links_has_no_handle() {
     let parameters: Vec<ParameterId> = device.transmission_parameters(0);
     let options = Options::default();
     let what = "one joint";
-    let fit = fit_parameters(
+    let fit = fit_parameters(&FitRequest {
         what,
-        &device,
-        &recording,
-        &channels,
-        &parameters,
-        &weights,
-        &options,
-    )
+        device: &device,
+        recording: &recording,
+        channels: &channels,
+        parameters: &parameters,
+        weights: &weights,
+        options: &options,
+        start: None,
+        yielded: None,
+    })
     .unwrap();
     assert!(candidate_parameters(&device).is_empty());
     assert!(predict_positions(&fit, &recording).is_err());

@@ -1,7 +1,7 @@
 //! Touches with a known distance: it alone tells the size of the device, whatever the touches' noise is.
 
 use haptical_calibration::{
-    Channel, DeviceProblem, FittedDevice, HeldOut, Options, Weights, calibrate,
+    Channel, DeviceProblem, FittedDevice, GaugedProblem, HeldOut, Options, Weights, calibrate,
     candidate_parameters, channels, fit_device, prepare_device,
 };
 use haptical_identification::{evaluate_jacobian, worst_derivative};
@@ -198,7 +198,8 @@ fn have_their_derivatives(nominal: &Device) {
     let weights = Weights::stated(&device, &found);
     let problem = DeviceProblem::new(&device, &recording, &found, &parameters, &weights).unwrap();
     let all: Vec<usize> = (0..parameters.len()).collect();
-    let (jacobian, _) = evaluate_jacobian(&problem, &problem.start(), &all).unwrap();
+    let gauged = GaugedProblem::new(&problem).unwrap();
+    let (jacobian, _) = evaluate_jacobian(&gauged, &problem.start(), &all).unwrap();
     // a last joint whose axis goes through the handle has rounding for its derivative
     let is_seen = |column: &usize| {
         jacobian
@@ -209,7 +210,8 @@ fn have_their_derivatives(nominal: &Device) {
     let seen = all.into_iter().filter(is_seen);
     let parameters: Vec<ParameterId> = seen.map(|index| parameters[index]).collect();
     let problem = DeviceProblem::new(&device, &recording, &found, &parameters, &weights).unwrap();
-    let worst = worst_derivative(&problem, &problem.start(), 1e-5).unwrap();
+    let gauged = GaugedProblem::new(&problem).unwrap();
+    let worst = worst_derivative(&gauged, &problem.start(), 1e-5).unwrap();
     assert!(
         worst.relative < 2e-6,
         "{}: {} for {}",

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use haptical_calibration::{
-    Calibration, HeldOut, Options, ParameterFit, Weights, calibrate, channel_residuals, channels,
-    fit_device, fit_parameters, prepare_device,
+    Calibration, FitRequest, HeldOut, Options, ParameterFit, Weights, calibrate, channel_residuals,
+    channels, fit_device, fit_parameters, prepare_device,
 };
 use haptical_model::{ContactPair, Device, Parameter, ParameterId, Recording};
 
@@ -216,15 +216,17 @@ fn a_sensor_put_in_moves_the_tool_alone() {
         parameters.extend(prepared.further_parameters());
         let weights = Weights::stated(&prepared, &channels);
         let options = Options::default();
-        let fit = fit_parameters(
-            "tool",
-            &prepared,
-            &changed,
-            &channels,
-            &parameters,
-            &weights,
-            &options,
-        );
+        let fit = fit_parameters(&FitRequest {
+            what: "tool",
+            device: &prepared,
+            recording: &changed,
+            channels: &channels,
+            parameters: &parameters,
+            weights: &weights,
+            options: &options,
+            start: None,
+            yielded: None,
+        });
         let fit = fit.unwrap().device;
         let all = channel_residuals(&fit, &fit, &changed, &channels, &weights).unwrap();
         all[0].rms().unwrap() * 3.0_f64.sqrt()

@@ -3,7 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use haptical_calibration::{
-    Channel, HeldOut, Options, Weighting, Weights, calibrate, fit_parameters, predict_positions,
+    Channel, FitRequest, HeldOut, Options, Weighting, Weights, calibrate, fit_parameters,
+    predict_positions,
 };
 use haptical_identification::Status;
 use haptical_model::kinematics::Convention;
@@ -95,15 +96,17 @@ fn the_slide_along_parallel_axes_is_named_and_refused() {
             weighting: Weighting::Stated,
             ..Options::default()
         };
-        let fit = fit_parameters(
-            "arm",
-            &nominal,
-            &recording,
-            &channels,
-            &parameters,
-            &weights,
-            &options,
-        );
+        let fit = fit_parameters(&FitRequest {
+            what: "arm",
+            device: &nominal,
+            recording: &recording,
+            channels: &channels,
+            parameters: &parameters,
+            weights: &weights,
+            options: &options,
+            start: None,
+            yielded: None,
+        });
         let fit = fit.unwrap();
         assert_eq!(fit.nominal_identifiability.rank, 23);
         let of = |name: &str| fit.estimates.iter().position(|e| e.name == name).unwrap();

@@ -1,8 +1,8 @@
 //! Touches without a length: the device keeps its size.
 
 use haptical_calibration::{
-    CalibrationError, HeldOut, Options, Weights, calibrate, candidate_parameters, channels,
-    fit_parameters, prepare_device,
+    CalibrationError, FitRequest, HeldOut, Options, Weights, calibrate, candidate_parameters,
+    channels, fit_parameters, prepare_device,
 };
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Parameter, ParameterId, Recording};
@@ -174,15 +174,17 @@ fn a_device_that_shrinks_to_a_point_is_refused() {
             ..Options::default()
         };
         let (device, channels) = (&device, &channels);
-        let fit = fit_parameters(
-            "arm",
+        let fit = fit_parameters(&FitRequest {
+            what: "arm",
             device,
-            &recording,
+            recording: &recording,
             channels,
-            &parameters,
-            &weights,
-            &options,
-        );
+            parameters: &parameters,
+            weights: &weights,
+            options: &options,
+            start: None,
+            yielded: None,
+        });
         let refused = fit.map(|fit| (fit.cost, fit.starts)).unwrap_err();
         assert!(
             matches!(refused, CalibrationError::Collapsed { share, .. } if share < 0.1),

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use haptical_calibration::{
-    CalibrationMethod, Channel, Options, Weights, channels, fit_device, fit_parameters,
+    CalibrationMethod, Channel, FitRequest, Options, Weights, channels, fit_device, fit_parameters,
 };
 use haptical_model::{Device, Parameter, ParameterId};
 use haptical_report::{Cell, Figure, Mark, Series, Table};
@@ -120,15 +120,17 @@ impl Kind {
                         parameter: Parameter::Theta,
                     })
                     .collect();
-                fit_parameters(
-                    "joint offsets",
-                    &scenario.nominal,
-                    &recording,
-                    &channel,
-                    &offsets,
-                    &weights,
-                    &scenario.options(),
-                )?
+                fit_parameters(&FitRequest {
+                    what: "joint offsets",
+                    device: &scenario.nominal,
+                    recording: &recording,
+                    channels: &channel,
+                    parameters: &offsets,
+                    weights: &weights,
+                    options: &scenario.options(),
+                    start: None,
+                    yielded: None,
+                })?
                 .device
             }
             Self::Transmissions => step_one(scenario, seed)?.0,

@@ -1,0 +1,202 @@
+//! Columns of a tracker in another convention than the log's: left-handed axes, quaternions in another order.
+
+use haptical_model::kinematics::Pose;
+use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
+use haptical_model::{Device, Recording};
+
+use crate::CalibrationError;
+use crate::problem::measurement::rotation::rotation_vector;
+use crate::start::hand_eye::{Frames, Sight, closed_form, missed, sights};
+use crate::start::prepare::handle_poses;
+
+/// Rows that the conventions are tried on.
+const MOST_ROWS: usize = 300;
+/// Fewest rows: through fewer, wrong places and turns fit as well.
+const LEAST_ROWS: usize = 8;
+/// Root mean square error over the spread of what was seen, from which on no device file explains it: devices are
+/// known to a hundredth.
+const GROSS_SHARE: f64 = 0.05;
+/// The same of orientations \[rad\].
+const GROSS_RAD: f64 = 0.2;
+/// How many times better another convention must fit to be named.
+const BETTER: f64 = 10.0;
+/// Ratio of their errors up to which two conventions fit alike.
+const AS_GOOD: f64 = 2.0;
+
+/// What a wrong position column may be, as the matrix that puts it right, in words.
+type Mirror = (Matrix3<f64>, &'static str);
+
+/// Refuses positions and orientations that make no sense as they are and do in another convention.
+///
+/// # Errors
+/// [`CalibrationError::Reading`] that names the convention.
+pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
+    let is_tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
+    let Some(tracker) = device.tracker.as_ref().filter(|_| is_tracked) else {
+        return Ok(());
+    };
+    let rows = recording.len();
+    let count = rows.min(MOST_ROWS);
+    let some: Vec<usize> = (0..count).map(|index| index * rows / count).collect();
+    let part = recording.select(&some);
+    let Ok(poses) = handle_poses(device, &part) else {
+        // the fit says which row
+        return Ok(());
+    };
+    let surroundings = &device.surroundings;
+    let known = Frames {
+        base: surroundings.tracker_base.unwrap_or_default().pose(),
+        tool: surroundings.tracker_tool.unwrap_or_default().pose(),
+    };
+    let open = [
+        !tracker.base_known && surroundings.tracker_base.is_none(),
+        !tracker.tool_known && surroundings.tracker_tool.is_none(),
+    ];
+    let rig = Rig { known, open };
+    let found = orientations(&part, &poses, &rig).map(|message| ("qw, qx, qy, qz", message));
+    let found = found.or_else(|| Some(("x_m, y_m, z_m", positions(&part, &poses, &rig)?)));
+    found.map_or(Ok(()), |(column, message)| {
+        Err(CalibrationError::Reading {
+            line: recording.line.first().copied().unwrap_or(0),
+            column: column.to_owned(),
+            message,
+        })
+    })
+}
+
+struct Rig {
+    known: Frames,
+    open: [bool; 2],
+}
+
+fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
+    let mut alone = recording.clone();
+    alone.orientation_wxyz = None;
+    let seen = sights(&alone, poses);
+    if seen.len() < LEAST_ROWS {
+        return None;
+    }
+    let error = |sights: &[Sight]| {
+        let frames = closed_form(sights, rig.known, rig.open);
+        (missed(sights, &frames) / sights.len() as f64).sqrt()
+    };
+    let own = error(&seen);
+    if own <= GROSS_SHARE * spread_m(&seen) {
+        return None;
+    }
+    let mirrored = |mirror: &Matrix3<f64>| {
+        let turned = seen.iter().map(|sight| Sight {
+            position_m: sight.position_m.map(|position_m| mirror * position_m),
+            ..*sight
+        });
+        error(&turned.collect::<Vec<Sight>>())
+    };
+    let tried = mirrors(rig.open[0]).into_iter();
+    let tried = tried.map(|(mirror, words)| (mirrored(&mirror), words));
+    let (best, words) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best * BETTER < own).then(|| {
+        format!(
+            "{words}: the positions miss the device by {own:.3} m as they are, and by {best:.1e} m mirrored; give them \
+             in right-handed axes (or correct the device file, if it describes the mirror image of the device)"
+        )
+    })
+}
+
+/// Root mean square distance from the middle.
+fn spread_m(sights: &[Sight]) -> f64 {
+    let places: Vec<Vector3<f64>> = sights.iter().filter_map(|sight| sight.position_m).collect();
+    let count = places.len().max(1) as f64;
+    let middle = places.iter().sum::<Vector3<f64>>() / count;
+    let square: f64 = places.iter().map(|at| (at - middle).norm_squared()).sum();
+    (square / count).sqrt()
+}
+
+/// Seen from an unknown place all mirrors are one, turned.
+fn mirrors(is_unknown: bool) -> Vec<Mirror> {
+    let flip = |axis: usize| {
+        let mut signs = Vector3::repeat(1.0);
+        signs[axis] = -1.0;
+        Matrix3::from_diagonal(&signs)
+    };
+    let swap = |a: usize, b: usize| {
+        let mut matrix = Matrix3::identity();
+        matrix.swap_rows(a, b);
+        matrix
+    };
+    if is_unknown {
+        let words = "the tracker's axes are left-handed (or one coordinate has the wrong sign, or two are swapped)";
+        return vec![(flip(0), words)];
+    }
+    vec![
+        (flip(0), "the tracker's x has the wrong sign"),
+        (flip(1), "the tracker's y has the wrong sign"),
+        (flip(2), "the tracker's z has the wrong sign"),
+        (swap(0, 1), "the tracker's x and y are swapped"),
+        (swap(0, 2), "the tracker's x and z are swapped"),
+        (swap(1, 2), "the tracker's y and z are swapped"),
+    ]
+}
+
+fn orientations(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
+    let [w, x, y, z] = recording.orientation_wxyz.as_ref()?;
+    let error = |columns: [&Vec<f64>; 4], is_inverse: bool| {
+        let sign = if is_inverse { -1.0 } else { 1.0 };
+        let [w, x, y, z] = columns;
+        let part = |column: &[f64]| column.iter().map(|value| sign * value).collect();
+        let turned = Recording {
+            position_m: recording.position_m.clone(),
+            orientation_wxyz: Some([w.clone(), part(x), part(y), part(z)]),
+            ..Recording::default()
+        };
+        let seen = sights(&turned, poses);
+        let frames = closed_form(&seen, rig.known, rig.open);
+        // orientations alone may fit in two conventions, the base turned: positions tell
+        let slid = (missed(&seen, &frames) / seen.len().max(1) as f64).sqrt() / spread_m(&seen);
+        let slid = if slid.is_finite() { slid } else { 0.0 };
+        let angle = angle_rad(&seen, &frames);
+        (seen.len() >= LEAST_ROWS).then(|| (angle, angle.hypot(slid)))
+    };
+    let (own, own_of_both) = error([w, x, y, z], false)?;
+    if own <= GROSS_RAD && own_of_both <= GROSS_RAD.hypot(GROSS_SHARE) {
+        return None;
+    }
+    let last = [z, w, x, y];
+    let others = [
+        (
+            error(last, false)?,
+            "the quaternions are stored as x, y, z, w",
+        ),
+        (
+            error([w, x, y, z], true)?,
+            "the quaternions are inverted (they turn the tracker's axes into the marker's, not the marker's into the \
+             tracker's)",
+        ),
+        (
+            error(last, true)?,
+            "the quaternions are stored as x, y, z, w and inverted",
+        ),
+    ];
+    let sizes = others.iter().map(|((_, both), _)| *both);
+    let best = sizes.min_by(f64::total_cmp)?;
+    let as_good = others
+        .iter()
+        .filter(|((_, both), _)| *both < AS_GOOD * best);
+    let words: Vec<&str> = as_good.clone().map(|(_, words)| *words).collect();
+    (best * BETTER < own_of_both).then(|| {
+        format!(
+            "{}: what the tracker saw misses the device by {own_of_both:.3} rad or as large a share of the positions' \
+             spread as it is, and by {best:.1e} so; give the orientations as qw, qx, qy, qz of the marker seen from the \
+             tracker",
+            words.join(", or ")
+        )
+    })
+}
+
+/// Root mean square angle between what was seen and what the device has.
+fn angle_rad(sights: &[Sight], frames: &Frames) -> f64 {
+    let turned = sights.iter().filter_map(|sight| {
+        let have = frames.base.rotation * sight.handle.rotation * frames.tool.rotation;
+        Some(rotation_vector(&(have.transpose() * sight.rotation?)).norm_squared())
+    });
+    (turned.sum::<f64>() / sights.len().max(1) as f64).sqrt()
+}

@@ -1,0 +1,210 @@
+//! Which rows a fit does not see: whole recordings, contiguous blocks, or folds of a short log.
+
+use haptical_model::Recording;
+
+use crate::CalibrationError;
+use crate::checks::postures::{count, leaks, postures};
+
+/// Rows kept back from the fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum HeldOut {
+    /// A share of the rows: whole runs where the recording has several, contiguous blocks
+    /// otherwise, and whole postures where the device dwells so that blocks would check nothing
+    /// (docs/equations.md, "Held-out split").
+    Share(f64),
+    /// None: the fit sees every row.
+    None,
+    /// So many folds: fold k holds out the rows k, k + folds, ..., each fitted without its own rows; the device
+    /// itself is fitted to all rows. For postures that are not neighbours in time.
+    Folds(usize),
+}
+
+impl Default for HeldOut {
+    fn default() -> Self {
+        Self::Share(0.2)
+    }
+}
+
+/// Row indices of fit and check.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Split {
+    /// Rows that the fit sees, ascending.
+    pub fit: Vec<usize>,
+    /// Rows that it does not see, ascending.
+    pub held_out: Vec<usize>,
+    /// What was held out, in words.
+    pub description: String,
+}
+
+/// In words: a user wants no check.
+pub(crate) const NOTHING: &str = "nothing held out";
+
+/// Below this many rows a block of them is too few to judge by: folds are used instead.
+pub(crate) const SHORT_LOG: usize = 100;
+/// Folds of a recording, unless a user asks for others.
+pub(crate) const FOLDS: usize = 10;
+/// Most folds: each is a fit of its own.
+const MOST_FOLDS: usize = 100;
+/// Blocks that a recording is cut into, more for a share of less than one of them; every k-th is
+/// held out.
+const BLOCKS: usize = 20;
+
+/// Most rows of a log of postures that is checked by folds: ten fits more must not take long.
+const MOST_POSTURES: usize = 2000;
+
+/// Whether a recording is one of separate postures, at which something is touched or an unknown tracker looks,
+/// rather than of a motion: neighbours in the log say nothing of each other, so blocks would only waste rows.
+/// Where the log has several runs, whole runs are held out all the same.
+pub(crate) fn is_of_postures(device: &haptical_model::Device, recording: &Recording) -> bool {
+    let touches = recording.contact.is_some() || recording.plane.is_some();
+    let is_unknown = |tracker: &haptical_model::Tracker| !tracker.base_known || !tracker.tool_known;
+    let tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
+    let tracked = tracked && device.tracker.as_ref().is_some_and(is_unknown);
+    let runs = recording.run.as_ref();
+    let one_run = runs.is_none_or(|runs| runs.iter().all(|run| Some(run) == runs.first()));
+    (touches || tracked) && one_run && recording.len() <= MOST_POSTURES
+}
+
+/// Splits a recording.
+///
+/// # Errors
+/// [`CalibrationError::Option`] for a share outside 0 to 0.5.
+pub fn split(recording: &Recording, held_out: HeldOut) -> Result<Split, CalibrationError> {
+    let rows = recording.len();
+    let share = check_share(held_out)?;
+    if share == 0.0 {
+        return Ok(Split {
+            fit: (0..rows).collect(),
+            held_out: Vec::new(),
+            description: NOTHING.to_owned(),
+        });
+    }
+    if let Some(split) = by_runs(recording, share) {
+        return Ok(split);
+    }
+    let blocks = by_blocks(rows, share);
+    let dwelt = postures(recording).filter(|own| leaks(own, &blocks.fit, &blocks.held_out));
+    Ok(dwelt.map_or(blocks, |own| by_postures(&own, share)))
+}
+
+/// Numbers of the postures of a recording whose folds by row would hold out what the fit sees; folds are made of
+/// whole postures then.
+pub(crate) fn dwelt(recording: &Recording, folds: usize) -> Option<Vec<usize>> {
+    let rows = recording.len();
+    let own = postures(recording)?;
+    let first = self::folds(rows, folds, None).into_iter().next()?;
+    leaks(&own, &first.fit, &first.held_out).then_some(own)
+}
+
+/// Whether folds are for a log that dwells: it has no runs to hold out, and is not too long to be fitted so often.
+pub(crate) fn is_for_folds(recording: &Recording, held_out: HeldOut) -> bool {
+    let HeldOut::Share(share) = held_out else {
+        return false;
+    };
+    share > 0.0 && recording.len() <= MOST_POSTURES && by_runs(recording, share).is_none()
+}
+
+/// The share to hold out, if it is one that leaves most rows to the fit.
+pub(crate) fn check_share(held_out: HeldOut) -> Result<f64, CalibrationError> {
+    match held_out {
+        HeldOut::None => Ok(0.0),
+        // the fit sees all rows, the folds are fitted beside it
+        HeldOut::Folds(2..=MOST_FOLDS) => Ok(0.0),
+        HeldOut::Folds(folds) => Err(CalibrationError::Option {
+            name: "folds",
+            value: folds.to_string(),
+            allowed: "from 2 to 100",
+        }),
+        HeldOut::Share(share) if (0.0..=0.5).contains(&share) => Ok(share),
+        HeldOut::Share(share) => Err(CalibrationError::Option {
+            name: "held-out",
+            value: share.to_string(),
+            allowed: "from 0 to 0.5",
+        }),
+    }
+}
+
+/// Holds out whole runs, the last ones, while they are at most the share (at least one).
+fn by_runs(recording: &Recording, share: f64) -> Option<Split> {
+    let run = recording.run.as_ref()?;
+    let mut order: Vec<i64> = run.clone();
+    order.dedup();
+    if order.len() < 2 {
+        return None;
+    }
+    let size = |id: i64| run.iter().filter(|&&other| other == id).count();
+    let mut chosen = Vec::new();
+    let mut total = 0;
+    for &id in order.iter().rev() {
+        if !chosen.is_empty() && (total + size(id)) as f64 > share * run.len() as f64 {
+            break;
+        }
+        total += size(id);
+        chosen.push(id);
+    }
+    if total * 2 > run.len() {
+        return None;
+    }
+    chosen.sort_unstable();
+    let (held_out, fit) = (0..run.len()).partition(|&row| chosen.contains(&run[row]));
+    Some(Split {
+        fit,
+        held_out,
+        description: format!("whole runs held out: {chosen:?}"),
+    })
+}
+
+/// Holds out blocks spread evenly over the recording.
+fn by_blocks(rows: usize, share: f64) -> Split {
+    let wanted = (1.0 / share).round().max(2.0) as usize;
+    let blocks = BLOCKS.max(wanted).min(rows);
+    let period = wanted.min(blocks);
+    let is_held_out = |row: usize| (row * blocks / rows) % period == period / 2;
+    let (held_out, fit): (Vec<usize>, Vec<usize>) = (0..rows).partition(|&row| is_held_out(row));
+    let count = (0..blocks)
+        .filter(|block| block % period == period / 2)
+        .count();
+    Split {
+        description: format!(
+            "{count} of {blocks} contiguous blocks held out ({} of {rows} rows)",
+            held_out.len()
+        ),
+        fit,
+        held_out,
+    }
+}
+
+/// Holds out whole postures, spread evenly over the log.
+fn by_postures(own: &[usize], share: f64) -> Split {
+    let all = count(own);
+    let period = ((1.0 / share).round() as usize).clamp(2, all.max(2));
+    let is_held_out = |posture: usize| all > 1 && posture % period == period / 2;
+    let (held_out, fit): (Vec<usize>, Vec<usize>) =
+        (0..own.len()).partition(|&row| is_held_out(own[row]));
+    let held = (0..all).filter(|&posture| is_held_out(posture)).count();
+    Split {
+        description: format!(
+            "{held} of {all} postures held out ({} of {} rows)",
+            held_out.len(),
+            own.len()
+        ),
+        fit,
+        held_out,
+    }
+}
+
+/// Folds: fold k holds out the rows k, k + folds, ..., or the postures, where rows are numbered by them.
+pub(crate) fn folds(rows: usize, count: usize, postures: Option<&[usize]>) -> Vec<Split> {
+    let number = |row: usize| postures.map_or(row, |own| own[row]);
+    let count = count.min(postures.map_or(rows, self::count));
+    (0..count)
+        .map(|fold| {
+            let (held_out, fit) = (0..rows).partition(|row| number(*row) % count == fold);
+            Split {
+                fit,
+                held_out,
+                description: format!("fold {} of {count}", fold + 1),
+            }
+        })
+        .collect()
+}

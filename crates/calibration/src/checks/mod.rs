@@ -1,0 +1,8 @@
+//! Checks of a recording before a fit, and the rows that are held out.
+
+pub(crate) mod conventions;
+pub(crate) mod held_out;
+pub(crate) mod postures;
+pub(crate) mod reach;
+pub(crate) mod rig;
+pub(crate) mod sufficiency;

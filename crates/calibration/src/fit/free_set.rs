@@ -1,0 +1,84 @@
+//! Which parameters a fit frees, whether there are readings enough for them, and who pays for them.
+
+use std::collections::BTreeMap;
+
+use haptical_identification::{Identifiability, IdentificationError, Problem, Status, Uncertainty};
+
+use crate::problem::form::Prepared;
+use crate::{CalibrationError, Channel, DeviceProblem};
+
+/// Gives the parameters that are not free their values of the start.
+pub(crate) fn hold(values: &mut [f64], free: &[usize], start: &[f64]) {
+    for index in (0..values.len()).filter(|index| !free.contains(index)) {
+        values[index] = start[index];
+    }
+}
+
+/// Each channel's part of the trace of J (J^T J)^-1 J^T, with `spread` for unit noise: the sum of
+/// f^T C f over the rows f of its triangle. A single channel pays for all of them.
+pub(crate) fn parameter_shares(
+    prepared: &Prepared<'_>,
+    values: &[f64],
+    free: &[usize],
+    spread: &Uncertainty,
+) -> Result<BTreeMap<Channel, f64>, IdentificationError> {
+    let mut channels = prepared.problem.channels();
+    if let (Some(channel), None) = (channels.next(), channels.next()) {
+        return Ok([(channel, free.len() as f64)].into());
+    }
+    let (layout, triangles) = prepared.by_channel(values, free)?;
+    let mut first = 0;
+    let mut shares = BTreeMap::new();
+    for (channel, rows) in layout {
+        let mut share = 0.0;
+        for row in first..first + rows {
+            for a in 0..free.len() {
+                for b in 0..free.len() {
+                    share += triangles[(row, a)] * spread.covariance[(a, b)] * triangles[(row, b)];
+                }
+            }
+        }
+        shares.insert(channel, share);
+        first += rows;
+    }
+    Ok(shares)
+}
+
+/// The identifiable parameters, ascending; weak ones would take the noise for their value.
+pub(crate) fn worth_fitting(judged: &Identifiability) -> Vec<usize> {
+    (0..judged.statuses.len())
+        .filter(|&index| matches!(judged.statuses[index], Status::Identifiable { .. }))
+        .collect()
+}
+
+pub(crate) fn enough(
+    what: &str,
+    problem: &DeviceProblem<'_>,
+    free: &[usize],
+    judged: &Identifiability,
+) -> Result<(), CalibrationError> {
+    let rows = problem.residual_count();
+    // A rank equal to the number of rows says that the rows ran out, not the geometry.
+    let parameters = free
+        .len()
+        .max(if judged.rank >= rows { rows + 1 } else { 0 });
+    if rows <= parameters {
+        return Err(CalibrationError::TooFewRows {
+            what: what.to_owned(),
+            rows,
+            parameters: parameters.max(judged.names.len().min(judged.rank + 1)),
+            advised: 5 * judged.names.len(),
+        });
+    }
+    if free.is_empty() {
+        let reasons: Vec<String> = (0..judged.names.len())
+            .filter_map(|index| judged.reason(index))
+            .take(3)
+            .collect();
+        return Err(CalibrationError::NothingIdentifiable {
+            what: what.to_owned(),
+            reason: reasons.join("; "),
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,229 @@
+//! Columns of a log that are another joint's, or run backwards: told by how much better the device fits without.
+
+use haptical_identification::Problem;
+use haptical_model::{Device, JointType, ParameterId, Recording};
+
+use crate::fit::multi_start::{implausible, spread_rows};
+use crate::fit::request::FitRequest;
+use crate::fit::size;
+use crate::{CalibrationError, Channel, DeviceProblem, Options, ParameterFit, prepare_device};
+
+/// Rows that the changed logs are tried on.
+const MOST_ROWS: usize = 80;
+/// Steps of a search.
+const MOST_STEPS: usize = 40;
+/// Most joints of which every two are tried in each other's place; of more, neighbours alone.
+const ALL_PAIRS: usize = 10;
+/// Share of the residual that a changed log must leave at most: an effect that the model lacks stays, whatever
+/// column is turned.
+const LEFT: f64 = 0.2;
+
+/// Residual of a mirror image of the device, in shares of which the device's own is as good.
+const AS_GOOD: f64 = 1.5;
+/// Share of the residual before a fit that a changed log must leave at most to be fitted.
+const NEARER: f64 = 0.7;
+/// Most changed logs that are fitted, the nearest first.
+const MOST_FITS: usize = 4;
+
+/// Share of the handle's range that a residual has at least where a column is turned.
+const GROSS: f64 = 0.02;
+
+/// A change that makes a log right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Change {
+    Turned(usize),
+    Swapped(usize, usize),
+}
+
+/// Refuses a log with which a fit stays doubtful, if it fits several times better with one joint's column negated
+/// or with two in each other's place.
+///
+/// # Errors
+/// [`CalibrationError::MistakenColumns`].
+pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(), CalibrationError> {
+    // transmissions are told from external encoders, beside which a turned column shows by itself
+    let is_transmission =
+        |parameter: &ParameterId| matches!(parameter, ParameterId::Transmission { .. });
+    if fit.starts.doubt_that_remains.is_none() || request.parameters.iter().any(is_transmission) {
+        return Ok(());
+    }
+    let part = request
+        .recording
+        .select(&spread_rows(request.recording.len(), MOST_ROWS));
+    let bare = without_places(request.device);
+    let Some(unfitted) = Trial::new(request, &bare, &part).and_then(|trial| trial.unfitted())
+    else {
+        return Ok(());
+    };
+    if implausible(request.device, fit).is_empty() && !is_gross(request, unfitted, &part) {
+        return Ok(());
+    }
+    let mut nearer: Vec<(f64, Change, Recording)> = changes(request.device)
+        .into_iter()
+        .filter_map(|change| {
+            let part = changed(&part, change);
+            let left = Trial::new(request, &bare, &part)?.unfitted()?;
+            (left < NEARER * unfitted).then_some((left, change, part))
+        })
+        .collect();
+    nearer.sort_by(|a, b| a.0.total_cmp(&b.0));
+    nearer.truncate(MOST_FITS);
+    if nearer.is_empty() {
+        return Ok(());
+    }
+    let Some((as_logged, odd)) =
+        Trial::new(request, &fit.device, &part).and_then(|trial| trial.fitted())
+    else {
+        return Ok(());
+    };
+    let mut found: Vec<(f64, Change)> = nearer
+        .iter()
+        .filter_map(|(_, change, part)| {
+            let (left, odd_values) = Trial::new(request, &bare, part)?.fitted()?;
+            let is_far_better = left < LEFT * as_logged && odd_values <= odd;
+            // the log as it is may be that of a mirror image of the device
+            let is_more_plausible = left < AS_GOOD * as_logged && odd_values == 0 && odd > 0;
+            (is_far_better || is_more_plausible).then_some((left, *change))
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(&(best, _)) = found.first() else {
+        return Ok(());
+    };
+    let as_good = found.iter().filter(|(left, _)| *left < 2.0 * best);
+    let words: Vec<String> = as_good
+        .map(|(_, change)| change.words(request.device))
+        .collect();
+    Err(CalibrationError::MistakenColumns {
+        what: words.join(", or "),
+        before: as_logged,
+        after: best,
+    })
+}
+
+/// Whether a residual, in units of the stated noise, is as large as what a turned column makes.
+fn is_gross(request: &FitRequest<'_>, residual: f64, part: &Recording) -> bool {
+    let is_length = |channel: &&Channel| channel.unit(request.device) == "m";
+    let Some(channel) = request.channels.iter().find(is_length) else {
+        return true;
+    };
+    let deviations = request.weights.residual_sd(request.device, part, *channel);
+    let sd_m = deviations.ok().and_then(|rows| rows.first().copied());
+    sd_m.is_none_or(|sd_m| residual * sd_m > GROSS * size::spread_m(request.device, part))
+}
+
+/// A device before a log.
+struct Trial<'a> {
+    request: &'a FitRequest<'a>,
+    prepared: Device,
+    part: &'a Recording,
+}
+
+impl<'a> Trial<'a> {
+    fn new(request: &'a FitRequest<'a>, device: &Device, part: &'a Recording) -> Option<Self> {
+        let prepared = prepare_device(device, part).ok()?;
+        Some(Self {
+            request,
+            prepared,
+            part,
+        })
+    }
+
+    /// Residual before any parameter of the chain is fitted, in units of the stated noise.
+    fn unfitted(&self) -> Option<f64> {
+        let request = self.request;
+        let (channels, parameters) = (request.channels, request.parameters);
+        let problem = DeviceProblem::new(
+            &self.prepared,
+            self.part,
+            channels,
+            parameters,
+            request.weights,
+        );
+        let problem = problem.ok()?;
+        let mut residuals = vec![0.0; problem.residual_count()];
+        problem
+            .evaluate(&problem.start(), &mut residuals, None)
+            .ok()?;
+        let sum: f64 = residuals.iter().map(|value| value * value).sum();
+        Some((sum / residuals.len() as f64).sqrt()).filter(|left| left.is_finite())
+    }
+
+    /// Residual after a fit from the device's own values, and how many values are implausible then.
+    fn fitted(&self) -> Option<(f64, usize)> {
+        let mut options = Options {
+            starts: 0,
+            unfinished: true,
+            ..*self.request.options
+        };
+        options.search.max_iterations = options.search.max_iterations.min(MOST_STEPS);
+        let trial = FitRequest {
+            device: &self.prepared,
+            recording: self.part,
+            options: &options,
+            start: None,
+            yielded: None,
+            ..*self.request
+        };
+        let fit = trial.fit_from(None).ok()?;
+        let freedom = fit.residuals.len().checked_sub(fit.fitted.len())?;
+        let left = (fit.cost / freedom as f64).sqrt();
+        let odd = implausible(self.request.device, &fit).len();
+        (freedom > 0 && left.is_finite()).then_some((left, odd))
+    }
+}
+
+/// The device without what a log's readings placed beside it.
+fn without_places(device: &Device) -> Device {
+    let mut bare = device.clone();
+    let (base_known, tool_known) = device.tracker.as_ref().map_or((true, true), |tracker| {
+        (tracker.base_known, tracker.tool_known)
+    });
+    let around = &mut bare.surroundings;
+    if !base_known {
+        around.tracker_base = None;
+    }
+    if !tool_known {
+        around.tracker_tool = None;
+    }
+    around.contacts.clear();
+    around.planes.clear();
+    bare
+}
+
+/// Every change of one joint's column, or of two of one kind.
+fn changes(device: &Device) -> Vec<Change> {
+    let joints = &device.joints;
+    let turned = (0..joints.len()).map(Change::Turned);
+    let pairs = (0..joints.len()).flat_map(|a| (a + 1..joints.len()).map(move |b| (a, b)));
+    let are_tried = |&(a, b): &(usize, usize)| {
+        joints[a].joint_type == joints[b].joint_type && (joints.len() <= ALL_PAIRS || b == a + 1)
+    };
+    let swapped = pairs.filter(are_tried).map(|(a, b)| Change::Swapped(a, b));
+    turned.chain(swapped).collect()
+}
+
+fn changed(recording: &Recording, change: Change) -> Recording {
+    let mut changed = recording.clone();
+    match change {
+        Change::Turned(joint) => {
+            let column = changed.joint.get_mut(joint).into_iter().flatten();
+            column.for_each(|reading| *reading = -*reading);
+        }
+        Change::Swapped(a, b) => changed.joint.swap(a, b),
+    }
+    changed
+}
+
+impl Change {
+    fn words(self, device: &Device) -> String {
+        let column = |joint: usize| match device.joints[joint].joint_type {
+            JointType::Revolute => format!("`theta{}_rad`", joint + 1),
+            JointType::Prismatic => format!("`theta{}_m`", joint + 1),
+        };
+        match self {
+            Self::Turned(joint) => format!("column {} negated", column(joint)),
+            Self::Swapped(a, b) => format!("columns {} and {} swapped", column(a), column(b)),
+        }
+    }
+}

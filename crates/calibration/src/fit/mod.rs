@@ -1,0 +1,13 @@
+//! One fit of chosen parameters, with the judgement of what the data can fix.
+
+pub(crate) mod considered;
+pub(crate) mod free_set;
+pub(crate) mod mistakes;
+pub(crate) mod multi_start;
+pub(crate) mod parameter_fit;
+pub(crate) mod profiled;
+pub(crate) mod request;
+pub(crate) mod search;
+pub(crate) mod settle;
+pub(crate) mod size;
+pub(crate) mod wider;

@@ -1,0 +1,116 @@
+//! The outcome of one fit: values, intervals, what the data fix.
+
+use std::collections::BTreeMap;
+
+use haptical_identification::{
+    Convergence, Estimate, Identifiability, Matrix, NoiseScale, Uncertainty,
+};
+use haptical_model::{Device, ParameterId};
+use serde::Serialize;
+
+use crate::Channel;
+use crate::fit::considered::Considered;
+
+/// The outcome of one fit.
+#[derive(Debug, Clone)]
+pub struct ParameterFit {
+    /// The device with the fitted values.
+    pub device: Device,
+    /// All candidates.
+    pub parameters: Vec<ParameterId>,
+    /// Positions (within the candidates) that were fitted; the others keep their nominal values.
+    pub fitted: Vec<usize>,
+    /// Value, interval and status of every candidate.
+    pub estimates: Vec<Estimate>,
+    /// Covariance of the fitted candidates by the noise.
+    pub uncertainty: Uncertainty,
+    /// Parameters that were held although they are uncertain; the intervals contain them.
+    pub considered: Considered,
+    /// Where the size of the noise came from.
+    pub noise: NoiseScale,
+    /// Intervals that are not linearised ones ([`crate::calibrate`] looks for them).
+    pub profiled: Profiled,
+    /// What searches from other places said, where the first was doubted.
+    pub starts: Starts,
+    /// Judgement at the nominal device.
+    pub nominal_identifiability: Identifiability,
+    /// Judgement at the solution.
+    pub identifiability: Identifiability,
+    /// Why the search stopped.
+    pub convergence: Convergence,
+    /// Accepted steps, all rounds.
+    pub iterations: usize,
+    /// Sum of squared weighted residuals.
+    pub cost: f64,
+    /// Weighted residuals.
+    pub residuals: Vec<f64>,
+    /// Parameters that each channel's readings pay for: its part of the trace of
+    /// J (J^T J)^-1 J^T; they add up to the number of fitted parameters.
+    pub channel_parameters: BTreeMap<Channel, f64>,
+}
+
+impl ParameterFit {
+    /// The parameters that are uncertain, the fitted ones and then those considered, and the covariance of their
+    /// errors.
+    pub fn uncertain(&self) -> (Vec<ParameterId>, Matrix) {
+        let fitted = self.fitted.iter().map(|&index| self.parameters[index]);
+        let considered = self.considered.parameters.iter().copied();
+        let covariance = self.considered.whole(&self.uncertainty.covariance);
+        (fitted.chain(considered).collect(), covariance)
+    }
+
+    /// Names of two fitted parameters whose errors correlate by more than [`HIGH_CORRELATION`] in size, with the
+    /// correlation, the strongest first.
+    pub fn high_correlations(&self) -> Vec<(String, String, f64)> {
+        let spread = &self.uncertainty;
+        let name = |position: usize| self.estimates[spread.columns[position]].name.clone();
+        let mut found = Vec::new();
+        for a in 0..spread.columns.len() {
+            for b in a + 1..spread.columns.len() {
+                let correlation = spread.correlation(a, b);
+                if correlation.abs() > HIGH_CORRELATION {
+                    found.push((name(a), name(b), correlation));
+                }
+            }
+        }
+        found.sort_by(|one, other| other.2.abs().total_cmp(&one.2.abs()));
+        found
+    }
+}
+
+/// Correlations above this size are listed.
+pub const HIGH_CORRELATION: f64 = 0.95;
+
+/// The outcome of searches from other places, where a fit was doubted.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Starts {
+    /// Why the first search, from the device's own values, was doubted; none where it was not, and then no other
+    /// place was tried.
+    pub doubt: Option<String>,
+    /// Why the fit that was kept is doubted still: it may be another minimum than the device's, or the model lacks
+    /// an effect.
+    pub doubt_that_remains: Option<String>,
+    /// Random places tried.
+    pub tried: usize,
+    /// How many of them led to the lowest minimum that any reached.
+    pub reached_best: usize,
+    /// Whether the first search had ended at another minimum, or at none, and a random place led to this one.
+    pub replaced: bool,
+    /// How many places led to plausible values that are others and fit as well: the recording does not tell which
+    /// are the device's.
+    pub rivals: usize,
+    /// Seed of the random places.
+    pub seed: u64,
+}
+
+/// What the sum of squares at the ends of the intervals said of them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Profiled {
+    /// Whether the linearised ends were compared with the sum of squares. They are not where that would take more
+    /// than 400 000 residuals times parameters: so many readings leave intervals over which everything is straight.
+    pub is_checked: bool,
+    /// Positions, within the candidates, of the parameters whose interval is its profile likelihood's.
+    pub parameters: Vec<usize>,
+    /// Those of them of which the data tell no end on one side or both: they have no interval.
+    pub open: Vec<usize>,
+}

@@ -1,0 +1,246 @@
+//! One fit: prune what the data cannot fix, search, and judge again at the solution.
+
+use haptical_identification::{
+    Estimate, Identifiability, IdentifiabilityRules, NoiseScale, Observability, Problem, Reduction,
+    Uncertainty, analyse, estimates, solve, uncertainty,
+};
+use haptical_model::{Device, ParameterId, Recording};
+
+use crate::error::wrap;
+use crate::fit::considered::Considered;
+use crate::fit::free_set::{enough, hold, parameter_shares, worth_fitting};
+use crate::fit::parameter_fit::{ParameterFit, Profiled, Starts};
+use crate::problem::form::{Prepared, reduce};
+use crate::problem::loads::Loads;
+use crate::{
+    CalibrationError, Channel, DeviceProblem, Options, Weighting, Weights, parameter_infos,
+    preference_order,
+};
+
+/// Rounds of pruning at the solution before the set is accepted as it is.
+const MAX_ROUNDS: usize = 6;
+
+/// A fit of chosen parameters to chosen channels of a recording; [`crate::fit_parameters`] answers it.
+#[derive(Debug, Clone, Copy)]
+pub struct FitRequest<'a> {
+    /// Name of the fit in errors.
+    pub what: &'a str,
+    /// The device: held parameters keep its values.
+    pub device: &'a Device,
+    /// The recording.
+    pub recording: &'a Recording,
+    /// Channels whose residuals are minimised.
+    pub channels: &'a [Channel],
+    /// Candidates for the fit.
+    pub parameters: &'a [ParameterId],
+    /// Standard deviations of the residuals.
+    pub weights: &'a Weights,
+    /// Search, rules of identifiability, further starts.
+    pub options: &'a Options,
+    /// The device whose values the search begins at; `device` where none.
+    pub start: Option<&'a Device>,
+    /// The device whose compliances decide at which angles the torques are taken; `device` where none.
+    pub yielded: Option<&'a Device>,
+}
+
+impl FitRequest<'_> {
+    /// Fits from the start of the request, or from other values; a search that ends elsewhere than at a minimum is no
+    /// error here.
+    pub(crate) fn fit_from(
+        &self,
+        values: Option<&[f64]>,
+    ) -> Result<ParameterFit, CalibrationError> {
+        let (device, recording, channels) = (self.device, self.recording, self.channels);
+        let (parameters, weights) = (self.parameters, self.weights);
+        let begun: Option<Vec<f64>> = self.start.map(|device| {
+            let values = parameters.iter().map(|parameter| parameter.value(device));
+            values.collect()
+        });
+        let values = values.or(begun.as_deref());
+        if let Some(problem) =
+            DeviceProblem::in_bulk(device, recording, channels, parameters, weights)
+        {
+            let prepared = Prepared::new(&problem)?;
+            let lanes = prepared.lanes();
+            // refused or in another form: the general way tells why, with a line of the log
+            if prepared.is_in_lanes()
+                && let Ok(first) = reduce(prepared.searched(lanes.as_ref()), &problem.start())
+            {
+                return self.fit_prepared(&prepared, &first, values);
+            }
+        }
+        let mut problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
+        if let Some(yielded) = self.yielded {
+            problem.loads = Loads::new(yielded, recording)?;
+        }
+        let prepared = Prepared::new(&problem)?;
+        let lanes = prepared.lanes();
+        let first = reduce(prepared.searched(lanes.as_ref()), &problem.start());
+        let first = first.map_err(|source| wrap(self.what, source))?;
+        self.fit_prepared(&prepared, &first, values)
+    }
+
+    /// Fits from `values`, or the device's own, where the linearised problem is `first`.
+    fn fit_prepared(
+        &self,
+        prepared: &Prepared<'_>,
+        first: &Reduction,
+        values: Option<&[f64]>,
+    ) -> Result<ParameterFit, CalibrationError> {
+        let (what, options) = (self.what, self.options);
+        let wrap = |source| wrap(what, source);
+        let problem = prepared.problem;
+        let start = problem.start();
+        let lanes = prepared.lanes();
+        let searched = prepared.searched(lanes.as_ref());
+        let parameters = problem.parameters();
+        let infos = parameter_infos(problem.device(), parameters);
+        let order = preference_order(parameters);
+        let judge = |reduction: &Reduction, first: &[usize]| {
+            // What is being fitted is preferred to what is not: of a dependent set the member stays
+            // that was chosen at the nominal device, so that the set settles.
+            let mut order = order.clone();
+            order.sort_by_key(|index| !first.contains(index));
+            let mut judged = analyse(reduction, &infos, &order, &options.rules)?;
+            if let Some(index) = &mut judged.observability {
+                count_readings(index, reduction.rows(), problem.residual_count());
+            }
+            Ok(judged)
+        };
+        let nominal_identifiability = judge(first, &[]).map_err(wrap)?;
+        let mut free = worth_fitting(&nominal_identifiability);
+        let mut values = values.map_or_else(|| start.clone(), <[f64]>::to_vec);
+        hold(&mut values, &free, &start);
+        let mut iterations = 0;
+        let mut round = 0;
+        let (fit, identifiability, reduction) = loop {
+            round += 1;
+            enough(what, problem, &free, &nominal_identifiability)?;
+            let fit = solve(searched, &values, &free, &options.search).map_err(wrap)?;
+            iterations += fit.iterations;
+            let reduction = reduce(searched, &fit.parameters).map_err(wrap)?;
+            let judged = judge(&reduction, &free).map_err(wrap)?;
+            let wanted = worth_fitting(&judged);
+            if wanted == free {
+                break (fit, judged, reduction);
+            }
+            if round == MAX_ROUNDS {
+                // No set is stable: keep the fitted one and let its statuses be those at the solution.
+                break (fit, judged, reduction);
+            }
+            values.clone_from(&fit.parameters);
+            free = wanted;
+            hold(&mut values, &free, &start);
+        };
+        let noise = match options.weighting {
+            Weighting::Stated => NoiseScale::Stated,
+            Weighting::Estimated => NoiseScale::Estimated,
+        };
+        let columns: Vec<usize> = (0..free.len()).collect();
+        let mut spread =
+            uncertainty(&fit.reduction, &columns, fit.cost, NoiseScale::Stated).map_err(wrap)?;
+        let shares = parameter_shares(prepared, &fit.parameters, &free, &spread).map_err(wrap)?;
+        spread.degrees_of_freedom = problem.residual_count() - free.len();
+        if noise == NoiseScale::Estimated {
+            scale_to_residuals(&mut spread, fit.cost);
+        }
+        spread.columns.clone_from(&free);
+        let device = problem.device_with(&fit.parameters);
+        let considered = Considered::weak(&device, parameters, &identifiability, &reduction, &free);
+        let considered = considered.map_err(wrap)?;
+        let mut estimates = estimates(&infos, &fit.parameters, &identifiability, &spread, noise);
+        considered.widen(&mut estimates, &free, &spread, noise);
+        self.add_torque_scale(&mut estimates, &spread, noise);
+        let residuals = prepared.residuals(&fit.parameters).map_err(wrap)?;
+        Ok(ParameterFit {
+            device,
+            parameters: parameters.to_vec(),
+            fitted: free,
+            estimates,
+            uncertainty: spread,
+            considered,
+            noise,
+            profiled: Profiled::default(),
+            starts: Starts::default(),
+            nominal_identifiability,
+            identifiability,
+            convergence: fit.convergence,
+            iterations,
+            cost: fit.cost,
+            residuals,
+            channel_parameters: shares,
+        })
+    }
+
+    /// A compliance is in proportion to the torque that it was told from: the scale error of a logged torque,
+    /// which no reading shows, is its own.
+    fn add_torque_scale(
+        &self,
+        estimates: &mut [Estimate],
+        spread: &Uncertainty,
+        noise: NoiseScale,
+    ) {
+        let half_width = spread.half_width_95(noise);
+        for (parameter, estimate) in self.parameters.iter().zip(estimates) {
+            let ParameterId::Compliance { joint } = *parameter else {
+                continue;
+            };
+            let is_logged = self
+                .recording
+                .torque_nm
+                .get(joint)
+                .is_some_and(Option::is_some);
+            let described = self.device.joints.get(joint).filter(|_| is_logged);
+            if let (Some(described), Some(value), Some(sd)) =
+                (described, estimate.value, &mut estimate.standard_deviation)
+            {
+                *sd = sd.hypot(described.torque_scale_sd * value);
+                estimate.ci95 = Some([value - half_width * *sd, value + half_width * *sd]);
+            }
+        }
+    }
+}
+
+/// Judges every candidate at one device, without fitting.
+///
+/// # Errors
+/// [`CalibrationError`] where the device has no value at a row.
+pub fn identifiability_at(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    parameters: &[ParameterId],
+    weights: &Weights,
+    rules: &IdentifiabilityRules,
+) -> Result<Identifiability, CalibrationError> {
+    let wrap = |source| wrap("identifiability", source);
+    let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
+    let prepared = Prepared::new(&problem)?;
+    let lanes = prepared.lanes();
+    let searched = prepared.searched(lanes.as_ref());
+    let reduction = reduce(searched, &problem.start()).map_err(wrap)?;
+    let infos = parameter_infos(device, parameters);
+    let mut judged =
+        analyse(&reduction, &infos, &preference_order(parameters), rules).map_err(wrap)?;
+    if let Some(index) = &mut judged.observability {
+        count_readings(index, reduction.rows(), problem.residual_count());
+    }
+    Ok(judged)
+}
+
+/// Turns a covariance for the stated noise into that for noise of the residuals' own size: times
+/// cost / degrees of freedom.
+fn scale_to_residuals(spread: &mut Uncertainty, cost: f64) {
+    spread.noise_factor = (cost / spread.degrees_of_freedom as f64).sqrt();
+    let square = spread.noise_factor * spread.noise_factor;
+    for column in 0..spread.columns.len() {
+        let entries = spread.covariance.column_mut(column).iter_mut();
+        entries.for_each(|entry| *entry *= square);
+    }
+}
+
+/// The observability indices for `rows` readings instead of those of the triangles: only O1 counts
+/// them, as 1/sqrt(m).
+fn count_readings(index: &mut Observability, reduced_rows: usize, rows: usize) {
+    index.o1 *= (reduced_rows as f64 / rows as f64).sqrt();
+}

@@ -1,0 +1,259 @@
+//! The least-squares problem of a device and a recording: weighted residuals and derivatives.
+
+use std::collections::BTreeMap;
+
+use haptical_identification::{IdentificationError, Matrix, Problem};
+use haptical_model::{Device, ModelError, ParameterId, Recording};
+
+use crate::problem::lanes::transmission::outputs_in_bulk;
+use crate::problem::loads::Loads;
+use crate::problem::sink::Sink;
+use crate::{CalibrationError, Channel, Weights};
+
+/// Residuals (model minus measurement, over standard deviation) of chosen channels as functions of
+/// chosen parameters.
+#[derive(Debug)]
+pub struct DeviceProblem<'a> {
+    pub(crate) device: &'a Device,
+    pub(crate) recording: &'a Recording,
+    pub(crate) parameters: &'a [ParameterId],
+    pub(crate) blocks: Vec<Block>,
+    residual_count: usize,
+    pub(crate) sees_chain: bool,
+    /// Output angles, row by row, where no transmission parameter can change them: a fit of the chain
+    /// alone then evaluates each transmission once, not at every step.
+    pub(crate) outputs: Option<Vec<f64>>,
+    /// Torques that compliant joints yield to.
+    pub(crate) loads: Option<Loads>,
+}
+
+/// The residuals of one channel: consecutive, in row order.
+#[derive(Debug)]
+pub(crate) struct Block {
+    pub(crate) channel: Channel,
+    /// Rows with a reading.
+    pub(crate) rows: Vec<usize>,
+    /// One over the standard deviation, per entry of `rows`.
+    pub(crate) weights: Vec<f64>,
+    /// Which touched point or plane each entry of `rows` is about; empty for other kinds.
+    pub(crate) subjects: Vec<usize>,
+    /// First residual.
+    pub(crate) first: usize,
+}
+
+impl Block {
+    /// Residual after the last.
+    pub(crate) fn end(&self) -> usize {
+        self.first + self.rows.len() * self.channel.width()
+    }
+}
+
+impl<'a> DeviceProblem<'a> {
+    /// A problem over `parameters` of `device`; its parameter vector holds their absolute values.
+    ///
+    /// # Errors
+    /// [`CalibrationError::Row`] where the device has no value at a row.
+    pub fn new(
+        device: &'a Device,
+        recording: &'a Recording,
+        channels: &[Channel],
+        parameters: &'a [ParameterId],
+        weights: &Weights,
+    ) -> Result<Self, CalibrationError> {
+        let mut blocks = Vec::new();
+        for &channel in channels {
+            let deviations = weights.residual_sd(device, recording, channel)?;
+            add_block(&mut blocks, recording, channel, |row| 1.0 / deviations[row]);
+            if let Some(block) = blocks.last_mut() {
+                block.subjects = subjects(device, recording, block)?;
+            }
+        }
+        let sees_chain = channels.iter().any(|channel| channel.sees_chain());
+        let outputs = fixed_outputs(device, recording, parameters, sees_chain)?;
+        Ok(Self {
+            device,
+            recording,
+            parameters,
+            residual_count: blocks.last().map_or(0, Block::end),
+            blocks,
+            sees_chain,
+            outputs,
+            loads: Loads::new(device, recording)?,
+        })
+    }
+
+    /// The same for one channel whose readings all weigh the same, for the forms in lanes, without a look
+    /// at every row by itself. None where it is another case, or where a number is refused: then
+    /// [`DeviceProblem::new`] says which.
+    pub(crate) fn in_bulk(
+        device: &'a Device,
+        recording: &'a Recording,
+        channels: &[Channel],
+        parameters: &'a [ParameterId],
+        weights: &Weights,
+    ) -> Option<Self> {
+        let &[channel] = channels else {
+            return None;
+        };
+        let weight = 1.0 / weights.common_sd(device, channel)?;
+        let mut blocks = Vec::with_capacity(1);
+        add_block(&mut blocks, recording, channel, |_| weight);
+        let sees_chain = channel.sees_chain();
+        let outputs = if sees_chain {
+            Some(outputs_in_bulk(device, recording, parameters)?)
+        } else {
+            None
+        };
+        Some(Self {
+            device,
+            recording,
+            parameters,
+            residual_count: blocks.last().map_or(0, Block::end),
+            blocks,
+            sees_chain,
+            outputs,
+            loads: None,
+        })
+    }
+
+    /// The values that the device itself has.
+    pub fn start(&self) -> Vec<f64> {
+        self.parameters
+            .iter()
+            .map(|parameter| parameter.value(self.device))
+            .collect()
+    }
+
+    /// The device with a parameter vector in place.
+    pub fn device_with(&self, values: &[f64]) -> Device {
+        let mut device = self.device.clone();
+        for (parameter, value) in self.parameters.iter().zip(values) {
+            parameter.set(&mut device, *value);
+        }
+        device
+    }
+
+    pub(crate) fn channels(&self) -> impl Iterator<Item = Channel> {
+        self.blocks.iter().map(|block| block.channel)
+    }
+
+    pub(crate) fn device(&self) -> &Device {
+        self.device
+    }
+
+    pub(crate) fn parameters(&self) -> &[ParameterId] {
+        self.parameters
+    }
+
+    /// Where each channel's residuals stand: channel, first residual, count.
+    pub fn layout(&self) -> BTreeMap<Channel, (usize, usize)> {
+        self.blocks
+            .iter()
+            .map(|block| {
+                (
+                    block.channel,
+                    (block.first, block.rows.len() * block.channel.width()),
+                )
+            })
+            .collect()
+    }
+}
+
+impl Problem for DeviceProblem<'_> {
+    fn parameter_count(&self) -> usize {
+        self.parameters.len()
+    }
+
+    fn residual_count(&self) -> usize {
+        self.residual_count
+    }
+
+    fn evaluate(
+        &self,
+        parameters: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<(&[usize], &mut Matrix)>,
+    ) -> Result<(), IdentificationError> {
+        let sink = match jacobian {
+            None => Sink::None,
+            Some((free, matrix)) => Sink::Dense(free, matrix),
+        };
+        self.run(parameters, residuals, sink)
+    }
+}
+
+/// Adds a channel's rows after the blocks that are there.
+fn add_block(
+    blocks: &mut Vec<Block>,
+    recording: &Recording,
+    channel: Channel,
+    weight: impl Fn(usize) -> f64,
+) {
+    let rows: Vec<usize> = (0..recording.len())
+        .filter(|&row| channel.has_reading(recording, row))
+        .collect();
+    blocks.push(Block {
+        channel,
+        weights: rows.iter().map(|&row| weight(row)).collect(),
+        rows,
+        subjects: Vec::new(),
+        first: blocks.last().map_or(0, Block::end),
+    });
+}
+
+/// Which of the device's touched points or planes each row of a block is about.
+fn subjects(
+    device: &Device,
+    recording: &Recording,
+    block: &Block,
+) -> Result<Vec<usize>, CalibrationError> {
+    let mut subjects = Vec::new();
+    for &row in &block.rows {
+        match block.channel.subject(device, recording, row) {
+            None => break,
+            Some(Ok(subject)) => subjects.push(subject),
+            Some(Err(id)) => {
+                return Err(CalibrationError::UnknownTouch {
+                    line: recording.line.get(row).copied().unwrap_or(0),
+                    column: block.channel.name(),
+                    id,
+                });
+            }
+        }
+    }
+    Ok(subjects)
+}
+
+/// Every row's output angles, unless a parameter can change them or nothing asks for the chain.
+fn fixed_outputs(
+    device: &Device,
+    recording: &Recording,
+    parameters: &[ParameterId],
+    sees_chain: bool,
+) -> Result<Option<Vec<f64>>, CalibrationError> {
+    let is_transmission =
+        |parameter: &ParameterId| matches!(parameter, ParameterId::Transmission { .. });
+    if !sees_chain || parameters.iter().any(is_transmission) {
+        return Ok(None);
+    }
+    if let Some(outputs) = outputs_in_bulk(device, recording, parameters) {
+        return Ok(Some(outputs));
+    }
+    // refused: row by row it is told which one
+    let mut outputs = Vec::with_capacity(recording.len() * device.joints.len());
+    for row in 0..recording.len() {
+        for (index, (joint, column)) in device.joints.iter().zip(&recording.joint).enumerate() {
+            let error = joint
+                .error_rad(column[row])
+                .map_err(|source| CalibrationError::Row {
+                    line: recording.line[row],
+                    source: ModelError::Transmission {
+                        joint: index + 1,
+                        source,
+                    },
+                })?;
+            outputs.push(column[row] + error);
+        }
+    }
+    Ok(Some(outputs))
+}

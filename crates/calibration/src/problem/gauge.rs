@@ -1,0 +1,364 @@
+//! The scale gauge of touches: residuals in units of how far the handle moves with the joints.
+
+use haptical_identification::{IdentificationError, Matrix, Problem};
+use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
+use haptical_model::kinematics::{Convention, Twist};
+use haptical_model::{
+    Device, DeviceChain, Evaluation, JointType, Parameter, ParameterId, SurroundingParameter,
+    TouchedPlane,
+};
+
+use crate::error::wrap;
+use crate::{CalibrationError, Channel, DeviceProblem};
+
+/// Touches that stand for all of them: a mean over so many is as good.
+const MOST_TOUCHES: usize = 256;
+/// Share of the mean square of the three directions that is added to each: a handle that cannot move in one direction
+/// has a size too.
+const RIDGE: f64 = 1e-3;
+
+/// A [`DeviceProblem`] as a fit searches it: touches are divided by the mobility of the device where they, and known
+/// distances between touched points, are all that fixes lengths. Elsewhere it is the problem itself.
+///
+/// Noise of the handle of covariance V at a touch was read as joint angles: their density has the factor `|J J^T|^1/2`,
+/// J the handle's derivatives by the angles, which a smaller device has smaller. Its geometric mean over the touches,
+/// as a length, is the mobility s, and the likelihood of the angles with a noise of unknown size is greatest where the
+/// residuals over s are least. The unit is the mobility at the start. Source: docs/equations.md, Touched points.
+///
+/// Without the gauge a search of such a problem shrinks the device, which lowers every residual of a touch.
+#[derive(Debug)]
+pub struct GaugedProblem<'p> {
+    problem: &'p DeviceProblem<'p>,
+    /// Logarithm of the mobility at the start; none where touches stay in metres.
+    start: Option<f64>,
+}
+
+impl<'p> GaugedProblem<'p> {
+    /// The problem with its gauge, if it needs one.
+    ///
+    /// # Errors
+    /// [`CalibrationError::Identification`] where the device has no value at a touch.
+    pub fn new(problem: &'p DeviceProblem<'p>) -> Result<Self, CalibrationError> {
+        let channels: Vec<Channel> = problem.channels().collect();
+        let mut start = None;
+        if is_fixed_by_pairs(problem.device(), &channels) {
+            let sum = log_mobility(problem, problem.device(), false);
+            let mean = sum.map_err(|source| wrap("touches", source))?.mean();
+            start = mean.is_finite().then_some(mean);
+        }
+        Ok(Self { problem, start })
+    }
+
+    /// Whether touches are divided by the mobility.
+    pub(crate) fn is_scaled(&self) -> bool {
+        self.start.is_some()
+    }
+}
+
+impl Problem for GaugedProblem<'_> {
+    fn parameter_count(&self) -> usize {
+        self.problem.parameter_count()
+    }
+
+    fn residual_count(&self) -> usize {
+        self.problem.residual_count()
+    }
+
+    fn evaluate(
+        &self,
+        parameters: &[f64],
+        residuals: &mut [f64],
+        mut jacobian: Option<(&[usize], &mut Matrix)>,
+    ) -> Result<(), IdentificationError> {
+        let Some(start) = self.start else {
+            return self.problem.evaluate(parameters, residuals, jacobian);
+        };
+        let device = self.problem.device_with(parameters);
+        let sum = log_mobility(self.problem, &device, jacobian.is_some())?;
+        let factor = (start - sum.mean()).exp();
+        let inner = jacobian
+            .as_mut()
+            .map(|(free, matrix)| (*free, &mut **matrix));
+        self.problem.evaluate(parameters, residuals, inner)?;
+        let touches = self.problem.blocks.iter();
+        for block in touches.filter(|block| block.channel.is_touch()) {
+            let own = block.first..block.end();
+            for residual in &mut residuals[own.clone()] {
+                *residual *= factor;
+            }
+            let Some((free, matrix)) = &mut jacobian else {
+                continue;
+            };
+            for (column, &parameter) in free.iter().enumerate() {
+                let slope = sum.slopes[parameter] / sum.width;
+                let entries = matrix.column_mut(column)[own.clone()].iter_mut();
+                for (derivative, residual) in entries.zip(&residuals[own.clone()]) {
+                    *derivative = factor * *derivative - residual * slope;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Sum of the logarithms of the mobility at the touches, for a device.
+fn log_mobility(
+    problem: &DeviceProblem<'_>,
+    device: &Device,
+    slopes: bool,
+) -> Result<Sum, IdentificationError> {
+    let touches: Vec<(usize, Option<usize>)> = problem
+        .blocks
+        .iter()
+        .filter(|block| block.channel.is_touch())
+        .flat_map(|block| {
+            let is_plane = block.channel == Channel::Plane;
+            let plane = move |subject: &usize| is_plane.then_some(*subject);
+            block
+                .rows
+                .iter()
+                .copied()
+                .zip(block.subjects.iter().map(plane))
+        })
+        .collect();
+    let chain = DeviceChain::new(device);
+    let driven: Vec<Driven> = driven(&chain);
+    let mut evaluation = Evaluation::new(device);
+    let mut readings = vec![0.0; device.joints.len()];
+    let mut sum = Sum::new(if slopes { problem.parameters.len() } else { 0 });
+    let step = touches.len().div_ceil(MOST_TOUCHES).max(1);
+    for (row, plane) in touches.into_iter().step_by(step) {
+        problem.move_to_row(&mut evaluation, &mut readings, row, true)?;
+        let plane = plane.and_then(|plane| device.surroundings.planes.get(plane));
+        let plane = plane.map(TouchedPlane::normal_and_slopes);
+        let torques = problem.loads.as_ref().map(|loads| loads.at(row));
+        let at = AtTouch {
+            evaluation: &evaluation,
+            driven: &driven,
+            convention: device.convention,
+            torques,
+        };
+        let Some(pulls) = at.pulls(plane.as_ref().map(|(normal, _)| *normal), &mut sum) else {
+            continue;
+        };
+        for (slope, parameter) in sum.slopes.iter_mut().zip(problem.parameters) {
+            *slope += match *parameter {
+                ParameterId::Surrounding(parameter) => {
+                    tilt_slope(parameter, row, problem, &pulls, plane.as_ref())
+                }
+                parameter => at.slope(parameter, &pulls.of_row),
+            };
+        }
+    }
+    Ok(sum)
+}
+
+/// Logarithms added up.
+struct Sum {
+    total: f64,
+    width: f64,
+    slopes: Vec<f64>,
+}
+
+impl Sum {
+    fn new(parameters: usize) -> Self {
+        Self {
+            total: 0.0,
+            width: 0.0,
+            slopes: vec![0.0; parameters],
+        }
+    }
+
+    fn mean(&self) -> f64 {
+        self.total / self.width
+    }
+}
+
+/// A row that a joint turns, by how much of the joint's angle.
+struct Driven {
+    row: usize,
+    joint: usize,
+    multiplier: f64,
+}
+
+fn driven(chain: &DeviceChain) -> Vec<Driven> {
+    let drives = chain.drives().iter().enumerate();
+    drives
+        .map(|(index, drive)| Driven {
+            row: index + 1,
+            joint: drive.joint,
+            multiplier: drive.multiplier,
+        })
+        .collect()
+}
+
+/// Derivatives of the logarithm by the handle's velocity with each driven row, and what planes need besides.
+struct Pulls {
+    /// In the order of the driven rows.
+    of_row: Vec<Vector3<f64>>,
+    /// J J^T and, of a plane, what the normal's own square is divided by.
+    square: Matrix3<f64>,
+    over: f64,
+}
+
+/// A device moved to a touch.
+struct AtTouch<'t> {
+    evaluation: &'t Evaluation<'t>,
+    driven: &'t [Driven],
+    convention: Convention,
+    torques: Option<&'t [f64]>,
+}
+
+impl AtTouch<'_> {
+    fn axis(&self, row: usize) -> Twist {
+        let parameter = Parameter::Theta;
+        self.evaluation
+            .pose_derivative(ParameterId::Link { row, parameter })
+    }
+
+    /// Adds the logarithm at this touch, and returns its derivatives; none where the handle does not move.
+    fn pulls(&self, normal: Option<Vector3<f64>>, sum: &mut Sum) -> Option<Pulls> {
+        let joints = self.evaluation.joint_count();
+        let by_joint: Vec<Vector3<f64>> = (0..joints)
+            .map(|joint| self.evaluation.joint_twist(joint).linear)
+            .collect();
+        let mut square = Matrix3::zeros();
+        for linear in &by_joint {
+            square += linear * linear.transpose();
+        }
+        let ridge = RIDGE * square.trace() / 3.0;
+        let of_joint: Vec<Vector3<f64>>;
+        let mut over = 0.0;
+        match normal {
+            None => {
+                let whole = square + Matrix3::identity() * ridge;
+                let inverse = whole.try_inverse()?;
+                let log = 0.5 * whole.determinant().ln();
+                if !log.is_finite() {
+                    return None;
+                }
+                sum.total += log;
+                sum.width += 3.0;
+                let along = inverse + Matrix3::identity() * (RIDGE * inverse.trace() / 3.0);
+                of_joint = by_joint.iter().map(|linear| along * linear).collect();
+            }
+            Some(normal) => {
+                over = normal.dot(&(square * normal)) + ridge;
+                let log = 0.5 * over.ln();
+                if !log.is_finite() {
+                    return None;
+                }
+                sum.total += log;
+                sum.width += 1.0;
+                let pull = |linear: &Vector3<f64>| {
+                    (normal * normal.dot(linear) + linear * (RIDGE / 3.0)) / over
+                };
+                of_joint = by_joint.iter().map(pull).collect();
+            }
+        }
+        let of_row = self.driven.iter();
+        Some(Pulls {
+            of_row: of_row
+                .map(|driven| of_joint[driven.joint] * driven.multiplier)
+                .collect(),
+            square,
+            over,
+        })
+    }
+
+    /// Derivative of the logarithm by a parameter of the chain.
+    fn slope(&self, parameter: ParameterId, pulls: &[Vector3<f64>]) -> f64 {
+        let of_joint = |joint: usize, factor: f64| -> f64 {
+            let own = self.driven.iter().filter(|driven| driven.joint == joint);
+            own.map(|driven| {
+                let parameter = Parameter::Theta;
+                driven.multiplier * self.of_link(driven.row, parameter, pulls)
+            })
+            .sum::<f64>()
+                * factor
+        };
+        match parameter {
+            ParameterId::Link { row, parameter } => self.of_link(row, parameter, pulls),
+            ParameterId::Transmission { joint, .. } => {
+                of_joint(joint, self.evaluation.output_derivative(joint, parameter))
+            }
+            ParameterId::Compliance { joint } => {
+                let torque = self.torques.and_then(|torques| torques.get(joint));
+                of_joint(joint, -torque.copied().unwrap_or(0.0))
+            }
+            ParameterId::Surrounding(_) => 0.0,
+        }
+    }
+
+    /// Derivative by a number of a link. What it moves, twist (v, w) of the handle, turns the velocity that a row
+    /// behind it gives the handle, by w x L; a row before it has its axis where it was, and the handle moves: o x v.
+    fn of_link(&self, row: usize, parameter: Parameter, pulls: &[Vector3<f64>]) -> f64 {
+        let moved = self
+            .evaluation
+            .pose_derivative(ParameterId::Link { row, parameter });
+        let is_before_own_turn = self.convention == Convention::Modified
+            && !matches!(parameter, Parameter::Theta | Parameter::D);
+        let mut slope = 0.0;
+        for (driven, pull) in self.driven.iter().zip(pulls) {
+            let axis = self.axis(driven.row);
+            let is_before = row < driven.row || (row == driven.row && is_before_own_turn);
+            let change = if is_before {
+                moved.angular.cross(&axis.linear)
+            } else {
+                axis.angular.cross(&moved.linear)
+            };
+            slope += pull.dot(&change);
+        }
+        slope
+    }
+}
+
+/// Derivative of the logarithm by a plane's tilt, at a touch of that plane.
+fn tilt_slope(
+    parameter: SurroundingParameter,
+    row: usize,
+    problem: &DeviceProblem<'_>,
+    pulls: &Pulls,
+    plane: Option<&(Vector3<f64>, [Vector3<f64>; 2])>,
+) -> f64 {
+    let SurroundingParameter::Plane { plane: of, index } = parameter else {
+        return 0.0;
+    };
+    let ids = problem.recording.plane.as_ref();
+    let touched = ids.and_then(|ids| ids.get(row));
+    let touched = touched.and_then(|id| problem.device.surroundings.plane_index(id));
+    match plane {
+        Some((normal, slopes)) if touched == Some(of) && index < 2 => {
+            normal.dot(&(pulls.square * slopes[index])) / pulls.over
+        }
+        _ => 0.0,
+    }
+}
+
+/// Whether touches, and known distances between what is touched, are all that fixes lengths.
+fn is_fixed_by_pairs(device: &Device, channels: &[Channel]) -> bool {
+    are_touches_without_length(device, channels) && channels.iter().any(is_pair)
+}
+
+/// Whether a channel is a known distance between touched points.
+pub(crate) fn is_pair(channel: &Channel) -> bool {
+    matches!(channel, Channel::ContactPair { .. })
+}
+
+/// Whether something was touched, and nothing but pairs of what was touched has a length of its own.
+pub(crate) fn are_touches_without_length(device: &Device, channels: &[Channel]) -> bool {
+    let is_metric = |channel: &Channel| match channel {
+        Channel::Cable { index } => device
+            .cables
+            .get(*index)
+            .is_none_or(|cable| !cable.fit.scale),
+        Channel::Position => true,
+        _ => false,
+    };
+    let slides = device
+        .joints
+        .iter()
+        .any(|joint| joint.joint_type == JointType::Prismatic);
+    let is_touched = channels.iter().any(|channel| channel.is_touch());
+    !slides && !channels.iter().any(is_metric) && is_touched
+}

@@ -1,0 +1,134 @@
+//! All rows in lanes: handed over block by block, or folded in parallel to one triangle for each channel.
+
+use std::cell::RefCell;
+
+use haptical_batch::Triangle;
+use haptical_identification::Matrix;
+use rayon::prelude::*;
+
+use crate::DeviceProblem;
+use crate::problem::lanes::pass::{PartRows, Pass, Room};
+use crate::problem::lanes::plan::{LaneRows, RowBlock};
+
+/// Blocks from which several threads are worth it.
+const BLOCKS_FOR_THREADS: usize = 2;
+
+/// Rows in lanes, with room that is kept from pass to pass.
+#[derive(Debug)]
+pub(crate) struct Lanes {
+    rows: LaneRows,
+    rooms: RefCell<Vec<Room>>,
+}
+
+impl Lanes {
+    /// None where the problem has no form in lanes.
+    pub(crate) fn new(problem: &DeviceProblem<'_>) -> Option<Self> {
+        Some(Self {
+            rows: LaneRows::new(problem)?,
+            rooms: RefCell::default(),
+        })
+    }
+
+    /// Hands every channel's rows to `visit`, block by block; none where a number is refused.
+    pub(crate) fn visit(
+        &self,
+        problem: &DeviceProblem<'_>,
+        parameters: &[f64],
+        free: &[usize],
+        mut visit: impl FnMut(&PartRows<'_>),
+    ) -> Option<()> {
+        let pass = Pass::new(&self.rows, problem, parameters, free)?;
+        // taken out: `visit` may ask for another pass
+        let mut rooms = self.rooms.take();
+        rooms.resize_with(self.rows.blocks.len(), Room::default);
+        let mut pairs = self.rows.blocks.iter().zip(&mut rooms);
+        let visited = pairs.try_for_each(|(block, room)| {
+            pass.block(block, room, |rows| {
+                visit(rows);
+                Some(())
+            })
+        });
+        self.rooms.replace(rooms);
+        visited
+    }
+
+    /// One triangle for each channel; the blocks are folded in parallel and merged in order, so that the bits do
+    /// not depend on the number of threads. None where a number is refused.
+    pub(crate) fn reduce(
+        &self,
+        problem: &DeviceProblem<'_>,
+        parameters: &[f64],
+        free: &[usize],
+    ) -> Option<Vec<ChannelTriangle>> {
+        let pass = Pass::new(&self.rows, problem, parameters, free)?;
+        let mut rooms = self.rooms.take();
+        rooms.resize_with(self.rows.blocks.len(), Room::default);
+        let fold = |(block, room): (&RowBlock, &mut Room)| {
+            let mut triangles: Vec<Triangle> = pass
+                .channels
+                .iter()
+                .map(|columns| Triangle::new(columns.distinct))
+                .collect();
+            let folded = pass.block(block, room, |rows| {
+                let triangle = &mut triangles[rows.channel];
+                triangle.fold_rows(rows.derivatives, rows.residuals).ok()
+            });
+            folded.map(|()| triangles)
+        };
+        let several =
+            self.rows.blocks.len() >= BLOCKS_FOR_THREADS && rayon::current_num_threads() > 1;
+        let folded: Option<Vec<Vec<Triangle>>> = if several {
+            let pairs = self.rows.blocks.par_iter().zip(rooms.par_iter_mut());
+            pairs.map(fold).collect()
+        } else {
+            self.rows.blocks.iter().zip(&mut rooms).map(fold).collect()
+        };
+        self.rooms.replace(rooms);
+        let mut blocks = folded?.into_iter();
+        let mut totals = blocks.next()?;
+        for block in blocks {
+            for (total, triangle) in totals.iter_mut().zip(&block) {
+                merge(total, triangle)?;
+            }
+        }
+        let channels = pass.channels.into_iter().zip(totals);
+        let channels = channels.map(|(columns, triangle)| ChannelTriangle {
+            columns: columns.positions,
+            of: columns.of,
+            triangle,
+        });
+        Some(channels.collect())
+    }
+}
+
+/// `[F q]` of one channel, of the columns that differ.
+pub(crate) struct ChannelTriangle {
+    /// Position within the free parameters of each column.
+    pub(crate) columns: Vec<usize>,
+    /// Which of the triangle's columns each is.
+    pub(crate) of: Vec<usize>,
+    pub(crate) triangle: Triangle,
+}
+
+/// A triangle as rows: one more than it has columns of derivatives, the last column the residuals.
+pub(crate) fn as_rows(triangle: &Triangle) -> Matrix {
+    let count = triangle.columns();
+    let mut rows = Matrix::zeros(count + 1, count + 1);
+    for column in 0..count {
+        for (row, entry) in rows.column_mut(column)[..=column].iter_mut().enumerate() {
+            *entry = triangle.entry(row, column);
+        }
+    }
+    let last = rows.column_mut(count);
+    last[..count].copy_from_slice(triangle.projected());
+    last[count] = triangle.rest_square().sqrt();
+    rows
+}
+
+/// Folds a triangle's rows into another of the same columns.
+fn merge(total: &mut Triangle, triangle: &Triangle) -> Option<()> {
+    let rows = as_rows(triangle);
+    let count = triangle.columns();
+    let columns: Vec<&[f64]> = (0..count).map(|column| rows.column(column)).collect();
+    total.fold_rows(&columns, rows.column(count)).ok()
+}

@@ -1,0 +1,83 @@
+//! What the columns of a cable are made of, and which of them are one and the same.
+
+use haptical_model::ParameterId;
+
+use crate::problem::lanes::plan::{CablePlan, JointPlan};
+
+/// A column: the derivative with respect to one of the entries, or that times a transmission's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Source {
+    Entry(usize),
+    Product {
+        entry: usize,
+        joint: usize,
+        index: usize,
+    },
+}
+
+/// Columns of a cable with respect to free parameters.
+///
+/// A transmission's constant term moves the joint as its joint offset does, so both have one column, which only the
+/// external encoder's rows tell apart: it is reduced once.
+#[derive(Debug)]
+pub(crate) struct CableColumns {
+    /// Entries of the model's vector whose derivatives are needed.
+    pub(crate) entries: Vec<usize>,
+    /// Columns that differ.
+    pub(crate) distinct: Vec<Source>,
+    /// How many of these are products.
+    pub(crate) products: usize,
+    /// Which of the distinct ones each column is.
+    pub(crate) of: Vec<usize>,
+}
+
+impl CableColumns {
+    /// None where a parameter has no effect that the plan knows.
+    pub(crate) fn new(
+        plan: &CablePlan,
+        joints: &[JointPlan],
+        parameters: &[ParameterId],
+        chosen: impl Iterator<Item = usize>,
+    ) -> Option<Self> {
+        let (mut entries, mut distinct, mut of) = (Vec::new(), Vec::new(), Vec::new());
+        for parameter in chosen {
+            let (wanted, term) = match parameters.get(parameter)? {
+                ParameterId::Transmission { joint, index } => {
+                    let is_constant = joints.get(*joint)?.constant == Some(*index);
+                    let term = (!is_constant).then_some((*joint, *index));
+                    ((*plan.variables.get(*joint)?)?, term)
+                }
+                _ => {
+                    let own = plan.links.iter().position(|each| *each == Some(parameter));
+                    (own?, None)
+                }
+            };
+            let entry = place(&mut entries, wanted);
+            let source = match term {
+                None => Source::Entry(entry),
+                Some((joint, index)) => Source::Product {
+                    entry,
+                    joint,
+                    index,
+                },
+            };
+            of.push(place(&mut distinct, source));
+        }
+        let is_product = |source: &&Source| matches!(source, Source::Product { .. });
+        Some(Self {
+            products: distinct.iter().filter(is_product).count(),
+            entries,
+            distinct,
+            of,
+        })
+    }
+}
+
+/// Where something stands among the known, at their end if it was not there.
+fn place<T: PartialEq>(known: &mut Vec<T>, wanted: T) -> usize {
+    let found = known.iter().position(|each| *each == wanted);
+    found.unwrap_or_else(|| {
+        known.push(wanted);
+        known.len() - 1
+    })
+}

@@ -1,0 +1,97 @@
+//! Touches of a point at an unknown place: a ball that is put into a socket again and again.
+
+use haptical_model::kinematics::Twist;
+use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
+use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
+
+use super::kind::{Measurement, Posture, is_of_chain, subject_of};
+
+/// From the touched point c to the handle, seen from the robot's base, `R_0^T (P - c)`: zero where the handle is
+/// on it.
+///
+/// In the base's frame, not in frame (-1), the residuals stay as they are when device and points turn together,
+/// however large they are: what no touch can tell stays exactly dependent away from the solution too. In
+/// frame (-1) a residual of a centimetre would seem to tell three turns (docs/equations.md, "Touched points").
+pub(crate) struct Contact;
+
+/// From the point to the handle, and the base's axes as rows, times the weight.
+pub(crate) struct Seen {
+    gap_m: Vector3<f64>,
+    into_base: Matrix3<f64>,
+    point: usize,
+}
+
+impl Contact {
+    fn gap(at: &Posture<'_>) -> Result<Vector3<f64>, ModelError> {
+        let point = at.device.surroundings.contacts.get(at.subject);
+        let point = Vector3::from(point.map_or([f64::NAN; 3], |point| point.position_m));
+        Ok(at.evaluation.pose()?.position_m - point)
+    }
+}
+
+impl Measurement for Contact {
+    const WIDTH: usize = 3;
+    type Seen = Seen;
+
+    fn unit(&self, _: &Device) -> &'static str {
+        "m"
+    }
+
+    fn has_reading(&self, recording: &Recording, row: usize) -> bool {
+        let ids = recording.contact.as_ref();
+        ids.is_some_and(|ids| !ids[row].is_empty())
+    }
+
+    fn subject(
+        &self,
+        device: &Device,
+        recording: &Recording,
+        row: usize,
+    ) -> Option<Result<usize, String>> {
+        let index = |id: &str| device.surroundings.contact_index(id);
+        subject_of(recording.contact.as_ref(), row, index)
+    }
+
+    fn stated_sd(&self, device: &Device) -> Option<f64> {
+        device.surroundings.contact_sd_m
+    }
+
+    fn sees(&self, parameter: ParameterId) -> bool {
+        let is_touched = matches!(
+            parameter,
+            ParameterId::Surrounding(SurroundingParameter::Contact { .. })
+        );
+        is_touched || is_of_chain(parameter)
+    }
+
+    fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
+        let gap_m = Self::gap(at)?;
+        let into_base = at.evaluation.base_pose()?.rotation.transpose() * weight;
+        let seen = Seen {
+            gap_m,
+            into_base,
+            point: at.subject,
+        };
+        Ok(((into_base * gap_m).into(), seen))
+    }
+
+    fn derivative(&self, seen: &Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
+        match parameter {
+            ParameterId::Surrounding(SurroundingParameter::Contact { point, axis })
+                if point == seen.point =>
+            {
+                (-seen.into_base.column(axis)).into()
+            }
+            ParameterId::Surrounding(_) => [0.0; 3],
+            ParameterId::Link { row: 0, .. } => {
+                let Twist { linear, angular } = at.evaluation.pose_derivative(parameter);
+                (seen.into_base * (linear - angular.cross(&seen.gap_m))).into()
+            }
+            _ => (seen.into_base * at.evaluation.pose_derivative(parameter).linear).into(),
+        }
+    }
+
+    fn sensitivity_square(&self, _: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
+        Ok(twist.linear.norm_squared() / 3.0)
+    }
+}

@@ -1,0 +1,86 @@
+//! The known distance between two touched points.
+
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::kinematics::{Twist, distance_m};
+use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
+
+use super::kind::{Measurement, Posture};
+
+/// `|a - b|` against the distance of `[[contact_pair]]`: one reading of the whole recording, which stands with
+/// its first row. It gives touches their scale.
+pub(crate) struct ContactPair {
+    /// Position in `[[contact_pair]]`, from 0.
+    pub(crate) index: usize,
+}
+
+/// The two points, and the direction from the second to the first times the weight.
+pub(crate) struct Seen {
+    points: [Option<usize>; 2],
+    direction: Vector3<f64>,
+}
+
+impl Measurement for ContactPair {
+    const WIDTH: usize = 1;
+    type Seen = Seen;
+
+    fn unit(&self, _: &Device) -> &'static str {
+        "m"
+    }
+
+    fn has_reading(&self, _: &Recording, row: usize) -> bool {
+        row == 0
+    }
+
+    fn is_placed(&self, device: &Device) -> bool {
+        let has = |id: &str| device.surroundings.contact_index(id).is_some();
+        let pair = device.contact_pairs.get(self.index);
+        pair.is_some_and(|pair| has(&pair.a) && has(&pair.b))
+    }
+
+    fn stated_sd(&self, device: &Device) -> Option<f64> {
+        device.contact_pairs.get(self.index).map(|pair| pair.sd_m)
+    }
+
+    fn sees(&self, parameter: ParameterId) -> bool {
+        matches!(
+            parameter,
+            ParameterId::Surrounding(SurroundingParameter::Contact { .. })
+        )
+    }
+
+    fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
+        let surroundings = &at.device.surroundings;
+        let pair = at.device.contact_pairs.get(self.index);
+        let points = [pair.map(|pair| &pair.a), pair.map(|pair| &pair.b)]
+            .map(|id| id.and_then(|id| surroundings.contact_index(id)));
+        let [a, b] = points.map(|point| {
+            let point = point.and_then(|point| surroundings.contacts.get(point));
+            Vector3::from(point.map_or([f64::NAN; 3], |point| point.position_m))
+        });
+        let distance = distance_m(&a, &b)?;
+        let known = pair.map_or(f64::NAN, |pair| pair.distance_m);
+        let seen = Seen {
+            points,
+            direction: (a - b) * (weight / distance),
+        };
+        Ok(([weight * (distance - known), 0.0, 0.0], seen))
+    }
+
+    fn derivative(&self, seen: &Seen, _: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
+        let ParameterId::Surrounding(SurroundingParameter::Contact { point, axis }) = parameter
+        else {
+            return [0.0; 3];
+        };
+        let along = seen.direction[axis];
+        let [a, b] = seen.points.map(|own| own == Some(point));
+        [
+            f64::from(u8::from(a)) * along - f64::from(u8::from(b)) * along,
+            0.0,
+            0.0,
+        ]
+    }
+
+    fn sensitivity_square(&self, _: &Posture<'_>, _: &Twist) -> Result<f64, ModelError> {
+        Ok(0.0)
+    }
+}

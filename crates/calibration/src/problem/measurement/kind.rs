@@ -1,0 +1,92 @@
+//! The trait of a kind of measurement.
+
+use haptical_model::kinematics::Twist;
+use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};
+
+/// One kind of measurement: what a row shows of it, and how that changes with every parameter.
+///
+/// To add a kind: a file here, a variant of [`crate::Channel`] with its name, an arm of `with_kind`, and where it
+/// has unknowns of its own a parameter in the model and a start value in [`crate::prepare_device`].
+pub(crate) trait Measurement {
+    /// Residuals of one row, at most three.
+    const WIDTH: usize;
+
+    /// What is worked out once at a row for all derivatives.
+    type Seen;
+
+    /// Unit of the residuals.
+    fn unit(&self, device: &Device) -> &'static str;
+
+    /// Whether the chain's pose is needed.
+    fn sees_chain(&self) -> bool {
+        true
+    }
+
+    /// Whether a row of the recording has a reading.
+    fn has_reading(&self, recording: &Recording, row: usize) -> bool;
+
+    /// Whether the device has everything that the kind is about: both members of a pair.
+    fn is_placed(&self, _: &Device) -> bool {
+        true
+    }
+
+    /// Index of the touched point or plane of a row, or the id that the device does not have; none for other kinds.
+    fn subject(&self, _: &Device, _: &Recording, _row: usize) -> Option<Result<usize, String>> {
+        None
+    }
+
+    /// Standard deviation of a reading, as the device file states it.
+    fn stated_sd(&self, device: &Device) -> Option<f64>;
+
+    /// Whether the residuals can depend on a parameter at all.
+    fn sees(&self, parameter: ParameterId) -> bool;
+
+    /// Model minus measurement, times `weight`.
+    fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Self::Seen), ModelError>;
+
+    /// Derivatives of the residuals, times the weight that they were seen with.
+    fn derivative(&self, seen: &Self::Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3];
+
+    /// Square of the residual's derivative along a twist of the handle, the mean over the residuals.
+    fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError>;
+}
+
+/// A device moved to a row of a recording.
+pub(crate) struct Posture<'e> {
+    pub(crate) device: &'e Device,
+    pub(crate) evaluation: &'e Evaluation<'e>,
+    pub(crate) recording: &'e Recording,
+    pub(crate) row: usize,
+    /// Which of the device's touched points or planes the row is about; 0 for other kinds.
+    pub(crate) subject: usize,
+}
+
+/// Whether a column has a number at a row.
+pub(crate) fn is_known(column: Option<&Vec<f64>>, row: usize) -> bool {
+    column.is_some_and(|column| column[row].is_finite())
+}
+
+/// A reading; kinds are only asked for rows that have one.
+pub(crate) fn reading(column: Option<&Vec<f64>>, row: usize) -> f64 {
+    column.map_or(f64::NAN, |column| column[row])
+}
+
+/// Whether a parameter is one of the chain: what every kind behind the handle sees.
+pub(crate) fn is_of_chain(parameter: ParameterId) -> bool {
+    match parameter {
+        ParameterId::Link { .. } | ParameterId::Transmission { .. } => true,
+        ParameterId::Compliance { .. } => true,
+        ParameterId::Surrounding(_) => false,
+    }
+}
+
+/// Index of the id of a row, or the id itself where the device does not have it.
+pub(crate) fn subject_of(
+    ids: Option<&Vec<String>>,
+    row: usize,
+    index: impl Fn(&str) -> Option<usize>,
+) -> Option<Result<usize, String>> {
+    let id = ids.and_then(|ids| ids.get(row)).cloned();
+    let id = id.unwrap_or_default();
+    Some(index(&id).ok_or(id))
+}

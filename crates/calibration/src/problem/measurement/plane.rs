@@ -1,0 +1,104 @@
+//! Touches of a plane at an unknown place.
+
+use haptical_model::kinematics::Twist;
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::{
+    Device, ModelError, ParameterId, Recording, SurroundingParameter, TouchedPlane,
+};
+
+use super::kind::{Measurement, Posture, is_of_chain, subject_of};
+
+/// Distance of the handle from the plane, `n . P - offset`.
+pub(crate) struct Plane;
+
+/// Normal, its slopes by the tilts, the handle's position, and the weight.
+pub(crate) struct Seen {
+    normal: Vector3<f64>,
+    slopes: [Vector3<f64>; 2],
+    position_m: Vector3<f64>,
+    weight: f64,
+    plane: usize,
+}
+
+impl Plane {
+    fn plane<'e>(at: &Posture<'e>) -> Option<&'e TouchedPlane> {
+        at.device.surroundings.planes.get(at.subject)
+    }
+}
+
+impl Measurement for Plane {
+    const WIDTH: usize = 1;
+    type Seen = Seen;
+
+    fn unit(&self, _: &Device) -> &'static str {
+        "m"
+    }
+
+    fn has_reading(&self, recording: &Recording, row: usize) -> bool {
+        let ids = recording.plane.as_ref();
+        ids.is_some_and(|ids| !ids[row].is_empty())
+    }
+
+    fn subject(
+        &self,
+        device: &Device,
+        recording: &Recording,
+        row: usize,
+    ) -> Option<Result<usize, String>> {
+        let index = |id: &str| device.surroundings.plane_index(id);
+        subject_of(recording.plane.as_ref(), row, index)
+    }
+
+    fn stated_sd(&self, device: &Device) -> Option<f64> {
+        device.surroundings.plane_sd_m
+    }
+
+    fn sees(&self, parameter: ParameterId) -> bool {
+        let is_plane = matches!(
+            parameter,
+            ParameterId::Surrounding(SurroundingParameter::Plane { .. })
+        );
+        is_plane || is_of_chain(parameter)
+    }
+
+    fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
+        let position_m = at.evaluation.pose()?.position_m;
+        let plane = Self::plane(at);
+        let nothing = Vector3::repeat(f64::NAN);
+        let (normal, slopes) =
+            plane.map_or((nothing, [nothing; 2]), TouchedPlane::normal_and_slopes);
+        let offset_m = plane.map_or(f64::NAN, |plane| plane.offset_m);
+        let seen = Seen {
+            normal,
+            slopes,
+            position_m,
+            weight,
+            plane: at.subject,
+        };
+        let residual = weight * (normal.dot(&position_m) - offset_m);
+        Ok(([residual, 0.0, 0.0], seen))
+    }
+
+    fn derivative(&self, seen: &Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
+        let slope = match parameter {
+            ParameterId::Surrounding(SurroundingParameter::Plane { plane, index })
+                if plane == seen.plane =>
+            {
+                match index {
+                    2 => -1.0,
+                    tilt => seen.slopes[tilt].dot(&seen.position_m),
+                }
+            }
+            ParameterId::Surrounding(_) => 0.0,
+            _ => seen
+                .normal
+                .dot(&at.evaluation.pose_derivative(parameter).linear),
+        };
+        [seen.weight * slope, 0.0, 0.0]
+    }
+
+    fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
+        let normal = Self::plane(at).map(|plane| plane.normal_and_slopes().0);
+        Ok(normal.map_or(0.0, |normal| normal.dot(&twist.linear).powi(2)))
+    }
+}

@@ -1,0 +1,170 @@
+//! Residuals of a device on a recording, channel by channel, in the channel's own unit.
+
+use haptical_identification::Problem;
+use haptical_model::{Device, Recording};
+
+use crate::{CalibrationError, Channel, DeviceProblem, Weights};
+
+/// Residuals of one channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelResiduals {
+    /// Channel.
+    pub channel: Channel,
+    /// Rows of the recording that the residuals belong to; a position or orientation row has three
+    /// successive residuals.
+    pub rows: Vec<usize>,
+    /// Model minus measurement, in the channel's unit.
+    pub residuals: Vec<f64>,
+    /// Rows with a reading that were left out, because a polynomial would have been evaluated
+    /// outside the range that it was fitted on.
+    pub outside_range: usize,
+    /// Root mean square of the stated noise, quantization included.
+    pub noise_floor: f64,
+}
+
+impl ChannelResiduals {
+    /// Root mean square of the residuals: per axis for positions and orientations.
+    pub fn rms(&self) -> Option<f64> {
+        if self.residuals.is_empty() {
+            return None;
+        }
+        let sum: f64 = self.residuals.iter().map(|value| value * value).sum();
+        Some((sum / self.residuals.len() as f64).sqrt())
+    }
+
+    /// One error for each of the recording's `rows` rows, in the channel's unit; none for a row
+    /// without a residual.
+    ///
+    /// Model minus measurement with its sign for an encoder or a cable; for a position or an
+    /// orientation the Euclidean length of its three residuals, never negative.
+    ///
+    /// # Examples
+    /// ```
+    /// use haptical_calibration::{Channel, ChannelResiduals};
+    /// let position = ChannelResiduals {
+    ///     channel: Channel::Position,
+    ///     rows: vec![1],
+    ///     residuals: vec![2e-3, -3e-3, 6e-3],
+    ///     outside_range: 0,
+    ///     noise_floor: 1e-4,
+    /// };
+    /// let errors_m = position.by_row(3);
+    /// assert_eq!((errors_m[0], errors_m[2]), (None, None));
+    /// assert!((errors_m[1].unwrap_or(0.0) - 7e-3).abs() < 1e-15);
+    /// ```
+    #[must_use]
+    pub fn by_row(&self, rows: usize) -> Vec<Option<f64>> {
+        let mut errors = vec![None; rows];
+        let readings = self.residuals.chunks_exact(self.channel.width());
+        for (&row, reading) in self.rows.iter().zip(readings) {
+            let error = match reading {
+                [signed] => *signed,
+                axes => length(axes),
+            };
+            if let Some(place) = errors.get_mut(row) {
+                *place = Some(error);
+            }
+        }
+        errors
+    }
+}
+
+/// Residuals of the given channels. Rows where a transmission polynomial is outside its range are
+/// left out and counted (`range_of` gives the polynomials' ranges: usually the fitted device).
+///
+/// # Errors
+/// [`CalibrationError::Row`] where the device has no value.
+pub fn channel_residuals(
+    device: &Device,
+    range_of: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+) -> Result<Vec<ChannelResiduals>, CalibrationError> {
+    channels
+        .iter()
+        // a part of a recording may have one member of a pair alone
+        .filter(|channel| channel.is_placed(device))
+        .map(|&channel| {
+            let (known, unknown): (Vec<usize>, Vec<usize>) = (0..recording.len())
+                .filter(|&row| channel.has_reading(recording, row))
+                .partition(|&row| is_known(range_of, recording, channel, row));
+            let part = recording.select(&known);
+            let floor = Weights {
+                factor: Default::default(),
+                ..weights.trusting()
+            };
+            let deviations = floor.residual_sd(device, &part, channel)?;
+            let problem =
+                DeviceProblem::new(device, &part, &[channel], &[], &unit_weights(channel))?;
+            let mut residuals = vec![0.0; problem.residual_count()];
+            problem
+                .evaluate(&[], &mut residuals, None)
+                .map_err(|source| CalibrationError::Identification {
+                    what: channel.name(),
+                    source,
+                })?;
+            // The problem divides by its own standard deviation; undo it exactly.
+            let unit = unit_weights(channel).residual_sd(device, &part, channel)?;
+            for (position, residual) in residuals.iter_mut().enumerate() {
+                *residual *= unit[position / channel.width()];
+            }
+            let mean_square: f64 =
+                deviations.iter().map(|sd| sd * sd).sum::<f64>() / deviations.len().max(1) as f64;
+            Ok(ChannelResiduals {
+                channel,
+                rows: known,
+                residuals,
+                outside_range: unknown.len(),
+                noise_floor: mean_square.sqrt(),
+            })
+        })
+        .collect()
+}
+
+/// Rows at which every transmission's error is known: those within the ranges that polynomials were fitted on.
+/// Beyond its range a polynomial continues on its tangent, and what that gets wrong would bend the links that are
+/// fitted to such a row.
+///
+/// ```
+/// use haptical_calibration::rows_with_known_errors;
+/// use haptical_model::{Device, Recording, TransmissionError};
+/// let mut device = Device::from_toml("[[joint]]\nname = \"one\"\n", "one.toml")?.device;
+/// device.joints[0].transmission_error =
+///     TransmissionError::Chebyshev { range_rad: [-0.5, 0.5], coefficients: vec![0.0, 1e-3] };
+/// let recording = Recording { joint: vec![vec![0.1, 0.6, -0.5]], ..Recording::default() };
+/// assert_eq!(rows_with_known_errors(&device, &recording), [0, 2]);
+/// # Ok::<(), haptical_model::DeviceFileError>(())
+/// ```
+pub fn rows_with_known_errors(device: &Device, recording: &Recording) -> Vec<usize> {
+    (0..recording.len())
+        .filter(|&row| all_known(device, recording, row))
+        .collect()
+}
+
+fn all_known(device: &Device, recording: &Recording, row: usize) -> bool {
+    let joints = device.joints.iter().zip(&recording.joint);
+    let mut known = joints.map(|(joint, readings)| joint.error_is_known_at(readings[row]));
+    known.all(|known| known)
+}
+
+fn unit_weights(channel: Channel) -> Weights {
+    Weights {
+        channel_sd: [(channel, 1.0)].into(),
+        ..Weights::default()
+    }
+}
+
+fn is_known(device: &Device, recording: &Recording, channel: Channel, row: usize) -> bool {
+    match channel {
+        Channel::Output { joint } => {
+            device.joints[joint].error_is_known_at(recording.joint[joint][row])
+        }
+        _ => all_known(device, recording, row),
+    }
+}
+
+/// Euclidean length; `hypot`, because the squares of a wild reading are not representable.
+fn length(axes: &[f64]) -> f64 {
+    axes.iter().fold(0.0, |sum: f64, axis| sum.hypot(*axis))
+}

@@ -1,0 +1,104 @@
+//! Standard deviation of every residual: the channel's own and the motor encoders' quantization.
+
+use std::collections::BTreeMap;
+
+use haptical_model::{Device, Joint, Recording};
+
+use crate::problem::propagated::propagated_variances;
+use crate::{CalibrationError, Channel};
+
+/// Stated noise where neither the device file nor the recording gives one: one tenth of a
+/// millimetre or milliradian; the residuals' own size then decides the intervals.
+const UNSTATED_SD: f64 = 1e-4;
+
+/// Standard deviations of residuals.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Weights {
+    /// Standard deviation of each channel's own readings, in its unit.
+    pub channel_sd: BTreeMap<Channel, f64>,
+    /// Factor on each channel's total standard deviation, from the residuals of an earlier fit.
+    pub factor: BTreeMap<Channel, f64>,
+    /// Weights below 1 of single readings, by line of the log: those that a robust loss distrusts.
+    pub distrusted: BTreeMap<Channel, BTreeMap<u64, f64>>,
+}
+
+/// Least weight of a reading: none would leave its standard deviation without a number.
+const LEAST_WEIGHT: f64 = 1e-12;
+
+impl Weights {
+    /// The device file's figures.
+    pub fn stated(device: &Device, channels: &[Channel]) -> Self {
+        let channel_sd = channels
+            .iter()
+            .map(|&channel| {
+                let sd = channel.stated_sd(device);
+                (channel, sd.unwrap_or(UNSTATED_SD))
+            })
+            .collect();
+        Self {
+            channel_sd,
+            factor: BTreeMap::new(),
+            distrusted: BTreeMap::new(),
+        }
+    }
+
+    /// Weight of one reading, 0 to 1.
+    pub fn trust(&self, channel: Channel, line: u64) -> f64 {
+        let lines = self.distrusted.get(&channel);
+        lines
+            .and_then(|lines| lines.get(&line))
+            .map_or(1.0, |weight| weight.clamp(0.0, 1.0))
+    }
+
+    /// The same without the look at single readings: what the noise is, not what each reading counts.
+    #[must_use]
+    pub fn trusting(&self) -> Self {
+        Self {
+            distrusted: BTreeMap::new(),
+            ..self.clone()
+        }
+    }
+
+    /// The standard deviation that all residuals of a channel share; none where the step of a reading adds
+    /// to it, which differs from row to row.
+    pub(crate) fn common_sd(&self, device: &Device, channel: Channel) -> Option<f64> {
+        let has_steps = |joint: &Joint| joint.reading_quantum_rad().is_some_and(|step| step != 0.0);
+        let is_stepped = match channel {
+            Channel::Output { joint } => has_steps(device.joints.get(joint)?),
+            _ => device.joints.iter().any(has_steps),
+        };
+        let (own, factor) = self.own_sd(channel);
+        let is_common = !is_stepped && !self.distrusted.contains_key(&channel);
+        is_common.then(|| factor * (own * own).sqrt())
+    }
+
+    /// A channel's own standard deviation, and the factor on the whole.
+    fn own_sd(&self, channel: Channel) -> (f64, f64) {
+        let own = self.channel_sd.get(&channel).copied();
+        let factor = self.factor.get(&channel).copied();
+        (own.unwrap_or(UNSTATED_SD), factor.unwrap_or(1.0))
+    }
+
+    /// Standard deviation of a channel's residual at each row of the recording (rows without a
+    /// reading included): var = factor^2 (sd^2 + sum_i (d residual / d reading_i)^2 q_i^2 / 12),
+    /// q_i the step of joint i's reading (docs/equations.md, "Propagated quantization"). For
+    /// positions and orientations the mean over the three axes.
+    ///
+    /// # Errors
+    /// [`CalibrationError::Row`] where the device has no value.
+    pub fn residual_sd(
+        &self,
+        device: &Device,
+        recording: &Recording,
+        channel: Channel,
+    ) -> Result<Vec<f64>, CalibrationError> {
+        let (own, factor) = self.own_sd(channel);
+        let mut deviations = propagated_variances(device, recording, channel)?;
+        for (row, value) in deviations.iter_mut().enumerate() {
+            let line = recording.line.get(row).copied().unwrap_or(0);
+            let trust = self.trust(channel, line).max(LEAST_WEIGHT);
+            *value = factor * (own * own + *value).sqrt() / trust.sqrt();
+        }
+        Ok(deviations)
+    }
+}

@@ -1,0 +1,94 @@
+//! One channel before and after a calibration.
+
+use haptical_metrics::gap_reduction_percent;
+use haptical_model::Device;
+use serde::Serialize;
+
+use crate::{Channel, ChannelResiduals};
+
+/// One channel before and after.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelReport {
+    /// Channel name: `out2`, `cable`.
+    pub channel: String,
+    /// Joint (from 1) of an external encoder.
+    pub joint: Option<usize>,
+    /// Unit.
+    pub unit: String,
+    /// Readings.
+    pub readings: usize,
+    /// Readings left out, because a polynomial was outside its range there.
+    pub outside_range: usize,
+    /// Root mean square of the nominal device's residuals.
+    pub rms_before: f64,
+    /// Standard deviation of the nominal device's residuals (their mean taken off).
+    pub sd_before: f64,
+    /// Root mean square of the calibrated device's residuals.
+    pub rms_after: f64,
+    /// Standard deviation of the calibrated device's residuals.
+    pub sd_after: f64,
+    /// Root mean square of the nominal device's residuals, outliers left out.
+    pub rms_before_good: f64,
+    /// Root mean square of the calibrated device's residuals, outliers left out.
+    pub rms_after_good: f64,
+    /// Readings that noise does not explain, where a robust loss looked for them.
+    pub outliers: usize,
+    /// Root mean square of the stated noise, quantization included.
+    pub noise_floor: f64,
+    /// Share of the gap that was closed, noise taken out; none where there was no gap.
+    pub reduction_percent: Option<f64>,
+    /// The same, outliers left out.
+    pub reduction_percent_good: Option<f64>,
+    /// Residuals before, in the order of the rows.
+    #[serde(skip)]
+    pub before: Vec<f64>,
+    /// Residuals after.
+    #[serde(skip)]
+    pub after: Vec<f64>,
+    /// Rows of the recording.
+    #[serde(skip)]
+    pub rows: Vec<usize>,
+}
+
+impl ChannelReport {
+    /// A channel's residuals before and after the calibration.
+    pub(crate) fn new(device: &Device, before: ChannelResiduals, after: ChannelResiduals) -> Self {
+        let channel = before.channel;
+        let (rms_before, rms_after) = (before.rms().unwrap_or(0.0), after.rms().unwrap_or(0.0));
+        let spread = |residuals: &[f64], rms: f64| {
+            let mean = residuals.iter().sum::<f64>() / residuals.len() as f64;
+            (rms * rms - mean * mean).max(0.0).sqrt()
+        };
+        let reduction_percent = gap_reduction_percent(rms_before, rms_after, after.noise_floor);
+        Self {
+            channel: channel.name(),
+            joint: match channel {
+                Channel::Output { joint } => Some(joint + 1),
+                _ => None,
+            },
+            unit: channel.unit(device).to_owned(),
+            readings: before.residuals.len(),
+            outside_range: before.outside_range,
+            rms_before,
+            sd_before: spread(&before.residuals, rms_before),
+            rms_after,
+            sd_after: spread(&after.residuals, rms_after),
+            rms_before_good: rms_before,
+            rms_after_good: rms_after,
+            outliers: 0,
+            noise_floor: after.noise_floor,
+            reduction_percent,
+            reduction_percent_good: reduction_percent,
+            before: before.residuals,
+            after: after.residuals,
+            rows: before.rows,
+        }
+    }
+
+    /// Whether the channel is one reading of the whole recording, about two things that were touched.
+    pub(crate) fn is_pair(&self) -> bool {
+        ["contact-pair", "plane-pair"]
+            .iter()
+            .any(|name| self.channel.starts_with(name))
+    }
+}

@@ -1,0 +1,187 @@
+//! How far the force of a calibrated device may still lean from the wanted direction.
+
+use haptical_metrics::quadratic_form_interval;
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::{
+    Evaluation, ForceTransmission, ModelError, ParameterId, Recording, handle_force_n,
+};
+
+use crate::report::open_direction::open_directions;
+use crate::{CalibrationError, ParameterFit};
+
+/// Error of the force's direction that a fit leaves, over the postures of a recording.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ForceDirection {
+    /// Root mean square angle between the wanted force, along the handle's z, and the one exerted \[rad\].
+    pub rms_rad: f64,
+    /// 95 % interval of it, by the parameters' covariance.
+    pub ci95_rad: [f64; 2],
+    /// Postures that it is taken over.
+    pub postures: usize,
+    /// Postures left out: the free joints are nearly singular there.
+    pub left_out: usize,
+    /// Joint (from 1) taken as locked, of a device with seven.
+    pub locked_joint: Option<usize>,
+    /// Parameters that the recording does not fix and that turn the force: no figure above contains them.
+    pub open_through: Vec<String>,
+    /// The root mean square angle if those err by their plausible sizes as well \[rad\].
+    pub rms_with_open_rad: f64,
+}
+
+/// Postures that are taken from a recording.
+const POSTURES: usize = 60;
+/// Condition number of the Jacobian from which a posture is left out.
+const WORST_CONDITION: f64 = 300.0;
+/// Share of a parameter's standard deviation by which it is moved: small against the curvature, large
+/// against rounding.
+const STEP: f64 = 0.1;
+/// Probability that the interval holds the angle.
+const LEVEL: f64 = 0.95;
+/// Share of the angle that a plausible error of an open parameter must make to be named.
+const NOTABLE: f64 = 0.1;
+/// The redundant joint of a seven-joint arm, locked as in the paper.
+const LOCKED: usize = 2;
+
+/// Error of the force's direction by the covariance of a fit; none for devices of fewer than six or more
+/// than seven joints, for a fit of transmissions alone, and where every posture is singular.
+///
+/// To first order the transverse force is S dp for errors dp of the parameters, so its mean square is dp^T A dp with
+/// A the mean of S^T S over the postures: a quadratic form in normal numbers of covariance C, held weak parameters
+/// included. Its mean is the trace of C A, its interval that of [`haptical_metrics::quadratic_form_interval`].
+/// Source: docs/equations.md, Force through the transposed Jacobian.
+///
+/// # Errors
+/// [`CalibrationError::Row`] where the device has no value at a row.
+pub fn force_direction(
+    fit: &ParameterFit,
+    recording: &Recording,
+) -> Result<Option<ForceDirection>, CalibrationError> {
+    let joints = fit.device.joints.len();
+    if !fit.device.has_links() || !(6..=7).contains(&joints) || fit.fitted.is_empty() {
+        return Ok(None);
+    }
+    let locked = (joints == 7).then_some(LOCKED);
+    let mut free = [0; 6];
+    let others = (0..joints).filter(|joint| Some(*joint) != locked);
+    for (entry, joint) in free.iter_mut().zip(others) {
+        *entry = joint;
+    }
+    let step = recording.len().div_ceil(POSTURES).max(1);
+    let rows: Vec<usize> = (0..recording.len()).step_by(step).collect();
+    let wrap = |row: usize| {
+        move |source| CalibrationError::Row {
+            line: recording.line.get(row).copied().unwrap_or(0),
+            source,
+        }
+    };
+    let (uncertain, covariance) = fit.uncertain();
+    let count = uncertain.len();
+    let deviation = |entry: usize| covariance[(entry, entry)].sqrt();
+    let single = uncertain.iter().enumerate();
+    let moves: Vec<Move> = single
+        .map(|(entry, &parameter)| (vec![(parameter, 1.0)], STEP * deviation(entry)))
+        .collect();
+    let open = open_directions(fit);
+    let open_moves = open
+        .iter()
+        .map(|open| (open.terms.clone(), STEP * open.size));
+    let open_moves: Vec<Move> = open_moves.collect();
+    let mut open_squares = vec![0.0; open.len()];
+    let mut sums = vec![0.0; count * count];
+    let mut postures = 0_u32;
+    for &row in &rows {
+        let mut readings: Vec<f64> = recording.joint.iter().map(|column| column[row]).collect();
+        if let Some(locked) = locked {
+            readings[locked] = 0.0;
+        }
+        let mut truth = Evaluation::new(&fit.device);
+        truth.move_to(&readings).map_err(wrap(row))?;
+        let Ok(known) = ForceTransmission::new(&truth, &truth, free) else {
+            continue;
+        };
+        if known.condition > WORST_CONDITION {
+            continue;
+        }
+        let slopes = slopes(fit, &moves, &truth, (&readings, free)).map_err(wrap(row))?;
+        let ways = self::slopes(fit, &open_moves, &truth, (&readings, free)).map_err(wrap(row))?;
+        postures += 1;
+        for ((sum, way), open) in open_squares.iter_mut().zip(ways).zip(&open) {
+            *sum += open.size.powi(2) * (way[0].powi(2) + way[1].powi(2));
+        }
+        for (a, left) in slopes.iter().enumerate() {
+            for (b, right) in slopes.iter().enumerate() {
+                sums[a * slopes.len() + b] += left[0] * right[0] + left[1] * right[1];
+            }
+        }
+    }
+    if postures == 0 {
+        return Ok(None);
+    }
+    let average: Vec<f64> = sums.iter().map(|sum| sum / f64::from(postures)).collect();
+    let by_row = (0..count * count).map(|entry| covariance[(entry / count, entry % count)]);
+    let spread: Vec<f64> = by_row.collect();
+    // the trace of C A
+    let mean: f64 = spread.iter().zip(&average).map(|(c, a)| c * a).sum();
+    let Ok(squares) = quadratic_form_interval(&spread, &average, count, LEVEL) else {
+        return Ok(None);
+    };
+    let means = open_squares.iter().map(|sum| sum / f64::from(postures));
+    let means: Vec<f64> = means.collect();
+    let turning = open.iter().zip(&means);
+    let turning = turning.filter(|(_, turn)| **turn > NOTABLE * NOTABLE * mean);
+    Ok(Some(ForceDirection {
+        open_through: turning.map(|(open, _)| open.name.clone()).collect(),
+        rms_with_open_rad: (mean.max(0.0) + means.iter().sum::<f64>()).sqrt(),
+        rms_rad: mean.max(0.0).sqrt(),
+        ci95_rad: [squares.low.max(0.0).sqrt(), squares.high.max(0.0).sqrt()],
+        postures: postures as usize,
+        left_out: rows.len() - postures as usize,
+        locked_joint: locked.map(|joint| joint + 1),
+    }))
+}
+
+/// Parameters that move together, each by its change, and the step of the difference.
+type Move = (Vec<(ParameterId, f64)>, f64);
+
+/// Derivative of the transverse force of a unit force, per move, by central differences of the controller's
+/// device.
+fn slopes(
+    fit: &ParameterFit,
+    moves: &[Move],
+    truth: &Evaluation<'_>,
+    (readings, free): (&[f64], [usize; 6]),
+) -> Result<Vec<[f64; 2]>, ModelError> {
+    let mut slopes = Vec::with_capacity(moves.len());
+    for (terms, step) in moves {
+        if !(*step > 0.0 && step.is_finite()) {
+            slopes.push([0.0; 2]);
+            continue;
+        }
+        let transverse = |sign: f64| {
+            let mut device = fit.device.clone();
+            for (parameter, change) in terms {
+                let value = parameter.value(&fit.device);
+                parameter.set(&mut device, value + sign * step * change);
+            }
+            let mut controller = Evaluation::new(&device);
+            controller.move_to(readings)?;
+            unit_force(truth, &controller, free)
+        };
+        let (after, before) = (transverse(1.0)?, transverse(-1.0)?);
+        slopes.push([0, 1].map(|axis| (after[axis] - before[axis]) / (2.0 * step)));
+    }
+    Ok(slopes)
+}
+
+/// What a unit force along the handle's z, as the controller knows it, is in the true handle's frame.
+fn unit_force(
+    truth: &Evaluation<'_>,
+    controller: &Evaluation<'_>,
+    free: [usize; 6],
+) -> Result<Vector3<f64>, ModelError> {
+    let transmission = ForceTransmission::new(truth, controller, free)?;
+    let force = handle_force_n(&transmission, truth, controller, 1.0, 0.0)?;
+    force.ok_or(ModelError::Posture {
+        condition: transmission.condition,
+    })
+}

@@ -1,0 +1,165 @@
+//! Whether a recording needs a robust loss: wild readings, told from effects that the model lacks.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use haptical_identification::Loss;
+use haptical_model::{Device, Recording};
+
+use crate::robust::reweighted::{fit, judge, set_aside};
+use crate::{
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice,
+    Options, Outlier, RobustChannel, Robustness, channel_residuals, channels, far_out,
+};
+
+/// Rows on which it is tried whether a robust loss is needed.
+const SCREENED: usize = 600;
+/// Share of the outliers that stand before another one from which on they are no single wild readings but an
+/// effect in time: of independent ones, the share is that of the outliers among all readings.
+const IN_STRETCHES: f64 = 0.6;
+/// Residual over noise floor beyond which more than noise is left.
+const ABOVE_FLOOR: f64 = 1.5;
+
+/// Least squares, unless there are wild readings: then Tukey's loss.
+///
+/// Wild readings show as such among the residuals of least squares, or they have bent its fit so far that they
+/// do not: then a robust fit of some of the rows finds that most of them are at their noise, which least squares
+/// is not. An effect that the model lacks disturbs most rows, and its fit stays that of least squares.
+pub(crate) fn automatic(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+    plain: Result<FittedDevice, CalibrationError>,
+) -> Result<FittedDevice, CalibrationError> {
+    let (mut wild, mut disturbed) = (true, Vec::new());
+    if let Ok(fitted) = &plain {
+        let (scales, _) = judge(fitted, recording, Loss::Squares)?;
+        wild = !far_out(&fitted.device, recording, &scales, &fitted.weights)?.is_empty();
+        disturbed = above_floor(fitted, recording)?;
+        if !wild && disturbed.is_empty() {
+            return plain;
+        }
+    }
+    let step = recording.len().div_ceil(SCREENED).max(1);
+    let some: Vec<usize> = (0..recording.len()).step_by(step).collect();
+    let sample = recording.select(&some);
+    let quick = Options {
+        method: CalibrationMethod::TwoStep,
+        ..*options
+    };
+    let Ok(screen) = fit(device, &sample, &quick, Loss::Tukey) else {
+        return plain;
+    };
+    let floors = noise_floors(&screen, &sample)?;
+    let found = screen.robust.iter().flat_map(|robust| &robust.channels);
+    let at_noise = found
+        .filter(|found| disturbed.contains(&found.channel))
+        .any(|found| {
+            let floor = floors.get(&found.channel).copied().unwrap_or(0.0);
+            found.scale <= ABOVE_FLOOR * floor
+        });
+    let outliers = screen.robust.map_or(Vec::new(), |robust| robust.outliers);
+    if outliers.is_empty() || !(wild || at_noise) || are_in_stretches(&outliers, &sample) {
+        return plain;
+    }
+    match fit(device, recording, options, Loss::Tukey) {
+        Ok(robust) if plain.is_err() || is_sound(&robust, recording)? => Ok(robust),
+        _ => plain,
+    }
+}
+
+/// Whether a robust fit came to rest, or all but its wild readings are at their noise: it need not come to rest
+/// where a term or a parameter more fits about as well as one less.
+fn is_sound(fitted: &FittedDevice, recording: &Recording) -> Result<bool, CalibrationError> {
+    let Some(robust) = &fitted.robust else {
+        return Ok(false);
+    };
+    if robust.settled {
+        return Ok(true);
+    }
+    let floors = noise_floors(fitted, recording)?;
+    let is_at_noise = |channel: &RobustChannel| {
+        let floor = floors.get(&channel.channel).copied().unwrap_or(0.0);
+        channel.scale <= ABOVE_FLOOR * floor
+    };
+    Ok(robust.channels.iter().all(is_at_noise))
+}
+
+/// Largest share of a channel's held-out readings that are wild ones rather than an effect.
+const FEW: f64 = 0.02;
+
+/// Wild readings among rows that a fit of least squares did not see, which it therefore did not have to weigh: they
+/// are set aside in the reports of these rows, where they are few.
+pub(crate) fn wild_held_out(
+    fitted: &FittedDevice,
+    seen: &Recording,
+    reports: &mut [ChannelReport],
+    recording: &Recording,
+) -> Result<Vec<Outlier>, CalibrationError> {
+    let (channels, _) = judge(fitted, seen, Loss::Squares)?;
+    let least_squares = Robustness {
+        loss: Loss::Squares,
+        rounds: 0,
+        settled: true,
+        channels,
+        outliers: Vec::new(),
+    };
+    let mut all = Vec::new();
+    for report in reports {
+        let mut aside = report.clone();
+        let outliers = set_aside(&mut aside, &least_squares, recording);
+        let most = (FEW * report.readings as f64).max(1.0);
+        let are_few = !outliers.is_empty() && outliers.len() as f64 <= most;
+        if are_few && !are_in_stretches(&outliers, recording) {
+            *report = aside;
+            all.extend(outliers);
+        }
+    }
+    Ok(all)
+}
+
+/// Whether outliers stand beside each other, as those of an effect do and wild readings do not.
+fn are_in_stretches(outliers: &[Outlier], recording: &Recording) -> bool {
+    let wild: BTreeSet<(Channel, u64)> = outliers
+        .iter()
+        .map(|outlier| (outlier.channel, outlier.line))
+        .collect();
+    let lines = recording.line.windows(2);
+    let next: BTreeMap<u64, u64> = lines.map(|pair| (pair[0], pair[1])).collect();
+    let beside = wild.iter().filter(|(channel, line)| {
+        let next = next.get(line);
+        next.is_some_and(|&next| wild.contains(&(*channel, next)))
+    });
+    beside.count() as f64 > IN_STRETCHES * wild.len() as f64
+}
+
+/// Channels whose residuals are above their noise floor.
+fn above_floor(
+    fitted: &FittedDevice,
+    recording: &Recording,
+) -> Result<Vec<Channel>, CalibrationError> {
+    let present = channels(&fitted.device, recording)?;
+    let (device, weights) = (&fitted.device, &fitted.weights);
+    let residuals = channel_residuals(device, device, recording, &present, weights)?;
+    let is_above = |channel: &&ChannelResiduals| {
+        let rms = channel.rms().unwrap_or(0.0);
+        rms > ABOVE_FLOOR * channel.noise_floor
+    };
+    Ok(residuals
+        .iter()
+        .filter(is_above)
+        .map(|channel| channel.channel)
+        .collect())
+}
+
+fn noise_floors(
+    fitted: &FittedDevice,
+    recording: &Recording,
+) -> Result<BTreeMap<Channel, f64>, CalibrationError> {
+    let present = channels(&fitted.device, recording)?;
+    let (device, weights) = (&fitted.device, &fitted.weights);
+    let residuals = channel_residuals(device, device, recording, &present, weights)?;
+    let pairs = residuals
+        .iter()
+        .map(|channel| (channel.channel, channel.noise_floor));
+    Ok(pairs.collect())
+}

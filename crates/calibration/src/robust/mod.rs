@@ -1,0 +1,4 @@
+//! Fits that hold off wild readings.
+
+pub(crate) mod automatic;
+pub(crate) mod reweighted;

@@ -1,0 +1,286 @@
+//! Calibration in spite of wild readings: reweighted fits, and which readings are wild.
+
+use std::collections::BTreeMap;
+
+use haptical_identification::{Loss, robust_scale};
+use haptical_metrics::gap_reduction_percent;
+use haptical_model::{Device, Recording};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::steps::device::fit_once;
+use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
+use crate::{
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, FittedDevice, Options, Outlier,
+    RobustChannel, Robustness, Weighting, Weights, channel_residuals, channels,
+};
+
+/// Reweightings with one loss, in two steps and in the joint fit, which begins with the others' weights.
+const ROUNDS: usize = 15;
+const JOINT_ROUNDS: usize = 5;
+/// Change of a weight's root that is worth another fit.
+const SETTLED: f64 = 1e-2;
+/// Chance that noise alone lets some reading of a channel count as wild.
+const FALSE_ALARM: f64 = 1e-3;
+/// Median length of three standard normal numbers, over that of one times the root of 3: a channel of three
+/// axes is judged by its length over that root (chi with 3 degrees of freedom has its median at 1.538 17).
+const THREE_AXES: f64 = 1.538_172_254_454_8 / 1.732_050_807_568_877_2 / 0.674_489_750_196_082;
+
+/// Sizes of a channel's readings, row by row: signed for one axis.
+fn sizes(channel: Channel, residuals: &[f64]) -> Vec<f64> {
+    let width = channel.width();
+    let readings = residuals.chunks_exact(width);
+    let size = |axes: &[f64]| match axes {
+        [signed] => *signed,
+        axes => axes.iter().fold(0.0, |sum: f64, axis| sum.hypot(*axis)) / (width as f64).sqrt(),
+    };
+    readings.map(size).collect()
+}
+
+fn scale_of(channel: Channel, sizes: &[f64], parameters: f64, floor: f64) -> f64 {
+    let scale = match channel.width() {
+        1 => robust_scale(sizes, parameters),
+        width => robust_scale(sizes, parameters / width as f64) / THREE_AXES,
+    };
+    // half of the readings fitted exactly: their noise is not zero
+    scale.max(1e-3 * floor).max(f64::MIN_POSITIVE)
+}
+
+/// Efficiency of the median size as a scale: n sizes say as much of it as 0.37 n squares do (Huber & Ronchetti
+/// 2009, section 5.1).
+const MEDIAN_EFFICIENCY: f64 = 0.37;
+
+/// Standard deviations beyond which the loss of one in a thousand recordings of noise would begin. The scale is
+/// found from the same readings: Student's distribution, with as many degrees of freedom as it is worth.
+fn limit(readings: usize) -> f64 {
+    let readings = readings.max(1) as f64;
+    let share = FALSE_ALARM / 2.0 / readings;
+    let freedom = (MEDIAN_EFFICIENCY * readings).max(1.0);
+    let spread = StudentsT::new(0.0, 1.0, freedom);
+    spread.map_or(f64::INFINITY, |spread| -spread.inverse_cdf(share))
+}
+
+/// Readings of a recording farther from the device than noise of the given scales explains, farthest first.
+///
+/// The limit leaves one recording in a thousand of each channel with a false alarm, if the noise is normal.
+///
+/// # Errors
+/// [`CalibrationError`] where the device has no value.
+pub fn far_out(
+    device: &Device,
+    recording: &Recording,
+    scales: &[RobustChannel],
+    weights: &Weights,
+) -> Result<Vec<Outlier>, CalibrationError> {
+    let present: Vec<Channel> = scales.iter().map(|channel| channel.channel).collect();
+    let residuals = channel_residuals(device, device, recording, &present, weights)?;
+    let mut outliers = Vec::new();
+    for (channel, scale) in residuals.iter().zip(scales) {
+        let (rows, own) = (&channel.rows, &channel.residuals);
+        outliers.extend(outliers_of(
+            channel.channel,
+            rows,
+            own,
+            recording,
+            scale.scale,
+        ));
+    }
+    outliers.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+    Ok(outliers)
+}
+
+fn outliers_of(
+    channel: Channel,
+    rows: &[usize],
+    residuals: &[f64],
+    recording: &Recording,
+    scale: f64,
+) -> Vec<Outlier> {
+    let limit = limit(rows.len());
+    let axes = (channel.width() as f64).sqrt();
+    let rows = rows.iter().zip(sizes(channel, residuals));
+    rows.filter(|(_, size)| size.abs() > limit * scale)
+        .map(|(&row, size)| Outlier {
+            line: recording.line.get(row).copied().unwrap_or(0),
+            channel,
+            residual: size * axes,
+            deviations: size / scale,
+        })
+        .collect()
+}
+
+/// Counts a report's outliers and sets them aside in its figures of the good ones. The report's rows
+/// are those of `recording`.
+pub(crate) fn set_aside(
+    report: &mut ChannelReport,
+    robust: &Robustness,
+    recording: &Recording,
+) -> Vec<Outlier> {
+    let mut scales = robust.channels.iter();
+    let Some(RobustChannel { channel, scale, .. }) =
+        scales.find(|scale| scale.channel.name() == report.channel)
+    else {
+        return Vec::new();
+    };
+    let outliers = outliers_of(*channel, &report.rows, &report.after, recording, *scale);
+    let limit = limit(report.rows.len()) * scale;
+    let is_good: Vec<bool> = sizes(*channel, &report.after)
+        .into_iter()
+        .map(|size| size.abs() <= limit)
+        .collect();
+    let rms_of_good = |residuals: &[f64]| {
+        let readings = residuals.chunks_exact(channel.width()).zip(&is_good);
+        let good = readings.filter(|(_, is_good)| **is_good);
+        let (mut square, mut count) = (0.0, 0_usize);
+        for residual in good.flat_map(|(axes, _)| axes) {
+            square += residual * residual;
+            count += 1;
+        }
+        (square / count.max(1) as f64).sqrt()
+    };
+    report.rms_before_good = rms_of_good(&report.before);
+    report.rms_after_good = rms_of_good(&report.after);
+    report.reduction_percent_good = gap_reduction_percent(
+        report.rms_before_good,
+        report.rms_after_good,
+        report.noise_floor,
+    );
+    report.outliers = outliers.len();
+    outliers
+}
+
+/// Scales of the channels and weights of their readings at a fitted device.
+pub(crate) fn judge(
+    fitted: &FittedDevice,
+    recording: &Recording,
+    loss: Loss,
+) -> Result<(Vec<RobustChannel>, Weights), CalibrationError> {
+    let device = &fitted.device;
+    let channels = channels(device, recording)?;
+    let residuals = channel_residuals(device, device, recording, &channels, &fitted.weights)?;
+    let mut weights = fitted.weights.trusting();
+    let mut scales = Vec::with_capacity(residuals.len());
+    for channel in &residuals {
+        let sizes = sizes(channel.channel, &channel.residuals);
+        let parameters = parameters_paid_by(fitted, channel.channel);
+        if channel.residuals.len() as f64 - parameters < LEAST_FREEDOM {
+            let factor = weights.factor.get(&channel.channel);
+            scales.push(RobustChannel {
+                channel: channel.channel,
+                scale: channel.noise_floor * factor.copied().unwrap_or(1.0),
+                variance_factor: 1.0,
+            });
+            continue;
+        }
+        let scale = scale_of(channel.channel, &sizes, parameters, channel.noise_floor);
+        let deviations: Vec<f64> = sizes.iter().map(|size| size / scale).collect();
+        let variance_factor = loss.variance_factor(&deviations).unwrap_or(1.0);
+        let own: BTreeMap<u64, f64> = channel
+            .rows
+            .iter()
+            .zip(&deviations)
+            .filter_map(|(&row, &size)| Some((*recording.line.get(row)?, loss.weight(size))))
+            .filter(|(_, weight)| *weight < 1.0)
+            .collect();
+        if !own.is_empty() {
+            weights.distrusted.insert(channel.channel, own);
+        }
+        if channel.noise_floor > 0.0 {
+            weights
+                .factor
+                .insert(channel.channel, scale / channel.noise_floor);
+        }
+        scales.push(RobustChannel {
+            channel: channel.channel,
+            scale,
+            variance_factor,
+        });
+    }
+    Ok((scales, weights))
+}
+
+/// Fits with a robust loss: Huber's first, then the one asked for, each until the weights stand still, in two
+/// steps, which is quick; the joint fit then starts from those weights. The first weights are those of the
+/// nominal device's residuals, among which wild readings stand out already.
+pub(crate) fn fit(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+    loss: Loss,
+) -> Result<FittedDevice, CalibrationError> {
+    let present = channels(device, recording)?;
+    // the noise is stated by the weights, channel by channel
+    let options = Options {
+        weighting: Weighting::Stated,
+        ..*options
+    };
+    let quick = Options {
+        method: CalibrationMethod::TwoStep,
+        ..options
+    };
+    let nominal = FittedDevice {
+        device: device.clone(),
+        transmissions: Vec::new(),
+        whole: None,
+        weights: Weights::stated(device, &present),
+        robust: None,
+    };
+    let (_, mut weights) = judge(&nominal, recording, Loss::Huber)?;
+    weights.factor.clear();
+    let mut stages = vec![(Loss::Huber, quick, ROUNDS)];
+    if loss != Loss::Huber {
+        stages.push((loss, quick, ROUNDS));
+    }
+    if options.method == CalibrationMethod::Joint {
+        stages.push((loss, options, JOINT_ROUNDS));
+    }
+    let mut rounds = 0;
+    let (mut scales, mut settled) = (Vec::new(), false);
+    for (loss, options, limit) in stages {
+        for _ in 0..limit {
+            let fitted = fit_once(device, recording, &present, &weights, &options)?;
+            rounds += 1;
+            let wanted;
+            (scales, wanted) = judge(&fitted, recording, loss)?;
+            settled = change(&weights, &wanted) < SETTLED;
+            weights = wanted;
+            if settled {
+                break;
+            }
+        }
+    }
+    // the last fit's intervals: those of the weighted readings, times the loss's own factor
+    for scale in &scales {
+        if let Some(factor) = weights.factor.get_mut(&scale.channel) {
+            *factor *= scale.variance_factor.sqrt();
+        }
+    }
+    let mut fitted = fit_once(device, recording, &present, &weights, &options)?;
+    let outliers = far_out(&fitted.device, recording, &scales, &weights)?;
+    fitted.weights = weights;
+    fitted.robust = Some(Robustness {
+        loss,
+        rounds,
+        settled,
+        channels: scales,
+        outliers,
+    });
+    Ok(fitted)
+}
+
+/// Largest change of a weight's root, and of a channel's size.
+fn change(before: &Weights, after: &Weights) -> f64 {
+    let mut largest: f64 = 0.0;
+    for (a, b) in [(before, after), (after, before)] {
+        for (&channel, lines) in &a.distrusted {
+            for (&line, weight) in lines {
+                let moved = weight.sqrt() - b.trust(channel, line).sqrt();
+                largest = largest.max(moved.abs());
+            }
+        }
+    }
+    for (channel, factor) in &after.factor {
+        let old = before.factor.get(channel).copied().unwrap_or(1.0);
+        largest = largest.max((factor / old).ln().abs());
+    }
+    largest
+}

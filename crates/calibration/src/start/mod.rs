@@ -1,0 +1,4 @@
+//! Start values of everything around the chain: tracker, touched points and planes.
+
+pub(crate) mod hand_eye;
+pub(crate) mod prepare;

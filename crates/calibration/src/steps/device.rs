@@ -1,0 +1,253 @@
+//! The fits of a whole device by least squares: two steps as in the paper, or all at once.
+
+use std::collections::BTreeMap;
+
+use haptical_model::{Device, ParameterId, Recording};
+
+use crate::fit::profiled::profile;
+use crate::fit::size;
+use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
+use crate::{
+    CalibrationError, CalibrationMethod, Channel, FitRequest, FittedDevice, Options, ParameterFit,
+    Starts, TransmissionFit, TransmissionTerms, Weighting, Weights, candidate_parameters,
+    channel_residuals, channels, fit_parameters, fit_transmissions, rows_with_known_errors,
+    with_step_one_noise,
+};
+
+/// Rounds of re-estimating the channels' noise.
+const WEIGHTING_ROUNDS: usize = 2;
+/// Relative change of a channel's noise that is worth another fit.
+const WEIGHTING_CHANGE: f64 = 0.1;
+
+/// Least squares, with the channels' noise re-estimated.
+pub(crate) fn fit_squares(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
+    let channels = channels(device, recording)?;
+    let mut weights = Weights::stated(device, &channels);
+    let mut fitted = fit_once(device, recording, &channels, &weights, options)?;
+    if options.weighting == Weighting::Estimated {
+        for _ in 0..WEIGHTING_ROUNDS {
+            let estimated = estimate_noise(&fitted, recording, &channels, &weights)?;
+            let change = estimated
+                .iter()
+                .map(|(channel, factor)| {
+                    let before = weights.factor.get(channel).copied().unwrap_or(1.0);
+                    (factor / before).ln().abs()
+                })
+                .fold(0.0, f64::max);
+            if change < WEIGHTING_CHANGE {
+                break;
+            }
+            weights.factor = estimated;
+            fitted = fit_once(device, recording, &channels, &weights, options)?;
+        }
+    }
+    fitted.weights = weights;
+    Ok(fitted)
+}
+
+pub(crate) fn fit_once(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
+    let (compensated, transmissions) =
+        fit_transmissions(device, recording, channels, weights, options)?;
+    let fitted = FittedDevice {
+        device: compensated,
+        transmissions,
+        whole: None,
+        weights: weights.clone(),
+        robust: None,
+    };
+    let distant: Vec<Channel> = channels
+        .iter()
+        .copied()
+        .filter(|channel| channel.sees_chain())
+        .collect();
+    if distant.is_empty() {
+        return Ok(fitted);
+    }
+    let inside = rows_of_step_two(&fitted.device, recording);
+    let kinematics = fit_kinematics(
+        &fitted.device,
+        inside.as_ref().unwrap_or(recording),
+        &distant,
+        weights,
+        options,
+    )?;
+    let whole = match options.method {
+        CalibrationMethod::TwoStep => kinematics,
+        CalibrationMethod::Joint => {
+            // what the fit of both holds stays at the device's own value, wherever step 2 had it
+            let mut parameters = joint_candidates(&fitted.device, &fitted.transmissions);
+            let held = held_for_size(&kinematics, &fitted.device);
+            parameters.retain(|parameter| !held.contains(parameter));
+            let mut fit = fit_parameters(&FitRequest {
+                what: "joint identification",
+                device: &fitted.device,
+                recording,
+                channels,
+                parameters: &parameters,
+                weights,
+                options,
+                start: Some(&kinematics.device),
+                yielded: None,
+            })?;
+            if fit.starts.tried == 0 {
+                // it began where step 2 had ended, which may have looked elsewhere
+                fit.starts = Starts {
+                    doubt: fit.starts.doubt.or(kinematics.starts.doubt),
+                    doubt_that_remains: fit.starts.doubt_that_remains,
+                    ..kinematics.starts
+                };
+            }
+            fit
+        }
+    };
+    Ok(FittedDevice {
+        device: whole.device.clone(),
+        whole: Some(whole),
+        ..fitted
+    })
+}
+
+/// The rows whose transmission errors are known, unless they are all or less than half.
+fn rows_of_step_two(device: &Device, recording: &Recording) -> Option<Recording> {
+    let within = rows_with_known_errors(device, recording);
+    let are_some = within.len() < recording.len() && 2 * within.len() >= recording.len();
+    are_some.then(|| recording.select(&within))
+}
+
+/// Gives the kinematic fit of two steps the noise of the first.
+pub(crate) fn add_step_one_noise(
+    mut fitted: FittedDevice,
+    channels: &[Channel],
+    recording: &Recording,
+) -> Result<FittedDevice, CalibrationError> {
+    let Some(whole) = fitted.whole.take() else {
+        return Ok(fitted);
+    };
+    let distant: Vec<Channel> = channels
+        .iter()
+        .copied()
+        .filter(|channel| channel.sees_chain())
+        .collect();
+    let inside = rows_of_step_two(&fitted.device, recording);
+    let rows = inside.as_ref().unwrap_or(recording);
+    let (steps, weights) = (&fitted.transmissions, &fitted.weights);
+    fitted.whole = Some(with_step_one_noise(whole, steps, rows, &distant, weights)?);
+    Ok(fitted)
+}
+
+/// Looks at the intervals of the last fit where they are no longer straight.
+pub(crate) fn profile_whole(
+    fitted: &mut FittedDevice,
+    recording: &Recording,
+    options: &Options,
+) -> Result<(), CalibrationError> {
+    let channels = channels(&fitted.device, recording)?;
+    let Some(whole) = &mut fitted.whole else {
+        return Ok(());
+    };
+    if options.method == CalibrationMethod::Joint {
+        profile(whole, recording, &channels, &fitted.weights, options);
+        return Ok(());
+    }
+    let channels = channels.iter().copied();
+    let distant: Vec<Channel> = channels.filter(|channel| channel.sees_chain()).collect();
+    let inside = rows_of_step_two(&fitted.device, recording);
+    let rows = inside.as_ref().unwrap_or(recording);
+    profile(whole, rows, &distant, &fitted.weights, options);
+    Ok(())
+}
+
+/// Step 2: the kinematic parameters from distances (or positions) at corrected joint angles.
+///
+/// # Errors
+/// [`CalibrationError`].
+pub fn fit_kinematics(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+    options: &Options,
+) -> Result<ParameterFit, CalibrationError> {
+    let mut parameters = candidate_parameters(device);
+    let held = size::held_for_scale(device, recording, channels);
+    parameters.retain(|parameter| !held.contains(parameter));
+    fit_parameters(&FitRequest {
+        what: "kinematic parameters",
+        device,
+        recording,
+        channels,
+        parameters: &parameters,
+        weights,
+        options,
+        start: None,
+        yielded: None,
+    })
+}
+
+/// Kinematics and every transmission: the terms that step 1 chose, and equation (1) of capstans
+/// without an external encoder, as far as the distances show it.
+fn joint_candidates(device: &Device, transmissions: &[TransmissionFit]) -> Vec<ParameterId> {
+    let mut parameters = candidate_parameters(device);
+    for (joint, description) in device.joints.iter().enumerate() {
+        let terms = match transmissions.iter().find(|fit| fit.joint == joint) {
+            Some(fit) => fit.terms,
+            None => match description.transmission {
+                haptical_model::TransmissionKind::Capstan => TransmissionTerms::Capstan,
+                _ => TransmissionTerms::None,
+            },
+        };
+        parameters.extend(
+            terms
+                .free_parameters()
+                .into_iter()
+                .filter(|&index| index < description.error_parameter_count())
+                .map(|index| ParameterId::Transmission { joint, index }),
+        );
+    }
+    parameters
+}
+
+/// Each channel's residual size over its stated noise: sqrt(RSS / (m - p)) over the stated rms, with
+/// m its readings and p the parameters that they pay for ([`ParameterFit::channel_parameters`]). A
+/// channel with too few degrees of freedom keeps the size that it had.
+fn estimate_noise(
+    fitted: &FittedDevice,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+) -> Result<BTreeMap<Channel, f64>, CalibrationError> {
+    let residuals =
+        channel_residuals(&fitted.device, &fitted.device, recording, channels, weights)?;
+    Ok(residuals
+        .iter()
+        .filter_map(|channel| {
+            let readings = channel.residuals.len() as f64;
+            let freedom = readings - parameters_paid_by(fitted, channel.channel);
+            if freedom < LEAST_FREEDOM || channel.noise_floor == 0.0 {
+                let factor = weights.factor.get(&channel.channel)?;
+                return Some((channel.channel, *factor));
+            }
+            let deviation = channel.rms()? * (readings / freedom).sqrt();
+            // A channel that is fitted exactly keeps a little weight: its noise is not zero.
+            Some((channel.channel, (deviation / channel.noise_floor).max(1e-3)))
+        })
+        .collect())
+}
+
+/// The parameters that a fit of the chain held for its scale: candidates that it was not asked for.
+pub(crate) fn held_for_size(fit: &ParameterFit, prepared: &Device) -> Vec<ParameterId> {
+    let candidates = candidate_parameters(prepared).into_iter();
+    candidates
+        .filter(|parameter| !fit.parameters.contains(parameter))
+        .collect()
+}

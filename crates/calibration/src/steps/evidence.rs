@@ -1,0 +1,180 @@
+//! How many terms a transmission's data support: few samples carry few terms.
+
+use haptical_identification::{Matrix, Reduction};
+use haptical_model::{Joint, TransmissionError};
+use serde::Serialize;
+
+use crate::CalibrationError;
+use crate::error::wrap;
+
+/// A form of the transmission error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "form", content = "degree")]
+pub enum TransmissionTerms {
+    /// No error.
+    None,
+    /// Constant offset.
+    Offset,
+    /// Offset and ratio.
+    OffsetRatio,
+    /// Offset and output drum (or encoder) eccentricity.
+    OffsetEccentricity,
+    /// Offset, ratio and output eccentricity.
+    OffsetRatioEccentricity,
+    /// All of equation (1).
+    Capstan,
+    /// Equation (1) with the offset c held at zero: the encoder was zeroed at home.
+    ZeroedCapstan,
+    /// Polynomial of a degree.
+    Polynomial(usize),
+}
+
+/// One form with its evidence.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EvidenceEntry {
+    /// Form.
+    pub terms: TransmissionTerms,
+    /// Number of parameters, noise size not counted.
+    pub parameters: usize,
+    /// Root mean square of the residuals.
+    pub rms: f64,
+    /// Root mean square of leave-one-out residuals.
+    pub leave_one_out_rms: f64,
+    /// Corrected Akaike criterion, n ln(RSS/n) + 2 k n / (n - k - 1); lower is better.
+    pub aicc: f64,
+    /// Bayes criterion, n ln(RSS/n) + k ln n; lower is better.
+    pub bic: f64,
+}
+
+impl TransmissionTerms {
+    /// Parameters of equation (1) that the form frees, in the order of the transmission crate.
+    pub fn free_parameters(self) -> Vec<usize> {
+        match self {
+            Self::None => vec![],
+            Self::Offset => vec![0],
+            Self::OffsetRatio => vec![0, 1],
+            Self::OffsetEccentricity => vec![0, 2, 3],
+            Self::OffsetRatioEccentricity => vec![0, 1, 2, 3],
+            Self::Capstan => vec![0, 1, 2, 3, 4, 5],
+            Self::ZeroedCapstan => vec![1, 2, 3, 4, 5],
+            Self::Polynomial(degree) => (0..=degree).collect(),
+        }
+    }
+}
+
+/// The evidence for each form, from its linearisation about zero error (exact for polynomials;
+/// eccentricities are linear to (r / D)^2). `readings` and `differences` (output minus reading) are
+/// one joint's samples; forms with too many parameters for the samples are left out.
+///
+/// # Errors
+/// Refusals of the linear algebra.
+pub(crate) fn weigh(
+    what: &str,
+    joint: &Joint,
+    forms: &[TransmissionTerms],
+    readings: &[f64],
+    differences: &[f64],
+) -> Result<Vec<EvidenceEntry>, CalibrationError> {
+    let rows = readings.len();
+    let range = range_of(readings);
+    let mut entries = Vec::new();
+    for &terms in forms {
+        let columns = terms.free_parameters();
+        // One more for the noise size; AICc needs n > k + 1.
+        let k = columns.len() + 1;
+        if rows <= k + 1 {
+            continue;
+        }
+        let (sum, leave_one_out) = if columns.is_empty() {
+            let sum: f64 = differences.iter().map(|value| value * value).sum();
+            (sum, sum)
+        } else {
+            let mut model = joint.clone();
+            model.transmission_error = form(terms, range);
+            let mut derivatives = vec![0.0; model.error_parameter_count()];
+            let mut design = Matrix::zeros(rows, columns.len());
+            for (row, &reading) in readings.iter().enumerate() {
+                if model.evaluate_error(reading, &mut derivatives).is_err() {
+                    continue;
+                }
+                for (position, &column) in columns.iter().enumerate() {
+                    design[(row, position)] = derivatives[column];
+                }
+            }
+            match residual_sums(what, &design, differences)? {
+                Some(sums) => sums,
+                None => continue,
+            }
+        };
+        // An exact fit has no noise to weigh: rounding stands in for it.
+        let n = rows as f64;
+        let logarithm = n * (sum / n).max(1e-30).ln();
+        let count = k as f64;
+        entries.push(EvidenceEntry {
+            terms,
+            parameters: columns.len(),
+            rms: (sum / n).sqrt(),
+            leave_one_out_rms: (leave_one_out / n).sqrt(),
+            aicc: logarithm + 2.0 * count * n / (n - count - 1.0),
+            bic: logarithm + count * n.ln(),
+        });
+    }
+    Ok(entries)
+}
+
+/// Sum of squared residuals, plain and leave-one-out (residual over 1 - leverage); none where the
+/// columns are dependent.
+fn residual_sums(
+    what: &str,
+    design: &Matrix,
+    target: &[f64],
+) -> Result<Option<(f64, f64)>, CalibrationError> {
+    let wrap = |error: haptical_linalg::LinalgError| wrap(what, error.into());
+    let reduction = Reduction::new(design, target).map_err(wrap)?;
+    let columns: Vec<usize> = (0..design.columns()).collect();
+    let solution = reduction
+        .solve(&columns, 0.0, haptical_linalg::RANK_TOLERANCE)
+        .map_err(wrap)?;
+    if solution.rank < columns.len() {
+        return Ok(None);
+    }
+    let covariance = reduction
+        .covariance(&columns, haptical_linalg::RANK_TOLERANCE)
+        .map_err(wrap)?;
+    let fitted = design.times(&solution.values).map_err(wrap)?;
+    let (mut plain, mut without) = (0.0, 0.0);
+    for row in 0..design.rows() {
+        let mut leverage = 0.0;
+        for a in 0..columns.len() {
+            for b in 0..columns.len() {
+                leverage += design[(row, a)] * covariance[(a, b)] * design[(row, b)];
+            }
+        }
+        let residual = target[row] - fitted[row];
+        plain += residual * residual;
+        without += (residual / (1.0 - leverage).max(1e-9)).powi(2);
+    }
+    Ok(Some((plain, without)))
+}
+
+/// The zero error in the given form.
+pub(crate) fn form(terms: TransmissionTerms, range_rad: [f64; 2]) -> TransmissionError {
+    match terms {
+        TransmissionTerms::Polynomial(degree) => TransmissionError::Chebyshev {
+            range_rad,
+            coefficients: vec![0.0; degree + 1],
+        },
+        _ => TransmissionError::default(),
+    }
+}
+
+/// Smallest and largest reading, a little apart even where they are equal.
+pub(crate) fn range_of(readings: &[f64]) -> [f64; 2] {
+    let low = readings.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = readings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if high > low {
+        [low, high]
+    } else {
+        [low - 1e-6, low + 1e-6]
+    }
+}

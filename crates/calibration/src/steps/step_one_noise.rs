@@ -1,0 +1,110 @@
+//! What the noise of step 1 does to step 2: the transmissions' covariance carried through the distances.
+
+use haptical_identification::Matrix;
+use haptical_model::{ParameterId, Recording};
+
+use crate::error::wrap;
+use crate::fit::considered::{Considered, sensitivity};
+use crate::problem::form::{Prepared, reduce};
+use crate::{CalibrationError, Channel, DeviceProblem, ParameterFit, TransmissionFit, Weights};
+
+/// Least share of the residuals' variance that is left to the channel's own noise once the part that step 1 put
+/// there is taken off: the difference of two estimates may come out at zero.
+const LEAST_SHARE: f64 = 0.05;
+
+/// Makes the intervals of a kinematic fit (step 2) contain the noise of the transmissions (step 1).
+///
+/// Step 2 works at joint angles that step 1 corrected, so an error d of step 1's parameters moves its own by
+/// G d, G = -(J^T J)^-1 J^T J_1 with J_1 the distances' derivatives by step 1's parameters; with C_1 their
+/// covariance the fit's becomes C + G C_1 G^T. Where the noise was estimated from the residuals, what step 1 adds to
+/// their sum, trace((I - H) J_1 C_1 J_1^T) with H = J (J^T J)^-1 J^T, is taken off first, or it would count twice.
+/// Source: docs/equations.md, Covariance and intervals.
+///
+/// `recording`, `channels` and `weights` are those of the fit. Joints that step 1 left without a fit add nothing.
+///
+/// # Errors
+/// [`CalibrationError`] where the device has no value at a row.
+pub fn with_step_one_noise(
+    fit: ParameterFit,
+    transmissions: &[TransmissionFit],
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+) -> Result<ParameterFit, CalibrationError> {
+    let what = "noise of step 1";
+    let steps: Vec<&ParameterFit> = transmissions
+        .iter()
+        .filter_map(|step| step.fit.as_ref())
+        .collect();
+    let (parameters, covariance) = together(&steps);
+    if parameters.is_empty() || fit.fitted.is_empty() {
+        return Ok(fit);
+    }
+    let own = fit.fitted.iter().map(|&index| fit.parameters[index]);
+    let all: Vec<ParameterId> = own.chain(parameters.iter().copied()).collect();
+    let problem = DeviceProblem::new(&fit.device, recording, channels, &all, weights)?;
+    let prepared = Prepared::new(&problem)?;
+    let lanes = prepared.lanes();
+    let searched = prepared.searched(lanes.as_ref());
+    let failed = |source| wrap(what, source);
+    let reduction = reduce(searched, &problem.start()).map_err(failed)?;
+    let columns: Vec<usize> = (0..all.len()).collect();
+    let (first, second) = columns.split_at(fit.fitted.len());
+    let (sensitivity, rests) = sensitivity(&reduction, first, second).map_err(failed)?;
+    let mut fit = fit;
+    if fit.noise == haptical_identification::NoiseScale::Estimated {
+        let mut leaked = 0.0;
+        for (a, left) in rests.iter().enumerate() {
+            for (b, right) in rests.iter().enumerate() {
+                let product: f64 = left.iter().zip(right).map(|(x, y)| x * y).sum();
+                leaked += covariance[(a, b)] * product;
+            }
+        }
+        take_off(&mut fit, leaked);
+    }
+    let step_one = Considered {
+        parameters,
+        covariance,
+        sensitivity,
+        promised_fall: 0.0,
+    };
+    fit.considered = fit.considered.with(&step_one);
+    fit.considered
+        .widen(&mut fit.estimates, &fit.fitted, &fit.uncertainty, fit.noise);
+    Ok(fit)
+}
+
+/// The fitted parameters of all transmissions and their covariance, block by block.
+fn together(steps: &[&ParameterFit]) -> (Vec<ParameterId>, Matrix) {
+    let mut parameters = Vec::new();
+    let mut places = Vec::new();
+    for (step, fit) in steps.iter().enumerate() {
+        for (position, &index) in fit.fitted.iter().enumerate() {
+            parameters.push(fit.parameters[index]);
+            places.push((step, position));
+        }
+    }
+    let covariance = Matrix::from_fn(places.len(), places.len(), |a, b| {
+        let ((step, row), (other, column)) = (places[a], places[b]);
+        if step == other {
+            steps[step].uncertainty.covariance[(row, column)]
+        } else {
+            0.0
+        }
+    });
+    (parameters, covariance)
+}
+
+/// Takes what step 1 added to the residuals' sum of squares out of the noise that was estimated from it.
+fn take_off(fit: &mut ParameterFit, leaked: f64) {
+    if !(fit.cost > 0.0 && leaked > 0.0) {
+        return;
+    }
+    let share = (1.0 - leaked / fit.cost).max(LEAST_SHARE);
+    let spread = &mut fit.uncertainty;
+    spread.noise_factor *= share.sqrt();
+    for column in 0..spread.columns.len() {
+        let entries = spread.covariance.column_mut(column).iter_mut();
+        entries.for_each(|entry| *entry *= share);
+    }
+}
