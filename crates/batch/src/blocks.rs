@@ -5,11 +5,11 @@ use std::cell::RefCell;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use crate::aligned::Aligned;
-use crate::poses::{TILE_ROWS, TILES_IN_BLOCK};
+use crate::poses::TILES_IN_BLOCK;
 use crate::program::Program;
 use crate::sweep::{BadRow, SweepRoom, Tile, sweep_tile};
 use crate::{BatchError, PoseBatch, Triangle};
+use haptical_linalg::{Aligned, TILE_ROWS};
 
 /// Whether a pass may use several threads: those of the rayon pool it is called in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -138,7 +138,7 @@ impl Blocks {
                 }
             });
         }
-        total.check()
+        total.check().map_err(|_| BatchError::Overflow)
     }
 }
 

@@ -3,27 +3,23 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-mod aligned;
 mod blocks;
 mod error;
-mod fold;
 mod model;
-mod panel;
 mod pose_lanes;
 mod poses;
 mod problem;
 mod program;
 mod solve;
 mod sweep;
-mod triangle;
 mod trigonometry;
 
 pub use blocks::Threads;
 pub use error::BatchError;
+pub use haptical_linalg::Triangle;
 pub use model::DistanceModel;
 pub use pose_lanes::PoseLanes;
 pub use poses::{PoseBatch, Sines};
 pub use problem::{DistanceProblem, ReducedDistance, TileRows};
 pub use solve::{WarmFit, solve_distances, solve_distances_warm};
-pub use triangle::Triangle;
 pub use trigonometry::sines_cosines;

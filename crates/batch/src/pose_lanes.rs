@@ -7,9 +7,9 @@ use haptical_kinematics::{Chain, ChainConstants, KinematicsError, Pose, Prepared
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::BatchError;
-use crate::aligned::Aligned;
 use crate::poses::not_finite;
 use crate::trigonometry::LARGEST_RAD;
+use haptical_linalg::Aligned;
 
 use walk::{turns, walk};
 

@@ -2,17 +2,11 @@
 
 use haptical_kinematics::Motion;
 
-use crate::aligned::Aligned;
 use crate::{BatchError, DistanceModel, sines_cosines};
+use haptical_linalg::{Aligned, TILE_ROWS};
 
-/// Rows of a tile: 28 columns of so many derivatives and the residuals fill 59 kB. Twice the rows halve
-/// what every column costs once per tile, and the four columns that are in use at a time, 8 kB, stay in
-/// the first-level cache; 128 rows take 5 % longer where that cache has 48 kB (README.md).
-pub(crate) const TILE_ROWS: usize = 256;
 /// Tiles that are reduced to one triangle before triangles are merged.
 pub(crate) const TILES_IN_BLOCK: usize = 16;
-/// Rows are filled up to a multiple of this, whatever the processor's lanes are.
-pub(crate) const ROW_QUANTUM: usize = 16;
 
 /// When the sines and cosines of the joint variables are worked out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

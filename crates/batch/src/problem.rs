@@ -2,10 +2,10 @@
 
 use std::cell::RefCell;
 
-use haptical_identification::{Form, IdentificationError, Matrix, Problem};
+use haptical_identification::{IdentificationError, Matrix, Problem, TriangleProblem};
+use haptical_linalg::{TILE_ROWS, Triangle};
 
 use crate::blocks::{Blocks, visit_tiles};
-use crate::poses::TILE_ROWS;
 use crate::program::Program;
 use crate::{BatchError, DistanceModel, PoseBatch, Threads};
 
@@ -148,12 +148,10 @@ impl Problem for DistanceProblem<'_> {
     }
 }
 
-/// The same problem, reduced on the way to `[R q]` and what is left: its residuals are
-/// (q, sqrt(rest), 0, ...), as many as parameters and one more, its derivatives the triangle. Costs,
-/// steps, rank and covariance are those of all rows. One pass gives cost and triangle, so a search
-/// makes no other for the cost of a trial.
+/// The same problem, reduced on the way to a [`Triangle`]: its residuals are (q, sqrt(rest), 0, ...), as many as
+/// parameters and one more. One pass gives cost and triangle, so a search makes no other for the cost of a trial.
 ///
-/// As [`Problem::residual_count`] counts the triangle's rows, degrees of freedom must be told from
+/// [`Problem::residual_count`] counts the triangle's rows: degrees of freedom follow from
 /// [`ReducedDistance::pose_count`].
 #[derive(Debug)]
 pub struct ReducedDistance<'a> {
@@ -206,7 +204,7 @@ impl<'a> ReducedDistance<'a> {
         &self,
         parameters: &[f64],
         free: &[usize],
-        use_it: impl FnOnce(&crate::Triangle) -> T,
+        use_it: impl FnOnce(&Triangle) -> T,
     ) -> Result<T, BatchError> {
         check_lengths(self.model, parameters, free)?;
         // taken out: `use_it` may ask for another pass
@@ -219,32 +217,17 @@ impl<'a> ReducedDistance<'a> {
     }
 }
 
-impl Problem for ReducedDistance<'_> {
-    fn parameter_count(&self) -> usize {
+impl TriangleProblem for ReducedDistance<'_> {
+    fn columns(&self) -> usize {
         self.model.parameters.len()
     }
 
-    fn residual_count(&self) -> usize {
-        self.model.parameters.len() + 1
-    }
-
-    fn form(&self) -> Form {
-        Form::Triangle
-    }
-
-    fn evaluate(
+    fn reduce_into(
         &self,
         parameters: &[f64],
-        residuals: &mut [f64],
-        jacobian: Option<(&[usize], &mut Matrix)>,
+        free: &[usize],
+        into: &mut Triangle,
     ) -> Result<(), IdentificationError> {
-        let (free, matrix) = match jacobian {
-            Some((free, matrix)) => (free, Some(matrix)),
-            None => (&[][..], None),
-        };
-        self.reduce(parameters, free, |triangle| {
-            triangle.write_into(residuals, matrix);
-        })?;
-        Ok(())
+        Ok(self.reduce(parameters, free, |triangle| into.copy_from(triangle))?)
     }
 }

@@ -10,10 +10,10 @@
 
 use pulp::Simd;
 
-use crate::aligned::Aligned;
-use crate::poses::{Columns, Sines, TILE_ROWS};
+use crate::poses::{Columns, Sines};
 use crate::program::{Action, Angle, Program, Source, plane};
 use crate::trigonometry::sine_cosine;
+use haptical_linalg::{Aligned, TILE_ROWS};
 
 /// Rows of a sweep, always all of them, so that the compiler knows the lengths of its loops; what is
 /// kept on the way fits the first-level cache beside the tile.

@@ -20,7 +20,7 @@ mod haptic;
 use std::time::Instant;
 
 use dense::Dense;
-use haptical_calibration::{DeviceProblem, MergedProblem};
+use haptical_calibration::{DeviceProblem, ReducedProblem};
 use haptical_identification::{Fit, Problem, Reduction, Settings, evaluate_jacobian, solve};
 use haptical_simulator::Noise;
 
@@ -52,7 +52,7 @@ fn main() {
     // what either prepares once (sines of the readings) is in its time
     let timed = |is_dense: bool| {
         let from = Instant::now();
-        let ours = MergedProblem::new(&problem);
+        let ours = ReducedProblem::new(&problem);
         let dense = Dense(&ours);
         let searched: &dyn Problem = if is_dense { &dense } else { &ours };
         let fit = solve(searched, &start, &joint.free, &settings).unwrap();

@@ -5,79 +5,7 @@ use serde::Serialize;
 
 use crate::rules::{IdentifiabilityRules, positive};
 use crate::selection::{is_clear, keep_strong};
-use crate::{IdentificationError, Observability};
-
-/// What a report needs to know of a parameter.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ParameterInfo {
-    /// Short name, as in the paper's tables: `alpha4`, `ratio_deviation2`.
-    pub name: String,
-    /// SI unit.
-    pub unit: String,
-    /// Size that a deviation of this parameter may plausibly have, in its unit.
-    pub plausible_size: f64,
-}
-
-/// One term of a combination.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Term {
-    /// Index of the parameter.
-    pub parameter: usize,
-    /// Name of the parameter.
-    pub name: String,
-    /// Change of that parameter which acts like a unit change of the dependent one.
-    pub coefficient: f64,
-}
-
-/// What the data say of one parameter.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "status", rename_all = "kebab-case")]
-pub enum Status {
-    /// The data fix it.
-    Identifiable {
-        /// Standard deviation for the stated noise.
-        standard_deviation: f64,
-    },
-    /// Independent, but fixed no better than its plausible size.
-    Weak {
-        /// Standard deviation for the stated noise.
-        standard_deviation: f64,
-    },
-    /// It has no effect on any measurement.
-    Invisible,
-    /// Its effect is a combination of others' effects.
-    Dependent {
-        /// The combination.
-        combination: Vec<Term>,
-    },
-}
-
-impl Status {
-    /// Whether the parameter can be estimated (identifiable or weak).
-    pub fn is_independent(&self) -> bool {
-        matches!(self, Self::Identifiable { .. } | Self::Weak { .. })
-    }
-
-    /// Its name in result files: "identifiable", "weak", "invisible" or "dependent".
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Identifiable { .. } => "identifiable",
-            Self::Weak { .. } => "weak",
-            Self::Invisible => "invisible",
-            Self::Dependent { .. } => "dependent",
-        }
-    }
-
-    /// Standard deviation for the stated noise, in the parameter's unit; none for a parameter that is not independent.
-    pub fn standard_deviation(&self) -> Option<f64> {
-        match self {
-            Self::Identifiable { standard_deviation } | Self::Weak { standard_deviation } => {
-                Some(*standard_deviation)
-            }
-            Self::Invisible | Self::Dependent { .. } => None,
-        }
-    }
-}
+use crate::{IdentificationError, Observability, ParameterInfo, Status};
 
 /// The answer of [`analyse`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -263,28 +191,4 @@ fn check(
         positive("plausible_size", parameter.plausible_size)?;
     }
     Ok(())
-}
-
-impl ParameterInfo {
-    /// A parameter by name, unit and plausible size.
-    pub fn new(name: impl Into<String>, unit: impl Into<String>, plausible_size: f64) -> Self {
-        Self {
-            name: name.into(),
-            unit: unit.into(),
-            plausible_size,
-        }
-    }
-}
-
-/// Columns of a reduction's chosen factor scaled by plausible sizes instead of unit norms.
-pub(crate) fn plausible_scaling(
-    reduction: &Reduction,
-    columns: &[usize],
-    parameters: &[ParameterInfo],
-) -> Result<haptical_linalg::Matrix, IdentificationError> {
-    let sizes: Vec<f64> = columns
-        .iter()
-        .map(|&column| reduction.column_norms()[column] * parameters[column].plausible_size)
-        .collect();
-    Ok(reduction.scaled_factor(columns, &sizes)?)
 }

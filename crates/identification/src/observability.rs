@@ -3,7 +3,6 @@
 use haptical_linalg::{Reduction, singular_values};
 use serde::Serialize;
 
-use crate::identifiability::plausible_scaling;
 use crate::{IdentificationError, ParameterInfo};
 
 /// Observability indices from the singular values s_1 >= ... >= s_L of the derivative matrix whose
@@ -56,4 +55,17 @@ impl Observability {
             o5: 1.0 / values.iter().map(|value| 1.0 / value).sum::<f64>(),
         })
     }
+}
+
+/// Columns of a reduction's chosen factor scaled by plausible sizes instead of unit norms.
+fn plausible_scaling(
+    reduction: &Reduction,
+    columns: &[usize],
+    parameters: &[ParameterInfo],
+) -> Result<haptical_linalg::Matrix, IdentificationError> {
+    let sizes: Vec<f64> = columns
+        .iter()
+        .map(|&column| reduction.column_norms()[column] * parameters[column].plausible_size)
+        .collect();
+    Ok(reduction.scaled_factor(columns, &sizes)?)
 }

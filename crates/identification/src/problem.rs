@@ -1,6 +1,6 @@
 //! What a least-squares problem is: weighted residuals and their analytic derivatives.
 
-use haptical_linalg::{LinalgError, Matrix};
+use haptical_linalg::{LinalgError, Matrix, Triangle};
 
 use crate::IdentificationError;
 
@@ -15,9 +15,10 @@ pub trait Problem {
     /// Number of residuals.
     fn residual_count(&self) -> usize;
 
-    /// How the residuals and derivatives are handed over.
-    fn form(&self) -> Form {
-        Form::Rows
+    /// The same problem as one that is reduced to a triangle, where it is: then a search takes cost and derivatives in
+    /// one pass, and its steps from the triangle as it is.
+    fn as_triangle(&self) -> Option<&dyn TriangleProblem> {
+        None
     }
 
     /// Writes the residuals and, where asked, d residual_i / d parameter_j into the columns `free`
@@ -33,15 +34,55 @@ pub trait Problem {
     ) -> Result<(), IdentificationError>;
 }
 
-/// How a [`Problem`] hands over residuals and derivatives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// One row per residual; residuals alone cost less than with derivatives.
-    Rows,
-    /// `[J r]`, reduced by orthogonal transformations to an upper triangle with zeros below: at most one
-    /// row more than there are free parameters is not zero. The derivatives come with the cost, so a
-    /// search asks for both at once, and takes its steps from the triangle as it is.
-    Triangle,
+/// A problem whose residuals and derivatives are reduced to a [`Triangle`] by orthogonal transformations: cost, steps,
+/// rank and covariance are those of all rows.
+///
+/// Each is a [`Problem`] of one row more than it has parameters: the rows of the triangle, then the root of the rest.
+pub trait TriangleProblem {
+    /// Number of parameters, free or not.
+    fn columns(&self) -> usize;
+
+    /// Reduces the derivatives with respect to `free`, column k for parameter `free[k]`, and the residuals. Without free
+    /// parameters the triangle holds the cost alone.
+    ///
+    /// # Errors
+    /// As for [`Problem::evaluate`].
+    fn reduce_into(
+        &self,
+        parameters: &[f64],
+        free: &[usize],
+        into: &mut Triangle,
+    ) -> Result<(), IdentificationError>;
+}
+
+impl<P: TriangleProblem> Problem for P {
+    fn parameter_count(&self) -> usize {
+        self.columns()
+    }
+
+    fn residual_count(&self) -> usize {
+        self.columns() + 1
+    }
+
+    fn as_triangle(&self) -> Option<&dyn TriangleProblem> {
+        Some(self)
+    }
+
+    fn evaluate(
+        &self,
+        parameters: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<(&[usize], &mut Matrix)>,
+    ) -> Result<(), IdentificationError> {
+        let (free, matrix) = match jacobian {
+            Some((free, matrix)) => (free, Some(matrix)),
+            None => (&[][..], None),
+        };
+        let mut triangle = Triangle::new(free.len());
+        self.reduce_into(parameters, free, &mut triangle)?;
+        triangle.write_into(residuals, matrix);
+        Ok(())
+    }
 }
 
 /// The derivative matrix (residuals x `free`) and the residuals at one point.
@@ -126,4 +167,8 @@ pub(crate) fn check_free<P: Problem + ?Sized>(
         }
     }
     Ok(())
+}
+
+pub(crate) fn sum_of_squares(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum()
 }

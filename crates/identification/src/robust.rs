@@ -2,7 +2,7 @@
 
 use haptical_linalg::Matrix;
 
-use crate::{Fit, Form, IdentificationError, Loss, Problem, Settings, robust_scale, solve};
+use crate::{Fit, IdentificationError, Loss, Problem, Settings, robust_scale, solve};
 
 /// The outcome of a robust fit.
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ const SETTLED: f64 = 1e-3;
 /// fixes a parameter by itself is fitted, whatever it says).
 ///
 /// # Errors
-/// As [`solve`], and [`IdentificationError::Evaluation`] for a problem in [`Form::Triangle`].
+/// As [`solve`], and [`IdentificationError::Evaluation`] for a [`crate::TriangleProblem`].
 ///
 /// # Examples
 /// ```
@@ -63,7 +63,7 @@ pub fn solve_robust<P: Problem + ?Sized>(
     settings: &Settings,
     loss: Loss,
 ) -> Result<RobustFit, IdentificationError> {
-    if problem.form() == Form::Triangle {
+    if problem.as_triangle().is_some() {
         let reason = "a robust loss needs every residual by itself, not a triangle".to_owned();
         return Err(IdentificationError::Evaluation { reason });
     }

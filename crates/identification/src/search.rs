@@ -2,9 +2,10 @@
 
 use haptical_linalg::{Matrix, Reduction, Solution};
 
-use crate::problem::by_parameter;
-use crate::triangle::Triangle;
-use crate::{Convergence, Form, IdentificationError, Problem, Settings};
+use crate::linear::Linear;
+use crate::problem::{by_parameter, evaluate_jacobian, sum_of_squares};
+use crate::triangle::UnitTriangle;
+use crate::{Convergence, IdentificationError, Problem, Settings};
 
 /// Promised fall, as a share of the cost, that the rounding of the cost can hide.
 const UNSEEN_FALL: f64 = 1e-9;
@@ -19,15 +20,6 @@ const SMALLEST_SCALE: f64 = 1e-3;
 /// plateau no derivative leads back (NIST's BoxBOD, where a rate leaps to where all has decayed).
 const COLLAPSE: f64 = 1e-6;
 
-/// The linearised problem where the search is.
-#[derive(Debug)]
-enum Linear {
-    /// Reduced by a pivoted QR of all rows.
-    Reduced(Reduction),
-    /// Handed over as a triangle, and room for that of a trial.
-    Triangle(Box<[Triangle; 2]>),
-}
-
 pub(crate) struct Search<'a, P: ?Sized> {
     pub(crate) problem: &'a P,
     pub(crate) free: &'a [usize],
@@ -40,7 +32,6 @@ pub(crate) struct Search<'a, P: ?Sized> {
     linear: Linear,
     pub(crate) cost: f64,
     pub(crate) evaluations: usize,
-    trial_residuals: Vec<f64>,
 }
 
 impl<'a, P: Problem + ?Sized> Search<'a, P> {
@@ -53,25 +44,19 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         let rows = problem.residual_count();
         let mut residuals = vec![0.0; rows];
         let mut jacobian = Matrix::zeros(0, 0);
-        let linear = if problem.form() == Form::Triangle {
-            let room = || Triangle::new(rows, free.len());
-            let mut triangles = Box::new([room(), room()]);
-            triangles[0].evaluate(problem, start, free)?;
-            if !triangles[0].is_finite() {
+        let linear = if let Some(triangle) = problem.as_triangle() {
+            let linear = UnitTriangle::new(triangle, start, free)?;
+            if !linear.is_finite() {
                 // refuses, and says what is not finite
-                reduce(
-                    problem,
-                    &triangles[0].jacobian,
-                    &triangles[0].residuals,
-                    free,
-                )?;
+                let (jacobian, residuals) = evaluate_jacobian(problem, start, free)?;
+                reduce(problem, &jacobian, &residuals, free)?;
             }
-            residuals.copy_from_slice(&triangles[0].residuals);
-            Linear::Triangle(triangles)
+            residuals = linear.residuals();
+            Linear::Triangle(Box::new(linear))
         } else {
             jacobian = Matrix::zeros(rows, free.len());
             problem.evaluate(start, &mut residuals, Some((free, &mut jacobian)))?;
-            Linear::Reduced(reduce(problem, &jacobian, &residuals, free)?)
+            Linear::Rows(reduce(problem, &jacobian, &residuals, free)?)
         };
         Ok(Self {
             problem,
@@ -79,7 +64,6 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             columns: (0..free.len()).collect(),
             settings,
             parameters: start.to_vec(),
-            trial_residuals: vec![0.0; rows],
             cost: sum_of_squares(&residuals),
             residuals,
             jacobian,
@@ -90,27 +74,13 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
 
     /// Euclidean norms of the columns.
     pub(crate) fn column_norms(&self) -> &[f64] {
-        match &self.linear {
-            Linear::Reduced(reduction) => reduction.column_norms(),
-            Linear::Triangle(triangles) => &triangles[0].norms,
-        }
+        self.linear.column_norms()
     }
 
     /// The undamped step of the linearised problem, which measures convergence for both methods.
     pub(crate) fn newton(&self) -> Result<Solution, IdentificationError> {
-        let tolerance = self.settings.rank_tolerance;
-        match &self.linear {
-            Linear::Reduced(reduction) => Ok(reduction.solve(&self.columns, 0.0, tolerance)?),
-            Linear::Triangle(triangles) => self.newton_of(&triangles[0]),
-        }
-    }
-
-    fn newton_of(&self, triangle: &Triangle) -> Result<Solution, IdentificationError> {
-        let tolerance = self.settings.rank_tolerance;
-        match triangle.newton(tolerance) {
-            Some(step) => Ok(step),
-            None => Ok(triangle.reduction()?.solve(&self.columns, 0.0, tolerance)?),
-        }
+        self.linear
+            .newton(&self.columns, self.settings.rank_tolerance)
     }
 
     /// The step damped by `damping` times the weighted column norms.
@@ -119,27 +89,14 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         damping: f64,
         weights: &[f64],
     ) -> Result<Solution, IdentificationError> {
-        let (columns, tolerance) = (&self.columns, self.settings.rank_tolerance);
-        let fallback;
-        let reduction = match &self.linear {
-            Linear::Reduced(reduction) => reduction,
-            Linear::Triangle(triangles) => {
-                if let Some(step) = triangles[0].damped(damping, weights, tolerance) {
-                    return Ok(step);
-                }
-                fallback = triangles[0].reduction()?;
-                &fallback
-            }
-        };
-        Ok(reduction.solve_weighted(columns, damping, weights, tolerance)?)
+        let tolerance = self.settings.rank_tolerance;
+        self.linear
+            .damped(&self.columns, (damping, weights), tolerance)
     }
 
-    /// The linearised problem, reduced.
+    /// Parameters, residuals, and the linearised problem, reduced.
     pub(crate) fn into_parts(self) -> Result<(Vec<f64>, Vec<f64>, Reduction), IdentificationError> {
-        let reduction = match self.linear {
-            Linear::Reduced(reduction) => reduction,
-            Linear::Triangle(triangles) => triangles[0].reduction()?,
-        };
+        let reduction = self.linear.into_reduction()?;
         Ok((self.parameters, self.residuals, reduction))
     }
 
@@ -209,84 +166,47 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         newton: &Solution,
     ) -> Result<bool, IdentificationError> {
         self.evaluations += 1;
-        if let Linear::Triangle(triangles) = &mut self.linear {
-            let [_, after] = &mut **triangles;
-            if after.evaluate(self.problem, &trial, self.free).is_err() || !after.is_finite() {
-                return Ok(false);
-            }
-            return self.try_triangle(trial, newton);
-        }
-        let cost = match self
-            .problem
-            .evaluate(&trial, &mut self.trial_residuals, None)
+        let Some((residuals, linear)) = self.linearised(&trial, newton) else {
+            return Ok(false);
+        };
+        let cost = sum_of_squares(&residuals);
+        if !self.is_better(cost, newton) || has_vanished(linear.column_norms(), self.column_norms())
         {
-            Ok(()) => sum_of_squares(&self.trial_residuals),
-            Err(_) => return Ok(false),
-        };
-        if !self.is_better(cost, newton) {
-            return Ok(false);
-        }
-        // A place without derivatives is no place to go on from, as one without residuals is.
-        let derivatives = Some((self.free, &mut self.jacobian));
-        let evaluated = self
-            .problem
-            .evaluate(&trial, &mut self.trial_residuals, derivatives);
-        if evaluated.is_err() {
-            return Ok(false);
-        }
-        self.evaluations += 1;
-        let reduced = reduce(
-            self.problem,
-            &self.jacobian,
-            &self.trial_residuals,
-            self.free,
-        );
-        let Ok(reduction) = reduced else {
-            return Ok(false);
-        };
-        if has_vanished(reduction.column_norms(), self.column_norms()) {
             return Ok(false);
         }
         if cost >= self.cost {
-            let after = reduction.solve(&self.columns, 0.0, self.settings.rank_tolerance)?;
+            let after = linear.newton(&self.columns, self.settings.rank_tolerance)?;
             if after.explained_square > 0.5 * newton.explained_square {
                 return Ok(false);
             }
         }
-        std::mem::swap(&mut self.residuals, &mut self.trial_residuals);
-        self.linear = Linear::Reduced(reduction);
+        self.residuals = residuals;
+        self.linear = linear;
         self.parameters = trial;
         self.cost = cost;
         Ok(true)
     }
 
-    /// As [`Search::try_move`], the trial's triangle being there already.
-    fn try_triangle(
-        &mut self,
-        trial: Vec<f64>,
-        newton: &Solution,
-    ) -> Result<bool, IdentificationError> {
-        let Linear::Triangle(triangles) = &self.linear else {
-            return Ok(false);
-        };
-        let [before, after] = &**triangles;
-        let cost = sum_of_squares(&after.residuals);
-        if !self.is_better(cost, newton) || has_vanished(&after.norms, &before.norms) {
-            return Ok(false);
+    /// Residuals and the linearised problem at a trial point; none where it has no value or is no improvement.
+    fn linearised(&mut self, trial: &[f64], newton: &Solution) -> Option<(Vec<f64>, Linear)> {
+        if let Some(triangle) = self.problem.as_triangle() {
+            let linear = UnitTriangle::new(triangle, trial, self.free).ok()?;
+            let is_sound = linear.is_finite();
+            return is_sound.then(|| (linear.residuals(), Linear::Triangle(Box::new(linear))));
         }
-        if cost >= self.cost {
-            let after = self.newton_of(after)?;
-            if after.explained_square > 0.5 * newton.explained_square {
-                return Ok(false);
-            }
+        let mut residuals = vec![0.0; self.residuals.len()];
+        self.problem.evaluate(trial, &mut residuals, None).ok()?;
+        let cost = sum_of_squares(&residuals);
+        if !self.is_better(cost, newton) {
+            return None;
         }
-        if let Linear::Triangle(triangles) = &mut self.linear {
-            triangles.swap(0, 1);
-            self.residuals.copy_from_slice(&triangles[0].residuals);
-        }
-        self.parameters = trial;
-        self.cost = cost;
-        Ok(true)
+        // A place without derivatives is no place to go on from, as one without residuals is.
+        let derivatives = Some((self.free, &mut self.jacobian));
+        let evaluated = self.problem.evaluate(trial, &mut residuals, derivatives);
+        evaluated.ok()?;
+        self.evaluations += 1;
+        let reduction = reduce(self.problem, &self.jacobian, &residuals, self.free);
+        Some((residuals, Linear::Rows(reduction.ok()?)))
     }
 
     /// Whether a cost is lower, or as low where the fall cannot be seen.
@@ -318,8 +238,4 @@ fn reduce<P: Problem + ?Sized>(
 fn has_vanished(after: &[f64], before: &[f64]) -> bool {
     let mut norms = after.iter().zip(before);
     norms.any(|(after, before)| *after < COLLAPSE * before)
-}
-
-pub(crate) fn sum_of_squares(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum()
 }

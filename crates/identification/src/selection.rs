@@ -2,10 +2,9 @@
 
 use haptical_linalg::{LinalgError, OrderedRank, Reduction};
 
-use crate::IdentificationError;
-use crate::identifiability::{ParameterInfo, Status, Term};
 use crate::proven::{Variances, variances};
 use crate::rules::IdentifiabilityRules;
+use crate::{IdentificationError, ParameterInfo, Status, Term};
 
 /// Whether bounds prove that the singular values would give the same rank.
 ///

@@ -1,82 +1,77 @@
 //! Steps from a triangle as it is, without another decomposition, where its rank is proven.
 
-use haptical_linalg::{Matrix, Reduction, Solution};
+use haptical_linalg::{Reduction, Solution, Triangle};
 
-use crate::search::sum_of_squares;
-use crate::{IdentificationError, Problem};
+use crate::problem::sum_of_squares;
+use crate::{IdentificationError, TriangleProblem};
 
-/// The linearised problem of a [`crate::Form::Triangle`] problem: F x - q, F upper triangular.
+/// The linearised problem of a [`TriangleProblem`]: R x - q, R upper triangular, with R also at unit columns.
 ///
 /// A pivoted QR is there to decide the rank. Where a bound proves that it would find full rank, back
 /// substitution gives the same step for a hundredth of the work; where not, the pivoted QR decides.
 #[derive(Debug)]
-pub(crate) struct Triangle {
-    /// F and q as the problem wrote them.
-    pub(crate) jacobian: Matrix,
-    pub(crate) residuals: Vec<f64>,
+pub(crate) struct UnitTriangle {
+    triangle: Triangle,
+    /// Rows that its reduction has.
+    rows: usize,
     pub(crate) norms: Vec<f64>,
-    /// F with unit columns, column by column.
+    /// R with unit columns, column by column.
     unit: Vec<f64>,
     /// Lower bound of the smallest singular value of the unit columns.
     least: f64,
-    /// Sum of squares of q beyond the triangle.
-    rest_square: f64,
 }
 
-impl Triangle {
-    pub(crate) fn new(rows: usize, columns: usize) -> Self {
-        Self {
-            jacobian: Matrix::zeros(rows, columns),
-            residuals: vec![0.0; rows],
-            norms: vec![0.0; columns],
-            unit: vec![0.0; columns * columns],
-            least: 0.0,
-            rest_square: 0.0,
-        }
-    }
-
-    /// Has the problem write itself at a point.
-    pub(crate) fn evaluate<P: Problem + ?Sized>(
-        &mut self,
-        problem: &P,
+impl UnitTriangle {
+    /// The problem at a point.
+    pub(crate) fn new(
+        problem: &dyn TriangleProblem,
         parameters: &[f64],
         free: &[usize],
-    ) -> Result<(), IdentificationError> {
-        let into = Some((free, &mut self.jacobian));
-        problem.evaluate(parameters, &mut self.residuals, into)?;
-        let count = self.norms.len();
+    ) -> Result<Self, IdentificationError> {
+        let count = free.len();
+        let mut made = Self {
+            triangle: Triangle::new(count),
+            rows: problem.columns() + 1,
+            norms: vec![0.0; count],
+            unit: vec![0.0; count * count],
+            least: 0.0,
+        };
+        problem.reduce_into(parameters, free, &mut made.triangle)?;
         for column in 0..count {
-            let entries = &self.jacobian.column(column)[..=column];
+            let entries = made.triangle.column(column);
             let norm = sum_of_squares(entries).sqrt();
-            self.norms[column] = norm;
+            made.norms[column] = norm;
             let scale = if norm > 0.0 { 1.0 / norm } else { 1.0 };
-            let unit = &mut self.unit[column * count..][..=column];
+            let unit = &mut made.unit[column * count..][..=column];
             for (unit, entry) in unit.iter_mut().zip(entries) {
                 *unit = entry * scale;
             }
         }
-        self.rest_square = sum_of_squares(&self.residuals[count..]);
-        self.least = self.least_singular_value();
-        Ok(())
+        made.least = made.least_singular_value();
+        Ok(made)
     }
 
     /// Whether all numbers are finite, and so are the norms.
     pub(crate) fn is_finite(&self) -> bool {
-        self.norms
-            .iter()
-            .chain(&self.residuals)
-            .all(|entry| entry.is_finite())
+        let numbers = self.norms.iter().chain(self.triangle.projected());
+        numbers
+            .chain([&self.rest_square()])
+            .all(|number| number.is_finite())
+    }
+
+    fn rest_square(&self) -> f64 {
+        self.triangle.rest_square()
+    }
+
+    /// The residuals of the triangle: q, the root of the rest, zeros.
+    pub(crate) fn residuals(&self) -> Vec<f64> {
+        let mut residuals = vec![0.0; self.rows];
+        self.triangle.write_into(&mut residuals, None);
+        residuals
     }
 
     pub(crate) fn reduction(&self) -> Result<Reduction, IdentificationError> {
-        let count = self.norms.len();
-        let triangle = Matrix::from_fn(count, count, |row, column| self.jacobian[(row, column)]);
-        Ok(Reduction::from_triangle(
-            &triangle,
-            &self.residuals[..count],
-            self.rest_square,
-            self.residuals.len(),
-        )?)
+        Ok(self.triangle.reduction(self.rows)?)
     }
 
     fn diagonal(&self, index: usize) -> f64 {
@@ -113,13 +108,12 @@ impl Triangle {
     /// The pivots of a pivoted QR are at least the smallest singular value, the largest pivot at most
     /// 1, the norm of a column.
     pub(crate) fn newton(&self, tolerance: f64) -> Option<Solution> {
-        let count = self.norms.len();
         if self.least <= PROOF_MARGIN * tolerance {
             return None;
         }
-        let mut step = self.residuals[..count].to_vec();
+        let mut step = self.triangle.projected().to_vec();
         back_substitute(&self.unit, &mut step);
-        self.solution(step, sum_of_squares(&self.residuals[..count]), 0.0)
+        self.solution(step, sum_of_squares(self.triangle.projected()), 0.0)
     }
 
     /// The damped step, as [`Reduction::solve_weighted`]; none where full rank is not proven.
@@ -138,7 +132,7 @@ impl Triangle {
             return None;
         }
         let mut triangle = self.unit.clone();
-        let mut step = self.residuals[..count].to_vec();
+        let mut step = self.triangle.projected().to_vec();
         let height = count.next_multiple_of(LANES);
         let mut below = vec![0.0; count * height];
         for (index, weight) in weights.iter().enumerate() {
@@ -149,7 +143,7 @@ impl Triangle {
         let (mut misfit, mut explained) = (0.0, 0.0);
         for row in 0..count {
             let terms = (row..count).map(|column| self.unit[column * count + row] * step[column]);
-            let (have, fit) = (self.residuals[row], terms.sum::<f64>());
+            let (have, fit) = (self.triangle.projected()[row], terms.sum::<f64>());
             misfit += (have - fit) * (have - fit);
             explained += fit * (2.0 * have - fit);
         }
@@ -165,7 +159,7 @@ impl Triangle {
         is_sound.then_some(Solution {
             rank: self.norms.len(),
             values: step,
-            residual_square: self.rest_square + misfit,
+            residual_square: self.rest_square() + misfit,
             explained_square,
         })
     }

@@ -2,22 +2,28 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod aligned;
 mod basis;
 mod covariance;
 mod error;
+mod fold;
 mod lanes;
 mod matrix;
 mod ordered;
+mod panel;
 mod pivoted;
 mod reduction;
 mod step;
+mod triangle;
 
+pub use aligned::Aligned;
 pub use basis::OrthonormalBasis;
 pub use error::LinalgError;
 pub use matrix::Matrix;
 pub use ordered::{Dependence, OrderedRank};
 pub use reduction::Reduction;
 pub use step::Solution;
+pub use triangle::{ROW_QUANTUM, TILE_ROWS, Triangle};
 
 /// Singular values of any finite matrix, largest first.
 ///

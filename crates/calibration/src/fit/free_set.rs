@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use haptical_identification::{Identifiability, IdentificationError, Problem, Status, Uncertainty};
+use haptical_identification::{
+    Identifiability, IdentificationError, Matrix, Problem, Status, Uncertainty,
+};
 
 use crate::problem::form::Prepared;
 use crate::{CalibrationError, Channel, DeviceProblem};
@@ -26,22 +28,21 @@ pub(crate) fn parameter_shares(
     if let (Some(channel), None) = (channels.next(), channels.next()) {
         return Ok([(channel, free.len() as f64)].into());
     }
-    let (layout, triangles) = prepared.by_channel(values, free)?;
-    let mut first = 0;
-    let mut shares = BTreeMap::new();
-    for (channel, rows) in layout {
+    let share = |rows: &Matrix| {
         let mut share = 0.0;
-        for row in first..first + rows {
+        for row in 0..rows.rows() {
             for a in 0..free.len() {
                 for b in 0..free.len() {
-                    share += triangles[(row, a)] * spread.covariance[(a, b)] * triangles[(row, b)];
+                    share += rows[(row, a)] * spread.covariance[(a, b)] * rows[(row, b)];
                 }
             }
         }
-        shares.insert(channel, share);
-        first += rows;
-    }
-    Ok(shares)
+        share
+    };
+    let channels = prepared.by_channel(values, free)?.into_iter();
+    Ok(channels
+        .map(|(channel, rows)| (channel, share(&rows)))
+        .collect())
 }
 
 /// The identifiable parameters, ascending; weak ones would take the noise for their value.

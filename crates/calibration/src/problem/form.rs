@@ -1,16 +1,14 @@
 //! The form of a problem in which it is solved fastest, with the answers that a fit asks of it.
 
-use std::rc::Rc;
-
 use haptical_batch::{DistanceProblem, ReducedDistance, Threads};
 use haptical_identification::{
-    Form, IdentificationError, Matrix, Problem, Reduction, evaluate_jacobian,
+    IdentificationError, Matrix, Problem, Reduction, Triangle, evaluate_jacobian,
 };
 
 use crate::problem::gauge::GaugedProblem;
 use crate::problem::lanes::distances::Distances;
 use crate::problem::lanes::outputs::Outputs;
-use crate::{CalibrationError, Channel, DeviceProblem, MergedProblem, ReducedProblem};
+use crate::{CalibrationError, Channel, DeviceProblem, ReducedProblem};
 
 /// From this number of residuals on, each channel is reduced to a triangle before the search: the
 /// answer is the same, and the time less (README.md has the measurement).
@@ -19,8 +17,7 @@ const REDUCED_FROM: usize = 250;
 /// A problem that may have a form in lanes.
 pub(crate) struct Prepared<'p> {
     pub(crate) problem: &'p DeviceProblem<'p>,
-    reduced: Rc<ReducedProblem<'p>>,
-    merged: MergedProblem<'p>,
+    reduced: ReducedProblem<'p>,
     distances: Option<Distances>,
     outputs: Option<Outputs>,
     gauged: GaugedProblem<'p>,
@@ -34,11 +31,9 @@ impl<'p> Prepared<'p> {
         } else {
             None
         };
-        let reduced = Rc::new(ReducedProblem::new(problem));
         Ok(Self {
             problem,
-            merged: MergedProblem::of(Rc::clone(&reduced)),
-            reduced,
+            reduced: ReducedProblem::new(problem),
             distances,
             outputs,
             gauged: GaugedProblem::new(problem)?,
@@ -64,10 +59,8 @@ impl<'p> Prepared<'p> {
             outputs
         } else if self.problem.residual_count() < REDUCED_FROM {
             self.problem
-        } else if self.reduced.lanes().is_some() {
-            &self.merged
         } else {
-            &*self.reduced
+            &self.reduced
         }
     }
 
@@ -76,20 +69,23 @@ impl<'p> Prepared<'p> {
         self.distances.is_some() || self.outputs.is_some()
     }
 
-    /// Derivatives at `values` in rows that stand for those of each channel: channels with their numbers of rows.
+    /// Derivatives of each channel at `values`, in rows that stand for its own.
     pub(crate) fn by_channel(
         &self,
         values: &[f64],
         free: &[usize],
-    ) -> Result<(Vec<(Channel, usize)>, Matrix), IdentificationError> {
-        if self.gauged.is_scaled() {
-            let blocks = self.problem.blocks.iter();
-            let counts = blocks.map(|block| (block.channel, block.end() - block.first));
-            let (jacobian, _) = evaluate_jacobian(&self.gauged, values, free)?;
-            return Ok((counts.collect(), jacobian));
+    ) -> Result<Vec<(Channel, Matrix)>, IdentificationError> {
+        if !self.gauged.is_scaled() {
+            return self.reduced.by_channel(values, free);
         }
-        let (jacobian, _) = evaluate_jacobian(&*self.reduced, values, free)?;
-        Ok((self.reduced.layout().to_vec(), jacobian))
+        let (jacobian, _) = evaluate_jacobian(&self.gauged, values, free)?;
+        let blocks = self.problem.blocks.iter();
+        let own = blocks.map(|block| {
+            let rows = block.end() - block.first;
+            let entry = |row: usize, column: usize| jacobian[(block.first + row, column)];
+            (block.channel, Matrix::from_fn(rows, free.len(), entry))
+        });
+        Ok(own.collect())
     }
 
     /// Weighted residuals, row by row.
@@ -104,7 +100,7 @@ impl<'p> Prepared<'p> {
         } else if let Some(outputs) = &self.outputs {
             outputs.residuals(values, &mut residuals)?;
         } else if self.problem.residual_count() >= REDUCED_FROM {
-            self.merged.residuals(values, &mut residuals)?;
+            self.reduced.residuals(values, &mut residuals)?;
         } else {
             self.problem.evaluate(values, &mut residuals, None)?;
         }
@@ -118,20 +114,13 @@ pub(crate) fn reduce(
     values: &[f64],
 ) -> Result<Reduction, IdentificationError> {
     let all: Vec<usize> = (0..values.len()).collect();
-    let (jacobian, residuals) = evaluate_jacobian(problem, values, &all)?;
-    if problem.form() == Form::Rows {
-        return Ok(Reduction::new(&jacobian, &residuals)?);
+    if let Some(triangle) = problem.as_triangle() {
+        let mut reduced = Triangle::new(all.len());
+        triangle.reduce_into(values, &all, &mut reduced)?;
+        return Ok(reduced.reduction(problem.residual_count())?);
     }
-    let count = all.len();
-    let triangle = Matrix::from_fn(count, count, |row, column| jacobian[(row, column)]);
-    let rest_square = residuals[count..].iter().map(|rest| rest * rest).sum();
-    let (projected, rows) = (&residuals[..count], residuals.len());
-    Ok(Reduction::from_triangle(
-        &triangle,
-        projected,
-        rest_square,
-        rows,
-    )?)
+    let (jacobian, residuals) = evaluate_jacobian(problem, values, &all)?;
+    Ok(Reduction::new(&jacobian, &residuals)?)
 }
 
 /// The problem in lanes, if it is one of a chain's parameters and one distance.

@@ -1,11 +1,10 @@
 //! Rows of one channel, gathered and reduced in portions.
 
-use haptical_identification::{IdentificationError, Matrix, Reduction};
+use haptical_identification::{IdentificationError, Matrix, Triangle};
 use haptical_model::ModelError;
 
-/// Rows that are gathered before they are reduced: with 58 columns they fill a quarter of a
-/// megabyte, which stays in the second-level cache, and the triangle above them costs a tenth.
-const CHUNK_ROWS: usize = 512;
+/// Rows that are gathered before they are reduced: a tile of the triangle.
+const CHUNK_ROWS: usize = 256;
 
 /// `[J r]` of one channel, reduced whenever enough rows have been gathered.
 #[derive(Debug)]
@@ -14,7 +13,8 @@ pub(crate) struct GatheredRows {
     columns: Vec<(usize, usize)>,
     /// Number of parameters: names the residual in errors.
     parameters: usize,
-    /// Reduced rows first, then those gathered since; the last column is the residual.
+    triangle: Triangle,
+    /// Rows gathered since; the last column is the residual.
     rows: Matrix,
     filled: usize,
     failure: Option<IdentificationError>,
@@ -22,9 +22,9 @@ pub(crate) struct GatheredRows {
 
 impl GatheredRows {
     pub(crate) fn new(columns: Vec<(usize, usize)>, parameters: usize) -> Self {
-        let width = columns.len() + 1;
         Self {
-            rows: Matrix::zeros(CHUNK_ROWS.max(4 * width), width),
+            rows: Matrix::zeros(CHUNK_ROWS, columns.len() + 1),
+            triangle: Triangle::new(columns.len()),
             columns,
             parameters,
             filled: 0,
@@ -70,40 +70,24 @@ impl GatheredRows {
         }
     }
 
+    /// Folds the gathered rows into the triangle.
     fn reduce(&mut self) {
-        let width = self.rows.columns();
-        if self.filled <= width {
-            return;
+        let columns: Vec<&[f64]> = (0..self.columns.len())
+            .map(|column| &self.rows.column(column)[..self.filled])
+            .collect();
+        let residuals = &self.rows.column(self.columns.len())[..self.filled];
+        if let Err(error) = self.triangle.fold_rows(&columns, residuals) {
+            self.failure.get_or_insert_with(|| error.into());
         }
-        let gathered = Matrix::from_fn(self.filled, width, |row, column| self.rows[(row, column)]);
-        let all: Vec<usize> = (0..width).collect();
-        let reduced = Reduction::new(&gathered, &vec![0.0; self.filled])
-            .and_then(|reduction| reduction.scaled_factor(&all, reduction.column_norms()));
-        self.filled = match reduced {
-            Ok(factor) => {
-                for column in 0..width {
-                    self.rows.column_mut(column)[..factor.rows()]
-                        .copy_from_slice(factor.column(column));
-                }
-                factor.rows()
-            }
-            Err(error) => {
-                self.failure.get_or_insert_with(|| error.into());
-                0
-            }
-        };
+        self.filled = 0;
     }
 
-    /// At most one row more than there are parameter columns.
-    pub(crate) fn finish(mut self) -> Result<Matrix, IdentificationError> {
+    /// The triangle of all rows.
+    pub(crate) fn finish(mut self) -> Result<Triangle, IdentificationError> {
         self.reduce();
         match self.failure {
             Some(failure) => Err(failure),
-            None => Ok(Matrix::from_fn(
-                self.filled,
-                self.rows.columns(),
-                |row, column| self.rows[(row, column)],
-            )),
+            None => Ok(self.triangle),
         }
     }
 }

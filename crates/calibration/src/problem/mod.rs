@@ -9,7 +9,6 @@ pub(crate) mod gauge;
 pub(crate) mod lanes;
 pub(crate) mod loads;
 pub(crate) mod measurement;
-pub(crate) mod merged;
 pub(crate) mod propagated;
 pub(crate) mod reduced;
 pub(crate) mod residuals;

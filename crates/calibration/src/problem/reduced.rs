@@ -1,8 +1,10 @@
-//! The same least-squares problem with few rows: each channel is reduced to a triangle on the way.
+//! The problem of a device reduced channel by channel to triangles, and these to one.
 
 use std::cell::OnceCell;
 
-use haptical_identification::{IdentificationError, Matrix, Problem};
+use haptical_identification::{
+    IdentificationError, Matrix, Problem, Triangle, TriangleProblem, evaluate_jacobian,
+};
 
 use crate::problem::gathered::GatheredRows;
 use crate::problem::lanes::all_rows::{ChannelTriangle, Lanes, as_rows};
@@ -21,109 +23,81 @@ use crate::{Channel, DeviceProblem};
 /// [F_b q_b]^T [F_b q_b] = [J_b r_b]^T [J_b r_b]
 /// ```
 ///
-/// by orthogonal transformations, never by normal equations. The triangles, one below the other and
-/// filled up with zero rows, are this problem's derivatives and residuals: its cost, its steps, its
-/// rank and its covariance are those of the full problem, at sum (k_b + 1) rows instead of one for
-/// each reading. Where no derivatives are asked for, the first residual is |r| and the others are 0.
+/// by orthogonal transformations, never by normal equations. `[R q]` of this problem is what they make of all the
+/// channels' triangles, one below the other: a pass gives cost and triangle, so a search evaluates each trial once
+/// and takes its step from the triangle as it is.
 ///
 /// Outputs of transmissions that equation (1) or a polynomial describes, and distances of a chain, are worked
 /// out and reduced in lanes, in parallel; everything else row by row.
 #[derive(Debug)]
 pub struct ReducedProblem<'p> {
     problem: &'p DeviceProblem<'p>,
-    /// Channel and number of rows, k_b + 1 for all parameters.
-    blocks: Vec<(Channel, usize)>,
     /// Made when first asked for; none where the problem has no form in lanes.
     lanes: OnceCell<Option<Lanes>>,
 }
 
-/// `[F q]` of one channel.
-pub(crate) struct ChannelFactor {
-    /// Position within the free parameters of each column.
-    pub(crate) columns: Vec<usize>,
-    /// Which column of `rows` each is.
-    pub(crate) of: Vec<usize>,
-    /// As many rows as columns at most; the last column is q.
-    pub(crate) rows: Matrix,
-}
-
-impl ChannelFactor {
-    /// A triangle as rows.
-    pub(crate) fn new(channel: ChannelTriangle) -> Self {
-        Self {
-            columns: channel.columns,
-            of: channel.of,
-            rows: as_rows(&channel.triangle),
-        }
-    }
-
-    /// q.
-    pub(crate) fn projected(&self) -> &[f64] {
-        self.rows.column(self.rows.columns() - 1)
-    }
+/// Some successive rows of one channel, as [`ReducedProblem::visit`] hands them over.
+#[derive(Debug, Clone, Copy)]
+pub struct ChannelRows<'r> {
+    /// Channel.
+    pub channel: Channel,
+    /// First residual of the problem (see [`DeviceProblem::layout`]).
+    pub first: usize,
+    /// Position within the free parameters of each column; the others' derivatives are zero.
+    pub columns: &'r [usize],
+    /// Derivatives of the weighted residuals, column by column.
+    pub derivatives: &'r [&'r [f64]],
+    /// Weighted residuals.
+    pub residuals: &'r [f64],
 }
 
 impl<'p> ReducedProblem<'p> {
     /// The reduced form of a problem.
     pub fn new(problem: &'p DeviceProblem<'p>) -> Self {
-        let blocks = problem
-            .channels()
-            .map(|channel| {
-                let seen = problem.parameters().iter();
-                let count = seen.filter(|&&parameter| channel.can_see(parameter));
-                (channel, count.count() + 1)
-            })
-            .collect();
         Self {
             problem,
-            blocks,
             lanes: OnceCell::new(),
         }
-    }
-
-    /// Channels with the rows of their triangles, in order.
-    pub fn layout(&self) -> &[(Channel, usize)] {
-        &self.blocks
-    }
-
-    pub(crate) fn problem(&self) -> &'p DeviceProblem<'p> {
-        self.problem
     }
 
     pub(crate) fn lanes(&self) -> Option<&Lanes> {
         self.lanes.get_or_init(|| Lanes::new(self.problem)).as_ref()
     }
 
-    /// Every channel's columns and triangle in lanes; none where there are no lanes or they refuse a number.
-    pub(crate) fn triangles(
+    /// Each channel's triangle, as rows with a column for each free parameter.
+    pub(crate) fn by_channel(
         &self,
         parameters: &[f64],
         free: &[usize],
-    ) -> Option<Vec<ChannelTriangle>> {
-        self.lanes()?.reduce(self.problem, parameters, free)
+    ) -> Result<Vec<(Channel, Matrix)>, IdentificationError> {
+        let triangles = self.triangles(parameters, free)?;
+        let channels = self.problem.channels().zip(triangles);
+        let spread = |(channel, own): (Channel, ChannelTriangle)| {
+            let rows = as_rows(&own.triangle);
+            let mut matrix = Matrix::zeros(rows.rows(), free.len());
+            for (&column, &of) in own.columns.iter().zip(&own.of) {
+                matrix.column_mut(column).copy_from_slice(rows.column(of));
+            }
+            (channel, matrix)
+        };
+        Ok(channels.map(spread).collect())
     }
 
-    /// Every channel's triangle, in lanes or row by row.
-    fn factors(
+    /// Every channel's triangle, in lanes or row by row: what the lanes refuse is refused there with its line of the log.
+    fn triangles(
         &self,
         parameters: &[f64],
         free: &[usize],
-    ) -> Result<Vec<ChannelFactor>, IdentificationError> {
-        match self.triangles(parameters, free) {
-            Some(triangles) => Ok(triangles.into_iter().map(ChannelFactor::new).collect()),
-            None => self.factors_by_row(parameters, free),
+    ) -> Result<Vec<ChannelTriangle>, IdentificationError> {
+        let lanes = self.lanes();
+        if let Some(triangles) =
+            lanes.and_then(|lanes| lanes.reduce(self.problem, parameters, free))
+        {
+            return Ok(triangles);
         }
-    }
-
-    /// Every channel's triangle, row by row: what the lanes refuse is refused here with its line of the log.
-    pub(crate) fn factors_by_row(
-        &self,
-        parameters: &[f64],
-        free: &[usize],
-    ) -> Result<Vec<ChannelFactor>, IdentificationError> {
         let mut all = vec![0.0; self.problem.residual_count()];
         let count = self.problem.parameter_count();
-        let mut triangles: Vec<GatheredRows> = seen_columns(self.problem, free)
+        let mut gathered: Vec<GatheredRows> = seen_columns(self.problem, free)
             .into_iter()
             .map(|columns| {
                 let with_parameter = columns.iter().map(|&position| (position, free[position]));
@@ -131,69 +105,125 @@ impl<'p> ReducedProblem<'p> {
             })
             .collect();
         self.problem
-            .run(parameters, &mut all, Sink::Triangles(&mut triangles))?;
-        let finish = |triangle: GatheredRows| {
-            Ok(ChannelFactor {
-                columns: triangle.positions().collect(),
-                of: (0..triangle.positions().count()).collect(),
-                rows: triangle.finish()?,
+            .run(parameters, &mut all, Sink::Triangles(&mut gathered))?;
+        let finish = |rows: GatheredRows| {
+            let columns: Vec<usize> = rows.positions().collect();
+            Ok(ChannelTriangle {
+                of: (0..columns.len()).collect(),
+                columns,
+                triangle: rows.finish()?,
             })
         };
-        triangles.into_iter().map(finish).collect()
-    }
-}
-
-impl Problem for ReducedProblem<'_> {
-    fn parameter_count(&self) -> usize {
-        self.problem.parameter_count()
+        gathered.into_iter().map(finish).collect()
     }
 
-    fn residual_count(&self) -> usize {
-        self.blocks.iter().map(|(_, rows)| rows).sum()
-    }
-
-    fn evaluate(
+    /// Hands all rows over, some at a time, each channel's in order; no derivative matrix is held where the
+    /// problem has a form in lanes.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`] of the [`DeviceProblem`]; rows before the one that is refused may have been
+    /// visited.
+    pub fn visit(
         &self,
         parameters: &[f64],
-        residuals: &mut [f64],
-        jacobian: Option<(&[usize], &mut Matrix)>,
+        free: &[usize],
+        mut visit: impl FnMut(&ChannelRows<'_>),
     ) -> Result<(), IdentificationError> {
-        residuals.fill(0.0);
-        let Some((free, matrix)) = jacobian else {
-            let square = self.cost(parameters)?;
-            if let Some(first) = residuals.first_mut() {
-                *first = square.sqrt();
+        let problem = self.problem;
+        let channels: Vec<Channel> = problem.channels().collect();
+        if let Some(lanes) = self.lanes() {
+            let visited = lanes.visit(problem, parameters, free, |rows| {
+                let all = rows.of.iter().map(|&own| rows.derivatives[own]);
+                let derivatives: Vec<&[f64]> = all.collect();
+                visit(&ChannelRows {
+                    channel: channels[rows.channel],
+                    first: rows.first,
+                    columns: rows.columns,
+                    derivatives: &derivatives,
+                    residuals: rows.residuals,
+                });
+            });
+            if visited.is_some() {
+                return Ok(());
             }
-            return Ok(());
-        };
-        let factors = self.factors(parameters, free)?;
-        for column in 0..matrix.columns() {
-            matrix.column_mut(column).fill(0.0);
+            // row by row it is told which one is refused
+            let mut residuals = vec![0.0; problem.residual_count()];
+            problem.evaluate(parameters, &mut residuals, None)?;
+            return Err(IdentificationError::Evaluation {
+                reason: "a number of the chain is beyond what the lanes work with".to_owned(),
+            });
         }
-        let mut first = 0;
-        for (factor, (_, count)) in factors.iter().zip(&self.blocks) {
-            let rows = first..first + factor.rows.rows();
-            for (&column, &own) in factor.columns.iter().zip(&factor.of) {
-                matrix.column_mut(column)[rows.clone()].copy_from_slice(factor.rows.column(own));
-            }
-            residuals[rows].copy_from_slice(factor.projected());
-            first += count;
+        let (jacobian, residuals) = if free.is_empty() {
+            let mut residuals = vec![0.0; problem.residual_count()];
+            problem.evaluate(parameters, &mut residuals, None)?;
+            (Matrix::zeros(residuals.len(), 0), residuals)
+        } else {
+            evaluate_jacobian(problem, parameters, free)?
+        };
+        let columns: Vec<usize> = (0..free.len()).collect();
+        for (channel, (first, count)) in problem.layout() {
+            let own = first..first + count;
+            let slices: Vec<&[f64]> = columns
+                .iter()
+                .map(|&column| &jacobian.column(column)[own.clone()])
+                .collect();
+            visit(&ChannelRows {
+                channel,
+                first,
+                columns: &columns,
+                derivatives: &slices,
+                residuals: &residuals[own],
+            });
         }
         Ok(())
     }
+
+    /// Weighted residuals, row by row.
+    pub(crate) fn residuals(
+        &self,
+        parameters: &[f64],
+        residuals: &mut [f64],
+    ) -> Result<(), IdentificationError> {
+        let problem = self.problem;
+        let visited = self.lanes().and_then(|lanes| {
+            lanes.visit(problem, parameters, &[], |rows| {
+                residuals[rows.first..][..rows.residuals.len()].copy_from_slice(rows.residuals);
+            })
+        });
+        match visited {
+            Some(()) => Ok(()),
+            None => problem.evaluate(parameters, residuals, None),
+        }
+    }
 }
 
-impl ReducedProblem<'_> {
-    /// Sum of squares of all residuals.
-    fn cost(&self, parameters: &[f64]) -> Result<f64, IdentificationError> {
-        if let Some(triangles) = self.triangles(parameters, &[]) {
-            let rests = triangles
-                .iter()
-                .map(|channel| channel.triangle.rest_square());
-            return Ok(rests.sum());
+impl TriangleProblem for ReducedProblem<'_> {
+    fn columns(&self) -> usize {
+        self.problem.parameter_count()
+    }
+
+    fn reduce_into(
+        &self,
+        parameters: &[f64],
+        free: &[usize],
+        into: &mut Triangle,
+    ) -> Result<(), IdentificationError> {
+        let mut channels = self.triangles(parameters, free)?;
+        // a channel that sees all parameters has the total's columns: the others are folded into it
+        let mut columns = channels.iter().map(|channel| channel.triangle.columns());
+        *into = match columns.position(|count| count == free.len()) {
+            Some(widest) => channels.swap_remove(widest).triangle,
+            None => Triangle::new(free.len()),
+        };
+        let zeros = vec![0.0; free.len() + 1];
+        for channel in &channels {
+            let rows = as_rows(&channel.triangle);
+            let mut columns = vec![&zeros[..rows.rows()]; free.len()];
+            for (&own, &column) in channel.of.iter().zip(&channel.columns) {
+                columns[column] = rows.column(own);
+            }
+            into.fold_rows(&columns, rows.column(rows.columns() - 1))?;
         }
-        let mut all = vec![0.0; self.problem.residual_count()];
-        self.problem.evaluate(parameters, &mut all, None)?;
-        Ok(all.iter().map(|value| value * value).sum())
+        Ok(())
     }
 }

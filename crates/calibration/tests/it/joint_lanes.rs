@@ -1,6 +1,6 @@
 //! The joint problem in lanes against the same problem row by row, and against the best dense path.
 
-use haptical_calibration::{Channel, DeviceProblem, MergedProblem, Weights, channels};
+use haptical_calibration::{Channel, DeviceProblem, ReducedProblem, Weights, channels};
 use haptical_identification::{Matrix, Problem, Settings, evaluate_jacobian, solve};
 use haptical_model::kinematics::Convention;
 use haptical_model::transmission::CapstanError;
@@ -34,7 +34,7 @@ fn ours_and_the_dense_path_give_the_same_answer() {
         &joint.weights,
     );
     let problem = problem.unwrap();
-    let ours = MergedProblem::new(&problem);
+    let ours = ReducedProblem::new(&problem);
     let (start, settings) = (problem.start(), Settings::default());
     let found = solve(&ours, &start, &joint.free, &settings).unwrap();
     let dense = solve(&Dense(&ours), &start, &joint.free, &settings).unwrap();
@@ -70,7 +70,7 @@ fn products(problem: &dyn Problem, values: &[f64], free: &[usize]) -> Matrix {
 
 fn assert_same_products(problem: &DeviceProblem<'_>, values: &[f64], free: &[usize]) {
     let expected = products(problem, values, free);
-    let found = products(&MergedProblem::new(problem), values, free);
+    let found = products(&ReducedProblem::new(problem), values, free);
     for a in 0..=free.len() {
         for b in 0..=free.len() {
             let size = (expected[(a, a)] * expected[(b, b)]).sqrt();
@@ -206,7 +206,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
                 let problem =
                     DeviceProblem::new(&device, &recording, &channels, &parameters, &weights);
                 let problem = problem.unwrap();
-                let merged = MergedProblem::new(&problem);
+                let merged = ReducedProblem::new(&problem);
                 evaluate_jacobian(&merged, &problem.start(), &free).unwrap()
             })
         })
@@ -225,7 +225,7 @@ fn a_refused_row_is_named() {
     let parameters = parameters(&device);
     let problem = DeviceProblem::new(&device, &recording, &channels, &parameters, &weights);
     let problem = problem.unwrap();
-    let merged = MergedProblem::new(&problem);
+    let merged = ReducedProblem::new(&problem);
     let mut values = problem.start();
     // the drum's centre beyond the other drum's axis
     values[2] = 0.2;

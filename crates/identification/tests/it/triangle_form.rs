@@ -1,7 +1,8 @@
 //! A problem that hands over a triangle is solved as the same problem row by row.
 
 use haptical_identification::{
-    Convergence, Form, IdentificationError, Matrix, Method, Problem, Reduction, Settings, solve,
+    Convergence, IdentificationError, Matrix, Method, Problem, Reduction, Settings, Triangle,
+    TriangleProblem, solve,
 };
 
 /// Rounding, amplified by the condition number of the problem.
@@ -79,63 +80,24 @@ impl Problem for Decay {
 /// The same, reduced before it is handed over, without the pivots' order.
 struct Reduced(Decay);
 
-impl Problem for Reduced {
-    fn parameter_count(&self) -> usize {
+impl TriangleProblem for Reduced {
+    fn columns(&self) -> usize {
         self.0.parameter_count()
     }
 
-    fn residual_count(&self) -> usize {
-        self.0.parameter_count() + 1
-    }
-
-    fn form(&self) -> Form {
-        Form::Triangle
-    }
-
-    fn evaluate(
+    fn reduce_into(
         &self,
         p: &[f64],
-        residuals: &mut [f64],
-        jacobian: Option<(&[usize], &mut Matrix)>,
+        free: &[usize],
+        into: &mut Triangle,
     ) -> Result<(), IdentificationError> {
-        let (free, matrix) = jacobian.expect("derivatives come with the cost");
         let rows = self.0.residual_count();
         let mut all = vec![0.0; rows];
         let mut tall = Matrix::zeros(rows, free.len());
         self.0.evaluate(p, &mut all, Some((free, &mut tall)))?;
-        // Gram-Schmidt, twice for orthogonality
-        let mut basis: Vec<Vec<f64>> = Vec::new();
-        residuals.fill(0.0);
-        for column in 0..=free.len() {
-            let mut left = if column < free.len() {
-                tall.column(column)
-            } else {
-                &all
-            }
-            .to_vec();
-            let mut entries = vec![0.0; basis.len() + 1];
-            for _ in 0..2 {
-                for (entry, direction) in entries.iter_mut().zip(&basis) {
-                    let part: f64 = left.iter().zip(direction).map(|(a, b)| a * b).sum();
-                    *entry += part;
-                    left.iter_mut()
-                        .zip(direction)
-                        .for_each(|(a, b)| *a -= part * b);
-                }
-            }
-            let length = left.iter().map(|a| a * a).sum::<f64>().sqrt();
-            entries[column] = length;
-            let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
-            basis.push(left.iter().map(|a| a * scale).collect());
-            for (row, entry) in entries.iter().enumerate() {
-                if column < free.len() {
-                    matrix[(row, column)] = *entry;
-                } else {
-                    residuals[row] = *entry;
-                }
-            }
-        }
-        Ok(())
+        let columns: Vec<&[f64]> = (0..free.len()).map(|column| tall.column(column)).collect();
+        into.clear(free.len());
+        Ok(into.fold_rows(&columns, &all)?)
     }
 }
 

@@ -2,8 +2,7 @@
 
 use std::cell::RefCell;
 
-use haptical_batch::Triangle;
-use haptical_identification::Matrix;
+use haptical_identification::{Matrix, Triangle};
 use rayon::prelude::*;
 
 use crate::DeviceProblem;

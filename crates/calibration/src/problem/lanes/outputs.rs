@@ -2,8 +2,7 @@
 
 use std::cell::RefCell;
 
-use haptical_batch::Triangle;
-use haptical_identification::{Form, IdentificationError, Matrix, Problem};
+use haptical_identification::{IdentificationError, Triangle, TriangleProblem};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::Channel;
@@ -114,28 +113,19 @@ impl Outputs {
     }
 }
 
-impl Problem for Outputs {
-    fn parameter_count(&self) -> usize {
+impl TriangleProblem for Outputs {
+    fn columns(&self) -> usize {
         self.places.len()
     }
 
-    fn residual_count(&self) -> usize {
-        self.places.len() + 1
-    }
-
-    fn form(&self) -> Form {
-        Form::Triangle
-    }
-
-    fn evaluate(
+    fn reduce_into(
         &self,
         parameters: &[f64],
-        residuals: &mut [f64],
-        jacobian: Option<(&[usize], &mut Matrix)>,
+        free: &[usize],
+        into: &mut Triangle,
     ) -> Result<(), IdentificationError> {
         let room = &mut *self.room.borrow_mut();
-        self.fill(parameters, jacobian.is_some(), room)?;
-        let free = jacobian.as_ref().map_or(&[][..], |(free, _)| free);
+        self.fill(parameters, !free.is_empty(), room)?;
         let rows = self.weights.len();
         room.columns.resize(free.len() * rows, 0.0);
         let derivatives = self.law.derivatives(&room.at);
@@ -146,9 +136,7 @@ impl Problem for Outputs {
             }
         }
         let columns: Vec<&[f64]> = room.columns.chunks_exact(rows).collect();
-        let mut triangle = Triangle::new(free.len());
-        triangle.fold_rows(&columns, &room.residuals)?;
-        triangle.write_into(residuals, jacobian.map(|(_, matrix)| matrix));
-        Ok(())
+        into.clear(free.len());
+        Ok(into.fold_rows(&columns, &room.residuals)?)
     }
 }

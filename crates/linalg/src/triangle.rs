@@ -2,33 +2,38 @@
 
 use std::cell::RefCell;
 
-use haptical_identification::Matrix;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::BatchError;
 use crate::aligned::Aligned;
 use crate::fold::Fold;
-use crate::poses::{ROW_QUANTUM, TILE_ROWS};
+use crate::{LinalgError, Matrix, Reduction};
+
+/// Rows of a tile: 28 columns of so many numbers and the residuals fill 59 kB. Twice the rows halve what every column
+/// costs once per tile, and the four columns that are in use at a time, 8 kB, stay in the first-level cache; 128 rows
+/// take 5 % longer where that cache has 48 kB (crates/batch/README.md).
+pub const TILE_ROWS: usize = 256;
+/// Rows are filled up to a multiple of this, whatever the processor's lanes are.
+pub const ROW_QUANTUM: usize = 16;
 
 /// `[J r]` of any number of rows, reduced by orthogonal transformations: with k columns of derivatives
 /// an upper triangle R (k x k), q = Q^T r (k) and the rest of |r|^2, so that for every x
 /// |J x - r|^2 = |R x - q|^2 + rest.
 ///
 /// ```
-/// use haptical_batch::Triangle;
+/// use haptical_linalg::Triangle;
 /// // y = 2 + 3 t: columns 1 and t
 /// let mut triangle = Triangle::new(2);
 /// triangle.fold_rows(&[&[1.0, 1.0, 1.0, 1.0], &[0.0, 1.0, 2.0, 3.0]], &[2.0, 5.0, 8.0, 11.0])?;
 /// let slope = triangle.projected()[1] / triangle.entry(1, 1);
 /// assert!((slope - 3.0).abs() < 1e-14);
 /// assert!(triangle.rest_square() < 1e-25);
-/// # Ok::<(), haptical_batch::BatchError>(())
+/// # Ok::<(), haptical_linalg::LinalgError>(())
 /// ```
 #[derive(Debug, Default)]
 pub struct Triangle {
     columns: usize,
     /// Column-major, `columns` rows and `columns + 1` columns; below the diagonal it is zero.
-    pub(crate) entries: Aligned,
+    entries: Aligned,
     rest_square: f64,
     rows: usize,
 }
@@ -61,7 +66,7 @@ impl Triangle {
     }
 
     /// Empties it; allocates only for more columns than ever before.
-    pub(crate) fn clear(&mut self, columns: usize) {
+    pub fn clear(&mut self, columns: usize) {
         self.columns = columns;
         self.reserve(columns);
         self.entries.as_mut_slice().fill(0.0);
@@ -70,7 +75,7 @@ impl Triangle {
     }
 
     /// Makes room; what was in it is lost if it must grow.
-    pub(crate) fn reserve(&mut self, columns: usize) {
+    pub fn reserve(&mut self, columns: usize) {
         self.entries.reserve(columns * (columns + 1));
     }
 
@@ -93,6 +98,11 @@ impl Triangle {
         self.entries.as_slice()[column * self.columns + row]
     }
 
+    /// Column of R, down to its diagonal.
+    pub fn column(&self, column: usize) -> &[f64] {
+        &self.entries.as_slice()[column * self.columns..][..=column]
+    }
+
     /// q = Q^T r, one entry per column.
     pub fn projected(&self) -> &[f64] {
         &self.entries.as_slice()[self.columns * self.columns..][..self.columns]
@@ -112,7 +122,7 @@ impl Triangle {
             + self.rest_square
     }
 
-    /// Writes it as a problem of [`Form::Triangle`](haptical_identification::Form): residuals q and
+    /// Writes it as residuals and derivatives of a problem: residuals q and
     /// sqrt(rest), rest zero; derivatives R over zeros.
     ///
     /// # Panics
@@ -135,14 +145,14 @@ impl Triangle {
     /// Folds rows given as columns of derivatives and residuals.
     ///
     /// # Errors
-    /// [`BatchError::Length`] for slices that do not fit; [`BatchError::Overflow`] for entries that are
+    /// [`LinalgError::Shape`] for slices that do not fit; [`LinalgError::Overflow`] for entries that are
     /// not finite or whose squares are not: then the triangle is of no further use.
-    pub fn fold_rows(&mut self, columns: &[&[f64]], residuals: &[f64]) -> Result<(), BatchError> {
+    pub fn fold_rows(&mut self, columns: &[&[f64]], residuals: &[f64]) -> Result<(), LinalgError> {
         let length = |what, expected, found| {
             if expected == found {
                 Ok(())
             } else {
-                Err(BatchError::Length {
+                Err(LinalgError::Shape {
                     what,
                     expected,
                     found,
@@ -173,7 +183,7 @@ impl Triangle {
 
     /// Folds the first `rows` rows of a tile (columns `TILE_ROWS` apart, the last the residuals; rows
     /// up to the next multiple of the quantum are there and zero), which is destroyed.
-    pub(crate) fn fold_tile(&mut self, tile: &mut [f64], rows: usize) {
+    fn fold_tile(&mut self, tile: &mut [f64], rows: usize) {
         let columns = self.columns;
         let fold = Fold {
             triangle: &mut self.entries.as_mut_slice()[..columns * (columns + 1)],
@@ -189,7 +199,7 @@ impl Triangle {
 
     /// As [`Triangle::fold_tile`], within a pass that has chosen its lanes.
     #[inline(always)]
-    pub(crate) fn fold_tile_with<S: Simd>(&mut self, simd: S, tile: &mut [f64], rows: usize) {
+    pub fn fold_tile_with<S: Simd>(&mut self, simd: S, tile: &mut [f64], rows: usize) {
         let columns = self.columns;
         let mut fold = Fold {
             triangle: &mut self.entries.as_mut_slice()[..columns * (columns + 1)],
@@ -202,8 +212,9 @@ impl Triangle {
         self.rows += rows;
     }
 
-    /// Folds another triangle of the same columns; `tile` is room for one.
-    pub(crate) fn merge(&mut self, other: &Self, tile: &mut [f64]) {
+    /// Folds another triangle of the same columns; `tile` is room for a tile: [`TILE_ROWS`] numbers for each column
+    /// and the residuals.
+    pub fn merge(&mut self, other: &Self, tile: &mut [f64]) {
         let columns = self.columns;
         let (rows, all) = (self.rows, other.rows);
         let from = other.entries.as_slice();
@@ -225,8 +236,32 @@ impl Triangle {
         self.rows = rows + all;
     }
 
-    /// Refuses what is not finite.
-    pub(crate) fn check(&self) -> Result<(), BatchError> {
+    /// Makes it a copy of another; allocates only for more columns than ever before.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.clear(other.columns);
+        let length = self.columns * (self.columns + 1);
+        self.entries.as_mut_slice()[..length].copy_from_slice(&other.entries.as_slice()[..length]);
+        self.rest_square = other.rest_square;
+        self.rows = other.rows;
+    }
+
+    /// The least-squares problem of the triangle, said to have `rows` rows.
+    ///
+    /// # Errors
+    /// As [`Reduction::from_triangle`].
+    pub fn reduction(&self, rows: usize) -> Result<Reduction, LinalgError> {
+        let mut matrix = Matrix::zeros(self.columns, self.columns);
+        for column in 0..self.columns {
+            matrix.column_mut(column)[..=column].copy_from_slice(self.column(column));
+        }
+        Reduction::from_triangle(&matrix, self.projected(), self.rest_square, rows)
+    }
+
+    /// Refuses entries that are not finite.
+    ///
+    /// # Errors
+    /// [`LinalgError::Overflow`].
+    pub fn check(&self) -> Result<(), LinalgError> {
         let used = &self.entries.as_slice()[..self.columns * (self.columns + 1)];
         // some at a time without a way out between them, so that they are looked at in lanes
         let mut parts = used.chunks(64);
@@ -234,7 +269,9 @@ impl Triangle {
         if is_finite && self.cost().is_finite() {
             Ok(())
         } else {
-            Err(BatchError::Overflow)
+            Err(LinalgError::Overflow {
+                what: "the sum of squares of weighted residuals or derivatives",
+            })
         }
     }
 }

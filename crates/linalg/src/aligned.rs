@@ -7,13 +7,14 @@ const LINE: usize = LINE_BYTES / size_of::<f64>();
 
 /// Numbers, zero at first, whose first one stands at the start of a cache line.
 #[derive(Debug, Default)]
-pub(crate) struct Aligned {
+pub struct Aligned {
     data: Vec<f64>,
     start: usize,
 }
 
 impl Aligned {
-    pub(crate) fn zeros(length: usize) -> Self {
+    /// Room for `length` numbers.
+    pub fn zeros(length: usize) -> Self {
         let data = vec![0.0; length + LINE];
         // only speed hangs on the alignment: a platform that cannot tell it gets the plain start
         let start = data.as_ptr().align_offset(LINE_BYTES).min(LINE);
@@ -23,21 +24,23 @@ impl Aligned {
     }
 
     /// Makes room for at least `length` numbers; what was in it is lost if it must grow.
-    pub(crate) fn reserve(&mut self, length: usize) {
+    pub fn reserve(&mut self, length: usize) {
         if self.len() < length {
             *self = Self::zeros(length);
         }
     }
 
-    pub(crate) fn len(&self) -> usize {
+    fn len(&self) -> usize {
         self.data.len() - self.start
     }
 
-    pub(crate) fn as_slice(&self) -> &[f64] {
+    /// All numbers.
+    pub fn as_slice(&self) -> &[f64] {
         &self.data[self.start..]
     }
 
-    pub(crate) fn as_mut_slice(&mut self) -> &mut [f64] {
+    /// All numbers, to be written.
+    pub fn as_mut_slice(&mut self) -> &mut [f64] {
         &mut self.data[self.start..]
     }
 }
