@@ -1,4 +1,4 @@
-//! Why a batch or a pass over it was refused.
+//! Refusals of a batch or of a pass over it.
 
 use haptical_identification::IdentificationError;
 use haptical_kinematics::{KinematicsError, Parameter};

@@ -20,6 +20,6 @@ pub use haptical_linalg::Triangle;
 pub use model::DistanceModel;
 pub use pose_lanes::PoseLanes;
 pub use poses::{PoseBatch, Sines};
-pub use problem::{DistanceProblem, ReducedDistance, TileRows};
+pub use problem::{DistanceProblem, PassRoom, ReducedDistance, TileRows};
 pub use solve::{WarmFit, solve_distances, solve_distances_warm};
 pub use trigonometry::sines_cosines;

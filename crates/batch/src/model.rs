@@ -1,4 +1,4 @@
-//! What predicts the distances: a chain, an anchor, and which of the chain's numbers are parameters.
+//! The model of the distances: a chain, an anchor, and the parameters among the chain's numbers.
 
 use haptical_kinematics::{Chain, Convention, Link, Motion, Parameter};
 

@@ -148,6 +148,10 @@ impl Problem for DistanceProblem<'_> {
     }
 }
 
+/// Room that passes of a [`ReducedDistance`] work in.
+#[derive(Debug, Default)]
+pub struct PassRoom(Blocks);
+
 /// The same problem, reduced on the way to a [`Triangle`]: its residuals are (q, sqrt(rest), 0, ...), as many as
 /// parameters and one more. One pass gives cost and triangle, so a search makes no other for the cost of a trial.
 ///
@@ -187,6 +191,18 @@ impl<'a> ReducedDistance<'a> {
     pub fn with_every(mut self, every: usize) -> Self {
         self.every = every.max(1);
         self
+    }
+
+    /// The same with the room of earlier passes, which then allocate nothing.
+    #[must_use]
+    pub fn with_room(mut self, room: PassRoom) -> Self {
+        self.blocks = RefCell::new(room.0);
+        self
+    }
+
+    /// The room of its passes.
+    pub fn into_room(self) -> PassRoom {
+        PassRoom(self.blocks.into_inner())
     }
 
     /// Poses of the blocks that count.

@@ -4,6 +4,7 @@
 
 mod calibration;
 mod checks;
+mod comparison;
 mod error;
 mod fit;
 mod fit_device;

@@ -1,4 +1,4 @@
-//! What is asked of a calibration.
+//! Options of a calibration.
 
 use haptical_identification::{IdentifiabilityRules, Loss, Settings};
 

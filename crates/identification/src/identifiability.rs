@@ -1,4 +1,4 @@
-//! Which parameters the data can fix: invisible, combinations of others, weak, or identifiable.
+//! Identifiability of parameters: invisible, dependent, weak, or identifiable.
 
 use haptical_linalg::{LinalgError, Reduction, singular_values};
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! What a least-squares problem is: weighted residuals and their analytic derivatives.
+//! The least-squares problem: weighted residuals and their analytic derivatives.
 
 use haptical_linalg::{LinalgError, Matrix, Triangle};
 

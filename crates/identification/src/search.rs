@@ -47,7 +47,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         let linear = if let Some(triangle) = problem.as_triangle() {
             let linear = UnitTriangle::new(triangle, start, free)?;
             if !linear.is_finite() {
-                // refuses, and says what is not finite
+                // refuses, and names what is not finite
                 let (jacobian, residuals) = evaluate_jacobian(problem, start, free)?;
                 reduce(problem, &jacobian, &residuals, free)?;
             }

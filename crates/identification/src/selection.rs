@@ -1,4 +1,4 @@
-//! Which columns are kept: independent in the order of preference, and fixed to a useful size.
+//! The columns that are kept: independent in the order of preference, and fixed to a useful size.
 
 use haptical_linalg::{LinalgError, OrderedRank, Reduction};
 

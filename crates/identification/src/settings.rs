@@ -1,4 +1,4 @@
-//! How to search and why the search stopped.
+//! Settings of a search, and the reasons why it stops.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a matrix or a question about it.
+//! Errors of matrices and of questions about them.
 
 /// Why a decomposition or a solution was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,4 +1,4 @@
-//! Which rows a fit does not see: whole recordings, contiguous blocks, or folds of a short log.
+//! Rows that are held out of a fit: whole recordings, contiguous blocks, or folds of a short log.
 
 use haptical_model::Recording;
 

@@ -1,4 +1,4 @@
-//! Which parameters a fit frees, whether there are readings enough for them, and who pays for them.
+//! The parameters that a fit frees: enough readings for them, and the parameters that each channel pays for.
 
 use std::collections::BTreeMap;
 
@@ -59,7 +59,7 @@ pub(crate) fn enough(
     judged: &Identifiability,
 ) -> Result<(), CalibrationError> {
     let rows = problem.residual_count();
-    // A rank equal to the number of rows says that the rows ran out, not the geometry.
+    // A rank equal to the number of rows means too few rows, not a special geometry.
     let parameters = free
         .len()
         .max(if judged.rank >= rows { rows + 1 } else { 0 });

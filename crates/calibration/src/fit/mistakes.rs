@@ -1,4 +1,4 @@
-//! Columns of a log that are another joint's, or run backwards: told by how much better the device fits without.
+//! Mistaken columns of a log: a joint's sign or place is refused where its correction fits far better.
 
 use haptical_identification::Problem;
 use haptical_model::{Device, JointType, ParameterId, Recording};
@@ -41,7 +41,7 @@ enum Change {
 /// # Errors
 /// [`CalibrationError::MistakenColumns`].
 pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(), CalibrationError> {
-    // transmissions are told from external encoders, beside which a turned column shows by itself
+    // transmissions are fitted to external encoders, which show a turned column themselves
     let is_transmission =
         |parameter: &ParameterId| matches!(parameter, ParameterId::Transmission { .. });
     if fit.starts.doubt_that_remains.is_none() || request.parameters.iter().any(is_transmission) {

@@ -65,8 +65,7 @@ pub(crate) fn improve(
         return Ok(first);
     }
     let prepared = Prepared::new(&problem)?;
-    let lanes = prepared.lanes();
-    let searched = prepared.searched(lanes.as_ref());
+    let searched = prepared.searched();
     let settings = Settings {
         max_iterations: request.options.search.max_iterations.min(MOST_STEPS),
         ..request.options.search

@@ -111,6 +111,6 @@ pub struct Profiled {
     pub is_checked: bool,
     /// Positions, within the candidates, of the parameters whose interval is its profile likelihood's.
     pub parameters: Vec<usize>,
-    /// Those of them of which the data tell no end on one side or both: they have no interval.
+    /// Those of them that the data do not bound on one side or both: they have no interval.
     pub open: Vec<usize>,
 }

@@ -34,8 +34,7 @@ pub(crate) fn profile(
     let Ok(prepared) = Prepared::new(&problem) else {
         return;
     };
-    let lanes = prepared.lanes();
-    let searched = prepared.searched(lanes.as_ref());
+    let searched = prepared.searched();
     // at the fitted device torques and the weights of readings are a little different from those of the fit
     let Ok(again) = solve(searched, &problem.start(), &fit.fitted, &options.search) else {
         return;

@@ -61,10 +61,9 @@ impl FitRequest<'_> {
             DeviceProblem::in_bulk(device, recording, channels, parameters, weights)
         {
             let prepared = Prepared::new(&problem)?;
-            let lanes = prepared.lanes();
-            // refused or in another form: the general way tells why, with a line of the log
+            // refused or in another form: the general way reports why, with a line of the log
             if prepared.is_in_lanes()
-                && let Ok(first) = reduce(prepared.searched(lanes.as_ref()), &problem.start())
+                && let Ok(first) = reduce(prepared.searched(), &problem.start())
             {
                 return self.fit_prepared(&prepared, &first, values);
             }
@@ -74,8 +73,7 @@ impl FitRequest<'_> {
             problem.loads = Loads::new(yielded, recording)?;
         }
         let prepared = Prepared::new(&problem)?;
-        let lanes = prepared.lanes();
-        let first = reduce(prepared.searched(lanes.as_ref()), &problem.start());
+        let first = reduce(prepared.searched(), &problem.start());
         let first = first.map_err(|source| wrap(self.what, source))?;
         self.fit_prepared(&prepared, &first, values)
     }
@@ -91,8 +89,7 @@ impl FitRequest<'_> {
         let wrap = |source| wrap(what, source);
         let problem = prepared.problem;
         let start = problem.start();
-        let lanes = prepared.lanes();
-        let searched = prepared.searched(lanes.as_ref());
+        let searched = prepared.searched();
         let parameters = problem.parameters();
         let infos = parameter_infos(problem.device(), parameters);
         let order = preference_order(parameters);
@@ -172,7 +169,7 @@ impl FitRequest<'_> {
         })
     }
 
-    /// A compliance is in proportion to the torque that it was told from: the scale error of a logged torque,
+    /// A compliance is in proportion to the torque that it was fitted to: the scale error of a logged torque,
     /// which no reading shows, is its own.
     fn add_torque_scale(
         &self,
@@ -216,8 +213,7 @@ pub fn identifiability_at(
     let wrap = |source| wrap("identifiability", source);
     let problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
     let prepared = Prepared::new(&problem)?;
-    let lanes = prepared.lanes();
-    let searched = prepared.searched(lanes.as_ref());
+    let searched = prepared.searched();
     let reduction = reduce(searched, &problem.start()).map_err(wrap)?;
     let infos = parameter_infos(device, parameters);
     let mut judged =

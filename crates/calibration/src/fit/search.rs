@@ -13,7 +13,7 @@ use crate::fit::{mistakes, multi_start, size};
 /// their status. The set is decided at the nominal device and decided again at the solution, because
 /// a geometry that is special by design (parallel, intersecting) is not special once it deviates.
 /// A search that fails, or ends where no good fit ends, is tried again from random places
-/// ([`Options::starts`]).
+/// ([`crate::Options::starts`]).
 ///
 /// # Errors
 /// [`CalibrationError`] where nothing can be fitted or no search ends at a minimum.

@@ -1,4 +1,4 @@
-//! The size of a device that no measurement tells: one length is held then.
+//! The size of a device that no measurement fixes: one length is held then.
 
 use haptical_identification::{
     Identifiability, IdentifiabilityRules, Matrix, Reduction, Status, Term, analyse,
@@ -35,7 +35,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// held one are held with it: each would take its place.
 /// Source: docs/equations.md, Touched points.
 ///
-/// `device` is prepared for the recording. None too where it has no value at a row: the fit says why.
+/// `device` is prepared for the recording. None too where it has no value at a row: the fit then refuses with the reason.
 pub fn held_for_scale(
     device: &Device,
     recording: &Recording,
@@ -96,8 +96,7 @@ fn judged(
     let weights = Weights::stated(device, channels);
     let problem = DeviceProblem::new(device, recording, channels, &parameters, &weights).ok()?;
     let prepared = Prepared::new(&problem).ok()?;
-    let lanes = prepared.lanes();
-    let searched = prepared.searched(lanes.as_ref());
+    let searched = prepared.searched();
     let all: Vec<usize> = (0..parameters.len()).collect();
     let (jacobian, _) = evaluate_jacobian(searched, &problem.start(), &all).ok()?;
     let gauge = gauge(device, recording, &parameters);
@@ -117,7 +116,7 @@ fn judged(
     Some((parameters, judged))
 }
 
-/// Whether touches are all that tells of lengths, and nobody said of one that it is right.
+/// Whether touches are all that could fix lengths, and no length is stated as exact.
 pub(crate) fn is_open(device: &Device, channels: &[Channel]) -> bool {
     let is_kept = |((row, number), size): (&(usize, Parameter), &f64)| {
         let kept = ParameterId::Link {

@@ -1,4 +1,4 @@
-//! Joint offsets that are farther off than a machined device's, where the residual says so.
+//! Refit with joint offsets beyond a machined device's tolerance, where the residual exceeds noise.
 
 use haptical_identification::Status;
 use haptical_model::{Parameter, ParameterId};

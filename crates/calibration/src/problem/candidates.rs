@@ -1,4 +1,4 @@
-//! Which parameters a calibration may free, and which it prefers to keep.
+//! Parameters that a calibration may free, and their order of preference.
 
 use haptical_identification::ParameterInfo;
 use haptical_model::SurroundingParameter;
@@ -51,7 +51,7 @@ pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
 /// row's twist, angle and offset, which place the measuring frame. A general base row has nothing but
 /// such numbers, its length along x included.
 ///
-/// Before all of these come numbers beside the chain that nobody knows: where tracker, touched points and
+/// Before all of these come unknown numbers of the surroundings: where tracker, touched points and
 /// planes are. The geometry is judged given them, so that of a rig that moves with the device it is the base
 /// row that is dependent. A cable's scale comes last: it acts like all lengths together.
 pub fn preference_order(parameters: &[ParameterId]) -> Vec<usize> {

@@ -239,7 +239,7 @@ fn fixed_outputs(
     if let Some(outputs) = outputs_in_bulk(device, recording, parameters) {
         return Ok(Some(outputs));
     }
-    // refused: row by row it is told which one
+    // refused: row by row, to report which one
     let mut outputs = Vec::with_capacity(recording.len() * device.joints.len());
     for row in 0..recording.len() {
         for (index, (joint, column)) in device.joints.iter().zip(&recording.joint).enumerate() {

@@ -1,13 +1,11 @@
 //! The form of a problem in which it is solved fastest, with the answers that a fit asks of it.
 
-use haptical_batch::{DistanceProblem, ReducedDistance, Threads};
 use haptical_identification::{
     IdentificationError, Matrix, Problem, Reduction, Triangle, evaluate_jacobian,
 };
 
 use crate::problem::gauge::GaugedProblem;
 use crate::problem::lanes::distances::Distances;
-use crate::problem::lanes::outputs::Outputs;
 use crate::{CalibrationError, Channel, DeviceProblem, ReducedProblem};
 
 /// From this number of residuals on, each channel is reduced to a triangle before the search: the
@@ -19,45 +17,26 @@ pub(crate) struct Prepared<'p> {
     pub(crate) problem: &'p DeviceProblem<'p>,
     reduced: ReducedProblem<'p>,
     distances: Option<Distances>,
-    outputs: Option<Outputs>,
     gauged: GaugedProblem<'p>,
 }
 
 impl<'p> Prepared<'p> {
     pub(crate) fn new(problem: &'p DeviceProblem<'p>) -> Result<Self, CalibrationError> {
-        let distances = distances_of(problem);
-        let outputs = if distances.is_none() {
-            outputs_of(problem)
-        } else {
-            None
-        };
         Ok(Self {
             problem,
             reduced: ReducedProblem::new(problem),
-            distances,
-            outputs,
+            distances: Distances::new(problem),
             gauged: GaugedProblem::new(problem)?,
         })
     }
 
-    /// The distances of a chain, reduced in lanes.
-    pub(crate) fn lanes(&self) -> Option<ReducedDistance<'_>> {
-        let Distances { model, poses } = self.distances.as_ref()?;
-        ReducedDistance::new(model, poses, Threads::Several).ok()
-    }
-
-    /// What is searched; `lanes` are those of [`Prepared::lanes`].
-    pub(crate) fn searched<'s>(
-        &'s self,
-        lanes: Option<&'s ReducedDistance<'_>>,
-    ) -> &'s dyn Problem {
+    /// The form that is searched.
+    pub(crate) fn searched(&self) -> &dyn Problem {
         if self.gauged.is_scaled() {
             &self.gauged
-        } else if let Some(lanes) = lanes {
-            lanes
-        } else if let Some(outputs) = &self.outputs {
-            outputs
-        } else if self.problem.residual_count() < REDUCED_FROM {
+        } else if let Some(distances) = &self.distances {
+            distances
+        } else if self.problem.residual_count() < REDUCED_FROM && !self.is_output_in_lanes() {
             self.problem
         } else {
             &self.reduced
@@ -66,7 +45,16 @@ impl<'p> Prepared<'p> {
 
     /// Whether some form is one in lanes.
     pub(crate) fn is_in_lanes(&self) -> bool {
-        self.distances.is_some() || self.outputs.is_some()
+        self.distances.is_some() || self.is_output_in_lanes()
+    }
+
+    /// Whether it is one external encoder alone, in lanes.
+    fn is_output_in_lanes(&self) -> bool {
+        let is_output = matches!(
+            self.problem.blocks.as_slice(),
+            [block] if matches!(block.channel, Channel::Output { .. })
+        );
+        is_output && self.reduced.lanes().is_some()
     }
 
     /// Derivatives of each channel at `values`, in rows that stand for its own.
@@ -93,13 +81,9 @@ impl<'p> Prepared<'p> {
         let mut residuals = vec![0.0; self.problem.residual_count()];
         if self.gauged.is_scaled() {
             self.gauged.evaluate(values, &mut residuals, None)?;
-        } else if let Some(Distances { model, poses }) = &self.distances
-            && let Ok(rows) = DistanceProblem::new(model, poses)
-        {
-            rows.evaluate(values, &mut residuals, None)?;
-        } else if let Some(outputs) = &self.outputs {
-            outputs.residuals(values, &mut residuals)?;
-        } else if self.problem.residual_count() >= REDUCED_FROM {
+        } else if let Some(distances) = &self.distances {
+            distances.residuals(values, &mut residuals)?;
+        } else if self.problem.residual_count() >= REDUCED_FROM || self.is_output_in_lanes() {
             self.reduced.residuals(values, &mut residuals)?;
         } else {
             self.problem.evaluate(values, &mut residuals, None)?;
@@ -121,33 +105,4 @@ pub(crate) fn reduce(
     }
     let (jacobian, residuals) = evaluate_jacobian(problem, values, &all)?;
     Ok(Reduction::new(&jacobian, &residuals)?)
-}
-
-/// The problem in lanes, if it is one of a chain's parameters and one distance.
-fn distances_of(problem: &DeviceProblem<'_>) -> Option<Distances> {
-    let [block] = problem.blocks.as_slice() else {
-        return None;
-    };
-    Distances::new(
-        problem.device,
-        problem.recording,
-        problem.parameters,
-        block.channel,
-        problem.outputs.as_deref()?,
-        (&block.rows, &block.weights),
-    )
-}
-
-/// The problem in lanes, if it is one of a transmission's parameters and its external encoder.
-fn outputs_of(problem: &DeviceProblem<'_>) -> Option<Outputs> {
-    let [block] = problem.blocks.as_slice() else {
-        return None;
-    };
-    Outputs::new(
-        problem.device,
-        problem.recording,
-        problem.parameters,
-        block.channel,
-        (&block.rows, &block.weights),
-    )
 }

@@ -37,7 +37,7 @@ impl GatheredRows {
         self.columns.iter().map(|(position, _)| *position)
     }
 
-    /// Adds the rows of one reading; a failure of the arithmetic is told by [`GatheredRows::finish`].
+    /// Adds the rows of one reading; a failure of the arithmetic is reported by [`GatheredRows::finish`].
     pub(crate) fn append(
         &mut self,
         index: usize,

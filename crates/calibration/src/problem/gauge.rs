@@ -131,7 +131,7 @@ fn log_mobility(
         problem.move_to_row(&mut evaluation, &mut readings, row, true)?;
         let plane = plane.and_then(|plane| device.surroundings.planes.get(plane));
         let plane = plane.map(TouchedPlane::normal_and_slopes);
-        let torques = problem.loads.as_ref().map(|loads| loads.at(row));
+        let torques = problem.loads.as_ref().map(|loads| loads.of_row(row));
         let at = AtTouch {
             evaluation: &evaluation,
             driven: &driven,

@@ -52,7 +52,7 @@ impl Loads {
     }
 
     /// Torques of one row, joint by joint.
-    pub(crate) fn at(&self, row: usize) -> &[f64] {
+    pub(crate) fn of_row(&self, row: usize) -> &[f64] {
         &self.torque_nm[row * self.joints..][..self.joints]
     }
 }

@@ -1,13 +1,14 @@
-//! What the steps of the motor-side encoders' readings add to the variance of a channel's residuals.
+//! The variance that the steps of the motor-side encoders add to a channel's residuals.
 
 use std::ops::Range;
 
-use haptical_batch::{DistanceModel, DistanceProblem, PoseBatch, Sines};
+use haptical_batch::{DistanceProblem, PoseBatch, Sines};
 use haptical_model::kinematics::Parameter;
 use haptical_model::{Device, Evaluation, JointType, Recording};
 use rayon::prelude::*;
 
 use crate::problem::channel::with_kind;
+use crate::problem::lanes::cable::cable_model;
 use crate::problem::lanes::transmission::values_and_slopes;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::kind::{Measurement, Posture};
@@ -45,7 +46,7 @@ pub(crate) fn propagated_variances(
         })
         .collect();
     let mut variances = Vec::with_capacity(recording.len());
-    // the first row that is refused is told, whichever thread came first
+    // the first refused row is reported, whichever thread met it first
     for part in parts {
         variances.extend(part?);
     }
@@ -79,10 +80,6 @@ fn in_lanes(
         Channel::Cable { index } => index,
         _ => return None,
     };
-    let cable = device.cables.get(index);
-    if !device.is_plain_table() || cable.is_some_and(|cable| !cable.is_plain()) {
-        return None;
-    }
     let mut angles = Vec::with_capacity(device.joints.len());
     // joints whose readings come in steps: variance over that of the row's variable, and the variable
     let mut factors = Vec::new();
@@ -102,12 +99,15 @@ fn in_lanes(
             });
         }
     }
-    let (links, motions) = (&device.links, device.motions());
-    let anchor_m = anchor_m(device, index);
-    let model = DistanceModel::new(device.convention, links, &motions, anchor_m);
-    let model = model.ok()?.with_parameters(&moved).ok()?;
+    let model = cable_model(device, index, &moved)?;
     let (distances_m, weights) = (vec![0.0; rows.len()], vec![1.0; rows.len()]);
-    let poses = PoseBatch::new(&motions, &angles, &distances_m, &weights, Sines::EachPass);
+    let poses = PoseBatch::new(
+        model.motions(),
+        &angles,
+        &distances_m,
+        &weights,
+        Sines::EachPass,
+    );
     let poses = poses.ok()?;
     let all: Vec<usize> = (0..moved.len()).collect();
     let mut variances = vec![0.0; rows.len()];
@@ -160,7 +160,7 @@ fn by_row(
             continue;
         }
         if let Some(loads) = loads {
-            evaluation.set_torques(loads.at(row));
+            evaluation.set_torques(loads.of_row(row));
         }
         evaluation.move_to(&readings).map_err(at_row)?;
         if let Channel::Fixture { joint } = channel {
@@ -186,11 +186,6 @@ fn by_row(
         variances.push(sum);
     }
     Ok(variances)
-}
-
-fn anchor_m(device: &Device, cable: usize) -> [f64; 3] {
-    let cable = device.cables.get(cable);
-    cable.map_or([0.0; 3], |cable| cable.anchor_m)
 }
 
 #[cfg(test)]

@@ -146,7 +146,7 @@ impl<'p> ReducedProblem<'p> {
             if visited.is_some() {
                 return Ok(());
             }
-            // row by row it is told which one is refused
+            // the general form reports the refused row
             let mut residuals = vec![0.0; problem.residual_count()];
             problem.evaluate(parameters, &mut residuals, None)?;
             return Err(IdentificationError::Evaluation {

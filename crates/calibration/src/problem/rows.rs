@@ -1,4 +1,4 @@
-//! Residuals and derivatives of a recording, row by row, for whatever channels and parameters a problem has.
+//! Residuals and derivatives of a recording, row by row, for any channels and parameters.
 
 use std::ops::Range;
 
@@ -153,7 +153,7 @@ impl DeviceProblem<'_> {
             *reading = column[row];
         }
         if let Some(loads) = &self.loads {
-            evaluation.set_torques(loads.at(row));
+            evaluation.set_torques(loads.of_row(row));
         }
         if !self.sees_chain {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Where the derivatives of one row go: nowhere, a dense matrix, or triangles.
+//! Receivers of one row's derivatives: none, a dense matrix, or gathered rows.
 
 use haptical_identification::Matrix;
 use haptical_model::{ModelError, ParameterId};

@@ -1,4 +1,4 @@
-//! Whether more than noise is left of a channel's residuals, or so much less that the noise is not as stated.
+//! Lack of fit: channels whose residual is more than noise, or far below the stated noise.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 

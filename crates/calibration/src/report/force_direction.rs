@@ -1,4 +1,4 @@
-//! How far the force of a calibrated device may still lean from the wanted direction.
+//! The angle by which the force of a calibrated device may still lean from the wanted direction.
 
 use haptical_metrics::quadratic_form_interval;
 use haptical_model::kinematics::nalgebra::Vector3;

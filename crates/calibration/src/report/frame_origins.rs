@@ -1,4 +1,4 @@
-//! Where the frames of a device are at each row of a recording: what a drawing of the arm needs.
+//! Origins of a device's frames at each row of a recording, for drawings of the arm.
 
 use haptical_model::{Device, DeviceChain, Evaluation, ModelError, Recording};
 

@@ -1,4 +1,4 @@
-//! How much of a device's geometry a recording fixes, what stands beside the chain left out.
+//! The rank of a device's geometry in a recording, without the parameters of its surroundings.
 
 use haptical_identification::{Identifiability, Status};
 use haptical_model::{Device, ParameterId};

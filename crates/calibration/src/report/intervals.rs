@@ -1,4 +1,4 @@
-//! How the intervals of a fit were made, for those who cite them.
+//! The method behind the intervals of a fit, for those who cite them.
 
 use haptical_identification::NoiseScale;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! What a fitted device predicts at postures, with intervals, or the reason why the recording fixes none.
+//! Predictions of a fitted device at postures, with intervals, or the reason why the recording fixes none.
 
 use haptical_identification::Matrix;
 use haptical_model::kinematics::nalgebra::Vector3;
@@ -17,7 +17,7 @@ pub struct Prediction {
     pub standard_deviation: Option<f64>,
     /// 95 % interval.
     pub ci95: Option<[f64; 2]>,
-    /// Parameters that the recording cannot tell, through which the quantity is open.
+    /// Parameters that the recording does not fix and the quantity depends on.
     pub open_through: Vec<String>,
 }
 
@@ -63,7 +63,7 @@ pub fn predict_positions(
 ///
 /// # Examples
 /// ```
-/// use haptical_calibration::{Channel, Options, Weights, candidate_parameters, fit_parameters, predict_distances};
+/// use haptical_calibration::{Channel, Options, Weights, fit_kinematics, predict_distances};
 /// use haptical_model::{Device, Recording};
 /// let row = "[[link]]\na_m = 0.3\nalpha_rad = 0.4\nd_m = 0.1\n";
 /// let joint = "[[joint]]\ntransmission = \"direct\"\ntransmission_ratio = 1.0\n";
@@ -84,9 +84,7 @@ pub fn predict_positions(
 /// recording.cable_m = vec![Some(ends.iter().map(distance).collect())];
 /// let channels = [Channel::Cable { index: 0 }];
 /// let weights = Weights::stated(&device, &channels);
-/// let parameters = candidate_parameters(&device);
-/// let options = Options::default();
-/// let fit = fit_parameters("lever", &device, &recording, &channels, &parameters, &weights, &options)?;
+/// let fit = fit_kinematics(&device, &recording, &channels, &weights, &Options::default())?;
 /// let predicted = predict_distances(&fit, &recording, [0.0; 3])?;
 /// assert!((predicted[7].value - distance(&ends[7])).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

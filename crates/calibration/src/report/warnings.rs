@@ -1,4 +1,4 @@
-//! Things that a user should know of a recording and of a result, in sentences.
+//! Warnings about a recording and about a result, in sentences.
 
 use haptical_model::{Device, ParameterId, Recording};
 
@@ -129,7 +129,7 @@ fn of_compliance(whole: &ParameterFit) -> Vec<String> {
         .collect()
 }
 
-/// Which length was held because nothing measured tells one.
+/// The length that was held because no measurement fixes one.
 fn of_scale(nominal: &Device, whole: &ParameterFit) -> Option<String> {
     let held: Vec<String> = held_for_size(whole, nominal)
         .into_iter()

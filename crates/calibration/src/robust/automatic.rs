@@ -1,4 +1,4 @@
-//! Whether a recording needs a robust loss: wild readings, told from effects that the model lacks.
+//! The choice between least squares and a robust loss: wild readings against effects that the model lacks.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -117,7 +117,7 @@ pub(crate) fn wild_held_out(
     Ok(all)
 }
 
-/// Whether outliers stand beside each other, as those of an effect do and wild readings do not.
+/// Whether outliers come in consecutive rows, as those of an effect do and wild readings do not.
 fn are_in_stretches(outliers: &[Outlier], recording: &Recording) -> bool {
     let wild: BTreeSet<(Channel, u64)> = outliers
         .iter()

@@ -1,4 +1,4 @@
-//! Where a tracker and what it tracks are, to begin with: in closed form, then fitted with the geometry held.
+//! Start values of a tracker's base and marker: in closed form, then fitted with the geometry held.
 
 use haptical_identification::{Settings, solve};
 use haptical_model::kinematics::Pose;

@@ -1,4 +1,4 @@
-//! Start values of what stands beside the chain: where the tracker, touched points and planes are.
+//! Start values of a device's surroundings: tracker, touched points and planes.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::CalibrationError;
 use crate::problem::loads::Loads;
 use crate::start::hand_eye::place_tracker;
 
-/// The device with a start value for everything that a recording shows beside the chain and the device file
+/// The device with a start value for everything around the chain that a recording shows and the device file
 /// leaves open; what the file gives stays.
 ///
 /// - The tracker, where its base or tool is unknown: in closed form from the device's own poses, then fitted with
@@ -86,7 +86,7 @@ pub(crate) fn handle_poses(
             *reading = column[row];
         }
         if let Some(loads) = &loads {
-            evaluation.set_torques(loads.at(row));
+            evaluation.set_torques(loads.of_row(row));
         }
         let moved = evaluation.move_pose_to(&readings);
         let pose = moved.and_then(|()| evaluation.pose().copied());

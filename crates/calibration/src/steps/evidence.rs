@@ -1,4 +1,4 @@
-//! How many terms a transmission's data support: few samples carry few terms.
+//! Evidence for the terms of a transmission: few samples support few terms.
 
 use haptical_identification::{Matrix, Reduction};
 use haptical_model::{Joint, TransmissionError};

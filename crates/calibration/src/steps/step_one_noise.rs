@@ -1,4 +1,4 @@
-//! What the noise of step 1 does to step 2: the transmissions' covariance carried through the distances.
+//! The noise of step 1 in step 2: the transmissions' covariance carried through the distances.
 
 use haptical_identification::Matrix;
 use haptical_model::{ParameterId, Recording};
@@ -44,8 +44,7 @@ pub fn with_step_one_noise(
     let all: Vec<ParameterId> = own.chain(parameters.iter().copied()).collect();
     let problem = DeviceProblem::new(&fit.device, recording, channels, &all, weights)?;
     let prepared = Prepared::new(&problem)?;
-    let lanes = prepared.lanes();
-    let searched = prepared.searched(lanes.as_ref());
+    let searched = prepared.searched();
     let failed = |source| wrap(what, source);
     let reduction = reduce(searched, &problem.start()).map_err(failed)?;
     let columns: Vec<usize> = (0..all.len()).collect();

@@ -1,4 +1,4 @@
-//! What the columns of a cable are made of, and which of them are one and the same.
+//! The columns of a cable's derivatives, and which of them are equal.
 
 use haptical_model::ParameterId;
 
@@ -6,7 +6,7 @@ use crate::problem::lanes::plan::{CablePlan, JointPlan};
 
 /// A column: the derivative with respect to one of the entries, or that times a transmission's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Source {
+pub(crate) enum ColumnSource {
     Entry(usize),
     Product {
         entry: usize,
@@ -24,7 +24,7 @@ pub(crate) struct CableColumns {
     /// Entries of the model's vector whose derivatives are needed.
     pub(crate) entries: Vec<usize>,
     /// Columns that differ.
-    pub(crate) distinct: Vec<Source>,
+    pub(crate) distinct: Vec<ColumnSource>,
     /// How many of these are products.
     pub(crate) products: usize,
     /// Which of the distinct ones each column is.
@@ -54,8 +54,8 @@ impl CableColumns {
             };
             let entry = place(&mut entries, wanted);
             let source = match term {
-                None => Source::Entry(entry),
-                Some((joint, index)) => Source::Product {
+                None => ColumnSource::Entry(entry),
+                Some((joint, index)) => ColumnSource::Product {
                     entry,
                     joint,
                     index,
@@ -63,7 +63,7 @@ impl CableColumns {
             };
             of.push(place(&mut distinct, source));
         }
-        let is_product = |source: &&Source| matches!(source, Source::Product { .. });
+        let is_product = |source: &&ColumnSource| matches!(source, ColumnSource::Product { .. });
         Some(Self {
             products: distinct.iter().filter(is_product).count(),
             entries,

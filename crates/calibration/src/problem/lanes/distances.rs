@@ -1,52 +1,44 @@
 //! The second step's problem in lanes: a chain's parameters from one distance, at joint angles that stay.
 
-use haptical_batch::{DistanceModel, PoseBatch, Sines};
-use haptical_model::{Device, ParameterId, Recording};
+use std::cell::RefCell;
 
-use crate::Channel;
+use haptical_batch::{
+    DistanceModel, DistanceProblem, PassRoom, PoseBatch, ReducedDistance, Sines, Threads,
+};
+use haptical_identification::{IdentificationError, Problem, Triangle, TriangleProblem};
+use haptical_model::ParameterId;
+
+use crate::problem::lanes::cable::cable_model;
+use crate::{Channel, DeviceProblem};
 
 /// A chain and its poses, as the batch wants them.
 #[derive(Debug)]
 pub(crate) struct Distances {
-    pub(crate) model: DistanceModel,
-    pub(crate) poses: PoseBatch,
+    model: DistanceModel,
+    poses: PoseBatch,
+    room: RefCell<PassRoom>,
 }
 
 impl Distances {
-    /// `outputs` holds the output angles row by row, `rows` the rows with a reading and `weights` one over the
-    /// standard deviation of each. None where the problem is another one, or where a number is refused: the
-    /// general form then says which, with its line of the log.
-    pub(crate) fn new(
-        device: &Device,
-        recording: &Recording,
-        parameters: &[ParameterId],
-        channel: Channel,
-        outputs: &[f64],
-        (rows, weights): (&[usize], &[f64]),
-    ) -> Option<Self> {
-        let Channel::Cable { index } = channel else {
+    /// None where the problem is another one, or where a number is refused: the general form then says which, with its
+    /// line of the log.
+    pub(crate) fn new(problem: &DeviceProblem<'_>) -> Option<Self> {
+        let [block] = problem.blocks.as_slice() else {
             return None;
         };
-        let cable = device.cables.get(index);
-        if !device.is_plain_table() || cable.is_some_and(|cable| !cable.is_plain()) {
+        let Channel::Cable { index } = block.channel else {
             return None;
-        }
-        let parameters: Vec<_> = parameters
+        };
+        let (device, outputs) = (problem.device, problem.outputs.as_deref()?);
+        let parameters: Vec<_> = problem
+            .parameters
             .iter()
             .map(|parameter| match parameter {
                 ParameterId::Link { row, parameter } => Some((*row, *parameter)),
                 _ => None,
             })
             .collect::<Option<_>>()?;
-        let motions = device.motions();
-        let anchor_m = device
-            .cables
-            .get(index)
-            .map_or([0.0; 3], |cable| cable.anchor_m);
-        let model = DistanceModel::new(device.convention, &device.links, &motions, anchor_m)
-            .ok()?
-            .with_parameters(&parameters)
-            .ok()?;
+        let model = cable_model(device, index, &parameters)?;
         // the links keep their own theta: what the home pose adds stands with the joint
         let joints = device.joints.len();
         let angles: Vec<Vec<f64>> = device
@@ -54,13 +46,52 @@ impl Distances {
             .iter()
             .enumerate()
             .map(|(joint, described)| {
-                let angles = rows.iter().map(|row| outputs[row * joints + joint]);
+                let angles = block.rows.iter().map(|row| outputs[row * joints + joint]);
                 angles.map(|angle| angle + described.home_rad).collect()
             })
             .collect();
-        let cable = recording.cable_m.get(index)?.as_ref()?;
-        let distances_m: Vec<f64> = rows.iter().map(|&row| cable[row]).collect();
-        let poses = PoseBatch::new(&motions, &angles, &distances_m, weights, Sines::Cached).ok()?;
-        Some(Self { model, poses })
+        let cable = problem.recording.cable_m.get(index)?.as_ref()?;
+        let distances_m: Vec<f64> = block.rows.iter().map(|&row| cable[row]).collect();
+        let poses = PoseBatch::new(
+            model.motions(),
+            &angles,
+            &distances_m,
+            &block.weights,
+            Sines::Cached,
+        )
+        .ok()?;
+        Some(Self {
+            model,
+            poses,
+            room: RefCell::default(),
+        })
+    }
+
+    /// Weighted residuals, row by row.
+    pub(crate) fn residuals(
+        &self,
+        values: &[f64],
+        residuals: &mut [f64],
+    ) -> Result<(), IdentificationError> {
+        DistanceProblem::new(&self.model, &self.poses)?.evaluate(values, residuals, None)
+    }
+}
+
+impl TriangleProblem for Distances {
+    fn columns(&self) -> usize {
+        self.model.parameters().len()
+    }
+
+    fn reduce_into(
+        &self,
+        parameters: &[f64],
+        free: &[usize],
+        into: &mut Triangle,
+    ) -> Result<(), IdentificationError> {
+        let reduced = ReducedDistance::new(&self.model, &self.poses, Threads::Several)?;
+        let reduced = reduced.with_room(self.room.take());
+        let outcome = reduced.reduce_into(parameters, free, into);
+        self.room.replace(reduced.into_room());
+        outcome
     }
 }

@@ -5,7 +5,7 @@ use haptical_model::ParameterId;
 
 use crate::DeviceProblem;
 use crate::problem::lanes::capstan::ErrorValues;
-use crate::problem::lanes::columns::{CableColumns, Source};
+use crate::problem::lanes::columns::{CableColumns, ColumnSource};
 use crate::problem::lanes::plan::{
     CablePlan, ChannelPlan, ErrorPart, JointPlan, LaneRows, RowBlock, RowPart, seen_columns,
 };
@@ -256,7 +256,7 @@ impl<'l> Pass<'l> {
             let products = at_least(products, cable.products * rows);
             let mut into = products.chunks_exact_mut(rows);
             for source in &cable.distinct {
-                if let Source::Product {
+                if let ColumnSource::Product {
                     entry,
                     joint,
                     index,
@@ -272,8 +272,8 @@ impl<'l> Pass<'l> {
                 .distinct
                 .iter()
                 .filter_map(|source| match source {
-                    Source::Entry(entry) => Some(along[*entry]),
-                    Source::Product { .. } => made.next(),
+                    ColumnSource::Entry(entry) => Some(along[*entry]),
+                    ColumnSource::Product { .. } => made.next(),
                 })
                 .collect();
             let first = part.first + tile.first_pose();

@@ -4,6 +4,7 @@ use haptical_batch::DistanceModel;
 use haptical_model::kinematics::Parameter;
 use haptical_model::{Device, JointType, ParameterId, TransmissionError};
 
+use crate::problem::lanes::cable::cable_model;
 use crate::problem::lanes::transmission::{ErrorRows, errors_in_bulk};
 use crate::{Channel, DeviceProblem};
 
@@ -96,7 +97,7 @@ impl LaneRows {
                 ParameterId::Link { .. } | ParameterId::Transmission { .. }
             )
         };
-        let is_plain = device.is_plain_table() && problem.loads.is_none();
+        let is_plain = !problem.sees_chain || (device.is_plain_table() && problem.loads.is_none());
         if !is_plain
             || !problem.parameters.iter().all(is_known)
             || recording.joint.len() != device.joints.len()
@@ -157,13 +158,6 @@ fn channel_plan(
         Channel::Cable { index } => index,
         _ => return None,
     };
-    if device
-        .cables
-        .get(index)
-        .is_some_and(|cable| !cable.is_plain())
-    {
-        return None;
-    }
     let (mut chosen, mut links) = (Vec::new(), Vec::new());
     for (parameter, id) in parameters.iter().enumerate() {
         if let ParameterId::Link { row, parameter: of } = *id {
@@ -189,17 +183,7 @@ fn channel_plan(
             links.push(None);
         }
     }
-    let anchor_m = device
-        .cables
-        .get(index)
-        .map_or([0.0; 3], |cable| cable.anchor_m);
-    let model = DistanceModel::new(
-        device.convention,
-        &device.links,
-        &device.motions(),
-        anchor_m,
-    );
-    let model = model.ok()?.with_parameters(&chosen).ok()?;
+    let model = cable_model(device, index, &chosen)?;
     Some(ChannelPlan::Cable(Box::new(CablePlan {
         values: model.start(),
         model,
@@ -216,6 +200,12 @@ fn row_block(problem: &DeviceProblem<'_>, joints: &[JointPlan], start: usize) ->
     let mut errors = Vec::with_capacity(joints.len());
     let described = problem.device.joints.iter().zip(&recording.joint);
     for ((index, plan), (joint, column)) in joints.iter().enumerate().zip(described) {
+        let is_measured = |channel| channel == Channel::Output { joint: index };
+        if !problem.sees_chain && !problem.channels().any(is_measured) {
+            readings.push(Vec::new());
+            errors.push(ErrorPart::Fixed(Vec::new()));
+            continue;
+        }
         let own = column.get(rows.clone())?.to_vec();
         if !own.iter().all(|reading| reading.is_finite()) {
             return None;

@@ -6,7 +6,7 @@ use haptical_model::{Device, JointType, ModelError, Parameter, ParameterId, Reco
 use super::kind::{Measurement, Posture, is_known, reading};
 
 /// Reading + transmission error + joint offset, against the angle from home that a fixture holds the link at:
-/// the columns `fixture1_rad`, ... (`_m` for a prismatic joint). It tells a joint's offset by itself.
+/// the columns `fixture1_rad`, ... (`_m` for a prismatic joint). It fixes a joint's offset by itself.
 pub(crate) struct Fixture {
     /// Joint, from 0.
     pub(crate) joint: usize,

@@ -1,0 +1,151 @@
+//! Residuals of the nominal and the calibrated device, on rows of the fit or on held-out rows.
+
+use haptical_model::{Device, Recording};
+
+use crate::checks::held_out::{SHORT_LOG, folds};
+use crate::report::warnings;
+use crate::start::prepare::with_unseen_touches;
+use crate::{
+    CalibrationError, Channel, ChannelReport, ChannelResiduals, HeldOut, Options, Weights,
+    channel_residuals, fit_device,
+};
+
+/// A recording with the channels that devices are compared on.
+pub(crate) struct Comparison<'a> {
+    pub(crate) device: &'a Device,
+    pub(crate) recording: &'a Recording,
+    pub(crate) channels: &'a [Channel],
+    /// The stated noise.
+    pub(crate) stated: Weights,
+}
+
+impl Comparison<'_> {
+    /// Before and after on some rows of the recording.
+    pub(crate) fn on_rows(
+        &self,
+        (nominal, fitted): (&Device, &Device),
+        rows: &[usize],
+    ) -> Result<Vec<ChannelReport>, CalibrationError> {
+        let part = &self.recording.select(rows);
+        let nominal = &with_unseen_touches(nominal, part)?;
+        let fitted = &with_unseen_touches(fitted, part)?;
+        let residuals =
+            |device| channel_residuals(device, fitted, part, self.channels, &self.stated);
+        let mut reports = reports(nominal, residuals(nominal)?, residuals(fitted)?);
+        for row in reports.iter_mut().flat_map(|report| &mut report.rows) {
+            *row = rows[*row];
+        }
+        Ok(reports)
+    }
+
+    /// Folds by row, or by the numbers of the postures that the device dwelt at, each predicted by a device fitted
+    /// without it. A fold whose fit fails (too few rows
+    /// left for the terms) is left out, with a warning; where every fit fails nothing is checked.
+    pub(crate) fn cross_validate(
+        &self,
+        options: &Options,
+        (count, dwelt): (usize, Option<&[usize]>),
+        warnings: &mut Vec<String>,
+    ) -> Result<(Vec<ChannelReport>, String), CalibrationError> {
+        let (device, recording) = (self.device, self.recording);
+        let folds = folds(recording.len(), count, dwelt);
+        let count = folds.len();
+        let mut checked = 0;
+        let mut reasons: Vec<String> = Vec::new();
+        let mut before: Vec<ChannelResiduals> = Vec::new();
+        let mut after: Vec<ChannelResiduals> = Vec::new();
+        for fold in folds {
+            let seen = recording.select(&fold.fit);
+            let fitted = match fit_device(device, &seen, options) {
+                Ok(fitted) => fitted,
+                Err(error) => {
+                    reasons.push(format!("{} left out: {error}", fold.description));
+                    continue;
+                }
+            };
+            checked += 1;
+            let unseen = recording.select(&fold.held_out);
+            let range_free = without_ranges(&fitted.device);
+            let nominal = device.clone();
+            let nominal = crate::prepare_device(&nominal, &seen)?;
+            for (device, kept) in [(&nominal, &mut before), (&fitted.device, &mut after)] {
+                let device = &with_unseen_touches(device, &unseen)?;
+                let part =
+                    channel_residuals(device, &range_free, &unseen, self.channels, &self.stated)?;
+                append(kept, part, &fold.held_out);
+            }
+        }
+        let reports = reports(device, before, after);
+        if checked == 0 {
+            warnings.push(warnings::of_no_check(count, reasons.first()));
+            return Ok((
+                Vec::new(),
+                format!("not checked: none of {count} folds could be fitted"),
+            ));
+        }
+        warnings.extend(reasons);
+        let kind = match options.held_out {
+            _ if dwelt.is_some() => "of whole postures",
+            HeldOut::Folds(_) => "by row",
+            _ if recording.len() < SHORT_LOG => "of a short log",
+            _ => "of separate postures",
+        };
+        let count = match checked {
+            all if all == count => count.to_string(),
+            some => format!("{some} of {count}"),
+        };
+        Ok((
+            reports,
+            format!("{count} folds {kind}, each fitted without its own rows"),
+        ))
+    }
+}
+
+/// One report for each channel with residuals.
+fn reports(
+    device: &Device,
+    before: Vec<ChannelResiduals>,
+    after: Vec<ChannelResiduals>,
+) -> Vec<ChannelReport> {
+    let pairs = before.into_iter().zip(after);
+    pairs
+        .filter(|(before, _)| !before.residuals.is_empty())
+        .map(|(before, after)| ChannelReport::new(device, before, after))
+        .collect()
+}
+
+/// A device whose polynomials count as known everywhere: leaving out the extreme samples of a short
+/// log would flatter it, and beyond its range a polynomial continues on its tangent.
+fn without_ranges(device: &Device) -> Device {
+    let mut device = device.clone();
+    for joint in &mut device.joints {
+        joint.transmission_error = haptical_model::TransmissionError::default();
+    }
+    device
+}
+
+fn append(kept: &mut Vec<ChannelResiduals>, part: Vec<ChannelResiduals>, rows: &[usize]) {
+    for channel in part {
+        let original: Vec<usize> = channel.rows.iter().map(|&row| rows[row]).collect();
+        match kept
+            .iter_mut()
+            .find(|other| other.channel == channel.channel)
+        {
+            Some(sum) => {
+                let (have, more) = (sum.rows.len() as f64, channel.rows.len() as f64);
+                if have + more > 0.0 {
+                    let square =
+                        sum.noise_floor.powi(2) * have + channel.noise_floor.powi(2) * more;
+                    sum.noise_floor = (square / (have + more)).sqrt();
+                }
+                sum.rows.extend(original);
+                sum.residuals.extend(channel.residuals);
+                sum.outside_range += channel.outside_range;
+            }
+            None => kept.push(ChannelResiduals {
+                rows: original,
+                ..channel
+            }),
+        }
+    }
+}
