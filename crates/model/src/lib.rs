@@ -29,7 +29,7 @@ pub use haptical_kinematics as kinematics;
 pub use haptical_kinematics::Parameter;
 pub use haptical_transmission as transmission;
 pub use holding::{Load, Statics, holding_torques_nm};
+pub use parameter::ParameterId;
 pub use parameter::surrounding::SurroundingParameter;
 pub use parameter::unknown::UnknownNumbers;
-pub use parameter::ParameterId;
 pub use recording::Recording;

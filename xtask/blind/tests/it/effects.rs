@@ -163,14 +163,7 @@ fn haptic7() -> Device {
     NOMINALS[0].device().expect("a device")
 }
 
-fn single(
-    name: &str,
-    joint: usize,
-) -> (
-    Recorded,
-    Device,
-    std::collections::BTreeMap<&'static str, f64>,
-) {
+fn single(name: &str, joint: usize) -> (Recorded, Device, BTreeMap<&'static str, f64>) {
     let nominal = haptic7();
     let kind = kind(name).expect("a kind");
     let effects = [effect(&nominal, kind, joint, 1.0, 8)];
