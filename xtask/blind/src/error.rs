@@ -1,4 +1,4 @@
-//! What can go wrong while trials are drawn, sealed and scored.
+//! Errors while trials are drawn, sealed and scored.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What is hidden in a recording, and what counts as a right answer.
+//! The truth of a recording: the hidden effects and the answers that are right.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Whether 95 % intervals hold the truth 95 % of the time, over simulated devices.
+//! Coverage of 95 % intervals over simulated devices.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What the jobs of the project print and write.
+//! Reports, tables and progress of the jobs of the project.
 #![allow(
     clippy::missing_errors_doc,
     reason = "the errors are texts for a person"

@@ -1,4 +1,4 @@
-//! What stated probabilities are worth.
+//! Calibration of stated probabilities.
 
 use xtask_blind::Rate;
 

@@ -1,4 +1,4 @@
-//! What a quick check insists on: gross errors alone, for a few trials say no more.
+//! A quick check refuses gross errors alone, for a few trials say no more.
 
 use anyhow::{Result, ensure};
 

@@ -1,4 +1,4 @@
-//! How long a diagnosis takes: in the batch on one core, and alone on the machine.
+//! Time of a diagnosis: in the batch on one core, and alone on the machine.
 
 use anyhow::{Context, Result, anyhow};
 use xtask_blind::{

@@ -1,4 +1,4 @@
-//! What force sensor and motors do not say: bias, gain, cross-talk, friction, cogging, unbalanced mass.
+//! Errors of force sensors and motors: bias, gain, cross-talk, friction, cogging, unbalanced mass.
 
 use haptical_model::{Body, Device};
 

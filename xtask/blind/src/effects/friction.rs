@@ -1,4 +1,4 @@
-//! What depends on the way back: play with a soft contact, bristles, Bouc-Wen and Maxwell-slip loops.
+//! Hysteresis: play with a soft contact, bristles, Bouc-Wen and Maxwell-slip loops.
 
 use crate::effects::added::{Added, Law, Place};
 use crate::effects::{Draw, Effect, Facts};

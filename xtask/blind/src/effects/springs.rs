@@ -1,4 +1,4 @@
-//! What gives under load: pre-tensioned cable strands, links behind the encoder, creep, slip at peaks.
+//! Compliance: pre-tensioned cable strands, links behind the encoder, creep, slip at peaks.
 
 use haptical_model::TransmissionKind;
 

@@ -1,4 +1,4 @@
-//! What is late, what drifts and what jumps: latencies, lag, drift, lost counts.
+//! Errors in time: latencies, lag, drift, lost counts.
 
 use crate::effects::added::{Added, Law, Place};
 use crate::effects::{Draw, Effect, Facts, Info};

@@ -1,4 +1,4 @@
-//! What the motor-side encoder reads for an output angle: the transmission of eq. (1), (2) inverted.
+//! The reading of the motor-side encoder for an output angle: the transmission of eq. (1), (2) inverted.
 
 use haptical_model::{Joint, ModelError, TransmissionError};
 

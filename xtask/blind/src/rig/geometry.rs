@@ -1,4 +1,4 @@
-//! Where the handle is when links flex and axes wobble: the chain with small rotations in between.
+//! The pose of the handle when links flex and axes wobble: the chain with small rotations in between.
 
 use haptical_model::Device;
 use haptical_model::kinematics::Link;

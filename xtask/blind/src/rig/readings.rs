@@ -1,4 +1,4 @@
-//! What the sensors of a recording read: noise, rounding, scale, digits of the log.
+//! Readings of the sensors: noise, rounding, scale, digits of the log.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! What acts on a device during a recording: the force of the hand, and its own warming.
+//! Loads on a device during a recording: the force of the hand, and its own warming.
 
 use crate::random::Random;
 use crate::rig::motion::MotionPlan;

@@ -1,4 +1,4 @@
-//! How much of the gap an answer really closes, against channels without noise.
+//! The share of the gap that an answer really closes, against channels without noise.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! How much of the code tests reach, and how many planted faults they notice: with tools that must be installed.
+//! Line coverage of the tests, and the planted faults that they notice: with tools that must be installed.
 
 use std::collections::BTreeMap;
 #[cfg(unix)]

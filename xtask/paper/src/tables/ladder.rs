@@ -1,4 +1,4 @@
-//! How far a calibration of less gets: offsets alone, one step alone, both, and the joint fit.
+//! Calibrations of less: offsets alone, one step alone, both, and the joint fit.
 
 use anyhow::Result;
 use haptical_calibration::{

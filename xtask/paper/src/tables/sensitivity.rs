@@ -1,4 +1,4 @@
-//! How the results move with each number that the paper does not print.
+//! Sensitivity of the results to each number that the paper does not print.
 
 use anyhow::Result;
 use haptical_model::Device;

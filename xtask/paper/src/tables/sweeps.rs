@@ -1,4 +1,4 @@
-//! What the authors chose without showing: polynomial degree, number of poses, search method.
+//! Choices that the paper does not show: polynomial degree, number of poses, search method.
 
 use anyhow::Result;
 use haptical_calibration::{

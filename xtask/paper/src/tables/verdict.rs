@@ -1,4 +1,4 @@
-//! Whether a published figure is one that this model and noise can produce.
+//! A published figure against this model and noise: possible or not.
 
 use anyhow::Result;
 use haptical_metrics::{normal_two_sided_p, rms};

@@ -1,4 +1,4 @@
-//! Whether all contenders found the same solution: before that no time says anything.
+//! Agreement of all contenders on the solution: before that no time says anything.
 
 use anyhow::{Result, bail};
 

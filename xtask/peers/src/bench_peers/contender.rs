@@ -1,4 +1,4 @@
-//! What takes part in a comparison, and what one of its runs answers.
+//! A contender in a comparison, and the answer of one of its runs.
 
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! How much of the machine others used while a round ran; a round that was disturbed is not counted.
+//! Use of the machine by others while a round ran; a round that was disturbed is not counted.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! What the comparison rests on: files, agreement of costs, missing peers, ratios, load.
+//! Foundations of the comparison: files, agreement of costs, missing peers, ratios, load.
 
 use anyhow::Result;
 use haptical_calibration::DeviceProblem;

@@ -1,4 +1,4 @@
-//! How time and memory of the distance identification grow with poses, parameters and joints.
+//! Growth of time and memory of the distance identification with poses, parameters and joints.
 
 mod arms;
 mod peak;

@@ -1,4 +1,4 @@
-//! What instruction counts depend on besides the source: compiler, target, lanes of the processor.
+//! Conditions of instruction counts besides the source: compiler, target, lanes of the processor.
 
 use std::process::Command;
 

@@ -1,4 +1,4 @@
-//! What may be asked for, and which trials that means.
+//! Arguments of the job, and the trials that they ask for.
 
 use clap::Parser;
 use xtask_blind::Suite;

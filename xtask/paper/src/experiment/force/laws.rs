@@ -1,4 +1,4 @@
-//! What an integral and a derivative would do in the loop of Figure 11: rest, a hand that lets go, noise.
+//! An integral and a derivative in the loop of Figure 11: rest, a hand that lets go, noise.
 //!
 //! One axis, along the handle's z, with the dynamics of the loop (docs/assumptions.md, Figures and force).
 

@@ -1,4 +1,4 @@
-//! Where the loop settles when the controller's model is wrong: the model's error M is part of the loop's gain.
+//! The loop at rest when the controller's model is wrong: the model's error M is part of the loop's gain.
 
 use haptical_model::kinematics::nalgebra::{Complex, Matrix6, SMatrix};
 
