@@ -133,8 +133,8 @@ mod tests {
 
     use super::compare;
 
-    fn moved(recorded: serde_json::Value, found: serde_json::Value) -> (usize, usize) {
-        let differences = compare(&recorded, &found);
+    fn moved(recorded: &serde_json::Value, found: &serde_json::Value) -> (usize, usize) {
+        let differences = compare(recorded, found);
         let words = differences.iter().filter(|one| one.is_of_words()).count();
         (differences.len() - words, words)
     }
@@ -142,14 +142,14 @@ mod tests {
     #[test]
     fn a_thousandth_of_the_half_width_is_allowed_and_no_more() {
         let value = |value: f64| json!({"value": value, "ci95": [0.9, 1.1]});
-        assert_eq!(moved(value(1.0), value(1.00009)), (0, 0));
-        assert_eq!(moved(value(1.0), value(1.0002)), (1, 0));
+        assert_eq!(moved(&value(1.0), &value(1.00009)), (0, 0));
+        assert_eq!(moved(&value(1.0), &value(1.0002)), (1, 0));
         assert_eq!(
-            moved(json!({"rms": 1.0}), json!({"rms": 1.0 + 1e-10})),
+            moved(&json!({"rms": 1.0}), &json!({"rms": 1.0 + 1e-10})),
             (0, 0)
         );
         assert_eq!(
-            moved(json!({"rms": 1.0}), json!({"rms": 1.0 + 1e-8})),
+            moved(&json!({"rms": 1.0}), &json!({"rms": 1.0 + 1e-8})),
             (1, 0)
         );
     }
@@ -158,10 +158,13 @@ mod tests {
     fn a_name_or_a_missing_key_moved_and_a_sentence_was_reworded() {
         let recorded = json!({"verdict": "named", "warnings": ["one thing", "another one"]});
         let found = json!({"verdict": "unknown", "warnings": ["one thing"], "new": 1});
-        assert_eq!(moved(recorded, found), (1, 1));
-        assert_eq!(moved(json!({"verdict": "named"}), json!({})), (1, 0));
+        assert_eq!(moved(&recorded, &found), (1, 1));
+        assert_eq!(moved(&json!({"verdict": "named"}), &json!({})), (1, 0));
         assert_eq!(
-            moved(json!({"why": "no column"}), json!({"why": "t_s is absent"})),
+            moved(
+                &json!({"why": "no column"}),
+                &json!({"why": "t_s is absent"})
+            ),
             (0, 1)
         );
     }
