@@ -3,7 +3,7 @@
 use haptical_linalg::{Reduction, Solution};
 
 use crate::problem::check_free;
-use crate::search::Search;
+use crate::search::state::Search;
 use crate::{Convergence, IdentificationError, Method, Problem, Settings};
 
 /// The outcome of a fit.

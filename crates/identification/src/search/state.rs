@@ -2,9 +2,9 @@
 
 use haptical_linalg::{Matrix, Reduction, Solution};
 
-use crate::linear::Linear;
 use crate::problem::{by_parameter, evaluate_jacobian, sum_of_squares};
-use crate::triangle::UnitTriangle;
+use crate::search::linear::Linear;
+use crate::search::triangle::UnitTriangle;
 use crate::{Convergence, IdentificationError, Problem, Settings};
 
 /// Promised fall, as a share of the cost, that the rounding of the cost can hide.

@@ -3,7 +3,7 @@
 use haptical_linalg::{Reduction, Solution};
 
 use crate::IdentificationError;
-use crate::triangle::UnitTriangle;
+use crate::search::triangle::UnitTriangle;
 
 /// The linearised problem at one point.
 #[derive(Debug)]

@@ -1,10 +1,16 @@
 //! Identifiability of parameters: invisible, dependent, weak, or identifiable.
 
+pub(crate) mod observability;
+mod proven;
+pub(crate) mod rules;
+mod selection;
+pub(crate) mod status;
+
 use haptical_linalg::{LinalgError, Reduction, singular_values};
 use serde::Serialize;
 
-use crate::rules::{IdentifiabilityRules, positive};
-use crate::selection::{is_clear, keep_strong};
+use crate::identifiability::rules::{IdentifiabilityRules, positive};
+use crate::identifiability::selection::{is_clear, keep_strong};
 use crate::{IdentificationError, Observability, ParameterInfo, Status};
 
 /// The answer of [`analyse`].

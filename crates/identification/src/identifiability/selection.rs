@@ -2,8 +2,8 @@
 
 use haptical_linalg::{LinalgError, OrderedRank, Reduction};
 
-use crate::proven::{Variances, variances};
-use crate::rules::IdentifiabilityRules;
+use crate::identifiability::proven::{Variances, variances};
+use crate::identifiability::rules::IdentifiabilityRules;
 use crate::{IdentificationError, ParameterInfo, Status, Term};
 
 /// Whether bounds prove that the singular values would give the same rank.
