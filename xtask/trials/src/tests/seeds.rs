@@ -80,7 +80,7 @@ fn a_scored_batch_needs_everything_committed() {
     write(root, THRESHOLDS, "z = 1");
     write(root, "crates/diagnosis/src/lib.rs", "a");
     write(root, "crates/effects/src/lib.rs", "a");
-    write(root, "crates/blind/src/lib.rs", "a");
+    write(root, "xtask/blind/src/lib.rs", "a");
     write(root, "docs/note.md", "a");
     commit(root, "all");
     write(root, "docs/note.md", "b");
@@ -94,12 +94,12 @@ fn a_scored_batch_needs_everything_committed() {
         "crates/diagnosis/src/lib.rs",
         "crates/diagnosis/src/new.rs",
         "crates/effects/src/lib.rs",
-        "crates/blind/src/lib.rs",
+        "xtask/blind/src/lib.rs",
     ] {
         write(root, path, "changed");
         let refused = SeedRule::Commit.seed(root).expect_err(path).to_string();
         assert!(refused.contains(path), "{path}: {refused}");
-        git(root, &["add", "-A", "crates"]);
+        git(root, &["add", "-A"]);
         assert!(
             SeedRule::Commit.seed(root).is_err(),
             "{path}: staged is not committed"
