@@ -11,16 +11,7 @@ use crate::poses::not_finite;
 use crate::trigonometry::LARGEST_RAD;
 use haptical_linalg::Aligned;
 
-use walk::{turns, walk};
-
-/// Postures of a block: a cache line of each number.
-const BLOCK: usize = 8;
-/// Postures whose sines are worked out before the walk: they and the results fit the first-level cache.
-const TILE: usize = 32;
-/// Numbers of a pose: position, then the axes x, y, z.
-const POSE: usize = 12;
-/// Numbers of a Jacobian column: linear, then angular.
-const COLUMN: usize = 6;
+use walk::{BLOCK, COLUMN, POSE, TILE, turns, walk};
 
 /// Poses and geometric Jacobians of many postures of a chain with `JOINTS` moving rows.
 ///

@@ -20,7 +20,7 @@ use crate::place_touched::by_dependence;
 use crate::rivals::{Rival, settle};
 use crate::select::{Selection, Selector, excess};
 use crate::shrink::{Shrink, model_residual, on_held_back, on_second};
-use crate::tables::{channel_gaps, noise, shared, torque_gaps, traces, untestable};
+use crate::tables::{channel_gaps, noise, shared, traces, untestable};
 use crate::touched::Touched;
 use crate::unlisted::hedged;
 use crate::unseen::{hints, unseen};
@@ -106,11 +106,10 @@ pub(crate) fn assemble(
     }
     let before = earlier_residual.as_ref().unwrap_or(&engine.start.residual);
     let (detectable, invisible) = unseen(selector, inputs.in_base);
-    let first = selection.refit.model.causes.first();
-    let first_effect = first.map(|cause| selector.effects[cause.effect].as_ref());
-    let confused = causes
-        .first()
-        .map_or(&[][..], |cause| &cause.confusable_with);
+    let next_step = match base_terms.is_tool() {
+        true => Some(of_tool()),
+        false => next_step(selector, selection, verdict, &causes, located.as_ref()),
+    };
     let fitted = engine.problem.device_with(&engine.start.model.values);
     let mut warnings = warnings(&shrink, &causes, unstated);
     warnings.extend(of_torques(&force, verdict));
@@ -118,23 +117,13 @@ pub(crate) fn assemble(
     Ok(Diagnosis {
         verdict,
         gap: Gap {
-            channels: shared(
-                [
-                    channel_gaps(selector, selection, before, &shrink),
-                    torque_gaps(&force),
-                ]
-                .concat(),
-            ),
+            channels: shared(channel_gaps(selector, selection, before, &shrink), &force),
         },
-        next_experiment: match base_terms.is_tool() {
-            true => Some(of_tool()),
-            false => next_experiment(verdict, first_effect, confused, located.as_ref()),
-        },
+        next_experiment: next_step,
         traces: traces(selector, selection, before, located.as_ref()),
         place: match located {
             Some(located) => Some(located.answer),
-            None if verdict != Verdict::NoGap => in_torques(&force),
-            None => None,
+            None => in_torques(&force).filter(|_| verdict != Verdict::NoGap),
         },
         unexplained_share: match in_positions {
             true => unexplained_share(engine, verdict, &adequacy, causes.is_empty()),
@@ -157,6 +146,20 @@ pub(crate) fn assemble(
         device: fitted,
         predictions: shrink.predictions,
     })
+}
+
+/// What to record next, by the first cause.
+fn next_step(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    verdict: Verdict,
+    causes: &[CauseAnswer],
+    located: Option<&Located>,
+) -> Option<String> {
+    let first = selection.refit.model.causes.first();
+    let effect = first.map(|cause| selector.effects[cause.effect].as_ref());
+    let confused = causes.first().map(|cause| cause.confusable_with.as_slice());
+    next_experiment(verdict, effect, confused.unwrap_or_default(), located)
 }
 
 /// Where a gap lies.

@@ -76,8 +76,10 @@ pub(crate) fn channel_gaps(
         .collect()
 }
 
-/// Shares that add up to 1, of energies over noise; all 0 where there is no energy.
-pub(crate) fn shared(mut gaps: Vec<ChannelGap>) -> Vec<ChannelGap> {
+/// The channels of positions and torques, with shares that add up to 1, of energies over noise; all 0 where there is
+/// no energy.
+pub(crate) fn shared(mut gaps: Vec<ChannelGap>, force: &ForceAnswer) -> Vec<ChannelGap> {
+    gaps.extend(torque_gaps(force));
     let total: f64 = gaps.iter().map(|gap| gap.share_of_gap).sum();
     for gap in &mut gaps {
         gap.share_of_gap = if total > 0.0 {
@@ -90,7 +92,7 @@ pub(crate) fn shared(mut gaps: Vec<ChannelGap>) -> Vec<ChannelGap> {
 }
 
 /// The torques, where they show a gap.
-pub(crate) fn torque_gaps(force: &ForceAnswer) -> Vec<ChannelGap> {
+fn torque_gaps(force: &ForceAnswer) -> Vec<ChannelGap> {
     if force.findings.is_empty() && !force.significant {
         return vec![];
     }

@@ -39,7 +39,7 @@ fn bound(parameter: &Parameter) -> String {
         Role::Inverse => format!("{name} {low}"),
         _ if high == f64::MAX => name.to_owned(),
         _ if parameter.times_ratio => format!("{name} {high} R"),
-        _ if high < 0.01 || high > 1e3 => format!("{name} {high:e}"),
+        _ if !(0.01..=1e3).contains(&high) => format!("{name} {high:e}"),
         _ => format!("{name} {high}"),
     }
 }

@@ -8,8 +8,16 @@ use haptical_kinematics::ChainConstants;
 use haptical_kinematics::nalgebra::Vector3;
 use pulp::Simd;
 
-use super::{BLOCK, COLUMN, POSE, TILE};
 use crate::trigonometry::{LARGEST_RAD, sine_cosine};
+
+/// Postures of a block: a cache line of each number.
+pub(super) const BLOCK: usize = 8;
+/// Postures whose sines are worked out before the walk: they and the results fit the first-level cache.
+pub(super) const TILE: usize = 32;
+/// Numbers of a pose: position, then the axes x, y, z.
+pub(super) const POSE: usize = 12;
+/// Numbers of a Jacobian column: linear, then angular.
+pub(super) const COLUMN: usize = 6;
 
 /// Sines and cosines of a tile's turns; whether all its variables are in the lanes' range.
 #[inline(always)]
