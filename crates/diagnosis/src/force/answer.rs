@@ -172,11 +172,10 @@ pub(super) fn answer(
             }
         }
     }
-    if let Some((joint, gain)) = strained.filter(|_| !is_falsified) {
+    // beside a gap that shows anyhow it is that gap's
+    if let Some((joint, gain)) = strained.filter(|_| !is_falsified && !significant) {
         scale_before(&mut channels, selector, base, Some(joint), gain);
-        if findings.is_empty() {
-            (significant, unexplained_share) = (true, 1.0);
-        }
+        (significant, unexplained_share) = (true, 1.0);
     }
     if (named || !significant)
         && trust::weighs(base)
