@@ -5,16 +5,16 @@ use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Absorbed, Effect, catalogue};
 use haptical_model::{Device, JointCompliance, ParameterId, Recording};
 
+use crate::answer::assemble::{Inputs, assemble};
 use crate::answer::{Diagnosis, Verdict};
-use crate::assemble::{Inputs, assemble};
-use crate::base::{Base, Unfinished};
-use crate::cleaning::without_readings;
-use crate::earlier_model::placed;
 use crate::engine::Prepared;
-use crate::onto_touches::onto_touches;
+use crate::engine::base::{Base, Unfinished};
+use crate::engine::earlier_model::placed;
+use crate::engine::onto_touches::onto_touches;
+use crate::judge::too_coarse::Corrected;
+use crate::noise::cleaning::without_readings;
 use crate::select::{MOVED_FAR, Selector};
 use crate::thresholds::Thresholds;
-use crate::too_coarse::Corrected;
 use crate::{DiagnosisError, Options};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which

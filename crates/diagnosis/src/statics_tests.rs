@@ -5,7 +5,7 @@ use haptical_effects::{Context, catalogue, streams};
 use haptical_model::{Device, JointCompliance, ParameterId, Recording, holding_torques_nm};
 use proptest::prelude::*;
 
-use crate::base::{Base, BaseProblem};
+use crate::engine::base::{Base, BaseProblem};
 
 const ROWS: usize = 12;
 

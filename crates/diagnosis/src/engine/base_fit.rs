@@ -2,11 +2,11 @@
 
 use super::Prepared;
 use crate::DiagnosisError;
-use crate::blocks::Blocks;
-use crate::measured::{KnownNoise, estimate_noise};
+use crate::engine::blocks::Blocks;
+use crate::engine::part::{Part, root_mean_square, square};
+use crate::engine::refit::{SMALL_STEP, longest_falling};
 use crate::noise::Noise;
-use crate::part::{Part, root_mean_square, square};
-use crate::refit::{SMALL_STEP, longest_falling};
+use crate::noise::measured::{KnownNoise, estimate_noise};
 
 /// Passes of the base model's own refit.
 const BASE_PASSES: usize = 3;

@@ -10,11 +10,11 @@ use haptical_model::Recording;
 use super::base_fit::BaseFit;
 use super::{Engine, beside};
 use crate::DiagnosisError;
-use crate::base::{Base, BaseProblem};
-use crate::cleaning::outlying_rows;
-use crate::measured::{KnownNoise, floors};
-use crate::model::{Model, Refit};
-use crate::system::{System, compress_matrix};
+use crate::engine::base::{Base, BaseProblem};
+use crate::engine::model::{Model, Refit};
+use crate::engine::system::{System, compress_matrix};
+use crate::noise::cleaning::outlying_rows;
+use crate::noise::measured::{KnownNoise, floors};
 
 /// A recording with the base model's residuals and derivatives, before anything is fitted to it.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use super::along::Along;
 use super::columns::FastTable;
-use crate::system::dot;
+use crate::engine::system::dot;
 
 /// Highest order of cogging that is tried.
 pub(super) const ORDERS: usize = 12;

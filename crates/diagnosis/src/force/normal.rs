@@ -7,7 +7,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::columns::{Fast, FastTable, Term, Values};
 use super::weights::Weights;
-use crate::system::dot;
+use crate::engine::system::dot;
 
 /// Part of a scaled column's square that is added for it to be decomposed in any case: directions
 /// weaker than its root are left where they are.

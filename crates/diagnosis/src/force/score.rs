@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::columns::{Term, Values};
 use super::normal::Normal;
-use crate::system::dot;
+use crate::engine::system::dot;
 
 /// Squared share of a direction that must survive the base columns.
 const SURVIVING: f64 = 1e-6;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::cleaning::NORMAL_MEDIAN;
+use crate::noise::cleaning::NORMAL_MEDIAN;
 
 /// Rows on each side of the median that an outlier is compared with.
 const MEDIAN_REACH: usize = 3;

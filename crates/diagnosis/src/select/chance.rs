@@ -5,8 +5,8 @@ use haptical_metrics::chi_square_p_value;
 
 use super::{Selector, excess, misfit};
 use crate::DiagnosisError;
-use crate::scan::Score;
-use crate::system::SlowEnergy;
+use crate::engine::system::SlowEnergy;
+use crate::select::scan::Score;
 
 impl Selector<'_, '_> {
     pub(crate) fn is_worth_a_refit(&self, score: &Score) -> Result<bool, DiagnosisError> {

@@ -3,9 +3,9 @@
 use haptical_effects::{Effect, Family, Hook};
 
 use super::{Selector, worst_excess};
-use crate::model::Cause;
-use crate::scan::Score;
-use crate::system::SlowEnergy;
+use crate::engine::model::Cause;
+use crate::engine::system::SlowEnergy;
+use crate::select::scan::Score;
 
 /// Share of the earlier laws' possible error that a later pick must exceed where it leaves a rest.
 const LATER_PICK: f64 = 0.15;

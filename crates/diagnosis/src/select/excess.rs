@@ -1,7 +1,7 @@
 //! What is left beyond noise: energies of slow residuals against their degrees of freedom.
 
+use crate::engine::system::SlowEnergy;
 use crate::noise::Noise;
-use crate::system::SlowEnergy;
 
 /// Slow residuals over what noise gives, at least 1.
 pub(crate) fn misfit(energy: &[SlowEnergy]) -> f64 {

@@ -4,10 +4,10 @@ use haptical_effects::{Effect, Shape, under_load};
 use rayon::prelude::*;
 
 use super::Selector;
-use crate::events::{event_score, with_more_steps};
-use crate::model::{Cause, Model};
-use crate::scan::Score;
-use crate::system::System;
+use crate::engine::model::{Cause, Model};
+use crate::engine::system::System;
+use crate::select::events::{event_score, with_more_steps};
+use crate::select::scan::Score;
 
 /// Two steps so near to each other are one event, seen by more than one channel \[s\].
 const COINCIDENT_S: f64 = 0.8;

@@ -5,7 +5,7 @@ use haptical_effects::{Family, Hook};
 
 use super::{Grown, Selector, excess};
 use crate::DiagnosisError;
-use crate::scan::Score;
+use crate::select::scan::Score;
 
 impl Selector<'_, '_> {
     /// Takes up further joints that yield, all refitted together, where one does already,

@@ -1,0 +1,357 @@
+//! The answer: gap.json of the contract, with what a report draws beside it.
+
+pub(crate) mod advice;
+pub(crate) mod assemble;
+pub(crate) mod causes;
+pub(crate) mod place;
+pub(crate) mod place_touched;
+pub(crate) mod shrink;
+pub(crate) mod tables;
+pub(crate) mod unseen;
+
+use std::collections::BTreeMap;
+
+use haptical_model::Device;
+use serde::Serialize;
+
+/// What is said of the gap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Nothing but noise is left.
+    NoGap,
+    /// The causes are named.
+    Named,
+    /// The data cannot tell the first cause from others.
+    Ambiguous,
+    /// There is a gap that no effect of the catalogue explains.
+    Unknown,
+}
+
+impl Verdict {
+    /// As in gap.json.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NoGap => "no-gap",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// A diagnosis.
+#[derive(Debug, Clone, Serialize)]
+pub struct Diagnosis {
+    /// What is said of the gap.
+    pub verdict: Verdict,
+    /// Every channel's gap.
+    pub gap: Gap,
+    /// Where it lies; none without a gap.
+    #[serde(rename = "where")]
+    pub place: Option<Place>,
+    /// Strongest first.
+    pub causes: Vec<CauseAnswer>,
+    /// Share of the structured energy that the causes leave.
+    pub unexplained_share: f64,
+    /// Probability that the cause is none of the catalogue's.
+    pub probability_unknown: f64,
+    /// Effects that the recording cannot test.
+    pub untestable: Vec<Untestable>,
+    /// Effects that the base model swallows.
+    pub invisible: Vec<Invisible>,
+    /// For each testable effect the smallest size that would have been noticed.
+    pub detectable: Vec<Detectable>,
+    /// Noise of each channel, and its outliers.
+    pub noise: Vec<NoiseAnswer>,
+    /// Candidates for the first cause with how far the data tell them apart.
+    pub candidates: Vec<CandidateAnswer>,
+    /// Fitted values of the base model that a sound device hardly has: an effect may hide in them.
+    pub plausibility: Vec<Hint>,
+    /// What to record next, in words.
+    pub next_experiment: Option<String>,
+    /// Things that a user should know.
+    pub warnings: Vec<String>,
+    /// What was held out, in words.
+    pub held_out: String,
+    /// What the answer rests on.
+    pub provenance: Provenance,
+    /// The base model.
+    #[serde(skip)]
+    pub device: Device,
+    /// For pictures.
+    #[serde(skip)]
+    pub traces: Vec<Trace>,
+    /// Predictions on the validation recording (or the held-out rows).
+    #[serde(skip)]
+    pub predictions: Vec<Prediction>,
+}
+
+/// The gap.
+#[derive(Debug, Clone, Serialize)]
+pub struct Gap {
+    /// One entry per channel, a position's axes together.
+    pub channels: Vec<ChannelGap>,
+}
+
+/// One channel's gap.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelGap {
+    /// `out2`, `cable`.
+    pub channel: String,
+    /// Joint (from 1) of an external encoder.
+    pub joint: Option<usize>,
+    /// Root mean square of the base model's residuals.
+    pub rms_before: f64,
+    /// The same with the causes in the model.
+    pub rms_after: f64,
+    /// Root mean square of the noise.
+    pub noise_floor: f64,
+    /// Unit of the three.
+    pub unit: String,
+    /// Share of all channels' structured energy.
+    pub share_of_gap: f64,
+    /// Share of the gap that was closed, noise taken out; none without a gap.
+    pub reduction_percent: Option<f64>,
+    /// 95 % interval of it.
+    pub reduction_ci95: Option<[f64; 2]>,
+}
+
+/// Where the gap lies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Place {
+    /// Channel that shows most of it.
+    pub channel: String,
+    /// Joint (from 1) where it lies, if in one.
+    pub joint: Option<usize>,
+    /// Columns that the residual depends on, strongest first.
+    pub depends_on: Vec<String>,
+    /// In words.
+    pub region: String,
+    /// Share of the channel's gap that each column of `depends_on` explains by itself.
+    pub explained: Vec<f64>,
+    /// Of single postures: everything that was asked; first what is sure, by what it explains, then by probability.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub dependence: Vec<Dependence>,
+}
+
+/// What a residual is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Asked {
+    /// A joint's angle.
+    Angle,
+    /// A joint's torque, and its side.
+    Torque,
+    /// The side that a joint came from: its step from the row before.
+    Side,
+    /// The direction in which something is touched.
+    Approach,
+    /// Time, temperature or another column that nothing of the model reads.
+    Course,
+}
+
+/// How surely the residuals of single postures depend on something.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dependence {
+    /// Column of the log; `contact` for the direction of approach.
+    pub column: String,
+    /// Joint (from 1), where it acts at one.
+    pub joint: Option<usize>,
+    /// What of the column it is.
+    pub asked: Asked,
+    /// The same in words.
+    pub on: String,
+    /// Probability that chance gives as much.
+    pub p_value: f64,
+    /// The same for all questions together (Holm 1979).
+    pub p_adjusted: f64,
+    /// Share of the squared residual that it explains.
+    pub share: f64,
+}
+
+/// A cause.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CauseAnswer {
+    /// Name of the contract.
+    pub effect: String,
+    /// Joint (from 1), where it has one.
+    pub joint: Option<usize>,
+    /// Probability of this name at this place.
+    pub probability: f64,
+    /// Probability of this name or one of those it is confusable with.
+    pub class_probability: f64,
+    /// Names (with their joints, where those differ) that refit within ln 100.
+    pub confusable_with: Vec<String>,
+    /// Parameters with intervals.
+    pub parameters: BTreeMap<String, ParameterAnswer>,
+    /// False where a parameter lies beyond what a sound device can show.
+    pub plausible: bool,
+    /// The opposite, under the name that a script may look for.
+    pub implausible: bool,
+    /// Share of the gap's energy that it explains.
+    pub share: f64,
+    /// Gap before and after on data that the fit did not see.
+    pub held_out: Option<HeldOutAnswer>,
+}
+
+/// A parameter of a cause.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ParameterAnswer {
+    /// Value.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+/// The gap on data that the fit did not see.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HeldOutAnswer {
+    /// Channel in which the gap is largest.
+    pub channel: String,
+    /// Root mean square before.
+    pub rms_before: f64,
+    /// And after.
+    pub rms_after: f64,
+    /// Noise.
+    pub noise_floor: f64,
+    /// Unit of the three.
+    pub unit: String,
+    /// Share of the gap closed, noise taken out.
+    pub reduction_percent: Option<f64>,
+    /// 95 % interval.
+    pub reduction_ci95: Option<[f64; 2]>,
+}
+
+/// An effect that the recording cannot test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Untestable {
+    /// Name.
+    pub effect: String,
+    /// Joints (from 1) that this is said of; empty for the device.
+    pub joints: Vec<usize>,
+    /// Reason.
+    pub why: String,
+}
+
+/// An effect that the base model swallows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Invisible {
+    /// Name.
+    pub effect: String,
+    /// Joint (from 1).
+    pub joint: Option<usize>,
+    /// Reason.
+    pub why: String,
+    /// The parameters that it would falsify.
+    pub would_bias: String,
+}
+
+/// The smallest size of an effect that would have been noticed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Detectable {
+    /// Name.
+    pub effect: String,
+    /// Joint (from 1).
+    pub joint: Option<usize>,
+    /// Parameter.
+    pub parameter: String,
+    /// Its value at 80 % power; for a stiffness the largest.
+    pub value: f64,
+}
+
+/// Noise of a channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NoiseAnswer {
+    /// Channel.
+    pub channel: String,
+    /// Standard deviation over the stated one.
+    pub ratio: f64,
+    /// Standard deviation in the fastest quarter of the motion over that in the slowest.
+    pub speed_ratio: f64,
+    /// Correlation of successive rows.
+    pub colour: f64,
+    /// Share of readings left out as outliers.
+    pub outlier_share: f64,
+    /// Usable readings.
+    pub readings: usize,
+    /// Estimated from successive rows of a motion.
+    pub from_motion: bool,
+    /// Where the figures come from, in words.
+    pub from: String,
+}
+
+/// A candidate for the first cause.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CandidateAnswer {
+    /// Name.
+    pub effect: String,
+    /// Joint (from 1).
+    pub joint: Option<usize>,
+    /// Share of the gap's energy that it would explain alone.
+    pub share: f64,
+    /// How far behind the best it is \[nats\], misfit allowed for.
+    pub nats_behind: f64,
+    /// Probability.
+    pub probability: f64,
+}
+
+/// A value of the base model that is hardly plausible.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Hint {
+    /// Parameter.
+    pub parameter: String,
+    /// What is odd.
+    pub why: String,
+}
+
+/// What the answer rests on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Provenance {
+    /// Rows of the recording.
+    pub rows: usize,
+    /// Parameters of the base model, and how many of them the recording fixes.
+    pub base_parameters: usize,
+    /// Those that the recording fixes.
+    pub base_identifiable: usize,
+    /// Effects at places that were tested.
+    pub tested: usize,
+    /// Version of the thresholds.
+    pub thresholds: String,
+    /// Last step of the base fit, in standard deviations of the residuals.
+    pub last_step: f64,
+    /// Effects left out on request.
+    pub without: Vec<String>,
+}
+
+/// Residuals of the channel that shows most of the gap, against the covariate that matters most.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// Channel.
+    pub channel: String,
+    /// Its unit.
+    pub unit: String,
+    /// Column on the horizontal axis.
+    pub covariate: String,
+    /// Values of the covariate.
+    pub at: Vec<f64>,
+    /// Residuals of the base model.
+    pub before: Vec<f64>,
+    /// Residuals with the causes in the model.
+    pub after: Vec<f64>,
+}
+
+/// One row of predictions.csv.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Prediction {
+    /// Row of the recording, from 0.
+    pub row: usize,
+    /// Channel.
+    pub channel: String,
+    /// Measured.
+    pub measured: f64,
+    /// By the base model.
+    pub before: f64,
+    /// With the causes in the model.
+    pub after: f64,
+}

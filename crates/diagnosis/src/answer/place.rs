@@ -1,0 +1,382 @@
+//! Where a gap lies: channel, joint, covariates and region, in words.
+
+use haptical_effects::structure::TOOL_CHANGED;
+use haptical_effects::{Context, Effect, Follows, Hook, Stream};
+
+use crate::answer::place_touched::of_tool;
+use crate::answer::{Asked, Dependence, Place as Answer};
+use crate::engine::Engine;
+use crate::judge::dependence::TOLD;
+use crate::judge::earlier::BaseTerm;
+use crate::select::generic::{Covariate, Place, inner_range, score};
+use crate::select::{Selection, Selector};
+
+/// Where it lies, with the covariate that a picture should show.
+#[derive(Debug, Clone)]
+pub(crate) struct Located {
+    pub(crate) answer: Answer,
+    pub(crate) stream: usize,
+    pub(crate) covariate: Covariate,
+}
+
+impl Located {
+    /// Whether a gap of postures at which nothing is touched depends on nothing that was asked.
+    pub(crate) fn is_nowhere(&self) -> bool {
+        let dependence = &self.answer.dependence;
+        self.answer.depends_on.is_empty() && !dependence.is_empty() && !self.is_of_touches()
+    }
+
+    /// Whether the postures were found by touch.
+    pub(crate) fn is_of_touches(&self) -> bool {
+        let mut dependence = self.answer.dependence.iter();
+        dependence.any(|found| found.asked == Asked::Approach)
+    }
+
+    /// What the residuals depend on, surely.
+    pub(crate) fn told(&self) -> impl Iterator<Item = &Dependence> {
+        let dependence = self.answer.dependence.iter();
+        dependence.filter(|found| found.p_adjusted < TOLD)
+    }
+
+    /// With what single postures were asked.
+    pub(crate) fn with_dependence(mut self, dependence: Vec<Dependence>) -> Self {
+        self.answer.dependence = dependence;
+        self
+    }
+}
+
+/// By the first cause, or by free functions of every covariate where there is none.
+pub(crate) fn locate(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    named: bool,
+) -> Option<Located> {
+    match selection.refit.model.causes.first() {
+        Some(cause) if named => by_cause(selector, selection, cause.effect),
+        _ => by_free_functions(selector, selection),
+    }
+}
+
+fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) -> Option<Located> {
+    let context = &selector.engine.context;
+    let effect = selector.effects[index].as_ref();
+    let cause = selection.refit.model.causes.first()?;
+    let stream = stream_of(context, selection, effect.spec().hook, effect.joint())?;
+    let joint = effect.joint();
+    let covariate = law_covariate(effect, cause.shape);
+    let mut depends_on = vec![covariate.column(context)];
+    if effect.spec().follows == Follows::Run && context.recording.run.is_some() {
+        depends_on = vec!["run".to_owned()];
+    }
+    if effect.spec().follows == Follows::OtherAngle
+        && let Some(joint) = joint
+    {
+        depends_on.push(Covariate::Angle(joint).column(context));
+    }
+    let place = Place {
+        hook: effect.spec().hook,
+        joint,
+    };
+    Some(Located {
+        answer: Answer {
+            channel: context.streams[stream].channel.name(),
+            joint: joint.map(|joint| joint + 1),
+            explained: vec![1.0; depends_on.len()],
+            depends_on,
+            region: format!(
+                "{}; it follows {}",
+                hook_words(context, place),
+                covariate.words(context)
+            ),
+            dependence: Vec::new(),
+        },
+        stream,
+        covariate,
+    })
+}
+
+/// By the strongest base term that an earlier model lacks.
+pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Located> {
+    let context = &engine.context;
+    let own = term.joint.filter(|_| term.in_drive);
+    let stream = own
+        .and_then(|joint| context.output_stream(joint))
+        .or_else(|| context.streams.iter().position(Stream::shows_handle))
+        .unwrap_or(0);
+    let covariate = Covariate::Angle(term.joint.unwrap_or(0));
+    if term.name == TOOL_CHANGED.name {
+        return of_tool(context, stream, term);
+    }
+    let words = match term.joint {
+        Some(joint) if term.in_drive => format!("in the drive of joint {}", joint + 1),
+        Some(joint) => format!("in the geometry of link {}", joint + 1),
+        None => "in the geometry of the base row".to_owned(),
+    };
+    Some(Located {
+        answer: Answer {
+            channel: context.streams.get(stream)?.channel.name(),
+            joint: term.joint.map(|joint| joint + 1),
+            depends_on: vec![covariate.column(context)],
+            region: format!("{words}: the earlier model has other values there"),
+            explained: vec![1.0],
+            dependence: Vec::new(),
+        },
+        stream,
+        covariate,
+    })
+}
+
+/// The covariate that an effect's law is a function of.
+fn law_covariate(effect: &dyn Effect, shape: f64) -> Covariate {
+    let joint = effect.joint().unwrap_or(0);
+    match effect.spec().follows {
+        Follows::Angle => Covariate::Angle(joint),
+        Follows::OtherAngle => Covariate::Angle((shape as usize).saturating_sub(1)),
+        Follows::Speed => Covariate::Speed(joint),
+        Follows::Torque => Covariate::Torque(joint),
+        Follows::Force => Covariate::Force,
+        Follows::Temperature => Covariate::Temperature,
+        Follows::Time | Follows::Run => Covariate::Time,
+        Follows::Length => Covariate::Length,
+        Follows::ExitAngle => Covariate::ExitAngle,
+        Follows::CableSpeed => Covariate::CableSpeed,
+    }
+}
+
+/// The stream in which an effect at a place shows most plainly.
+pub(crate) fn stream_of(
+    context: &Context<'_>,
+    selection: &Selection,
+    hook: Hook,
+    joint: Option<usize>,
+) -> Option<usize> {
+    if matches!(hook, Hook::Transmission | Hook::ExternalEncoder)
+        && let Some(stream) = joint.and_then(|joint| context.output_stream(joint))
+    {
+        return Some(stream);
+    }
+    let chain = |stream: &usize| context.streams[*stream].shows_handle();
+    let by_excess = |a: &usize, b: &usize| {
+        selection.before[*a]
+            .excess()
+            .total_cmp(&selection.before[*b].excess())
+    };
+    (0..context.streams.len())
+        .filter(chain)
+        .max_by(by_excess)
+        .or_else(|| (0..context.streams.len()).max_by(by_excess))
+}
+
+fn hook_words(context: &Context<'_>, place: Place) -> String {
+    match (place.hook, place.joint) {
+        (Hook::Transmission, Some(joint)) => match context.output_stream(joint) {
+            Some(_) => format!(
+                "in the drive of joint {}, in front of its external encoder",
+                joint + 1
+            ),
+            None => format!("in the drive of joint {}", joint + 1),
+        },
+        (Hook::ExternalEncoder, Some(joint)) => {
+            format!("in the external encoder of joint {} alone", joint + 1)
+        }
+        (Hook::Joint, Some(joint)) => match context.output_stream(joint) {
+            Some(_) => format!("at joint {}, behind its encoders", joint + 1),
+            None => format!("at joint {}, behind its encoder", joint + 1),
+        },
+        (Hook::CableSensor, _) => "in the measuring cable or its encoder".to_owned(),
+        (Hook::Timing, _) => "in the timing of the motor encoders".to_owned(),
+        (_, Some(joint)) => format!("in the structure at joint {}", joint + 1),
+        _ => "in the structure: base, links or handle".to_owned(),
+    }
+}
+
+/// Share of the best covariate's explanation from which another one is named too.
+const ALSO: f64 = 0.4;
+/// Intervals of the functions with which places are compared.
+const KNOTS: usize = 12;
+
+fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Option<Located> {
+    let engine = selector.engine;
+    let context = &engine.context;
+    let mut tried: Vec<(Place, Covariate, f64)> = Vec::new();
+    for place in places(context) {
+        for covariate in covariates(place) {
+            if let Some(found) = score(&engine.system, context, place, covariate, KNOTS) {
+                let evidence = found.score - 8.0 * found.rank as f64;
+                tried.push((place, covariate, evidence));
+            }
+        }
+    }
+    tried.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let &(place, covariate, best) = tried.first()?;
+    let stream = stream_of(context, selection, place.hook, place.joint)?;
+    let total: f64 = selection.before.iter().map(|s| s.excess().max(0.0)).sum();
+    let mut others: Vec<(Covariate, f64)> = tried
+        .iter()
+        .filter(|(other, _, _)| *other == place)
+        .map(|(_, covariate, evidence)| (*covariate, *evidence))
+        .collect();
+    for joint in (0..context.device.joints.len()).filter(|&joint| Some(joint) != place.joint) {
+        if let Some(found) = score(
+            &engine.system,
+            context,
+            place,
+            Covariate::Angle(joint),
+            KNOTS,
+        ) {
+            let evidence = found.score - 8.0 * found.rank as f64;
+            others.push((Covariate::Angle(joint), evidence));
+        }
+    }
+    others.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut depends_on: Vec<String> = Vec::new();
+    let mut explained = Vec::new();
+    for (other, evidence) in others
+        .iter()
+        .filter(|(_, evidence)| *evidence >= ALSO * best)
+    {
+        let column = other.column(context);
+        if !depends_on.contains(&column) {
+            depends_on.push(column);
+            explained.push((evidence / total.max(1e-300)).clamp(0.0, 1.0));
+        }
+    }
+    let covariate = others.first().map_or(covariate, |(first, _)| *first);
+    let region = match peak(engine, stream, covariate) {
+        Some(peak) => format!(
+            "{}; depends on {} near {} ({})",
+            hook_words(context, place),
+            short(&covariate.column(context)),
+            in_unit(context, covariate, peak),
+            covariate.words(context)
+        ),
+        None => format!(
+            "{}; depends on {}",
+            hook_words(context, place),
+            covariate.words(context)
+        ),
+    };
+    Some(Located {
+        answer: Answer {
+            channel: context.streams[stream].channel.name(),
+            joint: place.joint.map(|joint| joint + 1),
+            depends_on,
+            region,
+            explained,
+            dependence: Vec::new(),
+        },
+        stream,
+        covariate,
+    })
+}
+
+fn places(context: &Context<'_>) -> Vec<Place> {
+    let mut places = Vec::new();
+    let chain = context.streams.iter().any(Stream::shows_handle);
+    for joint in 0..context.device.joints.len() {
+        let measured = context.output_stream(joint).is_some();
+        let hooks = [
+            (Hook::Transmission, measured || chain),
+            (Hook::ExternalEncoder, measured && chain),
+            (Hook::Joint, measured && chain),
+        ];
+        for (hook, exists) in hooks {
+            if exists {
+                places.push(Place {
+                    hook,
+                    joint: Some(joint),
+                });
+            }
+        }
+    }
+    if context.cable.is_some() {
+        places.push(Place {
+            hook: Hook::CableSensor,
+            joint: None,
+        });
+    }
+    places
+}
+
+fn covariates(place: Place) -> Vec<Covariate> {
+    match place.joint {
+        Some(joint) => vec![
+            Covariate::Angle(joint),
+            Covariate::Speed(joint),
+            Covariate::Torque(joint),
+            Covariate::Time,
+            Covariate::Temperature,
+        ],
+        None => vec![
+            Covariate::Length,
+            Covariate::CableSpeed,
+            Covariate::ExitAngle,
+            Covariate::Time,
+            Covariate::Temperature,
+            Covariate::Force,
+        ],
+    }
+}
+
+/// Intervals in which the residual's mean is compared.
+const BINS: usize = 40;
+
+/// Where along a covariate the base model's residual is largest: the centre of the interval around
+/// its largest mean, if that stands out from the others.
+fn peak(engine: &Engine<'_>, stream: usize, covariate: Covariate) -> Option<f64> {
+    let values = covariate.values(&engine.context)?;
+    let (low, high) = inner_range(&values)?;
+    let width = (high - low) / BINS as f64;
+    let (mut sums, mut counts) = (vec![0.0; BINS], vec![0.0; BINS]);
+    let residual = &engine.start.residual[stream];
+    for ((value, residual), usable) in values.iter().zip(residual).zip(&engine.usable[stream]) {
+        if *usable && (low..=high).contains(value) {
+            let bin = (((value - low) / width) as usize).min(BINS - 1);
+            sums[bin] += residual;
+            counts[bin] += 1.0;
+        }
+    }
+    let means: Vec<f64> = sums
+        .iter()
+        .zip(&counts)
+        .map(|(sum, count)| if *count >= 4.0 { sum / count } else { 0.0 })
+        .collect();
+    let size = (means.iter().map(|m| m * m).sum::<f64>() / BINS as f64).sqrt();
+    let by_size = |a: &usize, b: &usize| means[*a].abs().total_cmp(&means[*b].abs());
+    let top = (0..BINS).max_by(by_size)?;
+    if means[top].abs() < 2.0 * size {
+        return None;
+    }
+    let (mut weight, mut moment) = (0.0, 0.0);
+    for bin in top.saturating_sub(2)..(top + 3).min(BINS) {
+        let share = (means[bin] / means[top]).max(0.0);
+        if share > 0.3 {
+            weight += share;
+            moment += share * (low + width * (bin as f64 + 0.5));
+        }
+    }
+    Some(moment / weight)
+}
+
+/// A column's name without its unit.
+fn short(column: &str) -> &str {
+    column.rsplit_once('_').map_or(column, |(name, _)| name)
+}
+
+fn in_unit(context: &Context<'_>, covariate: Covariate, value: f64) -> String {
+    let slides = |joint: usize| context.device.joints[joint].unit() == "m";
+    let unit = match covariate {
+        Covariate::Angle(joint) if slides(joint) => "m",
+        Covariate::Speed(joint) if slides(joint) => "m/s",
+        Covariate::Torque(joint) if slides(joint) => "N",
+        Covariate::Angle(_) | Covariate::ExitAngle => "rad",
+        Covariate::Speed(_) => "rad/s",
+        Covariate::Torque(_) => "N m",
+        Covariate::Time => "s",
+        Covariate::Temperature => "K from its mean",
+        Covariate::Length => "m",
+        Covariate::CableSpeed => "m/s",
+        Covariate::Force => "N",
+    };
+    format!("{value:.2} {unit}")
+}

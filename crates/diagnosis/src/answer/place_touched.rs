@@ -1,0 +1,102 @@
+//! Where a gap lies that single postures show: in the tool, or in what the residuals depend on.
+
+use haptical_effects::{Context, Hook, Stream};
+
+use crate::answer::place::{Located, stream_of};
+use crate::answer::{Asked, Dependence, Place as Answer};
+use crate::judge::earlier::BaseTerm;
+use crate::select::Selection;
+use crate::select::generic::Covariate;
+
+/// Chance below which a dependence of a gap is told, all questions counted: that there is a gap is known, and the words
+/// say how sure its place is.
+const LIKELY: f64 = 0.05;
+
+/// Behind the last joint, in the handle's frame.
+pub(crate) fn of_tool(context: &Context<'_>, stream: usize, term: &BaseTerm) -> Option<Located> {
+    let joint = context.device.joints.len();
+    let parts: Vec<String> = ["shift_x_m", "shift_y_m", "shift_z_m"]
+        .iter()
+        .filter_map(|name| term.parameters.get(*name))
+        .map(|part| format!("{:.2}", 1e3 * part.value))
+        .collect();
+    Some(Located {
+        answer: Answer {
+            channel: context.streams.get(stream)?.channel.name(),
+            joint: Some(joint),
+            depends_on: Vec::new(),
+            region: format!(
+                "behind joint {joint}: what the last link carries sits ({}) mm elsewhere in the handle's frame \
+                 than in the earlier model, whose other numbers hold",
+                parts.join(", ")
+            ),
+            explained: Vec::new(),
+            dependence: Vec::new(),
+        },
+        stream,
+        covariate: Covariate::Angle(joint.saturating_sub(1)),
+    })
+}
+
+/// Of touches: by what their residuals depend on, posture by posture.
+pub(crate) fn by_dependence(
+    context: &Context<'_>,
+    selection: &Selection,
+    dependence: Vec<Dependence>,
+) -> Option<Located> {
+    let stream = stream_of(context, selection, Hook::Joint, None)?;
+    let told = || dependence.iter().filter(|found| found.p_adjusted < LIKELY);
+    let surest = told().next();
+    let joint = surest.and_then(|found| found.joint);
+    let region = match surest {
+        None if context.streams.iter().any(Stream::is_touch) => {
+            "no joint's angle or torque, no direction of approach and no drift explains it: no place can be told"
+                .to_owned()
+        }
+        None => {
+            "no joint's angle, torque or direction and no drift explains it, so that no place can be told: noise \
+             larger than stated looks like this"
+                .to_owned()
+        }
+        Some(found) => {
+            let place = match (joint, found.asked) {
+                (Some(joint), _) => format!("at joint {joint}"),
+                (None, Asked::Course) => "in no joint alone".to_owned(),
+                (None, _) => "at the handle".to_owned(),
+            };
+            format!(
+                "{place}; it depends on {} (probability by chance {:.1e}), which explains {:.0} % of it",
+                found.on,
+                found.p_adjusted,
+                100.0 * found.share
+            )
+        }
+    };
+    let mut depends_on: Vec<String> = Vec::new();
+    let mut explained = Vec::new();
+    for found in told() {
+        if !depends_on.contains(&found.column) {
+            depends_on.push(found.column.clone());
+            explained.push(found.share);
+        }
+    }
+    let of_joint = joint.map_or(0, |joint| joint - 1);
+    let covariate = match surest.map(|found| (found.asked, found.column.as_str())) {
+        Some((Asked::Torque, _)) => Covariate::Torque(of_joint),
+        Some((Asked::Course, "t_s")) => Covariate::Time,
+        Some((Asked::Course, "temp_degc")) => Covariate::Temperature,
+        _ => Covariate::Angle(of_joint),
+    };
+    Some(Located {
+        answer: Answer {
+            channel: context.streams[stream].channel.name(),
+            joint,
+            depends_on,
+            region,
+            explained,
+            dependence,
+        },
+        stream,
+        covariate,
+    })
+}

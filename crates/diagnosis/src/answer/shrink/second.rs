@@ -1,0 +1,201 @@
+//! A second recording predicted with the models of the first.
+
+use haptical_calibration::{Channel, channels};
+use haptical_effects::Effect;
+use haptical_model::Recording;
+
+use super::Shrink;
+use super::reduction::collect;
+use crate::DiagnosisError;
+use crate::answer::Prediction;
+use crate::engine::base::Base;
+use crate::engine::earlier_model::{placed, places};
+use crate::engine::model::Cause;
+use crate::engine::{Engine, Prepared};
+use crate::noise::cleaning::without_readings;
+use crate::select::events::{event_score, with_more_steps};
+use crate::select::{Selection, Selector};
+
+/// Predicts a second recording with the models of the first. Events belong to one recording: their
+/// instants and sizes are looked for in the second one.
+pub(crate) fn on_second(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    validation: &Recording,
+    outlier_sd: f64,
+    earlier: Option<&Base>,
+) -> Result<Shrink, DiagnosisError> {
+    let touched = Touched::new(selector, selection, validation)?;
+    let base = touched
+        .as_ref()
+        .map_or(selector.engine.base, |touched| &touched.with);
+    let prepared = Prepared::new(base, validation, validation)?;
+    let gone = prepared.outlying(outlier_sd);
+    let cleaned = without_readings(validation, &gone);
+    let second = prepared.without(&gone, &cleaned).fit(None)?;
+    let effects = selector.effects;
+    let mut warnings = Vec::new();
+    let causes: Vec<Cause> = selection
+        .refit
+        .model
+        .causes
+        .iter()
+        .filter_map(|cause| in_second(&second, effects, cause))
+        .collect();
+    let before = match (earlier, &touched) {
+        (Some(model), Some(_)) => {
+            let there = placed(&model.device, &base.device, validation, &base.channels)?;
+            model_residual(&there, &cleaned, &second)?
+        }
+        (Some(model), None) => model_residual(model, &cleaned, &second)?,
+        (None, Some(touched)) => model_residual(&touched.plain, &cleaned, &second)?,
+        (None, None) => second.residual_of(effects, &selector.engine.start.model.values, &[])?,
+    };
+    let with = match touched {
+        Some(_) => places_beside(&second, effects, &causes)?,
+        None => selection.refit.model.values.clone(),
+    };
+    let after = second.residual_of(effects, &with, &causes)?;
+    let known: Vec<bool> = (0..validation.len())
+        .map(|row| {
+            base.device
+                .joints
+                .iter()
+                .zip(&validation.joint)
+                .all(|(joint, column)| joint.error_is_known_at(column[row]))
+        })
+        .collect();
+    let outside = known.iter().filter(|known| !**known).count();
+    if outside > 0 {
+        warnings.push(format!(
+            "{outside} rows of the second recording lie outside the range of a transmission's polynomial \
+             and are left out"
+        ));
+    }
+    let rows = |stream: usize, row: usize| known[row] && second.usable[stream][row];
+    Ok(Shrink {
+        channels: collect(&second, &rows, &before, &after),
+        predictions: predictions(&second, validation, &before, &after, &known),
+        description: "the second recording".to_owned(),
+        warnings,
+    })
+}
+
+/// The models of the first recording where the second one touches something: nobody knows where it stands, so its
+/// places are fitted with the models held.
+struct Touched {
+    /// Without the causes, and with them.
+    plain: Base,
+    with: Base,
+}
+
+impl Touched {
+    fn new(
+        selector: &Selector<'_, '_>,
+        selection: &Selection,
+        validation: &Recording,
+    ) -> Result<Option<Self>, DiagnosisError> {
+        if validation.contact.is_none() && validation.plane.is_none() {
+            return Ok(None);
+        }
+        let engine = selector.engine;
+        let rig = &engine.base.device;
+        let channels = channels(rig, validation)?;
+        let placed = |values: &[f64]| {
+            let device = engine.problem.device_with(values);
+            placed(&device, rig, validation, &channels)
+        };
+        let with = placed(&selection.refit.model.values)?;
+        let parameters = places(&with.device);
+        Ok(Some(Self {
+            plain: placed(&engine.start.model.values)?,
+            with: Base {
+                free: (0..parameters.len()).collect(),
+                parameters,
+                ..with
+            },
+        }))
+    }
+}
+
+/// Where the touched points and planes of a second recording stand once the causes are in the model: Gauss-Newton,
+/// exact in one step but for known distances.
+fn places_beside(
+    second: &Engine<'_>,
+    effects: &[Box<dyn Effect>],
+    causes: &[Cause],
+) -> Result<Vec<f64>, DiagnosisError> {
+    let mut values = second.start.model.values.clone();
+    for _ in 0..3 {
+        let residual = second.residual_of(effects, &values, causes)?;
+        let pull = second.base.pull(&values);
+        let Some(step) = second.whole.base_step(&residual, &pull)? else {
+            break;
+        };
+        for (&parameter, change) in second.base.free.iter().zip(&step) {
+            values[parameter] += change;
+        }
+    }
+    Ok(values)
+}
+
+/// Residuals of a model identified earlier, stream by stream.
+pub(crate) fn model_residual(
+    model: &Base,
+    recording: &Recording,
+    engine: &Engine<'_>,
+) -> Result<Vec<Vec<f64>>, DiagnosisError> {
+    let weights = haptical_calibration::Weights::stated(&model.device, &model.channels);
+    let streams = &engine.context.streams;
+    let problem =
+        crate::engine::base::BaseProblem::new(model, recording, recording, streams, &weights)?;
+    Ok(problem.evaluate(&problem.start(), false)?.residual)
+}
+
+fn in_second(second: &Engine<'_>, effects: &[Box<dyn Effect>], cause: &Cause) -> Option<Cause> {
+    let effect = effects[cause.effect].as_ref();
+    if effect.untestable(&second.context).is_some() {
+        return None;
+    }
+    if cause.times.is_empty() {
+        return Some(cause.clone());
+    }
+    let score = event_score(&second.system, &second.context, effect, cause.effect)?;
+    let found = with_more_steps(&second.system, &second.context, effect, score);
+    (found.score > 40.0).then(|| Cause::of(&found))
+}
+
+fn predictions(
+    engine: &Engine<'_>,
+    recording: &Recording,
+    before: &[Vec<f64>],
+    after: &[Vec<f64>],
+    known: &[bool],
+) -> Vec<Prediction> {
+    let mut all = Vec::new();
+    for (index, stream) in engine.context.streams.iter().enumerate() {
+        let measured = |row: usize| match stream.channel {
+            Channel::Output { joint } => recording.output[joint].as_ref().map(|c| c[row]),
+            Channel::Cable { index } => recording.cable_m[index].as_ref().map(|c| c[row]),
+            Channel::Position => recording.position_m.as_ref().map(|c| c[stream.axis][row]),
+            // an orientation is predicted as the rotation vector from the measured one
+            // so are touches, whose measured value is that nothing is left between
+            _ => Some(0.0),
+        };
+        for (row, known) in known.iter().enumerate() {
+            let Some(measured) = measured(row).filter(|value| value.is_finite()) else {
+                continue;
+            };
+            if *known && before[index][row].is_finite() && after[index][row].is_finite() {
+                all.push(Prediction {
+                    row,
+                    channel: stream.name(),
+                    measured,
+                    before: measured - before[index][row],
+                    after: measured - after[index][row],
+                });
+            }
+        }
+    }
+    all
+}

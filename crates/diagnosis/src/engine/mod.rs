@@ -1,0 +1,150 @@
+//! One recording made ready for questions: base model fitted, outliers out, noise known, blocks cut.
+
+pub(crate) mod anchor;
+pub(crate) mod base;
+pub(crate) mod blocks;
+pub(crate) mod earlier_model;
+pub(crate) mod least;
+pub(crate) mod model;
+pub(crate) mod onto_touches;
+pub(crate) mod part;
+pub(crate) mod refit;
+pub(crate) mod system;
+
+mod base_fit;
+mod prepared;
+
+use haptical_effects::{Context, Effect, Stream};
+use haptical_identification::Matrix;
+
+use crate::DiagnosisError;
+use crate::engine::base::{Base, BaseProblem};
+use crate::engine::blocks::Blocks;
+use crate::engine::model::{Cause, Model, Refit};
+use crate::engine::part::{Part, root_mean_square};
+use crate::engine::system::{System, compress_rows};
+use crate::noise::Noise;
+use crate::noise::measured::{KnownNoise, estimate_noise, is_stated};
+
+pub(crate) use self::prepared::Prepared;
+
+/// One recording with its base model.
+#[derive(Debug)]
+pub(crate) struct Engine<'a> {
+    pub(crate) context: Context<'a>,
+    pub(crate) problem: BaseProblem<'a>,
+    pub(crate) base: &'a Base,
+    pub(crate) noise: Vec<Noise>,
+    /// Noise floor per stream: root mean square in the stream's unit.
+    pub(crate) floor: Vec<f64>,
+    /// Rows with a usable reading, per stream.
+    pub(crate) usable: Vec<Vec<bool>>,
+    pub(crate) system: System,
+    /// The sensors' own stated deviations, per stream.
+    own: Vec<f64>,
+    /// What the speed makes of them at each row, where it does.
+    scale: Vec<Option<Vec<f64>>>,
+    /// Derivatives of all parameters at every row.
+    matrix: Option<Matrix>,
+    /// What refits are made with.
+    pub(crate) whole: Part,
+    /// The base model alone.
+    pub(crate) start: Refit,
+}
+
+impl Engine<'_> {
+    /// The noise by other residuals than the base model's: with the causes in the model, fast parts of
+    /// their gap no longer pass for noise.
+    pub(crate) fn noise_of(&self, residual: &[Vec<f64>]) -> KnownNoise {
+        let (noise, scale) = estimate_noise(
+            &self.context,
+            &self.problem,
+            residual,
+            &self.usable,
+            &self.own,
+            self.base.free.len(),
+        );
+        KnownNoise { noise, scale }
+    }
+
+    /// Whether the recording is one of touches in single postures whose noise no rig states: it is then taken
+    /// from what the base model leaves, gap and all.
+    pub(crate) fn is_noise_unknown(&self) -> bool {
+        let context = &self.context;
+        let unstated =
+            |stream: &Stream| stream.is_touch() && !is_stated(context.device, stream.channel);
+        !context.ordered && context.streams.iter().any(unstated)
+    }
+
+    /// The rows of this recording that `seen` picks.
+    pub(crate) fn part(&self, seen: &dyn Fn(usize) -> bool) -> Result<Part, DiagnosisError> {
+        let usable: Vec<Vec<bool>> = self
+            .usable
+            .iter()
+            .map(|rows| {
+                let rows = rows.iter().enumerate();
+                rows.map(|(row, usable)| *usable && seen(row)).collect()
+            })
+            .collect();
+        let blocks = Blocks::new(&self.context, &usable, &self.scale, &self.own, &self.noise);
+        let matrix = self.matrix.as_ref();
+        Part::new(&self.context, &self.problem, blocks, matrix, self.base)
+    }
+
+    /// Whitened derivatives of the base model's free parameters.
+    pub(crate) fn free(&self) -> &Matrix {
+        &self.whole.free
+    }
+
+    /// Root mean square change of the base model's predictions from its own fit to another, whose residuals
+    /// are given, in noise deviations.
+    pub(crate) fn moved(&self, there: &[Vec<f64>]) -> f64 {
+        let change: Vec<Vec<f64>> = there
+            .iter()
+            .zip(&self.start.residual)
+            .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect())
+            .collect();
+        root_mean_square(&compress_rows(&self.system.blocks, &change))
+    }
+
+    /// Squared residuals of the base model's own fit, in stated standard deviations.
+    pub(crate) fn misfit(&self) -> f64 {
+        let streams = self.start.residual.iter().zip(&self.problem.sd);
+        let scaled = streams.flat_map(|(residual, sd)| residual.iter().zip(sd));
+        let known = scaled.filter(|(residual, _)| residual.is_finite());
+        known.map(|(residual, sd)| (residual / sd).powi(2)).sum()
+    }
+
+    /// Residuals of a model of another recording at every row of this one.
+    pub(crate) fn residual_of(
+        &self,
+        effects: &[Box<dyn Effect>],
+        values: &[f64],
+        causes: &[Cause],
+    ) -> Result<Vec<Vec<f64>>, DiagnosisError> {
+        let bare = self.problem.evaluate(values, false)?.residual;
+        Ok(beside(bare, &self.context, effects, causes))
+    }
+
+    /// Residuals of a model of this recording.
+    pub(crate) fn residual(&self, effects: &[Box<dyn Effect>], model: &Model) -> Vec<Vec<f64>> {
+        beside(model.bare.to_vec(), &self.context, effects, &model.causes)
+    }
+}
+
+/// Residuals once the causes are in the model.
+fn beside(
+    mut residual: Vec<Vec<f64>>,
+    context: &Context<'_>,
+    effects: &[Box<dyn Effect>],
+    causes: &[Cause],
+) -> Vec<Vec<f64>> {
+    for cause in causes {
+        for (stream, values) in &cause.contribution(effects, context).parts {
+            for (entry, value) in residual[*stream].iter_mut().zip(values) {
+                *entry -= value;
+            }
+        }
+    }
+    residual
+}

@@ -1,0 +1,86 @@
+//! Causes and models: what a refit starts from and ends with.
+
+use std::sync::Arc;
+
+use haptical_effects::{Context, Effect, Signal};
+use haptical_identification::Matrix;
+
+use crate::select::scan::Score;
+
+/// A cause with its fitted numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Cause {
+    /// Position in the catalogue.
+    pub(crate) effect: usize,
+    pub(crate) amplitudes: Vec<f64>,
+    pub(crate) shape: f64,
+    /// Of an event: one instant for each amplitude.
+    pub(crate) times: Vec<f64>,
+}
+
+impl Cause {
+    /// A scored effect as a cause.
+    pub(crate) fn of(score: &Score) -> Self {
+        Self {
+            effect: score.effect,
+            amplitudes: score.amplitudes.clone(),
+            shape: score.shape,
+            times: score.times.clone(),
+        }
+    }
+
+    /// Derivatives with respect to its amplitudes.
+    pub(crate) fn derivative(
+        &self,
+        effects: &[Box<dyn Effect>],
+        context: &Context<'_>,
+    ) -> Vec<Signal> {
+        let effect = effects[self.effect].as_ref();
+        if self.times.is_empty() {
+            return effect.derivative(context, &self.amplitudes, self.shape);
+        }
+        self.times
+            .iter()
+            .flat_map(|&time| effect.derivative(context, &[0.0], time))
+            .collect()
+    }
+
+    /// What it adds to the streams.
+    pub(crate) fn contribution(
+        &self,
+        effects: &[Box<dyn Effect>],
+        context: &Context<'_>,
+    ) -> Signal {
+        let effect = effects[self.effect].as_ref();
+        if self.times.is_empty() {
+            return effect.signal(context, &self.amplitudes, self.shape);
+        }
+        let mut sum = Signal::default();
+        for (&time, amplitude) in self.times.iter().zip(&self.amplitudes) {
+            sum.add(&effect.signal(context, &[*amplitude], time), 1.0);
+        }
+        sum
+    }
+}
+
+/// Values of the base model's parameters with the causes found.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Model {
+    pub(crate) values: Vec<f64>,
+    /// Measured minus base model at these values, per stream and row of the recording fitted to.
+    pub(crate) bare: Arc<Vec<Vec<f64>>>,
+    pub(crate) causes: Vec<Cause>,
+}
+
+/// A fit of base model and causes together.
+#[derive(Debug, Clone)]
+pub(crate) struct Refit {
+    pub(crate) model: Model,
+    /// Measured minus model and causes, per stream and row.
+    pub(crate) residual: Vec<Vec<f64>>,
+    /// Covariance of all amplitudes (causes in order, each with its shape last where that is
+    /// continuous), for noise of the estimated size.
+    pub(crate) covariance: Option<Matrix>,
+    /// Largest step of the last iteration, in standard deviations of the residuals.
+    pub(crate) last_step: f64,
+}

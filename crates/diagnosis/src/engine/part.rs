@@ -1,0 +1,190 @@
+//! Rows that a fit sees, and one Gauss-Newton step on them.
+
+use haptical_effects::{Context, Signal};
+use haptical_identification::{Matrix, Reduction};
+use haptical_linalg::{OrthonormalBasis, RANK_TOLERANCE};
+
+use crate::DiagnosisError;
+use crate::engine::base::{Base, BaseProblem};
+use crate::engine::blocks::Blocks;
+use crate::engine::system::{compress_matrix, compress_rows, dot, take_off};
+
+/// Rows that a fit sees: their blocks, and the base model's derivatives on them.
+#[derive(Debug, Clone)]
+pub(crate) struct Part {
+    pub(crate) blocks: Blocks,
+    /// Compressed derivatives of the free parameters.
+    pub(crate) free: Matrix,
+    /// Their decomposition, one row for each anchored parameter below them; none without parameters.
+    basis: Option<OrthonormalBasis>,
+    /// One over the standard deviations of the anchored parameters; empty where none is anchored.
+    stiffness: Vec<f64>,
+}
+
+/// A Gauss-Newton step of base model and causes.
+pub(crate) struct Step {
+    /// Free parameters, then the causes' numbers.
+    pub(crate) values: Vec<f64>,
+    /// Root mean square change of the predictions, in noise deviations.
+    pub(crate) size: f64,
+    /// Squared residual that the linear model loses.
+    pub(crate) explained: f64,
+    /// Of the causes' numbers.
+    pub(crate) covariance: Option<Matrix>,
+}
+
+impl Part {
+    pub(crate) fn new(
+        context: &Context<'_>,
+        problem: &BaseProblem<'_>,
+        blocks: Blocks,
+        matrix: Option<&Matrix>,
+        base: &Base,
+    ) -> Result<Self, DiagnosisError> {
+        let Some(matrix) = matrix.filter(|_| !base.free.is_empty()) else {
+            return Ok(Self {
+                free: Matrix::zeros(blocks.count(), 0),
+                basis: None,
+                blocks,
+                stiffness: Vec::new(),
+            });
+        };
+        let free = compress_matrix(context, problem, &blocks, matrix, &base.free);
+        let stiffness = base.stiffness().to_vec();
+        let rows = free.rows();
+        let whole = Matrix::from_fn(rows + stiffness.len(), free.columns(), |row, column| {
+            if row < rows {
+                free[(row, column)]
+            } else if row - rows == column {
+                stiffness[column]
+            } else {
+                0.0
+            }
+        });
+        let basis = Some(OrthonormalBasis::new(&whole, RANK_TOLERANCE)?);
+        Ok(Self {
+            blocks,
+            free,
+            basis,
+            stiffness,
+        })
+    }
+
+    /// Orthonormal directions of the free parameters, whatever anchors them.
+    pub(crate) fn directions(&self) -> Result<Vec<Vec<f64>>, DiagnosisError> {
+        let columns = |basis: &OrthonormalBasis| {
+            let directions = basis.directions();
+            let columns = 0..directions.columns();
+            columns
+                .map(|column| directions.column(column).to_vec())
+                .collect()
+        };
+        Ok(match &self.basis {
+            None => Vec::new(),
+            Some(basis) if self.stiffness.is_empty() => columns(basis),
+            Some(_) => columns(&OrthonormalBasis::new(&self.free, RANK_TOLERANCE)?),
+        })
+    }
+
+    /// The step of the base model alone, with the pull of its anchors; none without parameters.
+    pub(crate) fn base_step(
+        &self,
+        residual: &[Vec<f64>],
+        pull: &[f64],
+    ) -> Result<Option<Vec<f64>>, DiagnosisError> {
+        let Some(basis) = &self.basis else {
+            return Ok(None);
+        };
+        let mut target = compress_rows(&self.blocks, residual);
+        target.extend_from_slice(pull);
+        Ok(Some(basis.solve(&target)?))
+    }
+
+    /// A step with the pull of the anchors, empty where there are none.
+    pub(crate) fn step(
+        &self,
+        columns: &[Vec<f64>],
+        residual: &[Vec<f64>],
+        pull: &[f64],
+    ) -> Result<Step, DiagnosisError> {
+        let mut target = compress_rows(&self.blocks, residual);
+        target.extend_from_slice(pull);
+        let target = target.as_slice();
+        let lengthened = |column: &Vec<f64>| {
+            let mut column = column.clone();
+            column.resize(target.len(), 0.0);
+            column
+        };
+        let columns: Vec<Vec<f64>> = columns.iter().map(lengthened).collect();
+        let columns = columns.as_slice();
+        let across = |vector: &[f64]| {
+            let mut rest = vector.to_vec();
+            if let Some(basis) = &self.basis {
+                let directions = basis.directions();
+                for _ in 0..2 {
+                    for k in 0..directions.columns() {
+                        take_off(&mut rest, directions.column(k));
+                    }
+                }
+            }
+            rest
+        };
+        let mut left = target.to_vec();
+        let mut numbers = Vec::new();
+        let mut covariance = None;
+        if !columns.is_empty() {
+            let projected: Vec<Vec<f64>> = columns.iter().map(|column| across(column)).collect();
+            let matrix = Matrix::from_fn(target.len(), columns.len(), |row, column| {
+                projected[column][row]
+            });
+            let reduction = Reduction::new(&matrix, target)?;
+            let all: Vec<usize> = (0..columns.len()).collect();
+            numbers = reduction.solve(&all, 0.0, RANK_TOLERANCE)?.values;
+            covariance = reduction.covariance(&all, RANK_TOLERANCE).ok();
+            for (column, number) in columns.iter().zip(&numbers) {
+                for (entry, value) in left.iter_mut().zip(column) {
+                    *entry -= number * value;
+                }
+            }
+        }
+        let mut values = match &self.basis {
+            Some(basis) => basis.solve(&left)?,
+            None => Vec::new(),
+        };
+        if !values.is_empty() {
+            let mut moved = self.free.times(&values)?;
+            let anchored = self.stiffness.iter().zip(&values);
+            moved.extend(anchored.map(|(stiffness, value)| stiffness * value));
+            for (entry, value) in left.iter_mut().zip(&moved) {
+                *entry -= value;
+            }
+        }
+        let moved: Vec<f64> = target.iter().zip(&left).map(|(a, b)| a - b).collect();
+        values.extend(&numbers);
+        Ok(Step {
+            values,
+            size: root_mean_square(&moved),
+            explained: dot(target, target) - dot(&left, &left),
+            covariance,
+        })
+    }
+}
+
+/// Squared residuals of a part's rows, and of the anchors.
+pub(crate) fn square(part: &Part, rows: &[Vec<f64>], pull: &[f64]) -> f64 {
+    let whitened = compress_rows(&part.blocks, rows);
+    dot(&whitened, &whitened) + dot(pull, pull)
+}
+
+pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
+    (dot(values, values) / values.len().max(1) as f64).sqrt()
+}
+
+pub(crate) fn dense(part: &Part, signal: &Signal) -> Vec<f64> {
+    let mut dense = vec![0.0; part.blocks.count()];
+    for (stream, values) in &signal.parts {
+        let compressed = part.blocks.compress(*stream, |row| values[row]);
+        dense[part.blocks.range(*stream)].copy_from_slice(&compressed);
+    }
+    dense
+}

@@ -1,0 +1,287 @@
+//! Whitened residuals with everything that the base model can adjust projected out.
+
+use haptical_effects::{Context, Signal};
+use haptical_linalg::Matrix;
+
+use rayon::prelude::*;
+
+use crate::DiagnosisError;
+use crate::engine::base::BaseProblem;
+use crate::engine::blocks::Blocks;
+use crate::engine::part::Part;
+
+/// Share of a column that must lie across those before it for a direction of its own.
+const ABSENT: f64 = 1e-7;
+/// Time within which what is left of a gap hardly changes \[s\].
+const WINDOW_S: f64 = 0.25;
+
+/// A signal averaged and whitened, stream by stream.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Column {
+    pub(crate) parts: Vec<(usize, Vec<f64>)>,
+}
+
+/// Residuals and directions that are no longer news.
+#[derive(Debug, Clone)]
+pub(crate) struct System {
+    pub(crate) blocks: Blocks,
+    /// Orthonormal; the base model's first, then those of the causes found.
+    pub(crate) basis: Vec<Vec<f64>>,
+    /// Across the basis.
+    pub(crate) residual: Vec<f64>,
+    /// Windows per stream, as ranges of all blocks.
+    windows: Vec<Vec<std::ops::Range<usize>>>,
+}
+
+impl System {
+    /// The base model's directions: those of its fit, and what its `other` parameters, held in the fit,
+    /// could still do.
+    pub(crate) fn new(
+        context: &Context<'_>,
+        part: &Part,
+        other: Option<&Matrix>,
+        residual: &[Vec<f64>],
+    ) -> Result<Self, DiagnosisError> {
+        let columns = |matrix: &Matrix| -> Vec<Vec<f64>> {
+            (0..matrix.columns())
+                .map(|column| matrix.column(column).to_vec())
+                .collect()
+        };
+        let mut system = Self {
+            residual: vec![0.0; part.blocks.count()],
+            blocks: part.blocks.clone(),
+            basis: part.directions()?,
+            windows: windows(context, &part.blocks),
+        };
+        for column in other.map(columns).unwrap_or_default() {
+            system.take(column);
+        }
+        system.set_residual(residual);
+        Ok(system)
+    }
+
+    /// Takes physical residuals per stream and row, and projects them.
+    pub(crate) fn set_residual(&mut self, residual: &[Vec<f64>]) {
+        let mut whitened = compress_rows(&self.blocks, residual);
+        // twice: one pass leaves the rounding of large coefficients
+        for _ in 0..2 {
+            for direction in &self.basis {
+                take_off(&mut whitened, direction);
+            }
+        }
+        self.residual = whitened;
+    }
+
+    pub(crate) fn column(&self, signal: &Signal) -> Column {
+        let parts = signal
+            .parts
+            .iter()
+            .map(|(stream, values)| (*stream, self.blocks.compress(*stream, |row| values[row])))
+            .collect();
+        Column { parts }
+    }
+
+    /// Product of a column with a vector over all blocks.
+    pub(crate) fn dot(&self, column: &Column, vector: &[f64]) -> f64 {
+        column
+            .parts
+            .iter()
+            .map(|(stream, values)| dot(values, &vector[self.blocks.range(*stream)]))
+            .sum()
+    }
+
+    /// A column over all blocks.
+    pub(crate) fn dense(&self, column: &Column) -> Vec<f64> {
+        let mut dense = vec![0.0; self.blocks.count()];
+        for (stream, values) in &column.parts {
+            dense[self.blocks.range(*stream)].copy_from_slice(values);
+        }
+        dense
+    }
+
+    /// Removes a column from the residual and from everything later.
+    pub(crate) fn project_out(&mut self, column: &Column) {
+        self.take(self.dense(column));
+    }
+
+    fn take(&mut self, dense: Vec<f64>) {
+        if let Some(direction) = across(dense, || self.basis.iter()) {
+            take_off(&mut self.residual, &direction);
+            self.basis.push(direction);
+        }
+    }
+
+    /// The row in the middle of every block.
+    pub(crate) fn postures(&self) -> Vec<usize> {
+        (0..self.windows.len())
+            .flat_map(|stream| {
+                let blocks = 0..self.blocks.range(stream).len();
+                blocks.map(move |block| self.blocks.row(stream, block))
+            })
+            .collect()
+    }
+
+    /// Slow energy of a residual per stream, with the degrees of freedom that it has under noise:
+    /// sums over windows of a quarter of a second, over the root of their number of blocks.
+    pub(crate) fn slow_energy(&self, residual: &[f64]) -> Vec<SlowEnergy> {
+        self.windows
+            .iter()
+            .map(|windows| {
+                let sum = |vector: &[f64], window: &std::ops::Range<usize>| {
+                    vector[window.clone()].iter().sum::<f64>() / (window.len() as f64).sqrt()
+                };
+                let energy = windows.iter().map(|w| sum(residual, w).powi(2)).sum();
+                let taken: f64 = self
+                    .basis
+                    .iter()
+                    .map(|direction| {
+                        windows
+                            .iter()
+                            .map(|w| sum(direction, w).powi(2))
+                            .sum::<f64>()
+                    })
+                    .sum();
+                SlowEnergy {
+                    energy,
+                    freedom: (windows.len() as f64 - taken).max(0.0),
+                }
+            })
+            .collect()
+    }
+}
+
+/// The part of a vector across orthonormal directions, of length 1; none where nothing is left.
+pub(crate) fn across<'d, D: Iterator<Item = &'d Vec<f64>>>(
+    mut vector: Vec<f64>,
+    directions: impl Fn() -> D,
+) -> Option<Vec<f64>> {
+    let length = dot(&vector, &vector).sqrt();
+    for _ in 0..2 {
+        for direction in directions() {
+            take_off(&mut vector, direction);
+        }
+    }
+    let left = dot(&vector, &vector).sqrt();
+    if left <= ABSENT * length || left == 0.0 {
+        return None;
+    }
+    vector.iter_mut().for_each(|entry| *entry /= left);
+    Some(vector)
+}
+
+/// Takes a vector's part along a direction of length 1 off it.
+pub(crate) fn take_off(vector: &mut [f64], direction: &[f64]) {
+    let shared = dot(direction, vector);
+    for (entry, other) in vector.iter_mut().zip(direction) {
+        *entry -= shared * other;
+    }
+}
+
+/// Slow energy of one stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SlowEnergy {
+    pub(crate) energy: f64,
+    pub(crate) freedom: f64,
+}
+
+impl SlowEnergy {
+    /// What noise does not account for.
+    pub(crate) fn excess(self) -> f64 {
+        self.energy - self.freedom
+    }
+}
+
+pub(crate) fn compress_rows(blocks: &Blocks, rows: &[Vec<f64>]) -> Vec<f64> {
+    let mut all = Vec::with_capacity(blocks.count());
+    for (stream, values) in rows.iter().enumerate() {
+        all.extend(blocks.compress(stream, |row| values[row]));
+    }
+    all
+}
+
+/// Compresses the derivatives of `chosen` parameters.
+pub(crate) fn compress_matrix(
+    context: &Context<'_>,
+    problem: &BaseProblem<'_>,
+    blocks: &Blocks,
+    matrix: &Matrix,
+    chosen: &[usize],
+) -> Matrix {
+    let columns: Vec<Vec<f64>> = chosen
+        .par_iter()
+        .map(|&parameter| {
+            let mut column = Vec::with_capacity(blocks.count());
+            for stream in 0..context.streams.len() {
+                let derivative = problem.derivative(matrix, stream, parameter);
+                column.extend(blocks.compress(stream, derivative));
+            }
+            column
+        })
+        .collect();
+    let mut compressed = Matrix::zeros(blocks.count(), chosen.len());
+    for (index, column) in columns.iter().enumerate() {
+        compressed.column_mut(index).copy_from_slice(column);
+    }
+    compressed
+}
+
+fn windows(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<std::ops::Range<usize>>> {
+    let length = window_blocks(context, blocks);
+    (0..context.streams.len())
+        .map(|stream| {
+            let range = blocks.range(stream);
+            let mut windows = Vec::new();
+            let mut start = range.start;
+            for block in range.clone() {
+                let next = block + 1;
+                let ends = next == range.end
+                    || next - start == length
+                    || blocks.begins(stream, next - range.start);
+                if ends {
+                    windows.push(start..next);
+                    start = next;
+                }
+            }
+            windows
+        })
+        .collect()
+}
+
+fn window_blocks(context: &Context<'_>, blocks: &Blocks) -> usize {
+    if !context.ordered {
+        return 1;
+    }
+    let Some(time_s) = &context.recording.time_s else {
+        return 4;
+    };
+    let moving: f64 = context
+        .runs
+        .iter()
+        .filter(|run| run.len() > 1)
+        .map(|run| time_s[run.end - 1] - time_s[run.start])
+        .sum();
+    let block_s = moving / context.rows().max(1) as f64 * blocks.size as f64;
+    if block_s > 0.0 {
+        ((WINDOW_S / block_s).round() as usize).clamp(2, 64)
+    } else {
+        4
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // four sums: the compiler may keep them in one register of lanes
+    let mut sums = [0.0; 8];
+    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = chunks_a
+        .remainder()
+        .iter()
+        .zip(chunks_b.remainder())
+        .map(|(x, y)| x * y)
+        .sum();
+    for (x, y) in chunks_a.zip(chunks_b) {
+        for lane in 0..8 {
+            sums[lane] += x[lane] * y[lane];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}

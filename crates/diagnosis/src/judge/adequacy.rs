@@ -1,0 +1,94 @@
+//! Whether the causes found account for the gap: what makes the answer "unknown" possible.
+
+use crate::DiagnosisError;
+use crate::answer::Verdict;
+use crate::judge::dependence::largest_dependence;
+use crate::select::laws::law_is_kept;
+use crate::select::{Selection, Selector, excess, worst_excess};
+
+/// Whether the causes account for the gap.
+#[derive(Debug, Clone)]
+pub(crate) struct Adequacy {
+    pub(crate) is_adequate: bool,
+    /// Largest excess of a stream after the causes, in standard deviations.
+    pub(crate) worst: f64,
+    /// Share of the structured energy that the causes leave.
+    pub(crate) unexplained: f64,
+    /// Structured energy before any cause, in squared standard deviations.
+    pub(crate) total: f64,
+}
+
+/// Compares what the causes leave with noise, and with what their laws may get wrong.
+pub(crate) fn adequacy(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+) -> Result<Adequacy, DiagnosisError> {
+    let (total, _) = excess(&selection.before);
+    let (left, left_sd) = excess(&selection.after);
+    let unexplained = if total > 0.0 {
+        ((left - 2.0 * left_sd) / total).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let worst = worst_excess(&selection.after, &selector.engine.noise);
+    let causes = &selection.refit.model.causes;
+    let explained: f64 = selection.explained.iter().sum();
+    let mut allowed = 0.0;
+    let mut own = Vec::new();
+    for (cause, part) in causes.iter().zip(&selection.explained) {
+        let effect = selector.effects[cause.effect].as_ref();
+        allowed += effect.spec().law_error.share * part / explained.max(1e-300);
+        own.push(selector.broken_law(&selection.system, effect, cause, *part));
+    }
+    let laws_hold = causes
+        .iter()
+        .zip(&own)
+        .all(|(cause, broken)| law_is_kept(selector.effects[cause.effect].as_ref(), *broken));
+    let small_rest = unexplained <= allowed;
+    let is_adequate = laws_hold
+        && (worst < selector.thresholds.omnibus_z || small_rest)
+        && !depends_still(selector, selection, allowed * explained)?;
+    Ok(Adequacy {
+        is_adequate,
+        worst,
+        unexplained,
+        total,
+    })
+}
+
+/// Of single postures, whose noise is known to a third only: whether what the causes leave depends on a joint or
+/// on time, more surely than by chance and by more than the squares that the laws may get wrong. Noise does not,
+/// whatever its size.
+fn depends_still(
+    selector: &Selector<'_, '_>,
+    selection: &Selection,
+    wrong: f64,
+) -> Result<bool, DiagnosisError> {
+    let context = &selector.engine.context;
+    if context.ordered || selection.refit.model.causes.is_empty() {
+        return Ok(false);
+    }
+    let p = selector.thresholds.family_wise_p;
+    Ok(largest_dependence(context, &selection.system, p)? > wrong)
+}
+
+/// Structured energy below which a wrong effect imitates a gap as well as the right one.
+const WEAK: f64 = 100.0;
+
+impl Adequacy {
+    /// Probability that the cause is none of the catalogue's.
+    pub(crate) fn probability_unknown(&self, verdict: Verdict) -> f64 {
+        match verdict {
+            Verdict::NoGap => 0.0,
+            Verdict::Unknown => 0.95,
+            Verdict::Named | Verdict::Ambiguous => self.doubt(),
+        }
+    }
+
+    /// What is left of doubt when everything fits: the weaker the gap, the more a wrong effect
+    /// can imitate it.
+    pub(crate) fn doubt(&self) -> f64 {
+        let weak = 0.3 * (WEAK / self.total.max(WEAK)).sqrt();
+        (0.01 + weak).min(0.5)
+    }
+}

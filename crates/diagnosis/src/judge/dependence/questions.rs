@@ -1,0 +1,187 @@
+//! What the residuals of single postures are asked for: angles, torques, the side that a joint came from, the
+//! direction of approach, and everything that was logged beside them.
+
+use haptical_effects::{Context, Hook, Signal, Stream};
+use haptical_model::kinematics::nalgebra::Vector3;
+
+use crate::answer::Asked;
+use crate::select::generic::{Covariate, Place, free_function};
+
+/// Intervals of the free functions of an angle.
+const KNOTS: usize = 6;
+/// Intervals of the free functions of time and temperature, which change slowly.
+const SLOW_KNOTS: usize = 3;
+
+/// What a residual is asked for.
+pub(super) struct Question {
+    pub(super) column: String,
+    pub(super) joint: Option<usize>,
+    pub(super) asked: Asked,
+    pub(super) on: String,
+    pub(super) signals: Vec<Signal>,
+}
+
+pub(super) fn questions(context: &Context<'_>) -> Vec<Question> {
+    let mut questions = Vec::new();
+    let touches = context.streams.iter().any(Stream::is_touch);
+    for joint in 0..context.device.joints.len() {
+        questions.extend(angle(context, joint));
+        questions.extend(torque(context, joint));
+        // touches come in any order where no time says otherwise
+        if !touches || context.recording.time_s.is_some() {
+            questions.extend(side(context, joint));
+        }
+    }
+    if !context.rotation.is_empty() && touches {
+        questions.push(approach(context));
+    }
+    questions.extend(courses(context));
+    questions
+}
+
+fn angle(context: &Context<'_>, joint: usize) -> Option<Question> {
+    let angle = Covariate::Angle(joint);
+    Some(Question {
+        column: angle.column(context),
+        joint: Some(joint),
+        asked: Asked::Angle,
+        on: angle.words(context),
+        signals: free_function(context, at(joint), angle, KNOTS)?,
+    })
+}
+
+fn at(joint: usize) -> Place {
+    Place {
+        hook: Hook::Joint,
+        joint: Some(joint),
+    }
+}
+
+fn torque(context: &Context<'_>, joint: usize) -> Option<Question> {
+    let torque = context.torque_nm.get(joint)?.as_ref()?;
+    let side: Vec<f64> = torque.iter().map(|torque| torque.signum()).collect();
+    let logged = matches!(context.recording.torque_nm.get(joint), Some(Some(_)));
+    let source = if logged { "" } else { " (from the masses)" };
+    let covariate = Covariate::Torque(joint);
+    Some(Question {
+        column: covariate.column(context),
+        joint: Some(joint),
+        asked: Asked::Torque,
+        on: format!("{} and its side{source}", covariate.words(context)),
+        signals: vec![
+            context.downstream(joint, torque),
+            context.downstream(joint, &side),
+        ],
+    })
+}
+
+/// A play or a friction loop leaves a joint on the side that it came from: the sign of its step from the row
+/// before. A joint that did not move is where it was.
+fn side(context: &Context<'_>, joint: usize) -> Option<Question> {
+    let reading = context.recording.joint.get(joint)?;
+    let mut side = vec![0.0; reading.len()];
+    for run in &context.runs {
+        for row in run.clone().skip(1) {
+            let step = reading[row] - reading[row - 1];
+            side[row] = if step == 0.0 {
+                side[row - 1]
+            } else {
+                step.signum()
+            };
+        }
+    }
+    Some(Question {
+        column: Covariate::Angle(joint).column(context),
+        joint: Some(joint),
+        asked: Asked::Side,
+        on: format!("the side that joint {} came from", joint + 1),
+        signals: vec![context.downstream(joint, &side)],
+    })
+}
+
+/// The handle's own axes as the base sees them: a shift that turns with them is another tool's, and so in the
+/// base model already.
+fn approach(context: &Context<'_>) -> Question {
+    let signals = (0..9).map(|index| {
+        context.handle(|row| {
+            let approach = context.rotation[row].column(2).into_owned();
+            let shift = Vector3::ith(index / 3, approach[index % 3]);
+            (shift, Vector3::zeros())
+        })
+    });
+    Question {
+        column: "contact".to_owned(),
+        joint: None,
+        asked: Asked::Approach,
+        on: "the direction of approach (the handle's z axis)".to_owned(),
+        signals: signals.collect(),
+    }
+}
+
+/// Time, temperature, and what else the log carries: each as a drift of every joint, and as one of base and
+/// links.
+fn courses(context: &Context<'_>) -> Vec<Question> {
+    let mut questions = Vec::new();
+    for slow in [Covariate::Time, Covariate::Temperature] {
+        let Some(hats) = slow
+            .values(context)
+            .and_then(|values| crate::select::generic::hats(&values, SLOW_KNOTS))
+        else {
+            continue;
+        };
+        let (column, words) = (slow.column(context), slow.words(context));
+        for joint in 0..context.device.joints.len() {
+            let signals = hats.iter().map(|hat| context.downstream(joint, hat));
+            questions.push(Question {
+                column: column.clone(),
+                joint: Some(joint),
+                asked: Asked::Course,
+                on: format!("{words}, as a drift of joint {}", joint + 1),
+                signals: signals.collect(),
+            });
+        }
+        questions.extend(of_structure(context, column, &words, &hats));
+    }
+    for (name, values) in &context.recording.covariates {
+        if values.len() == context.rows() && values.iter().all(|value| value.is_finite()) {
+            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            let course = vec![values.iter().map(|value| value - mean).collect()];
+            questions.extend(of_structure(context, name.clone(), name, &course));
+        }
+    }
+    questions
+}
+
+/// A shift and a turn of the base (or of the tracker) and a growth of the way from base to handle, each by the
+/// given courses. None for a device without links.
+fn of_structure(
+    context: &Context<'_>,
+    column: String,
+    words: &str,
+    courses: &[Vec<f64>],
+) -> Option<Question> {
+    if !context.device.has_links() {
+        return None;
+    }
+    let mut signals = Vec::new();
+    for course in courses {
+        for axis in 0..3 {
+            signals.push(context.handle(|row| (Vector3::ith(axis, course[row]), Vector3::zeros())));
+            signals.push(context.handle(|row| {
+                let turn = Vector3::ith(axis, course[row]);
+                (turn.cross(&context.way_from_base(row)), turn)
+            }));
+        }
+        signals.push(context.handle(|row| {
+            let growth = course[row] * context.way_from_base(row);
+            (growth, Vector3::zeros())
+        }));
+    }
+    Some(Question {
+        column,
+        joint: None,
+        asked: Asked::Course,
+        on: format!("{words}, as a drift of the base, the tracker or the links' lengths"),
+        signals,
+    })
+}

@@ -1,0 +1,357 @@
+//! A model identified earlier: which terms of the base model it lacks or has wrong (docs/diagnosis.md,
+//! "Earlier model").
+
+use std::collections::BTreeMap;
+
+use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
+use haptical_effects::structure::{JOINT_COMPLIANCE, TOOL_CHANGED};
+use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
+use haptical_model::{
+    Device, ParameterId, SurroundingParameter, TransmissionError, TransmissionKind,
+};
+
+use crate::answer::ParameterAnswer;
+use crate::engine::Engine;
+use crate::engine::least::Columns;
+use crate::engine::system::compress_rows;
+use crate::judge::tool;
+
+/// A base term that differs from the earlier model.
+#[derive(Debug, Clone)]
+pub(crate) struct BaseTerm {
+    pub(crate) name: &'static str,
+    pub(crate) joint: Option<usize>,
+    /// Squared whitened residual that it explains.
+    pub(crate) explained: f64,
+    pub(crate) parameters: BTreeMap<String, ParameterAnswer>,
+    /// It enters in front of the external encoder.
+    pub(crate) in_drive: bool,
+    /// Names that explain the difference as well.
+    pub(crate) confusable_with: Vec<String>,
+}
+
+/// What a model differs in.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Difference {
+    pub(crate) terms: Vec<BaseTerm>,
+    /// Squared whitened residual of the earlier model beyond that of the refitted one.
+    pub(crate) total: f64,
+    /// Whether a term was left out on request: there is a difference that bears no name.
+    pub(crate) is_unnamed: bool,
+}
+
+impl Difference {
+    /// The difference without the terms of these names.
+    pub(crate) fn without(mut self, names: &[String]) -> Self {
+        let found = self.terms.len();
+        self.terms
+            .retain(|term| !names.iter().any(|name| name == term.name));
+        self.is_unnamed = self.terms.len() < found;
+        self
+    }
+
+    /// Whether one name accounts for the difference and for the gap that is left beside it, whose squared
+    /// residual is given.
+    pub(crate) fn accounts_for(&self, left: f64) -> bool {
+        let tool = self.terms.first().filter(|_| self.is_tool());
+        tool.is_some_and(|tool| tool.explained >= NEARLY_ALL * (self.total + left.max(0.0)))
+    }
+
+    /// Whether the difference is another tool.
+    pub(crate) fn is_tool(&self) -> bool {
+        self.terms
+            .first()
+            .is_some_and(|term| term.name == TOOL_CHANGED.name)
+    }
+}
+
+/// Share of the difference below which a term is not named.
+const SHARE: f64 = 0.005;
+/// The earlier model was fitted to noise too: its own errors double the squares.
+const TWO_FITS: f64 = 2.0;
+/// Squared standard deviations beyond which a group of one parameter is more than chance.
+const BEYOND_CHANCE: f64 = 16.0;
+
+/// Share of the difference that another tool alone must explain to be its name: what is left is what an earlier
+/// fit did not fix.
+const NEARLY_ALL: f64 = 0.97;
+/// Plausible deviations from which a link's number is believed to be wrong rather than changed.
+const IMPLAUSIBLE: f64 = 4.0;
+/// Squared standard deviations within which two groups explain the same: twice ln 100.
+const AS_WELL: f64 = 9.21;
+
+/// Compares residuals of an earlier model with the base model refitted to the recording.
+pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f64>]) -> Difference {
+    let free = engine.free();
+    let count = free.columns();
+    if count == 0 {
+        return Difference::default();
+    }
+    let target = compress_rows(&engine.system.blocks, residual);
+    if target.iter().any(|value| !value.is_finite()) {
+        return Difference::default();
+    }
+    let tool = tool::columns(engine, model).unwrap_or_default();
+    let mut all: Vec<&[f64]> = (0..count).map(|column| free.column(column)).collect();
+    all.extend(tool.iter().map(Vec::as_slice));
+    let columns = Columns::new(&all, &target);
+    let earlier = Earlier {
+        engine,
+        deviations: columns.deviations(count),
+        places: places(engine),
+        tool: (count..count + tool.len()).collect(),
+        groups: groups(engine),
+        columns,
+        count,
+    };
+    earlier.difference()
+}
+
+/// An earlier model's residuals beside everything that may explain them.
+struct Earlier<'e, 'a> {
+    engine: &'e Engine<'a>,
+    columns: Columns,
+    /// Of the free columns' coefficients.
+    deviations: Vec<f64>,
+    /// Columns of what was touched: where it is says nothing of the device.
+    places: Vec<usize>,
+    /// Columns of another tool.
+    tool: Vec<usize>,
+    groups: Vec<Group>,
+    /// Free columns.
+    count: usize,
+}
+
+impl Earlier<'_, '_> {
+    /// Squared residual that columns explain beside the places of what was touched.
+    fn explained(&self, chosen: &[usize]) -> f64 {
+        let with: Vec<usize> = self.places.iter().chain(chosen).copied().collect();
+        self.columns.explained(&with) - self.columns.explained(&self.places)
+    }
+
+    fn difference(&self) -> Difference {
+        let others: Vec<usize> = (0..self.count)
+            .filter(|column| !self.places.contains(column))
+            .collect();
+        let total = self.explained(&others);
+        if let Some(tool) = self.other_tool(total, &others) {
+            return Difference {
+                terms: vec![tool],
+                total,
+                is_unnamed: false,
+            };
+        }
+        let links: Vec<usize> = self
+            .groups
+            .iter()
+            .filter(|group| !group.in_drive)
+            .flat_map(|group| group.columns.clone())
+            .collect();
+        // The lengths of a model without transmission errors have taken part of those up: with the
+        // transmissions in question the links are free.
+        let mut terms = self.forward(true, &links, total);
+        if terms.is_empty() {
+            terms = self.forward(false, &[], total);
+        }
+        // A ratio and an eccentricity resemble each other over a small range: whatever cannot be dropped
+        // without loss differs too.
+        let in_drive = terms.first().is_some_and(|term| term.in_drive);
+        for group in self.groups.iter().filter(|g| g.in_drive && in_drive) {
+            let named = |term: &BaseTerm| term.name == group.name && term.joint == group.joint;
+            if terms.iter().any(named) {
+                continue;
+            }
+            let without: Vec<usize> = others
+                .iter()
+                .filter(|k| !group.columns.contains(k))
+                .copied()
+                .collect();
+            let lost = total - self.explained(&without);
+            if lost > chance(group.columns.len()) {
+                terms.push(self.term(group, lost));
+            }
+        }
+        terms.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+        Difference {
+            terms,
+            total,
+            is_unnamed: false,
+        }
+    }
+
+    /// Another tool, where it alone explains nearly all of the difference.
+    fn other_tool(&self, total: f64, others: &[usize]) -> Option<BaseTerm> {
+        let explained = self.explained(&self.tool);
+        if self.tool.is_empty() || explained < NEARLY_ALL * total || explained < chance(3) {
+            return None;
+        }
+        let shift = tool::shift(&self.columns, &self.places, &self.tool, others)?;
+        // the last link carries the tool: its own numbers are another word for it
+        let last = self.engine.context.device.joints.len().checked_sub(1);
+        let mut confusable_with: Vec<String> = self
+            .groups
+            .iter()
+            .filter(|group| group.joint != last || group.in_drive)
+            .filter(|group| self.explained(&group.columns) > explained - AS_WELL)
+            .filter(|group| self.is_believable(group))
+            .map(|group| group.name.to_owned())
+            .collect();
+        confusable_with.dedup();
+        Some(BaseTerm {
+            name: TOOL_CHANGED.name,
+            joint: None,
+            explained,
+            parameters: shift.parameters,
+            in_drive: false,
+            confusable_with,
+        })
+    }
+
+    /// Whether a group that explains the difference does so by changes that a sound device can show.
+    fn is_believable(&self, group: &Group) -> bool {
+        let chosen: Vec<usize> = self.places.iter().chain(&group.columns).copied().collect();
+        let Some((values, _)) = self.columns.solution(&chosen) else {
+            return false;
+        };
+        let device = self.engine.context.device;
+        let changes = group.columns.iter().zip(&values[self.places.len()..]);
+        let mut sizes = changes.map(|(&column, change)| {
+            let parameter = self.engine.base.parameters[self.engine.base.free[column]];
+            change.abs() / parameter.plausible_size(device).max(1e-300)
+        });
+        sizes.all(|size| size < IMPLAUSIBLE)
+    }
+
+    fn forward(&self, in_drive: bool, given: &[usize], total: f64) -> Vec<BaseTerm> {
+        let mut chosen = given.to_vec();
+        let mut have = self.explained(&chosen);
+        let own = |group: &&Group| group.in_drive == in_drive;
+        let mut left: Vec<&Group> = self.groups.iter().filter(own).collect();
+        let mut terms = Vec::new();
+        while !left.is_empty() {
+            let gains: Vec<f64> = left
+                .iter()
+                .map(|group| {
+                    let with: Vec<usize> = chosen.iter().chain(&group.columns).copied().collect();
+                    self.explained(&with) - have
+                })
+                .collect();
+            let best = (0..left.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b]));
+            let Some(best) = best else {
+                break;
+            };
+            if gains[best] < chance(left[best].columns.len()) || gains[best] < SHARE * total {
+                break;
+            }
+            let group = left.remove(best);
+            chosen.extend(&group.columns);
+            have += gains[best];
+            terms.push(self.term(group, gains[best]));
+        }
+        terms
+    }
+
+    fn term(&self, group: &Group, explained: f64) -> BaseTerm {
+        BaseTerm {
+            name: group.name,
+            joint: group.joint,
+            explained,
+            parameters: self.parameters(group),
+            in_drive: group.in_drive,
+            confusable_with: Vec::new(),
+        }
+    }
+
+    /// The refitted values with intervals; of a polynomial its root mean square.
+    fn parameters(&self, group: &Group) -> BTreeMap<String, ParameterAnswer> {
+        let engine = self.engine;
+        let device = engine.context.device;
+        let mut answers = BTreeMap::new();
+        for &column in &group.columns {
+            let position = engine.base.free[column];
+            let value = engine.start.model.values[position];
+            let sd = self.deviations[column];
+            let answer = ParameterAnswer {
+                value,
+                ci95: [value - 1.96 * sd, value + 1.96 * sd],
+            };
+            answers.insert(engine.base.parameters[position].name(device), answer);
+        }
+        answers
+    }
+}
+
+/// Free columns of what was touched.
+fn places(engine: &Engine<'_>) -> Vec<usize> {
+    let free = engine.base.free.iter().enumerate();
+    free.filter(|(_, position)| {
+        matches!(
+            engine.base.parameters[**position],
+            ParameterId::Surrounding(
+                SurroundingParameter::Contact { .. } | SurroundingParameter::Plane { .. }
+            )
+        )
+    })
+    .map(|(column, _)| column)
+    .collect()
+}
+
+/// Squared standard deviations that chance and the earlier model's own errors give a group.
+fn chance(rank: usize) -> f64 {
+    let rank = rank as f64;
+    TWO_FITS * (rank + BEYOND_CHANCE * rank.sqrt())
+}
+
+/// Parameters that belong to one name at one place.
+#[derive(Debug)]
+struct Group {
+    name: &'static str,
+    joint: Option<usize>,
+    /// Among the free columns.
+    columns: Vec<usize>,
+    in_drive: bool,
+}
+
+fn groups(engine: &Engine<'_>) -> Vec<Group> {
+    let device = engine.context.device;
+    let mut groups: Vec<Group> = Vec::new();
+    for (column, &position) in engine.base.free.iter().enumerate() {
+        let (name, joint, in_drive) = match engine.base.parameters[position] {
+            ParameterId::Link { row, .. } => (LINK_GEOMETRY.name, row.checked_sub(1), false),
+            ParameterId::Compliance { joint } => (JOINT_COMPLIANCE.name, Some(joint), false),
+            // where a rig stands is no effect of the device
+            ParameterId::Surrounding(_) => continue,
+            ParameterId::Transmission { joint, index } => {
+                (term_name(device, joint, index), Some(joint), true)
+            }
+        };
+        match groups
+            .iter_mut()
+            .find(|group| group.name == name && group.joint == joint)
+        {
+            Some(group) => group.columns.push(column),
+            None => groups.push(Group {
+                name,
+                joint,
+                columns: vec![column],
+                in_drive,
+            }),
+        }
+    }
+    groups
+}
+
+fn term_name(device: &Device, joint: usize, index: usize) -> &'static str {
+    let is_capstan = matches!(
+        device.joints[joint].transmission_error,
+        TransmissionError::Capstan(_)
+    );
+    match (device.joints[joint].transmission, is_capstan, index) {
+        (TransmissionKind::Parallelogram, _, _) => PARALLELOGRAM_ERROR.name,
+        (_, _, 0) => JOINT_OFFSET.name,
+        (_, true, 1) => RATIO_ERROR.name,
+        (_, true, _) => DRUM_ECCENTRICITY.name,
+        (_, false, 1) => RATIO_ERROR.name,
+        (_, false, _) => DRUM_ECCENTRICITY.name,
+    }
+}

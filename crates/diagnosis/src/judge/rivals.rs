@@ -1,0 +1,251 @@
+//! Which other effects could stand in a cause's place, and how far behind they are.
+
+use haptical_effects::{Context, Family};
+use rayon::prelude::*;
+
+use crate::DiagnosisError;
+use crate::engine::model::{Cause, Refit};
+use crate::select::scan::Score;
+use crate::select::{Selection, Selector, misfit};
+
+/// An effect in a cause's place.
+#[derive(Debug, Clone)]
+pub(crate) struct Rival {
+    /// Position in the catalogue, and its fit, where it was refitted.
+    pub(crate) cause: Option<Cause>,
+    pub(crate) name: &'static str,
+    pub(crate) joint: Option<usize>,
+    /// Share of the squared residual that it explains of what the cause explains.
+    pub(crate) share: f64,
+    /// Nats behind the best, misfit allowed for.
+    pub(crate) nats_behind: f64,
+    pub(crate) probability: f64,
+}
+
+/// Exchanges of causes at most.
+const EXCHANGES: usize = 2;
+/// Nats by which a rival must lead to take a cause's place.
+const LEAD: f64 = 2.0;
+
+/// Every cause's rivals, after causes that others have overtaken were exchanged.
+pub(crate) fn settle(
+    selector: &mut Selector<'_, '_>,
+    selection: &mut Selection,
+) -> Result<Vec<Vec<Rival>>, DiagnosisError> {
+    let mut lists: Vec<Vec<Rival>> = Vec::new();
+    for round in 0..=EXCHANGES {
+        lists.clear();
+        let mut changed = false;
+        for cause in 0..selection.refit.model.causes.len() {
+            let list = rivals(selector, selection, cause)?;
+            let by_lead = |a: &&Rival, b: &&Rival| a.nats_behind.total_cmp(&b.nats_behind);
+            let behind = list.first().map_or(0.0, |own| own.nats_behind);
+            let leader = list.iter().skip(1).min_by(by_lead);
+            if round < EXCHANGES
+                && behind > LEAD
+                && let Some(leader) = leader.and_then(|rival| rival.cause.clone())
+                && selector.replace(selection, cause, leader)?
+            {
+                changed = true;
+            }
+            lists.push(list);
+        }
+        if !changed {
+            break;
+        }
+    }
+    Ok(lists)
+}
+
+/// Rivals that are listed at most.
+const LISTED: usize = 30;
+/// Rivals that are refitted at most.
+const REFITTED: usize = 3;
+/// Share of a drift's energy that its law may get wrong.
+const DRIFT_LAW: f64 = 0.15;
+/// Share from which a drift in time and one with temperature are look-alikes, where the
+/// temperature only rises.
+const LOOK_ALIKE: f64 = 0.6;
+/// Nats within which the linear score calls for a refit.
+const NEAR_NATS: f64 = 60.0;
+
+/// The cause itself and its rivals, best first.
+pub(crate) fn rivals(
+    selector: &mut Selector<'_, '_>,
+    selection: &Selection,
+    cause: usize,
+) -> Result<Vec<Rival>, DiagnosisError> {
+    let causes = &selection.refit.model.causes;
+    let (without, system, scan) = if causes.len() == 1 {
+        (
+            selector.engine.start.clone(),
+            selector.engine.system.clone(),
+            selection.first_scan.clone(),
+        )
+    } else {
+        let mut model = selection.refit.model.clone();
+        model.causes.remove(cause);
+        let refit = selector.engine.refit(selector.effects, &model)?;
+        let system = selector.system_of(&refit);
+        let scan = selector.scan(&system, &refit.model);
+        (refit, system, scan)
+    };
+    let misfit = misfit(&selection.after);
+    let empty = selector.cost(&without);
+    let gained = (empty - selector.cost(&selection.refit)).max(1e-9);
+    let own = causes[cause].effect;
+    let criterion = |score: f64, of: &Score| {
+        selector.criterion(&Score {
+            score: score / misfit,
+            ..of.clone()
+        })
+    };
+    // the linear score of a rival counts where its refit falls short; so does that of the cause itself
+    let template = scan.iter().find(|score| score.effect == own).cloned();
+    let template = template.unwrap_or_else(|| Score::of_cause(&causes[cause], gained));
+    let explained = gained.max(template.score);
+    let mut evidence: Vec<Evidence> = vec![(own, criterion(explained, &template), 1.0, None)];
+    let best = evidence[0].1;
+    let others: Vec<&Score> = scan
+        .iter()
+        .filter(|score| score.effect != own)
+        .take(LISTED)
+        .collect();
+    let is_near = |score: &Score| {
+        best - criterion(score.score, score) < NEAR_NATS || score.score > 0.93 * gained
+    };
+    let near: Vec<&Score> = others
+        .iter()
+        .copied()
+        .filter(|score| is_near(score))
+        .collect();
+    let refits: Vec<(usize, Refit, f64)> = near
+        .into_par_iter()
+        .take(REFITTED)
+        .map(|score| {
+            let (fitted, cost) = selector.refit_with(&without.model, &system, score)?;
+            Ok::<_, DiagnosisError>((score.effect, fitted, cost))
+        })
+        .collect::<Result<_, _>>()?;
+    for score in others {
+        let refit = refits.iter().find(|(effect, ..)| *effect == score.effect);
+        let explained = refit.map_or(score.score, |(_, _, cost)| score.score.max(empty - cost));
+        let fit = refit.and_then(|(_, fitted, _)| fitted.model.causes.last().cloned());
+        evidence.push((
+            score.effect,
+            criterion(explained, score),
+            explained / gained,
+            fit,
+        ));
+    }
+    hedge_drifts(selector, own, best, &mut evidence);
+    hedge_wobbles(selector, own, best, &mut evidence);
+    Ok(listed(selector, own, evidence))
+}
+
+/// Evidence as probabilities, the cause itself first and then the best.
+fn listed(selector: &Selector<'_, '_>, own: usize, mut evidence: Vec<Evidence>) -> Vec<Rival> {
+    evidence.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let top = evidence[0].1;
+    let sum: f64 = evidence
+        .iter()
+        .map(|(_, value, _, _)| (value - top).exp())
+        .sum();
+    let mut found: Vec<Rival> = evidence
+        .into_iter()
+        .map(|(effect, value, share, cause)| Rival {
+            cause,
+            name: selector.effects[effect].name(),
+            joint: selector.effects[effect].joint(),
+            share,
+            nats_behind: top - value,
+            probability: (value - top).exp() / sum,
+        })
+        .collect();
+    merge(&mut found);
+    // the cause that was picked stands first
+    if let Some(position) = found.iter().position(|rival| {
+        rival.name == selector.effects[own].name() && rival.joint == selector.effects[own].joint()
+    }) {
+        let own = found.remove(position);
+        found.insert(0, own);
+    }
+    found
+}
+
+/// Position in the catalogue, evidence in nats, share of what the cause explains, its fit.
+type Evidence = (usize, f64, f64, Option<Cause>);
+
+/// Brings look-alikes of a drift near to it.
+fn hedge_drifts(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &mut [Evidence]) {
+    // The course of a drift is a matter of its law (a sensor lags behind the part that warms): its kin
+    // counts as near while it explains almost as much.
+    let own_effect = selector.effects[own].as_ref();
+    for (effect, value, share, _) in evidence.iter_mut() {
+        let other = selector.effects[*effect].as_ref();
+        let is_kin = *effect != own
+            && own_effect.spec().family == Family::Drift
+            && other.is_kin_of(own_effect)
+            && other.name() != own_effect.name();
+        if is_kin && *share > LOOK_ALIKE && warms_with_time(&selector.engine.context) {
+            let behind = 1.0 + 3.0 * (1.0 - *share).max(0.0) / (1.0 - LOOK_ALIKE);
+            *value = value.max(best - behind);
+        } else if is_kin && *share > 1.0 - DRIFT_LAW {
+            let behind = selector.thresholds.confusable_nats * (1.0 - *share).max(0.0) / DRIFT_LAW;
+            *value = value.max(best - behind);
+        }
+    }
+}
+
+/// Share from which a wobble and a coupling are look-alikes.
+const COUPLED: f64 = 0.98;
+
+/// An axis that wobbles and a cable that is routed over a joint differ by their laws' errors where the axes
+/// intersect (docs/diagnosis.md, "Rivals"): while one explains almost as much, it counts as near.
+fn hedge_wobbles(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &mut [Evidence]) {
+    let own_family = selector.effects[own].spec().family;
+    for (effect, value, share, _) in evidence.iter_mut() {
+        let pair = (own_family, selector.effects[*effect].spec().family);
+        let look_alikes = matches!(
+            pair,
+            (Family::Coupling, Family::Wobble) | (Family::Wobble, Family::Coupling)
+        );
+        if look_alikes && *share > COUPLED {
+            let far = (1.0 - *share).max(0.0) / (1.0 - COUPLED);
+            *value = value.max(best - 1.0 - far * selector.thresholds.confusable_nats);
+        }
+    }
+}
+
+/// One entry for each name at a place.
+fn merge(found: &mut Vec<Rival>) {
+    let mut index = 0;
+    while index < found.len() {
+        let (name, joint) = (found[index].name, found[index].joint);
+        let mut other = index + 1;
+        while other < found.len() {
+            if found[other].name == name && found[other].joint == joint {
+                found[index].probability += found.remove(other).probability;
+            } else {
+                other += 1;
+            }
+        }
+        index += 1;
+    }
+}
+
+/// Whether the temperature is a settling function of time within the recording: what follows the one
+/// then follows the other.
+pub(crate) fn warms_with_time(context: &Context<'_>) -> bool {
+    let (Some(warming), Some(elapsed)) = (&context.warming_k, context.elapsed_s()) else {
+        return false;
+    };
+    let whole = elapsed.iter().copied().fold(0.0, f64::max).max(1e-9);
+    [0.1, 0.3, 1.0, 10.0].iter().any(|share| {
+        let course: Vec<f64> = elapsed
+            .iter()
+            .map(|time| 1.0 - (-time / (share * whole)).exp())
+            .collect();
+        haptical_metrics::correlation(&course, warming).is_ok_and(|r| r.abs() > 0.95)
+    })
+}

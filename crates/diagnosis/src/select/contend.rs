@@ -1,0 +1,176 @@
+//! Refits of the effects that contend for the next cause: close ones are all refitted, and the costs decide.
+
+use haptical_effects::Shape;
+use rayon::prelude::*;
+
+use crate::DiagnosisError;
+use crate::engine::model::{Cause, Model, Refit};
+use crate::engine::system::System;
+use crate::select::events::sharpen;
+use crate::select::scan::Score;
+use crate::select::{Grown, Selector};
+
+/// Contenders that are refitted at most when a pick is close.
+const CONTENDERS: usize = 3;
+/// A contender explains at least this share of what the best explains.
+const CONTENDING: f64 = 0.93;
+
+/// An effect refitted beside the causes so far.
+#[derive(Debug, Clone)]
+pub(crate) struct Tried {
+    effect: usize,
+    refit: Refit,
+    cost: f64,
+}
+
+impl Selector<'_, '_> {
+    /// The best effect with its refit; close contenders are refitted too and the costs decide. `tried` keeps
+    /// refits beside the same causes.
+    pub(crate) fn best(
+        &self,
+        grown: &Grown,
+        scan: &[Score],
+        tried: &mut Vec<Tried>,
+    ) -> Result<Option<(Refit, Score)>, DiagnosisError> {
+        let Some(first) = scan.first() else {
+            return Ok(None);
+        };
+        let near: Vec<&Score> = scan
+            .iter()
+            .take_while(|score| {
+                score.score >= CONTENDING * first.score - 20.0 || score.effect == first.effect
+            })
+            .take(if self.is_worth_a_refit(first)? {
+                CONTENDERS
+            } else {
+                0
+            })
+            .collect();
+        let refits: Vec<Tried> = near
+            .par_iter()
+            .map(|score| {
+                let before = tried.iter().find(|tried| tried.effect == score.effect);
+                if let Some(before) = before {
+                    return Ok(before.clone());
+                }
+                let (refit, cost) = self.refit_with(&grown.refit.model, &grown.system, score)?;
+                let effect = score.effect;
+                Ok(Tried {
+                    effect,
+                    refit,
+                    cost,
+                })
+            })
+            .collect::<Result<_, DiagnosisError>>()?;
+        tried.extend_from_slice(&refits);
+        let (system, refits) = (
+            &grown.system,
+            refits.into_iter().map(|tried| (tried.refit, tried.cost)),
+        );
+        let mut best: Option<(Refit, Score, f64)> = None;
+        for (score, (fitted, cost)) in near.into_iter().zip(refits) {
+            if !self.is_possible(&fitted.model) {
+                continue;
+            }
+            let mut score = score.clone();
+            if self.engine.base.anchor.is_some() {
+                if !self.is_sound(&fitted.model) {
+                    continue;
+                }
+                // what the anchors hold back counts too: directions that they bound are not free
+                score.score = self.engine.cost(&grown.refit) - self.engine.cost(&fitted);
+                let criterion = self.criterion(&score);
+                if best.as_ref().is_none_or(|(_, _, other)| criterion > *other) {
+                    best = Some((fitted, score, criterion));
+                }
+                continue;
+            }
+            let gained: f64 = system
+                .residual
+                .iter()
+                .map(|value| value * value)
+                .sum::<f64>()
+                - cost;
+            score.score = score.score.max(gained);
+            let criterion = self.criterion(&Score {
+                score: gained,
+                ..score.clone()
+            });
+            if best.as_ref().is_none_or(|(_, _, other)| criterion > *other) {
+                best = Some((fitted, score, criterion));
+            }
+        }
+        Ok(best.map(|(fitted, score, _)| (fitted, score)))
+    }
+
+    /// The best refit of a model with one more effect: an event at its best rows, a play driven from
+    /// either side.
+    pub(crate) fn refit_with(
+        &self,
+        model: &Model,
+        system: &System,
+        score: &Score,
+    ) -> Result<(Refit, f64), DiagnosisError> {
+        let cause = Cause::of(&self.sharpened(system, score));
+        let effect = self.effects[score.effect].as_ref();
+        let shapes = if effect.spec().shape == Shape::Sides {
+            effect.shapes(&self.engine.context)
+        } else {
+            vec![cause.shape]
+        };
+        let refits: Vec<(Refit, f64)> = shapes
+            .into_par_iter()
+            .map(|shape| {
+                let mut with = model.clone();
+                with.causes.push(Cause {
+                    shape,
+                    ..cause.clone()
+                });
+                let fitted = self.engine.refit(self.effects, &with)?;
+                let cost = self.cost(&fitted);
+                Ok::<_, DiagnosisError>((fitted, cost))
+            })
+            .collect::<Result<_, _>>()?;
+        // of equals the first
+        let best = refits
+            .into_iter()
+            .reduce(|a, b| if b.1 < a.1 { b } else { a });
+        best.ok_or(DiagnosisError::Thresholds {
+            reason: format!("{} has no shape", effect.name()),
+        })
+    }
+
+    /// An event with its instants at rows instead of blocks.
+    pub(crate) fn sharpened(&self, system: &System, score: &Score) -> Score {
+        if score.times.is_empty() {
+            return score.clone();
+        }
+        let effect = self.effects[score.effect].as_ref();
+        sharpen(system, &self.engine.context, effect, score.clone())
+    }
+
+    pub(crate) fn is_possible(&self, model: &Model) -> bool {
+        model
+            .causes
+            .iter()
+            .all(|cause| self.effects[cause.effect].is_possible(&cause.amplitudes))
+    }
+
+    /// Whether all causes have sizes that a sound device can show. Touches with anything larger in the model can agree
+    /// because the handle hardly moves in it any more, whatever the device is.
+    fn is_sound(&self, model: &Model) -> bool {
+        model.causes.iter().all(|cause| {
+            let effect = self.effects[cause.effect].as_ref();
+            let amplitudes = &cause.amplitudes[..effect.spec().amplitudes];
+            let values = effect.values(&self.engine.context, amplitudes, cause.shape);
+            effect.is_plausible(&values)
+        })
+    }
+
+    /// Whitened square of a refit's residuals, across the base model's directions.
+    pub(crate) fn cost(&self, refit: &Refit) -> f64 {
+        let mut system = self.engine.system.clone();
+        system.set_residual(&refit.residual);
+        system.residual.iter().map(|value| value * value).sum()
+    }
+}

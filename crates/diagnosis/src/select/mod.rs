@@ -1,0 +1,264 @@
+//! Stepwise selection of causes: scan, refit of the best, and a stop where chance or misfit begins.
+
+pub(crate) mod contend;
+pub(crate) mod events;
+pub(crate) mod generic;
+pub(crate) mod laws;
+pub(crate) mod scan;
+pub(crate) mod trim;
+
+mod chance;
+mod earlier_laws;
+mod excess;
+mod ranking;
+mod springs;
+
+use haptical_effects::{Effect, Family};
+
+use crate::DiagnosisError;
+use crate::engine::Engine;
+use crate::engine::model::{Cause, Refit};
+use crate::engine::system::{SlowEnergy, System};
+use crate::select::laws::law_is_kept;
+use crate::select::scan::{Candidate, Score, candidates};
+use crate::thresholds::Thresholds;
+
+pub(crate) use self::excess::{excess, misfit, worst_excess};
+
+/// The causes that were found, and what they leave.
+#[derive(Debug)]
+pub(crate) struct Selection {
+    pub(crate) refit: Refit,
+    /// Slow energy per stream of the base model, and of the causes' model.
+    pub(crate) before: Vec<SlowEnergy>,
+    pub(crate) after: Vec<SlowEnergy>,
+    /// Explained squared residual of each cause when it was added.
+    pub(crate) explained: Vec<f64>,
+    /// System with the causes projected out.
+    pub(crate) system: System,
+    /// Scan of the base model's residuals, best first.
+    pub(crate) first_scan: Vec<Score>,
+    /// The best pick that was refused, if any.
+    pub(crate) refused: Option<Score>,
+}
+
+/// Causes picked so far.
+#[derive(Debug, Clone)]
+pub(crate) struct Grown {
+    pub(crate) refit: Refit,
+    pub(crate) system: System,
+    pub(crate) after: Vec<SlowEnergy>,
+    pub(crate) explained: Vec<f64>,
+    first_scan: Vec<Score>,
+    /// Picks whose law is to be judged beside those that follow.
+    provisional: Vec<Score>,
+}
+
+/// Picks that were not taken.
+#[derive(Debug, Default)]
+struct Refused {
+    best: Option<Score>,
+    /// Their effects, which are not tried again.
+    shut: Vec<usize>,
+}
+
+impl Refused {
+    fn add(&mut self, score: Score) {
+        self.shut.push(score.effect);
+        self.best.get_or_insert(score);
+    }
+}
+
+/// Scans and picks.
+#[derive(Debug)]
+pub(crate) struct Selector<'e, 'a> {
+    pub(crate) engine: &'e Engine<'a>,
+    pub(crate) effects: &'e [Box<dyn Effect>],
+    /// Effects that the recording can test.
+    pub(crate) tested: &'e [usize],
+    pub(crate) thresholds: &'e Thresholds,
+    candidates: Vec<Candidate>,
+}
+
+/// Share of what was explained below which nothing is told apart from what large numbers leave.
+const DYNAMIC_RANGE: f64 = 2e-4;
+/// Picks that are tried and refused before the search ends.
+const REFUSALS: usize = 3;
+/// Share of the structured energy below which nothing is left that could have moved the base model.
+const NEARLY_NOTHING: f64 = 0.01;
+/// Change of the base model's predictions by the causes, in noise deviations (root mean square), from
+/// which effects are computed anew.
+pub(crate) const MOVED_FAR: f64 = 25.0;
+/// Share of the structured energy above which other effects are still to come.
+const STILL_MUCH: f64 = 0.05;
+
+impl<'e, 'a> Selector<'e, 'a> {
+    pub(crate) fn new(
+        engine: &'e Engine<'a>,
+        effects: &'e [Box<dyn Effect>],
+        tested: &'e [usize],
+        thresholds: &'e Thresholds,
+    ) -> Self {
+        Self {
+            engine,
+            effects,
+            tested,
+            thresholds,
+            candidates: candidates(&engine.system, &engine.context, effects, tested),
+        }
+    }
+
+    /// Picks causes until what is left is chance or no effect of the catalogue; or, with `may_stop`, until
+    /// the first has explained the gap and moved the base model so far that all must be computed anew.
+    pub(crate) fn select(&mut self, may_stop: bool) -> Result<Selection, DiagnosisError> {
+        let before = self.engine.system.slow_energy(&self.engine.system.residual);
+        let mut refused = Refused::default();
+        loop {
+            let mut grown = self.grow(&before, &mut refused, may_stop)?;
+            self.springs(&mut grown, refused.best.as_ref())?;
+            self.trim(&mut grown)?;
+            let broken = self.broken_in_the_end(&grown);
+            match broken.filter(|_| refused.shut.len() <= REFUSALS) {
+                Some(score) => refused.add(score),
+                None => {
+                    return Ok(Selection {
+                        refit: grown.refit,
+                        before,
+                        after: grown.after,
+                        explained: grown.explained,
+                        system: grown.system,
+                        first_scan: grown.first_scan,
+                        refused: refused.best,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Picks without those that were refused.
+    fn grow(
+        &mut self,
+        before: &[SlowEnergy],
+        refused: &mut Refused,
+        may_stop: bool,
+    ) -> Result<Grown, DiagnosisError> {
+        let mut grown = Grown {
+            refit: self.engine.start.clone(),
+            system: self.engine.system.clone(),
+            after: before.to_vec(),
+            explained: Vec::new(),
+            first_scan: Vec::new(),
+            provisional: Vec::new(),
+        };
+        let mut tried = Vec::new();
+        loop {
+            let mut scan = self.scan(&grown.system, &grown.refit.model);
+            scan.retain(|score| !refused.shut.contains(&score.effect));
+            if grown.refit.model.causes.is_empty() {
+                grown.first_scan.clone_from(&scan);
+            }
+            let full = grown.refit.model.causes.len() >= self.thresholds.causes;
+            if full || refused.shut.len() > REFUSALS {
+                break;
+            }
+            let Some((next, score)) = self.best(&grown, &scan, &mut tried)? else {
+                break;
+            };
+            let system = self.system_of(&next);
+            let after = system.slow_energy(&system.residual);
+            if !self.is_more_than_chance(&score, &after)? {
+                break;
+            }
+            let is_first = grown.refit.model.causes.is_empty();
+            let enough = self.explains_enough(&score, &grown.after, &after);
+            if !enough && is_first {
+                refused.best.get_or_insert(score);
+                break;
+            }
+            let effect = self.effects[score.effect].as_ref();
+            let causes = &grown.refit.model.causes;
+            let beyond_laws = is_first
+                || (score.score > DYNAMIC_RANGE * grown.explained.iter().sum::<f64>()
+                    && ((self.is_quiet_there(effect, &after)
+                        && self.is_elsewhere(&score, causes))
+                        || score.score > self.law_errors(causes, &grown.explained, &score)));
+            let strict = !is_first || effect.spec().family == Family::Step;
+            let keeps_its_law = !strict
+                || next.model.causes.last().is_none_or(|cause| {
+                    let broken = self.broken_law(&system, effect, cause, score.score);
+                    law_is_kept(effect, broken)
+                });
+            // beside other effects still to come a law cannot be judged
+            let much_left = excess(&after).0 > STILL_MUCH * excess(before).0;
+            if !enough || !beyond_laws || (!keeps_its_law && !much_left) {
+                refused.add(score);
+                continue;
+            }
+            if !keeps_its_law {
+                grown.provisional.push(score.clone());
+            }
+            grown.explained.push(score.score);
+            (grown.refit, grown.system, grown.after) = (next, system, after);
+            tried.clear();
+            if may_stop
+                && excess(&grown.after).0 < NEARLY_NOTHING * excess(before).0
+                && self.engine.moved(&grown.refit.model.bare) >= MOVED_FAR
+            {
+                break;
+            }
+        }
+        Ok(grown)
+    }
+
+    /// The first cause that was taken up provisionally and whose law is broken beside all others too.
+    fn broken_in_the_end(&self, grown: &Grown) -> Option<Score> {
+        let causes = grown.refit.model.causes.iter().zip(&grown.explained);
+        grown.provisional.iter().find_map(|score| {
+            let (cause, explained) = causes
+                .clone()
+                .find(|(cause, _)| cause.effect == score.effect)?;
+            let effect = self.effects[cause.effect].as_ref();
+            let broken = self.broken_law(&grown.system, effect, cause, *explained);
+            (!law_is_kept(effect, broken)).then(|| score.clone())
+        })
+    }
+
+    /// Every effect but events at every shape.
+    pub(crate) fn base_candidates(&self) -> impl Iterator<Item = &Candidate> {
+        self.candidates.iter()
+    }
+
+    /// The same selection with another effect in a cause's place, if that refits better.
+    pub(crate) fn replace(
+        &self,
+        selection: &mut Selection,
+        cause: usize,
+        by: Cause,
+    ) -> Result<bool, DiagnosisError> {
+        let mut model = selection.refit.model.clone();
+        model.causes[cause] = by;
+        let fitted = self.engine.refit(self.effects, &model)?;
+        if !self.is_possible(&fitted.model)
+            || self.cost(&fitted) > self.cost(&selection.refit) + 9.0
+        {
+            return Ok(false);
+        }
+        selection.system = self.system_of(&fitted);
+        selection.after = selection.system.slow_energy(&selection.system.residual);
+        selection.refit = fitted;
+        Ok(true)
+    }
+
+    /// The system of a model: its causes projected out, its residuals in place.
+    pub(crate) fn system_of(&self, refit: &Refit) -> System {
+        let mut system = self.engine.system.clone();
+        for cause in &refit.model.causes {
+            for signal in cause.derivative(self.effects, &self.engine.context) {
+                let column = system.column(&signal);
+                system.project_out(&column);
+            }
+        }
+        system.set_residual(&refit.residual);
+        system
+    }
+}

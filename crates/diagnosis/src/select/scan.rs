@@ -1,0 +1,197 @@
+//! The score scan: how much each effect of the catalogue would explain, the base model's freedom and the
+//! causes found so far projected out (docs/diagnosis.md, "Score scan").
+
+use haptical_effects::{Context, Effect, Shape, Signal};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::engine::model::Cause;
+use crate::engine::system::{Column, System, dot};
+
+/// An effect at one shape, with its whitened columns.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidate {
+    /// Position in the catalogue.
+    pub(crate) effect: usize,
+    pub(crate) shape: f64,
+    pub(crate) columns: Vec<Column>,
+    /// Products with the system's basis, per column.
+    coefficients: Vec<Vec<f64>>,
+    /// Products of the columns with each other.
+    own: DMatrix<f64>,
+}
+
+/// What a candidate explains.
+#[derive(Debug, Clone)]
+pub(crate) struct Score {
+    /// Position in the catalogue.
+    pub(crate) effect: usize,
+    pub(crate) shape: f64,
+    /// Explained part of the squared residual; chi-square with `rank` under noise.
+    pub(crate) score: f64,
+    pub(crate) rank: usize,
+    pub(crate) amplitudes: Vec<f64>,
+    /// Of an event: one instant for each amplitude.
+    pub(crate) times: Vec<f64>,
+    /// Share of the column that the base model does not swallow.
+    pub(crate) retained: f64,
+    /// Amplitude at which the score's expectation is 1 (largest direction).
+    pub(crate) unit_amplitude: f64,
+}
+
+impl Score {
+    /// A cause as a scan would have listed it.
+    pub(crate) fn of_cause(cause: &Cause, gained: f64) -> Self {
+        Self {
+            effect: cause.effect,
+            shape: cause.shape,
+            score: gained,
+            rank: cause.amplitudes.len(),
+            amplitudes: cause.amplitudes.clone(),
+            times: cause.times.clone(),
+            retained: 1.0,
+            unit_amplitude: 1.0,
+        }
+    }
+}
+
+/// Squared share of a direction that must survive the projection.
+const SURVIVING: f64 = 1e-9;
+
+impl Candidate {
+    pub(crate) fn new(
+        system: &System,
+        context: &Context<'_>,
+        effect: &dyn Effect,
+        index: usize,
+        amplitudes: &[f64],
+        shape: f64,
+    ) -> Self {
+        let signals = effect.derivative(context, amplitudes, shape);
+        Self::of_signals(system, &signals, index, shape)
+    }
+
+    pub(crate) fn of_signals(
+        system: &System,
+        signals: &[Signal],
+        index: usize,
+        shape: f64,
+    ) -> Self {
+        let columns: Vec<Column> = signals.iter().map(|signal| system.column(signal)).collect();
+        let count = columns.len();
+        let own = DMatrix::from_fn(count, count, |a, b| product(&columns[a], &columns[b]));
+        let coefficients = columns
+            .iter()
+            .map(|column| system.basis.iter().map(|q| system.dot(column, q)).collect())
+            .collect();
+        Self {
+            effect: index,
+            shape,
+            columns,
+            coefficients,
+            own,
+        }
+    }
+
+    /// Forgets products beyond the first `known` directions, and takes those of `system`.
+    pub(crate) fn reset(&mut self, system: &System, known: usize) {
+        for coefficients in &mut self.coefficients {
+            coefficients.truncate(known);
+        }
+        self.extend(system);
+    }
+
+    /// Catches up with directions that were added to the basis.
+    pub(crate) fn extend(&mut self, system: &System) {
+        for (column, coefficients) in self.columns.iter().zip(&mut self.coefficients) {
+            let known = coefficients.len();
+            coefficients.extend(system.basis[known..].iter().map(|q| system.dot(column, q)));
+        }
+    }
+
+    /// The score with nothing but the base model projected out, whatever was taken up since.
+    pub(crate) fn score_at_base(&self, system: &System) -> Score {
+        let mut candidate = self.clone();
+        candidate.reset(system, system.basis.len());
+        candidate.score(system)
+    }
+
+    pub(crate) fn score(&self, system: &System) -> Score {
+        let count = self.columns.len();
+        let mut result = Score {
+            effect: self.effect,
+            shape: self.shape,
+            score: 0.0,
+            rank: 0,
+            amplitudes: vec![0.0; count],
+            times: Vec::new(),
+            retained: 0.0,
+            unit_amplitude: f64::INFINITY,
+        };
+        let norms: Vec<f64> = (0..count).map(|k| self.own[(k, k)].sqrt()).collect();
+        if count == 0 || norms.iter().any(|norm| !norm.is_finite()) {
+            return result;
+        }
+        let scale = |k: usize| if norms[k] > 0.0 { 1.0 / norms[k] } else { 0.0 };
+        let gram = DMatrix::from_fn(count, count, |a, b| {
+            let taken = dot(&self.coefficients[a], &self.coefficients[b]);
+            (self.own[(a, b)] - taken) * scale(a) * scale(b)
+        });
+        let right = DVector::from_fn(count, |k, _| {
+            system.dot(&self.columns[k], &system.residual) * scale(k)
+        });
+        let eigen = gram.symmetric_eigen();
+        let mut amplitudes = DVector::zeros(count);
+        for k in 0..count {
+            let value = eigen.eigenvalues[k];
+            result.retained = result.retained.max(value.max(0.0).sqrt());
+            if value <= SURVIVING {
+                continue;
+            }
+            let direction = eigen.eigenvectors.column(k);
+            let along = direction.dot(&right);
+            result.score += along * along / value;
+            result.rank += 1;
+            amplitudes += direction * (along / value);
+        }
+        for k in 0..count {
+            result.amplitudes[k] = amplitudes[k] * scale(k);
+            if norms[k] > 0.0 && result.retained > 0.0 {
+                let unit = 1.0 / (norms[k] * result.retained);
+                result.unit_amplitude = result.unit_amplitude.min(unit);
+            }
+        }
+        result
+    }
+}
+
+fn product(a: &Column, b: &Column) -> f64 {
+    a.parts
+        .iter()
+        .filter_map(|(stream, values)| {
+            let (_, others) = b.parts.iter().find(|(other, _)| other == stream)?;
+            Some(dot(values, others))
+        })
+        .sum()
+}
+
+/// All effects but events, at every shape of their grids.
+pub(crate) fn candidates(
+    system: &System,
+    context: &Context<'_>,
+    effects: &[Box<dyn Effect>],
+    tested: &[usize],
+) -> Vec<Candidate> {
+    tested
+        .par_iter()
+        .filter(|&&index| effects[index].spec().shape != Shape::Event)
+        .flat_map_iter(|&index| {
+            let effect = effects[index].as_ref();
+            let zero = vec![0.0; effect.spec().amplitudes];
+            effect
+                .shapes(context)
+                .into_iter()
+                .map(move |shape| Candidate::new(system, context, effect, index, &zero, shape))
+        })
+        .collect()
+}
