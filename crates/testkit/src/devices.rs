@@ -49,9 +49,10 @@ pub fn arm(rows: &[(f64, f64, f64)], joints: &[&str], sensors: &str) -> Device {
 /// of 10 µm whose exit is 0.5 m beside the first axis, in the plane.
 ///
 /// ```
-/// let mut at = haptical_model::Evaluation::new(&haptical_testkit::planar());
-/// at.move_to(&[0.0, 0.0])?;
-/// assert!((at.pose()?.position_m.x - 1.2).abs() < 1e-15);
+/// let device = haptical_testkit::planar();
+/// let mut evaluation = haptical_model::Evaluation::new(&device);
+/// evaluation.move_to(&[0.0, 0.0])?;
+/// assert!((evaluation.pose()?.position_m.x - 1.2).abs() < 1e-15);
 /// # Ok::<(), haptical_model::ModelError>(())
 /// ```
 pub fn planar() -> Device {

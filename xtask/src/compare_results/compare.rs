@@ -8,6 +8,8 @@ use serde_json::Value;
 const RELATIVE: f64 = 1e-9;
 /// Largest change of a value over the half width of its 95 % interval.
 const OF_HALF_WIDTH: f64 = 1e-3;
+/// Largest change of a number that is 0 but for rounding: a residual in metres or radians, a share.
+const ROUNDING: f64 = 1e-15;
 /// Key of what says how a result was made, not what it is.
 const PROVENANCE: &str = "provenance";
 /// Keys of columns in the tables of a report whose cells are texts with numbers.
@@ -70,7 +72,7 @@ impl Walk {
                 let (old, new) = (old.as_f64(), new.as_f64());
                 let near = old.zip(new).is_some_and(|(old, new)| {
                     let size = old.abs().max(new.abs());
-                    (old - new).abs() <= allowed.max(RELATIVE * size)
+                    (old - new).abs() <= allowed.max(RELATIVE * size).max(ROUNDING)
                 });
                 if !near && !is_rounding(path, recorded, found) {
                     self.add(path, recorded, found, false);
