@@ -1,6 +1,8 @@
 //! `haptical.plan`: what rigs tell before anything is measured, and the poses to measure next as an array.
 
-use haptical::design::{Figures, NextPoses, ParameterStatus, Posture, RigIdentifiability, Suggestion};
+use haptical::design::{
+    Figures, NextPoses, ParameterStatus, Posture, RigIdentifiability, Suggestion,
+};
 use haptical::urdf::BaseAndTip;
 use haptical::{Planned, plan as plan_device};
 use numpy::ndarray::Array2;
