@@ -197,7 +197,7 @@ impl Triangle {
         self.rows += rows;
     }
 
-    /// As [`Triangle::fold_tile`], within a pass that has chosen its lanes.
+    /// As `fold_tile`, within a pass that has chosen its lanes.
     #[inline(always)]
     pub fn fold_tile_with<S: Simd>(&mut self, simd: S, tile: &mut [f64], rows: usize) {
         let columns = self.columns;
