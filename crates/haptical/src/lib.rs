@@ -1,3 +1,5 @@
+//! The front door: loads devices and logs, identifies, diagnoses and plans, and writes what the command writes.
+//!
 #![doc = include_str!("../README.md")]
 
 mod device;

@@ -13,7 +13,7 @@ use crate::chain::{ROWS, Rig, generic_chain, measure};
 /// Rounding of a product of at most seven matrices with entries of about 1 \[m\].
 const ROUNDING_M: f64 = 1e-13;
 
-/// `A_i` of the contract: Rz Trans(0, 0, d) Trans(a, 0, 0) Rx [Ry], or Craig's order.
+/// `A_i` of docs/notation.md: Rz Trans(0, 0, d) Trans(a, 0, 0) Rx [Ry], or Craig's order.
 fn matrix(convention: Convention, link: &Link) -> Matrix4<f64> {
     let turn = |axis: Vector3<f64>, angle: f64| Rotation3::new(axis * angle).to_homogeneous();
     let shift = |x: f64, z: f64| Translation3::new(x, 0.0, z).to_homogeneous();

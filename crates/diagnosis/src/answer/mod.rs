@@ -1,4 +1,4 @@
-//! The answer: gap.json of the contract, with what a report draws beside it.
+//! The answer: gap.json (docs/diagnosis.md), and what a report draws.
 
 pub(crate) mod advice;
 pub(crate) mod assemble;
@@ -173,7 +173,7 @@ pub struct Dependence {
 /// A cause.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CauseAnswer {
-    /// Name of the contract.
+    /// Name of the effect (docs/diagnosis.md, Catalogue).
     pub effect: String,
     /// Joint (from 1), where it has one.
     pub joint: Option<usize>,

@@ -1,9 +1,9 @@
-//! Names of the catalogue against those of the contract.
+//! Names and parameters of the catalogue that scripts rely on (docs/diagnosis.md, Catalogue).
 
 use super::rig::rigs;
 use crate::{catalogue, names};
 
-/// Effects of the contract with the parameters that gap.json gives for them. Those that the scan does not
+/// Effects with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
 const CONTRACT: [(&str, &[&str]); 52] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),

@@ -269,7 +269,7 @@ fn measure(device: &Device, measured: &[bool], recording: &mut Recording) {
     }
 }
 
-/// A size that a device can show, by the contract's name of the parameter.
+/// A size that a device can show, by the name of the parameter.
 pub(super) fn typical(parameter: &str) -> Option<f64> {
     Some(match parameter {
         "stiffness_nm_per_rad" => 300.0,

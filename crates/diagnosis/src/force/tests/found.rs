@@ -273,6 +273,39 @@ fn an_effect_left_out_of_the_catalogue_is_unknown() {
     // the bias is a force that the hand does not exert
     let answer = examine(&context, &without[..1]).unwrap();
     assert_eq!(answer.findings[0].effect, "grip-force", "{answer:?}");
+    // and as well any other error of the readings
+    assert_eq!(answer.findings[0].confusable_with, ["unknown"]);
+}
+
+/// The answer with some names left out of the catalogue.
+fn examined_without(scene: Scene, names: &[&str]) -> ForceAnswer {
+    let (device, recording) = (arm(), scene.record());
+    let context = Context::new(&device, &recording, &[]).unwrap();
+    let without: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    examine(&context, &without).unwrap()
+}
+
+#[test]
+fn a_withheld_torque_gain_leaves_a_gap_without_a_name() {
+    let mut scene = Scene::new(16, ROWS);
+    scene.torque_nm[2]
+        .iter_mut()
+        .for_each(|torque| *torque *= 1.3);
+    let answer = examined_without(scene, &["torque-gain"]);
+    assert!(answer.significant, "{answer:?}");
+    assert!(answer.findings.is_empty(), "{answer:?}");
+    assert_eq!(answer.unexplained_share, 1.0);
+    assert_eq!(answer.unexplained().unwrap().joint, 2, "{answer:?}");
+}
+
+#[test]
+fn a_withheld_gain_of_the_force_is_no_hysteresis() {
+    let mut scene = Scene::new(13, ROWS);
+    scene.force_n[0].iter_mut().for_each(|force| *force *= 1.4);
+    let answer = examined_without(scene, &["force-gain"]);
+    assert!(answer.significant, "{answer:?}");
+    let names: Vec<_> = answer.findings.iter().map(|found| found.effect).collect();
+    assert!(!names.contains(&"force-hysteresis"), "{answer:?}");
 }
 
 #[test]
