@@ -298,14 +298,17 @@ fn a_withheld_torque_gain_leaves_a_gap_without_a_name() {
     assert_eq!(answer.unexplained().unwrap().joint, 2, "{answer:?}");
 }
 
+/// A state that hardly saturates is a gain, whatever the catalogue has.
 #[test]
 fn a_withheld_gain_of_the_force_is_no_hysteresis() {
-    let mut scene = Scene::new(13, ROWS);
-    scene.force_n[0].iter_mut().for_each(|force| *force *= 1.4);
-    let answer = examined_without(scene, &["force-gain"]);
-    assert!(answer.significant, "{answer:?}");
-    let names: Vec<_> = answer.findings.iter().map(|found| found.effect).collect();
-    assert!(!names.contains(&"force-hysteresis"), "{answer:?}");
+    for (seed, axis) in [(13, 0), (14, 1), (15, 2), (16, 0), (17, 1), (18, 2)] {
+        let mut scene = Scene::new(seed, ROWS);
+        let force = scene.force_n[axis].iter_mut();
+        force.for_each(|force| *force *= 1.2);
+        let answer = examined_without(scene, &["force-gain"]);
+        let names: Vec<_> = answer.findings.iter().map(|found| found.effect).collect();
+        assert!(!names.contains(&"force-hysteresis"), "{seed}: {answer:?}");
+    }
 }
 
 #[test]
