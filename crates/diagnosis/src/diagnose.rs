@@ -13,8 +13,10 @@ use crate::engine::earlier_model::placed;
 use crate::engine::onto_touches::onto_touches;
 use crate::judge::too_coarse::Corrected;
 use crate::noise::cleaning::without_readings;
-use crate::select::{MOVED_FAR, Selector};
-use crate::thresholds::Thresholds;
+use crate::select::Selector;
+use crate::thresholds::chance::OUTLIER_SD;
+use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
+use crate::thresholds::recording::MOST_ROWS;
 use crate::{DiagnosisError, Options};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
@@ -32,14 +34,12 @@ pub fn diagnose(
     let device = yielding.as_ref().unwrap_or(device);
     let thinned = thinned(recording);
     let recording = thinned.as_ref().unwrap_or(recording);
-    let thresholds = Thresholds::frozen()?;
     let effects = catalogue_without(device, &options.without)?;
     check_recording(device, recording, &channels(device, recording)?)?;
     check_rig(device, recording)?;
     let base = Base::fit(device, recording)?;
     let answer = |device: &Device, base: &Base| {
-        let by_base =
-            |base: &Base| by_base(device, recording, options, &thresholds, &effects, base);
+        let by_base = |base: &Base| by_base(device, recording, options, &effects, base);
         match &base.unfinished {
             Some(end) => without_minimum(base, end, &by_base),
             None => by_base(base),
@@ -109,14 +109,13 @@ fn by_base(
     device: &Device,
     recording: &Recording,
     options: &Options<'_>,
-    thresholds: &Thresholds,
     effects: &[Box<dyn Effect>],
     base: &Base,
 ) -> Result<Diagnosis, DiagnosisError> {
     let onto = onto_touches(base, recording)?;
     let postures = onto.as_ref().unwrap_or(recording);
     let prepared = Prepared::new(base, recording, postures)?;
-    let gone = prepared.outlying(thresholds.outlier_sd);
+    let gone = prepared.outlying(OUTLIER_SD);
     let cleaned = without_readings(recording, &gone);
     let at = without_readings(postures, &gone);
     let engine = prepared.without(&gone, &at).fit(None)?;
@@ -138,7 +137,7 @@ fn by_base(
         earlier: earlier.as_ref(),
         options,
     };
-    let mut selector = Selector::new(&engine, effects, &tested, thresholds);
+    let mut selector = Selector::new(&engine, effects, &tested);
     let mut selection = selector.select(true)?;
     if selection.refit.model.causes.is_empty() {
         return assemble(&mut selector, &mut selection, &inputs);
@@ -148,7 +147,7 @@ fn by_base(
     let model = &selection.refit.model;
     let noise = engine.noise_of(&selection.refit.residual);
     let mut pairs = engine.noise.iter().zip(&noise.noise);
-    let fell = pairs.any(|(before, after)| after.ratio < FELL * before.ratio);
+    let fell = pairs.any(|(before, after)| after.ratio < NOISE_FELL * before.ratio);
     if engine.moved(&model.bare) < MOVED_FAR && !fell {
         return assemble(&mut selector, &mut selection, &inputs);
     }
@@ -158,7 +157,7 @@ fn by_base(
     };
     let again = if fell {
         let prepared = Prepared::new(base, recording, postures)?;
-        prepared.outlying_beside(effects, model, thresholds.outlier_sd)?
+        prepared.outlying_beside(effects, model, OUTLIER_SD)?
     } else {
         gone.clone()
     };
@@ -176,13 +175,10 @@ fn by_base(
         gone: &again,
         ..inputs
     };
-    let mut selector = Selector::new(&engine, effects, &tested, thresholds);
+    let mut selector = Selector::new(&engine, effects, &tested);
     let mut selection = selector.select(false)?;
     assemble(&mut selector, &mut selection, &inputs)
 }
-
-/// Rows beyond which every k-th is taken: what differs between successive milliseconds is noise.
-const MOST_ROWS: usize = 25_000;
 
 fn thinned(recording: &Recording) -> Option<Recording> {
     let step = recording.len().div_ceil(MOST_ROWS);
@@ -191,12 +187,6 @@ fn thinned(recording: &Recording) -> Option<Recording> {
         recording.select(&rows)
     })
 }
-
-/// Ratio of two squared residuals of one model that are of one minimum.
-const NO_WORSE: f64 = 1.02;
-
-/// Noise that falls below this share of itself with the causes in the model was partly gap.
-const FELL: f64 = 0.9;
 
 /// Whether the base model has the effect already, or swallows it by its form.
 fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {

@@ -52,11 +52,11 @@ pub enum DiagnosisError {
         /// Advised rows.
         advised: usize,
     },
-    /// The frozen thresholds do not parse; only a changed build can meet it.
-    #[error("the thresholds of this build are not readable: {reason}")]
-    Thresholds {
-        /// Reason.
-        reason: String,
+    /// An effect lists no shape: it can be fitted nowhere.
+    #[error("the effect `{effect}` lists no shape: `Effect::shapes` must give at least one")]
+    NoShape {
+        /// Its name.
+        effect: &'static str,
     },
 }
 

@@ -1,33 +1,305 @@
-//! The thresholds that every verdict rests on, from one versioned file.
+//! Every number that decides a verdict, in one file: the seed of a scored batch depends on it (docs/blind-checks.md).
+//!
+//! Each says its unit (a pure number where none is given), what it means and how it was set: *Chance* and *Calculated* by the
+//! calculation given, *Choice* by judgement, *Cost* to bound the time; where nothing is said, on development trials and on
+//! the logs of the tests, never on a scored batch. What a law may get wrong, prior odds and plausible sizes belong to the
+//! single effect: `Spec` of the crate `haptical-effects`. Rounding limits, seeds of pictures and mathematical constants stay
+//! where they are used.
 
-use serde::Deserialize;
+/// Version of these numbers, printed in every result.
+pub(crate) const VERSION: &str = "1.0";
 
-use crate::DiagnosisError;
-
-/// Numbers of `thresholds.toml`; what each means stands there.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Thresholds {
-    pub(crate) version: String,
-    pub(crate) family_wise_p: f64,
-    pub(crate) omnibus_z: f64,
-    pub(crate) share_of_rest: f64,
-    pub(crate) causes: usize,
-    pub(crate) confusable_nats: f64,
-    pub(crate) implausible_nats: f64,
-    pub(crate) retained: f64,
-    pub(crate) named_probability: f64,
-    pub(crate) names: usize,
-    pub(crate) outlier_sd: f64,
+/// Chance and evidence: what is more than noise, and which names the data tell apart.
+pub(crate) mod chance {
+    /// Probability that chance gives any effect of the catalogue its score, below which an effect is more than chance. Choice:
+    /// 3 false alarms in 1000 logs.
+    pub(crate) const FAMILY_WISE_P: f64 = 0.003;
+    /// Standard deviations of the windows' slow energy above noise, over all channels, that are more than chance.
+    pub(crate) const OMNIBUS_Z: f64 = 4.5;
+    /// Share of the structured energy left that an effect must explain when it is added.
+    pub(crate) const SHARE_OF_REST: f64 = 0.35;
+    /// Causes at most. Cost.
+    pub(crate) const MOST_CAUSES: usize = 4;
+    /// Nats within which another effect counts as confusable: ln 100. Choice.
+    pub(crate) const CONFUSABLE_NATS: f64 = 4.605_170_185_988_092;
+    /// Penalty in nats of an effect whose size no sound device shows.
+    pub(crate) const IMPLAUSIBLE_NATS: f64 = 15.0;
+    /// Share of a column that must survive the base model for an implausible size to be considered.
+    pub(crate) const LEAST_RETAINED: f64 = 0.01;
+    /// Probability from which the first name is given without hedging. Choice.
+    pub(crate) const NAMED_PROBABILITY: f64 = 0.8;
+    /// As many names that the data cannot tell apart are no answer. Choice.
+    pub(crate) const MOST_NAMES: usize = 4;
+    /// Noise deviations from its neighbours from which a reading is an outlier. Chance: one in 10^9 of normal noise.
+    pub(crate) const OUTLIER_SD: f64 = 6.0;
 }
 
-impl Thresholds {
-    /// Those of this build.
-    pub(crate) fn frozen() -> Result<Self, DiagnosisError> {
-        toml::from_str(include_str!("../thresholds.toml")).map_err(|error| {
-            DiagnosisError::Thresholds {
-                reason: error.to_string(),
-            }
-        })
-    }
+/// The recording: how much of it is taken, and what is held back.
+pub(crate) mod recording {
+    /// Rows beyond which every k-th is taken: what differs between successive milliseconds is noise. Cost.
+    pub(crate) const MOST_ROWS: usize = 25_000;
+    /// Share of the rows that is held back without a second recording. Choice, as in `identify`.
+    pub(crate) const HELD_BACK: f64 = 0.2;
+    /// Rows in a block of the moving-block bootstrap of a reduction's interval. Choice.
+    pub(crate) const BOOTSTRAP_BLOCK_ROWS: usize = 50;
+}
+
+/// Noise: its size, colour and outliers.
+pub(crate) mod noise {
+    /// Relative uncertainty of the variance that a device file states. Choice.
+    pub(crate) const STATED_UNCERTAINTY: f64 = 0.3;
+    /// Share of rounding from which it is a large part of the noise. Choice.
+    pub(crate) const MUCH_ROUNDING: f64 = 0.1;
+    /// Segments that are enough for an estimate. Choice.
+    pub(crate) const ENOUGH_SEGMENTS: usize = 8;
+    /// Smallest correlation of successive rows that is looked for. Choice.
+    pub(crate) const LEAST_COLOUR: f64 = -0.9;
+    /// Largest correlation of successive rows that is looked for: beyond it noise and drift are one. Choice.
+    pub(crate) const MOST_COLOUR: f64 = 0.97;
+    /// Rows on each side of the median that an outlier is compared with. Choice.
+    pub(crate) const MEDIAN_REACH: usize = 3;
+    /// Rows of a segment within which a signal is taken for a cubic.
+    pub(crate) const SEGMENT_ROWS: usize = 16;
+    /// Highest lag at which products of rows are compared. Choice.
+    pub(crate) const LAGS: usize = 2;
+    /// A segment this many times louder than the median one shows more than noise: a jump, a dent, fast motion. Chance: of
+    /// white noise one in 10^5 does; leaving out more would prefer the less coloured ones.
+    pub(crate) const DISTURBED: f64 = 4.0;
+    /// Parts of the speeds in which the noise is compared. Choice.
+    pub(crate) const SPEED_CLASSES: usize = 4;
+    /// Variance at the fastest quarter over that at the slowest from which noise depends on speed. Chance: ten standard
+    /// deviations with ninety segments each.
+    pub(crate) const DEPENDS_ON_SPEED: f64 = 1.6;
+    /// Ratio to the stated noise from which noise is reported. Choice.
+    pub(crate) const LOUD: f64 = 1.3;
+    /// Growth of noise from slow to fast motion from which it is reported. Choice.
+    pub(crate) const GROWS_WITH_SPEED: f64 = 1.4;
+    /// Share of outliers from which they are reported. Chance: without any there would be one in 10^8.
+    pub(crate) const MANY_OUTLIERS: f64 = 2e-3;
+    /// Residual over stated noise below which it refutes that noise. Chance: of 30 degrees of freedom a quarter of the
+    /// variance is left once in 10^5 recordings. (`identify` only warns, from a quarter.)
+    pub(crate) const REFUTED: f64 = 0.5;
+    /// Degrees of freedom from which a residual can refute a stated noise.
+    pub(crate) const REFUTING_FREEDOM: f64 = 30.0;
+    /// Residual over stated noise below which the numbers were computed, not measured. Choice.
+    pub(crate) const COMPUTED: f64 = 1e-6;
+    /// Steps of a reading over one count that refute the stated counts. Choice.
+    pub(crate) const FINER_COUNTS: f64 = 0.5;
+    /// Steps of a reading over one count that are what arithmetic leaves. Choice.
+    pub(crate) const ARITHMETIC_COUNTS: f64 = 1e-6;
+    /// A ball in a socket, or a tip on a plane, repeats better than this \[m\]. Choice: printed sockets hold to 0.1 to 0.5 mm.
+    pub(crate) const ROUGHEST_TOUCH_M: f64 = 5e-4;
+    /// Probability of a finding on the data. Choice.
+    pub(crate) const DATA_PROBABILITY: f64 = 0.95;
+    /// Relative standard deviation of a noise level that a motion shows. Choice.
+    pub(crate) const LEVEL_SD: f64 = 0.03;
+}
+
+/// Fits of the base model and of causes.
+pub(crate) mod fit {
+    /// Standard deviation that a number of the chain is given about its anchor, in plausible sizes. Calculated: a number that
+    /// the touches fix is moved by it at most by 3 % of its deviation, as its own standard deviation is at most a third of
+    /// a plausible size.
+    pub(crate) const ANCHOR_REACH: f64 = 3.0;
+    /// Rows from which the base fit starts; the search that follows uses all of them. Cost.
+    pub(crate) const START_ROWS: usize = 900;
+    /// Degree of the polynomial of a parallelogram (the paper's); one that the evidence chose on few rows leaves more than
+    /// the noise of many.
+    pub(crate) const POLYNOMIAL_DEGREE: usize = 10;
+    /// Rows that carry such a polynomial. Choice.
+    pub(crate) const ROWS_FOR_A_POLYNOMIAL: usize = 300;
+    /// Steps after which a search that has found no minimum is left where it is: an effect that no base model resembles can
+    /// keep it wandering. Cost.
+    pub(crate) const MOST_STEPS: usize = 100;
+    /// Passes of the base model's own refit. Cost.
+    pub(crate) const BASE_PASSES: usize = 3;
+    /// Blocks that a long recording is averaged into, about. Cost.
+    pub(crate) const BLOCKS: usize = 1200;
+    /// Rows at rest that one block averages at most. Choice.
+    pub(crate) const LONGEST_REST_ROWS: usize = 400;
+    /// Time within which what is left of a gap hardly changes \[s\]. Choice.
+    pub(crate) const WINDOW_S: f64 = 0.25;
+    /// Change of the predictions over the noise below which a step ends a refit. Choice.
+    pub(crate) const SMALL_STEP: f64 = 0.02;
+    /// Passes of a refit with causes. Cost.
+    pub(crate) const PASSES: usize = 7;
+    /// Steps that are tried where a step does not lower the cost. Cost.
+    pub(crate) const SHORTENED_STEPS: usize = 5;
+    /// Length of each of them over that of the one before. Choice.
+    pub(crate) const SHORTER: f64 = 0.4;
+    /// Ratio of two squared residuals of one model that are of one minimum. Choice.
+    pub(crate) const NO_WORSE: f64 = 1.02;
+    /// Noise that falls below this share of itself with the causes in the model was partly gap.
+    pub(crate) const NOISE_FELL: f64 = 0.9;
+    /// Change of the base model's predictions by the causes, in noise deviations (root mean square), from which effects are
+    /// computed anew.
+    pub(crate) const MOVED_FAR: f64 = 25.0;
+}
+
+/// Selection of causes.
+pub(crate) mod selection {
+    /// Contenders that are refitted at most when a pick is close. Cost.
+    pub(crate) const CONTENDERS: usize = 3;
+    /// Share of what the best explains from which an effect is a contender.
+    pub(crate) const CONTENDING: f64 = 0.93;
+    /// Share of the earlier laws' possible error that a later pick must exceed where it leaves a rest.
+    pub(crate) const LATER_PICK: f64 = 0.15;
+    /// The same of a pick at a joint of theirs.
+    pub(crate) const LATER_PICK_THERE: f64 = 0.5;
+    /// Freedom below which the base model takes a single reading up: it says nothing. Choice.
+    pub(crate) const TAKEN_UP: f64 = 0.1;
+    /// Probability above which a rest that follows an effect's own covariate is chance. Choice.
+    pub(crate) const LAW_P: f64 = 1e-3;
+    /// Share of an effect's course by which the chain may differ from the external encoder.
+    pub(crate) const OFF_BY: f64 = 0.35;
+    /// Probability below which it surely differs. Choice.
+    pub(crate) const SURELY: f64 = 1e-6;
+    /// Share of what was explained below which nothing is told apart from what large numbers leave.
+    pub(crate) const DYNAMIC_RANGE: f64 = 2e-4;
+    /// Picks that are tried and refused before the search ends. Cost.
+    pub(crate) const REFUSALS: usize = 3;
+    /// Share of the structured energy below which nothing is left that could have moved the base model. Choice.
+    pub(crate) const NEARLY_NOTHING: f64 = 0.01;
+    /// Share of the structured energy above which other effects are still to come.
+    pub(crate) const STILL_MUCH: f64 = 0.05;
+}
+
+/// Steps: effects that happen at an instant.
+pub(crate) mod steps {
+    /// A joint that is this near to its start still rests there \[rad\]. Choice.
+    pub(crate) const RESTING_RAD: f64 = 0.05;
+    /// Share of the first step's score from which a further step of the event is looked for.
+    pub(crate) const STEP_SHARE: f64 = 0.003;
+    /// Score from which a further step is one by itself. Chance: one in 10^7 instants of noise.
+    pub(crate) const STEP_SCORE: f64 = 40.0;
+    /// Steps of one event at most. Cost.
+    pub(crate) const MOST_STEPS_OF_AN_EVENT: usize = 5;
+    /// Sweeps over all steps after one was added. Cost.
+    pub(crate) const SWEEPS: usize = 3;
+    /// Steps of one event are at least so far apart \[s\]. Choice.
+    pub(crate) const APART_S: f64 = 0.3;
+    /// Two steps so near to each other are one event, seen by more than one channel \[s\]. Choice.
+    pub(crate) const COINCIDENT_S: f64 = 0.8;
+    /// Score from which an event may have further steps.
+    pub(crate) const WORTH_MORE_STEPS: f64 = 60.0;
+    /// Independent instants at which a step may happen, per block.
+    pub(crate) const INSTANTS: f64 = 0.15;
+    /// Share of the best score from which an event may have further steps. Cost.
+    pub(crate) const MORE_STEPS_SHARE: f64 = 0.3;
+    /// Part of a run, as one over this number, at either end of which a step is one with the zero that the base model adjusts.
+    /// Choice.
+    pub(crate) const MARGIN: usize = 30;
+    /// Squared share of a step that must survive the base model. Choice.
+    pub(crate) const LEAST_LEFT: f64 = 1e-6;
+}
+
+/// Rivals: effects that could be in a cause's place.
+pub(crate) mod rivals {
+    /// Structured energy below which a wrong effect imitates a gap as well as the right one.
+    pub(crate) const WEAK: f64 = 100.0;
+    /// Exchanges of causes at most. Cost.
+    pub(crate) const EXCHANGES: usize = 2;
+    /// Nats by which a rival must lead to take a cause's place.
+    pub(crate) const LEAD: f64 = 2.0;
+    /// Rivals that are listed at most. Cost.
+    pub(crate) const LISTED: usize = 30;
+    /// Rivals that are refitted at most. Cost.
+    pub(crate) const REFITTED: usize = 3;
+    /// Nats within which the linear score calls for a refit.
+    pub(crate) const NEAR_NATS: f64 = 60.0;
+    /// Share of a drift's energy that its law may get wrong.
+    pub(crate) const DRIFT_LAW: f64 = 0.15;
+    /// Share from which a drift in time and one with temperature are look-alikes, where the temperature only rises.
+    pub(crate) const LOOK_ALIKE: f64 = 0.6;
+    /// Share from which a wobble and a coupling are look-alikes.
+    pub(crate) const COUPLED: f64 = 0.98;
+    /// Probability of a steady drift's name at a joint when everything else speaks for it (docs/assumptions.md, A62).
+    pub(crate) const STEADY: f64 = 0.8;
+    /// Probability of a settling drift's name when everything else speaks for it (A62).
+    pub(crate) const SETTLING: f64 = 0.75;
+    /// Probability from which a later cause is reported: below it, it is what an earlier one's law gets wrong.
+    pub(crate) const LATER_PROBABILITY: f64 = 0.6;
+    /// Squared deviations by which a model with a rival in the cause's place may fit worse. Choice: three standard deviations.
+    pub(crate) const REPLACED_COST: f64 = 9.0;
+    /// Share of what the cause explains from which a rival is refitted however far behind it is.
+    pub(crate) const SAME_GAIN: f64 = 0.93;
+    /// Correlation of temperature and a settling function of time from which one follows the other (A63).
+    pub(crate) const SAME_COURSE: f64 = 0.95;
+    /// Time constants of such functions over the length of the recording. Choice.
+    pub(crate) const SETTLING_COURSES: [f64; 4] = [0.1, 0.3, 1.0, 10.0];
+    /// Probability that the cause of the weakest gap is none of the catalogue; it falls with the root of the energy.
+    pub(crate) const WEAK_DOUBT: f64 = 0.3;
+    /// What is left of doubt when everything fits. Choice.
+    pub(crate) const LEAST_DOUBT: f64 = 0.01;
+    /// Doubt at most. Choice.
+    pub(crate) const MOST_DOUBT: f64 = 0.5;
+    /// Probability that the cause is none of the catalogue when no name is given. Choice.
+    pub(crate) const UNKNOWN: f64 = 0.95;
+    /// Nats by which a look-alike is behind at least. Choice.
+    pub(crate) const BEHIND_NATS: f64 = 1.0;
+    /// Further nats by which the least similar look-alike of a drift is behind. Choice.
+    pub(crate) const LOOK_ALIKE_NATS: f64 = 3.0;
+}
+
+/// What a residual depends on.
+pub(crate) mod dependence {
+    /// Probability, all questions together, below which a dependence is reported. Choice.
+    pub(crate) const DEPENDENCE_P: f64 = 0.01;
+    /// Share of a column that the base model must leave for it to be asked at all. Choice.
+    pub(crate) const ASKED_SHARE: f64 = 1e-2;
+    /// Share of the largest direction's square below which one is left out. Choice.
+    pub(crate) const DEPENDENT: f64 = 1e-6;
+    /// Intervals of the free functions of an angle. Choice.
+    pub(crate) const KNOTS: usize = 6;
+    /// Intervals of the free functions of time and temperature, which change slowly. Choice.
+    pub(crate) const SLOW_KNOTS: usize = 3;
+    /// Chance below which a dependence of a gap is reported, all questions counted: that there is a gap is known, and the
+    /// words say how sure its place is. Choice.
+    pub(crate) const PLACED_P: f64 = 0.05;
+    /// Share of the best covariate's explanation from which another one is named too. Choice.
+    pub(crate) const ALSO: f64 = 0.4;
+    /// Intervals of the functions with which places are compared. Choice.
+    pub(crate) const PLACE_KNOTS: usize = 12;
+    /// Intervals in which the residual's mean is compared. Choice.
+    pub(crate) const PLACE_BINS: usize = 40;
+    /// Score that each number of a covariate's function costs when places are compared.
+    pub(crate) const EVIDENCE_PER_RANK: f64 = 8.0;
+    /// Share of the largest bin from which a bin belongs to the region. Choice.
+    pub(crate) const BIN_SHARE: f64 = 0.3;
+}
+
+/// A model identified earlier: which of its numbers are wrong.
+pub(crate) mod earlier_model {
+    /// Share of the difference below which a term is not named. Choice.
+    pub(crate) const TERM_SHARE: f64 = 0.005;
+    /// The earlier model was fitted to noise too: its own errors double the squares. Calculated.
+    pub(crate) const TWO_FITS: f64 = 2.0;
+    /// Squared standard deviations beyond which a group of one parameter is more than chance. Chance: one in 16 000.
+    pub(crate) const BEYOND_CHANCE: f64 = 16.0;
+    /// Share of the difference that another tool alone must explain to be its name: what is left is what an earlier fit did
+    /// not fix.
+    pub(crate) const NEARLY_ALL: f64 = 0.97;
+    /// Plausible deviations from which a link's number is believed to be wrong rather than changed. Choice.
+    pub(crate) const WRONG_RATHER_THAN_CHANGED: f64 = 4.0;
+    /// Squared standard deviations within which two groups explain the same: twice ln 100. Choice.
+    pub(crate) const AS_WELL: f64 = 9.21;
+    /// Prior odds of another tool against another link: tools are made to be exchanged. Choice.
+    pub(crate) const TOOL_ODDS: f64 = 10.0;
+    /// Probability of a term that an earlier model has wrong. Choice.
+    pub(crate) const SURE: f64 = 0.98;
+}
+
+/// What a recording could not have shown.
+pub(crate) mod unseen {
+    /// Score that is noticed in four of five recordings. Calculated: (4.9 + 0.84)^2, the normal quantiles of 0.003 over 1500
+    /// tests and of 80 %.
+    pub(crate) const NOTICED_SCORE: f64 = 33.0;
+    /// Share of a column that must survive the base model for the effect to be visible. Choice.
+    pub(crate) const VISIBLE: f64 = 3e-3;
+    /// Parameters named in a bias. Choice.
+    pub(crate) const MOST_BIASED: usize = 3;
+    /// Deviations, in plausible sizes, that call for a hint. Choice.
+    pub(crate) const HINT_DEVIATIONS: f64 = 4.0;
+    /// Residual over noise from which a joint's own encoder shows the gap of an effect there. Choice.
+    pub(crate) const SHOWN_BY_ENCODER: f64 = 1.02;
 }

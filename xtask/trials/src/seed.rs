@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
 
 /// The thresholds, from the root of the repository.
-pub(crate) const THRESHOLDS: &str = "crates/diagnosis/thresholds.toml";
+pub(crate) const THRESHOLDS: &str = "crates/diagnosis/src/thresholds.rs";
 /// What must be committed before a scored batch.
 const COMMITTED: [&str; 4] = [
     THRESHOLDS,

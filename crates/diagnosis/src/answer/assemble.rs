@@ -25,6 +25,10 @@ use crate::judge::touched::Touched;
 use crate::judge::unlisted::hedged;
 use crate::judge::wrong_angles::torque_nm;
 use crate::select::{Selection, Selector, excess};
+use crate::thresholds::chance::{
+    FAMILY_WISE_P, MOST_NAMES, NAMED_PROBABILITY, OMNIBUS_Z, OUTLIER_SD,
+};
+use crate::thresholds::rivals::LATER_PROBABILITY;
 use crate::{DiagnosisError, Options};
 
 /// What the answer is put together from.
@@ -70,11 +74,11 @@ pub(crate) fn assemble(
         &base_terms,
         &shrink,
     );
-    let mut verdict = verdict(selector, selection, &adequacy, &causes, &base_terms);
+    let mut verdict = verdict(selection, &adequacy, &causes, &base_terms);
     let touches = Touched::new(selector, verdict)?;
     if selection.refit.model.causes.is_empty() {
-        let is_quiet = adequacy.worst < selector.thresholds.omnibus_z;
-        let p = selector.thresholds.family_wise_p;
+        let is_quiet = adequacy.worst < OMNIBUS_Z;
+        let p = FAMILY_WISE_P;
         verdict = touches.verdict(verdict, is_quiet, !causes.is_empty(), p);
     }
     verdict = hedged(
@@ -87,7 +91,7 @@ pub(crate) fn assemble(
     );
     let on_forces = force_findings(&force);
     let in_positions = verdict != Verdict::NoGap;
-    verdict = with_forces(selector, verdict, on_forces.first(), &force);
+    verdict = with_forces(verdict, on_forces.first(), &force);
     causes.extend(on_forces);
     let unstated = touches.unstated.clone();
     let located = located(
@@ -244,13 +248,8 @@ fn against_earlier(engine: &Engine<'_>, inputs: &Inputs<'_>) -> Result<Against, 
 }
 
 /// Where positions show no gap, the torques decide: by their first finding, or by a gap without one.
-fn with_forces(
-    selector: &Selector<'_, '_>,
-    verdict: Verdict,
-    first: Option<&CauseAnswer>,
-    force: &ForceAnswer,
-) -> Verdict {
-    let named = selector.thresholds.named_probability;
+fn with_forces(verdict: Verdict, first: Option<&CauseAnswer>, force: &ForceAnswer) -> Verdict {
+    let named = NAMED_PROBABILITY;
     match (verdict, first) {
         (Verdict::NoGap, Some(first)) if first.probability >= named => Verdict::Named,
         (Verdict::NoGap, Some(_)) => Verdict::Ambiguous,
@@ -304,7 +303,7 @@ fn beside_each_other(
         || crate::force::examine(&engine.context, &inputs.options.without),
     );
     let mut force = force?;
-    if !selection.refit.model.causes.is_empty() || !quiet(selector, selection, adequacy) {
+    if !selection.refit.model.causes.is_empty() || !quiet(selection, adequacy) {
         force = force.beside_wrong_angles(torque_nm(selector, selection));
     }
     Ok((shrink?, force))
@@ -317,22 +316,19 @@ fn provenance(selector: &Selector<'_, '_>, inputs: &Inputs<'_>) -> Provenance {
         base_parameters: engine.base.parameters.len(),
         base_identifiable: engine.base.free.len(),
         tested: selector.tested.len(),
-        thresholds: selector.thresholds.version.clone(),
+        thresholds: crate::thresholds::VERSION.to_owned(),
         last_step: engine.start.last_step,
         without: inputs.options.without.clone(),
     }
 }
 
-/// Probability below which a later cause is not told: it is what an earlier one's law gets wrong.
-const LATER_PROBABILITY: f64 = 0.6;
-
 /// Whether a later cause is more than what an earlier one's law gets wrong: its class is likely and
 /// small, and its size is not zero.
-fn is_told(selector: &Selector<'_, '_>, cause: &CauseAnswer) -> bool {
+fn is_reported(cause: &CauseAnswer) -> bool {
     let is_size = |name: &str| is_size(&cause.effect, name);
     let sizes = cause.parameters.iter().filter(|(name, _)| is_size(name));
     cause.class_probability >= LATER_PROBABILITY
-        && cause.confusable_with.len() < selector.thresholds.names
+        && cause.confusable_with.len() < MOST_NAMES
         && sizes
             .into_iter()
             .all(|(_, size)| size.ci95[0] * size.ci95[1] > 0.0)
@@ -360,7 +356,7 @@ fn position_causes(
         .collect();
     for (index, list) in rivals.iter().enumerate() {
         let answer = cause_answer(selector, selection, index, list, adequacy, total, shrink);
-        if causes.is_empty() || is_told(selector, &answer) {
+        if causes.is_empty() || is_reported(&answer) {
             causes.push(answer);
         }
     }
@@ -378,13 +374,7 @@ fn shrink(
     earlier_residual: Option<&[Vec<f64>]>,
 ) -> Result<Shrink, DiagnosisError> {
     match inputs.options.validation {
-        Some(second) => on_second(
-            selector,
-            selection,
-            second,
-            selector.thresholds.outlier_sd,
-            inputs.earlier,
-        ),
+        Some(second) => on_second(selector, selection, second, OUTLIER_SD, inputs.earlier),
         None if selection.refit.model.causes.is_empty() && base_terms.terms.is_empty() => {
             Ok(Shrink::default())
         }
@@ -393,19 +383,17 @@ fn shrink(
 }
 
 /// Whether positions show nothing but noise, no cause taken up.
-fn quiet(selector: &Selector<'_, '_>, selection: &Selection, adequacy: &Adequacy) -> bool {
-    adequacy.worst < selector.thresholds.omnibus_z && selection.refused.is_none()
+fn quiet(selection: &Selection, adequacy: &Adequacy) -> bool {
+    adequacy.worst < OMNIBUS_Z && selection.refused.is_none()
 }
 
 fn verdict(
-    selector: &Selector<'_, '_>,
     selection: &Selection,
     adequacy: &Adequacy,
     causes: &[CauseAnswer],
     base_terms: &Difference,
 ) -> Verdict {
-    let thresholds = selector.thresholds;
-    let is_sure = |cause: &CauseAnswer| cause.probability >= thresholds.named_probability;
+    let is_sure = |cause: &CauseAnswer| cause.probability >= NAMED_PROBABILITY;
     // beside a tool that was changed the rest may be as small as the tool's own law gets wrong
     if base_terms.accounts_for(excess(&selection.after).0) {
         return match causes.first().is_some_and(is_sure) {
@@ -415,7 +403,7 @@ fn verdict(
     }
     let found = !selection.refit.model.causes.is_empty();
     if !found {
-        return match (quiet(selector, selection, adequacy), causes.is_empty()) {
+        return match (quiet(selection, adequacy), causes.is_empty()) {
             (true, true) if !base_terms.is_unnamed => Verdict::NoGap,
             (true, false) => Verdict::Named,
             (false, _) | (true, true) => Verdict::Unknown,
@@ -423,7 +411,7 @@ fn verdict(
     }
     let hedged = causes
         .first()
-        .is_some_and(|cause| cause.confusable_with.len() >= thresholds.names);
+        .is_some_and(|cause| cause.confusable_with.len() >= MOST_NAMES);
     let is_void = base_terms.terms.is_empty() && !causes.first().is_some_and(stands);
     if !adequacy.is_adequate || hedged || is_void {
         return Verdict::Unknown;

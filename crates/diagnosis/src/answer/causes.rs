@@ -13,6 +13,12 @@ use crate::judge::adequacy::Adequacy;
 use crate::judge::earlier::BaseTerm;
 use crate::judge::rivals::{Rival, warms_with_time};
 use crate::select::{Selection, Selector, misfit};
+use crate::thresholds::chance::CONFUSABLE_NATS;
+use crate::thresholds::earlier_model::{SURE, TOOL_ODDS};
+use crate::thresholds::noise::{DATA_PROBABILITY, LEVEL_SD};
+use crate::thresholds::noise::{GROWS_WITH_SPEED, LOUD, MANY_OUTLIERS};
+use crate::thresholds::rivals::{SETTLING, STEADY};
+use crate::thresholds::unseen::SHOWN_BY_ENCODER;
 
 /// One cause of a selection.
 pub(crate) fn cause_answer(
@@ -28,7 +34,7 @@ pub(crate) fn cause_answer(
     let effect = selector.effects[cause.effect].as_ref();
     let (amplitudes, shape) = reported(cause);
     let values = effect.values(&selector.engine.context, &amplitudes, shape);
-    let confusable = confusable(selector, rivals);
+    let confusable = confusable(rivals);
     let own = rivals.first().map_or(1.0, |rival| rival.probability);
     let mut probability = own * (1.0 - adequacy.doubt());
     // a drift that settles has no law of its own: many things settle
@@ -46,7 +52,7 @@ pub(crate) fn cause_answer(
     }
     let class: f64 = rivals
         .iter()
-        .filter(|rival| rival.nats_behind <= selector.thresholds.confusable_nats)
+        .filter(|rival| rival.nats_behind <= CONFUSABLE_NATS)
         .map(|rival| rival.probability)
         .sum();
     CauseAnswer {
@@ -79,16 +85,6 @@ fn is_time_tried(selector: &Selector<'_, '_>, effect: &dyn Effect) -> bool {
         || selector.tested.iter().any(in_time)
 }
 
-/// Probability of a steady drift's name at a joint when everything else speaks for it.
-const STEADY: f64 = 0.8;
-/// Probability of a settling drift's name when everything else speaks for it.
-const SETTLING: f64 = 0.75;
-
-/// Prior odds of another tool against another link: tools are made to be exchanged.
-const TOOLS: f64 = 10.0;
-/// Probability of a term that an earlier model has wrong.
-const SURE: f64 = 0.98;
-
 /// A term of the base model that an earlier model lacks.
 pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAnswer {
     let hook = if term.in_drive {
@@ -100,7 +96,7 @@ pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAn
         effect: term.name.to_owned(),
         joint: term.joint.map(|joint| joint + 1),
         class_probability: SURE,
-        probability: SURE * TOOLS / (TOOLS + term.confusable_with.len() as f64),
+        probability: SURE * TOOL_ODDS / (TOOL_ODDS + term.confusable_with.len() as f64),
         confusable_with: term.confusable_with.clone(),
         parameters: term.parameters.clone(),
         plausible: true,
@@ -115,8 +111,8 @@ fn finding(spec: &Spec, joint: Option<usize>, value: f64, sd: f64) -> CauseAnswe
     CauseAnswer {
         effect: spec.name.to_owned(),
         joint: joint.map(|joint| joint + 1),
-        class_probability: 0.95,
-        probability: 0.95,
+        class_probability: DATA_PROBABILITY,
+        probability: DATA_PROBABILITY,
         confusable_with: Vec::new(),
         parameters: BTreeMap::from([(
             spec.parameters[0].name.to_owned(),
@@ -143,8 +139,8 @@ pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) ->
     let mut found = Vec::new();
     let mut told: Vec<&str> = Vec::new();
     for (channel, &joint) in noise.iter().zip(joints) {
-        if channel.from_motion && (channel.ratio > LOUD || channel.speed_ratio > DEPENDS) {
-            let sd = 0.03 * channel.ratio;
+        if channel.from_motion && (channel.ratio > LOUD || channel.speed_ratio > GROWS_WITH_SPEED) {
+            let sd = LEVEL_SD * channel.ratio;
             found.push(noise_level(joint, channel.ratio, sd));
         }
         // a reading that stands alone is left out with all its axes: told once
@@ -195,13 +191,6 @@ pub(crate) fn force_findings(force: &ForceAnswer) -> Vec<CauseAnswer> {
         .collect()
 }
 
-/// Noise this many times the stated one is told, ...
-const LOUD: f64 = 1.3;
-/// ... or noise that grows this much from slow to fast motion, ...
-const DEPENDS: f64 = 1.4;
-/// ... or this share of outliers: without any there would be one in 10^8.
-const MANY_OUTLIERS: f64 = 2e-3;
-
 /// The channel in which an effect at this place shows: its external encoder where it has one, else
 /// the one whose residual the causes reduce most.
 fn held_out(shrink: &Shrink, hook: Hook, joint: Option<usize>) -> Option<HeldOutAnswer> {
@@ -211,7 +200,7 @@ fn held_out(shrink: &Shrink, hook: Hook, joint: Option<usize>) -> Option<HeldOut
         .channels
         .iter()
         .find(own)
-        .filter(|unseen| in_encoder && unseen.gap() > 1.02);
+        .filter(|unseen| in_encoder && unseen.gap() > SHOWN_BY_ENCODER);
     let by_gain = || {
         let candidates = shrink
             .channels
@@ -222,13 +211,13 @@ fn held_out(shrink: &Shrink, hook: Hook, joint: Option<usize>) -> Option<HeldOut
     by_encoder.or_else(by_gain).map(Unseen::answer)
 }
 
-fn confusable(selector: &Selector<'_, '_>, rivals: &[Rival]) -> Vec<String> {
+fn confusable(rivals: &[Rival]) -> Vec<String> {
     let Some(first) = rivals.first() else {
         return vec![];
     };
     let mut names: Vec<String> = Vec::new();
     for rival in &rivals[1..] {
-        if rival.nats_behind <= selector.thresholds.confusable_nats
+        if rival.nats_behind <= CONFUSABLE_NATS
             && rival.name != first.name
             && !names.iter().any(|name| name == rival.name)
         {

@@ -6,10 +6,11 @@ use haptical_effects::{Context, Effect, Follows, Hook, Stream};
 use crate::answer::place_touched::of_tool;
 use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::engine::Engine;
-use crate::judge::dependence::TOLD;
 use crate::judge::earlier::BaseTerm;
 use crate::select::generic::{Covariate, Place, inner_range, score};
 use crate::select::{Selection, Selector};
+use crate::thresholds::dependence::{ALSO, DEPENDENCE_P, PLACE_BINS, PLACE_KNOTS};
+use crate::thresholds::dependence::{BIN_SHARE, EVIDENCE_PER_RANK};
 
 /// Where it lies, with the covariate that a picture should show.
 #[derive(Debug, Clone)]
@@ -35,7 +36,7 @@ impl Located {
     /// What the residuals depend on, surely.
     pub(crate) fn told(&self) -> impl Iterator<Item = &Dependence> {
         let dependence = self.answer.dependence.iter();
-        dependence.filter(|found| found.p_adjusted < TOLD)
+        dependence.filter(|found| found.p_adjusted < DEPENDENCE_P)
     }
 
     /// With what single postures were asked.
@@ -190,19 +191,14 @@ fn hook_words(context: &Context<'_>, place: Place) -> String {
     }
 }
 
-/// Share of the best covariate's explanation from which another one is named too.
-const ALSO: f64 = 0.4;
-/// Intervals of the functions with which places are compared.
-const KNOTS: usize = 12;
-
 fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Option<Located> {
     let engine = selector.engine;
     let context = &engine.context;
     let mut tried: Vec<(Place, Covariate, f64)> = Vec::new();
     for place in places(context) {
         for covariate in covariates(place) {
-            if let Some(found) = score(&engine.system, context, place, covariate, KNOTS) {
-                let evidence = found.score - 8.0 * found.rank as f64;
+            if let Some(found) = score(&engine.system, context, place, covariate, PLACE_KNOTS) {
+                let evidence = found.score - EVIDENCE_PER_RANK * found.rank as f64;
                 tried.push((place, covariate, evidence));
             }
         }
@@ -222,9 +218,9 @@ fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Opti
             context,
             place,
             Covariate::Angle(joint),
-            KNOTS,
+            PLACE_KNOTS,
         ) {
-            let evidence = found.score - 8.0 * found.rank as f64;
+            let evidence = found.score - EVIDENCE_PER_RANK * found.rank as f64;
             others.push((Covariate::Angle(joint), evidence));
         }
     }
@@ -318,20 +314,17 @@ fn covariates(place: Place) -> Vec<Covariate> {
     }
 }
 
-/// Intervals in which the residual's mean is compared.
-const BINS: usize = 40;
-
 /// Where along a covariate the base model's residual is largest: the centre of the interval around
 /// its largest mean, if that stands out from the others.
 fn peak(engine: &Engine<'_>, stream: usize, covariate: Covariate) -> Option<f64> {
     let values = covariate.values(&engine.context)?;
     let (low, high) = inner_range(&values)?;
-    let width = (high - low) / BINS as f64;
-    let (mut sums, mut counts) = (vec![0.0; BINS], vec![0.0; BINS]);
+    let width = (high - low) / PLACE_BINS as f64;
+    let (mut sums, mut counts) = (vec![0.0; PLACE_BINS], vec![0.0; PLACE_BINS]);
     let residual = &engine.start.residual[stream];
     for ((value, residual), usable) in values.iter().zip(residual).zip(&engine.usable[stream]) {
         if *usable && (low..=high).contains(value) {
-            let bin = (((value - low) / width) as usize).min(BINS - 1);
+            let bin = (((value - low) / width) as usize).min(PLACE_BINS - 1);
             sums[bin] += residual;
             counts[bin] += 1.0;
         }
@@ -341,16 +334,16 @@ fn peak(engine: &Engine<'_>, stream: usize, covariate: Covariate) -> Option<f64>
         .zip(&counts)
         .map(|(sum, count)| if *count >= 4.0 { sum / count } else { 0.0 })
         .collect();
-    let size = (means.iter().map(|m| m * m).sum::<f64>() / BINS as f64).sqrt();
+    let size = (means.iter().map(|m| m * m).sum::<f64>() / PLACE_BINS as f64).sqrt();
     let by_size = |a: &usize, b: &usize| means[*a].abs().total_cmp(&means[*b].abs());
-    let top = (0..BINS).max_by(by_size)?;
+    let top = (0..PLACE_BINS).max_by(by_size)?;
     if means[top].abs() < 2.0 * size {
         return None;
     }
     let (mut weight, mut moment) = (0.0, 0.0);
-    for bin in top.saturating_sub(2)..(top + 3).min(BINS) {
+    for bin in top.saturating_sub(2)..(top + 3).min(PLACE_BINS) {
         let share = (means[bin] / means[top]).max(0.0);
-        if share > 0.3 {
+        if share > BIN_SHARE {
             weight += share;
             moment += share * (low + width * (bin as f64 + 0.5));
         }

@@ -7,10 +7,7 @@ use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::judge::earlier::BaseTerm;
 use crate::select::Selection;
 use crate::select::generic::Covariate;
-
-/// Chance below which a dependence of a gap is told, all questions counted: that there is a gap is known, and the words
-/// say how sure its place is.
-const LIKELY: f64 = 0.05;
+use crate::thresholds::dependence::PLACED_P;
 
 /// Behind the last joint, in the handle's frame.
 pub(crate) fn of_tool(context: &Context<'_>, stream: usize, term: &BaseTerm) -> Option<Located> {
@@ -45,7 +42,11 @@ pub(crate) fn by_dependence(
     dependence: Vec<Dependence>,
 ) -> Option<Located> {
     let stream = stream_of(context, selection, Hook::Joint, None)?;
-    let told = || dependence.iter().filter(|found| found.p_adjusted < LIKELY);
+    let told = || {
+        dependence
+            .iter()
+            .filter(|found| found.p_adjusted < PLACED_P)
+    };
     let surest = told().next();
     let joint = surest.and_then(|found| found.joint);
     let region = match surest {

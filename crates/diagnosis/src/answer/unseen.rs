@@ -9,14 +9,7 @@ use crate::engine::Engine;
 use crate::engine::system::{Column, dot};
 use crate::select::Selector;
 use crate::select::scan::{Candidate, Score};
-
-/// Score that is noticed in four of five recordings at the family-wise threshold: (4.9 + 0.84)^2, the
-/// normal quantiles of 0.003 over 1500 tests and of 80 %.
-const NOTICED_SCORE: f64 = 33.0;
-/// Share of a column that must survive the base model for the effect to count as visible.
-const VISIBLE: f64 = 3e-3;
-/// Parameters named in a bias.
-const BIASED: usize = 3;
+use crate::thresholds::unseen::{HINT_DEVIATIONS, MOST_BIASED, NOTICED_SCORE, VISIBLE};
 
 /// Sizes that would have been noticed, and effects that never are.
 pub(crate) fn unseen(
@@ -176,7 +169,7 @@ impl Biases {
         changes.sort_by(|a, b| b.0.total_cmp(&a.0));
         let names: Vec<String> = changes
             .into_iter()
-            .take(BIASED)
+            .take(MOST_BIASED)
             .map(|(_, name)| name)
             .collect();
         names.join(", ")
@@ -204,7 +197,7 @@ pub(crate) fn hints(engine: &Engine<'_>, nominal: &haptical_model::Device) -> Ve
             0.0
         };
         let size = parameter.plausible_size(nominal);
-        if size > 0.0 && (value - before).abs() > IMPLAUSIBLE * size {
+        if size > 0.0 && (value - before).abs() > HINT_DEVIATIONS * size {
             hints.push(Hint {
                 parameter: parameter.name(nominal),
                 why: format!(
@@ -218,6 +211,3 @@ pub(crate) fn hints(engine: &Engine<'_>, nominal: &haptical_model::Device) -> Ve
     }
     hints
 }
-
-/// Deviations, in plausible sizes, that call for a hint.
-const IMPLAUSIBLE: f64 = 4.0;

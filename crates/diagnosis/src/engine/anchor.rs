@@ -5,13 +5,7 @@ use haptical_identification::{IdentificationError, Matrix, Problem, Settings, so
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::DiagnosisError;
-
-/// Standard deviation that a number of the chain is given about its anchor, in plausible sizes.
-///
-/// A number that the touches fix is moved by it at most by 3 % of its deviation, as its own standard deviation is
-/// below half a plausible size. One that they do not fix can take up what a badly mounted encoder makes of it, but
-/// no radians, in which the linearised steps of a refit lose their way.
-const REACH: f64 = 3.0;
+use crate::thresholds::fit::ANCHOR_REACH;
 
 /// Where a base model's numbers are known to be, beside what the recording says of them.
 ///
@@ -32,7 +26,7 @@ impl Anchor {
         let free = || free.iter().map(|&index| parameters[index]);
         let stiffness = |parameter: ParameterId| match parameter {
             ParameterId::Surrounding(_) => 0.0,
-            _ => 1.0 / (REACH * parameter.plausible_size(device)),
+            _ => 1.0 / (ANCHOR_REACH * parameter.plausible_size(device)),
         };
         Self {
             at: free().map(|parameter| parameter.value(device)).collect(),

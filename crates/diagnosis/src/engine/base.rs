@@ -11,19 +11,7 @@ use haptical_model::{Device, ParameterId, Recording};
 use crate::DiagnosisError;
 use crate::engine::anchor::{Anchor, anchored, is_needed};
 use crate::noise::measured::is_stated;
-
-/// Rows from which the base fit starts; the search that follows uses all of them.
-const START_ROWS: usize = 900;
-
-/// Degree of the polynomial of a parallelogram (the paper's); one that the evidence chose on few rows
-/// leaves more than the noise of many.
-const POLYNOMIAL_DEGREE: usize = 10;
-/// Rows that carry such a polynomial.
-const ROWS_FOR_A_POLYNOMIAL: usize = 300;
-
-/// Steps after which a search that has found no minimum is left where it is: an effect that no base
-/// model resembles can keep it wandering.
-const MOST_STEPS: usize = 100;
+use crate::thresholds::fit::{MOST_STEPS, POLYNOMIAL_DEGREE, ROWS_FOR_A_POLYNOMIAL, START_ROWS};
 
 /// A fitted base model.
 #[derive(Debug, Clone)]

@@ -4,12 +4,10 @@ use super::Prepared;
 use crate::DiagnosisError;
 use crate::engine::blocks::Blocks;
 use crate::engine::part::{Part, root_mean_square, square};
-use crate::engine::refit::{SMALL_STEP, longest_falling};
+use crate::engine::refit::longest_falling;
 use crate::noise::Noise;
 use crate::noise::measured::{KnownNoise, estimate_noise};
-
-/// Passes of the base model's own refit.
-const BASE_PASSES: usize = 3;
+use crate::thresholds::fit::{BASE_PASSES, SMALL_STEP};
 
 /// Outcome of a base fit.
 pub(super) struct BaseFit {

@@ -5,11 +5,7 @@ use haptical_calibration::Channel;
 use haptical_effects::Context;
 
 use crate::noise::Noise;
-
-/// Blocks that a long recording is averaged into, about.
-const BLOCKS: usize = 1200;
-/// Longest time within one block at rest \[s\].
-const LONGEST_REST_ROWS: usize = 400;
+use crate::thresholds::fit::{BLOCKS, LONGEST_REST_ROWS};
 
 /// One block of one stream.
 #[derive(Debug, Clone)]

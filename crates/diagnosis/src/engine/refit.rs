@@ -8,19 +8,12 @@ use crate::DiagnosisError;
 use crate::engine::Engine;
 use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::part::{Part, dense, square};
-
-/// A step that changes no prediction by more than this share of the noise ends a refit.
-pub(crate) const SMALL_STEP: f64 = 0.02;
-/// Passes of a refit with causes.
-const PASSES: usize = 7;
-/// Steps that are tried where a step does not lower the cost, and each one's share of the one before.
-const STEPS: usize = 5;
-const SHORTER: f64 = 0.4;
+use crate::thresholds::fit::{PASSES, SHORTENED_STEPS, SHORTER, SMALL_STEP};
 
 /// What the longest share of a step gives that gives anything; `at` gives none where the cost does not fall.
 pub(crate) fn longest_falling<T>(mut at: impl FnMut(f64) -> Option<T>) -> Option<T> {
     let shares = std::iter::successors(Some(1.0), |share| Some(SHORTER * share));
-    shares.take(STEPS).find_map(&mut at)
+    shares.take(SHORTENED_STEPS).find_map(&mut at)
 }
 
 impl Engine<'_> {

@@ -9,11 +9,10 @@ use crate::DiagnosisError;
 use crate::engine::base::BaseProblem;
 use crate::engine::blocks::Blocks;
 use crate::engine::part::Part;
+use crate::thresholds::fit::WINDOW_S;
 
 /// Share of a column that must lie across those before it for a direction of its own.
 const ABSENT: f64 = 1e-7;
-/// Time within which what is left of a gap hardly changes \[s\].
-const WINDOW_S: f64 = 0.25;
 
 /// A signal averaged and whitened, stream by stream.
 #[derive(Debug, Clone, Default)]

@@ -5,6 +5,9 @@ use crate::answer::Verdict;
 use crate::judge::dependence::largest_dependence;
 use crate::select::laws::law_is_kept;
 use crate::select::{Selection, Selector, excess, worst_excess};
+use crate::thresholds::chance::{FAMILY_WISE_P, OMNIBUS_Z};
+use crate::thresholds::rivals::WEAK;
+use crate::thresholds::rivals::{LEAST_DOUBT, MOST_DOUBT, UNKNOWN, WEAK_DOUBT};
 
 /// Whether the causes account for the gap.
 #[derive(Debug, Clone)]
@@ -46,7 +49,7 @@ pub(crate) fn adequacy(
         .all(|(cause, broken)| law_is_kept(selector.effects[cause.effect].as_ref(), *broken));
     let small_rest = unexplained <= allowed;
     let is_adequate = laws_hold
-        && (worst < selector.thresholds.omnibus_z || small_rest)
+        && (worst < OMNIBUS_Z || small_rest)
         && !depends_still(selector, selection, allowed * explained)?;
     Ok(Adequacy {
         is_adequate,
@@ -68,19 +71,16 @@ fn depends_still(
     if context.ordered || selection.refit.model.causes.is_empty() {
         return Ok(false);
     }
-    let p = selector.thresholds.family_wise_p;
+    let p = FAMILY_WISE_P;
     Ok(largest_dependence(context, &selection.system, p)? > wrong)
 }
-
-/// Structured energy below which a wrong effect imitates a gap as well as the right one.
-const WEAK: f64 = 100.0;
 
 impl Adequacy {
     /// Probability that the cause is none of the catalogue's.
     pub(crate) fn probability_unknown(&self, verdict: Verdict) -> f64 {
         match verdict {
             Verdict::NoGap => 0.0,
-            Verdict::Unknown => 0.95,
+            Verdict::Unknown => UNKNOWN,
             Verdict::Named | Verdict::Ambiguous => self.doubt(),
         }
     }
@@ -88,7 +88,7 @@ impl Adequacy {
     /// What is left of doubt when everything fits: the weaker the gap, the more a wrong effect
     /// can imitate it.
     pub(crate) fn doubt(&self) -> f64 {
-        let weak = 0.3 * (WEAK / self.total.max(WEAK)).sqrt();
-        (0.01 + weak).min(0.5)
+        let weak = WEAK_DOUBT * (WEAK / self.total.max(WEAK)).sqrt();
+        (LEAST_DOUBT + weak).min(MOST_DOUBT)
     }
 }

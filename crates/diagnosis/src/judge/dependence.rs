@@ -12,13 +12,7 @@ use crate::answer::Dependence;
 use crate::engine::system::{System, dot, take_off};
 
 use self::questions::questions;
-
-/// Probability, all questions together, below which a dependence is told.
-pub(crate) const TOLD: f64 = 0.01;
-/// Share of a column that the base model must leave for it to be asked at all.
-const VISIBLE: f64 = 1e-2;
-/// Share of the largest direction's square below which one is left out.
-const DEPENDENT: f64 = 1e-6;
+use crate::thresholds::dependence::{ASKED_SHARE, DEPENDENCE_P, DEPENDENT};
 
 /// Every question with its answer by the residual of `system`: first those that are told, by what they explain,
 /// then the others by probability. Adjusted probabilities are by Holm's method over all questions.
@@ -71,7 +65,7 @@ fn asked(context: &Context<'_>, system: &System) -> Result<Vec<(Dependence, f64)
         found.push((dependence, answer.beyond_chance));
     }
     // of what is sure the one that explains most, its number of columns allowed for; of the rest the surest
-    let told = |found: &Dependence| found.p_adjusted < TOLD;
+    let told = |found: &Dependence| found.p_adjusted < DEPENDENCE_P;
     found.sort_by(|(a, by_a), (b, by_b)| {
         told(b).cmp(&told(a)).then_with(|| match told(a) {
             true => by_b.total_cmp(by_a),
@@ -104,7 +98,7 @@ fn ask(system: &System, signals: &[Signal]) -> Result<Option<Answer>, DiagnosisE
             }
         }
         let left = dot(&column, &column).sqrt();
-        if left > VISIBLE * length && left > 0.0 {
+        if left > ASKED_SHARE * length && left > 0.0 {
             column.iter_mut().for_each(|entry| *entry /= left);
             columns.push(column);
         }

@@ -15,6 +15,9 @@ use crate::engine::Engine;
 use crate::engine::least::Columns;
 use crate::engine::system::compress_rows;
 use crate::judge::tool;
+use crate::thresholds::earlier_model::{
+    AS_WELL, BEYOND_CHANCE, NEARLY_ALL, TERM_SHARE, TWO_FITS, WRONG_RATHER_THAN_CHANGED,
+};
 
 /// A base term that differs from the earlier model.
 #[derive(Debug, Clone)]
@@ -64,21 +67,6 @@ impl Difference {
             .is_some_and(|term| term.name == TOOL_CHANGED.name)
     }
 }
-
-/// Share of the difference below which a term is not named.
-const SHARE: f64 = 0.005;
-/// The earlier model was fitted to noise too: its own errors double the squares.
-const TWO_FITS: f64 = 2.0;
-/// Squared standard deviations beyond which a group of one parameter is more than chance.
-const BEYOND_CHANCE: f64 = 16.0;
-
-/// Share of the difference that another tool alone must explain to be its name: what is left is what an earlier
-/// fit did not fix.
-const NEARLY_ALL: f64 = 0.97;
-/// Plausible deviations from which a link's number is believed to be wrong rather than changed.
-const IMPLAUSIBLE: f64 = 4.0;
-/// Squared standard deviations within which two groups explain the same: twice ln 100.
-const AS_WELL: f64 = 9.21;
 
 /// Compares residuals of an earlier model with the base model refitted to the recording.
 pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f64>]) -> Difference {
@@ -219,7 +207,7 @@ impl Earlier<'_, '_> {
             let parameter = self.engine.base.parameters[self.engine.base.free[column]];
             change.abs() / parameter.plausible_size(device).max(1e-300)
         });
-        sizes.all(|size| size < IMPLAUSIBLE)
+        sizes.all(|size| size < WRONG_RATHER_THAN_CHANGED)
     }
 
     fn forward(&self, in_drive: bool, given: &[usize], total: f64) -> Vec<BaseTerm> {
@@ -240,7 +228,7 @@ impl Earlier<'_, '_> {
             let Some(best) = best else {
                 break;
             };
-            if gains[best] < chance(left[best].columns.len()) || gains[best] < SHARE * total {
+            if gains[best] < chance(left[best].columns.len()) || gains[best] < TERM_SHARE * total {
                 break;
             }
             let group = left.remove(best);

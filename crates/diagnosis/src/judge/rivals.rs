@@ -7,6 +7,13 @@ use crate::DiagnosisError;
 use crate::engine::model::{Cause, Refit};
 use crate::select::scan::Score;
 use crate::select::{Selection, Selector, misfit};
+use crate::thresholds::chance::CONFUSABLE_NATS;
+use crate::thresholds::rivals::{
+    BEHIND_NATS, LOOK_ALIKE_NATS, SAME_COURSE, SAME_GAIN, SETTLING_COURSES,
+};
+use crate::thresholds::rivals::{
+    COUPLED, DRIFT_LAW, EXCHANGES, LEAD, LISTED, LOOK_ALIKE, NEAR_NATS, REFITTED,
+};
 
 /// An effect in a cause's place.
 #[derive(Debug, Clone)]
@@ -21,11 +28,6 @@ pub(crate) struct Rival {
     pub(crate) nats_behind: f64,
     pub(crate) probability: f64,
 }
-
-/// Exchanges of causes at most.
-const EXCHANGES: usize = 2;
-/// Nats by which a rival must lead to take a cause's place.
-const LEAD: f64 = 2.0;
 
 /// Every cause's rivals, after causes that others have overtaken were exchanged.
 pub(crate) fn settle(
@@ -56,18 +58,6 @@ pub(crate) fn settle(
     }
     Ok(lists)
 }
-
-/// Rivals that are listed at most.
-const LISTED: usize = 30;
-/// Rivals that are refitted at most.
-const REFITTED: usize = 3;
-/// Share of a drift's energy that its law may get wrong.
-const DRIFT_LAW: f64 = 0.15;
-/// Share from which a drift in time and one with temperature are look-alikes, where the
-/// temperature only rises.
-const LOOK_ALIKE: f64 = 0.6;
-/// Nats within which the linear score calls for a refit.
-const NEAR_NATS: f64 = 60.0;
 
 /// The cause itself and its rivals, best first.
 pub(crate) fn rivals(
@@ -112,7 +102,7 @@ pub(crate) fn rivals(
         .take(LISTED)
         .collect();
     let is_near = |score: &Score| {
-        best - criterion(score.score, score) < NEAR_NATS || score.score > 0.93 * gained
+        best - criterion(score.score, score) < NEAR_NATS || score.score > SAME_GAIN * gained
     };
     let near: Vec<&Score> = others
         .iter()
@@ -188,17 +178,15 @@ fn hedge_drifts(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &m
             && other.is_kin_of(own_effect)
             && other.name() != own_effect.name();
         if is_kin && *share > LOOK_ALIKE && warms_with_time(&selector.engine.context) {
-            let behind = 1.0 + 3.0 * (1.0 - *share).max(0.0) / (1.0 - LOOK_ALIKE);
+            let far = (1.0 - *share).max(0.0) / (1.0 - LOOK_ALIKE);
+            let behind = BEHIND_NATS + LOOK_ALIKE_NATS * far;
             *value = value.max(best - behind);
         } else if is_kin && *share > 1.0 - DRIFT_LAW {
-            let behind = selector.thresholds.confusable_nats * (1.0 - *share).max(0.0) / DRIFT_LAW;
+            let behind = CONFUSABLE_NATS * (1.0 - *share).max(0.0) / DRIFT_LAW;
             *value = value.max(best - behind);
         }
     }
 }
-
-/// Share from which a wobble and a coupling are look-alikes.
-const COUPLED: f64 = 0.98;
 
 /// An axis that wobbles and a cable that is routed over a joint differ by their laws' errors where the axes
 /// intersect (docs/diagnosis.md, "Rivals"): while one explains almost as much, it counts as near.
@@ -212,7 +200,7 @@ fn hedge_wobbles(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &
         );
         if look_alikes && *share > COUPLED {
             let far = (1.0 - *share).max(0.0) / (1.0 - COUPLED);
-            *value = value.max(best - 1.0 - far * selector.thresholds.confusable_nats);
+            *value = value.max(best - BEHIND_NATS - far * CONFUSABLE_NATS);
         }
     }
 }
@@ -241,11 +229,11 @@ pub(crate) fn warms_with_time(context: &Context<'_>) -> bool {
         return false;
     };
     let whole = elapsed.iter().copied().fold(0.0, f64::max).max(1e-9);
-    [0.1, 0.3, 1.0, 10.0].iter().any(|share| {
+    SETTLING_COURSES.iter().any(|share| {
         let course: Vec<f64> = elapsed
             .iter()
             .map(|time| 1.0 - (-time / (share * whole)).exp())
             .collect();
-        haptical_metrics::correlation(&course, warming).is_ok_and(|r| r.abs() > 0.95)
+        haptical_metrics::correlation(&course, warming).is_ok_and(|r| r.abs() > SAME_COURSE)
     })
 }

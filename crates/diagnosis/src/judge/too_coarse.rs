@@ -12,18 +12,9 @@ use crate::answer::{CauseAnswer, Diagnosis};
 use crate::engine::Prepared;
 use crate::engine::base::Base;
 use crate::noise::measured::is_stated;
-
-/// A residual below this share of the stated noise refutes it: of 30 degrees of freedom chance leaves a quarter of
-/// the variance once in 10^5 recordings.
-const REFUTED: f64 = 0.5;
-/// Degrees of freedom from which a residual says so.
-const ENOUGH: f64 = 30.0;
-/// Below this share of the stated noise a residual is that of numbers that were computed, not measured.
-const COMPUTED: f64 = 1e-6;
-/// Steps of a reading below this share of a count refute the stated counts, ...
-const FINER: f64 = 0.5;
-/// ... and below this one they are what arithmetic leaves.
-const ARITHMETIC: f64 = 1e-6;
+use crate::thresholds::noise::{
+    ARITHMETIC_COUNTS, COMPUTED, FINER_COUNTS, REFUTED, REFUTING_FREEDOM,
+};
 
 /// A channel whose residual is far below its stated noise.
 #[derive(Debug, Clone)]
@@ -125,7 +116,7 @@ fn refuted(base: &Base, recording: &Recording) -> Result<Vec<Refuted>, Diagnosis
         // as if this channel alone had paid for every parameter
         let freedom = readings - parameters;
         let (left, stated) = ((squares / freedom).sqrt(), (stated / readings).sqrt());
-        if freedom >= ENOUGH && left < REFUTED * stated {
+        if freedom >= REFUTING_FREEDOM && left < REFUTED * stated {
             found.push(Refuted {
                 channel,
                 unit: channel.unit(&base.device),
@@ -153,8 +144,8 @@ fn finer_counts(device: &mut Device, recording: &Recording, refuted: &[Refuted])
         let Some(step) = recording
             .joint
             .get(index)
-            .and_then(|column| smallest_step(column, ARITHMETIC * quantum))
-            .filter(|step| concerned && *step < FINER * quantum)
+            .and_then(|column| smallest_step(column, ARITHMETIC_COUNTS * quantum))
+            .filter(|step| concerned && *step < FINER_COUNTS * quantum)
         else {
             continue;
         };

@@ -5,12 +5,11 @@ use haptical_effects::Stream;
 
 use crate::DiagnosisError;
 use crate::answer::{Asked, Dependence, Verdict};
-use crate::judge::dependence::{TOLD, dependences};
+use crate::judge::dependence::dependences;
 use crate::noise::measured::is_stated;
 use crate::select::Selector;
-
-/// A ball in a socket, or a tip on a plane, repeats better than this \[m\].
-const ROUGHEST_TOUCH_M: f64 = 5e-4;
+use crate::thresholds::dependence::DEPENDENCE_P;
+use crate::thresholds::noise::ROUGHEST_TOUCH_M;
 
 /// Touches of a recording, and what their residuals depend on.
 #[derive(Debug, Default)]
@@ -46,7 +45,9 @@ impl Touched {
                 Verdict::Unknown => dependences()?,
                 _ => Vec::new(),
             };
-            let first = dependence.first().filter(|found| found.p_adjusted < TOLD);
+            let first = dependence
+                .first()
+                .filter(|found| found.p_adjusted < DEPENDENCE_P);
             return Ok(Self {
                 is_alike: !dependence.is_empty() && first.is_none(),
                 is_by_row: first

@@ -7,6 +7,7 @@ use crate::answer::{CauseAnswer, Verdict};
 use crate::judge::earlier::{BaseTerm, Difference};
 use crate::judge::rivals::Rival;
 use crate::select::{Selection, Selector};
+use crate::thresholds::chance::CONFUSABLE_NATS;
 
 /// Among what a cause may be taken for: an effect that is in no catalogue.
 pub const IN_NO_CATALOGUE: &str = "unknown";
@@ -78,9 +79,7 @@ fn unlisted_rivals(
     let mut names: Vec<String> = Vec::new();
     let elsewhere = rivals.first().is_some_and(|list| {
         let mut others = list.iter().skip(1);
-        others.any(|rival| {
-            rival.name == first.name() && rival.nats_behind <= selector.thresholds.confusable_nats
-        })
+        others.any(|rival| rival.name == first.name() && rival.nats_behind <= CONFUSABLE_NATS)
     });
     if elsewhere {
         names.push(first.name().to_owned());

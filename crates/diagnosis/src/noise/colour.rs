@@ -1,11 +1,8 @@
 //! Size and colour of a noise by the moments of its segments.
 
 use super::Noise;
-use super::segments::{LAGS, SEGMENT, expected_moments, leave_undisturbed, segment_basis};
-
-/// Smallest and largest colours that are looked for.
-const LEAST_COLOUR: f64 = -0.9;
-const MOST_COLOUR: f64 = 0.97;
+use super::segments::{expected_moments, leave_undisturbed, segment_basis};
+use crate::thresholds::noise::{LAGS, LEAST_COLOUR, MOST_COLOUR, SEGMENT_ROWS};
 
 /// The colour up to which the correlation of successive rows grows: a cubic takes most of a strongly
 /// coloured part out of a segment, and white rounding is what is left.
@@ -37,7 +34,7 @@ pub(super) fn from_segments(mut moments: Vec<[f64; LAGS]>, rounding: f64) -> Noi
         }
     }
     let white = expected_moments(0.0, &basis);
-    let scatter = 1.0 / ((count * (SEGMENT - 4)) as f64).sqrt();
+    let scatter = 1.0 / ((count * (SEGMENT_ROWS - 4)) as f64).sqrt();
     let share = 1.0 - rounding.clamp(0.0, 0.9);
     let mixed = |colour: f64| {
         let coloured = expected_moments(colour, &basis);
@@ -62,7 +59,7 @@ pub(super) fn from_segments(mut moments: Vec<[f64; LAGS]>, rounding: f64) -> Noi
         colour = 0.5 * (low + high);
     }
     let variance = (seen[0] / mixed(colour)[0]).max(1e-12);
-    let freedom = (SEGMENT - 4) as f64 * (1.0 - colour * colour) / (1.0 + colour * colour);
+    let freedom = (SEGMENT_ROWS - 4) as f64 * (1.0 - colour * colour) / (1.0 + colour * colour);
     // the level at low frequency, (1 + c) / (1 - c), inherits the colour's scatter too
     let slope = if colour == 0.0 {
         0.0

@@ -14,7 +14,10 @@ mod speed;
 use std::ops::Range;
 
 use self::colour::from_segments;
-use self::segments::{LAGS, SEGMENT, segment_basis, segment_moments};
+use self::segments::{segment_basis, segment_moments};
+use crate::thresholds::noise::{
+    ENOUGH_SEGMENTS, LAGS, MUCH_ROUNDING, SEGMENT_ROWS, STATED_UNCERTAINTY,
+};
 
 pub(crate) use self::outliers::{difference_sd, outliers};
 pub(crate) use self::speed::speed_scale;
@@ -35,11 +38,6 @@ pub(crate) struct Noise {
     /// Increase of the standard deviation at the highest tenth of speeds over that at the lowest.
     pub(crate) speed_ratio: f64,
 }
-
-/// Relative uncertainty of the variance that a device file states.
-const STATED_UNCERTAINTY: f64 = 0.3;
-/// Share of rounding from which it counts as a large part of the noise.
-const MUCH_ROUNDING: f64 = 0.1;
 
 impl Noise {
     /// White, of single postures.
@@ -65,9 +63,6 @@ impl Noise {
     }
 }
 
-/// Segments that are enough for an estimate.
-const ENOUGH_SEGMENTS: usize = 8;
-
 /// Estimates one stream's noise from its residuals over the stated standard deviation (NaN where
 /// there is none), `lost` of which the model's parameters have taken.
 pub(crate) fn estimate(
@@ -90,7 +85,7 @@ pub(crate) fn estimate(
         let basis = segment_basis();
         for run in &series {
             moments.extend(
-                run.chunks_exact(SEGMENT)
+                run.chunks_exact(SEGMENT_ROWS)
                     .map(|part| segment_moments(part, &basis)),
             );
         }

@@ -3,9 +3,7 @@
 use std::ops::Range;
 
 use crate::noise::cleaning::NORMAL_MEDIAN;
-
-/// Rows on each side of the median that an outlier is compared with.
-const MEDIAN_REACH: usize = 3;
+use crate::thresholds::noise::MEDIAN_REACH;
 
 /// Rows whose value stands alone: further than `limit` noise deviations from the median of the seven
 /// rows around, which follow a motion, a jump or a drift.

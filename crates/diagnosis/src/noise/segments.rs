@@ -1,13 +1,12 @@
 //! Segments of a motion: what a cubic leaves of them, and the moments of that.
 
-/// Rows of a segment within which a signal is taken for a cubic.
-pub(super) const SEGMENT: usize = 16;
+use crate::thresholds::noise::{DISTURBED, LAGS, SEGMENT_ROWS};
 
 /// Orthonormal polynomials up to the third degree on a segment.
-pub(super) fn segment_basis() -> [[f64; SEGMENT]; 4] {
-    let mut basis = [[0.0; SEGMENT]; 4];
+pub(super) fn segment_basis() -> [[f64; SEGMENT_ROWS]; 4] {
+    let mut basis = [[0.0; SEGMENT_ROWS]; 4];
     for degree in 0..4 {
-        let mut vector = [0.0; SEGMENT];
+        let mut vector = [0.0; SEGMENT_ROWS];
         for (index, entry) in vector.iter_mut().enumerate() {
             let place = (index as f64 - 7.5) / 7.5;
             *entry = place.powi(degree as i32);
@@ -21,7 +20,7 @@ pub(super) fn segment_basis() -> [[f64; SEGMENT]; 4] {
 }
 
 /// Takes the parts along orthonormal polynomials off a segment.
-fn without(part: &mut [f64; SEGMENT], basis: &[[f64; SEGMENT]]) {
+fn without(part: &mut [f64; SEGMENT_ROWS], basis: &[[f64; SEGMENT_ROWS]]) {
     for polynomial in basis {
         let shared: f64 = part.iter().zip(polynomial).map(|(a, b)| a * b).sum();
         for (entry, other) in part.iter_mut().zip(polynomial) {
@@ -30,48 +29,45 @@ fn without(part: &mut [f64; SEGMENT], basis: &[[f64; SEGMENT]]) {
     }
 }
 
-/// Highest lag at which products of rows are compared.
-pub(super) const LAGS: usize = 2;
-
 /// Sums of products of rows at lags 0, 1, ... of what a cubic leaves.
-pub(super) fn segment_moments(part: &[f64], basis: &[[f64; SEGMENT]; 4]) -> [f64; LAGS] {
-    let mut rest = [0.0; SEGMENT];
+pub(super) fn segment_moments(part: &[f64], basis: &[[f64; SEGMENT_ROWS]; 4]) -> [f64; LAGS] {
+    let mut rest = [0.0; SEGMENT_ROWS];
     rest.copy_from_slice(part);
     without(&mut rest, basis);
     let mut moments = [0.0; LAGS];
     for (lag, moment) in moments.iter_mut().enumerate() {
-        *moment = (lag..SEGMENT).map(|row| rest[row] * rest[row - lag]).sum();
+        *moment = (lag..SEGMENT_ROWS)
+            .map(|row| rest[row] * rest[row - lag])
+            .sum();
     }
     moments
 }
 
 /// Expected moments of a segment of a first-order autoregression of unit variance.
-pub(super) fn expected_moments(colour: f64, basis: &[[f64; SEGMENT]; 4]) -> [f64; LAGS] {
+pub(super) fn expected_moments(colour: f64, basis: &[[f64; SEGMENT_ROWS]; 4]) -> [f64; LAGS] {
     // M C M, M the projection that takes the cubic out: columns first, then rows
-    let mut projected = [[0.0; SEGMENT]; SEGMENT];
+    let mut projected = [[0.0; SEGMENT_ROWS]; SEGMENT_ROWS];
     for (column, entries) in projected.iter_mut().enumerate() {
         for (row, entry) in entries.iter_mut().enumerate() {
             *entry = colour.powi((row as i32 - column as i32).abs());
         }
         without(entries, basis);
     }
-    let mut both = [[0.0; SEGMENT]; SEGMENT];
-    for row in 0..SEGMENT {
-        for column in 0..SEGMENT {
+    let mut both = [[0.0; SEGMENT_ROWS]; SEGMENT_ROWS];
+    for row in 0..SEGMENT_ROWS {
+        for column in 0..SEGMENT_ROWS {
             both[row][column] = projected[column][row];
         }
         without(&mut both[row], basis);
     }
     let mut moments = [0.0; LAGS];
     for (lag, moment) in moments.iter_mut().enumerate() {
-        *moment = (lag..SEGMENT).map(|index| both[index - lag][index]).sum();
+        *moment = (lag..SEGMENT_ROWS)
+            .map(|index| both[index - lag][index])
+            .sum();
     }
     moments
 }
-
-/// A segment this many times louder than the median one shows more than noise: a jump, a dent, fast
-/// motion. Of white noise one in 10^5 is; leaving out more would prefer the less coloured ones.
-const DISTURBED: f64 = 4.0;
 
 /// Leaves the segments that nothing disturbs, the quietest first.
 pub(super) fn leave_undisturbed<T>(segments: &mut Vec<T>, square: impl Fn(&T) -> f64) {

@@ -2,13 +2,8 @@
 
 use std::ops::Range;
 
-use super::segments::{SEGMENT, leave_undisturbed, segment_basis, segment_moments};
-
-/// Parts of the speeds in which the noise is compared.
-const SPEEDS: usize = 4;
-/// Variance at the fastest quarter over that at the slowest from which noise depends on speed: with ninety
-/// segments each, ten standard deviations.
-const DEPENDS_ON_SPEED: f64 = 1.6;
+use super::segments::{leave_undisturbed, segment_basis, segment_moments};
+use crate::thresholds::noise::{DEPENDS_ON_SPEED, SEGMENT_ROWS, SPEED_CLASSES};
 
 /// Scale of the noise at every row by the speed there, with mean square 1, and the ratio of the deviation
 /// at the fastest quarter to that at the slowest; none where it does not depend on speed.
@@ -21,20 +16,20 @@ pub(crate) fn speed_scale(
     let mut segments: Vec<(f64, f64)> = Vec::new();
     for run in runs {
         let rows: Vec<usize> = run.clone().filter(|&row| scaled[row].is_finite()).collect();
-        for part in rows.chunks_exact(SEGMENT) {
+        for part in rows.chunks_exact(SEGMENT_ROWS) {
             let values: Vec<f64> = part.iter().map(|&row| scaled[row]).collect();
-            let fast = part.iter().map(|&row| speed[row].abs()).sum::<f64>() / SEGMENT as f64;
+            let fast = part.iter().map(|&row| speed[row].abs()).sum::<f64>() / SEGMENT_ROWS as f64;
             segments.push((fast, segment_moments(&values, &basis)[0]));
         }
     }
-    if segments.len() < 16 * SPEEDS {
+    if segments.len() < 16 * SPEED_CLASSES {
         return None;
     }
     segments.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let size = segments.len() / SPEEDS;
+    let size = segments.len() / SPEED_CLASSES;
     let parts: Vec<(f64, f64)> = segments
         .chunks(size)
-        .take(SPEEDS)
+        .take(SPEED_CLASSES)
         .map(|part| {
             let mut squares: Vec<f64> = part.iter().map(|segment| segment.1).collect();
             leave_undisturbed(&mut squares, |square| *square);
@@ -45,7 +40,7 @@ pub(crate) fn speed_scale(
             )
         })
         .collect();
-    let (slow, fast) = (parts[0].1, parts[SPEEDS - 1].1);
+    let (slow, fast) = (parts[0].1, parts[SPEED_CLASSES - 1].1);
     if slow <= 0.0 || fast < DEPENDS_ON_SPEED * slow {
         return None;
     }
@@ -53,10 +48,10 @@ pub(crate) fn speed_scale(
         let next = parts
             .iter()
             .position(|part| part.0 > speed)
-            .unwrap_or(SPEEDS);
+            .unwrap_or(SPEED_CLASSES);
         let square = match next {
             0 => parts[0].1,
-            SPEEDS => parts[SPEEDS - 1].1,
+            SPEED_CLASSES => parts[SPEED_CLASSES - 1].1,
             next => {
                 let (before, after) = (parts[next - 1], parts[next]);
                 let share = (speed - before.0) / (after.0 - before.0).max(1e-300);

@@ -7,10 +7,12 @@ use super::{Selector, excess, misfit};
 use crate::DiagnosisError;
 use crate::engine::system::SlowEnergy;
 use crate::select::scan::Score;
+use crate::thresholds::chance::{FAMILY_WISE_P, SHARE_OF_REST};
+use crate::thresholds::steps::INSTANTS;
 
 impl Selector<'_, '_> {
     pub(crate) fn is_worth_a_refit(&self, score: &Score) -> Result<bool, DiagnosisError> {
-        Ok(self.family_wise_p(score, 1.0)? < self.thresholds.family_wise_p)
+        Ok(self.family_wise_p(score, 1.0)? < FAMILY_WISE_P)
     }
 
     /// Probability that chance gives any effect of the catalogue a score like this, misfit allowed for
@@ -18,7 +20,7 @@ impl Selector<'_, '_> {
     pub(crate) fn family_wise_p(&self, score: &Score, misfit: f64) -> Result<f64, DiagnosisError> {
         let effect = self.effects[score.effect].as_ref();
         let tries = if effect.spec().shape == Shape::Event {
-            let instants = 0.15 * self.engine.system.blocks.count() as f64
+            let instants = INSTANTS * self.engine.system.blocks.count() as f64
                 / self.engine.context.streams.len().max(1) as f64;
             instants.max(1.0).powi(score.times.len().max(1) as i32)
         } else {
@@ -34,7 +36,7 @@ impl Selector<'_, '_> {
         after: &[SlowEnergy],
     ) -> Result<bool, DiagnosisError> {
         let p = self.family_wise_p(score, misfit(after))?;
-        Ok(p < self.thresholds.family_wise_p)
+        Ok(p < FAMILY_WISE_P)
     }
 
     /// Whether a pick explains enough of what was left: a wrong effect nibbles at a gap.
@@ -44,7 +46,7 @@ impl Selector<'_, '_> {
         before: &[SlowEnergy],
         after: &[SlowEnergy],
     ) -> bool {
-        let share = self.thresholds.share_of_rest;
+        let share = SHARE_OF_REST;
         if self.engine.is_noise_unknown() {
             // what is noise and what is gap only the cause itself tells
             let all: f64 = before.iter().map(|stream| stream.energy).sum();

@@ -9,11 +9,7 @@ use crate::engine::system::System;
 use crate::select::events::sharpen;
 use crate::select::scan::Score;
 use crate::select::{Grown, Selector};
-
-/// Contenders that are refitted at most when a pick is close.
-const CONTENDERS: usize = 3;
-/// A contender explains at least this share of what the best explains.
-const CONTENDING: f64 = 0.93;
+use crate::thresholds::selection::{CONTENDERS, CONTENDING};
 
 /// An effect refitted beside the causes so far.
 #[derive(Debug, Clone)]
@@ -135,8 +131,8 @@ impl Selector<'_, '_> {
         let best = refits
             .into_iter()
             .reduce(|a, b| if b.1 < a.1 { b } else { a });
-        best.ok_or(DiagnosisError::Thresholds {
-            reason: format!("{} has no shape", effect.name()),
+        best.ok_or(DiagnosisError::NoShape {
+            effect: effect.name(),
         })
     }
 

@@ -6,11 +6,8 @@ use super::{Selector, worst_excess};
 use crate::engine::model::Cause;
 use crate::engine::system::SlowEnergy;
 use crate::select::scan::Score;
-
-/// Share of the earlier laws' possible error that a later pick must exceed where it leaves a rest.
-const LATER_PICK: f64 = 0.15;
-/// The same of a pick at a joint of theirs.
-const LATER_PICK_THERE: f64 = 0.5;
+use crate::thresholds::chance::OMNIBUS_Z;
+use crate::thresholds::selection::{LATER_PICK, LATER_PICK_THERE};
 
 impl Selector<'_, '_> {
     /// Whether a pick is driven by other joints, and shows most in another stream, than all causes so far: no
@@ -45,8 +42,7 @@ impl Selector<'_, '_> {
             Some(stream) => stream..stream + 1,
             None => 0..after.len(),
         };
-        worst_excess(&after[streams.clone()], &self.engine.noise[streams])
-            < self.thresholds.omnibus_z
+        worst_excess(&after[streams.clone()], &self.engine.noise[streams]) < OMNIBUS_Z
     }
 
     /// Squared residual that the laws of the causes so far may have got wrong, where a pick shows.

@@ -4,6 +4,10 @@ use haptical_effects::{Context, Effect, Signal};
 
 use crate::engine::system::{System, across, dot, take_off};
 use crate::select::scan::{Candidate, Score};
+use crate::thresholds::steps::{
+    APART_S, MOST_STEPS_OF_AN_EVENT, RESTING_RAD, STEP_SCORE, STEP_SHARE, SWEEPS,
+};
+use crate::thresholds::steps::{LEAST_LEFT, MARGIN};
 
 /// The best instant of an event, searched at every block.
 pub(crate) fn event_score(
@@ -54,7 +58,7 @@ fn best_instant(
                 continue;
             }
             let left = own - dot(&taken, &taken);
-            if left <= 1e-6 * own || left <= 0.0 {
+            if left <= LEAST_LEFT * own || left <= 0.0 {
                 continue;
             }
             let score = along * along / left;
@@ -76,7 +80,7 @@ fn best_instant(
 }
 
 /// Rows at either end of a run within which a step cannot be told from the zero that the base model
-/// adjusts: a thirtieth of the run, and at the start as long as the device rests.
+/// adjusts: a part of the run, and at the start as long as the device rests.
 fn margin_rows(context: &Context<'_>, run: &std::ops::Range<usize>) -> usize {
     let columns = &context.recording.joint;
     let moves = |row: &usize| {
@@ -87,21 +91,8 @@ fn margin_rows(context: &Context<'_>, run: &std::ops::Range<usize>) -> usize {
             > 0
     };
     let rest = run.clone().find(moves).map_or(0, |row| row - run.start);
-    rest + run.len().div_ceil(30)
+    rest + run.len().div_ceil(MARGIN)
 }
-
-/// A joint that is this near to its start still rests there.
-const RESTING_RAD: f64 = 0.05;
-
-/// Further steps of an event are looked for while each explains this share of what the first did, and
-/// this much by itself.
-const STEP_SHARE: f64 = 0.003;
-const STEP_SCORE: f64 = 40.0;
-/// Steps of one event at most.
-const STEPS: usize = 5;
-
-/// Sweeps over all steps after one was added.
-const SWEEPS: usize = 3;
 
 /// An event's further steps (counts are lost more than once): each at its best instant beside the
 /// others, which then move to theirs. Three steps up look like a ramp whose middle is the best single one.
@@ -113,7 +104,7 @@ pub(crate) fn with_more_steps(
 ) -> Score {
     let one = first.score;
     let mut times = first.times.clone();
-    while times.len() < STEPS {
+    while times.len() < MOST_STEPS_OF_AN_EVENT {
         let rest = Rest::beside(system, context, effect, &times, usize::MAX);
         match best_instant(&rest, context, effect, first.effect) {
             Some(next) if next.score > STEP_SCORE && next.score > STEP_SHARE * one => {
@@ -176,9 +167,6 @@ pub(crate) fn sharpen(
     }
     event
 }
-
-/// Steps of one event are at least so far apart \[s\].
-const APART_S: f64 = 0.3;
 
 /// What a system leaves beside further directions.
 struct Rest<'s> {

@@ -2,6 +2,7 @@
 
 use crate::engine::system::SlowEnergy;
 use crate::noise::Noise;
+use crate::thresholds::selection::TAKEN_UP;
 
 /// Slow residuals over what noise gives, at least 1.
 pub(crate) fn misfit(energy: &[SlowEnergy]) -> f64 {
@@ -31,9 +32,6 @@ pub(crate) fn worst_excess(energy: &[SlowEnergy], noise: &[Noise]) -> f64 {
         })
         .fold(f64::NEG_INFINITY, f64::max)
 }
-
-/// Freedom below which the base model takes a single reading up: it says nothing.
-const TAKEN_UP: f64 = 0.1;
 
 /// Excess of a single reading, such as the known distance of two sockets, in standard deviations: its square is
 /// far from normal (Wilson & Hilferty 1931).

@@ -9,13 +9,7 @@ use crate::engine::system::System;
 use crate::select::Selector;
 use crate::select::generic::{self, own_covariates};
 use crate::select::scan::Candidate;
-
-/// Probability above which a rest that follows an effect's own covariate is chance.
-const LAW_P: f64 = 1e-3;
-/// Share of an effect's course by which the chain may differ from the external encoder, and the
-/// probability below which it surely does.
-const OFF_BY: f64 = 0.35;
-const SURELY: f64 = 1e-6;
+use crate::thresholds::selection::{LAW_P, OFF_BY, SURELY};
 
 impl Selector<'_, '_> {
     /// What a free function of an effect's own covariates explains after the effect: share of the

@@ -21,7 +21,10 @@ use crate::engine::model::{Cause, Refit};
 use crate::engine::system::{SlowEnergy, System};
 use crate::select::laws::law_is_kept;
 use crate::select::scan::{Candidate, Score, candidates};
-use crate::thresholds::Thresholds;
+use crate::thresholds::chance::MOST_CAUSES;
+use crate::thresholds::fit::MOVED_FAR;
+use crate::thresholds::rivals::REPLACED_COST;
+use crate::thresholds::selection::{DYNAMIC_RANGE, NEARLY_NOTHING, REFUSALS, STILL_MUCH};
 
 pub(crate) use self::excess::{excess, misfit, worst_excess};
 
@@ -76,34 +79,19 @@ pub(crate) struct Selector<'e, 'a> {
     pub(crate) effects: &'e [Box<dyn Effect>],
     /// Effects that the recording can test.
     pub(crate) tested: &'e [usize],
-    pub(crate) thresholds: &'e Thresholds,
     candidates: Vec<Candidate>,
 }
-
-/// Share of what was explained below which nothing is told apart from what large numbers leave.
-const DYNAMIC_RANGE: f64 = 2e-4;
-/// Picks that are tried and refused before the search ends.
-const REFUSALS: usize = 3;
-/// Share of the structured energy below which nothing is left that could have moved the base model.
-const NEARLY_NOTHING: f64 = 0.01;
-/// Change of the base model's predictions by the causes, in noise deviations (root mean square), from
-/// which effects are computed anew.
-pub(crate) const MOVED_FAR: f64 = 25.0;
-/// Share of the structured energy above which other effects are still to come.
-const STILL_MUCH: f64 = 0.05;
 
 impl<'e, 'a> Selector<'e, 'a> {
     pub(crate) fn new(
         engine: &'e Engine<'a>,
         effects: &'e [Box<dyn Effect>],
         tested: &'e [usize],
-        thresholds: &'e Thresholds,
     ) -> Self {
         Self {
             engine,
             effects,
             tested,
-            thresholds,
             candidates: candidates(&engine.system, &engine.context, effects, tested),
         }
     }
@@ -157,7 +145,7 @@ impl<'e, 'a> Selector<'e, 'a> {
             if grown.refit.model.causes.is_empty() {
                 grown.first_scan.clone_from(&scan);
             }
-            let full = grown.refit.model.causes.len() >= self.thresholds.causes;
+            let full = grown.refit.model.causes.len() >= MOST_CAUSES;
             if full || refused.shut.len() > REFUSALS {
                 break;
             }
@@ -239,7 +227,7 @@ impl<'e, 'a> Selector<'e, 'a> {
         model.causes[cause] = by;
         let fitted = self.engine.refit(self.effects, &model)?;
         if !self.is_possible(&fitted.model)
-            || self.cost(&fitted) > self.cost(&selection.refit) + 9.0
+            || self.cost(&fitted) > self.cost(&selection.refit) + REPLACED_COST
         {
             return Ok(false);
         }

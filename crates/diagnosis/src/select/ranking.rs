@@ -8,11 +8,9 @@ use crate::engine::model::{Cause, Model};
 use crate::engine::system::System;
 use crate::select::events::{event_score, with_more_steps};
 use crate::select::scan::Score;
-
-/// Two steps so near to each other are one event, seen by more than one channel \[s\].
-const COINCIDENT_S: f64 = 0.8;
-/// Score from which an event may have further steps.
-const WORTH_MORE_STEPS: f64 = 60.0;
+use crate::thresholds::chance::{IMPLAUSIBLE_NATS, LEAST_RETAINED};
+use crate::thresholds::steps::MORE_STEPS_SHARE;
+use crate::thresholds::steps::{COINCIDENT_S, WORTH_MORE_STEPS};
 
 impl Selector<'_, '_> {
     /// Every effect's best score, best first by [`Selector::criterion`].
@@ -37,7 +35,8 @@ impl Selector<'_, '_> {
                     return None;
                 }
                 let score = event_score(system, context, effect, index)?;
-                let several = score.score > WORTH_MORE_STEPS && score.score > 0.3 * largest;
+                let several =
+                    score.score > WORTH_MORE_STEPS && score.score > MORE_STEPS_SHARE * largest;
                 Some(if several {
                     with_more_steps(system, context, effect, score)
                 } else {
@@ -59,8 +58,7 @@ impl Selector<'_, '_> {
         let used = |cause: &Cause| {
             cause.effect == score.effect || effect.is_kin_of(self.effects[cause.effect].as_ref())
         };
-        let believable =
-            score.retained >= self.thresholds.retained || self.is_plausible(effect, score);
+        let believable = score.retained >= LEAST_RETAINED || self.is_plausible(effect, score);
         let loaded = !effect.spec().under_load
             || effect.joint().is_some_and(|joint| {
                 score
@@ -106,7 +104,7 @@ impl Selector<'_, '_> {
         let mut criterion = 0.5 * score.score - 0.5 * score.rank as f64 * readings.ln() - shapes
             + effect.spec().log_prior;
         if !self.is_plausible(effect, score) {
-            criterion -= self.thresholds.implausible_nats;
+            criterion -= IMPLAUSIBLE_NATS;
         }
         criterion
     }

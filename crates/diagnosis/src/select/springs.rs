@@ -6,6 +6,7 @@ use haptical_effects::{Family, Hook};
 use super::{Grown, Selector, excess};
 use crate::DiagnosisError;
 use crate::select::scan::Score;
+use crate::thresholds::chance::SHARE_OF_REST;
 
 impl Selector<'_, '_> {
     /// Takes up further joints that yield, all refitted together, where one does already,
@@ -42,7 +43,7 @@ impl Selector<'_, '_> {
         }
         let (rest, uncertain) = excess(&before);
         let closed = rest - excess(&with.after).0;
-        if closed >= self.thresholds.share_of_rest * (rest - 2.0 * uncertain).max(0.0) {
+        if closed >= SHARE_OF_REST * (rest - 2.0 * uncertain).max(0.0) {
             *grown = with;
         }
         Ok(())

@@ -11,9 +11,7 @@ use super::reduction::collect;
 use crate::DiagnosisError;
 use crate::engine::Engine;
 use crate::select::{Selection, Selector};
-
-/// Share of the rows that is held back without a second recording.
-const HELD_BACK: f64 = 0.2;
+use crate::thresholds::recording::HELD_BACK;
 
 /// Fits base model and causes to part of the recording, and predicts the rest.
 pub(crate) fn on_held_back(

@@ -5,11 +5,10 @@ use haptical_metrics::{Bootstrap, gap_reduction_percent};
 
 use crate::answer::HeldOutAnswer;
 use crate::engine::Engine;
+use crate::thresholds::recording::BOOTSTRAP_BLOCK_ROWS;
 
 /// Seed of the moving-block bootstrap behind the intervals of a reduction.
 pub const BOOTSTRAP_SEED: u64 = 1;
-/// Rows in a block of the bootstrap.
-const BLOCK_ROWS: usize = 50;
 
 /// Residuals of one channel on unseen rows, without and with the causes.
 #[derive(Debug, Clone)]
@@ -102,7 +101,7 @@ impl Unseen {
             replicates: 400,
             seed: BOOTSTRAP_SEED,
             level: 0.95,
-            block_length: BLOCK_ROWS.min(self.before.len() / 4).max(1),
+            block_length: BOOTSTRAP_BLOCK_ROWS.min(self.before.len() / 4).max(1),
         };
         // q = (after^2 - floor^2) / (before^2 - floor^2), the share of the square that is left
         let left = |rows: &[usize], floor_square: f64| {

@@ -6,11 +6,7 @@ use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::answer::Asked;
 use crate::select::generic::{Covariate, Place, free_function};
-
-/// Intervals of the free functions of an angle.
-const KNOTS: usize = 6;
-/// Intervals of the free functions of time and temperature, which change slowly.
-const SLOW_KNOTS: usize = 3;
+use crate::thresholds::dependence::{KNOTS, SLOW_KNOTS};
 
 /// What a residual is asked for.
 pub(super) struct Question {
