@@ -55,7 +55,7 @@ pub fn diagnose(
     } else {
         answer(device, &base)?
     };
-    corrected.told(&mut found, &options.without);
+    corrected.report(&mut found, &options.without);
     Ok(found)
 }
 

@@ -1,4 +1,4 @@
-//! What stops a diagnosis.
+//! Errors of a diagnosis.
 
 use haptical_calibration::CalibrationError;
 use haptical_effects::ContextError;

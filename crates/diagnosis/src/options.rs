@@ -1,4 +1,4 @@
-//! What a diagnosis is asked to do.
+//! Options of a diagnosis.
 
 use haptical_model::{Device, Recording};
 

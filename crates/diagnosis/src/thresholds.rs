@@ -154,7 +154,7 @@ pub(crate) mod selection {
     pub(crate) const OFF_BY: f64 = 0.35;
     /// Probability below which it surely differs. Choice.
     pub(crate) const SURELY: f64 = 1e-6;
-    /// Share of what was explained below which nothing is told apart from what large numbers leave.
+    /// Share of what was explained below which an effect is one with the rounding of large numbers.
     pub(crate) const DYNAMIC_RANGE: f64 = 2e-4;
     /// Picks that are tried and refused before the search ends. Cost.
     pub(crate) const REFUSALS: usize = 3;

@@ -1,4 +1,4 @@
-//! What must have been recorded for an effect to be tested.
+//! Columns and motion that an effect needs in a recording to be tested.
 
 use haptical_model::Recording;
 

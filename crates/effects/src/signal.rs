@@ -1,4 +1,4 @@
-//! What an effect adds to the measured streams, and the operators on time series that effects share.
+//! Contributions of effects to the measured streams, and the operators on time series that they share.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! What is known of an effect without a recording.
+//! Facts of an effect that need no recording.
 
 use crate::{Need, Parameter};
 

@@ -1,4 +1,4 @@
-//! What to record next, so that what is confused can be told apart.
+//! Advice: the next recording that separates confusable effects.
 
 use haptical_effects::{Effect, Family, spec};
 
@@ -40,7 +40,7 @@ fn confirm(effect: &dyn Effect) -> String {
         Family::Loop => format!(
             "to confirm: move slowly to and fro over one place{}, at two speeds; the width of the loop must not \
              depend on the speed",
-            at(joint)
+            at_joint(joint)
         ),
         Family::Lag => {
             "to confirm: repeat the motion at a third of the speed; the error must fall to a third".to_owned()
@@ -57,7 +57,7 @@ fn confirm(effect: &dyn Effect) -> String {
         }
         Family::Shape | Family::Coupling => format!(
             "to confirm: sweep{} slowly through its whole range without load, with all other joints at rest",
-            at(joint)
+            at_joint(joint)
         ),
         Family::Exit => {
             "to confirm: move the cable encoder to a second known place; an error of the exit turns with the \
@@ -71,7 +71,7 @@ fn confirm(effect: &dyn Effect) -> String {
     }
 }
 
-fn at(joint: usize) -> String {
+fn at_joint(joint: usize) -> String {
     if joint == 0 {
         String::new()
     } else {

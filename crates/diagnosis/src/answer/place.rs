@@ -1,4 +1,4 @@
-//! Where a gap lies: channel, joint, covariates and region, in words.
+//! Place of a gap: channel, joint, covariates and region, in words.
 
 use haptical_effects::structure::TOOL_CHANGED;
 use haptical_effects::{Context, Effect, Follows, Hook, Stream};

@@ -1,4 +1,4 @@
-//! Where a gap lies that single postures show: in the tool, or in what the residuals depend on.
+//! Place of a gap that single postures show: in the tool, or in what the residuals depend on.
 
 use haptical_effects::{Context, Hook, Stream};
 

@@ -1,4 +1,4 @@
-//! What cannot be seen: effects that the base model swallows, with what they would falsify, and the
+//! Effects that cannot be seen: those that the base model swallows, with what they would falsify, and the
 //! smallest size of every other one that would have been noticed.
 
 use haptical_effects::{Absorbed, Effect, Role, Shape, parameter};

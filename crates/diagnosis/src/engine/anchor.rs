@@ -1,4 +1,4 @@
-//! What keeps the base model of touches near the device: touches of unknown places fix many of its numbers badly.
+//! Anchors that keep the base model of touches near the device: touches of unknown places fix many of its numbers badly.
 
 use haptical_calibration::{Channel, DeviceProblem, GaugedProblem, ParameterFit, Weights};
 use haptical_identification::{IdentificationError, Matrix, Problem, Settings, solve};
@@ -7,9 +7,9 @@ use haptical_model::{Device, ParameterId, Recording};
 use crate::DiagnosisError;
 use crate::thresholds::fit::ANCHOR_REACH;
 
-/// Where a base model's numbers are known to be, beside what the recording says of them.
+/// Prior knowledge of a base model's numbers: where each is known to be without the recording.
 ///
-/// A fit of touches holds the numbers that it cannot fix. Beside the effects of a diagnosis they cannot be held: an
+/// A fit of touches holds the numbers that it cannot fix. Together with the effects of a diagnosis they cannot be held: an
 /// encoder that is mounted five degrees off leaves residuals that an effect would explain. Nor can they be free: nothing
 /// stops them, and the device with them, on the way to another shape. So they are free with a reading of their own
 /// value, as it was before (a ridge, or the prior of Bayes; docs/diagnosis.md, Touches).

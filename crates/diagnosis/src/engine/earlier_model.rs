@@ -6,7 +6,7 @@ use haptical_model::{Device, ParameterId, Recording, SurroundingParameter};
 use crate::DiagnosisError;
 use crate::engine::base::Base;
 
-/// The earlier model as it stands in the recording: the device is the model's, and what was touched is the
+/// The earlier model placed in the recording: the device is the model's, and what was touched is the
 /// recording's, placed as the model has it best. Nobody puts a socket back to a tenth of a millimetre, and the
 /// same name may be another place.
 pub(crate) fn placed(

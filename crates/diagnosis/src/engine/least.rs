@@ -78,9 +78,13 @@ impl Columns {
         Some((values, covariance))
     }
 
-    /// Covariance of the first columns' coefficients where the others are free beside them, for noise of unit size;
+    /// Covariance of the first columns' coefficients where the others are free, for noise of unit size;
     /// others that depend on those before them are left out.
-    pub(crate) fn beside(&self, first: &[usize], others: &[usize]) -> Option<DMatrix<f64>> {
+    pub(crate) fn covariance_given(
+        &self,
+        first: &[usize],
+        others: &[usize],
+    ) -> Option<DMatrix<f64>> {
         let mut chosen = first.to_vec();
         for &other in others {
             let (part, _) = self.part(&chosen);
@@ -96,7 +100,7 @@ impl Columns {
         }))
     }
 
-    /// Standard deviation of each column's coefficient beside all others, for noise of unit size.
+    /// Standard deviation of each column's coefficient with all others free, for noise of unit size.
     pub(crate) fn deviations(&self, count: usize) -> Vec<f64> {
         let all: Vec<usize> = (0..count).collect();
         let (part, _) = self.part(&all);

@@ -20,7 +20,7 @@ pub(crate) struct Cause {
 
 impl Cause {
     /// A scored effect as a cause.
-    pub(crate) fn of(score: &Score) -> Self {
+    pub(crate) fn from_score(score: &Score) -> Self {
         Self {
             effect: score.effect,
             amplitudes: score.amplitudes.clone(),

@@ -1,4 +1,4 @@
-//! Whether the causes found account for the gap: what makes the answer "unknown" possible.
+//! Adequacy: do the causes found account for the gap? If not, the answer is "unknown".
 
 use crate::DiagnosisError;
 use crate::answer::Verdict;

@@ -1,4 +1,4 @@
-//! What the residuals of single postures depend on, posture by posture, with probabilities by chance
+//! Dependence of the residuals of single postures, posture by posture, with probabilities by chance
 //! (docs/diagnosis.md, "Touches").
 
 mod questions;
@@ -14,7 +14,7 @@ use crate::engine::system::{System, dot, take_off};
 use self::questions::questions;
 use crate::thresholds::dependence::{ASKED_SHARE, DEPENDENCE_P, DEPENDENT};
 
-/// Every question with its answer by the residual of `system`: first those that are told, by what they explain,
+/// Every question with its answer by the residual of `system`: first the significant ones, by what they explain,
 /// then the others by probability. Adjusted probabilities are by Holm's method over all questions.
 pub(crate) fn dependences(
     context: &Context<'_>,
@@ -65,12 +65,14 @@ fn asked(context: &Context<'_>, system: &System) -> Result<Vec<(Dependence, f64)
         found.push((dependence, answer.beyond_chance));
     }
     // of what is sure the one that explains most, its number of columns allowed for; of the rest the surest
-    let told = |found: &Dependence| found.p_adjusted < DEPENDENCE_P;
+    let is_significant = |found: &Dependence| found.p_adjusted < DEPENDENCE_P;
     found.sort_by(|(a, by_a), (b, by_b)| {
-        told(b).cmp(&told(a)).then_with(|| match told(a) {
-            true => by_b.total_cmp(by_a),
-            false => a.p_value.total_cmp(&b.p_value),
-        })
+        is_significant(b)
+            .cmp(&is_significant(a))
+            .then_with(|| match is_significant(a) {
+                true => by_b.total_cmp(by_a),
+                false => a.p_value.total_cmp(&b.p_value),
+            })
     });
     Ok(found)
 }

@@ -53,7 +53,7 @@ impl Difference {
         self
     }
 
-    /// Whether one name accounts for the difference and for the gap that is left beside it, whose squared
+    /// Whether one name accounts for the difference and for the gap that is left, whose squared
     /// residual is given.
     pub(crate) fn accounts_for(&self, left: f64) -> bool {
         let tool = self.terms.first().filter(|_| self.is_tool());
@@ -95,7 +95,7 @@ pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f6
     earlier.difference()
 }
 
-/// An earlier model's residuals beside everything that may explain them.
+/// An earlier model's residuals and everything that may explain them.
 struct Earlier<'e, 'a> {
     engine: &'e Engine<'a>,
     columns: Columns,
@@ -111,7 +111,7 @@ struct Earlier<'e, 'a> {
 }
 
 impl Earlier<'_, '_> {
-    /// Squared residual that columns explain beside the places of what was touched.
+    /// Squared residual that columns explain, the places of what was touched free.
     fn explained(&self, chosen: &[usize]) -> f64 {
         let with: Vec<usize> = self.places.iter().chain(chosen).copied().collect();
         self.columns.explained(&with) - self.columns.explained(&self.places)
@@ -307,7 +307,7 @@ fn groups(engine: &Engine<'_>) -> Vec<Group> {
         let (name, joint, in_drive) = match engine.base.parameters[position] {
             ParameterId::Link { row, .. } => (LINK_GEOMETRY.name, row.checked_sub(1), false),
             ParameterId::Compliance { joint } => (JOINT_COMPLIANCE.name, Some(joint), false),
-            // where a rig stands is no effect of the device
+            // the place of a rig is no effect of the device
             ParameterId::Surrounding(_) => continue,
             ParameterId::Transmission { joint, index } => {
                 (term_name(device, joint, index), Some(joint), true)

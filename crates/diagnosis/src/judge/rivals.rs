@@ -153,7 +153,7 @@ fn listed(selector: &Selector<'_, '_>, own: usize, mut evidence: Vec<Evidence>) 
         })
         .collect();
     merge(&mut found);
-    // the cause that was picked stands first
+    // the cause that was picked comes first
     if let Some(position) = found.iter().position(|rival| {
         rival.name == selector.effects[own].name() && rival.joint == selector.effects[own].joint()
     }) {

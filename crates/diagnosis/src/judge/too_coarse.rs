@@ -36,7 +36,7 @@ pub(crate) struct Corrected {
 }
 
 impl Corrected {
-    /// The noise of every channel whose residual refutes it; none where the stated noise stands.
+    /// The noise of every channel whose residual refutes it; none where nothing refutes the stated noise.
     pub(crate) fn new(
         nominal: &Device,
         base: &Base,
@@ -73,7 +73,7 @@ impl Corrected {
     }
 
     /// Says in the answer what was wrong.
-    pub(crate) fn told(&self, answer: &mut Diagnosis, without: &[String]) {
+    pub(crate) fn report(&self, answer: &mut Diagnosis, without: &[String]) {
         answer.warnings.splice(0..0, self.warnings.iter().cloned());
         for channel in &self.refuted {
             let name = channel.channel.name();

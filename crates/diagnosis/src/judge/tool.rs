@@ -1,4 +1,4 @@
-//! Whether all that an earlier model gets wrong is another tool (docs/diagnosis.md, "Earlier model").
+//! Test for another tool: does it explain all that an earlier model gets wrong (docs/diagnosis.md, "Earlier model")?
 
 use std::collections::BTreeMap;
 
@@ -44,7 +44,7 @@ pub(crate) fn columns(engine: &Engine<'_>, earlier: &Device) -> Option<Vec<Vec<f
     Some(columns.collect())
 }
 
-/// The shift that explains the difference best beside `given` columns. What it leaves counts as noise in the
+/// The shift that explains the difference best with `given` columns free. What it leaves counts as noise in the
 /// intervals, and so do the errors of the earlier model's `other` numbers, which are taken to be those of a fit to
 /// this recording.
 pub(crate) fn shift(
@@ -57,7 +57,7 @@ pub(crate) fn shift(
     let (values, covariance) = columns.solution(&chosen)?;
     let parts: Vec<f64> = values[given.len()..].to_vec();
     let size = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
-    let earlier = columns.beside(&chosen, other)?;
+    let earlier = columns.covariance_given(&chosen, other)?;
     let entry = |a: usize, b: usize| {
         let place = (given.len() + a, given.len() + b);
         covariance[place] + earlier[place]

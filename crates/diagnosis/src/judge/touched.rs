@@ -1,4 +1,4 @@
-//! What single postures at which something is touched allow to be said of a gap.
+//! Verdicts on single postures at which something is touched.
 
 use haptical_calibration::Channel;
 use haptical_effects::Stream;

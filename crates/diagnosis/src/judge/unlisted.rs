@@ -1,4 +1,4 @@
-//! What a verdict says of the first cause beyond its own evidence: rivals that no scan could list, and how little
+//! Hedges of the first cause beyond its own evidence: rivals that no scan could list, and how little
 //! a name is worth that explains a part of a gap only.
 
 use haptical_effects::Effect;

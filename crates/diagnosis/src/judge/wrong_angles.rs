@@ -1,4 +1,4 @@
-//! What a gap of positions does to torques: effects on torques are not told where it is as large.
+//! Torques caused by a gap of positions: effects on torques that are no larger are not reported.
 
 use haptical_calibration::Channel;
 use haptical_effects::Hook;

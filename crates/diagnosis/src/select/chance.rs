@@ -1,4 +1,4 @@
-//! Whether a pick is more than chance, and explains enough.
+//! Significance of a pick, and the share that it must explain.
 
 use haptical_effects::Shape;
 use haptical_metrics::chi_square_p_value;

@@ -11,7 +11,7 @@ use crate::select::scan::Score;
 use crate::select::{Grown, Selector};
 use crate::thresholds::selection::{CONTENDERS, CONTENDING};
 
-/// An effect refitted beside the causes so far.
+/// An effect refitted together with the causes so far.
 #[derive(Debug, Clone)]
 pub(crate) struct Tried {
     effect: usize,
@@ -21,7 +21,7 @@ pub(crate) struct Tried {
 
 impl Selector<'_, '_> {
     /// The best effect with its refit; close contenders are refitted too and the costs decide. `tried` keeps
-    /// refits beside the same causes.
+    /// refits with the same causes.
     pub(crate) fn best(
         &self,
         grown: &Grown,
@@ -107,7 +107,7 @@ impl Selector<'_, '_> {
         system: &System,
         score: &Score,
     ) -> Result<(Refit, f64), DiagnosisError> {
-        let cause = Cause::of(&self.sharpened(system, score));
+        let cause = Cause::from_score(&self.sharpened(system, score));
         let effect = self.effects[score.effect].as_ref();
         let shapes = if effect.spec().shape == Shape::Sides {
             effect.shapes(&self.engine.context)

@@ -1,4 +1,4 @@
-//! What the laws of earlier causes may have got wrong, where a later pick shows.
+//! Possible errors of the laws of earlier causes, in the streams where a later pick shows.
 
 use haptical_effects::{Effect, Family, Hook};
 

@@ -16,7 +16,7 @@ pub(crate) fn event_score(
     effect: &dyn Effect,
     index: usize,
 ) -> Option<Score> {
-    best_instant(&Rest::of(system), context, effect, index)
+    best_instant(&Rest::new(system), context, effect, index)
 }
 
 fn best_instant(
@@ -79,7 +79,7 @@ fn best_instant(
     best
 }
 
-/// Rows at either end of a run within which a step cannot be told from the zero that the base model
+/// Rows at either end of a run within which a step is one with the zero that the base model
 /// adjusts: a part of the run, and at the start as long as the device rests.
 fn margin_rows(context: &Context<'_>, run: &std::ops::Range<usize>) -> usize {
     let columns = &context.recording.joint;
@@ -94,8 +94,8 @@ fn margin_rows(context: &Context<'_>, run: &std::ops::Range<usize>) -> usize {
     rest + run.len().div_ceil(MARGIN)
 }
 
-/// An event's further steps (counts are lost more than once): each at its best instant beside the
-/// others, which then move to theirs. Three steps up look like a ramp whose middle is the best single one.
+/// An event's further steps (counts are lost more than once): each at its best instant, after which
+/// the others move to theirs. Three steps up look like a ramp whose middle is the best single one.
 pub(crate) fn with_more_steps(
     system: &System,
     context: &Context<'_>,
@@ -105,7 +105,7 @@ pub(crate) fn with_more_steps(
     let one = first.score;
     let mut times = first.times.clone();
     while times.len() < MOST_STEPS_OF_AN_EVENT {
-        let rest = Rest::beside(system, context, effect, &times, usize::MAX);
+        let rest = Rest::with_steps(system, context, effect, &times, usize::MAX);
         match best_instant(&rest, context, effect, first.effect) {
             Some(next) if next.score > STEP_SCORE && next.score > STEP_SHARE * one => {
                 times.push(next.shape);
@@ -115,7 +115,7 @@ pub(crate) fn with_more_steps(
         for _ in 0..SWEEPS {
             let before = times.clone();
             for index in 0..times.len() {
-                let rest = Rest::beside(system, context, effect, &times, index);
+                let rest = Rest::with_steps(system, context, effect, &times, index);
                 if let Some(best) = best_instant(&rest, context, effect, first.effect) {
                     times[index] = best.shape;
                 }
@@ -148,7 +148,7 @@ pub(crate) fn sharpen(
 ) -> Score {
     let reach = (system.blocks.size + 1).min(12);
     for index in 0..event.times.len() {
-        let rest = Rest::beside(system, context, effect, &event.times, index);
+        let rest = Rest::with_steps(system, context, effect, &event.times, index);
         let row = event.times[index] as usize;
         let mut best: Option<(f64, f64, f64)> = None;
         for row in row.saturating_sub(reach)..(row + reach + 1).min(context.rows()) {
@@ -168,7 +168,7 @@ pub(crate) fn sharpen(
     event
 }
 
-/// What a system leaves beside further directions.
+/// Residual of a system with further directions projected out.
 struct Rest<'s> {
     system: &'s System,
     further: Vec<Vec<f64>>,
@@ -178,7 +178,7 @@ struct Rest<'s> {
 }
 
 impl<'s> Rest<'s> {
-    fn of(system: &'s System) -> Self {
+    fn new(system: &'s System) -> Self {
         Self {
             system,
             further: Vec::new(),
@@ -187,15 +187,15 @@ impl<'s> Rest<'s> {
         }
     }
 
-    /// Beside the steps of an event but one.
-    fn beside(
+    /// With all steps of an event but one projected out.
+    fn with_steps(
         system: &'s System,
         context: &Context<'_>,
         effect: &dyn Effect,
         times: &[f64],
         but: usize,
     ) -> Self {
-        let mut rest = Self::of(system);
+        let mut rest = Self::new(system);
         for (index, &time) in times.iter().enumerate() {
             if index != but {
                 rest.steps.push(time as usize);

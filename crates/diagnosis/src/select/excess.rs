@@ -1,4 +1,4 @@
-//! What is left beyond noise: energies of slow residuals against their degrees of freedom.
+//! Excess over noise: energies of slow residuals against their degrees of freedom.
 
 use crate::engine::system::SlowEnergy;
 use crate::noise::Noise;

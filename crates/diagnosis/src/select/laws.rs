@@ -1,4 +1,4 @@
-//! Whether an effect keeps its law: what a free function of its own covariates still explains, and what
+//! Test of an effect's law: the share that a free function of its own covariates still explains, and that which
 //! the other side of the external encoder shows (docs/diagnosis.md, "Adequacy").
 
 use haptical_effects::{Effect, Hook};

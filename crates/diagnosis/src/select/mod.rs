@@ -53,7 +53,7 @@ pub(crate) struct Grown {
     pub(crate) after: Vec<SlowEnergy>,
     pub(crate) explained: Vec<f64>,
     first_scan: Vec<Score>,
-    /// Picks whose law is to be judged beside those that follow.
+    /// Picks whose law is judged when those that follow are in.
     provisional: Vec<Score>,
 }
 
@@ -176,7 +176,7 @@ impl<'e, 'a> Selector<'e, 'a> {
                     let broken = self.broken_law(&system, effect, cause, score.score);
                     law_is_kept(effect, broken)
                 });
-            // beside other effects still to come a law cannot be judged
+            // while other effects are still to come a law cannot be judged
             let much_left = excess(&after).0 > STILL_MUCH * excess(before).0;
             if !enough || !beyond_laws || (!keeps_its_law && !much_left) {
                 refused.add(score);
@@ -198,7 +198,7 @@ impl<'e, 'a> Selector<'e, 'a> {
         Ok(grown)
     }
 
-    /// The first cause that was taken up provisionally and whose law is broken beside all others too.
+    /// The first cause that was taken up provisionally and whose law is broken with all others in the model too.
     fn broken_in_the_end(&self, grown: &Grown) -> Option<Score> {
         let causes = grown.refit.model.causes.iter().zip(&grown.explained);
         grown.provisional.iter().find_map(|score| {

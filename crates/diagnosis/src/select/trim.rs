@@ -7,8 +7,8 @@ use crate::select::scan::Score;
 use crate::select::{Grown, Selector};
 
 impl Selector<'_, '_> {
-    /// Takes out, one after the other, causes that explain no more beside all others than chance or the
-    /// others' laws; what is left is said to explain what it does beside the others.
+    /// Takes out, one after the other, causes that explain no more than chance when all others are in the model or the
+    /// others' laws; what is left is credited with what it explains then.
     pub(crate) fn trim(&self, grown: &mut Grown) -> Result<(), DiagnosisError> {
         while grown.refit.model.causes.len() > 1 {
             let cost = self.cost(&grown.refit);

@@ -1,4 +1,4 @@
-//! Where the links stand at every row.
+//! Frames of the links at every row.
 
 use haptical_model::kinematics::Convention;
 use haptical_model::kinematics::nalgebra::Vector3;

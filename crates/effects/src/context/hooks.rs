@@ -1,4 +1,4 @@
-//! What an error shows on the measured streams, by the hook where it enters (docs/diagnosis.md).
+//! Changes of the measured streams by an error, for each hook where it may enter (docs/diagnosis.md).
 
 use haptical_calibration::{Channel, Tracked};
 use haptical_model::Evaluation;

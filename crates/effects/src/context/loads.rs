@@ -1,4 +1,4 @@
-//! What drives and base bear at rest, row by row, by the model's statics.
+//! Loads of drives and base at rest, row by row, by the model's statics.
 
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Recording, Statics};

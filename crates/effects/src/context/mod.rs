@@ -1,4 +1,4 @@
-//! What effects are computed from: the base model's angles, distances and sensitivities at every row,
+//! Inputs of all effects: the base model's angles, distances and sensitivities at every row,
 //! with the recorded covariates smoothed.
 
 mod cable;

@@ -1,4 +1,4 @@
-//! What is measured: streams, one for each axis of a channel.
+//! Measured streams, one for each axis of a channel.
 
 use haptical_calibration::Channel;
 use haptical_model::Device;

@@ -1,4 +1,4 @@
-//! What is found of the readings by the noise model.
+//! Findings of the noise model on the readings.
 
 mod noise_level;
 mod outliers;

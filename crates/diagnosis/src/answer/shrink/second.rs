@@ -15,6 +15,7 @@ use crate::engine::{Engine, Prepared};
 use crate::noise::cleaning::without_readings;
 use crate::select::events::{event_score, with_more_steps};
 use crate::select::{Selection, Selector};
+use crate::thresholds::steps::STEP_SCORE;
 
 /// Predicts a second recording with the models of the first. Events belong to one recording: their
 /// instants and sizes are looked for in the second one.
@@ -81,7 +82,7 @@ pub(crate) fn on_second(
     })
 }
 
-/// The models of the first recording where the second one touches something: nobody knows where it stands, so its
+/// The models of the first recording where the second one touches something: nobody knows its place, so its
 /// places are fitted with the models held.
 struct Touched {
     /// Without the causes, and with them.
@@ -162,7 +163,7 @@ fn in_second(second: &Engine<'_>, effects: &[Box<dyn Effect>], cause: &Cause) ->
     }
     let score = event_score(&second.system, &second.context, effect, cause.effect)?;
     let found = with_more_steps(&second.system, &second.context, effect, score);
-    (found.score > 40.0).then(|| Cause::of(&found))
+    (found.score > STEP_SCORE).then(|| Cause::from_score(&found))
 }
 
 fn predictions(

@@ -1,5 +1,5 @@
-//! What the residuals of single postures are asked for: angles, torques, the side that a joint came from, the
-//! direction of approach, and everything that was logged beside them.
+//! Covariates that the residuals of single postures are tested for: angles, torques, the side that a joint came from, the
+//! direction of approach, and every other logged column.
 
 use haptical_effects::{Context, Hook, Signal, Stream};
 use haptical_model::kinematics::nalgebra::Vector3;
@@ -42,11 +42,11 @@ fn angle(context: &Context<'_>, joint: usize) -> Option<Question> {
         joint: Some(joint),
         asked: Asked::Angle,
         on: angle.words(context),
-        signals: free_function(context, at(joint), angle, KNOTS)?,
+        signals: free_function(context, at_joint(joint), angle, KNOTS)?,
     })
 }
 
-fn at(joint: usize) -> Place {
+fn at_joint(joint: usize) -> Place {
     Place {
         hook: Hook::Joint,
         joint: Some(joint),
