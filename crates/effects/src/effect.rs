@@ -1,9 +1,15 @@
 //! An effect at a place: what it adds to the measured streams, and its numbers.
 
+use std::f64::consts::PI;
 use std::fmt::Debug;
 
 use crate::context::{Context, Stream};
 use crate::{Family, Hook, Shape, Signal, Spec};
+
+/// Relative step of a transition and the like.
+const SHAPE_STEP: f64 = 0.02;
+/// Step of a phase \[rad\].
+const PHASE_STEP_RAD: f64 = 0.05;
 
 /// One effect at one place.
 pub trait Effect: Debug + Send + Sync {
@@ -19,7 +25,7 @@ pub trait Effect: Debug + Send + Sync {
     fn shapes(&self, _context: &Context<'_>) -> Vec<f64> {
         match self.spec().shape {
             Shape::Listed(shapes) | Shape::Continuous(shapes) => shapes.to_vec(),
-            Shape::Sides | Shape::Event | Shape::Given => vec![0.0],
+            Shape::Sides | Shape::Event | Shape::Line | Shape::Given => vec![0.0],
         }
     }
 
@@ -107,7 +113,16 @@ impl dyn Effect + '_ {
         own.family == theirs.family
             && self.joint() == other.joint()
             && (own.hook == theirs.hook || own.family == Family::Drift)
-            && own.family != Family::Coupling
+            && !matches!(own.family, Family::Coupling | Family::Periodic)
+    }
+
+    /// Relative step of the shape over which its signal is taken for straight.
+    pub fn shape_step(&self, context: &Context<'_>, shape: f64) -> f64 {
+        match self.spec().shape {
+            // by which the phase at the ends of a run changes little
+            Shape::Line => PHASE_STEP_RAD / (PI * shape * context.longest_run_s()).max(1.0),
+            _ => SHAPE_STEP,
+        }
     }
 
     /// Relative uncertainty that a covariate's scale adds to the first parameter.

@@ -1,5 +1,6 @@
 //! Columns and motion that an effect needs in a recording to be tested.
 
+use haptical_calibration::Channel;
 use haptical_model::Recording;
 
 use crate::context::{Context, Stream};
@@ -25,6 +26,10 @@ pub enum Need {
     Cable,
     /// Radius of the first cable's drum.
     DrumRadius,
+    /// Positions of a tracker.
+    Position,
+    /// Orientations of a tracker.
+    Orientation,
     /// A distance, position, orientation or touch.
     Chain,
     /// Two runs.
@@ -50,6 +55,8 @@ impl Need {
             Self::Output => "external encoder",
             Self::Cable => "cable",
             Self::DrumRadius => "drum radius",
+            Self::Position => "position",
+            Self::Orientation => "orientation",
             Self::Chain => "distance or pose",
             Self::Runs => "two runs",
             Self::Gravity => "gravity",
@@ -102,6 +109,14 @@ impl Need {
             Self::DrumRadius => lacks(
                 cable.is_none_or(|cable| cable.drum_radius_m.is_none()),
                 "no drum_radius_m in the device file",
+            ),
+            Self::Position => lacks(
+                context.streams_of(Channel::Position).next().is_none(),
+                "no columns x_m, y_m, z_m",
+            ),
+            Self::Orientation => lacks(
+                context.streams_of(Channel::Orientation).next().is_none(),
+                "no columns qw, qx, qy, qz",
             ),
             Self::Chain => lacks(
                 !context.streams.iter().any(Stream::shows_handle),

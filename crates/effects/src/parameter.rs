@@ -13,7 +13,7 @@ pub enum Role {
     Phase,
     /// When it happened.
     Instant,
-    /// How many periods a turn has, or which joint drives it.
+    /// How many periods a turn or a second has, or which joint drives it.
     Number,
     /// The travel over which it turns over.
     Transition,
@@ -75,6 +75,14 @@ impl Parameter {
         Self {
             role: Role::Number,
             ..Self::size(name, Unit::One, 0.0, high)
+        }
+    }
+
+    /// A frequency of up to `high` \[Hz\].
+    pub const fn frequency(high: f64) -> Self {
+        Self {
+            role: Role::Number,
+            ..Self::size("frequency_hz", Unit::Hertz, 0.0, high)
         }
     }
 

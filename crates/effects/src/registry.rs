@@ -1,5 +1,7 @@
 //! The one list of effects. A new one is a file and a line here.
 
+use std::slice::from_ref;
+
 use haptical_model::{Device, Joint, JointType, TransmissionKind};
 
 use crate::{Effect, Parameter, Spec};
@@ -13,15 +15,16 @@ enum Site {
     Joint(fn(&Joint) -> bool, fn(usize) -> Box<dyn Effect>),
     /// At each joint of a kind, from each other joint.
     Pair(fn(&Joint) -> bool, fn(usize, usize) -> Box<dyn Effect>),
-    /// Once on a device.
-    Device(fn() -> Box<dyn Effect>),
+    /// On a device, at places of its own.
+    Device(fn(&Device) -> Vec<Box<dyn Effect>>),
     /// Found outside the scan of measured positions.
     Elsewhere,
 }
 
 /// A line of the registry.
 struct Line {
-    spec: &'static Spec,
+    /// One, or one for each kind of place where the effect's numbers differ.
+    specs: &'static [Spec],
     site: Site,
 }
 
@@ -45,7 +48,7 @@ macro_rules! at_joints {
     ($kind:ident, $file:path, $effect:ident) => {{
         use $file as file;
         Line {
-            spec: &file::SPEC,
+            specs: from_ref(&file::SPEC),
             site: Site::Joint($kind, |joint| Box::new(file::$effect { joint })),
         }
     }};
@@ -55,15 +58,15 @@ macro_rules! on_device {
     ($file:path, $effect:ident) => {{
         use $file as file;
         Line {
-            spec: &file::SPEC,
-            site: Site::Device(|| Box::new(file::$effect)),
+            specs: from_ref(&file::SPEC),
+            site: Site::Device(|_| vec![Box::new(file::$effect)]),
         }
     }};
 }
 
 const fn elsewhere(spec: &'static Spec) -> Line {
     Line {
-        spec,
+        specs: from_ref(spec),
         site: Site::Elsewhere,
     }
 }
@@ -104,7 +107,7 @@ const REGISTRY: [Line; 54] = [
     ),
     at_joints!(turns_by_drums, transmission::cable_pitch, CablePitch),
     Line {
-        spec: &transmission::cross_coupling::SPEC,
+        specs: from_ref(&transmission::cross_coupling::SPEC),
         site: Site::Pair(turns, |joint, from| {
             Box::new(transmission::cross_coupling::CrossCoupling { joint, from })
         }),
@@ -170,16 +173,17 @@ pub fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
             }
         }
     }
-    effects.extend(REGISTRY.iter().filter_map(|line| match line.site {
-        Site::Device(make) => Some(make()),
-        _ => None,
-    }));
+    for line in &REGISTRY {
+        if let Site::Device(make) = line.site {
+            effects.extend(make(device));
+        }
+    }
     effects
 }
 
 /// What is known of every effect, in the order of the registry.
 pub fn specs() -> impl Iterator<Item = &'static Spec> {
-    REGISTRY.iter().map(|line| line.spec)
+    REGISTRY.iter().flat_map(|line| line.specs)
 }
 
 /// Every name, once.
@@ -220,7 +224,9 @@ pub fn parameter(effect: &str, parameter: &str) -> Option<&'static Parameter> {
 /// ```
 pub fn plausible_range(device: &Device, effect: &str, parameter: &str) -> Option<[f64; 2]> {
     let lines = REGISTRY.iter();
-    let mut lines = lines.filter(|line| line.spec.name == effect && line.occurs_on(device));
-    let found = lines.find_map(|line| line.spec.parameter(parameter))?;
+    let specs = lines.filter(|line| line.occurs_on(device));
+    let specs = specs.flat_map(|line| line.specs);
+    let mut specs = specs.filter(|spec| spec.name == effect);
+    let found = specs.find_map(|spec| spec.parameter(parameter))?;
     Some(found.plausible)
 }

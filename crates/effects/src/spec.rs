@@ -16,6 +16,8 @@ pub enum Hook {
     Structure,
     /// The cable encoder: the cable alone sees it.
     CableSensor,
+    /// The tracker: nothing else sees it.
+    Tracker,
     /// The sampling of all motor encoders: everything sees it.
     Timing,
     /// The torques of the drives.
@@ -37,6 +39,7 @@ impl Hook {
             Self::Joint => "joint",
             Self::Structure => "structure",
             Self::CableSensor => "cable sensor",
+            Self::Tracker => "tracker",
             Self::Timing => "timing",
             Self::Torque => "torque",
             Self::ForceSensor => "force sensor",
@@ -70,6 +73,10 @@ pub enum Family {
     Wobble,
     /// Of the handle.
     Tool,
+    /// Of one frequency in time.
+    Periodic,
+    /// Where a sensor stands.
+    Place,
     /// Numbers of a sensor or of the device file.
     Stated,
 }
@@ -120,6 +127,9 @@ pub enum Shape {
     Sides,
     /// The first row after an event: it is searched over all rows, and belongs to one recording.
     Event,
+    /// The frequency of a spectral line \[Hz\], any number: all frequencies are searched before, once for all effects
+    /// ([`crate::Line`]).
+    Line,
     /// Given by the device or the recording.
     Given,
 }
@@ -130,7 +140,7 @@ impl Shape {
 
     /// Whether shapes between those of the grid exist.
     pub fn is_continuous(self) -> bool {
-        matches!(self, Self::Continuous(_))
+        matches!(self, Self::Continuous(_) | Self::Line)
     }
 }
 

@@ -12,6 +12,7 @@ pub enum Unit {
     NewtonMetre,
     Kilogram,
     Celsius,
+    Hertz,
     PerRadian,
     PerMetre,
     PerNewtonMetre,
@@ -28,7 +29,7 @@ pub enum Unit {
 }
 
 /// Suffix of names and symbol; a suffix comes before those that end it.
-const UNITS: [(Unit, &str, &str); 20] = [
+const UNITS: [(Unit, &str, &str); 21] = [
     (
         Unit::NewtonMetreSecondPerRadian,
         "nm_s_per_rad",
@@ -48,6 +49,7 @@ const UNITS: [(Unit, &str, &str); 20] = [
     (Unit::PerNewtonMetre, "per_nm", "1/(N m)"),
     (Unit::PerRadian, "per_rad", "1/rad"),
     (Unit::Celsius, "degc", "°C"),
+    (Unit::Hertz, "hz", "Hz"),
     (Unit::Radian, "rad", "rad"),
     (Unit::Kilogram, "kg", "kg"),
     (Unit::NewtonMetre, "nm", "N m"),

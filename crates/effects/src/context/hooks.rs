@@ -152,6 +152,29 @@ impl Context<'_> {
         on_one(self.cable.as_ref().map(|cable| cable.stream), error)
     }
 
+    /// What a tracker reads when its own frame is displaced a little, `(translation, rotation)` in that frame.
+    pub fn tracker(&self, moved: impl Fn(usize) -> (Vector3<f64>, Vector3<f64>)) -> Signal {
+        let mut signal = Signal::default();
+        for channel in [Channel::Position, Channel::Orientation] {
+            for (axis, stream) in self.streams_of(channel).enumerate() {
+                let value = |row: usize| {
+                    let (shift, tilt) = moved(row);
+                    match channel {
+                        Channel::Position => {
+                            let seen = self.tracked_m(&self.pose(row));
+                            -(shift + tilt.cross(&seen))[axis]
+                        }
+                        _ => -tilt[axis],
+                    }
+                };
+                signal
+                    .parts
+                    .push((stream, (0..self.rows()).map(value).collect()));
+            }
+        }
+        signal
+    }
+
     /// A small displacement of the handle, `(translation, rotation)` in frame (-1) (H5).
     pub fn handle(&self, moved: impl Fn(usize) -> (Vector3<f64>, Vector3<f64>)) -> Signal {
         let moved: Vec<_> = (0..self.rows()).map(moved).collect();

@@ -4,6 +4,7 @@
 mod cable;
 mod frames;
 mod hooks;
+mod lines;
 mod loads;
 mod rows;
 mod stream;
@@ -26,6 +27,7 @@ use self::rows::{STEP_OF_A_MOTION, load_reach, runs_of, step_of_range};
 use self::stream::stream_of;
 
 pub use self::cable::CableGeometry;
+pub use self::lines::Line;
 pub use self::stream::{Stream, streams};
 pub use self::touches::Touches;
 
@@ -69,6 +71,8 @@ pub struct Context<'a> {
     /// Temperature less its mean.
     pub warming_k: Option<Vec<f64>>,
     touches: Touches,
+    /// Spectral lines of what the base model leaves; none until they are looked for.
+    pub lines: Vec<Line>,
 }
 
 /// Samples on each side over which temperatures are averaged.
@@ -181,6 +185,7 @@ impl<'a> Context<'a> {
             force_n,
             warming_k,
             touches: Touches::new(device, recording),
+            lines: Vec::new(),
         })
     }
 

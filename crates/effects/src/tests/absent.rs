@@ -6,8 +6,8 @@ use super::rig::{
     AnyEffect, Rig, SECOND_RUN_S, amplitudes, context, rigs, seven_joints, three_joints,
 };
 use super::{NOTHING, follows_a_slide, size};
-use crate::catalogue;
 use crate::context::Context;
+use crate::{Follows, catalogue};
 
 /// Ways to spoil a recording, with what the reason must mention and which effects must be lost.
 type Spoilt = (
@@ -84,7 +84,7 @@ const SPOILT: [Spoilt; 8] = [
             log.time_s = Some(steady(log.len()));
         },
         "run",
-        |effect| effect.name() == "tool-changed",
+        |effect| effect.spec().follows == Follows::Run,
     ),
 ];
 

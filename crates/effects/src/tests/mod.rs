@@ -14,12 +14,12 @@ use haptical_calibration::Channel;
 use self::rig::{AnyEffect, amplitudes, rigs, values};
 use crate::{Context, Hook, Role, Shape, Signal, Spec, Unit, catalogue};
 
-/// Tests an effect: `conforms!(SPEC)` in its file.
+/// Tests an effect: `conforms!(SPEC)` in its file, with all of them where it has several.
 macro_rules! conforms {
-    ($spec:expr) => {
+    ($($spec:expr),+) => {
         #[test]
         fn conforms() {
-            crate::tests::check(&$spec);
+            $(crate::tests::check(&$spec);)+
         }
     };
 }
@@ -273,7 +273,8 @@ fn assert_differs_at_reversals_alone(label: &str, column: &Signal, difference: &
 }
 
 fn assert_changes_smoothly_with_its_shape(effect: &AnyEffect, context: &Context<'_>) {
-    if !effect.spec().shape.is_continuous() {
+    // the phase of a line is proportional to its shape
+    if !matches!(effect.spec().shape, Shape::Continuous(_)) {
         return;
     }
     let (amplitudes, _) = amplitudes(effect, context);
@@ -308,6 +309,7 @@ fn reaches(hook: Hook, joint: Option<usize>, channel: Channel) -> bool {
         Hook::ExternalEncoder => own,
         Hook::Joint | Hook::Structure => chain,
         Hook::CableSensor => channel == Channel::Cable { index: 0 },
+        Hook::Tracker => matches!(channel, Channel::Position | Channel::Orientation),
         Hook::Timing => true,
         Hook::Torque | Hook::ForceSensor | Hook::Readings | Hook::BaseModel => false,
     }

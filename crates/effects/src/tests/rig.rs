@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use haptical_calibration::channels;
+use haptical_calibration::{Channel, channels};
 use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use haptical_model::{Device, Evaluation, Recording};
 
 use crate::Effect;
-use crate::{Context, streams};
+use crate::{Context, Line, streams};
 
 /// An effect of the registry.
 pub(super) type AnyEffect = dyn Effect + 'static;
@@ -36,7 +36,18 @@ impl Rig {
 /// What effects are computed from on a recording.
 pub(super) fn context<'a>(device: &'a Device, recording: &'a Recording) -> Context<'a> {
     let channels = channels(device, recording).unwrap();
-    Context::new(device, recording, &streams(device, &channels)).unwrap()
+    let mut context = Context::new(device, recording, &streams(device, &channels)).unwrap();
+    context.lines = channels.into_iter().map(line).collect();
+    context
+}
+
+/// A line that was found in a channel.
+fn line(channel: Channel) -> Line {
+    Line {
+        channel,
+        frequency_hz: 7.3,
+        phase_rad: vec![0.4; 2],
+    }
 }
 
 /// Both rigs.
@@ -275,7 +286,7 @@ pub(super) fn typical(parameter: &str) -> Option<f64> {
         "stiffness_nm_per_rad" => 300.0,
         "creep_per_nm" => 1e-4,
         "slip_rad" => 2e-3,
-        "width_rad" | "amplitude_rad" | "gain" | "scale" => 1e-3,
+        "width_rad" | "amplitude_rad" | "gain" | "scale" | "tilt_rad" => 1e-3,
         "transition_rad" => 0.05,
         "delay_s" => 3e-3,
         "phase_rad" => 0.7,
@@ -308,7 +319,7 @@ pub(super) fn values(effect: &AnyEffect, context: &Context<'_>, factor: f64) -> 
         .map(|spec| match (typical(spec.name), spec.name) {
             (Some(value), "phase_rad" | "time_s") => value,
             (Some(value), _) => factor * value,
-            (None, "order" | "from_joint") => shape,
+            (None, "order" | "from_joint" | "frequency_hz") => shape,
             (None, other) => panic!(
                 "{} has a parameter `{other}` without a size",
                 effect.label()

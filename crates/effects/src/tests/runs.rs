@@ -3,9 +3,9 @@
 use haptical_model::Recording;
 
 use super::rig::{AnyEffect, RUN, Rig, amplitudes, context, rigs};
-use crate::catalogue;
 use crate::context::Context;
 use crate::signal::Signal;
+use crate::{Follows, catalogue};
 
 /// The two runs in the other order.
 fn exchanged(recording: &Recording) -> Recording {
@@ -34,7 +34,7 @@ fn the_order_of_the_runs_changes_nothing_within_them() {
         let (here, there) = (context(&device, &recording), context(&device, &swapped));
         for effect in catalogue(&device) {
             // this one is about the order
-            if effect.name() == "tool-changed" || effect.untestable(&here).is_some() {
+            if effect.spec().follows == Follows::Run || effect.untestable(&here).is_some() {
                 continue;
             }
             let (amplitudes, shape) = amplitudes(effect.as_ref(), &here);
