@@ -95,6 +95,43 @@ pub(crate) mod noise {
     pub(crate) const LEVEL_SD: f64 = 0.03;
 }
 
+/// Spectral lines of what the base model leaves.
+pub(crate) mod lines {
+    /// Probability, over all frequencies and streams, below which a peak is more than chance. Choice: far below that of an
+    /// effect, as a line changes the noise that everything is compared with.
+    pub(crate) const LINE_P: f64 = 1e-6;
+    /// Lines of a channel at most. Choice.
+    pub(crate) const MOST_LINES: usize = 2;
+    /// Rows of a segment at least. Choice.
+    pub(crate) const SHORTEST_ROWS: usize = 64;
+    /// Rows of a segment at most. Choice.
+    pub(crate) const LONGEST_ROWS: usize = 1024;
+    /// Segments that the longest piece is cut into, about; half of each is shared with the next. Choice.
+    pub(crate) const SEGMENTS: usize = 4;
+    /// Share of a segment's instants that must have a reading. Choice.
+    pub(crate) const FILLED: f64 = 0.6;
+    /// Steps of time that part two pieces. Choice.
+    pub(crate) const PAUSE: f64 = 16.0;
+    /// Bins on each side whose level a peak is compared with. Choice.
+    pub(crate) const NEAR_BINS: usize = 20;
+    /// Bins next to a peak that its window touches. Calculated: the main lobe of Hann's, and one.
+    pub(crate) const TOUCHED_BINS: usize = 3;
+    /// Bins from zero within which nothing is looked for. Choice.
+    pub(crate) const SLOW_BINS: usize = 8;
+    /// A line is this many times faster than the device moves: what the device's own errors make of its motion is slower.
+    pub(crate) const FASTER_THAN_MOTION: f64 = 8.0;
+    /// Share of a peak's power that one oscillation throughout each run must hold: noise of a resonance does not. Choice.
+    pub(crate) const COHERENT: f64 = 0.6;
+    /// Frequencies that are tried for each one that a run resolves. Choice.
+    pub(crate) const FINENESS: f64 = 8.0;
+    /// Readings this many times their median size are taken for that. Choice.
+    pub(crate) const FAR: f64 = 10.0;
+    /// Share of a line's period that a block holds at most. Calculated: the mean keeps 90 % of the line's size.
+    pub(crate) const SHARE_OF_A_PERIOD: f64 = 0.25;
+    /// Share of a gap from which a line in it is the place of the gap. Choice.
+    pub(crate) const MOST_OF_A_GAP: f64 = 0.5;
+}
+
 /// Fits of the base model and of causes.
 pub(crate) mod fit {
     /// Standard deviation that a number of the chain is given about its anchor, in plausible sizes. Calculated: a number that

@@ -64,6 +64,13 @@ fn confirm(effect: &dyn Effect) -> String {
              cable's angle, one of the device does not"
                 .to_owned()
         }
+        Family::Periodic => {
+            "to confirm: record the device at rest, and at another speed; the frequency must stay".to_owned()
+        }
+        Family::Place => {
+            "to confirm: return to one posture in each run; what the tracker reads there must differ by the shift"
+                .to_owned()
+        }
         Family::Stated => "to confirm: check the stated number against a standard".to_owned(),
         Family::Wobble => format!(
             "to confirm: turn joint {joint} alone through its range with a dial gauge on the next link"
@@ -110,6 +117,10 @@ fn separate(first: Option<&dyn Effect>, confused_with: &[String]) -> String {
             "widen the range of that joint as far as it goes, and move it alone"
         }
         Family::Tool => "push the handle with known forces while the device stands still",
+        Family::Periodic => {
+            "repeat the motion at another speed, and at rest: what comes from outside keeps its frequency"
+        }
+        Family::Place => "return to one posture in each run, and measure the handle there",
         Family::Stated => "check the stated number against a standard",
     };
     let joint = first

@@ -7,10 +7,12 @@ use crate::answer::place_touched::of_tool;
 use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::engine::Engine;
 use crate::judge::earlier::BaseTerm;
+use crate::noise::without_lines;
 use crate::select::generic::{Covariate, Place, inner_range, score};
 use crate::select::{Selection, Selector};
 use crate::thresholds::dependence::{ALSO, DEPENDENCE_P, PLACE_BINS, PLACE_KNOTS};
 use crate::thresholds::dependence::{BIN_SHARE, EVIDENCE_PER_RANK};
+use crate::thresholds::lines::MOST_OF_A_GAP;
 
 /// Where it lies, with the covariate that a picture should show.
 #[derive(Debug, Clone)]
@@ -54,8 +56,44 @@ pub(crate) fn locate(
 ) -> Option<Located> {
     match selection.refit.model.causes.first() {
         Some(cause) if named => by_cause(selector, selection, cause.effect),
-        _ => by_free_functions(selector, selection),
+        _ => by_line(selector.engine).or_else(|| by_free_functions(selector, selection)),
     }
+}
+
+/// By a spectral line that holds most of the gap.
+fn by_line(engine: &Engine<'_>) -> Option<Located> {
+    let context = &engine.context;
+    let mut gap = 0.0;
+    let mut lost: Vec<f64> = Vec::new();
+    for (stream, values) in engine.start.residual.iter().enumerate() {
+        let variance = engine.floor[stream].powi(2).max(1e-300);
+        let energy = |values: &[f64]| -> f64 {
+            let usable = values.iter().zip(&engine.usable[stream]);
+            let usable = usable.filter(|(_, usable)| **usable);
+            usable.map(|(value, _)| value * value / variance).sum()
+        };
+        let readings = engine.usable[stream].iter().filter(|usable| **usable);
+        gap += (energy(values) - readings.count() as f64).max(0.0);
+        lost.push(energy(values) - energy(&without_lines(context, stream, values)));
+    }
+    let stream = (0..lost.len()).max_by(|a, b| lost[*a].total_cmp(&lost[*b]))?;
+    let share = lost[stream] / gap.max(1e-300);
+    let line_hz = context.lines_of(context.streams[stream].channel);
+    let first_hz = line_hz.first().filter(|_| share > MOST_OF_A_GAP)?;
+    let channel = context.streams[stream].channel.name();
+    let joint = context.streams[stream].joint();
+    Some(Located {
+        answer: Answer {
+            region: format!("in what {channel} reads: it oscillates at {first_hz:.3} Hz"),
+            channel,
+            joint: joint.map(|joint| joint + 1),
+            depends_on: vec![Covariate::Time.column(context)],
+            explained: vec![share.min(1.0)],
+            dependence: Vec::new(),
+        },
+        stream,
+        covariate: Covariate::Time,
+    })
 }
 
 fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) -> Option<Located> {
@@ -185,6 +223,7 @@ fn hook_words(context: &Context<'_>, place: Place) -> String {
             None => format!("at joint {}, behind its encoder", joint + 1),
         },
         (Hook::CableSensor, _) => "in the measuring cable or its encoder".to_owned(),
+        (Hook::Tracker, _) => "in what the tracker reads alone".to_owned(),
         (Hook::Timing, _) => "in the timing of the motor encoders".to_owned(),
         (_, Some(joint)) => format!("in the structure at joint {}", joint + 1),
         _ => "in the structure: base, links or handle".to_owned(),

@@ -1,11 +1,14 @@
 //! Averages successive rows into blocks of white unit noise: a linear map of residuals, derivatives
 //! and effects alike, which keeps what varies slowly and costs a fraction of the arithmetic.
 
+use std::borrow::Cow;
+
 use haptical_calibration::Channel;
 use haptical_effects::Context;
 
 use crate::noise::Noise;
 use crate::thresholds::fit::{BLOCKS, LONGEST_REST_ROWS};
+use crate::thresholds::lines::SHARE_OF_A_PERIOD;
 
 /// One block of one stream.
 #[derive(Debug, Clone)]
@@ -27,6 +30,8 @@ struct StreamBlocks {
     rows: Vec<usize>,
     entries: Vec<Entry>,
     colour: f64,
+    /// Rows in a block.
+    size: usize,
     /// Where its entries begin among all streams'.
     first: usize,
 }
@@ -36,7 +41,7 @@ struct StreamBlocks {
 pub(crate) struct Blocks {
     streams: Vec<StreamBlocks>,
     count: usize,
-    /// Rows in a block.
+    /// Rows in a block of a stream without spectral lines.
     pub(crate) size: usize,
 }
 
@@ -55,19 +60,25 @@ impl Blocks {
         } else {
             1
         };
-        let ranges = ranges(context, size);
+        let whole = ranges(context, size);
         let mut streams = Vec::new();
         let mut count = 0;
         for stream in 0..context.streams.len() {
+            let channel = context.streams[stream].channel;
+            let (size, ranges) = match longest_of_lines(context, channel) {
+                Some(longest) if longest < size => (longest, Cow::Owned(ranges(context, longest))),
+                _ => (size, Cow::Borrowed(&whole)),
+            };
             let mut blocks = StreamBlocks {
                 rows: Vec::new(),
                 entries: Vec::new(),
                 colour: block_colour(&noise[stream], size).1,
+                size,
                 first: count,
             };
             let inflation = block_colour(&noise[stream], size).0;
             let mut previous_end = usize::MAX;
-            for (start, end) in &ranges {
+            for (start, end) in ranges.iter() {
                 let first = blocks.rows.len();
                 let rows = (*start..*end).filter(|&row| usable[stream][row]);
                 blocks.rows.extend(rows);
@@ -118,6 +129,11 @@ impl Blocks {
         blocks.first..blocks.first + blocks.entries.len()
     }
 
+    /// Rows in a block of a stream.
+    pub(crate) fn size_of(&self, stream: usize) -> usize {
+        self.streams[stream].size
+    }
+
     /// Middle row of a stream's block.
     pub(crate) fn row(&self, stream: usize, block: usize) -> usize {
         self.streams[stream].entries[block].row
@@ -147,6 +163,15 @@ impl Blocks {
         }
         out
     }
+}
+
+/// Rows of a block within which a channel's fastest line turns by at most a share of its period; none without one.
+fn longest_of_lines(context: &Context<'_>, channel: Channel) -> Option<usize> {
+    let lines = context.lines_of(channel);
+    let fastest_hz = lines.into_iter().reduce(f64::max)?;
+    let rows = context.rows().max(1) as f64;
+    let row_s = context.moving_s() / rows;
+    Some(((SHARE_OF_A_PERIOD / (fastest_hz * row_s)) as usize).max(1))
 }
 
 /// Blocks of rows: `size` rows each, or a whole rest.

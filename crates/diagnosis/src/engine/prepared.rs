@@ -13,8 +13,8 @@ use crate::DiagnosisError;
 use crate::engine::base::{Base, BaseProblem};
 use crate::engine::model::{Model, Refit};
 use crate::engine::system::{System, compress_matrix};
-use crate::noise::cleaning::outlying_rows;
 use crate::noise::measured::{KnownNoise, floors};
+use crate::noise::{self, cleaning::outlying_rows};
 
 /// A recording with the base model's residuals and derivatives, before anything is fitted to it.
 #[derive(Debug)]
@@ -62,8 +62,10 @@ impl<'a> Prepared<'a> {
             .iter()
             .map(|rows| rows.iter().map(|value| value.is_finite()).collect())
             .collect();
+        let mut context = context?;
+        context.lines = noise::lines(&context, &first.residual);
         Ok(Self {
-            context: context?,
+            context,
             problem,
             base,
             own,

@@ -163,7 +163,7 @@ impl Engine<'_> {
                 owners.push(Owner::Amplitude(index, amplitude));
             }
             if effect.spec().shape.is_continuous() {
-                let step = 0.02;
+                let step = effect.shape_step(&self.context, cause.shape);
                 let at = |shape: f64| effect.signal(&self.context, &cause.amplitudes, shape);
                 let mut slope = at(cause.shape * (1.0 + step));
                 slope.add(&at(cause.shape * (1.0 - step)), -1.0);

@@ -1,5 +1,7 @@
 //! Whitened residuals with everything that the base model can adjust projected out.
 
+use std::ops::Range;
+
 use haptical_effects::{Context, Signal};
 use haptical_linalg::Matrix;
 
@@ -29,8 +31,13 @@ pub(crate) struct System {
     /// Across the basis.
     pub(crate) residual: Vec<f64>,
     /// Windows per stream, as ranges of all blocks.
-    windows: Vec<Vec<std::ops::Range<usize>>>,
+    windows: Vec<Vec<Range<usize>>>,
+    /// Oscillations of the stream's lines, run by run, of length 1.
+    oscillations: Vec<Vec<Oscillation>>,
 }
+
+/// Whitened values at a range of all blocks.
+type Oscillation = (Range<usize>, Vec<f64>);
 
 impl System {
     /// The base model's directions: those of its fit, and what its `other` parameters, held in the fit,
@@ -51,6 +58,7 @@ impl System {
             blocks: part.blocks.clone(),
             basis: part.directions()?,
             windows: windows(context, &part.blocks),
+            oscillations: oscillations(context, &part.blocks),
         };
         for column in other.map(columns).unwrap_or_default() {
             system.take(column);
@@ -121,28 +129,26 @@ impl System {
     }
 
     /// Slow energy of a residual per stream, with the degrees of freedom that it has under noise:
-    /// sums over windows of a quarter of a second, over the root of their number of blocks.
+    /// sums over windows of a quarter of a second, over the root of their number of blocks; and that of its
+    /// spectral lines.
     pub(crate) fn slow_energy(&self, residual: &[f64]) -> Vec<SlowEnergy> {
-        self.windows
-            .iter()
-            .map(|windows| {
-                let sum = |vector: &[f64], window: &std::ops::Range<usize>| {
-                    vector[window.clone()].iter().sum::<f64>() / (window.len() as f64).sqrt()
+        let streams = self.windows.iter().zip(&self.oscillations);
+        streams
+            .map(|(windows, oscillations)| {
+                let energy = |vector: &[f64]| {
+                    let sum = |window: &Range<usize>| {
+                        vector[window.clone()].iter().sum::<f64>() / (window.len() as f64).sqrt()
+                    };
+                    let slow: f64 = windows.iter().map(|w| sum(w).powi(2)).sum();
+                    let along =
+                        |(blocks, values): &Oscillation| dot(values, &vector[blocks.clone()]);
+                    slow + oscillations.iter().map(|o| along(o).powi(2)).sum::<f64>()
                 };
-                let energy = windows.iter().map(|w| sum(residual, w).powi(2)).sum();
-                let taken: f64 = self
-                    .basis
-                    .iter()
-                    .map(|direction| {
-                        windows
-                            .iter()
-                            .map(|w| sum(direction, w).powi(2))
-                            .sum::<f64>()
-                    })
-                    .sum();
+                let taken: f64 = self.basis.iter().map(|direction| energy(direction)).sum();
+                let count = windows.len() + oscillations.len();
                 SlowEnergy {
-                    energy,
-                    freedom: (windows.len() as f64 - taken).max(0.0),
+                    energy: energy(residual),
+                    freedom: (count as f64 - taken).max(0.0),
                 }
             })
             .collect()
@@ -224,10 +230,41 @@ pub(crate) fn compress_matrix(
     compressed
 }
 
-fn windows(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<std::ops::Range<usize>>> {
-    let length = window_blocks(context, blocks);
+/// Cosine and sine of every line of every stream, each run's alone.
+fn oscillations(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<Oscillation>> {
+    let of_stream = |stream: usize| {
+        let channel = context.streams[stream].channel;
+        let range = blocks.range(stream);
+        let mut found = Vec::new();
+        for hz in context.lines_of(channel) {
+            for wave in context.oscillation(channel, hz) {
+                let column = blocks.compress(stream, |row| wave[row]);
+                for run in &context.runs {
+                    let first =
+                        (0..range.len()).position(|block| run.contains(&blocks.row(stream, block)));
+                    let Some(first) = first else { continue };
+                    let own = (first..range.len())
+                        .take_while(|block| run.contains(&blocks.row(stream, *block)))
+                        .count();
+                    let mut values = column[first..first + own].to_vec();
+                    let length = dot(&values, &values).sqrt();
+                    if length > 0.0 {
+                        values.iter_mut().for_each(|value| *value /= length);
+                        let start = range.start + first;
+                        found.push((start..start + own, values));
+                    }
+                }
+            }
+        }
+        found
+    };
+    (0..context.streams.len()).map(of_stream).collect()
+}
+
+fn windows(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<Range<usize>>> {
     (0..context.streams.len())
         .map(|stream| {
+            let length = window_blocks(context, blocks.size_of(stream));
             let range = blocks.range(stream);
             let mut windows = Vec::new();
             let mut start = range.start;
@@ -246,20 +283,14 @@ fn windows(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<std::ops::Range<us
         .collect()
 }
 
-fn window_blocks(context: &Context<'_>, blocks: &Blocks) -> usize {
+fn window_blocks(context: &Context<'_>, size: usize) -> usize {
     if !context.ordered {
         return 1;
     }
-    let Some(time_s) = &context.recording.time_s else {
+    if context.recording.time_s.is_none() {
         return 4;
-    };
-    let moving: f64 = context
-        .runs
-        .iter()
-        .filter(|run| run.len() > 1)
-        .map(|run| time_s[run.end - 1] - time_s[run.start])
-        .sum();
-    let block_s = moving / context.rows().max(1) as f64 * blocks.size as f64;
+    }
+    let block_s = context.moving_s() / context.rows().max(1) as f64 * size as f64;
     if block_s > 0.0 {
         ((WINDOW_S / block_s).round() as usize).clamp(2, 64)
     } else {

@@ -16,7 +16,7 @@ pub(crate) fn outlying_rows(
 ) -> Vec<(Channel, usize)> {
     let mut found = Vec::new();
     for (index, stream) in context.streams.iter().enumerate() {
-        let scaled: Vec<f64> = residual[index]
+        let scaled: Vec<f64> = noise::without_lines(context, index, &residual[index])
             .iter()
             .zip(&problem.sd[index])
             .map(|(value, sd)| value / sd)

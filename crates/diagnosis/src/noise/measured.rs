@@ -27,10 +27,11 @@ pub(crate) fn estimate_noise(
     (0..context.streams.len())
         .into_par_iter()
         .map(|stream| {
+            let without = noise::without_lines(context, stream, &residual[stream]);
             let mut scaled: Vec<f64> = (0..context.rows())
                 .map(|row| {
                     if usable[stream][row] {
-                        residual[stream][row] / problem.sd[stream][row]
+                        without[row] / problem.sd[stream][row]
                     } else {
                         f64::NAN
                     }

@@ -7,8 +7,10 @@ pub(crate) mod cleaning;
 pub(crate) mod measured;
 
 mod colour;
+mod lines;
 mod outliers;
 mod segments;
+mod spectrum;
 mod speed;
 
 use std::ops::Range;
@@ -19,6 +21,7 @@ use crate::thresholds::noise::{
     ENOUGH_SEGMENTS, LAGS, MUCH_ROUNDING, SEGMENT_ROWS, STATED_UNCERTAINTY,
 };
 
+pub(crate) use self::lines::{lines, without_lines};
 pub(crate) use self::outliers::{difference_sd, outliers};
 pub(crate) use self::speed::speed_scale;
 

@@ -1,6 +1,6 @@
 //! Significance of a pick, and the share that it must explain.
 
-use haptical_effects::Shape;
+use haptical_effects::{Effect, Shape};
 use haptical_metrics::chi_square_p_value;
 
 use super::{Selector, excess, misfit};
@@ -24,10 +24,20 @@ impl Selector<'_, '_> {
                 / self.engine.context.streams.len().max(1) as f64;
             instants.max(1.0).powi(score.times.len().max(1) as i32)
         } else {
-            effect.shapes(&self.engine.context).len() as f64
+            self.shapes_tried(effect)
         };
         let p = chi_square_p_value(score.score / misfit, score.rank as f64)?;
         Ok((p * tries.max(1.0) * self.tested.len() as f64).min(1.0))
+    }
+
+    /// Shapes among which an effect's was found, at least 1; of a line all frequencies that the rows can show.
+    pub(super) fn shapes_tried(&self, effect: &dyn Effect) -> f64 {
+        let context = &self.engine.context;
+        let tried = match effect.spec().shape {
+            Shape::Line => context.rows() / 2,
+            _ => effect.shapes(context).len(),
+        };
+        tried.max(1) as f64
     }
 
     pub(crate) fn is_more_than_chance(

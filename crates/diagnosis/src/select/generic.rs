@@ -188,7 +188,7 @@ pub(crate) fn own_covariates(effect: &dyn Effect) -> Vec<(Place, Covariate, usiz
             of_joint(Covariate::Angle, 12),
         ],
         Family::Coupling => vec![of_joint(Covariate::Angle, 12)],
-        Family::Wobble | Family::Stated => vec![],
+        Family::Wobble | Family::Periodic | Family::Place | Family::Stated => vec![],
         Family::Tool => vec![cable(Covariate::Time, 8)],
     };
     wanted.into_iter().flatten().collect()

@@ -99,7 +99,7 @@ impl Selector<'_, '_> {
             let instants = readings / self.engine.context.streams.len().max(1) as f64;
             instants.max(1.0).ln() * score.times.len() as f64
         } else {
-            (effect.shapes(&self.engine.context).len().max(1) as f64).ln()
+            self.shapes_tried(effect).ln()
         };
         let mut criterion = 0.5 * score.score - 0.5 * score.rank as f64 * readings.ln() - shapes
             + effect.spec().log_prior;
