@@ -72,7 +72,7 @@ const fn elsewhere(spec: &'static Spec) -> Line {
 }
 
 /// Order matters: of effects that explain equally much the first is taken.
-const REGISTRY: [Line; 54] = [
+const REGISTRY: [Line; 55] = [
     at_joints!(any, transmission::capstan_compliance, CapstanCompliance),
     at_joints!(any, structure::joint_compliance, JointCompliance),
     at_joints!(has_drums, transmission::capstan_creep, CapstanCreep),
@@ -130,6 +130,10 @@ const REGISTRY: [Line; 54] = [
     on_device!(cable::drum_eccentricity, DrumEccentricity),
     on_device!(cable::exit_geometry, ExitGeometry),
     on_device!(structure::tool_changed, ToolChanged),
+    Line {
+        specs: &noise::periodic_disturbance::SPECS,
+        site: Site::Device(noise::periodic_disturbance::on_channels),
+    },
     elsewhere(&noise::NOISE_LEVEL),
     elsewhere(&noise::OUTLIERS),
     elsewhere(&base_model::PARALLELOGRAM_ERROR),

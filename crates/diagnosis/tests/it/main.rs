@@ -12,6 +12,7 @@ mod columns;
 mod dependencies;
 mod determinism;
 mod gap_sets;
+mod lines;
 mod named;
 mod normal;
 mod postures;

@@ -2,6 +2,7 @@
 
 mod noise_level;
 mod outliers;
+pub(crate) mod periodic_disturbance;
 
 pub use noise_level::SPEC as NOISE_LEVEL;
 pub use outliers::SPEC as OUTLIERS;
