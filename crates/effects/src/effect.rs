@@ -23,10 +23,7 @@ pub trait Effect: Debug + Send + Sync {
 
     /// Grid of the one parameter that enters nonlinearly (a transition, an order, a time constant).
     fn shapes(&self, _context: &Context<'_>) -> Vec<f64> {
-        match self.spec().shape {
-            Shape::Listed(shapes) | Shape::Continuous(shapes) => shapes.to_vec(),
-            Shape::Sides | Shape::Event | Shape::Line | Shape::Given => vec![0.0],
-        }
+        self.spec().shape.grid()
     }
 
     /// Derivative of the signal with respect to each amplitude, at `amplitudes` (all zero for the score scan).
@@ -34,12 +31,7 @@ pub trait Effect: Debug + Send + Sync {
 
     /// What it adds to the measured streams; the derivative times the amplitudes where it is linear.
     fn signal(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Signal {
-        let mut sum = Signal::default();
-        let columns = self.derivative(context, amplitudes, shape);
-        for (column, &amplitude) in columns.iter().zip(amplitudes) {
-            sum.add(column, amplitude);
-        }
-        sum
+        Signal::sum(&self.derivative(context, amplitudes, shape), amplitudes)
     }
 
     /// The reported parameters; the first amplitude where nothing else is said.

@@ -4,6 +4,7 @@ use std::slice::from_ref;
 
 use haptical_model::{Device, Joint, JointType, TransmissionKind};
 
+use crate::laws::{Law, Placed};
 use crate::{Effect, Parameter, Spec};
 use crate::{
     base_model, cable, external_encoder, force, motor_encoder, noise, structure, transmission,
@@ -44,12 +45,26 @@ fn turns_by_drums(joint: &Joint) -> bool {
     turns(joint) && has_drums(joint)
 }
 
+fn placed<L: Law + 'static>(spec: &'static Spec, joint: Option<usize>, law: L) -> Box<dyn Effect> {
+    Box::new(Placed { spec, joint, law })
+}
+
 macro_rules! at_joints {
-    ($kind:ident, $file:path, $effect:ident) => {{
+    ($kind:ident, $file:path, $law:ident) => {{
         use $file as file;
         Line {
             specs: from_ref(&file::SPEC),
-            site: Site::Joint($kind, |joint| Box::new(file::$effect { joint })),
+            site: Site::Joint($kind, |joint| placed(&file::SPEC, Some(joint), file::$law)),
+        }
+    }};
+}
+
+macro_rules! on_cable {
+    ($file:path, $law:ident) => {{
+        use $file as file;
+        Line {
+            specs: from_ref(&file::SPEC),
+            site: Site::Device(|_| vec![placed(&file::SPEC, None, file::$law)]),
         }
     }};
 }
@@ -72,63 +87,61 @@ const fn elsewhere(spec: &'static Spec) -> Line {
 }
 
 /// Order matters: of effects that explain equally much the first is taken.
-const REGISTRY: [Line; 55] = [
-    at_joints!(any, transmission::capstan_compliance, CapstanCompliance),
-    at_joints!(any, structure::joint_compliance, JointCompliance),
+const REGISTRY: &[Line] = &[
+    at_joints!(any, transmission::capstan_compliance, LAW),
+    at_joints!(any, structure::joint_compliance, LAW),
     at_joints!(has_drums, transmission::capstan_creep, CapstanCreep),
     at_joints!(any, transmission::backlash, Backlash),
-    at_joints!(any, transmission::hysteresis, Hysteresis),
-    at_joints!(any, external_encoder::windup, Windup),
-    at_joints!(any, transmission::viscous_lag, ViscousLag),
-    at_joints!(any, external_encoder::latency, Latency),
-    at_joints!(any, motor_encoder::encoder_count_loss, EncoderCountLoss),
-    at_joints!(any, external_encoder::count_loss, CountLoss),
-    at_joints!(has_drums, transmission::capstan_slip, CapstanSlip),
-    at_joints!(any, transmission::joint_drift, JointDrift),
+    at_joints!(any, transmission::hysteresis, LAW),
+    at_joints!(any, external_encoder::windup, LAW),
+    at_joints!(any, transmission::viscous_lag, LAW),
+    at_joints!(any, external_encoder::latency, LAW),
+    at_joints!(any, motor_encoder::encoder_count_loss, LAW),
+    at_joints!(any, external_encoder::count_loss, LAW),
+    at_joints!(has_drums, transmission::capstan_slip, LAW),
+    at_joints!(any, transmission::joint_drift, LAW),
     at_joints!(any, transmission::joint_warming, JointWarming),
-    at_joints!(any, external_encoder::drift, Drift),
-    at_joints!(turns, external_encoder::eccentricity, Eccentricity),
-    at_joints!(turns, transmission::drum_eccentricity, DrumEccentricity),
+    at_joints!(any, external_encoder::drift, LAW),
+    at_joints!(turns, external_encoder::eccentricity, LAW),
+    at_joints!(turns, transmission::drum_eccentricity, LAW),
     at_joints!(any, transmission::ratio_error, RatioError),
-    at_joints!(
-        turns_by_drums,
-        transmission::drum_out_of_round,
-        DrumOutOfRound
-    ),
-    at_joints!(
-        turns_by_drums,
-        transmission::input_drum_harmonic,
-        InputDrumHarmonic
-    ),
+    at_joints!(turns_by_drums, transmission::drum_out_of_round, LAW),
+    at_joints!(turns_by_drums, transmission::input_drum_harmonic, LAW),
     at_joints!(
         turns_by_drums,
         motor_encoder::device_encoder_eccentricity,
-        DeviceEncoderEccentricity
+        LAW
     ),
     at_joints!(turns_by_drums, transmission::cable_pitch, CablePitch),
     Line {
         specs: from_ref(&transmission::cross_coupling::SPEC),
         site: Site::Pair(turns, |joint, from| {
-            Box::new(transmission::cross_coupling::CrossCoupling { joint, from })
+            let law = transmission::cross_coupling::CrossCoupling { from };
+            placed(&transmission::cross_coupling::SPEC, Some(joint), law)
         }),
     },
-    at_joints!(turns, structure::axis_wobble, AxisWobble),
+    Line {
+        specs: from_ref(&structure::axis_wobble::SPEC),
+        site: Site::Joint(turns, |joint| {
+            Box::new(structure::axis_wobble::AxisWobble { joint })
+        }),
+    },
     on_device!(structure::base_compliance, BaseCompliance),
     on_device!(structure::tool_compliance, ToolCompliance),
-    on_device!(cable::hysteresis, Hysteresis),
-    on_device!(cable::latency, Latency),
+    on_cable!(cable::hysteresis, Hysteresis),
+    on_cable!(cable::latency, LAW),
     on_device!(motor_encoder::encoder_latency, EncoderLatency),
-    on_device!(cable::count_loss, CountLoss),
-    on_device!(cable::drift, Drift),
-    on_device!(cable::warming, Warming),
+    on_cable!(cable::count_loss, LAW),
+    on_cable!(cable::drift, LAW),
+    on_cable!(cable::warming, Warming),
     on_device!(structure::warming, Warming),
-    on_device!(cable::zero_offset, ZeroOffset),
-    on_device!(cable::scale, Scale),
-    on_device!(cable::stretch, Stretch),
-    on_device!(cable::sag, Sag),
-    on_device!(cable::twist, Twist),
-    on_device!(cable::drum_eccentricity, DrumEccentricity),
-    on_device!(cable::exit_geometry, ExitGeometry),
+    on_cable!(cable::zero_offset, ZeroOffset),
+    on_cable!(cable::scale, LAW),
+    on_cable!(cable::stretch, LAW),
+    on_cable!(cable::sag, Sag),
+    on_cable!(cable::twist, Twist),
+    on_cable!(cable::drum_eccentricity, DrumEccentricity),
+    on_cable!(cable::exit_geometry, ExitGeometry),
     on_device!(structure::tool_changed, ToolChanged),
     Line {
         specs: &noise::periodic_disturbance::SPECS,
@@ -166,7 +179,7 @@ pub fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
     let mut effects: Vec<Box<dyn Effect>> = Vec::new();
     let joints = device.joints.len();
     for (joint, own) in device.joints.iter().enumerate() {
-        for line in &REGISTRY {
+        for line in REGISTRY {
             match line.site {
                 Site::Joint(is_kind, make) if is_kind(own) => effects.push(make(joint)),
                 Site::Pair(is_kind, make) if is_kind(own) => {
@@ -177,7 +190,7 @@ pub fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
             }
         }
     }
-    for line in &REGISTRY {
+    for line in REGISTRY {
         if let Site::Device(make) = line.site {
             effects.extend(make(device));
         }

@@ -30,6 +30,15 @@ impl Signal {
         }
     }
 
+    /// Signals times their amplitudes.
+    pub fn sum(columns: &[Self], amplitudes: &[f64]) -> Self {
+        let mut sum = Self::default();
+        for (column, &amplitude) in columns.iter().zip(amplitudes) {
+            sum.add(column, amplitude);
+        }
+        sum
+    }
+
     /// The values on one stream.
     pub fn on(&self, stream: usize) -> Option<&[f64]> {
         self.parts

@@ -138,6 +138,14 @@ impl Shape {
     /// Of a law that is linear in its amplitudes.
     pub const NONE: Self = Self::Listed(&[0.0]);
 
+    /// Shapes that a scan tries where the recording does not decide them.
+    pub fn grid(self) -> Vec<f64> {
+        match self {
+            Self::Listed(shapes) | Self::Continuous(shapes) => shapes.to_vec(),
+            Self::Sides | Self::Event | Self::Line | Self::Given => vec![0.0],
+        }
+    }
+
     /// Whether shapes between those of the grid exist.
     pub fn is_continuous(self) -> bool {
         matches!(self, Self::Continuous(_) | Self::Line)

@@ -1,8 +1,7 @@
 //! The zero of the cable encoder drifts in time.
 
-use crate::context::Context;
-use crate::laws::{COURSES, course};
-use crate::{Effect, Family, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::{COURSES, Drift};
+use crate::{Family, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// The cable encoder's zero drifts with time.
 pub const SPEC: Spec = Spec {
@@ -20,18 +19,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct Drift;
-
-impl Effect for Drift {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        vec![context.cable_error(course(context, shape))]
-    }
-}
+pub(crate) const LAW: Drift = Drift;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

@@ -1,9 +1,8 @@
 //! The drum on which the measuring cable is wound is eccentric: one period per turn, and a constant, because the
 //! reading was set where the drum had turned already.
 
-use crate::context::Context;
-use crate::laws::{from_polar, polar, waves};
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::{Input, Law, from_polar, polar, waves};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// The measuring drum turns off its centre.
 pub const SPEC: Spec = Spec {
@@ -29,39 +28,33 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct DrumEccentricity;
 
-impl Effect for DrumEccentricity {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn shapes(&self, context: &Context<'_>) -> Vec<f64> {
-        let cable = context.device.cables.first();
-        let radius_m = cable.and_then(|cable| cable.drum_radius_m);
-        radius_m.into_iter().collect()
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        let Some(cable) = &context.cable else {
-            return vec![];
-        };
-        let turns: Vec<f64> = cable.length_m.iter().map(|length| length / shape).collect();
+impl Law for DrumEccentricity {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
+        let turns: Vec<f64> = input
+            .reading()?
+            .iter()
+            .map(|length| length / shape)
+            .collect();
         let [cosines, sines] = waves(&turns, 1.0);
-        vec![
-            context.cable_error(cosines),
-            context.cable_error(sines),
-            context.cable_error(vec![1.0; context.rows()]),
-        ]
+        Some(vec![cosines, sines, vec![1.0; turns.len()]])
     }
 
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+    fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
+        let cable = input.context.device.cables.first();
+        let radius_m = cable.and_then(|cable| cable.drum_radius_m);
+        Some(radius_m.into_iter().collect())
+    }
+
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
         polar(amplitudes)
     }
 
-    fn amplitudes(&self, context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        let mut amplitudes = from_polar(values);
-        amplitudes.push(0.0);
-        let shape = self.shapes(context).first().copied().unwrap_or(0.015);
-        (amplitudes, shape)
+    fn amplitudes(&self, input: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
+        let radius_m = self.shapes(input).unwrap_or_default();
+        (
+            from_polar(values),
+            radius_m.first().copied().unwrap_or(0.015),
+        )
     }
 
     /// The constant is the turn at the zero: no larger than the amplitude, its own uncertainty allowed for.

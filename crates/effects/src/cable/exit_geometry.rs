@@ -1,7 +1,7 @@
 //! The cable bends over a round guide where it leaves its encoder.
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// The measuring cable bends round its guide where it leaves.
 pub const SPEC: Spec = Spec {
@@ -39,37 +39,24 @@ fn over_guide(length_m: f64, angle_rad: f64, radius_m: f64) -> f64 {
 /// Step of the central difference \[m\].
 const STEP_M: f64 = 1e-5;
 
-impl Effect for ExitGeometry {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
+impl Law for ExitGeometry {
+    fn columns(&self, input: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        let (wider, narrower) = (amplitudes[0] + STEP_M, amplitudes[0] - STEP_M);
+        let (wider, narrower) = (along(input, wider)?, along(input, narrower)?);
+        let pairs = wider.iter().zip(&narrower);
+        Some(vec![pairs.map(|(a, b)| (a - b) / (2.0 * STEP_M)).collect()])
     }
 
-    fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<Signal> {
-        let Some(cable) = &context.cable else {
-            return vec![];
-        };
-        let radius = amplitudes[0];
-        let slope = |row: usize| {
-            let (length, angle) = (cable.length_m[row], cable.exit_angle_rad(row));
-            let wider = over_guide(length, angle, radius + STEP_M);
-            (wider - over_guide(length, angle, radius - STEP_M)) / (2.0 * STEP_M)
-        };
-        vec![context.cable_error((0..context.rows()).map(slope).collect())]
+    fn error(&self, input: Input<'_, '_>, amplitudes: &[f64]) -> Option<Vec<f64>> {
+        along(input, amplitudes[0])
     }
+}
 
-    fn signal(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Signal {
-        let Some(cable) = &context.cable else {
-            return Signal::default();
-        };
-        let error = |row| {
-            over_guide(
-                cable.length_m[row],
-                cable.exit_angle_rad(row),
-                amplitudes[0],
-            )
-        };
-        context.cable_error((0..context.rows()).map(error).collect())
-    }
+/// The error at every row.
+fn along(input: Input<'_, '_>, radius_m: f64) -> Option<Vec<f64>> {
+    let cable = input.context.cable.as_ref()?;
+    let error = |row| over_guide(cable.length_m[row], cable.exit_angle_rad(row), radius_m);
+    Some((0..input.context.rows()).map(error).collect())
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Friction and spring of the cable encoder: a loop in the distance.
 
-use crate::context::Context;
+use crate::laws::{Input, Law};
 use crate::signal::{dahl, smooth};
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// The cable encoder reads differently on the way in and out.
 pub const SPEC: Spec = Spec {
@@ -24,25 +24,19 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct Hysteresis;
 
-impl Effect for Hysteresis {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        let Some(cable) = &context.cable else {
-            return vec![];
-        };
+impl Law for Hysteresis {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
         // rounding of the readings must not look like reversals
-        let length = smooth(&cable.length_m, 2, &context.runs);
-        vec![context.cable_error(dahl(&length, shape, &context.runs))]
+        let runs = &input.context.runs;
+        let length = smooth(input.reading()?, 2, runs);
+        Some(vec![dahl(&length, shape, runs)])
     }
 
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
         vec![amplitudes[0].abs()]
     }
 
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![values[0]], 2e-3)
     }
 }

@@ -1,9 +1,7 @@
 //! The cable encoder is sampled late.
 
-use crate::context::Context;
-use crate::laws::{moved, slope};
-use crate::signal::LocalMotion;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::Delay;
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// The cable encoder is sampled later or earlier than the joints.
 pub const SPEC: Spec = Spec {
@@ -21,32 +19,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct Latency;
-
-/// How the cable's length changes, where times are recorded.
-fn motion<'c>(context: &'c Context<'_>) -> Option<&'c LocalMotion> {
-    let motion = &context.cable.as_ref()?.motion;
-    (!motion.velocity.is_empty()).then_some(motion)
-}
-
-impl Effect for Latency {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<Signal> {
-        let slope = motion(context).map(|motion| slope(motion, amplitudes[0]));
-        let column = slope.map(|slope| context.cable_error(slope));
-        vec![column.unwrap_or_default()]
-    }
-
-    fn signal(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Signal {
-        let error = motion(context).map(|motion| moved(motion, amplitudes[0]));
-        let signal = error.map(|error| context.cable_error(error));
-        signal.unwrap_or_default()
-    }
-}
+pub(crate) const LAW: Delay = Delay;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

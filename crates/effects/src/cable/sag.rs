@@ -4,8 +4,8 @@
 
 use nalgebra::Vector3;
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// The measuring cable hangs through.
 pub const SPEC: Spec = Spec {
@@ -33,31 +33,25 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct Sag;
 
-impl Effect for Sag {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let Some(cable) = &context.cable else {
-            return vec![];
-        };
-        let gravity = context.device.gravity_mps2.map(Vector3::from);
+impl Law for Sag {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        let cable = input.context.cable.as_ref()?;
+        let gravity = input.context.device.gravity_mps2.map(Vector3::from);
         let down = gravity
             .and_then(|gravity| gravity.try_normalize(1e-12))
             .unwrap_or(Vector3::zeros());
-        let sags = (0..context.rows()).map(|row| {
+        let sags = (0..input.context.rows()).map(|row| {
             let level = 1.0 - cable.direction[row].dot(&down).powi(2);
             level * cable.length_m[row].powi(3) / 24.0
         });
-        vec![context.cable_error(sags.collect())]
+        Some(vec![sags.collect()])
     }
 
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
         vec![amplitudes[0].max(0.0).sqrt()]
     }
 
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![values[0] * values[0]], 0.0)
     }
 }

@@ -1,9 +1,7 @@
 //! The measuring cable is longer under the tension of its spring.
 
-use crate::context::Context;
-use crate::{
-    Absorbed, Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit,
-};
+use crate::laws::Proportional;
+use crate::{Absorbed, Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// The measuring cable is longer under its own tension.
 pub const SPEC: Spec = Spec {
@@ -23,21 +21,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct Stretch;
-
-impl Effect for Stretch {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let Some(cable) = &context.cable else {
-            return vec![];
-        };
-        vec![context.cable_error(cable.length_m.clone())]
-    }
-}
+pub(crate) const LAW: Proportional = Proportional;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

@@ -1,7 +1,7 @@
 //! The reading grows with the square of the angle at which the cable leaves its guide.
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// The reading changes with the cable's angle to its straight direction.
 pub const SPEC: Spec = Spec {
@@ -27,17 +27,11 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct Twist;
 
-impl Effect for Twist {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let Some(cable) = &context.cable else {
-            return vec![];
-        };
-        let squares = (0..context.rows()).map(|row| cable.exit_angle_rad(row).powi(2));
-        vec![context.cable_error(squares.collect())]
+impl Law for Twist {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        let cable = input.context.cable.as_ref()?;
+        let squares = (0..input.context.rows()).map(|row| cable.exit_angle_rad(row).powi(2));
+        Some(vec![squares.collect()])
     }
 }
 

@@ -1,7 +1,7 @@
 //! The cable and its encoder grow with temperature.
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// Lengths grow with the temperature.
 pub const SPEC: Spec = Spec {
@@ -28,23 +28,14 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct Warming;
 
-impl Effect for Warming {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
+impl Law for Warming {
     /// A shift at the mean distance (housing and cable), and what grows with the distance beyond that.
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let (Some(warming), Some(cable)) = (&context.warming_k, &context.cable) else {
-            return vec![];
-        };
-        let mean = context.mean_length_m();
-        let beyond = warming.iter().zip(&cable.length_m);
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        let (warming, length_m) = (input.context.warming_k.as_ref()?, input.reading()?);
+        let mean = input.context.mean_length_m();
+        let beyond = warming.iter().zip(length_m);
         let beyond = beyond.map(|(warming, length)| warming * (length / mean - 1.0));
-        vec![
-            context.cable_error(warming.clone()),
-            context.cable_error(beyond.collect()),
-        ]
+        Some(vec![warming.clone(), beyond.collect()])
     }
 }
 

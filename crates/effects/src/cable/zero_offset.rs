@@ -1,7 +1,7 @@
 //! The zero of the cable encoder is set wrong.
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// The zero of the measuring cable is not where the device file says.
 pub const SPEC: Spec = Spec {
@@ -22,13 +22,9 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct ZeroOffset;
 
-impl Effect for ZeroOffset {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        vec![context.cable_error(vec![1.0; context.rows()])]
+impl Law for ZeroOffset {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        Some(vec![vec![1.0; input.context.rows()]])
     }
 }
 

@@ -8,6 +8,7 @@ use haptical_model::kinematics::{Pose, Twist};
 use super::cable::anchor_m;
 use super::stream::stream_of;
 use super::{Context, Stream};
+use crate::Hook;
 use crate::signal::Signal;
 
 impl Context<'_> {
@@ -77,6 +78,17 @@ impl Context<'_> {
             signal.parts.push((stream, error.to_vec()));
         }
         signal
+    }
+
+    /// An error of a joint's angle, or of the first cable's length, where it enters.
+    pub(crate) fn entering(&self, hook: Hook, joint: Option<usize>, error: &[f64]) -> Signal {
+        match (hook, joint) {
+            (Hook::Transmission, Some(joint)) => self.upstream(joint, error),
+            (Hook::ExternalEncoder, Some(joint)) => self.encoder(joint, error),
+            (Hook::Joint, Some(joint)) => self.downstream(joint, error),
+            (Hook::CableSensor, _) => self.cable_error(error.to_vec()),
+            _ => Signal::default(),
+        }
     }
 
     /// Errors of all joints at once in front of their external encoders, as large as they are: the chain is

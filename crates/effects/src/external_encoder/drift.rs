@@ -1,8 +1,7 @@
 //! The zero of an external encoder drifts in time.
 
-use crate::context::Context;
-use crate::laws::{COURSES, course};
-use crate::{Effect, Family, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::{COURSES, Drift};
+use crate::{Family, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// The zero of an external encoder drifts.
 pub const SPEC: Spec = Spec {
@@ -25,24 +24,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct Drift {
-    pub(crate) joint: usize,
-}
-
-impl Effect for Drift {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        vec![context.encoder(self.joint, &course(context, shape))]
-    }
-}
+pub(crate) const LAW: Drift = Drift;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

@@ -1,8 +1,7 @@
 //! The disc of an external encoder is off its axis.
 
-use crate::context::Context;
-use crate::laws::{from_polar, polar, waves};
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::Harmonic;
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// The disc of an external encoder sits off the axis.
 pub const SPEC: Spec = Spec {
@@ -25,36 +24,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct Eccentricity {
-    pub(crate) joint: usize,
-}
-
-impl Effect for Eccentricity {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let readings = &context.recording.joint[self.joint];
-        let waves = waves(readings, 1.0);
-        waves
-            .map(|wave| context.encoder(self.joint, &wave))
-            .to_vec()
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        polar(amplitudes)
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (from_polar(values), 1.0)
-    }
-}
+pub(crate) const LAW: Harmonic = Harmonic::ONCE;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

@@ -1,8 +1,7 @@
 //! An external encoder is sampled late.
 
-use crate::context::Context;
-use crate::laws::{moved, slope};
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::Delay;
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// An external encoder is sampled later or earlier than the motor encoders.
 pub const SPEC: Spec = Spec {
@@ -20,34 +19,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct Latency {
-    pub(crate) joint: usize,
-}
-
-impl Effect for Latency {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<Signal> {
-        let motion = context.motion.as_ref().map(|motion| &motion[self.joint]);
-        let slope = motion.map(|motion| slope(motion, amplitudes[0]));
-        let column = slope.map(|slope| context.encoder(self.joint, &slope));
-        vec![column.unwrap_or_default()]
-    }
-
-    fn signal(&self, context: &Context<'_>, amplitudes: &[f64], _: f64) -> Signal {
-        let motion = context.motion.as_ref().map(|motion| &motion[self.joint]);
-        let error = motion.map(|motion| moved(motion, amplitudes[0]));
-        let signal = error.map(|error| context.encoder(self.joint, &error));
-        signal.unwrap_or_default()
-    }
-}
+pub(crate) const LAW: Delay = Delay;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

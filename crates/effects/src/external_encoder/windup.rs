@@ -1,8 +1,7 @@
 //! The coupling of an external encoder winds up at reversals, after Dahl.
 
-use crate::context::Context;
-use crate::signal::dahl;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::Reversal;
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// The coupling of an external encoder winds up at each reversal.
 pub const SPEC: Spec = Spec {
@@ -25,33 +24,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct Windup {
-    pub(crate) joint: usize,
-}
-
-impl Effect for Windup {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        let state = dahl(&context.recording.joint[self.joint], shape, &context.runs);
-        vec![context.encoder(self.joint, &state)]
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        vec![amplitudes[0].abs(), shape]
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], values[1])
-    }
-}
+pub(crate) const LAW: Reversal = Reversal;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

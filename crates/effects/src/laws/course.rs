@@ -1,13 +1,14 @@
 //! Courses of slow changes.
 
 use crate::context::Context;
+use crate::laws::{Input, Law};
 
 /// Shapes of a drift: steady, then time constants of one that settles, as shares of the recording.
 pub(crate) const COURSES: [f64; 4] = [0.0, 1.0, 0.3, 0.1];
 
 /// Time since the start of the run \[s\]; of a drift that settles, scaled to the slope of a steady one with the
 /// same end.
-pub(crate) fn course(context: &Context<'_>, shape: f64) -> Vec<f64> {
+fn course(context: &Context<'_>, shape: f64) -> Vec<f64> {
     let Some(elapsed_s) = context.elapsed_s() else {
         return vec![0.0; context.rows()];
     };
@@ -20,4 +21,14 @@ pub(crate) fn course(context: &Context<'_>, shape: f64) -> Vec<f64> {
         .into_iter()
         .map(|time| whole * (1.0 - (-time / (shape * whole)).exp()) / end)
         .collect()
+}
+
+/// A drift in time; its shape is the course.
+#[derive(Debug)]
+pub(crate) struct Drift;
+
+impl Law for Drift {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
+        Some(vec![course(input.context, shape)])
+    }
 }

@@ -1,5 +1,48 @@
 //! A cos(k x - phase), as a cos(k x) + b sin(k x).
 
+use haptical_model::Joint;
+
+use crate::laws::{Input, Law};
+
+/// A harmonic of a joint's angle: its shape is 1, or the order that is searched.
+#[derive(Debug)]
+pub(crate) struct Harmonic {
+    /// k for a joint and a shape.
+    pub(crate) periods: fn(&Joint, f64) -> f64,
+    /// Whether the order is a reported parameter.
+    pub(crate) reports_order: bool,
+}
+
+impl Harmonic {
+    /// A fixed number of periods in a turn of the joint.
+    pub(crate) const ONCE: Self = Self::with(|_, _| 1.0);
+    pub(crate) const TWICE: Self = Self::with(|_, _| 2.0);
+
+    pub(crate) const fn with(periods: fn(&Joint, f64) -> f64) -> Self {
+        Self {
+            periods,
+            reports_order: false,
+        }
+    }
+}
+
+impl Law for Harmonic {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
+        let periods = (self.periods)(input.joint()?, shape);
+        Some(waves(input.reading()?, periods).to_vec())
+    }
+
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        let mut values = polar(amplitudes);
+        values.extend(self.reports_order.then_some(shape));
+        values
+    }
+
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
+        (from_polar(values), values.get(2).copied().unwrap_or(1.0))
+    }
+}
+
 /// cos(k x) and sin(k x).
 pub(crate) fn waves(angle: &[f64], order: f64) -> [Vec<f64>; 2] {
     let (sines, cosines) = angle.iter().map(|q| (order * q).sin_cos()).unzip();

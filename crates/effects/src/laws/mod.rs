@@ -1,12 +1,20 @@
-//! Laws that several effects share.
+//! Laws of errors: what several effects share, and the one way of all errors of one number into the streams.
 
 mod course;
 mod delay;
 mod harmonic;
+mod law;
+mod proportional;
+mod reversal;
+mod spring;
 mod step;
 
-pub(crate) use course::{COURSES, course};
-pub(crate) use delay::{moved, slope};
-pub(crate) use harmonic::{from_polar, polar, waves};
+pub(crate) use course::{COURSES, Drift};
+pub(crate) use delay::{Delay, moved, slope};
+pub(crate) use harmonic::{Harmonic, from_polar, polar, waves};
+pub(crate) use law::{Input, Law, Placed};
+pub(crate) use proportional::Proportional;
+pub(crate) use reversal::Reversal;
+pub(crate) use spring::Spring;
+pub(crate) use step::Step;
 pub use step::under_load;
-pub(crate) use step::{instant, row_at, step};

@@ -1,6 +1,7 @@
 //! A constant step from an instant on; the shape is the first row after it.
 
 use crate::context::Context;
+use crate::laws::{Input, Law};
 
 /// 1 from a row to the end of its run.
 pub(crate) fn step(context: &Context<'_>, shape: f64) -> Vec<f64> {
@@ -25,6 +26,33 @@ pub(crate) fn row_at(context: &Context<'_>, instant_s: f64) -> f64 {
     time_s.map_or(instant_s, |time_s| {
         time_s.partition_point(|&time| time < instant_s) as f64
     })
+}
+
+/// A step, reported as a number of units and an instant.
+#[derive(Debug)]
+pub(crate) struct Step {
+    /// Size of one unit.
+    pub(crate) unit: fn(Input<'_, '_>) -> f64,
+}
+
+impl Law for Step {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
+        Some(vec![step(input.context, shape)])
+    }
+
+    fn values(&self, input: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        vec![
+            amplitudes[0] / (self.unit)(input),
+            instant(input.context, shape),
+        ]
+    }
+
+    fn amplitudes(&self, input: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
+        (
+            vec![values[0] * (self.unit)(input)],
+            row_at(input.context, values[1]),
+        )
+    }
 }
 
 /// Share of the torques that the torque at a slip must exceed: a cable slips under load.

@@ -1,10 +1,7 @@
 //! The first order of the motor's angle, which the base model has for its input drum.
 
-use crate::context::Context;
-use crate::laws::{from_polar, polar, waves};
-use crate::{
-    Absorbed, Effect, Family, Follows, Hook, LawError, Parameter, Shape, Signal, Spec, Unit,
-};
+use crate::laws::Harmonic;
+use crate::{Absorbed, Family, Follows, Hook, LawError, Parameter, Shape, Spec, Unit};
 
 /// The disc of a motor encoder sits off its axis.
 pub const SPEC: Spec = Spec {
@@ -27,37 +24,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct DeviceEncoderEccentricity {
-    pub(crate) joint: usize,
-}
-
-impl Effect for DeviceEncoderEccentricity {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let ratio = context.device.joints[self.joint].transmission_ratio;
-        let readings = &context.recording.joint[self.joint];
-        let waves = waves(readings, ratio);
-        waves
-            .map(|wave| context.upstream(self.joint, &wave))
-            .to_vec()
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        polar(amplitudes)
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (from_polar(values), 1.0)
-    }
-}
+pub(crate) const LAW: Harmonic = Harmonic::with(|joint, _| joint.transmission_ratio);
 
 #[cfg(test)]
 crate::conforms!(SPEC);

@@ -1,9 +1,10 @@
 //! A motor encoder loses counts: by these its reading is too high afterwards, and the measured channels, which are
 //! compared with it, are too low.
 
-use crate::context::Context;
-use crate::laws::{instant, row_at, step};
-use crate::{Effect, Family, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use haptical_model::Joint;
+
+use crate::laws::{Input, Step};
+use crate::{Family, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// A motor encoder lost counts at one moment.
 pub const SPEC: Spec = Spec {
@@ -24,45 +25,12 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct EncoderCountLoss {
-    pub(crate) joint: usize,
-}
+pub(crate) const LAW: Step = Step { unit };
 
-impl EncoderCountLoss {
-    /// Size of one count \[rad\], or \[m\] of a slide; 1 where the device file has none.
-    fn quantum(&self, context: &Context<'_>) -> f64 {
-        let joint = &context.device.joints[self.joint];
-        joint.reading_quantum_rad().unwrap_or(1.0)
-    }
-}
-
-impl Effect for EncoderCountLoss {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        vec![context.upstream(self.joint, &step(context, shape))]
-    }
-
-    fn values(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        vec![
-            -amplitudes[0] / self.quantum(context),
-            instant(context, shape),
-        ]
-    }
-
-    fn amplitudes(&self, context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (
-            vec![-values[0] * self.quantum(context)],
-            row_at(context, values[1]),
-        )
-    }
+/// Size of one count \[rad\], or \[m\] of a slide; 1 where the device file has none. Counts too many turn the joint back.
+fn unit(input: Input<'_, '_>) -> f64 {
+    let quantum = input.joint().and_then(Joint::reading_quantum_rad);
+    -quantum.unwrap_or(1.0)
 }
 
 #[cfg(test)]

@@ -1,9 +1,7 @@
 //! A joint or link yields behind the external encoder by torque over stiffness.
 
-use crate::context::Context;
-use crate::{
-    Absorbed, Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit,
-};
+use crate::laws::Spring;
+use crate::{Absorbed, Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// A joint or link bends with its torque, behind the external encoder.
 pub const SPEC: Spec = Spec {
@@ -29,36 +27,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct JointCompliance {
-    pub(crate) joint: usize,
-}
-
-impl Effect for JointCompliance {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let Some(torque) = context.torque_nm.get(self.joint).and_then(Option::as_ref) else {
-            return vec![];
-        };
-        let error: Vec<f64> = torque.iter().map(|torque| -torque).collect();
-        vec![context.downstream(self.joint, &error)]
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![1.0 / amplitudes[0]]
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![1.0 / values[0]], 0.0)
-    }
-}
+pub(crate) const LAW: Spring = Spring;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

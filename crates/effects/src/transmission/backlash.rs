@@ -1,9 +1,9 @@
 //! A play of total width 2b. Driven by the motor the link follows late; driven by the hand the motor does, so that
 //! the link leads.
 
-use crate::context::Context;
+use crate::laws::{Input, Law};
 use crate::signal::{play, smooth};
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// The play is driven by the motor, or by the hand on the link.
 const DRIVEN_BY_MOTOR: f64 = 0.0;
@@ -30,52 +30,39 @@ pub const SPEC: Spec = Spec {
 };
 
 #[derive(Debug)]
-pub(crate) struct Backlash {
-    pub(crate) joint: usize,
-}
+pub(crate) struct Backlash;
 
-impl Backlash {
-    fn lost(&self, context: &Context<'_>, half_width: f64, shape: f64) -> Vec<f64> {
-        let readings = &context.recording.joint[self.joint];
-        let output = context.recording.output.get(self.joint);
-        match output.and_then(Option::as_ref) {
-            Some(output) if shape == DRIVEN_BY_LINK => {
-                let output = smooth(output, 2, &context.runs);
-                let lost = play(&output, half_width, &context.runs);
-                lost.into_iter().map(|value| -value).collect()
-            }
-            _ => play(readings, half_width, &context.runs),
-        }
-    }
-}
-
-impl Effect for Backlash {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn shapes(&self, context: &Context<'_>) -> Vec<f64> {
-        if context.output_stream(self.joint).is_some() {
-            vec![DRIVEN_BY_MOTOR, DRIVEN_BY_LINK]
-        } else {
-            vec![DRIVEN_BY_MOTOR]
-        }
-    }
-
-    fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<Signal> {
+impl Law for Backlash {
+    fn columns(
+        &self,
+        input: Input<'_, '_>,
+        amplitudes: &[f64],
+        shape: f64,
+    ) -> Option<Vec<Vec<f64>>> {
         let half_width = amplitudes.first().map_or(0.0, |b| b.abs()).max(SMALL_PLAY);
-        vec![context.upstream(self.joint, &self.lost(context, half_width, shape))]
+        let runs = &input.context.runs;
+        Some(vec![
+            match input.output().filter(|_| shape == DRIVEN_BY_LINK) {
+                Some(output) => {
+                    let lost = play(&smooth(output, 2, runs), half_width, runs);
+                    lost.into_iter().map(|value| -value).collect()
+                }
+                None => play(input.reading()?, half_width, runs),
+            },
+        ])
     }
 
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+    fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
+        let mut shapes = vec![DRIVEN_BY_MOTOR];
+        shapes.extend(input.has_output().then_some(DRIVEN_BY_LINK));
+        Some(shapes)
+    }
+
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
         vec![2.0 * amplitudes[0].abs()]
     }
 
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![0.5 * values[0]], DRIVEN_BY_MOTOR)
     }
 }

@@ -1,8 +1,8 @@
 //! Pitch of the helix and cables that walk or cross: to leading order an even term, and a cubic one where the cable
 //! does not start in the middle of its drum.
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Parameter, Spec, Unit};
 
 /// The cable walks along its drum.
 pub const SPEC: Spec = Spec {
@@ -26,27 +26,13 @@ pub const SPEC: Spec = Spec {
 };
 
 #[derive(Debug)]
-pub(crate) struct CablePitch {
-    pub(crate) joint: usize,
-}
+pub(crate) struct CablePitch;
 
-impl Effect for CablePitch {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let readings = &context.recording.joint[self.joint];
+impl Law for CablePitch {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
         let power =
-            |exponent: i32| -> Vec<f64> { readings.iter().map(|q| q.powi(exponent)).collect() };
-        vec![
-            context.upstream(self.joint, &power(2)),
-            context.upstream(self.joint, &power(3)),
-        ]
+            |exponent: i32| Some(input.reading()?.iter().map(|q| q.powi(exponent)).collect());
+        Some(vec![power(2)?, power(3)?])
     }
 }
 

@@ -1,7 +1,7 @@
 //! The wrap slips a little with every loaded travel: d(theta) = kappa tau |d(theta)|.
 
-use crate::context::Context;
-use crate::{Effect, Family, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// The cable creeps round the drum with loaded travel and does not come back.
 pub const SPEC: Spec = Spec {
@@ -27,26 +27,13 @@ pub const SPEC: Spec = Spec {
 };
 
 #[derive(Debug)]
-pub(crate) struct CapstanCreep {
-    pub(crate) joint: usize,
-}
+pub(crate) struct CapstanCreep;
 
-impl Effect for CapstanCreep {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let Some(torque) = context.torque_nm.get(self.joint).and_then(Option::as_ref) else {
-            return vec![];
-        };
-        let travel = &context.recording.joint[self.joint];
-        let mut error = vec![0.0; context.rows()];
-        for run in &context.runs {
+impl Law for CapstanCreep {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        let (torque, travel) = (input.torque_nm()?, input.reading()?);
+        let mut error = vec![0.0; travel.len()];
+        for run in &input.context.runs {
             let mut crept = 0.0;
             for row in run.clone().skip(1) {
                 let mean = 0.5 * (torque[row] + torque[row - 1]);
@@ -54,7 +41,7 @@ impl Effect for CapstanCreep {
                 error[row] = crept;
             }
         }
-        vec![context.upstream(self.joint, &error)]
+        Some(vec![error])
     }
 }
 

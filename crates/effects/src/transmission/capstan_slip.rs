@@ -1,8 +1,7 @@
 //! The wrap slips once, under load.
 
-use crate::context::Context;
-use crate::laws::{instant, row_at, step};
-use crate::{Effect, Family, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::Step;
+use crate::{Family, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// The cable slipped on the drum at one moment.
 pub const SPEC: Spec = Spec {
@@ -25,32 +24,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct CapstanSlip {
-    pub(crate) joint: usize,
-}
-
-impl Effect for CapstanSlip {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        vec![context.upstream(self.joint, &step(context, shape))]
-    }
-
-    fn values(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        vec![amplitudes[0], instant(context, shape)]
-    }
-
-    fn amplitudes(&self, context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], row_at(context, values[1]))
-    }
-}
+pub(crate) const LAW: Step = Step { unit: |_| 1.0 };
 
 #[cfg(test)]
 crate::conforms!(SPEC);

@@ -1,7 +1,7 @@
 //! A joint is turned by another one through the routing of its cable; one of many pairs.
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Parameter, Shape, Spec, Unit};
 
 /// One joint moves with another because of the cable's routing.
 pub const SPEC: Spec = Spec {
@@ -25,32 +25,24 @@ pub const SPEC: Spec = Spec {
 
 #[derive(Debug)]
 pub(crate) struct CrossCoupling {
-    pub(crate) joint: usize,
+    /// The other joint.
     pub(crate) from: usize,
 }
 
-impl Effect for CrossCoupling {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
+impl Law for CrossCoupling {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        Some(vec![input.context.recording.joint.get(self.from)?.clone()])
     }
 
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
+    fn shapes(&self, _: Input<'_, '_>) -> Option<Vec<f64>> {
+        Some(vec![(self.from + 1) as f64])
     }
 
-    fn shapes(&self, _: &Context<'_>) -> Vec<f64> {
-        vec![(self.from + 1) as f64]
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        vec![context.upstream(self.joint, &context.recording.joint[self.from])]
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
         vec![amplitudes[0], shape]
     }
 
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![values[0]], values[1])
     }
 }

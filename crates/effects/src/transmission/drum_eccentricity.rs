@@ -1,10 +1,7 @@
 //! An eccentric drive of a joint for which the base model has none.
 
-use crate::context::Context;
-use crate::laws::{from_polar, polar, waves};
-use crate::{
-    Absorbed, Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit,
-};
+use crate::laws::Harmonic;
+use crate::{Absorbed, Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// A drum turns off its centre.
 pub const SPEC: Spec = Spec {
@@ -28,36 +25,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct DrumEccentricity {
-    pub(crate) joint: usize,
-}
-
-impl Effect for DrumEccentricity {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let readings = &context.recording.joint[self.joint];
-        let waves = waves(readings, 1.0);
-        waves
-            .map(|wave| context.upstream(self.joint, &wave))
-            .to_vec()
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        polar(amplitudes)
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (from_polar(values), 1.0)
-    }
-}
+pub(crate) const LAW: Harmonic = Harmonic::ONCE;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

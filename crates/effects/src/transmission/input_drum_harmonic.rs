@@ -1,8 +1,7 @@
 //! Orders of the motor's angle above the first, which the base model has for its input drum.
 
-use crate::context::Context;
-use crate::laws::{from_polar, polar, waves};
-use crate::{Effect, Family, Follows, Hook, LawError, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::Harmonic;
+use crate::{Family, Follows, Hook, LawError, Parameter, Shape, Spec, Unit};
 
 /// The error repeats with the turns of the motor.
 pub const SPEC: Spec = Spec {
@@ -25,39 +24,10 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct InputDrumHarmonic {
-    pub(crate) joint: usize,
-}
-
-impl Effect for InputDrumHarmonic {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        let ratio = context.device.joints[self.joint].transmission_ratio;
-        let readings = &context.recording.joint[self.joint];
-        let waves = waves(readings, shape * ratio);
-        waves
-            .map(|wave| context.upstream(self.joint, &wave))
-            .to_vec()
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        let mut values = polar(amplitudes);
-        values.push(shape);
-        values
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (from_polar(values), values[2])
-    }
-}
+pub(crate) const LAW: Harmonic = Harmonic {
+    periods: |joint, order| order * joint.transmission_ratio,
+    reports_order: true,
+};
 
 #[cfg(test)]
 crate::conforms!(SPEC);

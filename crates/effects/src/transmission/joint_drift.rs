@@ -1,8 +1,7 @@
 //! The zero of a drive drifts in time, steadily or until it settles.
 
-use crate::context::Context;
-use crate::laws::{COURSES, course};
-use crate::{Effect, Family, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::{COURSES, Drift};
+use crate::{Family, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
 
 /// The joint's zero drifts with time or temperature.
 pub const SPEC: Spec = Spec {
@@ -25,24 +24,7 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct JointDrift {
-    pub(crate) joint: usize,
-}
-
-impl Effect for JointDrift {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        vec![context.upstream(self.joint, &course(context, shape))]
-    }
-}
+pub(crate) const LAW: Drift = Drift;
 
 #[cfg(test)]
 crate::conforms!(SPEC);

@@ -1,7 +1,7 @@
 //! The zero of a drive follows the temperature.
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// The joint's zero drifts with time or temperature.
 pub const SPEC: Spec = Spec {
@@ -25,22 +25,11 @@ pub const SPEC: Spec = Spec {
 };
 
 #[derive(Debug)]
-pub(crate) struct JointWarming {
-    pub(crate) joint: usize,
-}
+pub(crate) struct JointWarming;
 
-impl Effect for JointWarming {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let warming = context.warming_k.as_deref().unwrap_or_default();
-        vec![context.upstream(self.joint, warming)]
+impl Law for JointWarming {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        Some(vec![input.context.warming_k.clone()?])
     }
 }
 

@@ -1,9 +1,7 @@
 //! A ratio error of a joint for which the base model has none, or the pitch of a screw.
 
-use crate::context::Context;
-use crate::{
-    Absorbed, Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit,
-};
+use crate::laws::{Input, Law};
+use crate::{Absorbed, Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
 
 /// The transmission ratio is not the nominal one.
 pub const SPEC: Spec = Spec {
@@ -23,25 +21,14 @@ pub const SPEC: Spec = Spec {
 };
 
 #[derive(Debug)]
-pub(crate) struct RatioError {
-    pub(crate) joint: usize,
-}
+pub(crate) struct RatioError;
 
-impl Effect for RatioError {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
+impl Law for RatioError {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
         // output = reading / (1 + deviation / ratio), as eq. (1)
-        let ratio = context.device.joints[self.joint].transmission_ratio;
-        let readings = context.recording.joint[self.joint].iter();
-        let error: Vec<f64> = readings.map(|q| -q / ratio).collect();
-        vec![context.upstream(self.joint, &error)]
+        let ratio = input.joint()?.transmission_ratio;
+        let readings = input.reading()?.iter();
+        Some(vec![readings.map(|q| -q / ratio).collect()])
     }
 }
 

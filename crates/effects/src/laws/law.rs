@@ -1,0 +1,162 @@
+//! A law: the error of one number, a joint's angle or the first cable's length, that enters at the hook of its effect.
+
+use std::fmt::Debug;
+
+use crate::context::Context;
+use crate::signal::LocalMotion;
+use crate::{Effect, Signal, Spec};
+
+/// Inputs of a law.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Input<'c, 'a> {
+    pub(crate) context: &'c Context<'a>,
+    /// Joint whose angle is wrong, from 0; none where it is the cable's length.
+    joint: Option<usize>,
+}
+
+impl<'c> Input<'c, '_> {
+    /// The angle as read, or the cable's length by the base model.
+    pub(crate) fn reading(&self) -> Option<&'c [f64]> {
+        match self.joint {
+            Some(joint) => Some(&self.context.recording.joint[joint]),
+            None => self
+                .context
+                .cable
+                .as_ref()
+                .map(|cable| cable.length_m.as_slice()),
+        }
+    }
+
+    /// Its rates, where times are recorded.
+    pub(crate) fn motion(&self) -> Option<&'c LocalMotion> {
+        let motion = match self.joint {
+            Some(joint) => self.context.motion.as_ref()?.get(joint),
+            None => self.context.cable.as_ref().map(|cable| &cable.motion),
+        };
+        motion.filter(|motion| !motion.velocity.is_empty())
+    }
+
+    /// Smoothed torque of the joint \[N m\].
+    pub(crate) fn torque_nm(&self) -> Option<&'c [f64]> {
+        self.context.torque_nm.get(self.joint?)?.as_deref()
+    }
+
+    /// The joint's external encoder as read.
+    pub(crate) fn output(&self) -> Option<&'c [f64]> {
+        self.context.recording.output.get(self.joint?)?.as_deref()
+    }
+
+    /// Whether the calibration uses that encoder.
+    pub(crate) fn has_output(&self) -> bool {
+        let joint = self.joint;
+        joint.is_some_and(|joint| self.context.output_stream(joint).is_some())
+    }
+
+    /// The joint in the device file.
+    pub(crate) fn joint(&self) -> Option<&'c haptical_model::Joint> {
+        self.context.device.joints.get(self.joint?)
+    }
+}
+
+/// The error of one number.
+pub(crate) trait Law: Debug + Send + Sync {
+    /// Derivative of the error with respect to each amplitude; none where an input is missing.
+    fn columns(
+        &self,
+        input: Input<'_, '_>,
+        amplitudes: &[f64],
+        shape: f64,
+    ) -> Option<Vec<Vec<f64>>>;
+
+    /// The error itself, where it is not linear.
+    fn error(&self, _: Input<'_, '_>, _: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Shapes to try, where the recording or the place decides them.
+    fn shapes(&self, _: Input<'_, '_>) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// The reported parameters.
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+        vec![amplitudes[0]]
+    }
+
+    /// Amplitudes (those left out are 0) and shape that have these values.
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
+        (vec![values[0]], 0.0)
+    }
+
+    /// Whether nature allows these amplitudes.
+    fn is_possible(&self, _: &[f64]) -> bool {
+        true
+    }
+}
+
+/// A law at its place.
+#[derive(Debug)]
+pub(crate) struct Placed<L> {
+    pub(crate) spec: &'static Spec,
+    /// None of the first cable.
+    pub(crate) joint: Option<usize>,
+    pub(crate) law: L,
+}
+
+impl<L> Placed<L> {
+    fn input<'c, 'a>(&self, context: &'c Context<'a>) -> Input<'c, 'a> {
+        Input {
+            context,
+            joint: self.joint,
+        }
+    }
+
+    fn enter(&self, context: &Context<'_>, error: &[f64]) -> Signal {
+        context.entering(self.spec.hook, self.joint, error)
+    }
+}
+
+impl<L: Law> Effect for Placed<L> {
+    fn spec(&self) -> &'static Spec {
+        self.spec
+    }
+
+    fn joint(&self) -> Option<usize> {
+        self.joint
+    }
+
+    fn shapes(&self, context: &Context<'_>) -> Vec<f64> {
+        let own = self.law.shapes(self.input(context));
+        own.unwrap_or_else(|| self.spec.shape.grid())
+    }
+
+    fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<Signal> {
+        let columns = self.law.columns(self.input(context), amplitudes, shape);
+        let columns = columns.unwrap_or_default().into_iter();
+        columns.map(|column| self.enter(context, &column)).collect()
+    }
+
+    fn signal(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Signal {
+        match self.law.error(self.input(context), amplitudes) {
+            Some(error) => self.enter(context, &error),
+            None => {
+                let columns = self.derivative(context, amplitudes, shape);
+                Signal::sum(&columns, amplitudes)
+            }
+        }
+    }
+
+    fn values(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        self.law.values(self.input(context), amplitudes, shape)
+    }
+
+    fn amplitudes(&self, context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+        let (mut amplitudes, shape) = self.law.amplitudes(self.input(context), values);
+        amplitudes.resize(self.spec.amplitudes, 0.0);
+        (amplitudes, shape)
+    }
+
+    fn is_possible(&self, amplitudes: &[f64]) -> bool {
+        (!self.spec.is_positive || amplitudes[0] > 0.0) && self.law.is_possible(amplitudes)
+    }
+}
