@@ -143,6 +143,7 @@ const REGISTRY: &[Line] = &[
     on_cable!(cable::drum_eccentricity, DrumEccentricity),
     on_cable!(cable::exit_geometry, ExitGeometry),
     on_device!(structure::tool_changed, ToolChanged),
+    on_device!(structure::tracker_moved, TrackerMoved),
     Line {
         specs: &noise::periodic_disturbance::SPECS,
         site: Site::Device(noise::periodic_disturbance::on_channels),

@@ -13,6 +13,7 @@ mod dependencies;
 mod determinism;
 mod gap_sets;
 mod lines;
+mod moved;
 mod named;
 mod normal;
 mod postures;

@@ -5,6 +5,7 @@ pub(crate) mod base_compliance;
 pub(crate) mod joint_compliance;
 pub(crate) mod tool_changed;
 pub(crate) mod tool_compliance;
+pub(crate) mod tracker_moved;
 pub(crate) mod warming;
 
 pub use axis_wobble::SPEC as AXIS_WOBBLE;

@@ -5,7 +5,7 @@ use crate::{catalogue, names};
 
 /// Effects with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
-const CONTRACT: [(&str, &[&str]); 53] = [
+const CONTRACT: [(&str, &[&str]); 54] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),
     ("capstan-creep", &["creep_per_nm"]),
     ("capstan-slip", &["slip_rad", "time_s"]),
@@ -57,6 +57,7 @@ const CONTRACT: [(&str, &[&str]); 53] = [
     ("base-compliance", &["rad_per_nm"]),
     ("tool-compliance", &["m_per_n"]),
     ("tool-changed", &["shift_m"]),
+    ("tracker-moved", &["shift_m", "tilt_rad"]),
     ("periodic-disturbance", &[]),
     ("outliers", &[]),
     ("force-bias", &[]),

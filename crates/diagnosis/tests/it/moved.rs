@@ -1,0 +1,148 @@
+//! A tracker that someone moves between two runs, and one that nobody touches.
+
+use haptical_diagnosis::{Diagnosis, Options, Verdict, diagnose};
+use haptical_model::kinematics::nalgebra::{
+    Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3,
+};
+use haptical_model::{Device, Evaluation, Placement, Recording, Tracker};
+
+use crate::arm::{self, Errors, Session, assert_near, record, summary};
+use crate::normal::Normal;
+
+const POSITION_SD_M: f64 = 5e-5;
+const ROTATION_SD_RAD: f64 = 2e-4;
+
+/// The arm before a tracker whose place, and that of its target, are unknown.
+fn device() -> Device {
+    let mut device = arm::device();
+    device.cables.clear();
+    device.tracker = Some(Tracker {
+        base_known: false,
+        tool_known: false,
+        position_sd_m: Some(POSITION_SD_M),
+        rotation_sd_rad: Some(ROTATION_SD_RAD),
+    });
+    device.surroundings.tracker_base = Some(Placement::default());
+    device.surroundings.tracker_tool = Some(Placement::default());
+    device
+}
+
+/// Frame (-1) seen from the tracker, and the target seen from the handle.
+fn base() -> Isometry3<f64> {
+    Isometry3::new(Vector3::new(0.9, -0.4, 0.6), Vector3::new(0.5, -1.2, 2.0))
+}
+fn target() -> Isometry3<f64> {
+    Isometry3::new(
+        Vector3::new(0.04, -0.03, 0.05),
+        Vector3::new(0.3, 0.2, -0.8),
+    )
+}
+
+/// What a tracker records whose frame is displaced by `moved` from the second run on, and whose readings of positions
+/// `disturbed` adds to.
+fn recorded(
+    session: &Session,
+    moved: Isometry3<f64>,
+    disturbed: impl Fn(f64) -> Vector3<f64>,
+) -> Recording {
+    let mut recording = record(session, |_| Errors::default());
+    recording.cable_m.clear();
+    let built = arm::built();
+    let mut evaluation = Evaluation::new(&built);
+    let mut noise = Normal::new(session.seed + 100);
+    let mut position_m = [(); 3].map(|()| Vec::new());
+    let mut orientation = [(); 4].map(|()| Vec::new());
+    for row in 0..recording.len() {
+        let readings: Vec<f64> = recording.joint.iter().map(|column| column[row]).collect();
+        evaluation.move_to(&readings).unwrap();
+        let pose = evaluation.pose().unwrap();
+        let rotation: Matrix3<f64> = pose.rotation;
+        let rotation = Rotation3::from_matrix_unchecked(rotation);
+        let handle = Isometry3::from_parts(
+            Translation3::from(pose.position_m),
+            UnitQuaternion::from_rotation_matrix(&rotation),
+        );
+        let mut seen = base() * handle * target();
+        if row >= session.rows_of_a_run {
+            seen = moved.inverse() * seen;
+        }
+        let time_s = recording.time_s.as_ref().unwrap()[row];
+        let at = seen.translation.vector + disturbed(time_s);
+        for (axis, column) in position_m.iter_mut().enumerate() {
+            column.push(at[axis] + POSITION_SD_M * noise.next());
+        }
+        let jitter = Vector3::from_fn(|_, _| ROTATION_SD_RAD * noise.next());
+        let turn = UnitQuaternion::from_scaled_axis(jitter) * seen.rotation;
+        for (column, part) in orientation.iter_mut().zip([turn.w, turn.i, turn.j, turn.k]) {
+            column.push(part);
+        }
+    }
+    recording.position_m = Some(position_m);
+    recording.orientation_wxyz = Some(orientation);
+    recording
+}
+
+fn diagnosed(recording: &Recording) -> Diagnosis {
+    diagnose(&device(), recording, &Options::default()).unwrap()
+}
+
+fn still(_: f64) -> Vector3<f64> {
+    Vector3::zeros()
+}
+
+#[test]
+fn a_tracker_that_was_moved_between_runs_is_named_with_shift_and_tilt() {
+    // 2 mm and 3 mrad, neither along an axis
+    let shift = 2e-3 * Vector3::new(0.6, -0.64, 0.48);
+    let tilt = 3e-3 * Vector3::new(-0.48, 0.6, 0.64);
+    for runs in [2, 3] {
+        let session = Session {
+            runs,
+            rows_of_a_run: 2400 / runs,
+            ..Session::default()
+        };
+        let diagnosis = diagnosed(&recorded(&session, Isometry3::new(shift, tilt), still));
+        let summary = summary(&diagnosis);
+        assert_eq!(diagnosis.verdict, Verdict::Named, "{summary}");
+        assert_eq!(diagnosis.causes.len(), 1, "{summary}");
+        let cause = &diagnosis.causes[0];
+        assert_eq!(cause.effect, "tracker-moved", "{summary}");
+        let near = |name: &str, truth: f64| {
+            let answer = cause.parameters[name];
+            assert_near((answer.value, answer.ci95), truth);
+            assert!(
+                (answer.value / truth - 1.0).abs() < 0.05,
+                "{name} {answer:?}"
+            );
+        };
+        near("shift_m", 2e-3);
+        near("tilt_rad", 3e-3);
+        let place = diagnosis.place.unwrap();
+        assert_eq!(place.depends_on, ["run"], "{}", place.region);
+    }
+}
+
+#[test]
+fn a_tracker_that_nobody_touches_has_no_gap() {
+    for seed in 1..=4 {
+        let session = Session {
+            seed,
+            ..Session::default()
+        };
+        let diagnosis = diagnosed(&recorded(&session, Isometry3::identity(), still));
+        assert_eq!(diagnosis.verdict, Verdict::NoGap, "{}", summary(&diagnosis));
+        assert!(diagnosis.causes.is_empty(), "{}", summary(&diagnosis));
+    }
+}
+
+#[test]
+fn a_stand_that_vibrates_is_one_oscillation_on_all_axes() {
+    let sway = |time_s: f64| {
+        let turned = std::f64::consts::TAU * 12.9 * time_s;
+        1e-4 * Vector3::new(3.0 * turned.cos(), 1.0 * turned.sin(), 0.5 * turned.cos())
+    };
+    let diagnosis = diagnosed(&recorded(&Session::default(), Isometry3::identity(), sway));
+    let found = arm::assert_named(&diagnosis, "periodic-disturbance", None, "amplitude_m");
+    // the long half axis of the ellipse
+    assert_near(found, 1e-4 * f64::hypot(3.0, 0.5));
+}
