@@ -3,13 +3,13 @@
 use haptical_model::transmission::chebyshev;
 use haptical_model::{Device, Joint, ParameterId, Recording, TransmissionError};
 
-use crate::problem::lanes::capstan::{CapstanRows, ErrorValues};
+use crate::problem::lanes::capstan::{CapstanReadings, ErrorValues};
 
 /// Readings of one joint, ready for the law of its transmission.
 #[derive(Debug)]
 pub(crate) enum ErrorRows {
     /// Equation (1): sines and cosines of the drums' angles.
-    Capstan(Box<CapstanRows>),
+    Capstan(Box<CapstanReadings>),
     /// A polynomial, which is linear: its basis at the readings, one column for each coefficient.
     Series {
         range_rad: [f64; 2],
@@ -22,7 +22,7 @@ impl ErrorRows {
     pub(crate) fn new(joint: &Joint, readings: &[f64]) -> Option<Self> {
         match &joint.transmission_error {
             TransmissionError::Capstan(_) => {
-                let rows = CapstanRows::new(joint.capstan().ok()?, readings);
+                let rows = CapstanReadings::new(joint.capstan().ok()?, readings);
                 Some(Self::Capstan(Box::new(rows)))
             }
             TransmissionError::Chebyshev {
@@ -124,7 +124,7 @@ pub(crate) fn values_and_slopes(
         return Some((vec![0.0; readings.len()], vec![1.0; readings.len()]));
     }
     if let TransmissionError::Capstan(own) = &described.transmission_error {
-        let rows = CapstanRows::new(described.capstan().ok()?, readings);
+        let rows = CapstanReadings::new(described.capstan().ok()?, readings);
         let mut at = ErrorValues::default();
         rows.evaluate(&error, false, &mut at)?;
         return Some((at.values, rows.slopes(own)));
