@@ -335,7 +335,7 @@ fn instant_uncertainty_s(selector: &Selector<'_, '_>, row: f64) -> f64 {
         return 0.0;
     };
     let row = (row as usize).min(times.len() - 1);
-    let reach = 2 * selector.engine.system.blocks.size;
+    let reach = 2 * selector.engine.system.layout.size;
     let (first, last) = (
         row.saturating_sub(reach),
         (row + reach).min(times.len() - 1),

@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use haptical_calibration::Channel;
 use haptical_effects::Context;
 
+use crate::engine::layout::Layout;
 use crate::noise::Noise;
 use crate::thresholds::fit::{BLOCKS, LONGEST_REST_ROWS};
 use crate::thresholds::lines::SHARE_OF_A_PERIOD;
@@ -172,6 +173,18 @@ fn longest_of_lines(context: &Context<'_>, channel: Channel) -> Option<usize> {
     let rows = context.rows().max(1) as f64;
     let row_s = context.moving_s() / rows;
     Some(((SHARE_OF_A_PERIOD / (fastest_hz * row_s)) as usize).max(1))
+}
+
+impl Layout for Blocks {
+    const SURVIVING: f64 = 1e-9;
+
+    fn count(&self) -> usize {
+        self.count()
+    }
+
+    fn range(&self, stream: usize) -> std::ops::Range<usize> {
+        self.range(stream)
+    }
 }
 
 /// Blocks of rows: `size` rows each, or a whole rest.

@@ -4,11 +4,13 @@ pub(crate) mod anchor;
 pub(crate) mod base;
 pub(crate) mod blocks;
 pub(crate) mod earlier_model;
+pub(crate) mod layout;
 pub(crate) mod least;
 pub(crate) mod model;
 pub(crate) mod onto_touches;
 pub(crate) mod part;
 pub(crate) mod refit;
+pub(crate) mod regression;
 pub(crate) mod system;
 
 mod base_fit;
@@ -104,7 +106,7 @@ impl Engine<'_> {
             .zip(&self.start.residual)
             .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect())
             .collect();
-        root_mean_square(&compress_rows(&self.system.blocks, &change))
+        root_mean_square(&compress_rows(&self.system.layout, &change))
     }
 
     /// Squared residuals of the base model's own fit, in stated standard deviations.

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use crate::DiagnosisError;
 use crate::engine::base::BaseProblem;
 use crate::engine::blocks::Blocks;
+use crate::engine::layout::Layout;
 use crate::engine::part::Part;
 use crate::thresholds::fit::WINDOW_S;
 
@@ -24,8 +25,8 @@ pub(crate) struct Column {
 
 /// Residuals and directions that are no longer news.
 #[derive(Debug, Clone)]
-pub(crate) struct System {
-    pub(crate) blocks: Blocks,
+pub(crate) struct System<L = Blocks> {
+    pub(crate) layout: L,
     /// Orthonormal; the base model's first, then those of the causes found.
     pub(crate) basis: Vec<Vec<f64>>,
     /// Across the basis.
@@ -55,7 +56,7 @@ impl System {
         };
         let mut system = Self {
             residual: vec![0.0; part.blocks.count()],
-            blocks: part.blocks.clone(),
+            layout: part.blocks.clone(),
             basis: part.directions()?,
             windows: windows(context, &part.blocks),
             oscillations: oscillations(context, &part.blocks),
@@ -69,7 +70,43 @@ impl System {
 
     /// Takes physical residuals per stream and row, and projects them.
     pub(crate) fn set_residual(&mut self, residual: &[Vec<f64>]) {
-        let mut whitened = compress_rows(&self.blocks, residual);
+        self.leave_of(compress_rows(&self.layout, residual));
+    }
+
+    pub(crate) fn column(&self, signal: &Signal) -> Column {
+        let parts = signal
+            .parts
+            .iter()
+            .map(|(stream, values)| (*stream, self.layout.compress(*stream, |row| values[row])))
+            .collect();
+        Column { parts }
+    }
+
+    /// The row in the middle of every block.
+    pub(crate) fn postures(&self) -> Vec<usize> {
+        (0..self.windows.len())
+            .flat_map(|stream| {
+                let blocks = 0..self.layout.range(stream).len();
+                blocks.map(move |block| self.layout.row(stream, block))
+            })
+            .collect()
+    }
+}
+
+impl<L: Layout> System<L> {
+    /// Whitened readings without a model, with the windows of each stream.
+    pub(crate) fn bare(layout: L, windows: Vec<Vec<Range<usize>>>, reading: Vec<f64>) -> Self {
+        Self {
+            layout,
+            basis: Vec::new(),
+            residual: reading,
+            oscillations: vec![Vec::new(); windows.len()],
+            windows,
+        }
+    }
+
+    /// Takes whitened readings, and projects them.
+    pub(crate) fn leave_of(&mut self, mut whitened: Vec<f64>) {
         // twice: one pass leaves the rounding of large coefficients
         for _ in 0..2 {
             for direction in &self.basis {
@@ -79,29 +116,20 @@ impl System {
         self.residual = whitened;
     }
 
-    pub(crate) fn column(&self, signal: &Signal) -> Column {
-        let parts = signal
-            .parts
-            .iter()
-            .map(|(stream, values)| (*stream, self.blocks.compress(*stream, |row| values[row])))
-            .collect();
-        Column { parts }
-    }
-
     /// Product of a column with a vector over all blocks.
     pub(crate) fn dot(&self, column: &Column, vector: &[f64]) -> f64 {
         column
             .parts
             .iter()
-            .map(|(stream, values)| dot(values, &vector[self.blocks.range(*stream)]))
+            .map(|(stream, values)| dot(values, &vector[self.layout.range(*stream)]))
             .sum()
     }
 
     /// A column over all blocks.
     pub(crate) fn dense(&self, column: &Column) -> Vec<f64> {
-        let mut dense = vec![0.0; self.blocks.count()];
+        let mut dense = vec![0.0; self.layout.count()];
         for (stream, values) in &column.parts {
-            dense[self.blocks.range(*stream)].copy_from_slice(values);
+            dense[self.layout.range(*stream)].copy_from_slice(values);
         }
         dense
     }
@@ -111,21 +139,20 @@ impl System {
         self.take(self.dense(column));
     }
 
-    fn take(&mut self, dense: Vec<f64>) {
-        if let Some(direction) = across(dense, || self.basis.iter()) {
-            take_off(&mut self.residual, &direction);
-            self.basis.push(direction);
+    /// The same of a column over all blocks; false where the basis has it already.
+    pub(crate) fn take(&mut self, dense: Vec<f64>) -> bool {
+        let direction = across(dense, || self.basis.iter());
+        if let Some(direction) = &direction {
+            take_off(&mut self.residual, direction);
         }
+        let is_new = direction.is_some();
+        self.basis.extend(direction);
+        is_new
     }
 
-    /// The row in the middle of every block.
-    pub(crate) fn postures(&self) -> Vec<usize> {
-        (0..self.windows.len())
-            .flat_map(|stream| {
-                let blocks = 0..self.blocks.range(stream).len();
-                blocks.map(move |block| self.blocks.row(stream, block))
-            })
-            .collect()
+    /// Windows of a stream.
+    pub(crate) fn windows(&self, stream: usize) -> usize {
+        self.windows[stream].len()
     }
 
     /// Slow energy of a residual per stream, with the degrees of freedom that it has under noise:

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::posture::{PER_LINK, Posture, Rows};
 use super::recorded::{Besides, Recorded};
-use super::weights::Weights;
+use super::rows::Whitener;
 
 /// What a calibrated length may still be wrong by \[m\].
 const LENGTH_SD_M: f64 = 2e-3;
@@ -146,11 +146,11 @@ impl<'a> Along<'a> {
         joints
     }
 
-    pub(super) fn weights(&self, besides: Besides) -> Option<Weights> {
+    pub(super) fn whitener(&self, besides: Besides) -> Option<Whitener> {
         let covariances = (0..self.recorded.blocks.len())
             .map(|block| self.recorded.covariance(block, &self.hand[block], besides))
             .collect();
-        Weights::new(self.recorded.channels.len(), covariances)
+        Whitener::new(self.recorded.channels.len(), covariances)
     }
 
     /// Column of a force in the handle's frame, per half block (its index and the recorded force
@@ -192,26 +192,32 @@ impl<'a> Along<'a> {
     /// The force of each block whose torques are nearest to `rest`, with its covariance.
     pub(super) fn hand_force(
         &self,
-        weights: &Weights,
+        whitener: &Whitener,
         rest: &[f64],
     ) -> Vec<(Vector3<f64>, Matrix3<f64>)> {
+        let white = whitener.whiten(rest);
         let blocks = self.recorded.blocks.len();
-        let weighed = weights.weigh(rest);
-        let force = |(block, hand): (usize, &Vec<Vector3<f64>>)| {
+        let along = [0, 1, 2].map(|axis| {
+            let channels = 0..self.recorded.channels.len();
+            let arms =
+                channels.flat_map(|channel| self.hand.iter().map(move |hand| hand[channel][axis]));
+            whitener.whiten(&arms.collect::<Vec<f64>>())
+        });
+        let force = |block: usize| {
             // a direction in which the handle cannot be pushed has no force
             let mut information = Matrix3::identity() * FORCE_PRIOR;
             let mut right = Vector3::zeros();
-            for (a, arm) in hand.iter().enumerate() {
-                right += arm * weighed[a * blocks + block];
-                for (b, other) in hand.iter().enumerate() {
-                    information += arm * other.transpose() * weights.entry(a, b, block);
-                }
+            for entry in (block..white.len()).step_by(blocks) {
+                let arm = Vector3::from_fn(|axis, _| along[axis][entry]);
+                right += arm * white[entry];
+                information += arm * arm.transpose();
             }
             let covariance = information.try_inverse().unwrap_or_else(Matrix3::zeros);
             (covariance * right, covariance)
         };
-        self.hand.iter().enumerate().map(force).collect()
+        (0..blocks).map(force).collect()
     }
+
     /// Torque of links with these inertial parameters.
     pub(super) fn link_torques(&self, inertia: &[f64]) -> Vec<f64> {
         let mut torque = vec![0.0; self.recorded.len()];
@@ -223,15 +229,21 @@ impl<'a> Along<'a> {
         }
         torque
     }
-    /// One column for each row parameter of the chain, with what it may be wrong by.
-    pub(super) fn geometry(
-        &self,
-        inertia: &[f64],
-        force_n: &[Vector3<f64>],
-    ) -> Vec<(Vec<f64>, f64)> {
+
+    /// What each row parameter of the chain may be wrong by.
+    pub(super) fn geometry_sds(&self) -> Vec<f64> {
+        let sd = |parameter| match parameter {
+            Parameter::A | Parameter::D => LENGTH_SD_M,
+            _ => ANGLE_SD_RAD,
+        };
+        self.rows.parameters().map(sd).collect()
+    }
+
+    /// One column for each row parameter of the chain.
+    pub(super) fn geometry(&self, inertia: &[f64], force_n: &[Vector3<f64>]) -> Vec<Vec<f64>> {
         let place = self.places();
         let blocks = self.recorded.blocks.len();
-        let mut columns: Vec<(Vec<f64>, f64)> = Vec::new();
+        let mut columns = vec![vec![0.0; self.recorded.len()]; self.rows.parameters().count()];
         let mut posture = Posture::default();
         let mut torque = vec![0.0; place.len()];
         for (index, half) in self.halves.iter().enumerate() {
@@ -240,18 +252,11 @@ impl<'a> Along<'a> {
                 .place([&joints[0], &joints[1], &joints[2]], &mut posture);
             let carried = posture.carried(inertia);
             for (number, step) in posture.steps.iter().enumerate() {
-                if columns.len() <= number {
-                    let sd = match step.parameter {
-                        Parameter::A | Parameter::D => LENGTH_SD_M,
-                        _ => ANGLE_SD_RAD,
-                    };
-                    columns.push((vec![0.0; self.recorded.len()], 1.0 / (sd * sd)));
-                }
                 let gravity = &self.rows.gravity_mps2;
                 posture.geometry(step, &carried, gravity, &force_n[index], &mut torque);
                 for (torque, place) in torque.iter().zip(&place) {
                     if let Some(channel) = place {
-                        columns[number].0[channel * blocks + index / 2] += 0.5 * torque;
+                        columns[number][channel * blocks + index / 2] += 0.5 * torque;
                     }
                 }
             }

@@ -12,8 +12,9 @@ use super::names;
 use super::recorded::{Recorded, column};
 use super::select::{Pick, Selection, Selector};
 use super::trust;
-use super::values::{is_plausible, parameters};
+use super::values::{Sizes, is_plausible};
 use crate::DiagnosisError;
+use crate::select::{excess, misfit};
 
 /// Slow energy beyond noise, in its standard deviations, that is a gap.
 const OMNIBUS_DEVIATIONS: f64 = 6.0;
@@ -108,8 +109,8 @@ const BEYOND_WRONG_ANGLES: f64 = 3.0;
 
 /// Puts the answer together.
 pub(super) fn answer(
-    selector: &Selector<'_, '_, '_>,
-    base: &Base<'_>,
+    selector: &Selector<'_, '_>,
+    base: &Base,
     selection: &Selection,
     fitted_before: &[f64],
 ) -> Result<ForceAnswer, DiagnosisError> {
@@ -120,21 +121,13 @@ pub(super) fn answer(
         .map(|channel| recorded.row_sd(channel, &along.hand))
         .collect();
     let mut channels = channels(selector, base, selection, fitted_before);
-    let fast: f64 = selection
-        .picks
-        .iter()
-        .map(|pick| base.normal.fast_explained(pick.first, pick.count))
-        .sum();
-    let total = selection.before.excess().max(0.0) + fast;
-    let is_noise = selection.after.deviations() < NOISE_DEVIATIONS;
-    let left = if is_noise {
-        0.0
-    } else {
-        selection.after.excess()
-    };
+    let (before, before_sd) = excess(&selection.before);
+    let (after, after_sd) = excess(&selection.after);
+    let total = before.max(0.0) + base.explained_within_blocks();
+    let is_noise = after < NOISE_DEVIATIONS * after_sd;
+    let left = if is_noise { 0.0 } else { after };
     let is_adequate = left <= UNEXPLAINED_SHARE * total;
-    let is_structured = selection.before.deviations() > OMNIBUS_DEVIATIONS
-        && selection.before.excess() > LEAST_STRUCTURE * rows;
+    let is_structured = before > OMNIBUS_DEVIATIONS * before_sd && before > LEAST_STRUCTURE * rows;
     let is_falsified = trust::is_falsified(recorded.context, base);
     let named = !selection.picks.is_empty() && is_adequate;
     let strained = strained_scale(selector, base, selection);
@@ -143,27 +136,20 @@ pub(super) fn answer(
     let mut significant = !selection.picks.is_empty() || is_structured;
     if named {
         let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
+        let sizes = Sizes::new(base, misfit(&selection.after));
         let explained = (1.0 - left / total.max(scores).max(1.0)).clamp(0.0, 1.0);
         for pick in &selection.picks {
             let share = explained * pick.score / scores.max(1e-300);
-            findings.push(finding(
-                selector,
-                base,
-                pick,
-                selection.after.dispersion(),
-                share,
-            ));
+            findings.push(finding(selector, &sizes, pick, share));
         }
         unexplained_share = 1.0 - explained;
     } else if significant && is_falsified {
         significant = false;
     } else if significant {
         unexplained_share = 1.0;
-        let excess = selection.before.excess();
-        let before = &selection.rest_before;
         if is_structured
             && !selector.effects.is_left_out(GRIP_FORCE.name)
-            && let Some(grip) = grip::grip(along, selector.weights, before, excess)
+            && let Some(grip) = grip::grip(along, selector.whitener, &selection.rest_before, before)
         {
             unexplained_share = grip.left;
             findings.push(of_grip(&grip));
@@ -219,8 +205,8 @@ const STRAINED: f64 = 5.0;
 /// The joint whose torque scale the base model moved far beyond what is stated of it, and that scale; none where a finding
 /// has it.
 fn strained_scale(
-    selector: &Selector<'_, '_, '_>,
-    base: &Base<'_>,
+    selector: &Selector<'_, '_>,
+    base: &Base,
     selection: &Selection,
 ) -> Option<(usize, f64)> {
     let recorded = selector.recorded;
@@ -228,12 +214,13 @@ fn strained_scale(
         let mut picks = selection.picks.iter();
         picks.any(|pick| pick.place.kind == Kind::Scale && pick.place.channel == Some(channel))
     };
+    let solution = base.regression.solution();
     let scales = recorded
         .channels
         .iter()
         .enumerate()
         .filter_map(|(channel, &joint)| {
-            let gain = base.normal.solution[base.scales + channel];
+            let gain = solution[base.scales + channel];
             let sd = recorded.context.device.joints[joint].torque_scale_sd;
             (gain.abs() > STRAINED * sd && !is_named(channel)).then_some((joint, gain))
         });
@@ -242,7 +229,7 @@ fn strained_scale(
 
 /// Torques whose noise exceeds what the links alone ask of the drive: a disturbance that is as fast as the noise cannot
 /// be told from it.
-fn drowned(recorded: &Recorded<'_>, base: &Base<'_>) -> Option<String> {
+fn drowned(recorded: &Recorded<'_>, base: &Base) -> Option<String> {
     let blocks = recorded.blocks.len().max(1);
     let by_model = base.torque_nm.chunks(blocks);
     let channels = recorded
@@ -265,7 +252,7 @@ fn drowned(recorded: &Recorded<'_>, base: &Base<'_>) -> Option<String> {
 }
 
 /// Effects that need what this recording lacks, though others can be tested.
-fn untestable(selector: &Selector<'_, '_, '_>, is_falsified: bool) -> Vec<(&'static str, String)> {
+fn untestable(selector: &Selector<'_, '_>, is_falsified: bool) -> Vec<(&'static str, String)> {
     let recorded = selector.recorded;
     let context = recorded.context;
     if is_falsified {
@@ -314,13 +301,7 @@ fn untestable(selector: &Selector<'_, '_, '_>, is_falsified: bool) -> Vec<(&'sta
     untestable
 }
 
-fn finding(
-    selector: &Selector<'_, '_, '_>,
-    base: &Base<'_>,
-    pick: &Pick,
-    dispersion: f64,
-    share: f64,
-) -> ForceFinding {
+fn finding(selector: &Selector<'_, '_>, sizes: &Sizes, pick: &Pick, share: f64) -> ForceFinding {
     let joint_of = |channel: usize| selector.recorded.channels[channel];
     let confusable_with = pick
         .rivals
@@ -336,7 +317,7 @@ fn finding(
         let device = selector.recorded.context.device;
         device.joints[joint_of(channel)].torque_scale_sd
     });
-    let parameters = parameters(base, pick, dispersion, scale_sd);
+    let parameters = sizes.parameters(pick, scale_sd);
     let plausible = is_plausible(&pick.place, selector, &parameters);
     ForceFinding {
         effect: pick.place.kind.name(),
@@ -372,7 +353,7 @@ fn of_grip(grip: &Grip) -> ForceFinding {
     }
 }
 
-fn of_gravity(found: &Unbalanced, selector: &Selector<'_, '_, '_>, total: f64) -> ForceFinding {
+fn of_gravity(found: &Unbalanced, selector: &Selector<'_, '_>, total: f64) -> ForceFinding {
     let half = QUANTILE_975 * found.moment_sd_nm;
     let square = found.deviations * found.deviations;
     let rows = selector.rows();

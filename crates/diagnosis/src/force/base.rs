@@ -1,13 +1,18 @@
 //! The base model of the torques: inertial parameters of all links, and what is not exactly known
 //! beside them - each torque's scale, the geometry within its tolerance, a delay of the encoders.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use super::along::Along;
-use super::normal::Normal;
+use super::fast::FastRows;
 use super::posture::PER_LINK;
 use super::recorded::Besides;
-use super::weights::Weights;
+use super::rows::{TorqueRows, Whitener};
+use crate::engine::regression::Regression;
+use crate::engine::system::{Column, SlowEnergy, dot};
+use crate::select::scan::{Candidate, Score};
 
 /// Delay of the encoders against the torques \[s\].
 const DELAY_SD_S: f64 = 2e-2;
@@ -15,15 +20,18 @@ const DELAY_SD_S: f64 = 2e-2;
 const ROUNDS: usize = 2;
 /// Smallest uncertainty of a torque's scale.
 const LEAST_SCALE_SD: f64 = 1e-4;
+/// Part of a column's square that every column has as knowledge beforehand: inertial parameters that only sums of
+/// which show have a smallest solution.
+const RIDGE: f64 = 1e-9;
 
-/// The base model fitted.
-#[derive(Debug)]
-pub(super) struct Base<'w> {
-    pub(super) normal: Normal<'w>,
-    /// First column of the torque scales, one per channel, after the inertial parameters.
+/// The base model fitted, and effects beside it.
+#[derive(Debug, Clone)]
+pub(super) struct Base {
+    pub(super) regression: Regression<TorqueRows>,
+    /// First column of the torque scales, one per channel, behind all others of the base model.
     pub(super) scales: usize,
     /// Columns of the geometry.
-    pub(super) geometry: std::ops::Range<usize>,
+    pub(super) geometry: Range<usize>,
     /// Inertial parameters of all links.
     pub(super) inertia: Vec<f64>,
     /// Torques of the drives by the base model, channel after channel.
@@ -32,76 +40,140 @@ pub(super) struct Base<'w> {
     force_n: Vec<Vector3<f64>>,
 }
 
+impl Base {
+    /// Takes up a column that is known to be `sd` about zero, infinite for not at all.
+    fn add_known(&mut self, means: &[f64], sd: f64) {
+        let rows = &self.regression.system.layout;
+        let row = rows.prior(self.regression.len());
+        let mut column = rows.whitener.whiten(means);
+        let prior = 1.0 / (sd * sd);
+        let square = prior + RIDGE * (dot(&column, &column) + prior);
+        column.resize(self.regression.reading().len(), 0.0);
+        column[row] = if square > 0.0 { square.sqrt() } else { 1.0 };
+        self.regression.add(column);
+    }
+
+    /// Adds what changes within blocks.
+    pub(super) fn append(&mut self, fast: Vec<FastRows>) {
+        let reading = self.regression.system.layout.append(fast);
+        self.regression.append(&reading);
+    }
+
+    /// Column that sets a number of the base model free.
+    pub(super) fn release(&self, index: usize) -> Column {
+        let rows = &self.regression.system.layout;
+        let weight = self.regression.column(index)[rows.prior(index)];
+        rows.release(index, weight)
+    }
+
+    /// Takes up effects' columns.
+    pub(super) fn adopt(&mut self, columns: &[Column]) {
+        for column in columns {
+            let dense = self.regression.system.dense(column);
+            self.regression.add(dense);
+        }
+    }
+
+    /// What some columns explain beside the model.
+    pub(super) fn score(&self, columns: Vec<Column>) -> Score {
+        let system = &self.regression.system;
+        Candidate::of_columns(system, columns, 0, 0.0).score(system)
+    }
+
+    /// What the model leaves of the block means.
+    pub(super) fn rest(&self) -> Vec<f64> {
+        let system = &self.regression.system;
+        let ends = system.layout.prior(0);
+        system.layout.whitener.colour(&system.residual[..ends])
+    }
+
+    /// Squares of some entries of the solution over the variances of their priors.
+    pub(super) fn strain(&self, columns: Range<usize>) -> f64 {
+        let system = &self.regression.system;
+        let rows = columns.map(|index| system.layout.prior(index));
+        rows.map(|row| system.residual[row].powi(2)).sum()
+    }
+
+    /// Slow energy per channel. `free` directions of each window can take any torque, and carry no energy.
+    pub(super) fn energy(&self, free: usize) -> Vec<SlowEnergy> {
+        let system = &self.regression.system;
+        let mut energy = system.slow_energy(&system.residual);
+        let taken = free as f64 / energy.len() as f64 * system.windows(0) as f64;
+        for own in &mut energy {
+            own.freedom = (own.freedom - taken).max(0.0);
+        }
+        energy
+    }
+
+    /// Squares that effects explain within blocks.
+    pub(super) fn explained_within_blocks(&self) -> f64 {
+        let rows = self.regression.system.layout.within_blocks();
+        let square = |all: &[f64]| dot(&all[rows.clone()], &all[rows.clone()]);
+        (square(self.regression.reading()) - square(&self.regression.system.residual)).max(0.0)
+    }
+}
+
 impl Along<'_> {
     /// Fits the base model; where a force of the hand is free, that force first.
-    pub(super) fn fit<'w>(&self, weights: &'w Weights, besides: Besides) -> Base<'w> {
-        let bare = self
-            .inertia
-            .iter()
-            .map(|column| (column.clone(), 0.0))
-            .collect();
-        let first = Normal::new(weights, &self.reading, bare);
-        let inertia = self.all_parameters(first.solution.as_slice());
-        let mut force_n = self.force_n.clone();
-        if matches!(besides, Besides::Hand(_)) || self.recorded.force_n.is_none() {
-            let rest = self.rest(&first);
-            for (block, (unseen, _)) in self.hand_force(weights, &rest).iter().enumerate() {
-                force_n[2 * block] -= unseen;
-                force_n[2 * block + 1] -= unseen;
-            }
-        }
-        drop(first);
-        let torque_nm = self.drive_torques(&inertia, &force_n);
-        let mut columns: Vec<(Vec<f64>, f64)> = self
-            .inertia
-            .iter()
-            .map(|column| (column.clone(), 0.0))
-            .collect();
-        let scales = columns.len();
-        let device = self.recorded.context.device;
-        for (channel, &joint) in self.recorded.channels.iter().enumerate() {
-            let sd = device.joints[joint].torque_scale_sd.max(LEAST_SCALE_SD);
-            columns.push((self.only(channel, &torque_nm), 1.0 / (sd * sd)));
-        }
-        let first = columns.len();
-        columns.extend(self.geometry(&inertia, &force_n));
-        let geometry = first..columns.len();
-        columns.push((
-            self.delayed(&inertia, &force_n),
-            1.0 / (DELAY_SD_S * DELAY_SD_S),
-        ));
+    pub(super) fn fit(&self, whitener: &Whitener, besides: Besides) -> Base {
+        let channels = self.recorded.channels.len();
+        let geometry = self.parameters.len()..self.parameters.len() + self.geometry_sds().len();
+        let scales = geometry.end + 1;
+        let rows = TorqueRows::new(whitener.clone(), scales + channels);
+        let mut reading = whitener.whiten(&self.reading);
+        reading.resize(reading.len() + scales + channels, 0.0);
+        let windows = rows.windows(&self.recorded.windows());
         let mut base = Base {
-            normal: Normal::new(weights, &self.reading, columns),
+            regression: Regression::new(rows, windows, reading),
             scales,
             geometry,
-            inertia,
-            torque_nm,
-            force_n,
+            inertia: Vec::new(),
+            torque_nm: Vec::new(),
+            force_n: self.force_n.clone(),
         };
+        for column in &self.inertia {
+            base.add_known(column, f64::INFINITY);
+        }
+        base.inertia = self.all_parameters(&base.regression.solution());
+        if matches!(besides, Besides::Hand(_)) || self.recorded.force_n.is_none() {
+            for (block, (unseen, _)) in self.hand_force(whitener, &base.rest()).iter().enumerate() {
+                base.force_n[2 * block] -= unseen;
+                base.force_n[2 * block + 1] -= unseen;
+            }
+        }
+        let columns = self.geometry(&base.inertia, &base.force_n);
+        for (column, sd) in columns.iter().zip(self.geometry_sds()) {
+            base.add_known(column, sd);
+        }
+        base.add_known(&self.delayed(&base.inertia, &base.force_n), DELAY_SD_S);
         self.settle(&mut base);
         base
     }
 
     /// The torques that the scales multiply are the model's own: takes them from the solution.
-    pub(super) fn settle(&self, base: &mut Base<'_>) {
-        for _ in 0..ROUNDS {
-            base.inertia = self.all_parameters(&base.normal.solution.as_slice()[..base.scales]);
+    pub(super) fn settle(&self, base: &mut Base) {
+        let device = self.recorded.context.device;
+        let blocks = self.recorded.blocks.len();
+        for round in 0..=ROUNDS {
+            if round > 0 {
+                base.inertia = self.all_parameters(&base.regression.solution());
+            }
             base.torque_nm = self.drive_torques(&base.inertia, &base.force_n);
-            let own = (0..self.recorded.channels.len())
-                .map(|channel| self.only(channel, &base.torque_nm))
-                .collect();
-            base.normal.replace(base.scales, own);
+            let behind = base.regression.truncate(base.scales);
+            for (channel, &joint) in self.recorded.channels.iter().enumerate() {
+                let sd = device.joints[joint].torque_scale_sd.max(LEAST_SCALE_SD);
+                let own = channel * blocks..(channel + 1) * blocks;
+                base.add_known(&self.on(channel, &base.torque_nm[own]), sd);
+            }
+            let effects = behind.into_iter().skip(self.recorded.channels.len());
+            effects.for_each(|column| base.regression.add(column));
         }
     }
 
-    /// Reading less what a solution says of it.
-    pub(super) fn rest(&self, normal: &Normal<'_>) -> Vec<f64> {
-        let fitted = normal.fitted();
-        self.reading
-            .iter()
-            .zip(&fitted)
-            .map(|(read, fitted)| read - fitted)
-            .collect()
+    /// Reading less what is left of it: what a model says of the block means.
+    pub(super) fn less(&self, rest: &[f64]) -> Vec<f64> {
+        let pairs = self.reading.iter().zip(rest);
+        pairs.map(|(read, rest)| read - rest).collect()
     }
 
     fn all_parameters(&self, solution: &[f64]) -> Vec<f64> {
@@ -111,6 +183,7 @@ impl Along<'_> {
         }
         all
     }
+
     /// Torque of the drives: that of the links less that of the hand.
     fn drive_torques(&self, inertia: &[f64], force_n: &[Vector3<f64>]) -> Vec<f64> {
         let hand = self.hand_column(|half, _| force_n[half]);
@@ -121,11 +194,11 @@ impl Along<'_> {
         torque
     }
 
-    fn only(&self, channel: usize, values: &[f64]) -> Vec<f64> {
+    /// Block means of one channel, nothing elsewhere.
+    pub(super) fn on(&self, channel: usize, means: &[f64]) -> Vec<f64> {
         let blocks = self.recorded.blocks.len();
-        let mut column = vec![0.0; values.len()];
-        let range = channel * blocks..(channel + 1) * blocks;
-        column[range.clone()].copy_from_slice(&values[range]);
-        column
+        let mut all = vec![0.0; self.recorded.len()];
+        all[channel * blocks..(channel + 1) * blocks].copy_from_slice(means);
+        all
     }
 }

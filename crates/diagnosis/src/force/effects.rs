@@ -6,8 +6,10 @@ use haptical_effects::{Spec, force as specs};
 use nalgebra::Vector3;
 
 use super::along::Along;
-use super::columns::{Fast, Term, Values};
+use super::base::Base;
 use super::fast::ORDERS;
+use super::rows::TorqueRows;
+use crate::engine::system::Column;
 
 /// Kinds of effects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,8 +80,6 @@ const FORCE_REACH: usize = 4;
 #[derive(Debug)]
 pub(super) struct Effects<'e, 'a> {
     pub(super) along: &'e Along<'a>,
-    /// First base column of the torques' scales.
-    scales: usize,
     /// Names that are left out of the catalogue.
     without: &'e [String],
     /// Smoothed force of the hand per axis, and its root mean square.
@@ -90,7 +90,7 @@ pub(super) struct Effects<'e, 'a> {
 }
 
 impl<'e, 'a> Effects<'e, 'a> {
-    pub(super) fn new(along: &'e Along<'a>, scales: usize, without: &'e [String]) -> Self {
+    pub(super) fn new(along: &'e Along<'a>, without: &'e [String]) -> Self {
         let recorded = along.recorded;
         let runs = &recorded.context.runs;
         let force_n: [Vec<f64>; 3] = std::array::from_fn(|axis| {
@@ -115,7 +115,6 @@ impl<'e, 'a> Effects<'e, 'a> {
         }
         Self {
             along,
-            scales,
             without,
             force_rms_n: square.sqrt(),
             force_varies: spread > 1e-6 * square && spread > 0.0,
@@ -180,8 +179,9 @@ impl<'e, 'a> Effects<'e, 'a> {
     }
 
     /// Columns of an effect.
-    pub(super) fn terms(&self, place: &Place) -> Vec<Term> {
-        match (place.kind, place.channel) {
+    pub(super) fn columns(&self, base: &Base, place: &Place) -> Vec<Column> {
+        let rows = &base.regression.system.layout;
+        let means: Vec<Vec<f64>> = match (place.kind, place.channel) {
             (Kind::Bias, _) => self.bias(place.shape > 0.0),
             (Kind::Gain, _) => self.map_force(&[(0, 0), (1, 1), (2, 2)]),
             (Kind::Crosstalk, _) => {
@@ -189,16 +189,15 @@ impl<'e, 'a> Effects<'e, 'a> {
             }
             (Kind::Hysteresis, _) => self.hysteresis(place.shape),
             (Kind::Friction, Some(channel)) => self.friction(channel, place.shape),
-            (Kind::Cogging, Some(channel)) => self.cogging(channel, place.shape),
-            (Kind::Scale, Some(channel)) => {
-                vec![Values::Release(self.scales + channel).into()]
-            }
+            (Kind::Cogging, Some(channel)) => return self.cogging(rows, channel, place.shape),
+            (Kind::Scale, Some(channel)) => return vec![base.release(base.scales + channel)],
             _ => Vec::new(),
-        }
+        };
+        means.iter().map(|means| rows.of_means(means)).collect()
     }
 
     /// E1: the sensor reads a constant, or one that grows with temperature, too much: `J^T b`.
-    fn bias(&self, warms: bool) -> Vec<Term> {
+    fn bias(&self, warms: bool) -> Vec<Vec<f64>> {
         let unit = |axis: usize| Vector3::ith(axis, 1.0);
         let constant = (0..3).map(|axis| self.along.hand_column(|_, _| unit(axis)));
         let mut columns: Vec<Vec<f64>> = constant.collect();
@@ -216,52 +215,44 @@ impl<'e, 'a> Effects<'e, 'a> {
             );
         }
         columns
-            .into_iter()
-            .map(|column| Values::All(column).into())
-            .collect()
     }
 
     /// E2, E3: axis `to` reads part of the force along axis `from`: `J^T X F`.
-    fn map_force(&self, entries: &[(usize, usize)]) -> Vec<Term> {
+    fn map_force(&self, entries: &[(usize, usize)]) -> Vec<Vec<f64>> {
         let column = |&(to, from): &(usize, usize)| {
             self.along
                 .hand_column(|_, force| Vector3::ith(to, force[from]))
         };
-        entries
-            .iter()
-            .map(|entry| Values::All(column(entry)).into())
-            .collect()
+        entries.iter().map(column).collect()
     }
 
     /// Columns of a constant bias and of a gain of each axis.
-    pub(super) fn bias_and_gain(&self) -> Vec<Term> {
-        let mut terms = self.bias(false);
-        terms.extend(self.map_force(&[(0, 0), (1, 1), (2, 2)]));
-        terms
+    pub(super) fn bias_and_gain(&self, rows: &TorqueRows) -> Vec<Column> {
+        let mut columns = self.bias(false);
+        columns.extend(self.map_force(&[(0, 0), (1, 1), (2, 2)]));
+        columns.iter().map(|means| rows.of_means(means)).collect()
     }
 
     /// E4: each axis of the sensor lags in a loop, Dahl's state of the force: `J^T h(F)`.
-    fn hysteresis(&self, transition_n: f64) -> Vec<Term> {
+    fn hysteresis(&self, transition_n: f64) -> Vec<Vec<f64>> {
         let runs = &self.along.recorded.context.runs;
         (0..3)
             .map(|axis| {
                 let state = dahl(&self.force_n[axis], transition_n, runs);
                 let state = self.along.half_means(&state);
-                let column = self
-                    .along
-                    .hand_column(|half, _| Vector3::ith(axis, state[half]));
-                Values::All(column).into()
+                self.along
+                    .hand_column(|half, _| Vector3::ith(axis, state[half]))
             })
             .collect()
     }
 
     /// E6: the drive overcomes Coulomb's friction (its presliding by Dahl's state, or regularised
     /// by a rate), viscous friction and what Stribeck adds at low rates.
-    fn friction(&self, channel: usize, shape: f64) -> Vec<Term> {
+    fn friction(&self, channel: usize, shape: f64) -> Vec<Vec<f64>> {
         let recorded = self.along.recorded;
         let columns = self.friction_rows(channel, shape).into_iter();
         columns
-            .map(|values| Values::Channel(channel, recorded.means(|row| values[row])).into())
+            .map(|values| self.along.on(channel, &recorded.means(|row| values[row])))
             .collect()
     }
 
@@ -283,15 +274,16 @@ impl<'e, 'a> Effects<'e, 'a> {
     }
 
     /// E7: a torque at a multiple of the motor's angle.
-    fn cogging(&self, channel: usize, order: f64) -> Vec<Term> {
+    fn cogging(&self, rows: &TorqueRows, channel: usize, order: f64) -> Vec<Column> {
+        let recorded = self.along.recorded;
         let first = 2 * (order as usize).saturating_sub(1);
         (first..first + 2)
             .map(|index| {
-                let values = &self.along.recorded.harmonics[channel][index];
-                Term {
-                    values: Values::Channel(channel, self.along.recorded.means(|row| values[row])),
-                    fast: Some(Fast { channel, index }),
-                }
+                let values = &recorded.harmonics[channel][index];
+                let means = self.along.on(channel, &recorded.means(|row| values[row]));
+                let mut column = rows.of_means(&means);
+                column.parts.extend(rows.fast(channel, index));
+                column
             })
             .collect()
     }
@@ -311,13 +303,13 @@ impl<'e, 'a> Effects<'e, 'a> {
 
     /// A10 as the torques see it: an error of the motor-side angle at a multiple of the motor's
     /// angle makes an acceleration that the link does not have.
-    pub(super) fn ripple(&self, place: &Place, inertia: &[f64]) -> Vec<Term> {
+    pub(super) fn ripple(&self, base: &Base, place: &Place) -> Vec<Column> {
         let Some(channel) = place.channel else {
             return Vec::new();
         };
         let recorded = self.along.recorded;
         let joint = recorded.channels[channel];
-        let mass = self.along.mass_column(joint, inertia);
+        let mass = self.along.mass_column(joint, &base.inertia);
         let Some(time_s) = &recorded.context.recording.time_s else {
             return Vec::new();
         };
@@ -335,7 +327,7 @@ impl<'e, 'a> Effects<'e, 'a> {
                         column[channel * blocks + half / 2] -= 0.5 * torque * rate;
                     }
                 }
-                Values::All(column).into()
+                base.regression.system.layout.of_means(&column)
             })
             .collect()
     }

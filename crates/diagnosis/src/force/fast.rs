@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use super::along::Along;
-use super::columns::FastTable;
 use crate::engine::system::dot;
 
 /// Highest order of cogging that is tried.
@@ -62,15 +61,54 @@ pub(super) fn without_harmonics(values: &[f64], harmonics: &[Vec<f64>]) -> Vec<f
     rest
 }
 
-/// Products of the harmonics' deviations from block means, with each other and with those of the
-/// torques less the base model's, over the noise of a row. Adds up to the products of the block
-/// means.
-pub(super) fn table(along: &Along<'_>, fitted: &[f64]) -> FastTable {
+/// What the rows of a channel say of its harmonics within blocks: as many independent readings.
+#[derive(Debug, Clone)]
+pub(super) struct FastRows {
+    /// One column for each harmonic.
+    root: DMatrix<f64>,
+    pub(super) reading: Vec<f64>,
+}
+
+/// Part of the largest variance below which a combination of harmonics is rounding alone.
+const ABSENT: f64 = 1e-12;
+
+impl FastRows {
+    /// A square root of the harmonics' normal matrix, with the reading that belongs to its right side.
+    fn new(gram: DMatrix<f64>, right: &DVector<f64>) -> Self {
+        let eigen = gram.symmetric_eigen();
+        let largest = eigen.eigenvalues.max().max(0.0);
+        let kept: Vec<usize> = (0..right.len())
+            .filter(|&k| eigen.eigenvalues[k] > ABSENT * largest)
+            .collect();
+        let size = |k: usize| eigen.eigenvalues[k].sqrt();
+        let direction = |k: usize| eigen.eigenvectors.column(k);
+        Self {
+            root: DMatrix::from_fn(kept.len(), right.len(), |row, column| {
+                size(kept[row]) * direction(kept[row])[column]
+            }),
+            reading: kept
+                .iter()
+                .map(|&k| direction(k).dot(right) / size(k))
+                .collect(),
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.reading.len()
+    }
+
+    pub(super) fn column(&self, harmonic: usize) -> Vec<f64> {
+        self.root.column(harmonic).iter().copied().collect()
+    }
+}
+
+/// The harmonics' deviations from block means against those of the torques less the base model's, over the noise
+/// of a row, channel by channel.
+pub(super) fn rows(along: &Along<'_>, fitted: &[f64]) -> Vec<FastRows> {
     let recorded = along.recorded;
-    let mut table = FastTable::default();
-    for (channel, columns) in recorded.harmonics.iter().enumerate() {
+    let blocks = recorded.blocks.len();
+    let channel_rows = |(channel, columns): (usize, &Vec<Vec<f64>>)| {
         let variance = recorded.row_sd(channel, &along.hand).powi(2).max(1e-300);
-        let blocks = recorded.blocks.len();
         let fitted = &fitted[channel * blocks..(channel + 1) * blocks];
         let rest = deviations(along, &recorded.torque_nm[channel], fitted);
         let rows: Vec<usize> = rest.iter().map(|(row, _)| *row).collect();
@@ -86,21 +124,20 @@ pub(super) fn table(along: &Along<'_>, fitted: &[f64]) -> FastTable {
             .collect();
         let (orders, controls) = own.split_at(2 * ORDERS);
         let variance = variance * colour(controls, &values, variance);
-        let mut gram = DMatrix::zeros(orders.len(), orders.len());
-        for a in 0..orders.len() {
-            for b in 0..=a {
-                let product = dot(&orders[a], &orders[b]) / variance;
-                gram[(a, b)] = product;
-                gram[(b, a)] = product;
-            }
-        }
+        let mut gram = DMatrix::from_fn(orders.len(), orders.len(), |a, b| match a >= b {
+            true => dot(&orders[a], &orders[b]) / variance,
+            false => 0.0,
+        });
+        gram.fill_upper_triangle_with_lower_triangle();
         let right = orders.iter().map(|column| dot(column, &values) / variance);
-        table
-            .right
-            .push(DVector::from_iterator(orders.len(), right));
-        table.gram.push(gram);
-    }
-    table
+        FastRows::new(gram, &DVector::from_iterator(orders.len(), right))
+    };
+    recorded
+        .harmonics
+        .iter()
+        .enumerate()
+        .map(channel_rows)
+        .collect()
 }
 
 /// What the noise's colour adds to scores: the median of those of the controls, orders between the

@@ -26,8 +26,8 @@ impl TorqueGap {
 
 /// Root mean squares of every channel.
 pub(super) fn channels(
-    selector: &Selector<'_, '_, '_>,
-    base: &Base<'_>,
+    selector: &Selector<'_, '_>,
+    base: &Base,
     selection: &Selection,
     fitted_before: &[f64],
 ) -> Vec<TorqueGap> {
@@ -35,13 +35,15 @@ pub(super) fn channels(
     let along = selector.effects.along;
     let blocks = recorded.blocks.len();
     let size = selector.rows() / blocks.max(1) as f64;
-    let fitted_after = base.normal.fitted();
+    let solution = base.regression.solution();
+    let fitted_after = along.less(&selection.rest_after);
     let gap = |(channel, &joint): (usize, &usize)| {
         let range = channel * blocks..(channel + 1) * blocks;
         let row_sd = recorded.row_sd(channel, &along.hand);
         let torque = &recorded.torque_nm[channel];
         let fast_before = fast::deviations(along, torque, &fitted_before[range.clone()]);
-        let (torque, fitted) = without_picks(selector, base, selection, channel, &fitted_after);
+        let (torque, fitted) =
+            without_picks(selector, &solution, selection, channel, &fitted_after);
         let fast_after = fast::deviations(along, &torque, &fitted);
         let within = |rest: &[(usize, f64)]| match rest.len() {
             0 => row_sd * row_sd * (1.0 - 1.0 / size),
@@ -67,8 +69,8 @@ fn mean_square(values: &[f64]) -> f64 {
 /// A channel's torques without the effects that were chosen for it, row by row, and the block means
 /// of what the model says of the rest.
 fn without_picks(
-    selector: &Selector<'_, '_, '_>,
-    base: &Base<'_>,
+    selector: &Selector<'_, '_>,
+    solution: &[f64],
     selection: &Selection,
     channel: usize,
     fitted: &[f64],
@@ -83,7 +85,7 @@ fn without_picks(
         .filter(|pick| pick.place.channel == Some(channel))
     {
         for (index, column) in selector.effects.rows(&pick.place).iter().enumerate() {
-            let amplitude = base.normal.solution[pick.first + index];
+            let amplitude = solution[pick.first + index];
             for (torque, value) in torque.iter_mut().zip(column) {
                 *torque -= amplitude * value;
             }
@@ -99,7 +101,7 @@ fn without_picks(
 /// Adds a torque that the base model's freedom took to what there was before.
 pub(super) fn add_torque(
     channels: &mut [TorqueGap],
-    selector: &Selector<'_, '_, '_>,
+    selector: &Selector<'_, '_>,
     torque_nm: &[f64],
 ) {
     let blocks = selector.recorded.blocks.len();
@@ -113,8 +115,8 @@ pub(super) fn add_torque(
 /// Adds what a torque's scale made of it to what there was before.
 pub(super) fn scale_before(
     channels: &mut [TorqueGap],
-    selector: &Selector<'_, '_, '_>,
-    base: &Base<'_>,
+    selector: &Selector<'_, '_>,
+    base: &Base,
     joint: Option<usize>,
     gain: f64,
 ) {

@@ -1,14 +1,12 @@
 //! Unbalanced gravity: a mass or its centre that is not where the device file assumes it.
 
-use std::ops::Range;
-
 use haptical_metrics::chi_square_p_value;
-use nalgebra::{Cholesky, DVector, Dyn};
 
 use super::along::Along;
 use super::base::Base;
 use super::posture::PER_LINK;
 use crate::DiagnosisError;
+use crate::engine::system::Column;
 
 /// What an assumed mass may be wrong by: relative, and at least \[kg\].
 const MASS_SD: f64 = 0.1;
@@ -54,7 +52,7 @@ pub(super) fn assumed(along: &Along<'_>) -> Vec<Option<[f64; 4]>> {
 /// Tests each link's assumed mass and centre against what the torques imply.
 pub(super) fn unbalanced(
     along: &Along<'_>,
-    base: &Base<'_>,
+    base: &Base,
     row_sd: &[f64],
 ) -> Result<Option<Unbalanced>, DiagnosisError> {
     let assumed = assumed(along);
@@ -86,25 +84,31 @@ pub(super) fn unbalanced(
     if groups.is_empty() {
         return Ok(None);
     }
-    let Some(whole) = Solved::without(base, &known, &(0..0)) else {
-        return Ok(None);
-    };
-    let released: Option<Vec<Solved>> = groups
+    let assuming = with_knowledge(base, &known);
+    let releases: Vec<Vec<Column>> = groups
         .iter()
-        .map(|group| Solved::without(base, &known, group))
+        .map(|group| {
+            let columns = known[group.clone()].iter();
+            columns
+                .map(|(column, ..)| assuming.release(*column))
+                .collect()
+        })
         .collect();
-    let Some(released) = released else {
+    let saved: Vec<f64> = releases
+        .iter()
+        .map(|columns| assuming.score(columns.clone()).score)
+        .collect();
+    let Some(best) = (0..saved.len()).max_by(|&a, &b| saved[a].total_cmp(&saved[b])) else {
         return Ok(None);
     };
-    let saved = |index: usize| (whole.cost - released[index].cost).max(0.0);
-    let Some(best) = (0..released.len()).max_by(|&a, &b| saved(a).total_cmp(&saved(b))) else {
-        return Ok(None);
-    };
-    let score = saved(best);
+    let score = saved[best];
+    let mut released = assuming.clone();
+    released.adopt(&releases[best]);
+    let solution = released.regression.solution();
     let p = chi_square_p_value(score, groups[best].len() as f64)?;
     let mut change = vec![0.0; PER_LINK * assumed.len()];
     for &(column, value, _) in &known[groups[best].clone()] {
-        change[along.parameters[column]] = released[best].solution[column] - value;
+        change[along.parameters[column]] = solution[column] - value;
     }
     let torque_nm = along.link_torques(&change);
     let blocks = along.recorded.blocks.len();
@@ -120,15 +124,15 @@ pub(super) fn unbalanced(
         .iter()
         .fold(0.0, |most: f64, torque| most.max(torque.abs()));
     let deviations = score.sqrt();
-    let behind = |index: usize| 0.5 * (score - saved(index));
+    let behind = |index: usize| 0.5 * (score - saved[index]);
     let mass = known[groups[best].clone()]
         .iter()
         .find(|(column, _, _)| along.parameters[*column] == PER_LINK * links[best])
         .map(|&(column, value, _)| {
-            let own = &released[best];
-            (own.solution[column] - value, own.variance(column).sqrt())
+            let variance = released.regression.covariance()[(column, column)];
+            (solution[column] - value, variance.sqrt())
         });
-    let others = (0..released.len()).filter(|&index| index != best);
+    let others = (0..saved.len()).filter(|&index| index != best);
     let sum: f64 = others.clone().map(|index| (-behind(index)).exp()).sum();
     Ok(Some(Unbalanced {
         joint: links[best],
@@ -145,41 +149,20 @@ pub(super) fn unbalanced(
     }))
 }
 
-/// The base model with what the file assumes of masses.
-#[derive(Debug)]
-struct Solved {
-    /// Least weighted squares, less those of the readings alone.
-    cost: f64,
-    solution: Vec<f64>,
-    factor: Cholesky<f64, Dyn>,
-    scale: DVector<f64>,
-}
-
-impl Solved {
-    /// With everything that is known but one group.
-    fn without(base: &Base<'_>, known: &[(usize, f64, f64)], group: &Range<usize>) -> Option<Self> {
-        let kept: Vec<&(usize, f64, f64)> = known
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| !group.contains(index))
-            .map(|(_, entry)| entry)
-            .collect();
-        let (gram, right, scale) = base.normal.with_knowledge(&kept);
-        let factor = Cholesky::new(gram)?;
-        let scaled = factor.solve(&right);
-        // min |b - A x|^2 + sum ((x - a) / s)^2 = |b|^2 + sum (a / s)^2 - right . solution
-        let own: f64 = kept.iter().map(|(_, value, sd)| (value / sd).powi(2)).sum();
-        Some(Self {
-            cost: own - right.dot(&scaled),
-            solution: scaled.component_mul(scale).iter().copied().collect(),
-            factor,
-            scale: scale.clone(),
-        })
+/// The model with numbers known beforehand, `(column, value, deviation)`.
+fn with_knowledge(base: &Base, known: &[(usize, f64, f64)]) -> Base {
+    let mut assuming = base.clone();
+    let mut columns = assuming.regression.truncate(0);
+    for &(column, value, sd) in known {
+        let row = assuming.regression.system.layout.prior(column);
+        let weight = columns[column][row].hypot(1.0 / sd);
+        columns[column][row] = weight;
+        assuming
+            .regression
+            .set_reading(row, value / (sd * sd * weight));
     }
-
-    fn variance(&self, column: usize) -> f64 {
-        let mut unit = DVector::zeros(self.scale.len());
-        unit[column] = self.scale[column];
-        (self.factor.solve(&unit)[column] * self.scale[column]).max(0.0)
-    }
+    columns
+        .into_iter()
+        .for_each(|column| assuming.regression.add(column));
+    assuming
 }

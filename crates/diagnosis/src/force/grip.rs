@@ -4,10 +4,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::along::Along;
-use super::energy::Energy;
 use super::recorded::{Besides, UNKNOWN_FORCE_SD_N};
+use super::rows::Whitener;
 use super::trust;
-use super::weights::Weights;
+use crate::select::excess;
 
 /// Part of the structure that a free force may leave.
 const LEFT: f64 = 0.1;
@@ -35,7 +35,7 @@ pub(super) fn is_testable(channels: usize) -> bool {
 /// otherwise, `excess` the structured energy of that.
 pub(super) fn grip(
     along: &Along<'_>,
-    ordinary: &Weights,
+    ordinary: &Whitener,
     before: &[f64],
     excess: f64,
 ) -> Option<Grip> {
@@ -58,9 +58,8 @@ pub(super) fn grip(
     }
     // with a force of about the right size allowed for, the base model takes less of it
     let size = rms(&along.hand_force(ordinary, &rest)).max(1e-3);
-    let weights = along.weights(Besides::Hand(size))?;
-    let base = along.fit(&weights, Besides::Hand(size));
-    let force_n = rms(&along.hand_force(ordinary, &along.rest(&base.normal)));
+    let base = along.fit(&along.whitener(Besides::Hand(size))?, Besides::Hand(size));
+    let force_n = rms(&along.hand_force(ordinary, &base.rest()));
     // a force holds over a few blocks, so that about a quarter of them are independent
     let independent = 0.25 * along.recorded.blocks.len() as f64;
     Some(Grip {
@@ -85,18 +84,16 @@ fn left_beside(
     along: &Along<'_>,
     besides: Besides,
     free: usize,
-    excess: f64,
+    before: f64,
 ) -> Option<(Vec<f64>, Option<f64>)> {
-    let weights = along.weights(besides)?;
-    let base = along.fit(&weights, besides);
+    let base = along.fit(&along.whitener(besides)?, besides);
     if !trust::is_within_tolerance(&base) {
         return Some((Vec::new(), None));
     }
-    let rest = along.rest(&base.normal);
-    let energy = Energy::of(along.recorded, &weights, &base.normal, &rest, free);
-    let left = energy.excess().max(0.0) / excess.max(1.0);
-    let is_small = left <= LEFT || energy.deviations() < NOISE_DEVIATIONS;
-    Some((rest, is_small.then_some(left)))
+    let (energy, sd) = excess(&base.energy(free));
+    let left = energy.max(0.0) / before.max(1.0);
+    let is_small = left <= LEFT || energy < NOISE_DEVIATIONS * sd;
+    Some((base.rest(), is_small.then_some(left)))
 }
 
 /// The two channels that show most of what the base model leaves.

@@ -8,23 +8,19 @@
 mod along;
 pub(crate) mod answer;
 mod base;
-mod columns;
 mod effects;
-mod energy;
 mod fast;
 mod gaps;
 mod gravity;
 mod grip;
-mod normal;
 mod posture;
 mod recorded;
-mod score;
+mod rows;
 mod select;
 #[cfg(test)]
 mod tests;
 mod trust;
 mod values;
-mod weights;
 
 use haptical_effects::{Context, Hook, Spec};
 
@@ -59,15 +55,15 @@ pub(crate) fn examine(
         Err(why) => return Ok(ForceAnswer::untestable(&why, has_torques)),
     };
     let along = Along::new(&recorded);
-    let Some(weights) = along.weights(Besides::Nothing) else {
+    let Some(whitener) = along.whitener(Besides::Nothing) else {
         let why = "the torques have no noise at all";
         return Ok(ForceAnswer::untestable(why, has_torques));
     };
-    let mut base = along.fit(&weights, Besides::Nothing);
-    base.normal.fast = fast::table(&along, &base.normal.fitted());
-    let effects = Effects::new(&along, base.scales, without);
-    let selector = Selector::new(&recorded, &weights, &effects, &along.reading);
-    let fitted_before = base.normal.fitted();
+    let mut base = along.fit(&whitener, Besides::Nothing);
+    let fitted_before = along.less(&base.rest());
+    base.append(fast::rows(&along, &fitted_before));
+    let effects = Effects::new(&along, without);
+    let selector = Selector::new(&recorded, &whitener, &effects);
     let selection = selector.select(&mut base)?;
     answer::answer(&selector, &base, &selection, &fitted_before)
 }

@@ -86,6 +86,12 @@ impl Rows {
         }
     }
 
+    /// The parameters of all rows, in the order of a posture's steps.
+    pub(super) fn parameters(&self) -> impl Iterator<Item = Parameter> {
+        let order = self.convention.order();
+        self.links.iter().flat_map(move |_| order)
+    }
+
     /// The chain at joint positions, rates and accelerations; `posture` is written over.
     pub(super) fn place(&self, joints: [&[f64]; 3], posture: &mut Posture) {
         let [position, rate, acceleration] = joints;

@@ -17,6 +17,8 @@ const MOTION_REACH_S: f64 = 0.03;
 const LOCAL_REACH: usize = 3;
 /// Most rows of a block.
 const LONGEST_BLOCK: usize = 400;
+/// Blocks of a window, within which what is left of a gap hardly changes.
+const WINDOW: usize = 4;
 /// Readings per parameter of the base model that are enough.
 const ENOUGH: usize = 8;
 /// What the base model itself may be wrong by, over a torque's root mean square: postures are
@@ -183,6 +185,21 @@ impl<'a> Recorded<'a> {
                 sum / block.usable.len() as f64
             })
             .collect()
+    }
+
+    /// Windows of blocks that follow each other.
+    pub(super) fn windows(&self) -> Vec<Range<usize>> {
+        let mut windows = Vec::new();
+        let mut start = 0;
+        for block in 0..self.blocks.len() {
+            let next = block + 1;
+            let breaks = self.blocks.get(next).is_none_or(|next| !next.follows);
+            if breaks || next - start == WINDOW {
+                windows.push(start..next);
+                start = next;
+            }
+        }
+        windows
     }
 
     /// Covariance of a block's mean torques, its transposed Jacobian (channel by axis of the

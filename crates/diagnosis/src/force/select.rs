@@ -3,13 +3,13 @@
 use haptical_metrics::chi_square_p_value;
 
 use super::base::Base;
-use super::columns::{Term, Values};
 use super::effects::{Effects, Kind, Place};
-use super::energy::Energy;
 use super::recorded::Recorded;
-use super::score::{Products, Score};
-use super::weights::Weights;
+use super::rows::Whitener;
 use crate::DiagnosisError;
+use crate::engine::system::SlowEnergy;
+use crate::select::scan::{Candidate, Score};
+use crate::select::{excess, misfit};
 
 /// Chance of any name on torques without an effect.
 const FAMILY_WISE_P: f64 = 1e-3;
@@ -38,7 +38,7 @@ const MOST_ORDERS: usize = 2;
 #[derive(Debug, Clone)]
 pub(super) struct Pick {
     pub(super) place: Place,
-    /// Its columns in the normal equations.
+    /// Its columns among the model's.
     pub(super) first: usize,
     /// The last of them is the derivative by the logarithm of a continuous shape.
     pub(super) count: usize,
@@ -53,42 +53,35 @@ pub(super) struct Pick {
 #[derive(Debug)]
 pub(super) struct Selection {
     pub(super) picks: Vec<Pick>,
-    pub(super) before: Energy,
-    pub(super) after: Energy,
+    /// Slow energy per channel of the base model, and of the picks' model.
+    pub(super) before: Vec<SlowEnergy>,
+    pub(super) after: Vec<SlowEnergy>,
     pub(super) rest_before: Vec<f64>,
     pub(super) rest_after: Vec<f64>,
 }
 
-/// An effect with its products and what it explains.
-#[derive(Debug)]
-struct Candidate {
-    place: Place,
-    products: Products,
-}
-
 /// Everything that a selection works on.
 #[derive(Debug)]
-pub(super) struct Selector<'s, 'w, 'a> {
+pub(super) struct Selector<'s, 'a> {
     pub(super) recorded: &'s Recorded<'a>,
-    pub(super) weights: &'w Weights,
+    pub(super) whitener: &'s Whitener,
     pub(super) effects: &'s Effects<'s, 'a>,
-    pub(super) reading: &'s [f64],
+    places: Vec<Place>,
     rows: f64,
 }
 
-impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
+impl<'s, 'a> Selector<'s, 'a> {
     pub(super) fn new(
         recorded: &'s Recorded<'a>,
-        weights: &'w Weights,
+        whitener: &'s Whitener,
         effects: &'s Effects<'s, 'a>,
-        reading: &'s [f64],
     ) -> Self {
         let rows: usize = recorded.blocks.iter().map(|block| block.usable.len()).sum();
         Self {
             recorded,
-            weights,
+            whitener,
             effects,
-            reading,
+            places: effects.places(),
             rows: rows as f64,
         }
     }
@@ -98,37 +91,28 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
         self.rows
     }
 
-    fn rest(&self, base: &Base<'_>) -> Vec<f64> {
-        let fitted = base.normal.fitted();
-        self.reading
-            .iter()
-            .zip(&fitted)
-            .map(|(read, fitted)| read - fitted)
-            .collect()
-    }
-
-    pub(super) fn energy(&self, base: &Base<'_>, rest: &[f64]) -> Energy {
+    fn energy(&self, base: &Base) -> Vec<SlowEnergy> {
         let free = if self.recorded.force_n.is_none() {
             3
         } else {
             0
         };
-        Energy::of(self.recorded, self.weights, &base.normal, rest, free)
+        base.energy(free)
     }
 
     /// Chooses effects one after the other; they become base columns of `base`.
-    pub(super) fn select(&self, base: &mut Base<'w>) -> Result<Selection, DiagnosisError> {
+    pub(super) fn select(&self, base: &mut Base) -> Result<Selection, DiagnosisError> {
         let mut candidates: Vec<Candidate> = self
-            .effects
-            .places()
-            .into_iter()
-            .map(|place| Candidate {
-                place,
-                products: base.normal.products(self.effects.terms(&place)),
+            .places
+            .iter()
+            .enumerate()
+            .map(|(index, place)| {
+                let columns = self.effects.columns(base, place);
+                Candidate::of_columns(&base.regression.system, columns, index, place.shape)
             })
             .collect();
-        let mut rest_before = self.rest(base);
-        let mut before = self.energy(base, &rest_before);
+        let mut rest_before = base.rest();
+        let mut before = self.energy(base);
         let mut after = before.clone();
         let mut picks: Vec<Pick> = Vec::new();
         let mut ripples: Vec<Place> = Vec::new();
@@ -155,7 +139,7 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
                 break;
             };
             let fresh = place.kind == Kind::Scale || picks.is_empty();
-            let rest = after.excess().max(0.0);
+            let rest = excess(&after).0.max(0.0);
             let is_part =
                 fresh || place.kind == Kind::Cogging || score.score >= SHARE_OF_REST * rest;
             if !self.is_found(&place, &score, candidates.len())?
@@ -165,41 +149,41 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
                 break;
             }
             if place.kind == Kind::Cogging && ripples.len() < MOST_RIPPLES {
-                let terms = self.effects.ripple(&place, &base.inertia);
-                let products = base.normal.products(terms.clone());
-                let rival = base.normal.score(&products);
+                let columns = self.effects.ripple(base, &place);
+                let rival = base.score(columns.clone());
                 if rival.rank > 0 && self.merit(&place, &rival) > self.merit(&place, &score) {
-                    base.normal.adopt(&terms);
+                    base.adopt(&columns);
                     ripples.push(place);
                     if picks.is_empty() {
                         // what an angle's error adds is no gap of the torques
-                        rest_before = self.rest(base);
-                        before = self.energy(base, &rest_before);
+                        rest_before = base.rest();
+                        before = self.energy(base);
                         after = before.clone();
                     }
                     continue;
                 }
             }
-            let (place, terms) = self.refined(base, &place);
+            let (place, columns) = self.refined(base, &place);
             picks.push(Pick {
                 place,
-                first: base.normal.columns(),
-                count: terms.len(),
+                first: base.regression.len(),
+                count: columns.len(),
                 score: score.score,
                 probability: 1.0,
                 rivals: Vec::new(),
             });
-            base.normal.adopt(&terms);
+            columns
+                .into_iter()
+                .for_each(|column| base.regression.add(column));
             if place.kind == Kind::Scale {
                 self.effects.along.settle(base);
                 for candidate in &mut candidates {
-                    candidate.products.forget(base.scales);
+                    candidate.reset(&base.regression.system, base.scales);
                 }
             }
-            let left = self.rest(base);
-            after = self.energy(base, &left);
+            after = self.energy(base);
         }
-        let rest_after = self.rest(base);
+        let rest_after = base.rest();
         if !picks.is_empty() {
             self.compare(base, &mut candidates, &mut picks, &after)?;
         }
@@ -213,17 +197,16 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
     }
 
     /// Scores of the candidates that are possible.
-    fn scores(&self, base: &Base<'_>, candidates: &mut [Candidate]) -> Vec<(Place, Score)> {
+    fn scores(&self, base: &Base, candidates: &mut [Candidate]) -> Vec<(Place, Score)> {
         candidates
             .iter_mut()
             .filter_map(|candidate| {
-                base.normal.extend(&mut candidate.products);
-                let score = base.normal.score(&candidate.products);
-                let possible = score.rank > 0
-                    && self
-                        .effects
-                        .is_possible(&candidate.place, &score.amplitudes);
-                possible.then_some((candidate.place, score))
+                candidate.extend(&base.regression.system);
+                let score = candidate.score(&base.regression.system);
+                let place = self.places[candidate.effect];
+                let possible =
+                    score.rank > 0 && self.effects.is_possible(&place, &score.amplitudes);
+                possible.then_some((place, score))
             })
             .collect()
     }
@@ -246,32 +229,34 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
 
     /// Whether a hysteresis shows as a loop: a state that hardly reverses is a bias, one that hardly saturates a gain.
     /// These are asked whether or not the catalogue has them.
-    fn is_a_loop(&self, base: &mut Base<'_>, place: &Place, score: &Score) -> bool {
+    fn is_a_loop(&self, base: &Base, place: &Place, score: &Score) -> bool {
         if place.kind != Kind::Hysteresis {
             return true;
         }
-        let end = base.normal.columns();
-        base.normal.adopt(&self.effects.bias_and_gain());
-        let products = base.normal.products(self.effects.terms(place));
-        let beside = base.normal.score(&products).score;
-        base.normal.truncate(end);
-        beside >= LEAST_LOOP * score.score
+        let mut beside = base.clone();
+        beside.adopt(&self.effects.bias_and_gain(&base.regression.system.layout));
+        let left = beside.score(self.effects.columns(base, place)).score;
+        left >= LEAST_LOOP * score.score
     }
 
     /// The place with its transition searched between those of the grid (golden section), and its
     /// columns with the derivative by the transition's logarithm.
-    fn refined(&self, base: &Base<'_>, place: &Place) -> (Place, Vec<Term>) {
+    fn refined(&self, base: &Base, place: &Place) -> (Place, Vec<Vec<f64>>) {
+        let dense = |place: &Place| -> Vec<Vec<f64>> {
+            let columns = self.effects.columns(base, place);
+            let columns = columns.iter();
+            columns
+                .map(|column| base.regression.system.dense(column))
+                .collect()
+        };
         if !place.is_continuous() {
-            return (*place, self.effects.terms(place));
+            return (*place, dense(place));
         }
         let placed = |log: f64| Place {
             shape: place.shape * log.exp(),
             ..*place
         };
-        let score = |place: &Place| {
-            let products = base.normal.products(self.effects.terms(place));
-            base.normal.score(&products)
-        };
+        let score = |place: &Place| base.score(self.effects.columns(base, place));
         let at = |log: f64| score(&placed(log)).score;
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
         let (mut low, mut high) = (-REACH.ln(), REACH.ln());
@@ -291,59 +276,53 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
         let best = 0.5 * (low + high);
         let place = placed(best);
         let amplitudes = score(&place).amplitudes;
-        let mut terms = self.effects.terms(&place);
-        let mut slope = vec![0.0; self.reading.len()];
+        let mut columns = dense(&place);
+        let mut slope = vec![0.0; base.regression.reading().len()];
         for (side, log) in [(1.0, best + SHAPE_STEP), (-1.0, best - SHAPE_STEP)] {
-            let beside = self.effects.terms(&placed(log));
-            for (term, amplitude) in beside.iter().zip(&amplitudes) {
+            for (column, amplitude) in dense(&placed(log)).iter().zip(&amplitudes) {
                 let factor = side * amplitude / (2.0 * SHAPE_STEP);
-                let values = base.normal.dense(&term.values);
-                for (sum, value) in slope.iter_mut().zip(&values) {
+                for (sum, value) in slope.iter_mut().zip(column) {
                     *sum += factor * value;
                 }
             }
         }
-        terms.push(Values::All(slope).into());
-        (place, terms)
+        columns.push(slope);
+        (place, columns)
     }
 
     /// For each pick: what it saves beside the others, and who would do as well in its place.
     fn compare(
         &self,
-        base: &mut Base<'w>,
+        base: &Base,
         candidates: &mut [Candidate],
         picks: &mut Vec<Pick>,
-        after: &Energy,
+        after: &[SlowEnergy],
     ) -> Result<(), DiagnosisError> {
         let first = picks.iter().map(|pick| pick.first).min().unwrap_or(0);
-        let end = base.normal.columns();
-        let dispersion = after.dispersion();
-        let tested = candidates.len();
-        // whatever stands between picks (ripples) stays where it is
-        let order: Vec<(usize, usize)> =
-            picks.iter().map(|pick| (pick.first, pick.count)).collect();
-        let columns: Vec<_> = (first..end).map(|index| base.normal.term(index)).collect();
+        let mut without = base.clone();
+        // whatever is between picks (ripples) stays where it is
+        let columns = without.regression.truncate(first);
+        let known = without.regression.system.basis.len();
+        let dispersion = misfit(after);
         let mut kept = vec![true; picks.len()];
         for (index, pick) in picks.iter_mut().enumerate() {
-            base.normal.truncate(first);
-            let (own, count) = order[index];
-            let others: Vec<_> = (first..end)
-                .filter(|column| !(own..own + count).contains(column))
-                .map(|column| columns[column - first].clone())
-                .collect();
-            base.normal.adopt(&others);
-            for candidate in candidates.iter_mut() {
-                candidate.products.forget(first);
+            let own = pick.first - first..pick.first - first + pick.count;
+            let mut beside = without.clone();
+            for (index, column) in columns.iter().enumerate() {
+                if !own.contains(&index) {
+                    beside.regression.add(column.clone());
+                }
             }
-            let products = base
-                .normal
-                .products(columns[own - first..own - first + count].to_vec());
-            let score = base.normal.score(&products);
+            for candidate in candidates.iter_mut() {
+                candidate.reset(&beside.regression.system, known);
+            }
+            let layout = &beside.regression.system.layout;
+            let score = beside.score(columns[own].iter().map(|own| layout.split(own)).collect());
             pick.score = score.score;
-            kept[index] = self.is_found(&pick.place, &score, tested)?;
+            kept[index] = self.is_found(&pick.place, &score, candidates.len())?;
             let own = self.merit(&pick.place, &score);
             let mut best: Vec<(Kind, Option<usize>, f64)> = Vec::new();
-            for (place, score) in self.scores(base, candidates) {
+            for (place, score) in self.scores(&beside, candidates) {
                 let nats = 0.5 * (own - self.merit(&place, &score)) / dispersion;
                 let is_own = place.kind == pick.place.kind && place.channel == pick.place.channel;
                 if is_own || score.retained < RETAINED {
@@ -358,9 +337,8 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
                 }
             }
             if pick.place.kind == Kind::Cogging {
-                let terms = self.effects.ripple(&pick.place, &base.inertia);
-                let products = base.normal.products(terms);
-                let rival = self.merit(&pick.place, &base.normal.score(&products));
+                let ripple = beside.score(self.effects.ripple(&beside, &pick.place));
+                let rival = self.merit(&pick.place, &ripple);
                 let nats = 0.5 * (own - rival) / dispersion;
                 best.push((Kind::Ripple, pick.place.channel, nats));
             }
@@ -375,8 +353,6 @@ impl<'s, 'w, 'a> Selector<'s, 'w, 'a> {
             // misfit
             kept[index] &= index == 0 || pick.probability > 0.5;
         }
-        base.normal.truncate(first);
-        base.normal.adopt(&columns);
         let mut index = 0;
         picks.retain(|_| {
             index += 1;

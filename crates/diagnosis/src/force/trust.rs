@@ -15,24 +15,24 @@ const STRAIN: f64 = 0.5;
 const WEIGHT_STRAIN: f64 = 0.25;
 
 /// Squares of what the torques pull each row parameter by, over its tolerance, per parameter.
-fn strain(base: &Base<'_>) -> f64 {
+fn strain(base: &Base) -> f64 {
     let count = base.geometry.len().max(1) as f64;
-    base.normal.strain(base.geometry.clone()) / count
+    base.strain(base.geometry.clone()) / count
 }
 
 /// Whether the structure of the torques may come from a falsified geometry: they pull at it, and
 /// the positions show a gap.
-pub(super) fn is_falsified(context: &Context<'_>, base: &Base<'_>) -> bool {
+pub(super) fn is_falsified(context: &Context<'_>, base: &Base) -> bool {
     strain(base) > STRAIN && positions_show_a_gap(context)
 }
 
 /// Whether the geometry stays within its tolerance.
-pub(super) fn is_within_tolerance(base: &Base<'_>) -> bool {
+pub(super) fn is_within_tolerance(base: &Base) -> bool {
     strain(base) <= 1.0
 }
 
 /// Whether weights can be judged.
-pub(super) fn weighs(base: &Base<'_>) -> bool {
+pub(super) fn weighs(base: &Base) -> bool {
     strain(base) <= WEIGHT_STRAIN
 }
 

@@ -75,7 +75,7 @@ pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f6
     if count == 0 {
         return Difference::default();
     }
-    let target = compress_rows(&engine.system.blocks, residual);
+    let target = compress_rows(&engine.system.layout, residual);
     if target.iter().any(|value| !value.is_finite()) {
         return Difference::default();
     }

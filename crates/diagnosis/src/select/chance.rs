@@ -20,7 +20,7 @@ impl Selector<'_, '_> {
     pub(crate) fn family_wise_p(&self, score: &Score, misfit: f64) -> Result<f64, DiagnosisError> {
         let effect = self.effects[score.effect].as_ref();
         let tries = if effect.spec().shape == Shape::Event {
-            let instants = INSTANTS * self.engine.system.blocks.count() as f64
+            let instants = INSTANTS * self.engine.system.layout.count() as f64
                 / self.engine.context.streams.len().max(1) as f64;
             instants.max(1.0).powi(score.times.len().max(1) as i32)
         } else {

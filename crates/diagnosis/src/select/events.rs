@@ -34,9 +34,9 @@ fn best_instant(
         // entries of all streams, latest first
         let mut entries: Vec<(usize, usize, f64)> = Vec::new();
         for (stream, values) in &column.parts {
-            let first = system.blocks.range(*stream).start;
+            let first = system.layout.range(*stream).start;
             for (block, &value) in values.iter().enumerate() {
-                let row = system.blocks.row(*stream, block);
+                let row = system.layout.row(*stream, block);
                 if run.contains(&row) {
                     entries.push((row, first + block, value));
                 }
@@ -146,7 +146,7 @@ pub(crate) fn sharpen(
     effect: &dyn Effect,
     mut event: Score,
 ) -> Score {
-    let reach = (system.blocks.size + 1).min(12);
+    let reach = (system.layout.size + 1).min(12);
     for index in 0..event.times.len() {
         let rest = Rest::with_steps(system, context, effect, &event.times, index);
         let row = event.times[index] as usize;

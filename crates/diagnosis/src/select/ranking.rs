@@ -94,7 +94,7 @@ impl Selector<'_, '_> {
     /// Evidence of a score in nats: half the explained square, less what its freedom costs.
     pub(crate) fn criterion(&self, score: &Score) -> f64 {
         let effect = self.effects[score.effect].as_ref();
-        let readings = self.engine.system.blocks.count().max(2) as f64;
+        let readings = self.engine.system.layout.count().max(2) as f64;
         let shapes = if effect.spec().shape == Shape::Event {
             let instants = readings / self.engine.context.streams.len().max(1) as f64;
             instants.max(1.0).ln() * score.times.len() as f64

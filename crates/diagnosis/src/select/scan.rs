@@ -5,6 +5,7 @@ use haptical_effects::{Context, Effect, Shape, Signal};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::engine::layout::Layout;
 use crate::engine::model::Cause;
 use crate::engine::system::{Column, System, dot};
 
@@ -55,9 +56,6 @@ impl Score {
     }
 }
 
-/// Squared share of a direction that must survive the projection.
-const SURVIVING: f64 = 1e-9;
-
 impl Candidate {
     pub(crate) fn new(
         system: &System,
@@ -77,7 +75,16 @@ impl Candidate {
         index: usize,
         shape: f64,
     ) -> Self {
-        let columns: Vec<Column> = signals.iter().map(|signal| system.column(signal)).collect();
+        let columns = signals.iter().map(|signal| system.column(signal)).collect();
+        Self::of_columns(system, columns, index, shape)
+    }
+
+    pub(crate) fn of_columns<L: Layout>(
+        system: &System<L>,
+        columns: Vec<Column>,
+        index: usize,
+        shape: f64,
+    ) -> Self {
         let count = columns.len();
         let own = DMatrix::from_fn(count, count, |a, b| product(&columns[a], &columns[b]));
         let coefficients = columns
@@ -94,7 +101,7 @@ impl Candidate {
     }
 
     /// Forgets products beyond the first `known` directions, and takes those of `system`.
-    pub(crate) fn reset(&mut self, system: &System, known: usize) {
+    pub(crate) fn reset<L: Layout>(&mut self, system: &System<L>, known: usize) {
         for coefficients in &mut self.coefficients {
             coefficients.truncate(known);
         }
@@ -102,7 +109,7 @@ impl Candidate {
     }
 
     /// Catches up with directions that were added to the basis.
-    pub(crate) fn extend(&mut self, system: &System) {
+    pub(crate) fn extend<L: Layout>(&mut self, system: &System<L>) {
         for (column, coefficients) in self.columns.iter().zip(&mut self.coefficients) {
             let known = coefficients.len();
             coefficients.extend(system.basis[known..].iter().map(|q| system.dot(column, q)));
@@ -116,7 +123,7 @@ impl Candidate {
         candidate.score(system)
     }
 
-    pub(crate) fn score(&self, system: &System) -> Score {
+    pub(crate) fn score<L: Layout>(&self, system: &System<L>) -> Score {
         let count = self.columns.len();
         let mut result = Score {
             effect: self.effect,
@@ -145,7 +152,7 @@ impl Candidate {
         for k in 0..count {
             let value = eigen.eigenvalues[k];
             result.retained = result.retained.max(value.max(0.0).sqrt());
-            if value <= SURVIVING {
+            if value <= L::SURVIVING {
                 continue;
             }
             let direction = eigen.eigenvectors.column(k);

@@ -7,14 +7,14 @@ use haptical_model::kinematics::Parameter;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::arm::{Noise, Scene, arm, masses, other_arm, parameters, virtual_work};
+use crate::engine::regression::Regression;
 use crate::force::along::Along;
-use crate::force::columns::{Term, Values};
-use crate::force::energy::Energy;
 use crate::force::fast::within;
-use crate::force::normal::Normal;
 use crate::force::posture::{PER_LINK, Posture, Rows};
 use crate::force::recorded::{Besides, Recorded};
-use crate::force::weights::Weights;
+use crate::force::rows::{TorqueRows, Whitener};
+use crate::select::excess;
+use crate::select::scan::Candidate;
 
 /// Finite differences of second order over steps of 1e-3 s.
 const DIFFERENCES: f64 = 2e-5;
@@ -127,27 +127,46 @@ fn a_score_is_what_a_projection_gives() {
             &spread * spread.transpose() + DMatrix::identity(2, 2)
         })
         .collect();
-    let weights = Weights::new(channels, covariances).unwrap();
+    let whitener = Whitener::new(channels, covariances.clone()).unwrap();
     let mut column = || -> Vec<f64> { (0..rows).map(|_| noise.normal()).collect() };
     let reading = column();
     let base: Vec<Vec<f64>> = (0..4).map(|_| column()).collect();
     let added = [column(), column()];
     // priors of variance 0.04 on the last two base columns
     let priors = [0.0, 0.0, 25.0, 25.0];
-    let columns = base.iter().cloned().zip(priors).collect();
-    let normal = Normal::new(&weights, &reading, columns);
-    let terms: Vec<Term> = added
-        .iter()
-        .map(|values| Values::All(values.clone()).into())
-        .collect();
-    let score = normal.score(&normal.products(terms));
+    let layout = TorqueRows::new(whitener.clone(), 4);
+    let lengthened = |column: &[f64]| {
+        let mut white = whitener.whiten(column);
+        white.resize(rows + 4, 0.0);
+        white
+    };
+    let mut regression = Regression::new(layout.clone(), Vec::new(), lengthened(&reading));
+    for (index, column) in base.iter().enumerate() {
+        let mut column = lengthened(column);
+        column[layout.prior(index)] = f64::sqrt(priors[index]);
+        regression.add(column);
+    }
+    let system = &regression.system;
+    let columns = added.iter().map(|column| layout.of_means(column)).collect();
+    let score = Candidate::of_columns(system, columns, 0, 0.0).score(system);
 
     // the same with the priors as rows of their own
+    let inverse = |column: &[f64]| -> Vec<f64> {
+        let block = |block: usize| DVector::from_fn(2, |row, _| column[row * blocks + block]);
+        let white = |index: usize| {
+            let factor = covariances[index].clone().cholesky().unwrap();
+            factor.l().solve_lower_triangular(&block(index)).unwrap()
+        };
+        let white: Vec<DVector<f64>> = (0..blocks).map(white).collect();
+        (0..rows)
+            .map(|row| white[row % blocks][row / blocks])
+            .collect()
+    };
     let whole = |count: usize| {
         let white: Vec<Vec<f64>> = base
             .iter()
             .chain(&added)
-            .map(|c| weights.whiten(c))
+            .map(|column| inverse(column))
             .collect();
         let matrix = DMatrix::from_fn(rows + 4, count, |row, column| {
             if row < rows {
@@ -158,7 +177,7 @@ fn a_score_is_what_a_projection_gives() {
                 0.0
             }
         });
-        let mut right = weights.whiten(&reading);
+        let mut right = inverse(&reading);
         right.extend([0.0; 4]);
         let right = DVector::from_vec(right);
         let solution =
@@ -171,6 +190,21 @@ fn a_score_is_what_a_projection_gives() {
     for k in 0..2 {
         assert!((score.amplitudes[k] - solution[4 + k]).abs() < 1e-6);
     }
+    // taken up, they have these coefficients, and the residual is what is left
+    for column in &added {
+        regression.add(lengthened(column));
+    }
+    for (own, other) in regression.solution().iter().zip(solution.iter()) {
+        assert!((own - other).abs() < 1e-9, "{own} {other}");
+    }
+    let left = &regression.system.residual;
+    let left = left.iter().map(|entry| entry * entry).sum::<f64>();
+    assert!((left - after).abs() < 1e-9 * after);
+    let behind = regression.truncate(4);
+    assert_eq!((behind.len(), regression.len()), (2, 4));
+    let left = &regression.system.residual;
+    let left = left.iter().map(|entry| entry * entry).sum::<f64>();
+    assert!((left - before).abs() < 1e-9 * before);
 }
 
 #[test]
@@ -193,11 +227,10 @@ fn slow_energy_of_noise_is_its_freedom() {
         let context = Context::new(&device, &recording, &[]).unwrap();
         let recorded = Recorded::new(&context).unwrap();
         let along = Along::new(&recorded);
-        let weights = along.weights(Besides::Nothing).unwrap();
-        let base = along.fit(&weights, Besides::Nothing);
-        let rest = along.rest(&base.normal);
-        let energy = Energy::of(&recorded, &weights, &base.normal, &rest, 0);
-        sum += energy.deviations();
+        let whitener = along.whitener(Besides::Nothing).unwrap();
+        let base = along.fit(&whitener, Besides::Nothing);
+        let (energy, sd) = excess(&base.energy(0));
+        sum += energy / sd;
     }
     // eight of unit variance, and the noise of each column is known to a few percent
     let mean = sum / seeds.count() as f64;
