@@ -6,8 +6,8 @@ use haptical_model::{Device, Recording};
 
 use crate::answer::advice::{next_experiment, of_tool};
 use crate::answer::causes::{base_term, cause_answer, force_findings, noise_findings};
-use crate::answer::place::{Located, locate, of_base_term};
-use crate::answer::place_touched::by_dependence;
+use crate::answer::place::{Located, locate};
+use crate::answer::place_touched::{by_dependence, of_base_term};
 use crate::answer::shrink::{Shrink, model_residual, on_held_back, on_second};
 use crate::answer::tables::{channel_gaps, noise, shared, traces, untestable};
 use crate::answer::unseen::{hints, unseen};

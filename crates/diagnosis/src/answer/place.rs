@@ -1,12 +1,9 @@
 //! Place of a gap: channel, joint, covariates and region, in words.
 
-use haptical_effects::structure::TOOL_CHANGED;
 use haptical_effects::{Context, Effect, Follows, Hook, Stream};
 
-use crate::answer::place_touched::of_tool;
 use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::engine::Engine;
-use crate::judge::earlier::BaseTerm;
 use crate::noise::without_lines;
 use crate::select::generic::{Covariate, Place, inner_range, score};
 use crate::select::{Selection, Selector};
@@ -127,37 +124,6 @@ fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) ->
                 hook_words(context, place),
                 covariate.words(context)
             ),
-            dependence: Vec::new(),
-        },
-        stream,
-        covariate,
-    })
-}
-
-/// By the strongest base term that an earlier model lacks.
-pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Located> {
-    let context = &engine.context;
-    let own = term.joint.filter(|_| term.in_drive);
-    let stream = own
-        .and_then(|joint| context.output_stream(joint))
-        .or_else(|| context.streams.iter().position(Stream::shows_handle))
-        .unwrap_or(0);
-    let covariate = Covariate::Angle(term.joint.unwrap_or(0));
-    if term.name == TOOL_CHANGED.name {
-        return of_tool(context, stream, term);
-    }
-    let words = match term.joint {
-        Some(joint) if term.in_drive => format!("in the drive of joint {}", joint + 1),
-        Some(joint) => format!("in the geometry of link {}", joint + 1),
-        None => "in the geometry of the base row".to_owned(),
-    };
-    Some(Located {
-        answer: Answer {
-            channel: context.streams.get(stream)?.channel.name(),
-            joint: term.joint.map(|joint| joint + 1),
-            depends_on: vec![covariate.column(context)],
-            region: format!("{words}: the earlier model has other values there"),
-            explained: vec![1.0],
             dependence: Vec::new(),
         },
         stream,

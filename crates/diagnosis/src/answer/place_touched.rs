@@ -1,16 +1,50 @@
-//! Place of a gap that single postures show: in the tool, or in what the residuals depend on.
+//! Place of a gap that no effect and no free function shows: a number of an earlier model, the tool, or what single
+//! postures depend on.
 
+use haptical_effects::structure::TOOL_CHANGED;
 use haptical_effects::{Context, Hook, Stream};
 
 use crate::answer::place::{Located, stream_of};
 use crate::answer::{Asked, Dependence, Place as Answer};
+use crate::engine::Engine;
 use crate::judge::earlier::BaseTerm;
 use crate::select::Selection;
 use crate::select::generic::Covariate;
 use crate::thresholds::dependence::PLACED_P;
 
+/// By the strongest base term that an earlier model lacks.
+pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Located> {
+    let context = &engine.context;
+    let own = term.joint.filter(|_| term.in_drive);
+    let stream = own
+        .and_then(|joint| context.output_stream(joint))
+        .or_else(|| context.streams.iter().position(Stream::shows_handle))
+        .unwrap_or(0);
+    let covariate = Covariate::Angle(term.joint.unwrap_or(0));
+    if term.name == TOOL_CHANGED.name {
+        return of_tool(context, stream, term);
+    }
+    let words = match term.joint {
+        Some(joint) if term.in_drive => format!("in the drive of joint {}", joint + 1),
+        Some(joint) => format!("in the geometry of link {}", joint + 1),
+        None => "in the geometry of the base row".to_owned(),
+    };
+    Some(Located {
+        answer: Answer {
+            channel: context.streams.get(stream)?.channel.name(),
+            joint: term.joint.map(|joint| joint + 1),
+            depends_on: vec![covariate.column(context)],
+            region: format!("{words}: the earlier model has other values there"),
+            explained: vec![1.0],
+            dependence: Vec::new(),
+        },
+        stream,
+        covariate,
+    })
+}
+
 /// Behind the last joint, in the handle's frame.
-pub(crate) fn of_tool(context: &Context<'_>, stream: usize, term: &BaseTerm) -> Option<Located> {
+fn of_tool(context: &Context<'_>, stream: usize, term: &BaseTerm) -> Option<Located> {
     let joint = context.device.joints.len();
     let parts: Vec<String> = ["shift_x_m", "shift_y_m", "shift_z_m"]
         .iter()

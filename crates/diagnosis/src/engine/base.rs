@@ -10,7 +10,7 @@ use haptical_model::{Device, ParameterId, Recording};
 
 use crate::DiagnosisError;
 use crate::engine::anchor::{Anchor, anchored, is_needed};
-use crate::noise::measured::is_stated;
+use crate::noise::stated::is_stated;
 use crate::thresholds::fit::{MOST_STEPS, POLYNOMIAL_DEGREE, ROWS_FOR_A_POLYNOMIAL, START_ROWS};
 
 /// A fitted base model.

@@ -1,23 +1,12 @@
 //! The base model's own fit to a recording, by Gauss-Newton.
 
-use super::Prepared;
+use super::prepared::{BaseFit, Prepared};
 use crate::DiagnosisError;
 use crate::engine::blocks::Blocks;
 use crate::engine::part::{Part, root_mean_square, square};
 use crate::engine::refit::longest_falling;
-use crate::noise::Noise;
 use crate::noise::measured::{KnownNoise, estimate_noise};
 use crate::thresholds::fit::{BASE_PASSES, SMALL_STEP};
-
-/// Outcome of a base fit.
-pub(super) struct BaseFit {
-    pub(super) noise: Vec<Noise>,
-    pub(super) scale: Vec<Option<Vec<f64>>>,
-    pub(super) whole: Part,
-    pub(super) values: Vec<f64>,
-    pub(super) residual: Vec<Vec<f64>>,
-    pub(super) last_step: f64,
-}
 
 impl Prepared<'_> {
     /// Fits the base model by Gauss-Newton; the noise is estimated anew when the first steps were large.

@@ -26,7 +26,8 @@ use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::part::{Part, root_mean_square};
 use crate::engine::system::{System, compress_rows};
 use crate::noise::Noise;
-use crate::noise::measured::{KnownNoise, estimate_noise, is_stated};
+use crate::noise::measured::{KnownNoise, estimate_noise};
+use crate::noise::stated::is_stated;
 
 pub(crate) use self::prepared::Prepared;
 

@@ -5,8 +5,6 @@ use std::sync::Arc;
 use haptical_effects::{Context, Effect, Signal};
 use haptical_identification::Matrix;
 
-use crate::select::scan::Score;
-
 /// A cause with its fitted numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cause {
@@ -19,16 +17,6 @@ pub(crate) struct Cause {
 }
 
 impl Cause {
-    /// A scored effect as a cause.
-    pub(crate) fn from_score(score: &Score) -> Self {
-        Self {
-            effect: score.effect,
-            amplitudes: score.amplitudes.clone(),
-            shape: score.shape,
-            times: score.times.clone(),
-        }
-    }
-
     /// Derivatives with respect to its amplitudes.
     pub(crate) fn derivative(
         &self,

@@ -7,7 +7,9 @@ use haptical_linalg::{OrthonormalBasis, RANK_TOLERANCE};
 use crate::DiagnosisError;
 use crate::engine::base::{Base, BaseProblem};
 use crate::engine::blocks::Blocks;
-use crate::engine::system::{compress_matrix, compress_rows, dot, take_off};
+use crate::engine::system::{
+    System, compress_matrix, compress_rows, dot, oscillations, take_off, windows,
+};
 
 /// Rows that a fit sees: their blocks, and the base model's derivatives on them.
 #[derive(Debug, Clone)]
@@ -71,7 +73,7 @@ impl Part {
     }
 
     /// Orthonormal directions of the free parameters, whatever anchors them.
-    pub(crate) fn directions(&self) -> Result<Vec<Vec<f64>>, DiagnosisError> {
+    fn directions(&self) -> Result<Vec<Vec<f64>>, DiagnosisError> {
         let columns = |basis: &OrthonormalBasis| {
             let directions = basis.directions();
             let columns = 0..directions.columns();
@@ -84,6 +86,29 @@ impl Part {
             Some(basis) if self.stiffness.is_empty() => columns(basis),
             Some(_) => columns(&OrthonormalBasis::new(&self.free, RANK_TOLERANCE)?),
         })
+    }
+
+    /// The system of the free parameters' directions, and of what `other` parameters, held in the fit, could still do.
+    pub(crate) fn system(
+        &self,
+        context: &Context<'_>,
+        other: Option<&Matrix>,
+        residual: &[Vec<f64>],
+    ) -> Result<System, DiagnosisError> {
+        let windows = windows(context, &self.blocks);
+        let reading = vec![0.0; self.blocks.count()];
+        let mut system = System::bare(self.blocks.clone(), windows, reading);
+        system.basis = self.directions()?;
+        system.oscillations = oscillations(context, &self.blocks);
+        let columns = other.map_or(0, Matrix::columns);
+        for column in other
+            .iter()
+            .flat_map(|other| (0..columns).map(|k| other.column(k)))
+        {
+            system.take(column.to_vec());
+        }
+        system.set_residual(residual);
+        Ok(system)
     }
 
     /// The step of the base model alone, with the pull of its anchors; none without parameters.

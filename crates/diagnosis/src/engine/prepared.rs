@@ -7,12 +7,13 @@ use haptical_effects::{Context, Effect, streams};
 use haptical_identification::Matrix;
 use haptical_model::Recording;
 
-use super::base_fit::BaseFit;
 use super::{Engine, beside};
 use crate::DiagnosisError;
 use crate::engine::base::{Base, BaseProblem};
 use crate::engine::model::{Model, Refit};
-use crate::engine::system::{System, compress_matrix};
+use crate::engine::part::Part;
+use crate::engine::system::compress_matrix;
+use crate::noise::Noise;
 use crate::noise::measured::{KnownNoise, floors};
 use crate::noise::{self, cleaning::outlying_rows};
 
@@ -26,6 +27,16 @@ pub(crate) struct Prepared<'a> {
     pub(super) usable: Vec<Vec<bool>>,
     pub(super) matrix: Option<Matrix>,
     pub(super) residual: Vec<Vec<f64>>,
+}
+
+/// Outcome of a base fit.
+pub(super) struct BaseFit {
+    pub(super) noise: Vec<Noise>,
+    pub(super) scale: Vec<Option<Vec<f64>>>,
+    pub(super) whole: Part,
+    pub(super) values: Vec<f64>,
+    pub(super) residual: Vec<Vec<f64>>,
+    pub(super) last_step: f64,
 }
 
 impl<'a> Prepared<'a> {
@@ -172,7 +183,7 @@ impl<'a> Prepared<'a> {
         let other = matrix
             .as_ref()
             .map(|matrix| compress_matrix(&context, &problem, &whole.blocks, matrix, &held));
-        let system = System::new(&context, &whole, other.as_ref(), &residual)?;
+        let system = whole.system(&context, other.as_ref(), &residual)?;
         Ok(Engine {
             context,
             problem,

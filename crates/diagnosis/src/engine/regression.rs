@@ -56,14 +56,14 @@ impl<L: Layout> Regression<L> {
     pub(crate) fn truncate(&mut self, count: usize) -> Vec<Vec<f64>> {
         self.independent.retain(|&index| index < count);
         self.system.basis.truncate(self.independent.len());
-        self.system.leave_of(self.reading.clone());
+        self.system.project_reading(self.reading.clone());
         self.columns.split_off(count)
     }
 
     /// Takes one reading's other value.
     pub(crate) fn set_reading(&mut self, entry: usize, value: f64) {
         self.reading[entry] = value;
-        self.system.leave_of(self.reading.clone());
+        self.system.project_reading(self.reading.clone());
     }
 
     /// Entries behind all others: `reading` of them, with no part of the columns so far.

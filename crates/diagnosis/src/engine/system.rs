@@ -7,11 +7,9 @@ use haptical_linalg::Matrix;
 
 use rayon::prelude::*;
 
-use crate::DiagnosisError;
 use crate::engine::base::BaseProblem;
 use crate::engine::blocks::Blocks;
 use crate::engine::layout::Layout;
-use crate::engine::part::Part;
 use crate::thresholds::fit::WINDOW_S;
 
 /// Share of a column that must lie across those before it for a direction of its own.
@@ -34,43 +32,16 @@ pub(crate) struct System<L = Blocks> {
     /// Windows per stream, as ranges of all blocks.
     windows: Vec<Vec<Range<usize>>>,
     /// Oscillations of the stream's lines, run by run, of length 1.
-    oscillations: Vec<Vec<Oscillation>>,
+    pub(crate) oscillations: Vec<Vec<Oscillation>>,
 }
 
 /// Whitened values at a range of all blocks.
-type Oscillation = (Range<usize>, Vec<f64>);
+pub(crate) type Oscillation = (Range<usize>, Vec<f64>);
 
 impl System {
-    /// The base model's directions: those of its fit, and what its `other` parameters, held in the fit,
-    /// could still do.
-    pub(crate) fn new(
-        context: &Context<'_>,
-        part: &Part,
-        other: Option<&Matrix>,
-        residual: &[Vec<f64>],
-    ) -> Result<Self, DiagnosisError> {
-        let columns = |matrix: &Matrix| -> Vec<Vec<f64>> {
-            (0..matrix.columns())
-                .map(|column| matrix.column(column).to_vec())
-                .collect()
-        };
-        let mut system = Self {
-            residual: vec![0.0; part.blocks.count()],
-            layout: part.blocks.clone(),
-            basis: part.directions()?,
-            windows: windows(context, &part.blocks),
-            oscillations: oscillations(context, &part.blocks),
-        };
-        for column in other.map(columns).unwrap_or_default() {
-            system.take(column);
-        }
-        system.set_residual(residual);
-        Ok(system)
-    }
-
     /// Takes physical residuals per stream and row, and projects them.
     pub(crate) fn set_residual(&mut self, residual: &[Vec<f64>]) {
-        self.leave_of(compress_rows(&self.layout, residual));
+        self.project_reading(compress_rows(&self.layout, residual));
     }
 
     pub(crate) fn column(&self, signal: &Signal) -> Column {
@@ -106,7 +77,7 @@ impl<L: Layout> System<L> {
     }
 
     /// Takes whitened readings, and projects them.
-    pub(crate) fn leave_of(&mut self, mut whitened: Vec<f64>) {
+    pub(crate) fn project_reading(&mut self, mut whitened: Vec<f64>) {
         // twice: one pass leaves the rounding of large coefficients
         for _ in 0..2 {
             for direction in &self.basis {
@@ -258,7 +229,7 @@ pub(crate) fn compress_matrix(
 }
 
 /// Cosine and sine of every line of every stream, each run's alone.
-fn oscillations(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<Oscillation>> {
+pub(crate) fn oscillations(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<Oscillation>> {
     let of_stream = |stream: usize| {
         let channel = context.streams[stream].channel;
         let range = blocks.range(stream);
@@ -288,7 +259,7 @@ fn oscillations(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<Oscillation>>
     (0..context.streams.len()).map(of_stream).collect()
 }
 
-fn windows(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<Range<usize>>> {
+pub(crate) fn windows(context: &Context<'_>, blocks: &Blocks) -> Vec<Vec<Range<usize>>> {
     (0..context.streams.len())
         .map(|stream| {
             let length = window_blocks(context, blocks.size_of(stream));

@@ -6,10 +6,10 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::along::Along;
-use super::fast::FastRows;
 use super::posture::PER_LINK;
 use super::recorded::Besides;
-use super::rows::{TorqueRows, Whitener};
+use super::rows::{FastRows, TorqueRows};
+use super::whitener::Whitener;
 use crate::engine::regression::Regression;
 use crate::engine::system::{Column, SlowEnergy, dot};
 use crate::select::scan::{Candidate, Score};

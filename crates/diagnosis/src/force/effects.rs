@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::along::Along;
 use super::base::Base;
-use super::fast::ORDERS;
+use super::harmonics::ORDERS;
 use super::rows::TorqueRows;
 use crate::engine::system::Column;
 

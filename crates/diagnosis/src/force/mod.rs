@@ -13,6 +13,7 @@ mod fast;
 mod gaps;
 mod gravity;
 mod grip;
+mod harmonics;
 mod posture;
 mod recorded;
 mod rows;
@@ -21,6 +22,7 @@ mod select;
 mod tests;
 mod trust;
 mod values;
+mod whitener;
 
 use haptical_effects::{Context, Hook, Spec};
 

@@ -7,7 +7,7 @@ use haptical_effects::Context;
 use haptical_effects::signal::{LocalMotion, smooth};
 use nalgebra::{DMatrix, Vector3};
 
-use super::fast;
+use super::harmonics::{harmonics, without_harmonics};
 use crate::noise;
 
 /// Time that one block averages \[s\]: short against a motion, long against the sampling.
@@ -128,7 +128,7 @@ impl<'a> Recorded<'a> {
             .iter()
             .map(|&joint| {
                 let ratio = device.joints[joint].transmission_ratio;
-                fast::harmonics(&motion[joint].value, ratio)
+                harmonics(&motion[joint].value, ratio)
             })
             .collect();
         let of_torque: Option<Vec<(f64, f64)>> = channels
@@ -138,7 +138,7 @@ impl<'a> Recorded<'a> {
                 let values = column(context, joint)?;
                 let (mut sd, mut inflation) = noise_of(context, values, size)?;
                 if inflation > 1.0 {
-                    let rest = fast::without_harmonics(values, harmonics);
+                    let rest = without_harmonics(values, harmonics);
                     (sd, inflation) = noise_of(context, &rest, size)?;
                 }
                 let usable = values.iter().filter(|value| value.is_finite());

@@ -3,77 +3,50 @@
 
 use std::ops::Range;
 
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::{DMatrix, DVector};
 
-use super::fast::FastRows;
+use super::whitener::Whitener;
 use crate::engine::layout::Layout;
 use crate::engine::system::Column;
 
-/// What whitens blocks: the Cholesky factors of the covariances of their mean torques.
+/// What the rows of a channel say of its harmonics within blocks: as many independent readings.
 #[derive(Debug, Clone)]
-pub(super) struct Whitener {
-    channels: usize,
-    pub(super) blocks: usize,
-    /// Entries (row, column) one after the other, each for all blocks.
-    factor: Vec<f64>,
+pub(super) struct FastRows {
+    /// One column for each harmonic.
+    root: DMatrix<f64>,
+    pub(super) reading: Vec<f64>,
 }
 
-impl Whitener {
-    /// From each block's covariance; none for one that is not positive.
-    pub(super) fn new(channels: usize, covariances: Vec<DMatrix<f64>>) -> Option<Self> {
-        let blocks = covariances.len();
-        let mut factor = vec![0.0; channels * channels * blocks];
-        for (block, covariance) in covariances.into_iter().enumerate() {
-            let lower = Cholesky::new(covariance)?.l();
-            for row in 0..channels {
-                for column in 0..=row {
-                    factor[(row * channels + column) * blocks + block] = lower[(row, column)];
-                }
-            }
+/// Part of the largest variance below which a combination of harmonics is rounding alone.
+const ABSENT: f64 = 1e-12;
+
+impl FastRows {
+    /// A square root of the harmonics' normal matrix, with the reading that belongs to its right side.
+    pub(super) fn new(gram: DMatrix<f64>, right: &DVector<f64>) -> Self {
+        let eigen = gram.symmetric_eigen();
+        let largest = eigen.eigenvalues.max().max(0.0);
+        let kept: Vec<usize> = (0..right.len())
+            .filter(|&k| eigen.eigenvalues[k] > ABSENT * largest)
+            .collect();
+        let size = |k: usize| eigen.eigenvalues[k].sqrt();
+        let direction = |k: usize| eigen.eigenvectors.column(k);
+        Self {
+            root: DMatrix::from_fn(kept.len(), right.len(), |row, column| {
+                size(kept[row]) * direction(kept[row])[column]
+            }),
+            reading: kept
+                .iter()
+                .map(|&k| direction(k).dot(right) / size(k))
+                .collect(),
         }
-        Some(Self {
-            channels,
-            blocks,
-            factor,
-        })
     }
 
-    fn entries(&self, row: usize, column: usize) -> &[f64] {
-        let first = (row * self.channels + column) * self.blocks;
-        &self.factor[first..first + self.blocks]
+    fn len(&self) -> usize {
+        self.reading.len()
     }
 
-    /// Values (channel after channel) made white with unit deviation.
-    pub(super) fn whiten(&self, values: &[f64]) -> Vec<f64> {
-        let mut white = values.to_vec();
-        for row in 0..self.channels {
-            let (before, own) = white.split_at_mut(row * self.blocks);
-            let own = &mut own[..self.blocks];
-            for (column, other) in before.chunks_exact(self.blocks).enumerate() {
-                let entries = self.entries(row, column).iter().zip(other);
-                for (sum, (entry, other)) in own.iter_mut().zip(entries) {
-                    *sum -= entry * other;
-                }
-            }
-            for (value, entry) in own.iter_mut().zip(self.entries(row, row)) {
-                *value /= entry;
-            }
-        }
-        white
-    }
-
-    /// The inverse of [`Self::whiten`].
-    pub(super) fn colour(&self, white: &[f64]) -> Vec<f64> {
-        let mut values = vec![0.0; self.channels * self.blocks];
-        for (row, own) in values.chunks_exact_mut(self.blocks).enumerate() {
-            for (column, other) in white.chunks_exact(self.blocks).enumerate().take(row + 1) {
-                let entries = self.entries(row, column).iter().zip(other);
-                for (sum, (entry, other)) in own.iter_mut().zip(entries) {
-                    *sum += entry * other;
-                }
-            }
-        }
-        values
+    fn column(&self, harmonic: usize) -> Vec<f64> {
+        self.root.column(harmonic).iter().copied().collect()
     }
 }
 

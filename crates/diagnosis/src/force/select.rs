@@ -5,7 +5,7 @@ use haptical_metrics::chi_square_p_value;
 use super::base::Base;
 use super::effects::{Effects, Kind, Place};
 use super::recorded::Recorded;
-use super::rows::Whitener;
+use super::whitener::Whitener;
 use crate::DiagnosisError;
 use crate::engine::system::SlowEnergy;
 use crate::select::scan::{Candidate, Score};

@@ -3,7 +3,6 @@
 use crate::DiagnosisError;
 use crate::answer::Verdict;
 use crate::judge::dependence::largest_dependence;
-use crate::select::laws::law_is_kept;
 use crate::select::{Selection, Selector, excess, worst_excess};
 use crate::thresholds::chance::{FAMILY_WISE_P, OMNIBUS_Z};
 use crate::thresholds::rivals::WEAK;
@@ -43,10 +42,9 @@ pub(crate) fn adequacy(
         allowed += effect.spec().law_error.share * part / explained.max(1e-300);
         own.push(selector.broken_law(&selection.system, effect, cause, *part));
     }
-    let laws_hold = causes
-        .iter()
-        .zip(&own)
-        .all(|(cause, broken)| law_is_kept(selector.effects[cause.effect].as_ref(), *broken));
+    let laws_hold = causes.iter().zip(&own).all(|(cause, broken)| {
+        Selector::law_is_kept(selector.effects[cause.effect].as_ref(), *broken)
+    });
     let small_rest = unexplained <= allowed;
     let is_adequate = laws_hold
         && (worst < OMNIBUS_Z || small_rest)

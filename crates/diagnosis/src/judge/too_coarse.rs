@@ -11,7 +11,7 @@ use crate::answer::causes::noise_level;
 use crate::answer::{CauseAnswer, Diagnosis};
 use crate::engine::Prepared;
 use crate::engine::base::Base;
-use crate::noise::measured::is_stated;
+use crate::noise::stated::is_stated;
 use crate::thresholds::noise::{
     ARITHMETIC_COUNTS, COMPUTED, FINER_COUNTS, REFUTED, REFUTING_FREEDOM,
 };

@@ -6,7 +6,7 @@ use haptical_effects::Stream;
 use crate::DiagnosisError;
 use crate::answer::{Asked, Dependence, Verdict};
 use crate::judge::dependence::dependences;
-use crate::noise::measured::is_stated;
+use crate::noise::stated::is_stated;
 use crate::select::Selector;
 use crate::thresholds::dependence::DEPENDENCE_P;
 use crate::thresholds::noise::ROUGHEST_TOUCH_M;

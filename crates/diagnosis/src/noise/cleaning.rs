@@ -6,6 +6,7 @@ use haptical_model::Recording;
 
 use crate::engine::base::BaseProblem;
 use crate::noise;
+use crate::noise::outliers::NORMAL_MEDIAN;
 
 /// Rows that stand alone in a channel (any of its axes), by the base model's residuals.
 pub(crate) fn outlying_rows(
@@ -36,9 +37,6 @@ pub(crate) fn outlying_rows(
     found.dedup();
     found
 }
-
-/// Median of the magnitude of a normal deviate.
-pub(crate) const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// Standard deviation from the median absolute value.
 fn spread(scaled: &[f64]) -> Option<f64> {

@@ -2,10 +2,10 @@
 
 use haptical_calibration::Channel;
 use haptical_effects::Context;
-use haptical_model::Device;
 use rayon::prelude::*;
 
 use crate::engine::base::BaseProblem;
+use crate::noise::stated::is_stated;
 use crate::noise::{self, Noise};
 
 /// Noise that is known from an earlier look.
@@ -85,20 +85,6 @@ pub(crate) fn rounding_share(sd: &[f64], own: f64, usable: &[bool]) -> f64 {
         (1.0 - own * own * count / sum).max(0.0)
     } else {
         0.0
-    }
-}
-
-/// Whether the device file says how noisy a channel is.
-pub(crate) fn is_stated(device: &Device, channel: Channel) -> bool {
-    match channel {
-        Channel::Output { joint } => device.joints[joint].output_sd_rad().is_some(),
-        Channel::Cable { index } => device.cable_sd_m(index).is_some(),
-        Channel::Position => device.tracker.is_some_and(|t| t.position_sd_m.is_some()),
-        Channel::Orientation => device.tracker.is_some_and(|t| t.rotation_sd_rad.is_some()),
-        Channel::Contact => device.surroundings.contact_sd_m.is_some(),
-        Channel::Plane => device.surroundings.plane_sd_m.is_some(),
-        Channel::Fixture { .. } => device.surroundings.fixture_sd_rad.is_some(),
-        Channel::ContactPair { .. } | Channel::PlanePair { .. } => true,
     }
 }
 

@@ -5,22 +5,19 @@
 
 pub(crate) mod cleaning;
 pub(crate) mod measured;
+pub(crate) mod stated;
 
 mod colour;
+mod estimate;
 mod lines;
 mod outliers;
 mod segments;
 mod spectrum;
 mod speed;
 
-use std::ops::Range;
+use crate::thresholds::noise::MUCH_ROUNDING;
 
-use self::colour::from_segments;
-use self::segments::{segment_basis, segment_moments};
-use crate::thresholds::noise::{
-    ENOUGH_SEGMENTS, LAGS, MUCH_ROUNDING, SEGMENT_ROWS, STATED_UNCERTAINTY,
-};
-
+pub(crate) use self::estimate::estimate;
 pub(crate) use self::lines::{lines, without_lines};
 pub(crate) use self::outliers::{difference_sd, outliers};
 pub(crate) use self::speed::speed_scale;
@@ -64,47 +61,6 @@ impl Noise {
         }
         self
     }
-}
-
-/// Estimates one stream's noise from its residuals over the stated standard deviation (NaN where
-/// there is none), `lost` of which the model's parameters have taken.
-pub(crate) fn estimate(
-    scaled: &[f64],
-    runs: &[Range<usize>],
-    ordered: bool,
-    lost: f64,
-    stated: bool,
-    rounding: f64,
-) -> Noise {
-    let series: Vec<Vec<f64>> = runs
-        .iter()
-        .map(|run| {
-            let values = scaled[run.clone()].iter();
-            values.copied().filter(|value| value.is_finite()).collect()
-        })
-        .collect();
-    if ordered {
-        let mut moments: Vec<[f64; LAGS]> = Vec::new();
-        let basis = segment_basis();
-        for run in &series {
-            moments.extend(
-                run.chunks_exact(SEGMENT_ROWS)
-                    .map(|part| segment_moments(part, &basis)),
-            );
-        }
-        if moments.len() >= ENOUGH_SEGMENTS {
-            return from_segments(moments, rounding);
-        }
-    }
-    let values: Vec<f64> = series.concat();
-    if stated {
-        // single postures cannot tell noise from a gap: the device file's figure is what there is
-        return Noise::of_postures(1.0, STATED_UNCERTAINTY);
-    }
-    let freedom = (values.len() as f64 - lost).max(1.0);
-    let sum: f64 = values.iter().map(|value| value * value).sum();
-    let ratio = (sum / freedom).sqrt().max(1e-6);
-    Noise::of_postures(ratio, (2.0 / freedom).sqrt())
 }
 
 #[cfg(test)]

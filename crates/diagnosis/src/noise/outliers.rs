@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
-use crate::noise::cleaning::NORMAL_MEDIAN;
 use crate::thresholds::noise::MEDIAN_REACH;
+
+/// Median of the magnitude of a normal deviate.
+pub(super) const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// Rows whose value stands alone: further than `limit` noise deviations from the median of the seven
 /// rows around, which follow a motion, a jump or a drift.

@@ -107,7 +107,7 @@ impl Selector<'_, '_> {
         system: &System,
         score: &Score,
     ) -> Result<(Refit, f64), DiagnosisError> {
-        let cause = Cause::from_score(&self.sharpened(system, score));
+        let cause = Cause::from(&self.sharpened(system, score));
         let effect = self.effects[score.effect].as_ref();
         let shapes = if effect.spec().shape == Shape::Sides {
             effect.shapes(&self.engine.context)

@@ -77,9 +77,9 @@ impl Selector<'_, '_> {
         }
         ((score.score - 1.0).max(0.0) / explained.max(1e-300), p)
     }
-}
 
-/// Whether what a free function still explains is chance, or within what the law may get wrong.
-pub(crate) fn law_is_kept(effect: &dyn Effect, (share, p): (f64, f64)) -> bool {
-    share <= effect.spec().law_error.share || p > LAW_P
+    /// Whether what a free function still explains is chance, or within what the law may get wrong.
+    pub(crate) fn law_is_kept(effect: &dyn Effect, (share, p): (f64, f64)) -> bool {
+        share <= effect.spec().law_error.share || p > LAW_P
+    }
 }

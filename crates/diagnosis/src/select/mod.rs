@@ -19,7 +19,6 @@ use crate::DiagnosisError;
 use crate::engine::Engine;
 use crate::engine::model::{Cause, Refit};
 use crate::engine::system::{SlowEnergy, System};
-use crate::select::laws::law_is_kept;
 use crate::select::scan::{Candidate, Score, candidates};
 use crate::thresholds::chance::MOST_CAUSES;
 use crate::thresholds::fit::MOVED_FAR;
@@ -174,7 +173,7 @@ impl<'e, 'a> Selector<'e, 'a> {
             let keeps_its_law = !strict
                 || next.model.causes.last().is_none_or(|cause| {
                     let broken = self.broken_law(&system, effect, cause, score.score);
-                    law_is_kept(effect, broken)
+                    Self::law_is_kept(effect, broken)
                 });
             // while other effects are still to come a law cannot be judged
             let much_left = excess(&after).0 > STILL_MUCH * excess(before).0;
@@ -207,7 +206,7 @@ impl<'e, 'a> Selector<'e, 'a> {
                 .find(|(cause, _)| cause.effect == score.effect)?;
             let effect = self.effects[cause.effect].as_ref();
             let broken = self.broken_law(&grown.system, effect, cause, *explained);
-            (!law_is_kept(effect, broken)).then(|| score.clone())
+            (!Self::law_is_kept(effect, broken)).then(|| score.clone())
         })
     }
 

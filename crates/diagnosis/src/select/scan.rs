@@ -22,6 +22,18 @@ pub(crate) struct Candidate {
     own: DMatrix<f64>,
 }
 
+/// A scored effect as a cause.
+impl From<&Score> for Cause {
+    fn from(score: &Score) -> Self {
+        Self {
+            effect: score.effect,
+            amplitudes: score.amplitudes.clone(),
+            shape: score.shape,
+            times: score.times.clone(),
+        }
+    }
+}
+
 /// What a candidate explains.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {

@@ -163,7 +163,7 @@ fn in_second(second: &Engine<'_>, effects: &[Box<dyn Effect>], cause: &Cause) ->
     }
     let score = event_score(&second.system, &second.context, effect, cause.effect)?;
     let found = with_more_steps(&second.system, &second.context, effect, score);
-    (found.score > STEP_SCORE).then(|| Cause::from_score(&found))
+    (found.score > STEP_SCORE).then(|| Cause::from(&found))
 }
 
 fn predictions(

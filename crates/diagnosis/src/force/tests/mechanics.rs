@@ -12,7 +12,8 @@ use crate::force::along::Along;
 use crate::force::fast::within;
 use crate::force::posture::{PER_LINK, Posture, Rows};
 use crate::force::recorded::{Besides, Recorded};
-use crate::force::rows::{TorqueRows, Whitener};
+use crate::force::rows::TorqueRows;
+use crate::force::whitener::Whitener;
 use crate::select::excess;
 use crate::select::scan::Candidate;
 
