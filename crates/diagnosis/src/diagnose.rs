@@ -199,7 +199,7 @@ fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {
     match effect.spec().absorbed_by {
         Absorbed::ByTransmission | Absorbed::ByInputDrum => effect.joint().is_some_and(fitted),
         Absorbed::ByCompliance => effect.joint().is_some_and(yields),
-        Absorbed::ByLengths | Absorbed::Never => false,
+        Absorbed::ByLengths | Absorbed::ByTorqueScale | Absorbed::Never => false,
     }
 }
 

@@ -47,7 +47,7 @@ pub trait Effect: Debug + Send + Sync {
     }
 
     /// Whether nature allows these amplitudes.
-    fn is_possible(&self, amplitudes: &[f64]) -> bool {
+    fn is_possible(&self, _context: &Context<'_>, amplitudes: &[f64]) -> bool {
         !self.spec().is_positive || amplitudes[0] > 0.0
     }
 }
@@ -77,6 +77,9 @@ impl dyn Effect + '_ {
 
     /// Why no measured stream can show it.
     fn unseen(&self, context: &Context<'_>) -> Option<String> {
+        if self.spec().hook.is_on_drives() {
+            return self.unseen_by_drives(context);
+        }
         let is_transmission = self.spec().hook == Hook::Transmission;
         let joint = self.joint().filter(|_| is_transmission)?;
         let is_seen = |stream: &Stream| stream.joint() == Some(joint) || stream.shows_handle();
@@ -87,6 +90,20 @@ impl dyn Effect + '_ {
                 joint + 1
             )
         })
+    }
+
+    /// Why no recorded torque can show it.
+    fn unseen_by_drives(&self, context: &Context<'_>) -> Option<String> {
+        let joints = match self.joint() {
+            Some(joint) => joint..joint + 1,
+            None => 0..context.device.joints.len(),
+        };
+        let column = match self.joint() {
+            Some(joint) => format!("no column torque{}_nm", joint + 1),
+            None => "no column torque1_nm, torque2_nm, ...".to_owned(),
+        };
+        let mut streams = joints.map(|joint| context.torque_stream(joint));
+        streams.all(|stream| stream.is_none()).then_some(column)
     }
 
     /// Whether it cannot be tested for want of the covariate that drives it alone: what it shows on is recorded.

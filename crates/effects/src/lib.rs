@@ -31,7 +31,7 @@ pub use laws::under_load;
 pub use listing::markdown;
 pub use need::Need;
 pub use parameter::{Parameter, Role};
-pub use registry::{catalogue, names, parameter, plausible_range, spec, specs};
+pub use registry::{catalogue, drive_catalogue, names, parameter, plausible_range, spec, specs};
 pub use signal::Signal;
 pub use spec::{Absorbed, Family, Follows, Hook, LawError, Shape, Spec};
 pub use unit::Unit;

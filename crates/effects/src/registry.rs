@@ -18,7 +18,7 @@ enum Site {
     Pair(fn(&Joint) -> bool, fn(usize, usize) -> Box<dyn Effect>),
     /// On a device, at places of its own.
     Device(fn(&Device) -> Vec<Box<dyn Effect>>),
-    /// Found outside the scan of measured positions.
+    /// Found outside the scans.
     Elsewhere,
 }
 
@@ -49,7 +49,7 @@ fn placed<L: Law + 'static>(spec: &'static Spec, joint: Option<usize>, law: L) -
     Box::new(Placed { spec, joint, law })
 }
 
-macro_rules! at_joints {
+macro_rules! law_at_joints {
     ($kind:ident, $file:path, $law:ident) => {{
         use $file as file;
         Line {
@@ -59,12 +59,22 @@ macro_rules! at_joints {
     }};
 }
 
-macro_rules! on_cable {
+macro_rules! law_on_cable {
     ($file:path, $law:ident) => {{
         use $file as file;
         Line {
             specs: from_ref(&file::SPEC),
             site: Site::Device(|_| vec![placed(&file::SPEC, None, file::$law)]),
+        }
+    }};
+}
+
+macro_rules! at_joints {
+    ($kind:ident, $file:path, $effect:ident) => {{
+        use $file as file;
+        Line {
+            specs: from_ref(&file::SPEC),
+            site: Site::Joint($kind, |joint| Box::new(file::$effect { joint })),
         }
     }};
 }
@@ -88,31 +98,31 @@ const fn elsewhere(spec: &'static Spec) -> Line {
 
 /// Order matters: of effects that explain equally much the first is taken.
 const REGISTRY: &[Line] = &[
-    at_joints!(any, transmission::capstan_compliance, LAW),
-    at_joints!(any, structure::joint_compliance, LAW),
-    at_joints!(has_drums, transmission::capstan_creep, CapstanCreep),
-    at_joints!(any, transmission::backlash, Backlash),
-    at_joints!(any, transmission::hysteresis, LAW),
-    at_joints!(any, external_encoder::windup, LAW),
-    at_joints!(any, transmission::viscous_lag, LAW),
-    at_joints!(any, external_encoder::latency, LAW),
-    at_joints!(any, motor_encoder::encoder_count_loss, LAW),
-    at_joints!(any, external_encoder::count_loss, LAW),
-    at_joints!(has_drums, transmission::capstan_slip, LAW),
-    at_joints!(any, transmission::joint_drift, LAW),
-    at_joints!(any, transmission::joint_warming, JointWarming),
-    at_joints!(any, external_encoder::drift, LAW),
-    at_joints!(turns, external_encoder::eccentricity, LAW),
-    at_joints!(turns, transmission::drum_eccentricity, LAW),
-    at_joints!(any, transmission::ratio_error, RatioError),
-    at_joints!(turns_by_drums, transmission::drum_out_of_round, LAW),
-    at_joints!(turns_by_drums, transmission::input_drum_harmonic, LAW),
-    at_joints!(
+    law_at_joints!(any, transmission::capstan_compliance, LAW),
+    law_at_joints!(any, structure::joint_compliance, LAW),
+    law_at_joints!(has_drums, transmission::capstan_creep, CapstanCreep),
+    law_at_joints!(any, transmission::backlash, Backlash),
+    law_at_joints!(any, transmission::hysteresis, LAW),
+    law_at_joints!(any, external_encoder::windup, LAW),
+    law_at_joints!(any, transmission::viscous_lag, LAW),
+    law_at_joints!(any, external_encoder::latency, LAW),
+    law_at_joints!(any, motor_encoder::encoder_count_loss, LAW),
+    law_at_joints!(any, external_encoder::count_loss, LAW),
+    law_at_joints!(has_drums, transmission::capstan_slip, LAW),
+    law_at_joints!(any, transmission::joint_drift, LAW),
+    law_at_joints!(any, transmission::joint_warming, JointWarming),
+    law_at_joints!(any, external_encoder::drift, LAW),
+    law_at_joints!(turns, external_encoder::eccentricity, LAW),
+    law_at_joints!(turns, transmission::drum_eccentricity, LAW),
+    law_at_joints!(any, transmission::ratio_error, RatioError),
+    law_at_joints!(turns_by_drums, transmission::drum_out_of_round, LAW),
+    law_at_joints!(turns_by_drums, transmission::input_drum_harmonic, LAW),
+    law_at_joints!(
         turns_by_drums,
         motor_encoder::device_encoder_eccentricity,
         LAW
     ),
-    at_joints!(turns_by_drums, transmission::cable_pitch, CablePitch),
+    law_at_joints!(turns_by_drums, transmission::cable_pitch, CablePitch),
     Line {
         specs: from_ref(&transmission::cross_coupling::SPEC),
         site: Site::Pair(turns, |joint, from| {
@@ -120,28 +130,23 @@ const REGISTRY: &[Line] = &[
             placed(&transmission::cross_coupling::SPEC, Some(joint), law)
         }),
     },
-    Line {
-        specs: from_ref(&structure::axis_wobble::SPEC),
-        site: Site::Joint(turns, |joint| {
-            Box::new(structure::axis_wobble::AxisWobble { joint })
-        }),
-    },
+    at_joints!(turns, structure::axis_wobble, AxisWobble),
     on_device!(structure::base_compliance, BaseCompliance),
     on_device!(structure::tool_compliance, ToolCompliance),
-    on_cable!(cable::hysteresis, Hysteresis),
-    on_cable!(cable::latency, LAW),
+    law_on_cable!(cable::hysteresis, Hysteresis),
+    law_on_cable!(cable::latency, LAW),
     on_device!(motor_encoder::encoder_latency, EncoderLatency),
-    on_cable!(cable::count_loss, LAW),
-    on_cable!(cable::drift, LAW),
-    on_cable!(cable::warming, Warming),
+    law_on_cable!(cable::count_loss, LAW),
+    law_on_cable!(cable::drift, LAW),
+    law_on_cable!(cable::warming, Warming),
     on_device!(structure::warming, Warming),
-    on_cable!(cable::zero_offset, ZeroOffset),
-    on_cable!(cable::scale, LAW),
-    on_cable!(cable::stretch, LAW),
-    on_cable!(cable::sag, Sag),
-    on_cable!(cable::twist, Twist),
-    on_cable!(cable::drum_eccentricity, DrumEccentricity),
-    on_cable!(cable::exit_geometry, ExitGeometry),
+    law_on_cable!(cable::zero_offset, ZeroOffset),
+    law_on_cable!(cable::scale, LAW),
+    law_on_cable!(cable::stretch, LAW),
+    law_on_cable!(cable::sag, Sag),
+    law_on_cable!(cable::twist, Twist),
+    law_on_cable!(cable::drum_eccentricity, DrumEccentricity),
+    law_on_cable!(cable::exit_geometry, ExitGeometry),
     on_device!(structure::tool_changed, ToolChanged),
     on_device!(structure::tracker_moved, TrackerMoved),
     Line {
@@ -153,18 +158,25 @@ const REGISTRY: &[Line] = &[
     elsewhere(&base_model::PARALLELOGRAM_ERROR),
     elsewhere(&base_model::JOINT_OFFSET),
     elsewhere(&base_model::LINK_GEOMETRY),
-    elsewhere(&force::BIAS),
-    elsewhere(&force::GAIN),
-    elsewhere(&force::CROSSTALK),
-    elsewhere(&force::HYSTERESIS),
-    elsewhere(&force::JOINT_FRICTION),
-    elsewhere(&force::MOTOR_COGGING),
-    elsewhere(&force::TORQUE_GAIN),
+    on_device!(force::bias, Bias),
+    on_device!(force::warming, Warming),
+    on_device!(force::gain, Gain),
+    on_device!(force::crosstalk, Crosstalk),
+    on_device!(force::hysteresis, Hysteresis),
+    at_joints!(any, force::joint_friction, JointFriction),
+    at_joints!(any, force::sliding_friction, SlidingFriction),
+    at_joints!(any, force::motor_cogging, MotorCogging),
+    at_joints!(any, force::torque_gain, TorqueGain),
     elsewhere(&force::UNBALANCED_GRAVITY),
     elsewhere(&force::GRIP_FORCE),
 ];
 
 impl Line {
+    /// Whether torques of the drives show the effect, and no position does.
+    fn is_on_drives(&self) -> bool {
+        self.specs.iter().all(|spec| spec.hook.is_on_drives())
+    }
+
     /// Whether a device can have the effect.
     fn occurs_on(&self, device: &Device) -> bool {
         match self.site {
@@ -177,10 +189,25 @@ impl Line {
 
 /// Every effect that positions show, at every place of a device where it can occur.
 pub fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
+    let shown = |line: &Line| !line.is_on_drives();
+    let mut effects = at_each_joint(device, shown);
+    effects.extend(once(device, shown));
+    effects
+}
+
+/// Every effect that recorded torques of the drives show, at every place of a device where it can occur.
+pub fn drive_catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
+    let shown = |line: &Line| line.is_on_drives();
+    let mut effects = once(device, shown);
+    effects.extend(at_each_joint(device, shown));
+    effects
+}
+
+fn at_each_joint(device: &Device, shown: impl Fn(&Line) -> bool) -> Vec<Box<dyn Effect>> {
     let mut effects: Vec<Box<dyn Effect>> = Vec::new();
     let joints = device.joints.len();
     for (joint, own) in device.joints.iter().enumerate() {
-        for line in REGISTRY {
+        for line in REGISTRY.iter().filter(|line| shown(line)) {
             match line.site {
                 Site::Joint(is_kind, make) if is_kind(own) => effects.push(make(joint)),
                 Site::Pair(is_kind, make) if is_kind(own) => {
@@ -191,12 +218,16 @@ pub fn catalogue(device: &Device) -> Vec<Box<dyn Effect>> {
             }
         }
     }
-    for line in REGISTRY {
-        if let Site::Device(make) = line.site {
-            effects.extend(make(device));
-        }
-    }
     effects
+}
+
+fn once(device: &Device, shown: impl Fn(&Line) -> bool) -> Vec<Box<dyn Effect>> {
+    let lines = REGISTRY.iter().filter(|line| shown(line));
+    let made = lines.filter_map(|line| match line.site {
+        Site::Device(make) => Some(make(device)),
+        _ => None,
+    });
+    made.flatten().collect()
 }
 
 /// What is known of every effect, in the order of the registry.

@@ -47,6 +47,11 @@ impl Hook {
             Self::BaseModel => "base model",
         }
     }
+
+    /// Whether the torques of the drives show it, and nothing else.
+    pub fn is_on_drives(self) -> bool {
+        matches!(self, Self::Torque | Self::ForceSensor)
+    }
 }
 
 /// Effects of one kind: of each kind a place shows at most one, because what a second one explains there
@@ -192,6 +197,8 @@ pub enum Absorbed {
     ByCompliance,
     /// The scale of all lengths.
     ByLengths,
+    /// The scale of the joint's torque, as far as the device file allows.
+    ByTorqueScale,
 }
 
 /// What is known of an effect without a recording. Of two effects with one name the parameters differ, or the

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::posture::{PER_LINK, Posture, Rows};
 use super::recorded::{Besides, Recorded};
-use super::whitener::Whitener;
+use super::rows::whitener::Whitener;
 
 /// What a calibrated length may still be wrong by \[m\].
 const LENGTH_SD_M: f64 = 2e-3;

@@ -1,18 +1,19 @@
 //! From a selection to findings with values, intervals and shares.
 
-use haptical_effects::force::{GRIP_FORCE, UNBALANCED_GRAVITY};
+use haptical_effects::force::{GRIP_FORCE, TORQUE_GAIN, UNBALANCED_GRAVITY};
+use haptical_effects::{Follows, Hook};
 
 use super::base::Base;
-use super::effects::Kind;
+use super::effects::{Effects, is_scale};
 pub(crate) use super::gaps::TorqueGap;
 use super::gaps::{add_torque, channels, scale_before};
 use super::gravity::{self, Unbalanced};
 use super::grip::{self, Grip};
 use super::names;
-use super::recorded::{Recorded, column};
+use super::recorded::Recorded;
 use super::select::{Pick, Selection, Selector};
 use super::trust;
-use super::values::{Sizes, is_plausible};
+use super::values::Sizes;
 use crate::DiagnosisError;
 use crate::select::{excess, misfit};
 
@@ -136,11 +137,11 @@ pub(super) fn answer(
     let mut significant = !selection.picks.is_empty() || is_structured;
     if named {
         let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
-        let sizes = Sizes::new(base, misfit(&selection.after));
+        let sizes = Sizes::new(selector.effects, base, misfit(&selection.after));
         let explained = (1.0 - left / total.max(scores).max(1.0)).clamp(0.0, 1.0);
         for pick in &selection.picks {
             let share = explained * pick.score / scores.max(1e-300);
-            findings.push(finding(selector, &sizes, pick, share));
+            findings.push(finding(selector.effects, &sizes, pick, share));
         }
         unexplained_share = 1.0 - explained;
     } else if significant && is_falsified {
@@ -174,7 +175,7 @@ pub(super) fn answer(
     }
     for finding in findings
         .iter()
-        .filter(|finding| finding.effect == Kind::Scale.name())
+        .filter(|finding| finding.effect == TORQUE_GAIN.name)
     {
         let gain = finding
             .parameters
@@ -210,9 +211,10 @@ fn strained_scale(
     selection: &Selection,
 ) -> Option<(usize, f64)> {
     let recorded = selector.recorded;
-    let is_named = |channel: usize| {
-        let mut picks = selection.picks.iter();
-        picks.any(|pick| pick.place.kind == Kind::Scale && pick.place.channel == Some(channel))
+    let is_named = |joint: usize| {
+        let picks = selection.picks.iter();
+        let mut effects = picks.map(|pick| selector.effects.effect(pick.effect));
+        effects.any(|effect| is_scale(effect) && effect.joint() == Some(joint))
     };
     let solution = base.regression.solution();
     let scales = recorded
@@ -222,7 +224,7 @@ fn strained_scale(
         .filter_map(|(channel, &joint)| {
             let gain = solution[base.scales + channel];
             let sd = recorded.context.device.joints[joint].torque_scale_sd;
-            (gain.abs() > STRAINED * sd && !is_named(channel)).then_some((joint, gain))
+            (gain.abs() > STRAINED * sd && !is_named(joint)).then_some((joint, gain))
         });
     scales.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
@@ -259,26 +261,27 @@ fn untestable(selector: &Selector<'_, '_>, is_falsified: bool) -> Vec<(&'static 
         return names().map(|name| (name, FALSIFIED.to_owned())).collect();
     }
     let mut untestable = Vec::new();
-    let of_force = [Kind::Bias, Kind::Gain, Kind::Crosstalk, Kind::Hysteresis];
+    let of_force = || haptical_effects::specs().filter(|spec| spec.hook == Hook::ForceSensor);
+    let mut because = |name: &'static str, why: &str| {
+        if !untestable.iter().any(|(other, _)| *other == name) {
+            untestable.push((name, why.to_owned()));
+        }
+    };
     if recorded.force_n.is_none() {
         let why = "no columns fx_n, fy_n, fz_n: a free force of the hand is allowed for";
-        untestable.extend(of_force.iter().map(|kind| (kind.name(), why.to_owned())));
-        untestable.push((GRIP_FORCE.name, why.to_owned()));
+        of_force().for_each(|spec| because(spec.name, why));
+        because(GRIP_FORCE.name, why);
     } else {
-        if !selector.effects.force_varies {
-            let why = "the hand's force is constant";
-            untestable.extend(
-                of_force[1..]
-                    .iter()
-                    .map(|kind| (kind.name(), why.to_owned())),
-            );
+        if !recorded.force_varies() {
+            let driven = of_force().filter(|spec| spec.follows == Follows::Force);
+            driven.for_each(|spec| because(spec.name, "the hand's force is constant"));
         }
         if !grip::is_testable(recorded.channels.len()) {
-            untestable.push((GRIP_FORCE.name, "fewer than five torques".to_owned()));
+            because(GRIP_FORCE.name, "fewer than five torques");
         }
     }
     let missing: Vec<String> = (0..context.device.joints.len())
-        .filter(|&joint| column(context, joint).is_none())
+        .filter(|&joint| context.recorded_torque_nm(joint).is_none())
         .map(|joint| format!("torque{}_nm", joint + 1))
         .collect();
     if !missing.is_empty() {
@@ -288,42 +291,44 @@ fn untestable(selector: &Selector<'_, '_>, is_falsified: bool) -> Vec<(&'static 
             "columns"
         };
         let why = format!("no {columns} {}", missing.join(", "));
-        let of_torque = [Kind::Friction, Kind::Cogging, Kind::Scale];
-        untestable.extend(of_torque.iter().map(|kind| (kind.name(), why.clone())));
+        for effect in &selector.effects.all {
+            if effect.joint().is_some() {
+                because(effect.name(), &why);
+            }
+        }
     }
     if gravity::assumed(selector.effects.along)
         .iter()
         .all(Option::is_none)
     {
         let why = "no mass_kg and centre_of_mass_m in the device file";
-        untestable.push((UNBALANCED_GRAVITY.name, why.to_owned()));
+        because(UNBALANCED_GRAVITY.name, why);
     }
     untestable
 }
 
-fn finding(selector: &Selector<'_, '_>, sizes: &Sizes, pick: &Pick, share: f64) -> ForceFinding {
-    let joint_of = |channel: usize| selector.recorded.channels[channel];
+fn finding(
+    effects: &Effects<'_, '_>,
+    sizes: &Sizes<'_, '_, '_>,
+    pick: &Pick,
+    share: f64,
+) -> ForceFinding {
+    let effect = effects.effect(pick.effect);
     let confusable_with = pick
         .rivals
         .iter()
-        .map(|(kind, channel)| match channel {
-            Some(channel) if pick.place.channel != Some(*channel) => {
-                format!("{}@{}", kind.name(), joint_of(*channel) + 1)
-            }
-            _ => kind.name().to_owned(),
+        .map(|(name, joint)| match joint {
+            Some(other) if effect.joint() != Some(*other) => format!("{name}@{}", other + 1),
+            _ => (*name).to_owned(),
         })
         .collect();
-    let scale_sd = pick.place.channel.map_or(0.0, |channel| {
-        let device = selector.recorded.context.device;
-        device.joints[joint_of(channel)].torque_scale_sd
-    });
-    let parameters = sizes.parameters(pick, scale_sd);
-    let plausible = is_plausible(&pick.place, selector, &parameters);
+    let parameters = sizes.parameters(pick);
     ForceFinding {
-        effect: pick.place.kind.name(),
-        joint: pick.place.channel.map(joint_of),
+        effect: effect.name(),
+        joint: effect.joint(),
         probability: pick.probability,
         confusable_with,
+        plausible: sizes.is_plausible(pick, &parameters),
         parameters: parameters
             .into_iter()
             .map(|(name, value, sd)| {
@@ -332,7 +337,6 @@ fn finding(selector: &Selector<'_, '_>, sizes: &Sizes, pick: &Pick, share: f64) 
             })
             .collect(),
         share,
-        plausible,
     }
 }
 

@@ -1,7 +1,8 @@
 //! How large the torques' gap is, joint by joint, row by row.
 
 use super::base::Base;
-use super::fast;
+use super::effects::is_scale;
+use super::rows::fast;
 use super::select::{Selection, Selector};
 
 /// Torques of one joint.
@@ -79,19 +80,21 @@ fn without_picks(
     let blocks = recorded.blocks.len();
     let mut torque = recorded.torque_nm[channel].clone();
     let mut fitted = fitted[channel * blocks..(channel + 1) * blocks].to_vec();
-    for pick in selection
-        .picks
-        .iter()
-        .filter(|pick| pick.place.channel == Some(channel))
-    {
-        for (index, column) in selector.effects.rows(&pick.place).iter().enumerate() {
-            let amplitude = solution[pick.first + index];
-            for (torque, value) in torque.iter_mut().zip(column) {
-                *torque -= amplitude * value;
+    let context = recorded.context;
+    for pick in &selection.picks {
+        let effect = selector.effects.effect(pick.effect);
+        if effect.joint() != Some(recorded.channels[channel]) || is_scale(effect) {
+            continue;
+        }
+        let amplitudes = &solution[pick.first..pick.first + effect.spec().amplitudes];
+        let signal = effect.signal(context, amplitudes, pick.shape);
+        for values in signal.parts.iter().map(|(_, values)| values) {
+            for (torque, value) in torque.iter_mut().zip(values) {
+                *torque -= value;
             }
-            let means = recorded.means(|row| column[row]);
+            let means = recorded.means(|row| values[row]);
             for (fitted, mean) in fitted.iter_mut().zip(means) {
-                *fitted -= amplitude * mean;
+                *fitted -= mean;
             }
         }
     }

@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::along::Along;
 use super::recorded::{Besides, UNKNOWN_FORCE_SD_N};
+use super::rows::whitener::Whitener;
 use super::trust;
-use super::whitener::Whitener;
 use crate::select::excess;
 
 /// Part of the structure that a free force may leave.

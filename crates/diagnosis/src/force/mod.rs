@@ -9,11 +9,9 @@ mod along;
 pub(crate) mod answer;
 mod base;
 mod effects;
-mod fast;
 mod gaps;
 mod gravity;
 mod grip;
-mod harmonics;
 mod posture;
 mod recorded;
 mod rows;
@@ -22,23 +20,21 @@ mod select;
 mod tests;
 mod trust;
 mod values;
-mod whitener;
 
-use haptical_effects::{Context, Hook, Spec};
+use haptical_effects::{Context, spec};
 
 use self::along::Along;
 use self::answer::ForceAnswer;
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded};
+use self::rows::fast;
 use self::select::Selector;
 use crate::DiagnosisError;
 
 /// Names of the effects on torques and forces.
 fn names() -> impl Iterator<Item = &'static str> {
-    let is_force = |spec: &&Spec| matches!(spec.hook, Hook::Torque | Hook::ForceSensor);
-    haptical_effects::specs()
-        .filter(is_force)
-        .map(|spec| spec.name)
+    let is_on_drives = |name: &&str| spec(name).is_some_and(|spec| spec.hook.is_on_drives());
+    haptical_effects::names().into_iter().filter(is_on_drives)
 }
 
 /// Tests the recorded torques and forces for effects of their own, with some of them left out of
@@ -51,7 +47,7 @@ pub(crate) fn examine(
     without: &[String],
 ) -> Result<ForceAnswer, DiagnosisError> {
     let has_torques =
-        (0..context.device.joints.len()).any(|joint| recorded::column(context, joint).is_some());
+        (0..context.device.joints.len()).any(|joint| context.torque_stream(joint).is_some());
     let recorded = match Recorded::new(context) {
         Ok(recorded) => recorded,
         Err(why) => return Ok(ForceAnswer::untestable(&why, has_torques)),

@@ -3,22 +3,21 @@
 
 use std::ops::Range;
 
-use haptical_effects::Context;
-use haptical_effects::signal::{LocalMotion, smooth};
+use haptical_effects::signal::LocalMotion;
+use haptical_effects::{Context, Signal};
 use nalgebra::{DMatrix, Vector3};
 
-use super::harmonics::{harmonics, without_harmonics};
+use super::rows::harmonics::{harmonics, without_harmonics};
 use crate::noise;
 
 /// Time that one block averages \[s\]: short against a motion, long against the sampling.
 const BLOCK_S: f64 = 0.1;
-/// Time on each side over which rates are averaged \[s\], and the rows of it that they are already.
-const MOTION_REACH_S: f64 = 0.03;
-const LOCAL_REACH: usize = 3;
 /// Most rows of a block.
 const LONGEST_BLOCK: usize = 400;
 /// Blocks of a window, within which what is left of a gap hardly changes.
 const WINDOW: usize = 4;
+/// Share of the force's square below which its changes are none.
+const CONSTANT: f64 = 1e-6;
 /// Readings per parameter of the base model that are enough.
 const ENOUGH: usize = 8;
 /// What the base model itself may be wrong by, over a torque's root mean square: postures are
@@ -79,10 +78,14 @@ impl<'a> Recorded<'a> {
     pub(super) fn new(context: &'a Context<'a>) -> Result<Self, String> {
         let device = context.device;
         let recording = context.recording;
-        let step_s = step(context);
-        let motion = smoothed(context, needed(context)?, step_s);
+        needed(context)?;
+        let step_s = context.step_s();
+        let joints = 0..device.joints.len();
+        let motion: Option<Vec<LocalMotion>> =
+            joints.map(|joint| context.drive_motion(joint)).collect();
+        let motion = motion.ok_or_else(|| "no column t_s".to_owned())?;
         let channels: Vec<usize> = (0..device.joints.len())
-            .filter(|&joint| column(context, joint).is_some())
+            .filter(|&joint| context.recorded_torque_nm(joint).is_some())
             .collect();
         if channels.is_empty() {
             return Err("no column torque1_nm, torque2_nm, ...".to_owned());
@@ -100,15 +103,13 @@ impl<'a> Recorded<'a> {
         }
         let mut torque_nm = Vec::new();
         for &joint in &channels {
-            let own = column(context, joint).unwrap_or_default();
-            let twists = &context.twist[joint];
+            let own = context.recorded_torque_nm(joint).unwrap_or_default();
             torque_nm.push(
                 (0..context.rows())
                     .map(|row| {
-                        let hand = force_n.as_ref().map_or(0.0, |force| {
-                            let arm = context.rotation[row].tr_mul(&twists[row].linear);
-                            arm.dot(&force[row])
-                        });
+                        let hand = force_n
+                            .as_ref()
+                            .map_or(0.0, |force| context.arm(joint, row).dot(&force[row]));
                         own[row] + hand
                     })
                     .collect::<Vec<f64>>(),
@@ -135,7 +136,7 @@ impl<'a> Recorded<'a> {
             .iter()
             .zip(&harmonics)
             .map(|(&joint, harmonics)| {
-                let values = column(context, joint)?;
+                let values = context.recorded_torque_nm(joint)?;
                 let (mut sd, mut inflation) = noise_of(context, values, size)?;
                 if inflation > 1.0 {
                     let rest = without_harmonics(values, harmonics);
@@ -185,6 +186,38 @@ impl<'a> Recorded<'a> {
                 sum / block.usable.len() as f64
             })
             .collect()
+    }
+
+    /// Channel of a joint's torque.
+    pub(super) fn channel(&self, joint: usize) -> Option<usize> {
+        self.channels.iter().position(|&own| own == joint)
+    }
+
+    /// Means over blocks of what an effect adds, channel after channel.
+    pub(super) fn signal_means(&self, signal: &Signal) -> Vec<f64> {
+        let means = |&joint: &usize| {
+            let stream = self.context.torque_stream(joint);
+            match stream.and_then(|stream| signal.on(stream)) {
+                Some(values) => self.means(|row| values[row]),
+                None => vec![0.0; self.blocks.len()],
+            }
+        };
+        self.channels.iter().flat_map(means).collect()
+    }
+
+    /// Whether a force of the hand is recorded that is not constant.
+    pub(super) fn force_varies(&self) -> bool {
+        let forces = self.force_n.iter().flatten();
+        let known = || {
+            forces
+                .clone()
+                .filter(|force| force.iter().all(|n| n.is_finite()))
+        };
+        let count = known().count().max(1) as f64;
+        let mean = known().sum::<Vector3<f64>>() / count;
+        let spread: f64 = known().map(|force| (force - mean).norm_squared()).sum();
+        let square: f64 = known().map(Vector3::norm_squared).sum();
+        spread > CONSTANT * square
     }
 
     /// Windows of blocks that follow each other.
@@ -262,7 +295,7 @@ fn noise_of(context: &Context<'_>, values: &[f64], size: f64) -> Option<(f64, f6
 }
 
 /// What nothing can be said without.
-fn needed<'a>(context: &'a Context<'a>) -> Result<&'a [LocalMotion], String> {
+fn needed(context: &Context<'_>) -> Result<(), String> {
     let device = context.device;
     if !device.has_links() || !device.drives_are_plain() || context.twist.is_empty() {
         return Err("the device file has no [[link]]".to_owned());
@@ -270,48 +303,10 @@ fn needed<'a>(context: &'a Context<'a>) -> Result<&'a [LocalMotion], String> {
     if !context.ordered {
         return Err("the rows are single postures, not a motion".to_owned());
     }
-    context
-        .motion
-        .as_deref()
-        .ok_or_else(|| "no column t_s".to_owned())
-}
-
-/// Rates and accelerations averaged further where the rows are so close that counts show in them.
-fn smoothed(context: &Context<'_>, motion: &[LocalMotion], step_s: f64) -> Vec<LocalMotion> {
-    let reach = ((MOTION_REACH_S / step_s) as usize).saturating_sub(LOCAL_REACH);
-    let mut motion = motion.to_vec();
-    if reach > 0 {
-        for own in &mut motion {
-            own.velocity = smooth(&own.velocity, reach, &context.runs);
-            own.acceleration = smooth(&own.acceleration, reach, &context.runs);
-        }
+    match &context.motion {
+        None => Err("no column t_s".to_owned()),
+        Some(_) => Ok(()),
     }
-    motion
-}
-
-/// A joint's torque readings, where there are any.
-pub(super) fn column<'a>(context: &'a Context<'_>, joint: usize) -> Option<&'a [f64]> {
-    let values = context.recording.torque_nm.get(joint)?.as_ref()?;
-    values
-        .iter()
-        .any(|value| value.is_finite())
-        .then_some(values.as_slice())
-}
-
-fn step(context: &Context<'_>) -> f64 {
-    let Some(time_s) = &context.recording.time_s else {
-        return 1.0;
-    };
-    let mut steps: Vec<f64> = Vec::new();
-    for run in &context.runs {
-        steps.extend(time_s[run.clone()].windows(2).map(|pair| pair[1] - pair[0]));
-    }
-    if steps.is_empty() {
-        return 1.0;
-    }
-    let middle = steps.len() / 2;
-    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    median.max(1e-9)
 }
 
 fn blocks(context: &Context<'_>, torque_nm: &[Vec<f64>], step_s: f64) -> Vec<Block> {

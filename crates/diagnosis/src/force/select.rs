@@ -1,11 +1,12 @@
 //! Stepwise selection of effects on the torques, with the rivals of each.
 
+use haptical_effects::transmission::INPUT_DRUM_HARMONIC;
 use haptical_metrics::chi_square_p_value;
 
 use super::base::Base;
-use super::effects::{Effects, Kind, Place};
+use super::effects::{Effects, is_harmonic, is_scale, is_sensor_loop};
 use super::recorded::Recorded;
-use super::whitener::Whitener;
+use super::rows::whitener::Whitener;
 use crate::DiagnosisError;
 use crate::engine::system::SlowEnergy;
 use crate::select::scan::{Candidate, Score};
@@ -37,7 +38,9 @@ const MOST_ORDERS: usize = 2;
 /// A chosen effect.
 #[derive(Debug, Clone)]
 pub(super) struct Pick {
-    pub(super) place: Place,
+    /// Position in the catalogue.
+    pub(super) effect: usize,
+    pub(super) shape: f64,
     /// Its columns among the model's.
     pub(super) first: usize,
     /// The last of them is the derivative by the logarithm of a continuous shape.
@@ -45,8 +48,8 @@ pub(super) struct Pick {
     /// Chi-square that it saves beside the others.
     pub(super) score: f64,
     pub(super) probability: f64,
-    /// Names and channels of effects that would do nearly as well.
-    pub(super) rivals: Vec<(Kind, Option<usize>)>,
+    /// Names and joints of effects that would do nearly as well.
+    pub(super) rivals: Vec<(&'static str, Option<usize>)>,
 }
 
 /// What the selection came to.
@@ -66,7 +69,6 @@ pub(super) struct Selector<'s, 'a> {
     pub(super) recorded: &'s Recorded<'a>,
     pub(super) whitener: &'s Whitener,
     pub(super) effects: &'s Effects<'s, 'a>,
-    places: Vec<Place>,
     rows: f64,
 }
 
@@ -81,7 +83,6 @@ impl<'s, 'a> Selector<'s, 'a> {
             recorded,
             whitener,
             effects,
-            places: effects.places(),
             rows: rows as f64,
         }
     }
@@ -102,58 +103,34 @@ impl<'s, 'a> Selector<'s, 'a> {
 
     /// Chooses effects one after the other; they become base columns of `base`.
     pub(super) fn select(&self, base: &mut Base) -> Result<Selection, DiagnosisError> {
-        let mut candidates: Vec<Candidate> = self
-            .places
-            .iter()
-            .enumerate()
-            .map(|(index, place)| {
-                let columns = self.effects.columns(base, place);
-                Candidate::of_columns(&base.regression.system, columns, index, place.shape)
-            })
-            .collect();
+        let mut candidates = self.effects.candidates(base);
         let mut rest_before = base.rest();
         let mut before = self.energy(base);
         let mut after = before.clone();
         let mut picks: Vec<Pick> = Vec::new();
-        let mut ripples: Vec<Place> = Vec::new();
+        let mut ripples: Vec<(usize, f64)> = Vec::new();
         while picks.len() < MOST {
-            let taken = |place: &Place| {
-                let is_same = |other: &Place| {
-                    let shape = place.kind != Kind::Cogging || place.shape == other.shape;
-                    place.kind == other.kind && place.channel == other.channel && shape
-                };
-                let orders = picks.iter().filter(|pick| {
-                    pick.place.kind == Kind::Cogging && pick.place.channel == place.channel
-                });
-                let is_many = place.kind == Kind::Cogging && orders.count() >= MOST_ORDERS;
-                is_many
-                    || picks.iter().any(|pick| is_same(&pick.place))
-                    || ripples.iter().any(is_same)
-            };
-            let scored = self.scores(base, &mut candidates);
-            let Some((place, score)) = scored
-                .into_iter()
-                .filter(|(place, _)| !taken(place))
-                .max_by(|a, b| self.merit(&a.0, &a.1).total_cmp(&self.merit(&b.0, &b.1)))
-            else {
+            let scores = self.effects.scores(base, &mut candidates).into_iter();
+            let open = scores.filter(|score| !self.is_taken(score, &picks, &ripples));
+            let Some(score) = open.max_by(|a, b| self.merit(a).total_cmp(&self.merit(b))) else {
                 break;
             };
-            let fresh = place.kind == Kind::Scale || picks.is_empty();
+            let effect = self.effects.effect(score.effect);
+            let fresh = is_scale(effect) || picks.is_empty();
             let rest = excess(&after).0.max(0.0);
-            let is_part =
-                fresh || place.kind == Kind::Cogging || score.score >= SHARE_OF_REST * rest;
-            if !self.is_found(&place, &score, candidates.len())?
+            let is_part = fresh || is_harmonic(effect) || score.score >= SHARE_OF_REST * rest;
+            if !self.is_found(&score, candidates.len())?
                 || !is_part
-                || !self.is_a_loop(base, &place, &score)
+                || !self.is_a_loop(base, &score)
             {
                 break;
             }
-            if place.kind == Kind::Cogging && ripples.len() < MOST_RIPPLES {
-                let columns = self.effects.ripple(base, &place);
+            if is_harmonic(effect) && ripples.len() < MOST_RIPPLES {
+                let columns = self.effects.ripple(base, score.effect, score.shape);
                 let rival = base.score(columns.clone());
-                if rival.rank > 0 && self.merit(&place, &rival) > self.merit(&place, &score) {
+                if rival.rank > 0 && self.merit_as(&score, &rival) > self.merit(&score) {
                     base.adopt(&columns);
-                    ripples.push(place);
+                    ripples.push((score.effect, score.shape));
                     if picks.is_empty() {
                         // what an angle's error adds is no gap of the torques
                         rest_before = base.rest();
@@ -163,9 +140,10 @@ impl<'s, 'a> Selector<'s, 'a> {
                     continue;
                 }
             }
-            let (place, columns) = self.refined(base, &place);
+            let (shape, columns) = self.refined(base, &score);
             picks.push(Pick {
-                place,
+                effect: score.effect,
+                shape,
                 first: base.regression.len(),
                 count: columns.len(),
                 score: score.score,
@@ -175,7 +153,7 @@ impl<'s, 'a> Selector<'s, 'a> {
             columns
                 .into_iter()
                 .for_each(|column| base.regression.add(column));
-            if place.kind == Kind::Scale {
+            if is_scale(effect) {
                 self.effects.along.settle(base);
                 for candidate in &mut candidates {
                     candidate.reset(&base.regression.system, base.scales);
@@ -196,68 +174,75 @@ impl<'s, 'a> Selector<'s, 'a> {
         })
     }
 
-    /// Scores of the candidates that are possible.
-    fn scores(&self, base: &Base, candidates: &mut [Candidate]) -> Vec<(Place, Score)> {
-        candidates
-            .iter_mut()
-            .filter_map(|candidate| {
-                candidate.extend(&base.regression.system);
-                let score = candidate.score(&base.regression.system);
-                let place = self.places[candidate.effect];
-                let possible =
-                    score.rank > 0 && self.effects.is_possible(&place, &score.amplitudes);
-                possible.then_some((place, score))
-            })
-            .collect()
+    /// Whether an effect is in the model already, at its place; of the harmonics of a motor's angle some may be.
+    fn is_taken(&self, score: &Score, picks: &[Pick], ripples: &[(usize, f64)]) -> bool {
+        let effect = self.effects.effect(score.effect);
+        let at_place = |other: usize| {
+            let other = self.effects.effect(other);
+            other.name() == effect.name() && other.joint() == effect.joint()
+        };
+        let mut picked = picks.iter().filter(|pick| at_place(pick.effect));
+        if !is_harmonic(effect) {
+            return picked.next().is_some();
+        }
+        let own = (score.effect, score.shape);
+        picked.clone().count() >= MOST_ORDERS
+            || picked.any(|pick| (pick.effect, pick.shape) == own)
+            || ripples.contains(&own)
     }
 
     /// Bayes' criterion: the score less what as many free numbers explain of nothing.
-    fn merit(&self, place: &Place, score: &Score) -> f64 {
-        score.score - score.rank as f64 * self.rows.ln() - 2.0 * (place.shapes as f64).ln()
+    fn merit(&self, score: &Score) -> f64 {
+        self.merit_as(score, score)
     }
 
-    fn is_found(
-        &self,
-        place: &Place,
-        score: &Score,
-        tested: usize,
-    ) -> Result<bool, DiagnosisError> {
+    /// The same of a score of something in an effect's place.
+    fn merit_as(&self, effect: &Score, score: &Score) -> f64 {
+        let shapes = self.effects.shapes(effect.effect).len() as f64;
+        score.score - score.rank as f64 * self.rows.ln() - 2.0 * shapes.ln()
+    }
+
+    fn is_found(&self, score: &Score, tested: usize) -> Result<bool, DiagnosisError> {
         let p = chi_square_p_value(score.score, score.rank as f64)?;
-        let is_large = place.kind == Kind::Scale || score.score >= LEAST_SHARE_OF_NOISE * self.rows;
+        let is_large = is_scale(self.effects.effect(score.effect))
+            || score.score >= LEAST_SHARE_OF_NOISE * self.rows;
         Ok(p * (tested as f64) < FAMILY_WISE_P && is_large && score.retained > RETAINED)
     }
 
     /// Whether a hysteresis shows as a loop: a state that hardly reverses is a bias, one that hardly saturates a gain.
     /// These are asked whether or not the catalogue has them.
-    fn is_a_loop(&self, base: &Base, place: &Place, score: &Score) -> bool {
-        if place.kind != Kind::Hysteresis {
+    fn is_a_loop(&self, base: &Base, score: &Score) -> bool {
+        if !is_sensor_loop(self.effects.effect(score.effect)) {
             return true;
         }
         let mut beside = base.clone();
-        beside.adopt(&self.effects.bias_and_gain(&base.regression.system.layout));
-        let left = beside.score(self.effects.columns(base, place)).score;
-        left >= LEAST_LOOP * score.score
+        beside.adopt(&self.effects.bias_and_gain(base));
+        let columns = self.effects.columns(base, score.effect, score.shape);
+        beside.score(columns).score >= LEAST_LOOP * score.score
     }
 
-    /// The place with its transition searched between those of the grid (golden section), and its
-    /// columns with the derivative by the transition's logarithm.
-    fn refined(&self, base: &Base, place: &Place) -> (Place, Vec<Vec<f64>>) {
-        let dense = |place: &Place| -> Vec<Vec<f64>> {
-            let columns = self.effects.columns(base, place);
+    /// The shape of an effect searched between those of the grid (golden section), and its columns with the
+    /// derivative by the shape's logarithm.
+    fn refined(&self, base: &Base, pick: &Score) -> (f64, Vec<Vec<f64>>) {
+        let columns = |shape: f64| self.effects.columns(base, pick.effect, shape);
+        let dense = |shape: f64| -> Vec<Vec<f64>> {
+            let columns = columns(shape);
             let columns = columns.iter();
             columns
                 .map(|column| base.regression.system.dense(column))
                 .collect()
         };
-        if !place.is_continuous() {
-            return (*place, dense(place));
+        if !self
+            .effects
+            .effect(pick.effect)
+            .spec()
+            .shape
+            .is_continuous()
+        {
+            return (pick.shape, dense(pick.shape));
         }
-        let placed = |log: f64| Place {
-            shape: place.shape * log.exp(),
-            ..*place
-        };
-        let score = |place: &Place| base.score(self.effects.columns(base, place));
-        let at = |log: f64| score(&placed(log)).score;
+        let placed = |log: f64| pick.shape * log.exp();
+        let at = |log: f64| base.score(columns(placed(log))).score;
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
         let (mut low, mut high) = (-REACH.ln(), REACH.ln());
         let (mut left, mut right) = (high - golden * (high - low), low + golden * (high - low));
@@ -274,12 +259,12 @@ impl<'s, 'a> Selector<'s, 'a> {
             }
         }
         let best = 0.5 * (low + high);
-        let place = placed(best);
-        let amplitudes = score(&place).amplitudes;
-        let mut columns = dense(&place);
+        let shape = placed(best);
+        let amplitudes = base.score(columns(shape)).amplitudes;
+        let mut columns = dense(shape);
         let mut slope = vec![0.0; base.regression.reading().len()];
         for (side, log) in [(1.0, best + SHAPE_STEP), (-1.0, best - SHAPE_STEP)] {
-            for (column, amplitude) in dense(&placed(log)).iter().zip(&amplitudes) {
+            for (column, amplitude) in dense(placed(log)).iter().zip(&amplitudes) {
                 let factor = side * amplitude / (2.0 * SHAPE_STEP);
                 for (sum, value) in slope.iter_mut().zip(column) {
                     *sum += factor * value;
@@ -287,7 +272,7 @@ impl<'s, 'a> Selector<'s, 'a> {
             }
         }
         columns.push(slope);
-        (place, columns)
+        (shape, columns)
     }
 
     /// For each pick: what it saves beside the others, and who would do as well in its place.
@@ -317,37 +302,41 @@ impl<'s, 'a> Selector<'s, 'a> {
                 candidate.reset(&beside.regression.system, known);
             }
             let layout = &beside.regression.system.layout;
-            let score = beside.score(columns[own].iter().map(|own| layout.split(own)).collect());
+            let own = columns[own].iter().map(|own| layout.split(own)).collect();
+            let score = Score {
+                effect: pick.effect,
+                shape: pick.shape,
+                ..beside.score(own)
+            };
             pick.score = score.score;
-            kept[index] = self.is_found(&pick.place, &score, candidates.len())?;
-            let own = self.merit(&pick.place, &score);
-            let mut best: Vec<(Kind, Option<usize>, f64)> = Vec::new();
-            for (place, score) in self.scores(&beside, candidates) {
-                let nats = 0.5 * (own - self.merit(&place, &score)) / dispersion;
-                let is_own = place.kind == pick.place.kind && place.channel == pick.place.channel;
-                if is_own || score.retained < RETAINED {
+            kept[index] = self.is_found(&score, candidates.len())?;
+            let own = self.merit(&score);
+            let effect = self.effects.effect(pick.effect);
+            let mut best: Vec<(&'static str, Option<usize>, f64)> = Vec::new();
+            for rival in self.effects.scores(&beside, candidates) {
+                let nats = 0.5 * (own - self.merit(&rival)) / dispersion;
+                let other = self.effects.effect(rival.effect);
+                let (name, joint) = (other.name(), other.joint());
+                let is_own = name == effect.name() && joint == effect.joint();
+                if is_own || rival.retained < RETAINED {
                     continue;
                 }
-                match best
-                    .iter_mut()
-                    .find(|b| b.0 == place.kind && b.1 == place.channel)
-                {
+                match best.iter_mut().find(|b| b.0 == name && b.1 == joint) {
                     Some(known) => known.2 = known.2.min(nats),
-                    None => best.push((place.kind, place.channel, nats)),
+                    None => best.push((name, joint, nats)),
                 }
             }
-            if pick.place.kind == Kind::Cogging {
-                let ripple = beside.score(self.effects.ripple(&beside, &pick.place));
-                let rival = self.merit(&pick.place, &ripple);
-                let nats = 0.5 * (own - rival) / dispersion;
-                best.push((Kind::Ripple, pick.place.channel, nats));
+            if is_harmonic(effect) {
+                let ripple = beside.score(self.effects.ripple(&beside, pick.effect, pick.shape));
+                let nats = 0.5 * (own - self.merit_as(&score, &ripple)) / dispersion;
+                best.push((INPUT_DRUM_HARMONIC.name, effect.joint(), nats));
             }
             let sum: f64 = best.iter().map(|rival| (-rival.2).min(50.0).exp()).sum();
             pick.probability = 1.0 / (1.0 + sum);
             pick.rivals = best
                 .into_iter()
                 .filter(|rival| rival.2 < 100.0_f64.ln())
-                .map(|(kind, channel, _)| (kind, channel))
+                .map(|(name, joint, _)| (name, joint))
                 .collect();
             // a second effect that does worse than another shape of the first makes up for its
             // misfit

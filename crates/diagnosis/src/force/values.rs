@@ -1,152 +1,121 @@
 //! The numbers of a chosen effect, in its own units.
 
-use haptical_effects::force::TORQUE_GAIN;
-use nalgebra::DMatrix;
+use haptical_effects::{Effect, Family, Hook, LawError, Role};
+use nalgebra::{DMatrix, DVector};
 
 use super::base::Base;
-use super::effects::{Kind, Place};
-use super::select::{Pick, Selector};
+use super::effects::{Effects, is_scale};
+use super::select::Pick;
 
-/// What a law that is not quite the catalogue's changes of a torque's size, relative.
-const LAW_SD: f64 = 0.01;
-/// The same of a loop (a play and Dahl's state of equal energy differ so much in amplitude), and of
-/// friction's dependence on the rate.
-const LOOP_SD: f64 = 0.05;
+/// Step of the derivatives of an effect's numbers, over the deviation of what they are made of.
+const STEP: f64 = 1e-3;
 
 /// Coefficients of a model of the torques with their covariance, what is left counting as noise.
 #[derive(Debug)]
-pub(super) struct Sizes {
+pub(super) struct Sizes<'s, 'e, 'a> {
+    effects: &'s Effects<'e, 'a>,
     solution: Vec<f64>,
     covariance: DMatrix<f64>,
     scales: usize,
 }
 
-impl Sizes {
-    pub(super) fn new(base: &Base, dispersion: f64) -> Self {
+impl<'s, 'e, 'a> Sizes<'s, 'e, 'a> {
+    pub(super) fn new(effects: &'s Effects<'e, 'a>, base: &Base, dispersion: f64) -> Self {
         Self {
+            effects,
             solution: base.regression.solution(),
             covariance: base.regression.covariance() * dispersion,
             scales: base.scales,
         }
     }
 
-    /// Names, values and standard deviations; `own_scale_sd` is the stated deviation of the torque's
-    /// scale.
-    pub(super) fn parameters(
-        &self,
-        pick: &Pick,
-        own_scale_sd: f64,
-    ) -> Vec<(&'static str, f64, f64)> {
-        let amplitudes = &self.solution[pick.first..pick.first + pick.count];
+    /// Names, values and standard deviations.
+    pub(super) fn parameters(&self, pick: &Pick) -> Vec<(&'static str, f64, f64)> {
+        let effect = self.effects.effect(pick.effect);
+        let (gain, gain_sd) = self.scale(effect);
+        let spec = effect.spec();
+        if is_scale(effect) {
+            // what of it is the drive's own scale is known to its stated deviation alone
+            let joint = effect.joint().unwrap_or_default();
+            let device = self.effects.along.recorded.context.device;
+            let stated = device.joints[joint].torque_scale_sd * (1.0 + gain);
+            return vec![(spec.parameters[0].name, gain, gain_sd.hypot(stated))];
+        }
+        let law = spec.law_error.amplitude;
+        let values = self.values(effect, pick);
+        let pairs = spec.parameters.iter().zip(values).enumerate();
+        let reported = pairs.map(|(index, (parameter, (value, sd)))| {
+            if parameter.role != Role::Size {
+                return (parameter.name, value, sd);
+            }
+            // a torque of the joint, read through a scale that is known as well as the fit says
+            let value = value / (1.0 + gain);
+            let sd = (sd / (1.0 + gain)).hypot(value * gain_sd.hypot(law));
+            // how far apart terms that depend on the rate are follows Stribeck's rate, which is not fitted
+            let is_rubbing = spec.hook == Hook::Torque && spec.family == Family::Loop;
+            let apart = match is_rubbing && index > 0 {
+                true => value * LawError::LOOP.amplitude,
+                false => 0.0,
+            };
+            (parameter.name, value, sd.hypot(apart))
+        });
+        reported.collect()
+    }
+
+    /// Deviation from 1 of the scale through which an effect's torque is read, with its standard deviation.
+    fn scale(&self, effect: &dyn Effect) -> (f64, f64) {
+        let recorded = self.effects.along.recorded;
+        let channel = effect.joint().and_then(|joint| recorded.channel(joint));
+        channel.map_or((0.0, 0.0), |channel| {
+            let column = self.scales + channel;
+            let variance = self.covariance[(column, column)];
+            (self.solution[column], variance.max(0.0).sqrt())
+        })
+    }
+
+    /// An effect's numbers with their standard deviations, by the derivatives of [`Effect::values`].
+    fn values(&self, effect: &dyn Effect, pick: &Pick) -> Vec<(f64, f64)> {
+        let context = self.effects.along.recorded.context;
+        let count = effect.spec().amplitudes;
+        let amplitudes = &self.solution[pick.first..pick.first + count];
         let own = (pick.first, pick.first);
         let covariance = self.covariance.view(own, (pick.count, pick.count));
-        let sd = |k: usize| covariance[(k, k)].max(0.0).sqrt();
-        let spec = pick.place.kind.spec();
-        let name = |index: usize| spec.parameters[index].name;
-        let listed = |count: usize| -> Vec<(&'static str, f64, f64)> {
-            (0..count.min(amplitudes.len()))
-                .map(|k| (name(k), amplitudes[k], sd(k)))
-                .collect()
+        let moved = |number: usize, step: f64| {
+            let mut amplitudes = amplitudes.to_vec();
+            let mut shape = pick.shape;
+            match amplitudes.get_mut(number) {
+                Some(amplitude) => *amplitude += step,
+                None => shape *= step.exp(),
+            }
+            DVector::from_vec(effect.values(context, &amplitudes, shape))
         };
-        // a torque of the joint, read through a scale that is known as well as the fit says
-        let scale = pick.place.channel.map(|channel| self.scales + channel);
-        let (gain, gain_sd) = scale.map_or((0.0, 0.0), |column| {
-            (
-                self.solution[column],
-                self.covariance[(column, column)].max(0.0).sqrt(),
-            )
-        });
-        let true_torque = |value: f64, sd: f64| {
-            let value = value / (1.0 + gain);
-            (
-                value,
-                (sd / (1.0 + gain)).hypot(value * gain_sd.hypot(LAW_SD)),
-            )
-        };
-        match pick.place.kind {
-            Kind::Bias => listed(6),
-            Kind::Gain => {
-                // the column is what the sensor read, not the force: a = e / (1 + e)
-                let true_gain = |(name, a, sd): (&'static str, f64, f64)| {
-                    let rest = (1.0 - a).max(0.01);
-                    (name, a / rest, sd / (rest * rest))
-                };
-                listed(3).into_iter().map(true_gain).collect()
-            }
-            Kind::Crosstalk => listed(6),
-            Kind::Hysteresis => {
-                let mut parameters = listed(3);
-                for (_, value, sd) in &mut parameters {
-                    *sd = sd.hypot(*value * LOOP_SD);
-                }
-                parameters.push((name(3), pick.place.shape, pick.place.shape * sd(3)));
-                parameters
-            }
-            Kind::Friction => {
-                let (coulomb, coulomb_sd) = true_torque(amplitudes[0], sd(0));
-                let (viscous, viscous_sd) = true_torque(amplitudes[1], sd(1));
-                let (stribeck, stribeck_sd) = true_torque(amplitudes[2], sd(2));
-                // how far apart the two are depends on Stribeck's rate, which is not fitted
-                let apart = |value: f64, sd: f64| (value, sd.hypot(value * LOOP_SD));
-                let (viscous, viscous_sd) = apart(viscous, viscous_sd);
-                let (stribeck, stribeck_sd) = apart(stribeck, stribeck_sd);
-                let mut parameters = vec![
-                    (name(0), coulomb, coulomb_sd),
-                    (name(1), viscous, viscous_sd),
-                    (name(2), stribeck, stribeck_sd),
-                ];
-                let shape = pick.place.shape.abs();
-                let shape_sd = sd(pick.count - 1);
-                // a travel, or below zero a rate
-                let transition = if pick.place.shape > 0.0 { 3 } else { 4 };
-                parameters.push((name(transition), shape, shape * shape_sd));
-                parameters
-            }
-            Kind::Cogging => {
-                let (a, b) = (amplitudes[0], amplitudes[1]);
-                let size = a.hypot(b).max(1e-300);
-                let (along, across) = ([a / size, b / size], [-b / size, a / size]);
-                let spread = |u: [f64; 2]| {
-                    let mut sum = 0.0;
-                    for row in 0..2 {
-                        for column in 0..2 {
-                            sum += u[row] * covariance[(row, column)] * u[column];
-                        }
-                    }
-                    sum.max(0.0).sqrt()
-                };
-                let (amplitude, amplitude_sd) = true_torque(size, spread(along));
-                vec![
-                    (name(0), amplitude, amplitude_sd),
-                    (name(1), b.atan2(a), spread(across) / size),
-                    (name(2), pick.place.shape, 0.0),
-                ]
-            }
-            Kind::Scale | Kind::Ripple => {
-                // what of it is the drive's own scale is known to its stated deviation alone
-                vec![(
-                    TORQUE_GAIN.parameters[0].name,
-                    gain,
-                    gain_sd.hypot(own_scale_sd * (1.0 + gain)),
-                )]
-            }
-        }
+        let slopes: Vec<DVector<f64>> = (0..pick.count)
+            .map(|number| {
+                let step = STEP * covariance[(number, number)].max(1e-300).sqrt();
+                (moved(number, step) - moved(number, -step)) / (2.0 * step)
+            })
+            .collect();
+        let slopes = DMatrix::from_columns(&slopes);
+        let spread = &slopes * covariance * slopes.transpose();
+        let values = effect.values(context, amplitudes, pick.shape);
+        let sds = spread.diagonal().map(|variance| variance.max(0.0).sqrt());
+        values.into_iter().zip(sds.iter().copied()).collect()
     }
-}
 
-/// Whether a sound device can show it.
-pub(super) fn is_plausible(
-    place: &Place,
-    selector: &Selector<'_, '_>,
-    parameters: &[(&'static str, f64, f64)],
-) -> bool {
-    let ratio = place.channel.map_or(1.0, |channel| {
-        let joint = selector.recorded.channels[channel];
-        selector.recorded.context.device.joints[joint].transmission_ratio
-    });
-    let spec = place.kind.spec();
-    parameters.iter().all(|(name, value, _)| {
-        let parameter = spec.parameter(name);
-        parameter.is_none_or(|parameter| parameter.is_plausible(*value, ratio))
-    })
+    /// Whether a sound device can show it.
+    pub(super) fn is_plausible(
+        &self,
+        pick: &Pick,
+        parameters: &[(&'static str, f64, f64)],
+    ) -> bool {
+        let effect = self.effects.effect(pick.effect);
+        let device = self.effects.along.recorded.context.device;
+        let ratio = effect
+            .joint()
+            .map_or(1.0, |joint| device.joints[joint].transmission_ratio);
+        parameters.iter().all(|(name, value, _)| {
+            let parameter = effect.spec().parameter(name);
+            parameter.is_none_or(|parameter| parameter.is_plausible(*value, ratio))
+        })
+    }
 }

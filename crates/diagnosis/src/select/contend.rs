@@ -146,10 +146,10 @@ impl Selector<'_, '_> {
     }
 
     pub(crate) fn is_possible(&self, model: &Model) -> bool {
-        model
-            .causes
-            .iter()
-            .all(|cause| self.effects[cause.effect].is_possible(&cause.amplitudes))
+        model.causes.iter().all(|cause| {
+            let effect = self.effects[cause.effect].as_ref();
+            effect.is_possible(&self.engine.context, &cause.amplitudes)
+        })
     }
 
     /// Whether all causes have sizes that a sound device can show. Touches with anything larger in the model can agree

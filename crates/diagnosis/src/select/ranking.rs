@@ -80,7 +80,7 @@ impl Selector<'_, '_> {
         score.rank > 0
             && !model.causes.iter().any(coincides)
             && score.score.is_finite()
-            && effect.is_possible(&score.amplitudes)
+            && effect.is_possible(&self.engine.context, &score.amplitudes)
             && !model.causes.iter().any(used)
             && believable
             && loaded

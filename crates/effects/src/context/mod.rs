@@ -2,6 +2,7 @@
 //! with the recorded covariates smoothed.
 
 mod cable;
+mod drives;
 mod frames;
 mod hooks;
 mod lines;

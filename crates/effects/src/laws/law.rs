@@ -156,7 +156,7 @@ impl<L: Law> Effect for Placed<L> {
         (amplitudes, shape)
     }
 
-    fn is_possible(&self, amplitudes: &[f64]) -> bool {
+    fn is_possible(&self, _: &Context<'_>, amplitudes: &[f64]) -> bool {
         (!self.spec.is_positive || amplitudes[0] > 0.0) && self.law.is_possible(amplitudes)
     }
 }

@@ -304,6 +304,12 @@ pub(super) fn typical(parameter: &str) -> Option<f64> {
         "m_per_s" => 2e-6,
         "rad_per_nm" => 1e-4,
         "m_per_n" => 1e-5,
+        "x_n" | "y_n" | "z_n" => 0.2,
+        "x_n_per_k" | "y_n_per_k" | "z_n_per_k" => 0.03,
+        "x" | "y" | "z" | "xy" | "xz" | "yx" | "yz" | "zx" | "zy" => 0.03,
+        "transition_n" => 0.5,
+        "coulomb_nm" | "viscous_nm_s_per_rad" | "stribeck_nm" | "amplitude_nm" => 0.02,
+        "transition_rad_per_s" => 0.02,
         _ => return None,
     })
 }

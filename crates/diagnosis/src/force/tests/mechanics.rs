@@ -9,11 +9,11 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::arm::{Noise, Scene, arm, masses, other_arm, parameters, virtual_work};
 use crate::engine::regression::Regression;
 use crate::force::along::Along;
-use crate::force::fast::within;
 use crate::force::posture::{PER_LINK, Posture, Rows};
 use crate::force::recorded::{Besides, Recorded};
 use crate::force::rows::TorqueRows;
-use crate::force::whitener::Whitener;
+use crate::force::rows::fast::within;
+use crate::force::rows::whitener::Whitener;
 use crate::select::excess;
 use crate::select::scan::Candidate;
 

@@ -1,20 +1,24 @@
 //! Rows of the torques' least squares: whitened block means channel by channel, one for each number that is known
 //! beforehand, and what changes within blocks.
 
+pub(crate) mod fast;
+pub(crate) mod harmonics;
+pub(crate) mod whitener;
+
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::whitener::Whitener;
+use self::whitener::Whitener;
 use crate::engine::layout::Layout;
 use crate::engine::system::Column;
 
 /// What the rows of a channel say of its harmonics within blocks: as many independent readings.
 #[derive(Debug, Clone)]
-pub(super) struct FastRows {
+pub(crate) struct FastRows {
     /// One column for each harmonic.
     root: DMatrix<f64>,
-    pub(super) reading: Vec<f64>,
+    pub(crate) reading: Vec<f64>,
 }
 
 /// Part of the largest variance below which a combination of harmonics is rounding alone.
@@ -22,7 +26,7 @@ const ABSENT: f64 = 1e-12;
 
 impl FastRows {
     /// A square root of the harmonics' normal matrix, with the reading that belongs to its right side.
-    pub(super) fn new(gram: DMatrix<f64>, right: &DVector<f64>) -> Self {
+    pub(crate) fn new(gram: DMatrix<f64>, right: &DVector<f64>) -> Self {
         let eigen = gram.symmetric_eigen();
         let largest = eigen.eigenvalues.max().max(0.0);
         let kept: Vec<usize> = (0..right.len())
@@ -52,8 +56,8 @@ impl FastRows {
 
 /// The rows.
 #[derive(Debug, Clone)]
-pub(super) struct TorqueRows {
-    pub(super) whitener: Whitener,
+pub(crate) struct TorqueRows {
+    pub(crate) whitener: Whitener,
     /// Numbers that are known beforehand.
     priors: usize,
     /// Per channel; empty before the base model is fitted.
@@ -86,7 +90,7 @@ impl Layout for TorqueRows {
 }
 
 impl TorqueRows {
-    pub(super) fn new(whitener: Whitener, priors: usize) -> Self {
+    pub(crate) fn new(whitener: Whitener, priors: usize) -> Self {
         Self {
             whitener,
             priors,
@@ -95,24 +99,24 @@ impl TorqueRows {
     }
 
     /// Adds what changes within blocks; their readings.
-    pub(super) fn append(&mut self, fast: Vec<FastRows>) -> Vec<f64> {
+    pub(crate) fn append(&mut self, fast: Vec<FastRows>) -> Vec<f64> {
         self.fast = fast;
         let readings = self.fast.iter().flat_map(|own| own.reading.iter().copied());
         readings.collect()
     }
 
     /// The row of a number that is known beforehand.
-    pub(super) fn prior(&self, index: usize) -> usize {
+    pub(crate) fn prior(&self, index: usize) -> usize {
         self.whitener.channels * self.whitener.blocks + index
     }
 
     /// Rows of what changes within blocks.
-    pub(super) fn within_blocks(&self) -> Range<usize> {
+    pub(crate) fn within_blocks(&self) -> Range<usize> {
         self.prior(self.priors)..self.count()
     }
 
     /// Column of block means, channel after channel.
-    pub(super) fn of_means(&self, means: &[f64]) -> Column {
+    pub(crate) fn of_means(&self, means: &[f64]) -> Column {
         let white = self.whitener.whiten(means);
         let channels = white.chunks_exact(self.whitener.blocks).enumerate();
         let parts = channels
@@ -124,7 +128,7 @@ impl TorqueRows {
     }
 
     /// A vector over all rows as a column.
-    pub(super) fn split(&self, dense: &[f64]) -> Column {
+    pub(crate) fn split(&self, dense: &[f64]) -> Column {
         let streams = 0..self.whitener.channels + 1 + self.fast.len();
         let parts = streams.map(|stream| (stream, dense[self.range(stream)].to_vec()));
         Column {
@@ -133,7 +137,7 @@ impl TorqueRows {
     }
 
     /// Column with nothing but an entry in one prior's row: it sets that number free.
-    pub(super) fn release(&self, index: usize, weight: f64) -> Column {
+    pub(crate) fn release(&self, index: usize, weight: f64) -> Column {
         let mut row = vec![0.0; self.priors];
         row[index] = weight;
         Column {
@@ -142,13 +146,13 @@ impl TorqueRows {
     }
 
     /// A harmonic's part within the blocks of its channel.
-    pub(super) fn fast(&self, channel: usize, harmonic: usize) -> Option<(usize, Vec<f64>)> {
+    pub(crate) fn fast(&self, channel: usize, harmonic: usize) -> Option<(usize, Vec<f64>)> {
         let own = self.fast.get(channel)?.column(harmonic);
         Some((self.whitener.channels + 1 + channel, own))
     }
 
     /// Windows of the block means of each channel, from those of the blocks.
-    pub(super) fn windows(&self, blocks: &[Range<usize>]) -> Vec<Vec<Range<usize>>> {
+    pub(crate) fn windows(&self, blocks: &[Range<usize>]) -> Vec<Vec<Range<usize>>> {
         (0..self.whitener.channels)
             .map(|channel| {
                 let first = channel * self.whitener.blocks;

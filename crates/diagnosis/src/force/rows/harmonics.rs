@@ -1,15 +1,16 @@
 //! Cosines and sines of multiples of a motor's angle.
 
+use haptical_effects::force::COGGING_ORDERS;
 use nalgebra::{DMatrix, DVector};
 
 use crate::engine::system::dot;
 
 /// Highest order of cogging that is tried.
-pub(super) const ORDERS: usize = 12;
+pub(crate) const ORDERS: usize = COGGING_ORDERS;
 
 /// Cosines and sines of multiples of the motor's angle (`ratio` times the joint's), row by row:
 /// orders 1, 2, ... one after the other, then as many controls half an order below.
-pub(super) fn harmonics(angle: &[f64], ratio: f64) -> Vec<Vec<f64>> {
+pub(crate) fn harmonics(angle: &[f64], ratio: f64) -> Vec<Vec<f64>> {
     let mut columns = vec![vec![0.0; angle.len()]; 4 * ORDERS];
     for (row, angle) in angle.iter().enumerate() {
         let (sin, cos) = (0.5 * ratio * angle).sin_cos();
@@ -31,7 +32,7 @@ pub(super) fn harmonics(angle: &[f64], ratio: f64) -> Vec<Vec<f64>> {
 
 /// A column without the harmonics that its differences of third order show: what is left of a
 /// motor's torque is smooth but for noise, while fast cogging would pass for coloured noise.
-pub(super) fn without_harmonics(values: &[f64], harmonics: &[Vec<f64>]) -> Vec<f64> {
+pub(crate) fn without_harmonics(values: &[f64], harmonics: &[Vec<f64>]) -> Vec<f64> {
     let differences = |values: &[f64]| -> Vec<f64> {
         let of = |w: &[f64]| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0];
         let all = values.windows(4).map(of);

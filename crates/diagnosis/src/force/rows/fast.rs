@@ -2,14 +2,14 @@
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
-use super::along::Along;
+use super::FastRows;
 use super::harmonics::ORDERS;
-use super::rows::FastRows;
 use crate::engine::system::dot;
+use crate::force::along::Along;
 
 /// The harmonics' deviations from block means against those of the torques less the base model's, over the noise
 /// of a row, channel by channel.
-pub(super) fn rows(along: &Along<'_>, fitted: &[f64]) -> Vec<FastRows> {
+pub(crate) fn rows(along: &Along<'_>, fitted: &[f64]) -> Vec<FastRows> {
     let recorded = along.recorded;
     let blocks = recorded.blocks.len();
     let channel_rows = |(channel, columns): (usize, &Vec<Vec<f64>>)| {
@@ -69,7 +69,7 @@ fn colour(controls: &[Vec<f64>], values: &[f64], variance: f64) -> f64 {
 /// What a channel's torque does within blocks beside the base model: rows with their deviations
 /// from the block's mean. Within a block the model is the quartic that has its means there and in
 /// the two blocks on each side.
-pub(super) fn deviations(
+pub(crate) fn deviations(
     along: &Along<'_>,
     torque_nm: &[f64],
     fitted: &[f64],
@@ -102,7 +102,7 @@ pub(super) fn deviations(
 
 /// The quartic with these means over five successive blocks, less its value in the middle, at a
 /// place from -1/2 to 1/2 of the middle block.
-pub(super) fn within(means: [f64; 5], place: f64) -> f64 {
+pub(crate) fn within(means: [f64; 5], place: f64) -> f64 {
     let [a, b, c, d, e] = means;
     let slope = (5.0 * a - 34.0 * b + 34.0 * d - 5.0 * e) / 48.0;
     let curvature = (-a + 12.0 * b - 22.0 * c + 12.0 * d - e) / 8.0;

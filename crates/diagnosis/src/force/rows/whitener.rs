@@ -4,16 +4,16 @@ use nalgebra::{Cholesky, DMatrix};
 
 /// What whitens blocks: the Cholesky factors of the covariances of their mean torques.
 #[derive(Debug, Clone)]
-pub(super) struct Whitener {
-    pub(super) channels: usize,
-    pub(super) blocks: usize,
+pub(crate) struct Whitener {
+    pub(crate) channels: usize,
+    pub(crate) blocks: usize,
     /// Entries (row, column) one after the other, each for all blocks.
     factor: Vec<f64>,
 }
 
 impl Whitener {
     /// From each block's covariance; none for one that is not positive.
-    pub(super) fn new(channels: usize, covariances: Vec<DMatrix<f64>>) -> Option<Self> {
+    pub(crate) fn new(channels: usize, covariances: Vec<DMatrix<f64>>) -> Option<Self> {
         let blocks = covariances.len();
         let mut factor = vec![0.0; channels * channels * blocks];
         for (block, covariance) in covariances.into_iter().enumerate() {
@@ -37,7 +37,7 @@ impl Whitener {
     }
 
     /// Values (channel after channel) made white with unit deviation.
-    pub(super) fn whiten(&self, values: &[f64]) -> Vec<f64> {
+    pub(crate) fn whiten(&self, values: &[f64]) -> Vec<f64> {
         let mut white = values.to_vec();
         for row in 0..self.channels {
             let (before, own) = white.split_at_mut(row * self.blocks);
@@ -56,7 +56,7 @@ impl Whitener {
     }
 
     /// The inverse of [`Self::whiten`].
-    pub(super) fn colour(&self, white: &[f64]) -> Vec<f64> {
+    pub(crate) fn colour(&self, white: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; self.channels * self.blocks];
         for (row, own) in values.chunks_exact_mut(self.blocks).enumerate() {
             for (column, other) in white.chunks_exact(self.blocks).enumerate().take(row + 1) {
