@@ -172,7 +172,7 @@ pub(crate) fn stream_of(
         .or_else(|| (0..context.streams.len()).max_by(by_excess))
 }
 
-fn hook_words(context: &Context<'_>, place: Place) -> String {
+pub(crate) fn hook_words(context: &Context<'_>, place: Place) -> String {
     match (place.hook, place.joint) {
         (Hook::Transmission, Some(joint)) => match context.output_stream(joint) {
             Some(_) => format!(

@@ -1,15 +1,16 @@
 //! Place of a gap that no effect and no free function shows: a number of an earlier model, the tool, or what single
 //! postures depend on.
 
+use haptical_calibration::Channel;
 use haptical_effects::structure::TOOL_CHANGED;
-use haptical_effects::{Context, Hook, Stream};
+use haptical_effects::{Context, Family, Hook, Stream, spec};
 
-use crate::answer::place::{Located, stream_of};
+use crate::answer::place::{Located, hook_words, stream_of};
 use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::engine::Engine;
 use crate::judge::earlier::BaseTerm;
 use crate::select::Selection;
-use crate::select::generic::Covariate;
+use crate::select::generic::{Covariate, Place};
 use crate::thresholds::dependence::PLACED_P;
 
 /// By the strongest base term that an earlier model lacks.
@@ -23,6 +24,29 @@ pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Locat
     let covariate = Covariate::Angle(term.joint.unwrap_or(0));
     if term.name == TOOL_CHANGED.name {
         return of_tool(context, stream, term);
+    }
+    let sensor = spec(term.name).filter(|spec| spec.family == Family::Place);
+    if let Some(hook) = sensor.map(|spec| spec.hook) {
+        let place = Place { hook, joint: None };
+        let stream = context
+            .streams_of(Channel::Position)
+            .next()
+            .unwrap_or(stream);
+        return Some(Located {
+            answer: Answer {
+                channel: context.streams.get(stream)?.channel.name(),
+                joint: None,
+                depends_on: Vec::new(),
+                region: format!(
+                    "{}: the earlier model has another place",
+                    hook_words(context, place)
+                ),
+                explained: Vec::new(),
+                dependence: Vec::new(),
+            },
+            stream,
+            covariate: Covariate::Time,
+        });
     }
     let words = match term.joint {
         Some(joint) if term.in_drive => format!("in the drive of joint {}", joint + 1),

@@ -14,6 +14,7 @@ use crate::answer::ParameterAnswer;
 use crate::engine::Engine;
 use crate::engine::least::Columns;
 use crate::engine::system::compress_rows;
+use crate::judge::displaced::{Displaced, displaced};
 use crate::judge::tool;
 use crate::thresholds::earlier_model::{
     AS_WELL, BEYOND_CHANCE, NEARLY_ALL, TERM_SHARE, TWO_FITS, WRONG_RATHER_THAN_CHANGED,
@@ -31,6 +32,8 @@ pub(crate) struct BaseTerm {
     pub(crate) in_drive: bool,
     /// Names that explain the difference as well.
     pub(crate) confusable_with: Vec<String>,
+    /// It explains the difference alone.
+    pub(crate) is_all: bool,
 }
 
 /// What a model differs in.
@@ -56,8 +59,8 @@ impl Difference {
     /// Whether one name accounts for the difference and for the gap that is left, whose squared
     /// residual is given.
     pub(crate) fn accounts_for(&self, left: f64) -> bool {
-        let tool = self.terms.first().filter(|_| self.is_tool());
-        tool.is_some_and(|tool| tool.explained >= NEARLY_ALL * (self.total + left.max(0.0)))
+        let only = self.terms.first().filter(|term| term.is_all);
+        only.is_some_and(|only| only.explained >= NEARLY_ALL * (self.total + left.max(0.0)))
     }
 
     /// Whether the difference is another tool.
@@ -80,14 +83,21 @@ pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f6
         return Difference::default();
     }
     let tool = tool::columns(engine, model).unwrap_or_default();
+    let displaced = displaced(engine);
     let mut all: Vec<&[f64]> = (0..count).map(|column| free.column(column)).collect();
     all.extend(tool.iter().map(Vec::as_slice));
+    let mut sensors = Vec::new();
+    for sensor in &displaced {
+        sensors.push((all.len()..all.len() + sensor.columns.len()).collect());
+        all.extend(sensor.columns.iter().map(Vec::as_slice));
+    }
     let columns = Columns::new(&all, &target);
     let earlier = Earlier {
         engine,
         deviations: columns.deviations(count),
         places: places(engine),
         tool: (count..count + tool.len()).collect(),
+        sensors: displaced.iter().zip(sensors).collect(),
         groups: groups(engine),
         columns,
         count,
@@ -105,6 +115,8 @@ struct Earlier<'e, 'a> {
     places: Vec<usize>,
     /// Columns of another tool.
     tool: Vec<usize>,
+    /// Sensors at another place, with their columns.
+    sensors: Vec<(&'e Displaced, Vec<usize>)>,
     groups: Vec<Group>,
     /// Free columns.
     count: usize,
@@ -122,9 +134,11 @@ impl Earlier<'_, '_> {
             .filter(|column| !self.places.contains(column))
             .collect();
         let total = self.explained(&others);
-        if let Some(tool) = self.other_tool(total, &others) {
+        let tool = self.other_tool(total, &others);
+        let only = tool.or_else(|| self.other_place(total, &others));
+        if let Some(only) = only {
             return Difference {
-                terms: vec![tool],
+                terms: vec![only],
                 total,
                 is_unnamed: false,
             };
@@ -176,23 +190,52 @@ impl Earlier<'_, '_> {
         let shift = tool::shift(&self.columns, &self.places, &self.tool, others)?;
         // the last link carries the tool: its own numbers are another word for it
         let last = self.engine.context.device.joints.len().checked_sub(1);
-        let mut confusable_with: Vec<String> = self
-            .groups
-            .iter()
-            .filter(|group| group.joint != last || group.in_drive)
-            .filter(|group| self.explained(&group.columns) > explained - AS_WELL)
-            .filter(|group| self.is_believable(group))
-            .map(|group| group.name.to_owned())
-            .collect();
-        confusable_with.dedup();
+        let is_other = |group: &Group| group.joint != last || group.in_drive;
         Some(BaseTerm {
             name: TOOL_CHANGED.name,
             joint: None,
             explained,
             parameters: shift.parameters,
             in_drive: false,
-            confusable_with,
+            confusable_with: self.as_good(explained, is_other),
+            is_all: true,
         })
+    }
+
+    /// Another place of a sensor, where it alone explains nearly all of the difference.
+    fn other_place(&self, total: f64, others: &[usize]) -> Option<BaseTerm> {
+        let explains = |(_, columns): &&(&Displaced, Vec<usize>)| {
+            let explained = self.explained(columns);
+            explained >= NEARLY_ALL * total && explained >= chance(columns.len())
+        };
+        let (sensor, columns) = self.sensors.iter().find(explains)?;
+        let chosen: Vec<usize> = self.places.iter().chain(columns).copied().collect();
+        let (values, covariance) = self.columns.solution(&chosen)?;
+        let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
+        let first = self.places.len();
+        let own = covariance.view((first, first), (columns.len(), columns.len()));
+        let explained = self.explained(columns);
+        Some(BaseTerm {
+            name: sensor.effect.name(),
+            joint: None,
+            explained,
+            parameters: sensor.parameters(self.engine, &values[first..], &own.into_owned()),
+            in_drive: false,
+            confusable_with: self.as_good(explained, |_| true),
+            is_all: true,
+        })
+    }
+
+    /// Names of groups that explain the difference as well, by changes that a sound device can show.
+    fn as_good(&self, explained: f64, is_other: impl Fn(&Group) -> bool) -> Vec<String> {
+        let groups = self.groups.iter().filter(|group| is_other(group));
+        let mut names: Vec<String> = groups
+            .filter(|group| self.explained(&group.columns) > explained - AS_WELL)
+            .filter(|group| self.is_believable(group))
+            .map(|group| group.name.to_owned())
+            .collect();
+        names.dedup();
+        names
     }
 
     /// Whether a group that explains the difference does so by changes that a sound device can show.
@@ -247,6 +290,7 @@ impl Earlier<'_, '_> {
             parameters: self.parameters(group),
             in_drive: group.in_drive,
             confusable_with: Vec::new(),
+            is_all: false,
         }
     }
 

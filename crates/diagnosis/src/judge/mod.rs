@@ -2,6 +2,7 @@
 
 pub(crate) mod adequacy;
 pub(crate) mod dependence;
+pub(crate) mod displaced;
 pub(crate) mod earlier;
 pub(crate) mod rivals;
 pub(crate) mod too_coarse;

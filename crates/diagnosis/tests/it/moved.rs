@@ -45,6 +45,16 @@ fn recorded(
     moved: Isometry3<f64>,
     disturbed: impl Fn(f64) -> Vector3<f64>,
 ) -> Recording {
+    recorded_from(session, session.rows_of_a_run, moved, disturbed)
+}
+
+/// The same from a row on.
+fn recorded_from(
+    session: &Session,
+    first: usize,
+    moved: Isometry3<f64>,
+    disturbed: impl Fn(f64) -> Vector3<f64>,
+) -> Recording {
     let mut recording = record(session, |_| Errors::default());
     recording.cable_m.clear();
     let built = arm::built();
@@ -63,7 +73,7 @@ fn recorded(
             UnitQuaternion::from_rotation_matrix(&rotation),
         );
         let mut seen = base() * handle * target();
-        if row >= session.rows_of_a_run {
+        if row >= first {
             seen = moved.inverse() * seen;
         }
         let time_s = recording.time_s.as_ref().unwrap()[row];
@@ -145,4 +155,47 @@ fn a_stand_that_vibrates_is_one_oscillation_on_all_axes() {
     let found = arm::assert_named(&diagnosis, "periodic-disturbance", None, "amplitude_m");
     // the long half axis of the ellipse
     assert_near(found, 1e-4 * f64::hypot(3.0, 0.5));
+}
+
+#[test]
+fn a_tracker_that_stands_elsewhere_than_in_an_earlier_model_is_named() {
+    let one = Session {
+        runs: 1,
+        rows_of_a_run: 2400,
+        ..Session::default()
+    };
+    let before = diagnosed(&recorded(&one, Isometry3::identity(), still)).device;
+    let later = Session { seed: 9, ..one };
+    let against = |recording: &Recording, without: &[&str]| {
+        let options = Options {
+            model: Some(&before),
+            without: without.iter().map(|name| (*name).to_owned()).collect(),
+            ..Options::default()
+        };
+        diagnose(&device(), recording, &options).unwrap()
+    };
+    let shift = 2e-3 * Vector3::new(0.6, -0.64, 0.48);
+    let tilt = 3e-3 * Vector3::new(-0.48, 0.6, 0.64);
+    let recording = recorded_from(&later, 0, Isometry3::new(shift, tilt), still);
+    // without the model the place is fitted anew
+    assert_eq!(diagnosed(&recording).verdict, Verdict::NoGap);
+    let diagnosis = against(&recording, &[]);
+    let summary = summary(&diagnosis);
+    assert_eq!(diagnosis.verdict, Verdict::Named, "{summary}");
+    let cause = &diagnosis.causes[0];
+    assert_eq!(cause.effect, "tracker-moved", "{summary}");
+    for (name, truth) in [("shift_m", 2e-3), ("tilt_rad", 3e-3)] {
+        let answer = cause.parameters[name];
+        assert_near((answer.value, answer.ci95), truth);
+        assert!(
+            (answer.value / truth - 1.0).abs() < 0.05,
+            "{name} {answer:?}"
+        );
+    }
+    assert_eq!(
+        against(&recording, &["tracker-moved"]).verdict,
+        Verdict::Unknown
+    );
+    let still_there = recorded(&later, Isometry3::identity(), still);
+    assert_eq!(against(&still_there, &[]).verdict, Verdict::NoGap);
 }
