@@ -1,6 +1,5 @@
 //! Refusals of a batch or of a pass over it.
 
-use haptical_identification::IdentificationError;
 use haptical_kinematics::{KinematicsError, Parameter};
 
 /// What was wrong, where, and what is needed instead.
@@ -65,15 +64,4 @@ pub enum BatchError {
         /// Pose, from 0.
         pose: usize,
     },
-    /// The derivatives or residuals are too large for their squares to be added.
-    #[error("the squares of the weighted residuals or derivatives overflow; check the weights")]
-    Overflow,
-}
-
-impl From<BatchError> for IdentificationError {
-    fn from(error: BatchError) -> Self {
-        Self::Evaluation {
-            reason: error.to_string(),
-        }
-    }
 }

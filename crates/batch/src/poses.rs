@@ -5,29 +5,14 @@ use haptical_kinematics::Motion;
 use crate::{BatchError, DistanceModel, sines_cosines};
 use haptical_linalg::{Aligned, TILE_ROWS};
 
-/// Tiles that are reduced to one triangle before triangles are merged.
-pub(crate) const TILES_IN_BLOCK: usize = 16;
-
-/// When the sines and cosines of the joint variables are worked out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Sines {
-    /// Once, with the batch: twice the memory of a joint variable. A pass turns them by the parameter's
-    /// angle (sin(q + t) = sin q cos t + cos q sin t), always from the first values, so that no error
-    /// gathers.
-    #[default]
-    Cached,
-    /// In every pass.
-    EachPass,
-}
-
 /// Joint variables (after transmissions), measured distances and weights of many poses, as columns of
 /// tiles.
 ///
 /// ```
-/// use haptical_batch::{PoseBatch, Sines};
+/// use haptical_batch::PoseBatch;
 /// use haptical_kinematics::Motion;
 /// let joints = [vec![0.1, 0.2, 0.3]];
-/// let poses = PoseBatch::new(&[Motion::Fixed, Motion::Revolute], &joints, &[0.5; 3], &[1e4; 3], Sines::Cached)?;
+/// let poses = PoseBatch::new(&[Motion::Fixed, Motion::Revolute], &joints, &[0.5; 3], &[1e4; 3])?;
 /// assert_eq!(poses.len(), 3);
 /// # Ok::<(), haptical_batch::BatchError>(())
 /// ```
@@ -37,38 +22,33 @@ pub struct PoseBatch {
     pub(crate) columns: Columns,
     rows: usize,
     data: Aligned,
-    /// Largest magnitude of each joint's variable.
-    largest: Vec<f64>,
 }
 
-/// Where the columns of a tile stand.
+/// Places of the columns of a tile.
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
-    /// First column of each joint: its sine, then its cosine, or its variable alone.
+    /// First column of each joint: its sine, then its cosine, or the variable of a slide alone. Sines and cosines
+    /// are worked out once: a pass turns them by the parameter's angle (sin(q + t) = sin q cos t + cos q sin t),
+    /// always from the first values, so that no error gathers.
     pub(crate) joints: Vec<usize>,
-    pub(crate) sines: Sines,
     pub(crate) distance: usize,
     pub(crate) weight: usize,
     pub(crate) count: usize,
 }
 
 impl Columns {
-    pub(crate) fn new(motions: &[Motion], sines: Sines) -> Self {
+    pub(crate) fn new(motions: &[Motion]) -> Self {
         let mut count = 0;
         let moving = motions.iter().filter(|motion| **motion != Motion::Fixed);
         let joints = moving
             .map(|motion| {
                 let first = count;
-                count += match (motion, sines) {
-                    (Motion::Revolute, Sines::Cached) => 2,
-                    _ => 1,
-                };
+                count += if *motion == Motion::Revolute { 2 } else { 1 };
                 first
             })
             .collect();
         Self {
             joints,
-            sines,
             distance: count,
             weight: count + 1,
             count: count + 2,
@@ -95,7 +75,6 @@ impl PoseBatch {
         joints: &[J],
         distances_m: &[f64],
         weights: &[f64],
-        sines: Sines,
     ) -> Result<Self, BatchError> {
         let rows = distances_m.len();
         let moving = motions.iter().filter(|motion| **motion != Motion::Fixed);
@@ -125,13 +104,12 @@ impl PoseBatch {
         if let Some(pose) = weights.iter().position(|weight| *weight < 0.0) {
             return Err(weight_error(pose, weights[pose]));
         }
-        let columns = Columns::new(motions, sines);
+        let columns = Columns::new(motions);
         let tiles = rows.div_ceil(TILE_ROWS);
         let mut batch = Self {
             motions: motions.to_vec(),
             rows,
             data: Aligned::zeros(tiles * columns.count * TILE_ROWS),
-            largest: joints.iter().map(|joint| largest(joint.as_ref())).collect(),
             columns,
         };
         for (joint, variables) in joints.iter().enumerate() {
@@ -154,10 +132,10 @@ impl PoseBatch {
     /// to pass, without anything else being worked out again.
     ///
     /// ```
-    /// use haptical_batch::{PoseBatch, Sines};
+    /// use haptical_batch::PoseBatch;
     /// use haptical_kinematics::Motion;
     /// let motions = [Motion::Fixed, Motion::Revolute];
-    /// let mut poses = PoseBatch::new(&motions, &[[0.1, 0.2]], &[0.5; 2], &[1e4; 2], Sines::Cached)?;
+    /// let mut poses = PoseBatch::new(&motions, &[[0.1, 0.2]], &[0.5; 2], &[1e4; 2])?;
     /// poses.move_joint(0, &[0.3, 0.4])?;
     /// assert!(poses.move_joint(1, &[0.3, 0.4]).is_err() && poses.move_joint(0, &[0.3]).is_err());
     /// # Ok::<(), haptical_batch::BatchError>(())
@@ -172,15 +150,15 @@ impl PoseBatch {
             expected,
             found,
         };
-        if joint >= self.largest.len() {
-            let (what, count) = ("joints, by the index of one", self.largest.len());
+        let count = self.columns.joints.len();
+        if joint >= count {
+            let what = "joints, by the index of one";
             return Err(length(what, count, joint + 1));
         }
         if variables.len() != self.rows {
             return Err(length("a joint's variables", self.rows, variables.len()));
         }
         check_all("a joint variable", variables)?;
-        self.largest[joint] = largest(variables);
         self.write_joint(joint, variables);
         Ok(())
     }
@@ -219,28 +197,8 @@ impl PoseBatch {
         &self.motions
     }
 
-    /// When sines are worked out.
-    pub fn sines(&self) -> Sines {
-        self.columns.sines
-    }
-
-    pub(crate) fn largest(&self, joint: usize) -> f64 {
-        self.largest.get(joint).copied().unwrap_or(f64::INFINITY)
-    }
-
     pub(crate) fn tiles(&self) -> usize {
         self.rows.div_ceil(TILE_ROWS)
-    }
-
-    pub(crate) fn blocks(&self) -> usize {
-        self.tiles().div_ceil(TILES_IN_BLOCK)
-    }
-
-    /// Poses of every `every`-th block.
-    pub(crate) fn count_every(&self, every: usize) -> usize {
-        let block = TILES_IN_BLOCK * TILE_ROWS;
-        let firsts = (0..self.rows).step_by(block).step_by(every);
-        firsts.map(|first| (self.rows - first).min(block)).sum()
     }
 
     /// The columns of a tile, and how many of its rows are poses.
@@ -271,10 +229,6 @@ fn fill_up(column: &mut [f64], filled: usize) {
     if let Some(&last) = filled.checked_sub(1).and_then(|last| column.get(last)) {
         column[filled..TILE_ROWS].fill(last);
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most: f64, q| most.max(q.abs()))
 }
 
 fn check_all(what: &'static str, values: &[f64]) -> Result<(), BatchError> {

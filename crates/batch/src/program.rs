@@ -6,8 +6,7 @@
 
 use haptical_kinematics::{Motion, Parameter};
 
-use crate::trigonometry::LARGEST_RAD;
-use crate::{DistanceModel, PoseBatch};
+use crate::DistanceModel;
 
 /// A coordinate of v: where it stands, and the constant slides since.
 #[derive(Debug, Clone, Copy, Default)]
@@ -24,7 +23,6 @@ pub(crate) enum Angle {
     /// Joint variable plus a constant, whose own sine and cosine stand here.
     Joint {
         joint: usize,
-        constant_rad: f64,
         sine: f64,
         cosine: f64,
         /// Slot of the sine; that of the cosine is the next.
@@ -145,7 +143,6 @@ impl Program {
                         angle_slots += 2;
                         Angle::Joint {
                             joint,
-                            constant_rad: value,
                             sine,
                             cosine,
                             slot: angle_slots - 2,
@@ -200,27 +197,5 @@ impl Program {
         self.angle_slots = angle_slots;
         let last = self.steps.iter().rposition(|step| step.column.is_some());
         self.differentiated = last.map_or(0, |last| last + 1);
-    }
-
-    /// Whether the fast sines serve for every angle of a batch.
-    pub(crate) fn is_within(&self, poses: &PoseBatch) -> bool {
-        self.joint_angles()
-            .all(|(joint, constant_rad)| poses.largest(joint) + constant_rad.abs() <= LARGEST_RAD)
-    }
-
-    /// Joint and constant of every revolute joint's angle.
-    fn joint_angles(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.steps.iter().filter_map(|step| match step.action {
-            Action::Turn {
-                angle:
-                    Angle::Joint {
-                        joint,
-                        constant_rad,
-                        ..
-                    },
-                ..
-            } => Some((joint, constant_rad)),
-            _ => None,
-        })
     }
 }

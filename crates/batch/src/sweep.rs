@@ -10,9 +10,8 @@
 
 use pulp::Simd;
 
-use crate::poses::{Columns, Sines};
+use crate::poses::Columns;
 use crate::program::{Action, Angle, Program, Source, plane};
-use crate::trigonometry::sine_cosine;
 use haptical_linalg::{Aligned, TILE_ROWS};
 
 /// Rows of a sweep, always all of them, so that the compiler knows the lengths of its loops; what is
@@ -42,8 +41,6 @@ pub(crate) struct Tile<'a> {
     pub(crate) data: &'a [f64],
     /// Rows with a pose.
     pub(crate) rows: usize,
-    /// Whether the fast sines serve for all angles.
-    pub(crate) fast: bool,
 }
 
 impl SweepRoom {
@@ -187,7 +184,6 @@ fn turn<S: Simd>(simd: S, s: S::f64s, c: S::f64s, p: S::f64s, q: S::f64s) -> (S:
 fn angles<S: Simd>(simd: S, part: &Part<'_>, angle: Angle, into: &mut [f64]) {
     let Angle::Joint {
         joint,
-        constant_rad,
         sine,
         cosine,
         slot,
@@ -198,34 +194,15 @@ fn angles<S: Simd>(simd: S, part: &Part<'_>, angle: Angle, into: &mut [f64]) {
     let (sines, cosines) = into[slot * SWEEP_ROWS..].split_at_mut(SWEEP_ROWS);
     let cosines = &mut cosines[..SWEEP_ROWS];
     let column = part.tile.columns.joints[joint];
-    match part.tile.columns.sines {
-        Sines::Cached => {
-            let (s, c) = (simd.splat_f64s(sine), simd.splat_f64s(cosine));
-            let own = part
-                .column::<S>(column)
-                .iter()
-                .zip(part.column::<S>(column + 1));
-            let sines = S::as_mut_simd_f64s(sines).0.iter_mut();
-            let cosines = S::as_mut_simd_f64s(cosines).0.iter_mut();
-            for ((&own_s, &own_c), (to_s, to_c)) in own.zip(sines.zip(cosines)) {
-                (*to_c, *to_s) = turn(simd, s, c, own_c, own_s);
-            }
-        }
-        Sines::EachPass if part.tile.fast => {
-            let constant = simd.splat_f64s(constant_rad);
-            let variables = part.column::<S>(column).iter();
-            let sines = S::as_mut_simd_f64s(sines).0.iter_mut();
-            let cosines = S::as_mut_simd_f64s(cosines).0.iter_mut();
-            for (&q, (to_s, to_c)) in variables.zip(sines.zip(cosines)) {
-                (*to_s, *to_c) = sine_cosine(simd, simd.add_f64s(q, constant));
-            }
-        }
-        Sines::EachPass => {
-            let variables = &part.tile.data[column * TILE_ROWS + part.first..][..SWEEP_ROWS];
-            for ((&q, sine), cosine) in variables.iter().zip(sines).zip(cosines) {
-                (*sine, *cosine) = libm::sincos(q + constant_rad);
-            }
-        }
+    let (s, c) = (simd.splat_f64s(sine), simd.splat_f64s(cosine));
+    let own = part
+        .column::<S>(column)
+        .iter()
+        .zip(part.column::<S>(column + 1));
+    let sines = S::as_mut_simd_f64s(sines).0.iter_mut();
+    let cosines = S::as_mut_simd_f64s(cosines).0.iter_mut();
+    for ((&own_s, &own_c), (to_s, to_c)) in own.zip(sines.zip(cosines)) {
+        (*to_c, *to_s) = turn(simd, s, c, own_c, own_s);
     }
 }
 

@@ -7,7 +7,7 @@
 //! the right as I - V T^T V^T (Schreiber & Van Loan 1989): each column is read and written once for
 //! four reflections. Nothing but R and Q^T r is carried; 2 (rows) k^2 operations for k columns.
 
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 
 use crate::panel::{PANEL, Reflections, columns, sum_lanes};
 
@@ -26,10 +26,12 @@ pub(crate) struct Fold<'a> {
     pub(crate) rows: usize,
 }
 
-impl Fold<'_> {
-    /// Folds; returns the sum of squares of what no column of R explains.
+impl WithSimd for Fold<'_> {
+    /// Sum of squares of what no column of R explains.
+    type Output = f64;
+
     #[inline(always)]
-    pub(crate) fn run<S: Simd>(&mut self, simd: S) -> f64 {
+    fn with_simd<S: Simd>(mut self, simd: S) -> f64 {
         let mut first = 0;
         while first + PANEL <= self.columns {
             self.panel::<S, PANEL>(simd, first);
@@ -42,7 +44,9 @@ impl Fold<'_> {
         let last = &self.tile[self.columns * self.stride..][..self.rows];
         dot::<S>(simd, S::as_simd_f64s(last).0)
     }
+}
 
+impl Fold<'_> {
     /// Makes W reflections from columns `first` on and applies them to the columns to the right.
     #[inline(always)]
     fn panel<S: Simd, const W: usize>(&mut self, simd: S, first: usize) {

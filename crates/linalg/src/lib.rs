@@ -23,7 +23,7 @@ pub use matrix::Matrix;
 pub use ordered::{Dependence, OrderedRank};
 pub use reduction::Reduction;
 pub use step::Solution;
-pub use triangle::{ROW_QUANTUM, TILE_ROWS, Triangle};
+pub use triangle::{TILE_ROWS, Triangle};
 
 /// Singular values of any finite matrix, largest first.
 ///

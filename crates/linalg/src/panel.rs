@@ -70,6 +70,10 @@ impl<const W: usize> Reflections<W> {
     }
 }
 
+/// Sum of squares of a column of the tile that counts as zero. Where rows depend on each other, rounding leaves
+/// columns of 1e-17, then 1e-34 and so on of the rows' size; products of their scales would overflow.
+const NEGLIGIBLE_SQUARE: f64 = 1e-280;
+
 /// A panel on its way to reflections.
 struct Panel<'a, S: Simd, const W: usize> {
     simd: S,
@@ -96,7 +100,8 @@ impl<S: Simd, const W: usize> Panel<'_, S, W> {
         let square = products[P];
         let mut factors = [0.0; W];
         // a NaN goes on, to be found in R
-        if square != 0.0 {
+        let is_negligible = square < NEGLIGIBLE_SQUARE;
+        if !is_negligible {
             let norm = (alpha * alpha + square).sqrt();
             let beta = if alpha >= 0.0 { -norm } else { norm };
             let s = 1.0 / (alpha - beta);

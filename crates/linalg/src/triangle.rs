@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
 use crate::aligned::Aligned;
 use crate::fold::Fold;
@@ -13,7 +13,7 @@ use crate::{LinalgError, Matrix, Reduction};
 /// take 5 % longer where that cache has 48 kB (crates/batch/README.md).
 pub const TILE_ROWS: usize = 256;
 /// Rows are filled up to a multiple of this, whatever the processor's lanes are.
-pub const ROW_QUANTUM: usize = 16;
+const ROW_QUANTUM: usize = 16;
 
 /// `[J r]` of any number of rows, reduced by orthogonal transformations: with k columns of derivatives
 /// an upper triangle R (k x k), q = Q^T r (k) and the rest of |r|^2, so that for every x
@@ -43,40 +43,15 @@ thread_local! {
     static TILE: RefCell<Aligned> = RefCell::default();
 }
 
-/// Folds a prepared tile.
-struct FoldTile<'a> {
-    fold: Fold<'a>,
-}
-
-impl WithSimd for FoldTile<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) -> f64 {
-        self.fold.run(simd)
-    }
-}
-
 impl Triangle {
     /// A triangle of no rows over `columns` columns of derivatives.
     pub fn new(columns: usize) -> Self {
-        let mut triangle = Self::default();
-        triangle.clear(columns);
-        triangle
-    }
-
-    /// Empties it; allocates only for more columns than ever before.
-    pub fn clear(&mut self, columns: usize) {
-        self.columns = columns;
-        self.reserve(columns);
-        self.entries.as_mut_slice().fill(0.0);
-        self.rest_square = 0.0;
-        self.rows = 0;
-    }
-
-    /// Makes room; what was in it is lost if it must grow.
-    pub fn reserve(&mut self, columns: usize) {
-        self.entries.reserve(columns * (columns + 1));
+        Self {
+            columns,
+            entries: Aligned::zeros(columns * (columns + 1)),
+            rest_square: 0.0,
+            rows: 0,
+        }
     }
 
     /// Columns of derivatives.
@@ -192,57 +167,36 @@ impl Triangle {
             stride: TILE_ROWS,
             rows: rows.next_multiple_of(ROW_QUANTUM).min(TILE_ROWS),
         };
-        let rest = Arch::new().dispatch(FoldTile { fold });
-        self.rest_square += rest;
+        self.rest_square += Arch::new().dispatch(fold);
         self.rows += rows;
     }
 
-    /// As `fold_tile`, within a pass that has chosen its lanes.
-    #[inline(always)]
-    pub fn fold_tile_with<S: Simd>(&mut self, simd: S, tile: &mut [f64], rows: usize) {
-        let columns = self.columns;
-        let mut fold = Fold {
-            triangle: &mut self.entries.as_mut_slice()[..columns * (columns + 1)],
-            columns,
-            tile,
-            stride: TILE_ROWS,
-            rows: rows.next_multiple_of(ROW_QUANTUM).min(TILE_ROWS),
-        };
-        self.rest_square += fold.run(simd);
-        self.rows += rows;
-    }
-
-    /// Folds another triangle of the same columns; `tile` is room for a tile: [`TILE_ROWS`] numbers for each column
-    /// and the residuals.
-    pub fn merge(&mut self, other: &Self, tile: &mut [f64]) {
-        let columns = self.columns;
-        let (rows, all) = (self.rows, other.rows);
-        let from = other.entries.as_slice();
-        let mut first = 0;
-        while first < columns {
-            let count = (columns - first).min(TILE_ROWS);
-            for (column, into) in tile
-                .chunks_exact_mut(TILE_ROWS)
-                .take(columns + 1)
-                .enumerate()
-            {
-                into[..count].copy_from_slice(&from[column * columns + first..][..count]);
-                into[count..].fill(0.0);
-            }
-            self.fold_tile(tile, count);
-            first += count;
+    /// The triangle as rows: one more than it has columns of derivatives, the last column the residuals.
+    pub fn as_rows(&self) -> Matrix {
+        let count = self.columns;
+        let mut rows = Matrix::zeros(count + 1, count + 1);
+        for column in 0..count {
+            rows.column_mut(column)[..=column].copy_from_slice(self.column(column));
         }
-        self.rest_square += other.rest_square;
-        self.rows = rows + all;
+        let last = rows.column_mut(count);
+        last[..count].copy_from_slice(self.projected());
+        last[count] = self.rest_square.sqrt();
+        rows
     }
 
-    /// Makes it a copy of another; allocates only for more columns than ever before.
-    pub fn copy_from(&mut self, other: &Self) {
-        self.clear(other.columns);
-        let length = self.columns * (self.columns + 1);
-        self.entries.as_mut_slice()[..length].copy_from_slice(&other.entries.as_slice()[..length]);
-        self.rest_square = other.rest_square;
-        self.rows = other.rows;
+    /// Folds another triangle of the same columns.
+    ///
+    /// # Errors
+    /// As [`Triangle::fold_rows`].
+    pub fn merge(&mut self, other: &Self) -> Result<(), LinalgError> {
+        let all = self.rows + other.rows;
+        let rows = other.as_rows();
+        let columns: Vec<&[f64]> = (0..other.columns)
+            .map(|column| rows.column(column))
+            .collect();
+        self.fold_rows(&columns, rows.column(other.columns))?;
+        self.rows = all;
+        Ok(())
     }
 
     /// The least-squares problem of the triangle, said to have `rows` rows.
@@ -258,10 +212,7 @@ impl Triangle {
     }
 
     /// Refuses entries that are not finite.
-    ///
-    /// # Errors
-    /// [`LinalgError::Overflow`].
-    pub fn check(&self) -> Result<(), LinalgError> {
+    fn check(&self) -> Result<(), LinalgError> {
         let used = &self.entries.as_slice()[..self.columns * (self.columns + 1)];
         // some at a time without a way out between them, so that they are looked at in lanes
         let mut parts = used.chunks(64);

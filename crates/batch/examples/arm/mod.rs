@@ -1,8 +1,7 @@
 //! A 7-joint device near its nominal one, and poses of it with measured distances.
 #![allow(dead_code, reason = "the bench uses more of it than the example")]
 
-use haptical_batch::{BatchError, DistanceModel, PoseBatch, Sines};
-use haptical_identification::Settings;
+use haptical_batch::{BatchError, DistanceModel, PoseBatch};
 use haptical_kinematics::{Chain, Convention, KinematicsError, Link, Motion, distance_m};
 
 /// Nominal model, poses, and the paper's 28 free parameters.
@@ -15,7 +14,6 @@ pub(crate) struct Arm {
     pub(crate) distances_m: Vec<f64>,
     pub(crate) weights: Vec<f64>,
     pub(crate) free: Vec<usize>,
-    pub(crate) settings: Settings,
 }
 
 /// Twists as in Baser & Konukseven, Table 1, in quarter turns; lengths of about its size.
@@ -41,7 +39,7 @@ fn numbers(mut state: u64) -> impl FnMut() -> f64 {
 }
 
 impl Arm {
-    pub(crate) fn new(poses: usize, sines: Sines) -> Result<Self, BatchError> {
+    pub(crate) fn new(poses: usize) -> Result<Self, BatchError> {
         let mut number = numbers(7);
         let quarter = std::f64::consts::FRAC_PI_2;
         let nominal = ROWS.map(|(a_m, alpha, d_m, theta)| Link {
@@ -84,7 +82,7 @@ impl Arm {
             })
             .collect::<Result<_, KinematicsError>>()?;
         let weights = vec![5e4; poses];
-        let poses = PoseBatch::new(&motions, &joints, &distances_m, &weights, sines)?;
+        let poses = PoseBatch::new(&motions, &joints, &distances_m, &weights)?;
         Ok(Self {
             model,
             poses,
@@ -92,7 +90,6 @@ impl Arm {
             distances_m,
             weights,
             free,
-            settings: Settings::default(),
         })
     }
 }

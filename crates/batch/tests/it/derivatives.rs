@@ -1,11 +1,9 @@
 //! Residuals and derivatives against the chain's own, and against differences.
 
-use haptical_batch::{DistanceProblem, Sines};
-use haptical_identification::{Matrix, Problem, evaluate_jacobian};
 use haptical_kinematics::{Chain, LinkDerivatives, Parameter, distance_derivative};
 use proptest::prelude::*;
 
-use crate::support::{Case, case, cases, random_case, sines};
+use crate::support::{Case, all_rows, case, cases, random_case};
 
 /// Of numbers of size 1: eight turns and slides, each with a few roundings.
 const ROUNDING: f64 = 1e-14;
@@ -38,14 +36,11 @@ proptest! {
     #![proptest_config(cases(64))]
 
     #[test]
-    fn residuals_and_derivatives_are_the_chain_s(case in case(1..300), sines in sines()) {
-        let (model, poses) = (case.full_model(), case.batch(sines));
-        let problem = DistanceProblem::new(&model, &poses).unwrap();
+    fn residuals_and_derivatives_are_the_chain_s(case in case(1..300)) {
+        let (model, poses) = (case.full_model(), case.batch());
         // every other parameter, backwards, so that columns and parameters do not agree by chance
-        let free: Vec<usize> = (0..problem.parameter_count()).rev().step_by(2).collect();
-        let mut residuals = vec![0.0; case.poses()];
-        let mut jacobian = Matrix::zeros(case.poses(), free.len());
-        problem.evaluate(&model.start(), &mut residuals, Some((&free, &mut jacobian))).unwrap();
+        let free: Vec<usize> = (0..model.parameters().len()).rev().step_by(2).collect();
+        let (residuals, jacobian) = all_rows(&poses, &model, &model.start(), &free);
         for pose in 0..case.poses() {
             let weight = case.weights[pose];
             let expected = case.distance(&case.links, pose) - case.distances_m[pose];
@@ -61,19 +56,16 @@ proptest! {
     }
 
     #[test]
-    fn derivatives_are_differences(case in case(3..40), sines in sines()) {
-        let (model, poses) = (case.full_model(), case.batch(sines));
-        let problem = DistanceProblem::new(&model, &poses).unwrap();
-        let free: Vec<usize> = (0..problem.parameter_count()).collect();
+    fn derivatives_are_differences(case in case(3..40)) {
+        let (model, poses) = (case.full_model(), case.batch());
+        let free: Vec<usize> = (0..model.parameters().len()).collect();
         let start = model.start();
-        let (jacobian, _) = evaluate_jacobian(&problem, &start, &free).unwrap();
+        let (_, jacobian) = all_rows(&poses, &model, &start, &free);
         for &index in &free {
             let at = [-2.0, -1.0, 1.0, 2.0].map(|steps| {
                 let mut there = start.clone();
                 there[index] += steps * STEP;
-                let mut residuals = vec![0.0; case.poses()];
-                problem.evaluate(&there, &mut residuals, None).unwrap();
-                residuals
+                all_rows(&poses, &model, &there, &[]).0
             });
             for pose in 0..case.poses() {
                 let [before_2, before, after, after_2] = at.each_ref().map(|side| side[pose]);
@@ -92,18 +84,12 @@ fn angles_beyond_the_lanes_are_served_by_libm() {
     let mut case = random_case(haptical_kinematics::Convention::Standard, &motions, 20, 5);
     case.joints[1][7] = 3.0e7;
     case.distances_m[7] = case.distance(&case.links, 7);
-    for sines in [Sines::Cached, Sines::EachPass] {
-        let (model, poses) = (case.model(), case.batch(sines));
-        let problem = DistanceProblem::new(&model, &poses).unwrap();
-        let mut residuals = vec![0.0; 20];
-        problem
-            .evaluate(&model.start(), &mut residuals, None)
-            .unwrap();
-        // the sum 3e7 + theta is rounded at 4e-9
-        assert!(
-            residuals[7].abs() / case.weights[7] < 1e-8,
-            "{}",
-            residuals[7]
-        );
-    }
+    let (model, poses) = (case.model(), case.batch());
+    let (residuals, _) = all_rows(&poses, &model, &model.start(), &[]);
+    // the sum 3e7 + theta is rounded at 4e-9
+    assert!(
+        residuals[7].abs() / case.weights[7] < 1e-8,
+        "{}",
+        residuals[7]
+    );
 }

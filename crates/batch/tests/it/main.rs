@@ -1,4 +1,4 @@
-//! Tests of the batch: against the chain's own derivatives, differences, and the device's problem.
+//! Tests of the batch: against the chain's own derivatives and differences.
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
@@ -8,10 +8,7 @@
 
 mod allocation;
 mod derivatives;
-mod fit;
 mod pose_lanes;
 mod refusals;
 mod support;
-mod threads;
-mod triangles;
 mod trigonometry;

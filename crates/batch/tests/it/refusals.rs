@@ -1,12 +1,7 @@
 //! What is refused, and in which words.
 
-use haptical_batch::{
-    BatchError, DistanceModel, PoseBatch, ReducedDistance, Sines, Threads, Triangle,
-    solve_distances,
-};
-use haptical_identification::{IdentificationError, Settings};
+use haptical_batch::{BatchError, DistanceModel, PoseBatch};
 use haptical_kinematics::{Convention, Link, Motion, Parameter};
-use haptical_linalg::LinalgError;
 
 const ARM: [Motion; 2] = [Motion::Revolute; 2];
 
@@ -19,7 +14,7 @@ fn arm() -> DistanceModel {
 }
 
 fn batch(joints: &[Vec<f64>], distances: &[f64], weights: &[f64]) -> Result<PoseBatch, BatchError> {
-    PoseBatch::new(&ARM, joints, distances, weights, Sines::Cached)
+    PoseBatch::new(&ARM, joints, distances, weights)
 }
 
 #[test]
@@ -79,100 +74,56 @@ fn a_pass_names_the_pose() {
     let pi = std::f64::consts::PI;
     joints[1][131] = pi;
     let model = arm();
-    let reduced = |joints: &[Vec<f64>], at: &[f64]| {
+    let visit = |joints: &[Vec<f64>], at: &[f64]| {
         let poses = batch(joints, &[0.5; 300], &[1.0; 300]).unwrap();
-        let problem = ReducedDistance::new(&model, &poses, Threads::One).unwrap();
-        problem.reduce(at, &[0, 4], Triangle::cost)
+        let mut cost = 0.0;
+        let add = |residuals: &[f64]| residuals.iter().map(|r| r * r).sum::<f64>();
+        let visited = poses.visit(&model, at, &[0, 4], |tile| cost += add(tile.residuals()));
+        visited.map(|()| cost)
     };
     let start = model.start();
     // cos(pi) is -1 to the last bit, sin(pi) is 1e-16: a distance of 4e-17 m is not zero
-    assert!(reduced(&joints, &start).unwrap().is_finite());
+    assert!(visit(&joints, &start).unwrap().is_finite());
     let straight = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     joints[1][131] = 1.0;
     let mut at = straight;
     at[0] = 0.0;
     assert_eq!(
-        reduced(&joints, &at).unwrap_err(),
+        visit(&joints, &at).unwrap_err(),
         BatchError::ZeroDistance { pose: 0 }
     );
     at[0] = 1e200;
     assert_eq!(
-        reduced(&joints, &at).unwrap_err(),
+        visit(&joints, &at).unwrap_err(),
         BatchError::OutOfRange { pose: 0 }
     );
     at[0] = f64::NAN;
     assert_eq!(
-        reduced(&joints, &at).unwrap_err(),
+        visit(&joints, &at).unwrap_err(),
         BatchError::OutOfRange { pose: 0 }
     );
     assert!(matches!(
-        reduced(&joints, &at[..3]).unwrap_err(),
+        visit(&joints, &at[..3]).unwrap_err(),
         BatchError::Length { .. }
     ));
 }
 
 #[test]
-fn sums_that_overflow_are_told() {
-    let joints = vec![vec![0.1, 0.2]; 2];
-    let poses = batch(&joints, &[0.5; 2], &[1e200; 2]).unwrap();
-    let model = arm();
-    let problem = ReducedDistance::new(&model, &poses, Threads::One).unwrap();
-    let refused = problem.reduce(&model.start(), &[0, 4], |_| ()).unwrap_err();
-    assert_eq!(refused, BatchError::Overflow);
-    let mut triangle = Triangle::new(1);
-    let nan = triangle
-        .fold_rows(&[&[1.0, f64::NAN]], &[0.0, 0.0])
-        .unwrap_err();
-    assert!(matches!(nan, LinalgError::Overflow { .. }));
-    let short = Triangle::new(2).fold_rows(&[&[1.0]], &[0.0]).unwrap_err();
-    assert!(matches!(short, LinalgError::Shape { .. }));
-}
-
-#[test]
-fn a_fit_refuses_as_every_fit_does() {
+fn a_batch_of_another_chain_is_refused() {
     let joints = vec![vec![0.1, 0.2], vec![0.3, 0.9]];
-    let poses = batch(&joints, &[0.5; 2], &[1.0; 2]).unwrap();
+    let motions = [Motion::Prismatic; 2];
+    let other = PoseBatch::new(&motions, &joints, &[0.5; 2], &[1.0; 2]).unwrap();
     let model = arm();
-    let fit = |start: &[f64], free: &[usize]| {
-        solve_distances(
-            &model,
-            &poses,
-            start,
-            free,
-            &Settings::default(),
-            Threads::One,
-        )
-        .unwrap_err()
-    };
+    let own = batch(&joints, &[0.5; 2], &[1.0; 2]).unwrap();
     let start = model.start();
-    assert_eq!(
-        fit(&start, &[0, 4, 7]),
-        IdentificationError::TooFewRows {
-            rows: 2,
-            parameters: 3
-        }
-    );
-    assert_eq!(fit(&start, &[]), IdentificationError::NothingFree);
-    assert!(matches!(
-        fit(&start, &[9]),
-        IdentificationError::Shape { .. }
-    ));
-    assert!(matches!(
-        fit(&start[1..], &[0]),
-        IdentificationError::Shape { .. }
-    ));
-    assert!(matches!(
-        fit(&[f64::NAN; 8], &[0]),
-        IdentificationError::NotFinite { .. }
-    ));
-    let other = PoseBatch::new(
-        &[Motion::Prismatic; 2],
-        &joints,
-        &[0.5; 2],
-        &[1.0; 2],
-        Sines::Cached,
-    )
-    .unwrap();
-    let refused = ReducedDistance::new(&model, &other, Threads::One).unwrap_err();
-    assert!(matches!(refused, BatchError::Length { .. }));
+    for (poses, parameters, free) in [
+        (&other, &start[..], 0),
+        (&own, &start[1..], 0),
+        (&own, &start[..], 9),
+    ] {
+        let refused = poses
+            .visit(&model, parameters, &[free], |_| ())
+            .unwrap_err();
+        assert!(matches!(refused, BatchError::Length { .. }), "{refused}");
+    }
 }

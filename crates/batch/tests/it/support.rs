@@ -1,7 +1,8 @@
 //! Random chains, poses and recordings of their distances.
 
-use haptical_batch::{DistanceModel, PoseBatch, Sines};
+use haptical_batch::{DistanceModel, PoseBatch};
 use haptical_kinematics::{Chain, Convention, Link, Motion, Parameter, distance_m};
+use haptical_linalg::Matrix;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -33,15 +34,9 @@ impl Case {
         self.model().with_parameters(&all).unwrap()
     }
 
-    pub(crate) fn batch(&self, sines: Sines) -> PoseBatch {
-        PoseBatch::new(
-            &self.motions,
-            &self.joints,
-            &self.distances_m,
-            &self.weights,
-            sines,
-        )
-        .unwrap()
+    pub(crate) fn batch(&self) -> PoseBatch {
+        let (motions, joints) = (&self.motions, &self.joints);
+        PoseBatch::new(motions, joints, &self.distances_m, &self.weights).unwrap()
     }
 
     pub(crate) fn poses(&self) -> usize {
@@ -135,8 +130,24 @@ pub(crate) fn case(poses: std::ops::Range<usize>) -> impl Strategy<Value = Case>
     })
 }
 
-pub(crate) fn sines() -> impl Strategy<Value = Sines> {
-    prop_oneof![Just(Sines::Cached), Just(Sines::EachPass)]
+/// Residuals and derivatives of all poses, put together.
+pub(crate) fn all_rows(
+    poses: &PoseBatch,
+    model: &DistanceModel,
+    parameters: &[f64],
+    free: &[usize],
+) -> (Vec<f64>, Matrix) {
+    let mut residuals = vec![0.0; poses.len()];
+    let mut jacobian = Matrix::zeros(poses.len(), free.len());
+    let visited = poses.visit(model, parameters, free, |tile| {
+        let own = tile.first_pose()..tile.first_pose() + tile.residuals().len();
+        residuals[own.clone()].copy_from_slice(tile.residuals());
+        for (column, derivatives) in tile.derivatives().enumerate() {
+            jacobian.column_mut(column)[own.clone()].copy_from_slice(derivatives);
+        }
+    });
+    visited.unwrap();
+    (residuals, jacobian)
 }
 
 pub(crate) fn cases(cases: u32) -> ProptestConfig {

@@ -5,7 +5,6 @@ use haptical_identification::{
 };
 
 use crate::problem::gauge::GaugedProblem;
-use crate::problem::lanes::distances::Distances;
 use crate::{CalibrationError, Channel, DeviceProblem, ReducedProblem};
 
 /// From this number of residuals on, each channel is reduced to a triangle before the search: the
@@ -16,7 +15,6 @@ const REDUCED_FROM: usize = 250;
 pub(crate) struct Prepared<'p> {
     pub(crate) problem: &'p DeviceProblem<'p>,
     reduced: ReducedProblem<'p>,
-    distances: Option<Distances>,
     gauged: GaugedProblem<'p>,
 }
 
@@ -25,7 +23,6 @@ impl<'p> Prepared<'p> {
         Ok(Self {
             problem,
             reduced: ReducedProblem::new(problem),
-            distances: Distances::new(problem),
             gauged: GaugedProblem::new(problem)?,
         })
     }
@@ -34,27 +31,26 @@ impl<'p> Prepared<'p> {
     pub(crate) fn searched(&self) -> &dyn Problem {
         if self.gauged.is_scaled() {
             &self.gauged
-        } else if let Some(distances) = &self.distances {
-            distances
-        } else if self.problem.residual_count() < REDUCED_FROM && !self.is_output_in_lanes() {
-            self.problem
-        } else {
+        } else if self.is_reduced() {
             &self.reduced
+        } else {
+            self.problem
         }
     }
 
-    /// Whether some form is one in lanes.
-    pub(crate) fn is_in_lanes(&self) -> bool {
-        self.distances.is_some() || self.is_output_in_lanes()
+    fn is_reduced(&self) -> bool {
+        self.problem.residual_count() >= REDUCED_FROM || self.is_in_lanes()
     }
 
-    /// Whether it is one external encoder alone, in lanes.
-    fn is_output_in_lanes(&self) -> bool {
-        let is_output = matches!(
-            self.problem.blocks.as_slice(),
-            [block] if matches!(block.channel, Channel::Output { .. })
-        );
-        is_output && self.reduced.lanes().is_some()
+    /// Whether it is one external encoder, or one cable at joint angles that stay, in lanes: that is faster at any
+    /// number of rows.
+    pub(crate) fn is_in_lanes(&self) -> bool {
+        let is_one = matches!(self.problem.blocks.as_slice(), [block] if match block.channel {
+            Channel::Output { .. } => true,
+            Channel::Cable { .. } => self.problem.outputs.is_some(),
+            _ => false,
+        });
+        is_one && self.reduced.lanes().is_some()
     }
 
     /// Derivatives of each channel at `values`, in rows that stand for its own.
@@ -81,9 +77,7 @@ impl<'p> Prepared<'p> {
         let mut residuals = vec![0.0; self.problem.residual_count()];
         if self.gauged.is_scaled() {
             self.gauged.evaluate(values, &mut residuals, None)?;
-        } else if let Some(distances) = &self.distances {
-            distances.residuals(values, &mut residuals)?;
-        } else if self.problem.residual_count() >= REDUCED_FROM || self.is_output_in_lanes() {
+        } else if self.is_reduced() {
             self.reduced.residuals(values, &mut residuals)?;
         } else {
             self.problem.evaluate(values, &mut residuals, None)?;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use haptical_batch::{DistanceProblem, PoseBatch, Sines};
+use haptical_batch::PoseBatch;
 use haptical_model::kinematics::Parameter;
 use haptical_model::{Device, Evaluation, JointType, Recording};
 use rayon::prelude::*;
@@ -81,38 +81,35 @@ fn in_lanes(
         _ => return None,
     };
     let mut angles = Vec::with_capacity(device.joints.len());
-    // joints whose readings come in steps: variance over that of the row's variable, and the variable
-    let mut factors = Vec::new();
-    let mut moved = Vec::new();
+    // what each joint moves; a turn is taken into the angle, so that its own sines serve as they are
+    let (mut moved, mut values) = (Vec::new(), Vec::new());
+    // joints whose readings come in steps: place among these, and variance over that of the row's variable
+    let (mut stepped, mut factors) = (Vec::new(), Vec::new());
     for (joint, (described, quantum)) in device.joints.iter().zip(quanta).enumerate() {
         let own = readings(joint)?;
-        let (values, slopes) = values_and_slopes(device, joint, own)?;
-        let outputs = own.iter().zip(values);
-        let angle = outputs.map(|(reading, value)| reading + value + described.home_rad);
+        let (errors, slopes) = values_and_slopes(device, joint, own)?;
+        let link = device.links.get(joint + 1)?;
+        let (parameter, turned_rad, value) = match described.joint_type {
+            JointType::Revolute => (Parameter::Theta, link.theta_rad, 0.0),
+            JointType::Prismatic => (Parameter::D, 0.0, link.d_m),
+        };
+        moved.push((joint + 1, parameter));
+        values.push(value);
+        let outputs = own.iter().zip(errors);
+        let angle =
+            outputs.map(|(reading, error)| reading + error + described.home_rad + turned_rad);
         angles.push(angle.collect::<Vec<f64>>());
         if quantum != 0.0 {
             let square = |slope: f64| slope * slope * quantum;
+            stepped.push(joint);
             factors.push(slopes.into_iter().map(square).collect::<Vec<f64>>());
-            moved.push(match described.joint_type {
-                JointType::Revolute => (joint + 1, Parameter::Theta),
-                JointType::Prismatic => (joint + 1, Parameter::D),
-            });
         }
     }
     let model = cable_model(device, index, &moved)?;
     let (distances_m, weights) = (vec![0.0; rows.len()], vec![1.0; rows.len()]);
-    let poses = PoseBatch::new(
-        model.motions(),
-        &angles,
-        &distances_m,
-        &weights,
-        Sines::EachPass,
-    );
-    let poses = poses.ok()?;
-    let all: Vec<usize> = (0..moved.len()).collect();
+    let poses = PoseBatch::new(model.motions(), &angles, &distances_m, &weights).ok()?;
     let mut variances = vec![0.0; rows.len()];
-    let problem = DistanceProblem::new(&model, &poses).ok()?;
-    let visited = problem.visit(&model.start(), &all, |tile| {
+    let visited = poses.visit(&model, &values, &stepped, |tile| {
         let own = tile.first_pose()..tile.first_pose() + tile.residuals().len();
         for (derivatives, factors) in tile.derivatives().zip(&factors) {
             let into = variances[own.clone()].iter_mut();

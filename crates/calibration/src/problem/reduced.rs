@@ -7,7 +7,7 @@ use haptical_identification::{
 };
 
 use crate::problem::gathered::GatheredRows;
-use crate::problem::lanes::all_rows::{ChannelTriangle, Lanes, as_rows};
+use crate::problem::lanes::all_rows::{ChannelTriangle, Lanes};
 use crate::problem::lanes::plan::seen_columns;
 use crate::problem::sink::Sink;
 use crate::{Channel, DeviceProblem};
@@ -73,7 +73,7 @@ impl<'p> ReducedProblem<'p> {
         let triangles = self.triangles(parameters, free)?;
         let channels = self.problem.channels().zip(triangles);
         let spread = |(channel, own): (Channel, ChannelTriangle)| {
-            let rows = as_rows(&own.triangle);
+            let rows = own.triangle.as_rows();
             let mut matrix = Matrix::zeros(rows.rows(), free.len());
             for (&column, &of) in own.columns.iter().zip(&own.of) {
                 matrix.column_mut(column).copy_from_slice(rows.column(of));
@@ -217,7 +217,7 @@ impl TriangleProblem for ReducedProblem<'_> {
         };
         let zeros = vec![0.0; free.len() + 1];
         for channel in &channels {
-            let rows = as_rows(&channel.triangle);
+            let rows = channel.triangle.as_rows();
             let mut columns = vec![&zeros[..rows.rows()]; free.len()];
             for (&own, &column) in channel.of.iter().zip(&channel.columns) {
                 columns[column] = rows.column(own);

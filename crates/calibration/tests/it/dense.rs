@@ -21,7 +21,7 @@ impl TriangleProblem for Dense<'_> {
         into: &mut Triangle,
     ) -> Result<(), IdentificationError> {
         let count = free.len();
-        into.clear(count);
+        *into = Triangle::new(count);
         let mut zeros = Vec::new();
         let mut refused = None;
         self.0.visit(parameters, free, |rows| {

@@ -12,3 +12,4 @@ mod nalgebra_oracle;
 mod planted;
 mod refusals;
 mod support;
+mod triangles;

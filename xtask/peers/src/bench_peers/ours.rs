@@ -3,15 +3,12 @@
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
-use haptical_batch::{
-    DistanceModel, PoseBatch, Sines, Threads, solve_distances, solve_distances_warm,
-};
 use haptical_calibration::{
     CalibrationMethod, Channel, DeviceProblem, Options, ReducedProblem, Weighting, Weights,
     fit_kinematics,
 };
 use haptical_identification::{Fit, Method, Settings, solve};
-use haptical_model::ParameterId;
+use haptical_model::Recording;
 use rayon::ThreadPool;
 
 use super::contender::{Answer, Contender};
@@ -23,15 +20,14 @@ pub(crate) const COLD: &str = "ours";
 pub(crate) const WARM: &str = "ours, warm start";
 
 /// Every way of ours to the solution: family, name.
-const SOLVERS: [(&str, &str, Solver); 5] = [
+const SOLVERS: [(&str, &str, Solver); 4] = [
     (COLD, "solve, in lanes", in_lanes),
     (
         WARM,
-        "solve, in lanes, after every 16th block",
+        "solve, in lanes, after every 16th pose",
         in_lanes_warm,
     ),
     (COLD, "solve, all rows", all_rows),
-    (COLD, "solve, reduced", reduced),
     (COLD, "step 2, with rank and intervals", step_two),
 ];
 
@@ -72,13 +68,19 @@ impl<'d> Task<'d> {
         }
     }
 
-    fn problem(&self) -> Result<DeviceProblem<'_>> {
-        let DataSet {
-            nominal, recording, ..
-        } = self.set;
-        let (channels, free) = (&self.channels, &self.set.free);
+    fn problem<'p>(&'p self, recording: &'p Recording) -> Result<DeviceProblem<'p>> {
+        let (nominal, channels, free) = (&self.set.nominal, &self.channels, &self.set.free);
         let problem = DeviceProblem::new(nominal, recording, channels, free, &self.weights)?;
         Ok(problem)
+    }
+
+    fn solve_in_lanes(&self, problem: &DeviceProblem<'_>, start: &[f64]) -> Result<Fit> {
+        let settings = Settings {
+            method: Method::GaussNewton,
+            ..self.settings
+        };
+        let reduced = ReducedProblem::new(problem);
+        Ok(solve(&reduced, start, &self.free, &settings)?)
     }
 }
 
@@ -100,93 +102,10 @@ fn timed<P>(
     })
 }
 
-/// Joint angles from the readings, without transmissions: the sets have none.
-fn angles_rad(set: &DataSet) -> Vec<Vec<f64>> {
-    let joints = set.nominal.joints.iter().zip(&set.recording.joint);
-    joints
-        .map(|(joint, column)| {
-            column
-                .iter()
-                .map(|reading| reading + joint.home_rad)
-                .collect()
-        })
-        .collect()
-}
-
-/// All poses at once, reduced tile by tile. The sines of the readings belong to the solution: the peers work
-/// theirs out as well.
-fn lanes(
-    task: &Task<'_>,
-    solve: impl Fn(&DistanceModel, &PoseBatch, &[f64]) -> Result<Fit>,
-) -> Result<Search> {
-    let set = task.set;
-    let device = &set.nominal;
-    timed(
-        || {
-            let chosen: Vec<_> = set
-                .free
-                .iter()
-                .filter_map(|id| match id {
-                    ParameterId::Link { row, parameter } => Some((*row, *parameter)),
-                    _ => None,
-                })
-                .collect();
-            let motions = device.motions();
-            let model = DistanceModel::new(device.convention, &device.links, &motions, [0.0; 3])?;
-            let distances_m = set.recording.cable_m.first().and_then(Option::as_ref);
-            let distances_m = distances_m.context("no distances")?;
-            let weights = vec![1.0 / set.sd_m; distances_m.len()];
-            Ok((
-                model.with_parameters(&chosen)?,
-                angles_rad(set),
-                distances_m,
-                weights,
-            ))
-        },
-        |(model, angles, distances_m, weights)| {
-            let motions = model.motions();
-            let poses = PoseBatch::new(motions, angles, distances_m, weights, Sines::Cached)?;
-            let fit = solve(model, &poses, &model.start())?;
-            Ok((fit.cost, fit.iterations))
-        },
-    )
-}
-
-/// As Ceres is given a trust region that never binds, ours takes undamped steps.
-fn undamped(task: &Task<'_>) -> Settings {
-    Settings {
-        method: Method::GaussNewton,
-        ..task.settings
-    }
-}
-
-fn in_lanes(task: &Task<'_>) -> Result<Search> {
-    lanes(task, |model, poses, start| {
-        let (free, settings) = (&task.free, &undamped(task));
-        Ok(solve_distances(
-            model,
-            poses,
-            start,
-            free,
-            settings,
-            Threads::Several,
-        )?)
-    })
-}
-
-/// The same, from the solution of every 16th block of 4096 poses.
-fn in_lanes_warm(task: &Task<'_>) -> Result<Search> {
-    lanes(task, |model, poses, start| {
-        let (free, settings) = (&task.free, &undamped(task));
-        let threads = Threads::Several;
-        Ok(solve_distances_warm(model, poses, start, free, settings, threads, 16)?.fit)
-    })
-}
-
 /// The whole derivative matrix is held.
 fn all_rows(task: &Task<'_>) -> Result<Search> {
     timed(
-        || task.problem(),
+        || task.problem(&task.set.recording),
         |problem| {
             let fit = solve(problem, &problem.start(), &task.free, &task.settings)?;
             Ok((fit.cost, fit.iterations))
@@ -194,13 +113,28 @@ fn all_rows(task: &Task<'_>) -> Result<Search> {
     )
 }
 
-/// It is reduced to a triangle on the way.
-fn reduced(task: &Task<'_>) -> Result<Search> {
+/// All poses at once in lanes, reduced to a triangle on the way. The sines of the readings belong to the solution: the
+/// peers work theirs out as well. As Ceres is given a trust region that never binds, ours takes undamped steps.
+fn in_lanes(task: &Task<'_>) -> Result<Search> {
     timed(
-        || task.problem(),
+        || task.problem(&task.set.recording),
         |problem| {
-            let (reduced, start) = (ReducedProblem::new(problem), problem.start());
-            let fit = solve(&reduced, &start, &task.free, &task.settings)?;
+            let fit = task.solve_in_lanes(problem, &problem.start())?;
+            Ok((fit.cost, fit.iterations))
+        },
+    )
+}
+
+/// The same, from the solution of every 16th pose, which are picked before the time begins.
+fn in_lanes_warm(task: &Task<'_>) -> Result<Search> {
+    let recording = &task.set.recording;
+    let every: Vec<usize> = (0..recording.len()).step_by(16).collect();
+    let part = recording.select(&every);
+    timed(
+        || Ok((task.problem(recording)?, task.problem(&part)?)),
+        |(problem, part)| {
+            let warm = task.solve_in_lanes(part, &part.start())?;
+            let fit = task.solve_in_lanes(problem, &warm.parameters)?;
             Ok((fit.cost, fit.iterations))
         },
     )

@@ -1,8 +1,9 @@
 //! Arms of any number of joints, with poses and distances made by formula.
 
 use anyhow::Result;
-use haptical_batch::{DistanceModel, PoseBatch, Sines};
-use haptical_model::kinematics::{Chain, Convention, Link, Motion, distance_m};
+use haptical_calibration::{Channel, DeviceProblem, Weights};
+use haptical_model::kinematics::{Convention, Link};
+use haptical_model::{Cable, Device, Evaluation, Joint, Parameter, ParameterId, Recording};
 use xtask_blind::Random;
 
 /// Standard deviation of a distance \[m\], the paper's.
@@ -11,11 +12,10 @@ const SD_M: f64 = 9.87e-6;
 /// An arm a little off its nominal values.
 #[derive(Debug)]
 pub(crate) struct Arm {
-    pub(crate) model: DistanceModel,
-    truth: Vec<Link>,
-    motions: Vec<Motion>,
+    pub(crate) nominal: Device,
+    truth: Device,
     /// Parameters that distances can fix: all but alpha, d and theta of the first row and the last alpha.
-    pub(crate) free: Vec<usize>,
+    pub(crate) free: Vec<ParameterId>,
 }
 
 impl Arm {
@@ -35,77 +35,66 @@ impl Arm {
                 b_m: 0.0,
             });
         }
-        let mut motions = vec![Motion::Revolute; joints + 1];
-        motions[0] = Motion::Fixed;
-        let last_twist = 4 * joints + 1;
-        let free: Vec<usize> = (0..4 * (joints + 1))
-            .filter(|index| ![1, 2, 3, last_twist].contains(index))
-            .collect();
+        let last_twist = ParameterId::Link {
+            row: joints,
+            parameter: Parameter::Alpha,
+        };
+        let mut nominal = Device::new(
+            Convention::Standard,
+            nominal,
+            vec![Joint::default(); joints],
+        );
+        nominal.cables.push(Cable {
+            distance_sd_m: Some(SD_M),
+            ..Cable::default()
+        });
+        let mut free = nominal.link_parameters(false);
+        free.retain(|id| *id != last_twist);
+        free.drain(1..4);
         let mut truth = nominal.clone();
-        for &index in &free {
-            let link = &mut truth[index / 4];
-            let off = 1e-3 * random.normal();
-            match index % 4 {
-                0 => link.a_m += off,
-                1 => link.alpha_rad += off,
-                2 => link.d_m += off,
-                _ => link.theta_rad += off,
-            }
+        for id in &free {
+            id.set(&mut truth, id.value(&nominal) + 1e-3 * random.normal());
         }
-        let model = DistanceModel::new(Convention::Standard, &nominal, &motions, [0.0; 3])?;
         Ok(Self {
-            model,
+            nominal,
             truth,
-            motions,
             free,
         })
     }
 
-    /// Hands `poses` poses to `each`: joint angles \[rad\] and the measured distance \[m\].
-    pub(crate) fn record(
-        &self,
-        poses: usize,
-        seed: u64,
-        mut each: impl FnMut(&[f64], f64) -> Result<()>,
-    ) -> Result<()> {
-        let chain = Chain::new(Convention::Standard, &self.truth, &self.motions)?;
+    /// Poses and their measured distances.
+    pub(crate) fn record(&self, poses: usize, seed: u64) -> Result<Recording> {
         let mut random = Random::new(seed, 1);
-        let mut angles = vec![0.0; self.motions.len() - 1];
+        let mut evaluation = Evaluation::new(&self.truth);
+        let mut angles = vec![0.0; self.truth.joints.len()];
+        let mut joint = vec![Vec::with_capacity(poses); angles.len()];
+        let mut distances_m = Vec::with_capacity(poses);
         for _ in 0..poses {
-            for angle in &mut angles {
+            for (angle, column) in angles.iter_mut().zip(&mut joint) {
                 *angle = 0.6 * random.normal_within(2.0);
+                column.push(*angle);
             }
-            let pose = chain.pose(&angles)?;
-            let distance = distance_m(&pose.position_m, &[0.0; 3].into())?;
-            each(&angles, distance + SD_M * random.normal())?;
+            evaluation.move_to(&angles)?;
+            let distance_m = evaluation.pose()?.position_m.norm();
+            distances_m.push(distance_m + SD_M * random.normal());
         }
-        Ok(())
+        Ok(Recording {
+            line: (2..).take(poses).collect(),
+            output: vec![None; joint.len()],
+            torque_nm: vec![None; joint.len()],
+            cable_m: vec![Some(distances_m)],
+            joint,
+            ..Recording::default()
+        })
     }
 
-    /// The poses in memory.
-    pub(crate) fn batch(&self, poses: usize, seed: u64) -> Result<PoseBatch> {
-        let mut joints = vec![Vec::with_capacity(poses); self.motions.len() - 1];
-        let mut distances_m = Vec::with_capacity(poses);
-        self.record(poses, seed, |angles, distance| {
-            for (joint, angle) in joints.iter_mut().zip(angles) {
-                joint.push(*angle);
-            }
-            distances_m.push(distance);
-            Ok(())
-        })?;
-        let weights = vec![weight(); poses];
-        let sines = Sines::Cached;
-        Ok(PoseBatch::new(
-            &self.motions,
-            &joints,
-            &distances_m,
-            &weights,
-            sines,
+    /// The problem of identifying the parameters from the distances.
+    pub(crate) fn problem<'a>(&'a self, recording: &'a Recording) -> Result<DeviceProblem<'a>> {
+        let channels = [Channel::Cable { index: 0 }];
+        let weights = Weights::stated(&self.nominal, &channels);
+        let (device, free) = (&self.nominal, &self.free);
+        Ok(DeviceProblem::new(
+            device, recording, &channels, free, &weights,
         )?)
     }
-}
-
-/// One over the standard deviation of a distance \[1/m\].
-pub(crate) fn weight() -> f64 {
-    1.0 / SD_M
 }

@@ -7,9 +7,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::Result;
-use haptical_batch::{PoseBatch, Threads, solve_distances};
-use haptical_identification::{Method, Settings};
+use haptical_calibration::ReducedProblem;
+use haptical_identification::{Method, Settings, solve};
 use haptical_linalg::{Matrix, RANK_TOLERANCE, Reduction};
+use haptical_model::Recording;
 use haptical_report::{Cell, Column, Figure, FigureGrid, Mark, Series, Table};
 use xtask_output::{Layout, Output, Progress};
 
@@ -96,21 +97,22 @@ fn flops(joints: usize, parameters: usize) -> f64 {
 }
 
 /// Least time of one fit \[s\], and its steps.
-fn fit_s(arm: &Arm, poses: &PoseBatch, threads: usize) -> Result<(f64, usize)> {
+fn fit_s(arm: &Arm, recording: &Recording, threads: usize) -> Result<(f64, usize)> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let settings = Settings {
         method: Method::GaussNewton,
         cost_tolerance: 1e-8,
         ..Settings::default()
     };
+    let problem = arm.problem(recording)?;
+    let free: Vec<usize> = (0..arm.free.len()).collect();
     pool.build()?.install(|| {
+        let reduced = ReducedProblem::new(&problem);
         let (mut least, mut steps) = (f64::INFINITY, 0);
         let begin = Instant::now();
         while begin.elapsed().as_secs_f64() < REPEATED_S {
             let from = Instant::now();
-            let start = arm.model.start();
-            let several = Threads::Several;
-            let fit = solve_distances(&arm.model, poses, &start, &arm.free, &settings, several)?;
+            let fit = solve(&reduced, &problem.start(), &free, &settings)?;
             least = least.min(from.elapsed().as_secs_f64());
             steps = fit.iterations;
         }
@@ -138,7 +140,7 @@ fn poses_section(
     let mut table = Table::new("Time over the number of poses, 28 parameters", columns);
     let mut points = Vec::new();
     for poses in HELD {
-        let batch = arm.batch(poses, seed)?;
+        let batch = arm.record(poses, seed)?;
         let (one_s, steps) = fit_s(&arm, &batch, 1)?;
         let (two_s, _) = fit_s(&arm, &batch, 2)?;
         points.push((poses as f64, one_s));
@@ -189,7 +191,7 @@ fn parameters_section(
     let mut points = Vec::new();
     for joints in ARMS {
         let arm = Arm::new(joints, seed)?;
-        let batch = arm.batch(ARM_POSES, seed)?;
+        let batch = arm.record(ARM_POSES, seed)?;
         let (one_s, steps) = fit_s(&arm, &batch, 1)?;
         let each_s = one_s / (steps + 1) as f64;
         points.push((arm.free.len() as f64, each_s));

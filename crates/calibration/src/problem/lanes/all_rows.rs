@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use haptical_identification::{Matrix, Triangle};
+use haptical_identification::Triangle;
 use rayon::prelude::*;
 
 use crate::DeviceProblem;
@@ -87,7 +87,7 @@ impl Lanes {
         let mut totals = blocks.next()?;
         for block in blocks {
             for (total, triangle) in totals.iter_mut().zip(&block) {
-                merge(total, triangle)?;
+                total.merge(triangle).ok()?;
             }
         }
         let channels = pass.channels.into_iter().zip(totals);
@@ -107,27 +107,4 @@ pub(crate) struct ChannelTriangle {
     /// Which of the triangle's columns each is.
     pub(crate) of: Vec<usize>,
     pub(crate) triangle: Triangle,
-}
-
-/// A triangle as rows: one more than it has columns of derivatives, the last column the residuals.
-pub(crate) fn as_rows(triangle: &Triangle) -> Matrix {
-    let count = triangle.columns();
-    let mut rows = Matrix::zeros(count + 1, count + 1);
-    for column in 0..count {
-        for (row, entry) in rows.column_mut(column)[..=column].iter_mut().enumerate() {
-            *entry = triangle.entry(row, column);
-        }
-    }
-    let last = rows.column_mut(count);
-    last[..count].copy_from_slice(triangle.projected());
-    last[count] = triangle.rest_square().sqrt();
-    rows
-}
-
-/// Folds a triangle's rows into another of the same columns.
-fn merge(total: &mut Triangle, triangle: &Triangle) -> Option<()> {
-    let rows = as_rows(triangle);
-    let count = triangle.columns();
-    let columns: Vec<&[f64]> = (0..count).map(|column| rows.column(column)).collect();
-    total.fold_rows(&columns, rows.column(count)).ok()
 }

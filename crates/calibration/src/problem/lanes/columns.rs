@@ -37,9 +37,24 @@ impl CableColumns {
         plan: &CablePlan,
         joints: &[JointPlan],
         parameters: &[ParameterId],
-        chosen: impl Iterator<Item = usize>,
+        chosen: impl ExactSizeIterator<Item = usize>,
     ) -> Option<Self> {
-        let (mut entries, mut distinct, mut of) = (Vec::new(), Vec::new(), Vec::new());
+        if plan.variables.iter().all(Option::is_none) {
+            // of the chain alone: no two are equal
+            let own = |parameter| plan.links.iter().position(|each| *each == Some(parameter));
+            let entries: Vec<usize> = chosen.map(own).collect::<Option<_>>()?;
+            return Some(Self {
+                distinct: (0..entries.len()).map(ColumnSource::Entry).collect(),
+                products: 0,
+                of: (0..entries.len()).collect(),
+                entries,
+            });
+        }
+        let mut entries = Vec::with_capacity(chosen.len());
+        let (mut distinct, mut of) = (
+            Vec::with_capacity(chosen.len()),
+            Vec::with_capacity(chosen.len()),
+        );
         for parameter in chosen {
             let (wanted, term) = match parameters.get(parameter)? {
                 ParameterId::Transmission { joint, index } => {

@@ -4,7 +4,6 @@ pub(crate) mod all_rows;
 pub(crate) mod cable;
 pub(crate) mod capstan;
 pub(crate) mod columns;
-pub(crate) mod distances;
 pub(crate) mod pass;
 pub(crate) mod plan;
 pub(crate) mod transmission;

@@ -1,6 +1,6 @@
 //! One block of rows in lanes: errors, angles and distances, and every channel's columns made of them.
 
-use haptical_batch::{DistanceProblem, PoseBatch, Sines, TileRows};
+use haptical_batch::{PoseBatch, TileRows};
 use haptical_model::ParameterId;
 
 use crate::DeviceProblem;
@@ -230,12 +230,11 @@ impl<'l> Pass<'l> {
             for (joint, into) in all.iter_mut().enumerate() {
                 variables(joint, into);
             }
-            let (motions, sines) = (plan.model.motions(), Sines::Cached);
-            let made = PoseBatch::new(motions, &all, &part.measured, &part.weights, sines);
+            let motions = plan.model.motions();
+            let made = PoseBatch::new(motions, &all, &part.measured, &part.weights);
             poses[channel] = Some(made.ok()?);
         }
         let poses = poses[channel].as_ref()?;
-        let problem = DistanceProblem::new(&plan.model, poses).ok()?;
         vector.clone_from(&plan.values);
         for (value, parameter) in vector.iter_mut().zip(&plan.links) {
             if let Some(parameter) = parameter {
@@ -250,44 +249,46 @@ impl<'l> Pass<'l> {
         } = &self.channels[channel];
         let cable = cable.as_ref()?;
         let mut is_sound = Some(());
-        let tiles = problem.visit(vector, &cable.entries, |tile: &TileRows<'_>| {
-            let rows = tile.residuals().len();
-            let along: Vec<&[f64]> = tile.derivatives().collect();
-            let products = at_least(products, cable.products * rows);
-            let mut into = products.chunks_exact_mut(rows);
-            for source in &cable.distinct {
-                if let ColumnSource::Product {
-                    entry,
-                    joint,
-                    index,
-                } = *source
-                    && let Some(into) = into.next()
-                {
-                    let slopes = &derivatives(&block.errors[joint], &errors[joint])[index];
-                    part.multiply(slopes, along[entry], tile.first_pose(), into);
+        let tiles = poses.visit(
+            &plan.model,
+            vector,
+            &cable.entries,
+            |tile: &TileRows<'_>| {
+                let rows = tile.residuals().len();
+                let along: Vec<&[f64]> = tile.derivatives().collect();
+                let products = at_least(products, cable.products * rows);
+                let mut into = products.chunks_exact_mut(rows);
+                for source in &cable.distinct {
+                    if let ColumnSource::Product {
+                        entry,
+                        joint,
+                        index,
+                    } = *source
+                        && let Some(into) = into.next()
+                    {
+                        let slopes = &derivatives(&block.errors[joint], &errors[joint])[index];
+                        part.multiply(slopes, along[entry], tile.first_pose(), into);
+                    }
                 }
-            }
-            let mut made = products.chunks_exact(rows);
-            let derivatives: Vec<&[f64]> = cable
-                .distinct
-                .iter()
-                .filter_map(|source| match source {
+                let mut made = products.chunks_exact(rows);
+                let mut derivatives = Vec::with_capacity(cable.distinct.len());
+                derivatives.extend(cable.distinct.iter().filter_map(|source| match source {
                     ColumnSource::Entry(entry) => Some(along[*entry]),
                     ColumnSource::Product { .. } => made.next(),
-                })
-                .collect();
-            let first = part.first + tile.first_pose();
-            if is_sound.is_some() {
-                is_sound = visit(&PartRows {
-                    channel,
-                    first,
-                    columns,
-                    of,
-                    derivatives: &derivatives,
-                    residuals: tile.residuals(),
-                });
-            }
-        });
+                }));
+                let first = part.first + tile.first_pose();
+                if is_sound.is_some() {
+                    is_sound = visit(&PartRows {
+                        channel,
+                        first,
+                        columns,
+                        of,
+                        derivatives: &derivatives,
+                        residuals: tile.residuals(),
+                    });
+                }
+            },
+        );
         tiles.ok()?;
         is_sound
     }

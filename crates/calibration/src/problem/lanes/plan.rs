@@ -247,7 +247,9 @@ pub(crate) fn seen_columns(problem: &DeviceProblem<'_>, free: &[usize]) -> Vec<V
     let parameters = problem.parameters;
     let seen = |channel: Channel| {
         let sees = |&position: &usize| channel.can_see(parameters[free[position]]);
-        (0..free.len()).filter(sees).collect()
+        let mut columns = Vec::with_capacity(free.len());
+        columns.extend((0..free.len()).filter(sees));
+        columns
     };
     problem.channels().map(seen).collect()
 }

@@ -3,13 +3,11 @@
 use std::hint::black_box;
 
 use anyhow::{Context, Result};
-use haptical_batch::{
-    DistanceModel, DistanceProblem, PoseBatch, ReducedDistance, Sines, Threads, TileRows, Triangle,
-    solve_distances,
-};
-use haptical_identification::{Method, Settings};
-use haptical_linalg::{Matrix, Reduction};
-use haptical_model::ParameterId;
+use haptical_batch::{DistanceModel, PoseBatch, TileRows};
+use haptical_calibration::{Channel, DeviceProblem, ReducedProblem, Weights};
+use haptical_identification::{Method, Settings, TriangleProblem, solve};
+use haptical_linalg::{Matrix, Reduction, Triangle};
+use haptical_model::{Device, ParameterId, Recording};
 use haptical_simulator::simulate;
 use xtask_paper::{Paper, Scenario, nominal_device};
 
@@ -23,22 +21,14 @@ const FIT_POSES: usize = 200;
 const COLUMNS: usize = 28;
 const SEED: u64 = 1;
 
-pub(crate) const WORKLOADS: [Workload; 6] = [
+pub(crate) const WORKLOADS: [Workload; 5] = [
     Workload {
         name: "derivatives-cached",
         what: "residuals and 28 derivatives of distances, sines held",
         unit: "pose",
         units: POSES as u64,
         is_long: false,
-        prepare: || derivatives(Sines::Cached),
-    },
-    Workload {
-        name: "derivatives-with-sines",
-        what: "the same, sines worked out in the pass",
-        unit: "pose",
-        units: POSES as u64,
-        is_long: false,
-        prepare: || derivatives(Sines::EachPass),
+        prepare: derivatives,
     },
     Workload {
         name: "pass-cached",
@@ -66,7 +56,7 @@ pub(crate) const WORKLOADS: [Workload; 6] = [
     },
     Workload {
         name: "fit-200-poses",
-        what: "the 28-parameter fit of 200 poses from the nominal values, sines included",
+        what: "the 28-parameter fit of a problem of 200 poses from the nominal values, its lanes and sines included",
         unit: "pose",
         units: FIT_POSES as u64,
         is_long: false,
@@ -76,12 +66,12 @@ pub(crate) const WORKLOADS: [Workload; 6] = [
 
 /// Distances of the paper's simulated device without transmission errors.
 struct Distances {
-    model: DistanceModel,
-    joints: Vec<Vec<f64>>,
-    distances_m: Vec<f64>,
-    weights: Vec<f64>,
-    free: Vec<usize>,
+    nominal: Device,
+    recording: Recording,
+    parameters: Vec<ParameterId>,
 }
+
+const CHANNELS: [Channel; 1] = [Channel::Cable { index: 0 }];
 
 impl Distances {
     fn simulate(poses: usize) -> Result<Self> {
@@ -92,58 +82,67 @@ impl Distances {
             truth.transmission_error = joint.transmission_error.clone();
         }
         let recording = simulate(&scenario.truth, &scenario.settings, poses, SEED)?;
-        let mut chosen = Vec::new();
-        for row in &paper.table3 {
-            if let ParameterId::Link { row, parameter } = nominal.parameter(&row.name)? {
-                chosen.push((row, parameter));
-            }
-        }
-        let motions = nominal.motions();
-        let model = DistanceModel::new(nominal.convention, &nominal.links, &motions, [0.0; 3])?;
-        let sd_m = nominal.cable_sd_m(0).context("the cable has no sd")?;
-        let joints = nominal.joints.iter().zip(&recording.joint);
-        let distances_m = recording.cable_m.first().cloned().flatten();
+        let ids = paper.table3.iter().map(|row| nominal.parameter(&row.name));
         Ok(Self {
-            free: (0..chosen.len()).collect(),
-            model: model.with_parameters(&chosen)?,
-            joints: joints
-                .map(|(joint, column)| column.iter().map(|angle| angle + joint.home_rad).collect())
-                .collect(),
-            distances_m: distances_m.context("no distances")?,
-            weights: vec![1.0 / sd_m; poses],
+            parameters: ids.collect::<Result<_, _>>()?,
+            nominal: scenario.nominal,
+            recording,
         })
-    }
-
-    fn batch(&self, sines: Sines) -> Result<PoseBatch> {
-        let (motions, weights) = (self.model.motions(), &self.weights);
-        Ok(PoseBatch::new(
-            motions,
-            &self.joints,
-            &self.distances_m,
-            weights,
-            sines,
-        )?)
     }
 }
 
-fn derivatives(sines: Sines) -> Result<Job> {
-    let data = Distances::simulate(POSES)?;
-    let (batch, start) = (data.batch(sines)?, data.model.start());
+fn derivatives() -> Result<Job> {
+    let Distances {
+        nominal,
+        recording,
+        parameters,
+    } = Distances::simulate(POSES)?;
+    let motions = nominal.motions();
+    let chosen: Vec<_> = parameters
+        .iter()
+        .filter_map(|id| match *id {
+            ParameterId::Link { row, parameter } => Some((row, parameter)),
+            _ => None,
+        })
+        .collect();
+    let model = DistanceModel::new(nominal.convention, &nominal.links, &motions, [0.0; 3])?;
+    let model = model.with_parameters(&chosen)?;
+    let sd_m = nominal.cable_sd_m(0).context("the cable has no sd")?;
+    let joints = nominal.joints.iter().zip(&recording.joint);
+    let joints: Vec<Vec<f64>> = joints
+        .map(|(joint, column)| column.iter().map(|angle| angle + joint.home_rad).collect())
+        .collect();
+    let distances_m = recording.cable_m.first().cloned().flatten();
+    let distances_m = distances_m.context("no distances")?;
+    let batch = PoseBatch::new(&motions, &joints, &distances_m, &vec![1.0 / sd_m; POSES])?;
+    let (start, free): (_, Vec<usize>) = (model.start(), (0..chosen.len()).collect());
     Ok(Box::new(move || {
-        let rows = DistanceProblem::new(&data.model, &batch)?;
         let see = |tile: &TileRows<'_>| {
             black_box(tile.residuals());
         };
-        Ok(rows.visit(&start, &data.free, see)?)
+        Ok(batch.visit(&model, &start, &free, see)?)
     }))
 }
 
+/// The problem of a simulated device, kept for as long as the process that counts.
+fn problem(poses: usize) -> Result<&'static DeviceProblem<'static>> {
+    let data: &'static Distances = Box::leak(Box::new(Distances::simulate(poses)?));
+    let (device, recording) = (&data.nominal, &data.recording);
+    let weights = Weights::stated(device, &CHANNELS);
+    let problem = DeviceProblem::new(device, recording, &CHANNELS, &data.parameters, &weights)?;
+    Ok(Box::leak(Box::new(problem)))
+}
+
 fn pass() -> Result<Job> {
-    let data = Distances::simulate(POSES)?;
-    let (batch, start) = (data.batch(Sines::Cached)?, data.model.start());
+    let problem = problem(POSES)?;
+    let (reduced, start) = (ReducedProblem::new(problem), problem.start());
+    let free: Vec<usize> = (0..start.len()).collect();
+    // the lanes hold the sines from the first pass on
+    reduced.reduce_into(&start, &free, &mut Triangle::default())?;
     Ok(Box::new(move || {
-        let reduced = ReducedDistance::new(&data.model, &batch, Threads::One)?;
-        black_box(reduced.reduce(&start, &data.free, Triangle::cost)?);
+        let mut triangle = Triangle::default();
+        reduced.reduce_into(&start, &free, &mut triangle)?;
+        black_box(triangle);
         Ok(())
     }))
 }
@@ -175,8 +174,7 @@ fn dense_reduction() -> Result<Job> {
 }
 
 fn fit() -> Result<Job> {
-    let data = Distances::simulate(FIT_POSES)?;
-    let start = data.model.start();
+    let problem = problem(FIT_POSES)?;
     let settings = Settings {
         method: Method::GaussNewton,
         cost_tolerance: 1e-10,
@@ -185,11 +183,9 @@ fn fit() -> Result<Job> {
         ..Settings::default()
     };
     Ok(Box::new(move || {
-        let batch = data.batch(Sines::Cached)?;
-        let (model, one) = (&data.model, Threads::One);
-        black_box(solve_distances(
-            model, &batch, &start, &data.free, &settings, one,
-        )?);
+        let (reduced, start) = (ReducedProblem::new(problem), problem.start());
+        let free: Vec<usize> = (0..start.len()).collect();
+        black_box(solve(&reduced, &start, &free, &settings)?);
         Ok(())
     }))
 }
