@@ -1,7 +1,7 @@
 //! `haptical diagnose --list`: the effects that can be named, as a table or as JSON.
 
 use haptical_effects::{Parameter, Spec, specs};
-use haptical_report::{Column, Table};
+use haptical_report::Table;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -56,9 +56,8 @@ fn entry(spec: &'static Spec) -> Entry {
 }
 
 fn table() -> Result<Table, Failure> {
-    let columns = ["effect", "enters", "parameters", "meaning"];
-    let columns = columns.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new("", columns);
+    let columns = "effect | enters | parameters | meaning";
+    let mut table = Table::with_heads("", columns);
     for spec in specs() {
         let parameters: Vec<String> = spec.parameters.iter().map(with_unit).collect();
         table.push(vec![

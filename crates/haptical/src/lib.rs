@@ -1,7 +1,8 @@
-//! The front door: loads devices and logs, identifies, diagnoses and plans, and writes what the command writes.
+//! The front door: loads devices and logs, checks, identifies, diagnoses and plans, and writes what the command writes.
 //!
 #![doc = include_str!("../README.md")]
 
+mod check;
 mod device;
 mod diagnose;
 mod error;
@@ -28,6 +29,7 @@ pub use haptical_simulator as simulator;
 pub use haptical_transmission as transmission;
 pub use haptical_urdf as urdf;
 
+pub use check::{Checked, CheckedChannel, CheckedDevice, CheckedJoint, CheckedLog, check};
 pub use device::{Device, Equipment, InputDrumDenominators, is_urdf, refuse_other_device};
 pub use diagnose::{Cause, Diagnose, Diagnosed, diagnose, diagnose_as};
 pub use error::{Error, ErrorKind, Place};
@@ -45,7 +47,7 @@ pub mod prelude {
     pub use crate::diagnosis::Verdict;
     pub use crate::identification::Status;
     pub use crate::{
-        Cause, Device, Diagnose, Diagnosed, Equipment, Error, ErrorKind, Found, Identify, Log,
-        Planned, diagnose, identify, plan,
+        Cause, Checked, Device, Diagnose, Diagnosed, Equipment, Error, ErrorKind, Found, Identify,
+        Log, Planned, check, diagnose, identify, plan,
     };
 }

@@ -7,7 +7,7 @@ use haptical_calibration::{
 };
 use haptical_metrics::rms;
 use haptical_model::{Device, Parameter, ParameterId};
-use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
+use haptical_report::{Cell, Figure, Mark, Series, Table};
 use haptical_simulator::{Settings, simulate, true_poses};
 use rand::RngExt;
 use rayon::prelude::*;
@@ -79,19 +79,9 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
          tried.",
         FOUND_M * 1e6
     ));
-    let columns = [
-        ("start wrong by", ""),
-        ("size", ""),
-        ("found by one search", "%"),
-        ("wrong and told", "%"),
-        ("wrong, silent", "%"),
-        ("doubted", "%"),
-        ("found with random places", "%"),
-        ("wrong and told", "%"),
-        ("wrong, silent", "%"),
-    ];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new("Starts and what was reached", columns);
+    let columns = "start wrong by | size | found by one search [%] | wrong and told [%] | wrong, silent [%] | doubted \
+             [%] | found with random places [%] | wrong and told [%] | wrong, silent [%]";
+    let mut table = Table::with_heads("Starts and what was reached", columns);
     let nominal = nominal(Rig::Cable, Errors::Gaussian)?;
     let mut curves: Vec<Curves> = Vec::new();
     let (mut silent, mut all, mut lost, mut gained) = (0, 0, 0, 0);

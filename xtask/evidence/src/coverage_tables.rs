@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use haptical_metrics::{binomial_two_sided_p, holm_adjusted, wilson_interval};
-use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
+use haptical_report::{Cell, Figure, Mark, Series, Table};
 use xtask_output::Output;
 
 use super::intervals::{LEVEL, POSTURES, Quantity, TRIALS};
@@ -23,23 +23,9 @@ pub(super) fn report(
         .map(|quantity| binomial_two_sided_p(quantity.held, quantity.devices, LEVEL))
         .collect::<Result<Vec<f64>, _>>()?;
     let adjusted = holm_adjusted(&p_values)?;
-    let columns = [
-        ("trial", ""),
-        ("poses", ""),
-        ("quantities", ""),
-        ("devices", ""),
-        ("failed", ""),
-        ("with held weak parameters", ""),
-        ("mean coverage", "%"),
-        ("lowest", "%"),
-        ("of", ""),
-        ("highest", "%"),
-        ("of", ""),
-        ("least p, corrected", ""),
-        ("rejected", ""),
-    ];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new("Coverage of 95 % intervals", columns);
+    let columns = "trial | poses | quantities | devices | failed | with held weak parameters | mean coverage [%] | \
+             lowest [%] | of | highest [%] | of | least p, corrected | rejected";
+    let mut table = Table::with_heads("Coverage of 95 % intervals", columns);
     let share = |quantity: &Quantity| 100.0 * quantity.held as f64 / quantity.devices as f64;
     for (index, trial) in TRIALS.iter().enumerate() {
         let own: Vec<usize> = (0..quantities.len())

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Result, anyhow};
 use haptical_identification::{Convergence, Problem, Settings};
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use xtask_output::Output;
 
 use set::judge::{Outcome, run};
@@ -106,22 +106,9 @@ impl Run<'_> {
 }
 
 fn table(runs: &[Run<'_>], tables: &Tables) -> Result<Table> {
-    let columns = [
-        "problem",
-        "parameters",
-        "residuals",
-        "start",
-        "sum of squares",
-        "known sum",
-        "MINPACK's",
-        "offset",
-        "steps",
-        "evaluations",
-        "the solver says",
-        "judged",
-    ];
-    let columns = columns.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new("Moré, Garbow & Hillstrom, default settings", columns);
+    let columns = "problem | parameters | residuals | start | sum of squares | known sum | MINPACK's | offset | steps | \
+             evaluations | the solver says | judged";
+    let mut table = Table::with_heads("Moré, Garbow & Hillstrom, default settings", columns);
     for run in runs {
         let (instance, outcome) = (run.instance, &run.outcome);
         let (parameters, residuals) = (instance.start.len(), instance.residual_count());

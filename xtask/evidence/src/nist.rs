@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Result, anyhow};
 use haptical_identification::Settings;
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use xtask_output::Output;
 
 use set::digits::{CERTIFIED_DIGITS, Score};
@@ -54,18 +54,9 @@ fn start_tables(output: &mut Output, problems: &[Certified], settings: &Settings
 }
 
 fn table(title: &str, problems: &[Certified], scores: &[Score]) -> Result<Table> {
-    let columns = [
-        "problem",
-        "parameters",
-        "digits of parameters",
-        "of standard deviations",
-        "of the sum",
-        "steps",
-        "evaluations",
-        "the solver says",
-    ];
-    let columns = columns.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new(title, columns);
+    let columns = "problem | parameters | digits of parameters | of standard deviations | of the sum | steps | \
+             evaluations | the solver says";
+    let mut table = Table::with_heads(title, columns);
     for (problem, score) in problems.iter().zip(scores) {
         table.push(vec![
             score.name.into(),

@@ -10,7 +10,7 @@ use haptical_calibration::{
 use haptical_identification::{Convergence, Settings, Status, solve};
 use haptical_metrics::{position_errors_m, rms};
 use haptical_model::{Device, ParameterId, Recording};
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use haptical_simulator::true_poses;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
@@ -53,21 +53,10 @@ pub(super) fn section(output: &mut Output) -> Result<()> {
          {POSES} others, without noise.",
         TRACKER_SD_M * 1e3
     ));
-    let columns = [
-        ("parallel joints", ""),
-        ("true twist", "mrad"),
-        ("plain search says", ""),
-        ("its largest angle error", "mrad"),
-        ("its largest length error", "mm"),
-        ("rank of 24, nominal", ""),
-        ("said of d3", ""),
-        ("d3's interval", ""),
-        ("largest error over interval", ""),
-        ("error at unseen postures, ours", "mm"),
-        ("plain", "mm"),
-    ];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new("Parallel joints", columns);
+    let columns = "parallel joints | true twist [mrad] | plain search says | its largest angle error [mrad] | its \
+             largest length error [mm] | rank of 24, nominal | said of d3 | d3's interval | largest error over \
+             interval | error at unseen postures, ours [mm] | plain [mm]";
+    let mut table = Table::with_heads("Parallel joints", columns);
     let (mut named, mut honest, mut as_good) = (true, true, true);
     for count in [2, 3] {
         for (number, twist_rad) in TWISTS_RAD.into_iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use serde::Serialize;
 
 use super::recorded::{ChannelErrors, Recorded};
@@ -72,9 +72,8 @@ impl Written {
             "Errors, root mean square over the {} of {} rows on the page",
             self.rows_shown, self.rows
         );
-        let columns = ["channel", "unit", "readings", "nominal", "calibrated"];
-        let columns = columns.map(|name| Column::new(name, "")).to_vec();
-        let mut table = Table::new(title, columns);
+        let columns = "channel | unit | readings | nominal | calibrated";
+        let mut table = Table::with_heads(title, columns);
         for channel in &self.channels {
             let shown = Shown::fine(channel.unit);
             table.push(vec![

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use haptical_calibration::Options;
 use haptical_identification::Method;
-use haptical_report::{Block, Column, Table};
+use haptical_report::{Block, Table};
 use serde::{Deserialize, Serialize};
 
 use super::{Fingerprint, InputFile, NewFile};
@@ -214,8 +214,8 @@ impl Record {
     /// # Errors
     /// A fault of this library alone.
     pub fn table(&self) -> Result<Block, Error> {
-        let columns = vec![Column::new("what", ""), Column::new("value", "")];
-        let mut table = Table::new("", columns);
+        let columns = "what | value";
+        let mut table = Table::with_heads("", columns);
         for (what, value) in self.lines()? {
             table.push(vec![what.into(), value.into()])?;
         }

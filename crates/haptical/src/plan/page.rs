@@ -2,7 +2,7 @@
 
 use haptical_design::{NextPoses, ParameterStatus};
 use haptical_identification::Status;
-use haptical_report::{Block, Cell, Column, Document, HeatCell, HeatMap, Section, Table};
+use haptical_report::{Block, Cell, Document, HeatCell, HeatMap, Section, Table};
 
 use super::{Planned, text};
 use crate::error::Error;
@@ -84,14 +84,8 @@ pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
 }
 
 fn predicted(next: &NextPoses) -> Result<Table, Error> {
-    let columns = [
-        ("parameter", ""),
-        ("unit", ""),
-        ("plausible size", ""),
-        ("standard deviation", ""),
-    ];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new("What the chosen poses will tell", columns);
+    let columns = "parameter | unit | plausible size | standard deviation";
+    let mut table = Table::with_heads("What the chosen poses will tell", columns);
     for parameter in &next.parameters {
         table.push(vec![
             parameter.name.as_str().into(),

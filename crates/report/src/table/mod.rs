@@ -55,6 +55,25 @@ impl Table {
         }
     }
 
+    /// A table without rows; heads are separated by `|`, a unit in brackets ends one.
+    ///
+    /// # Examples
+    /// ```
+    /// use haptical_report::{Column, Table};
+    /// let table = Table::with_heads("Joint offsets", "joint | offset [mrad]");
+    /// assert_eq!(table.columns, [Column::new("joint", ""), Column::new("offset", "mrad")]);
+    /// ```
+    pub fn with_heads(title: impl Into<String>, heads: &str) -> Self {
+        let column = |head: &str| match head.trim().strip_suffix(']') {
+            Some(head) => {
+                let (name, unit) = head.rsplit_once('[').unwrap_or((head, ""));
+                Column::new(name.trim_end(), unit)
+            }
+            None => Column::new(head.trim(), ""),
+        };
+        Self::new(title, heads.split('|').map(column).collect())
+    }
+
     /// Adds a row.
     ///
     /// # Errors

@@ -19,7 +19,7 @@ use xtask_paper::{
 };
 
 use self::choice::{CANDIDATES, Counted, choose, information};
-use self::shown::{ErrorM, columns, figure, push, verdict};
+use self::shown::{ErrorM, HEADS, figure, push, verdict};
 use self::whole::fit_at_once;
 use super::rigs::generator;
 
@@ -125,7 +125,7 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
     let progress = Progress::new("poses", 1 + (WAYS.len() + 1) * TRIED.len());
     let random = accuracy(&scenario, &paper, None, RANDOM, runs)?;
     progress.step();
-    let mut table = Table::new("Chosen poses", columns());
+    let mut table = Table::with_heads("Chosen poses", HEADS);
     push(&mut table, "random", RANDOM, &random, &random)?;
     let mut curves = Vec::new();
     for (name, spread, criterion, counted) in WAYS {

@@ -1,30 +1,15 @@
 //! Chosen poses as a table, verdicts and pictures.
 
 use anyhow::Result;
-use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
+use haptical_report::{Cell, Figure, Mark, Series, Table};
 use xtask_output::Output;
 
 use super::choice::Counted;
 use super::{Accuracy, Apart, BAR, RANDOM};
 
-pub(super) fn columns() -> Vec<Column> {
-    let columns = [
-        ("poses are", ""),
-        ("poses", ""),
-        ("position", "um"),
-        ("over 200 random", ""),
-        ("distance", "um"),
-        ("over 200 random", ""),
-        ("position, one fit", "um"),
-        ("over 200 random", ""),
-        ("position, one fit, joint 4 as seen", "um"),
-        ("over 200 random", ""),
-        ("position, transmissions known", "um"),
-        ("over 200 random", ""),
-        ("parameters, transmissions known, over 200 random", ""),
-    ];
-    columns.map(|(name, unit)| Column::new(name, unit)).to_vec()
-}
+pub(super) const HEADS: &str = "poses are | poses | position [um] | over 200 random | distance [um] | over 200 random | position, one \
+    fit [um] | over 200 random | position, one fit, joint 4 as seen [um] | over 200 random | position, \
+    transmissions known [um] | over 200 random | parameters, transmissions known, over 200 random";
 
 /// Geometric mean over the parameters of the rms error over that of the random poses.
 fn ratio(found: &Apart, random: &Apart) -> f64 {

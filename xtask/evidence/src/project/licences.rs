@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
 use cargo_metadata::MetadataCommand;
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use spdx::{Expression, LicenseReq};
 use xtask_output::Output;
 
@@ -52,9 +52,8 @@ pub(crate) fn section(output: &mut Output) -> Result<()> {
         let name = format!("{} {}", package.name, package.version);
         licences.entry(licence).or_default().push(name);
     }
-    let columns = [("licence", ""), ("packages", ""), ("allowed", "")];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new(
+    let columns = "licence | packages | allowed";
+    let mut table = Table::with_heads(
         "Licences of all dependencies, those of tests and jobs included",
         columns,
     );

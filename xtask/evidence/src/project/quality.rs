@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 use cargo_metadata::{MetadataCommand, Target};
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use serde::Deserialize;
 use xtask_output::Output;
 
@@ -151,10 +151,8 @@ pub(crate) fn coverage(output: &mut Output, out: &Path) -> Result<()> {
     };
     let libraries = libraries()?;
     let report = measure_coverage(&libraries, &std::path::absolute(out.join("coverage"))?)?;
-    let columns = ["crate", "lines", "covered", "percent"]
-        .map(|name| Column::new(name, ""))
-        .to_vec();
-    let mut table = Table::new(
+    let columns = "crate | lines | covered | percent";
+    let mut table = Table::with_heads(
         "Lines of the library crates that their unit and integration tests run",
         columns,
     );
@@ -262,16 +260,8 @@ pub(crate) fn mutants(output: &mut Output, out: &Path) -> Result<()> {
     };
     let text = std::fs::read_to_string(crate::root().join(EXPLAINED)).context(EXPLAINED)?;
     let explained: Survivors = toml::from_str(&text).context(EXPLAINED)?;
-    let columns = [
-        "crate",
-        "mutants",
-        "caught",
-        "timed out",
-        "missed",
-        "not built",
-    ];
-    let columns = columns.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new(
+    let columns = "crate | mutants | caught | timed out | missed | not built";
+    let mut table = Table::with_heads(
         "Every second mutant, tested with the crate's own tests",
         columns,
     );

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use haptical_diagnosis::{Diagnosis, Verdict, plausible_range};
 use haptical_model::Device;
-use haptical_report::{Cell, Column, Figure, FigureGrid, Mark, Series, Table};
+use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table};
 use xtask_output::{Output, Progress};
 
 use super::gap_kinds::{CABLE_NOISE, KINDS, Kind};
@@ -109,21 +109,10 @@ fn plausible(kind: &Kind, size: f64, nominal: &Device) -> &'static str {
 }
 
 fn table(clean: &Found, all: &[Explained], nominal: &Device) -> Result<Table> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Effects that would account for the authors' percentage",
-        [
-            ("effect", ""),
-            ("size that gives it", ""),
-            ("plausible", ""),
-            ("at rest before, after", "mm"),
-            ("RMS", "mm"),
-            ("peak", "mm"),
-            ("with the cable's speed", "%"),
-            ("diagnosis", ""),
-            ("its size, 95 %", ""),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "effect | size that gives it | plausible | at rest before, after [mm] | RMS [mm] | peak [mm] | \
+                  with the cable's speed [%] | diagnosis | its size, 95 %",
     );
     let mut row: Vec<Cell> = vec!["none".into(), "".into(), "".into()];
     row.extend(effect_on_figure10(clean)?);

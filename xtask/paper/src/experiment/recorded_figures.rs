@@ -1,7 +1,7 @@
 //! Figures 9 and 10 and Tables 4 and 5 of one recorded motion.
 
 use anyhow::{Context, Result};
-use haptical_report::{Cell, Column, Figure, FigureGrid, Mark, Series, Table};
+use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table};
 
 use super::recorded::{Instant, Recorded};
 use super::truth::power_series;
@@ -100,22 +100,10 @@ pub(crate) fn figure10(recorded: &Recorded, scenario: &Scenario) -> Result<Figur
 
 /// Table 4: the capstans, identified again, with intervals.
 pub(crate) fn table4(recorded: &Recorded, paper: &Paper) -> Result<Table> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Table 4: capstans, identified from the motion of the device that the authors identified",
-        [
-            ("capstan", ""),
-            ("R_e", ""),
-            ("95 %", ""),
-            ("paper", ""),
-            ("r_o", "mm"),
-            ("95 %", "mm"),
-            ("paper", "mm"),
-            ("r_i", "mm"),
-            ("paper", "mm"),
-            ("correlation of R_e and r_o", ""),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "capstan | R_e | 95 % | paper | r_o [mm] | 95 % [mm] | paper [mm] | r_i [mm] | paper [mm] | \
+                  correlation of R_e and r_o",
     );
     for joint in 0..3 {
         let Some(found) = recorded.run.capstan(joint) else {
@@ -158,18 +146,9 @@ pub(crate) fn polynomial_difference_rad(recorded: &Recorded, paper: &Paper) -> R
 
 /// Table 5: the kinematic deviations with intervals beside those of the truth.
 pub(crate) fn table5(recorded: &Recorded, scenario: &Scenario, paper: &Paper) -> Result<Table> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Table 5: kinematic deviations, identified from the motion",
-        [
-            ("parameter", ""),
-            ("unit", ""),
-            ("paper (the truth here)", ""),
-            ("identified", ""),
-            ("95 % interval", ""),
-            ("holds the truth", ""),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "parameter | unit | paper (the truth here) | identified | 95 % interval | holds the truth",
     );
     for (name, truth) in &paper.table5 {
         let angle = name.starts_with("alpha") || name.starts_with("theta");

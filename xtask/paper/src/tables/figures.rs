@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use haptical_metrics::rms;
-use haptical_report::{Cell, Column, Figure, FigureGrid, Mark, Series, Table, histogram};
+use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table, histogram};
 
 use crate::monte_carlo::{FarFromHome, MonteCarlo, PoseSummary};
 use crate::published::Paper;
@@ -59,15 +59,9 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
                 .fold(0.0_f64, |most, error| most.max(error.abs())),
         ))
     };
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Figure 7: curves of the parallelogram's error within +-40 deg",
-        [
-            ("curves", ""),
-            ("rms difference", "mrad"),
-            ("largest", "mrad"),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "curves | rms difference [mrad] | largest [mrad]",
     );
     for (name, (mean, most)) in [
         (
@@ -179,21 +173,10 @@ pub(crate) fn far_from_home(run: &Run) -> Figure {
 /// Root mean squares of Figure 8 for one seed and over all runs.
 pub(crate) fn pose_table(run: &Run, runs: &MonteCarlo) -> Result<Table> {
     let one = PoseSummary::new(&run.pose)?;
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Figure 8 in figures: RMS at 200 other poses",
-        [
-            ("error", ""),
-            ("unit", ""),
-            ("before", ""),
-            ("after", ""),
-            ("improvement", "%"),
-            ("runs: before", ""),
-            ("runs: after", ""),
-            ("runs: improvement", "%"),
-            ("95 % of runs", "%"),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "error | unit | before | after | improvement [%] | runs: before | runs: after | runs: \
+                  improvement [%] | 95 % of runs [%]",
     );
     type Pick = fn(&PoseSummary) -> f64;
     let rows: [(&str, &str, Pick, Pick); 5] = [
@@ -256,18 +239,10 @@ pub(crate) fn pose_table(run: &Run, runs: &MonteCarlo) -> Result<Table> {
 /// runs, whether both intervals are above zero, the share of poses beyond 8 mm in percent, and how
 /// far out those are (percent of poses that are nearer to home).
 pub(crate) fn far_from_home_table(runs: &MonteCarlo) -> Result<(Table, bool, f64, f64)> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Errors before calibration grow with the distance from home",
-        [
-            ("error", ""),
-            ("distance from home", ""),
-            ("rank correlation", ""),
-            ("95 % of runs", ""),
-            ("paper's limit", ""),
-            ("poses beyond it", "%"),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "error | distance from home | rank correlation | 95 % of runs | paper's limit | poses beyond it \
+                  [%]",
     );
     type Pick = fn(&FarFromHome) -> f64;
     let rows: [(&str, &str, Pick, &str, Pick); 4] = [

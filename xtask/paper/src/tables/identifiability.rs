@@ -4,7 +4,7 @@ use anyhow::Result;
 use haptical_calibration::{Channel, Weights, candidate_parameters, identifiability_at};
 use haptical_identification::{Identifiability, IdentifiabilityRules, Status};
 use haptical_model::{Device, Parameter, ParameterId, Recording, TransmissionError};
-use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
+use haptical_report::{Cell, Figure, Mark, Series, Table};
 use haptical_simulator::simulate;
 
 use crate::scenario::Scenario;
@@ -30,16 +30,9 @@ pub(crate) fn judge(scenario: &Scenario, solution: &Device, seed: u64) -> Result
         .iter_mut()
         .for_each(|reading| *reading = 0.0);
     let six_joints = at(&scenario.nominal, &locked)?;
-    let mut cases = Table::new(
+    let mut cases = Table::with_heads(
         "What distances can show",
-        [
-            ("case", ""),
-            ("rank", ""),
-            ("of", ""),
-            ("not identifiable, with the reason", ""),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "case | rank | of | not identifiable, with the reason",
     );
     for (name, judged) in [
         ("nominal device", &nominal),
@@ -97,16 +90,9 @@ fn reasons(judged: &Identifiability) -> Vec<String> {
 
 /// All 32 parameters with status and standard deviation.
 fn list(judged: &Identifiability) -> Result<Table> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "All 32 Denavit-Hartenberg parameters at the nominal device",
-        [
-            ("parameter", ""),
-            ("status", ""),
-            ("sd of 200 poses", "mm or mrad"),
-            ("reason", ""),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "parameter | status | sd of 200 poses [mm or mrad] | reason",
     );
     for (index, name) in judged.names.iter().enumerate() {
         let status = &judged.statuses[index];
@@ -147,19 +133,10 @@ fn singular_values(nominal: &Identifiability, six_joints: &Identifiability) -> F
 /// Schroer's claim: of a planar parallelogram's five parameters (four lengths and an angle) only one
 /// length is identifiable.
 fn schroer(scenario: &Scenario) -> Result<Table> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "The parallelogram's parameters, seen by an external encoder",
-        [
-            ("free parameters", ""),
-            ("readings within", "deg"),
-            ("rank", ""),
-            ("of", ""),
-            ("condition number", ""),
-            ("weak (sd above half of a plausible size)", ""),
-            ("dependent", ""),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "free parameters | readings within [deg] | rank | of | condition number | weak (sd above half of \
+                  a plausible size) | dependent",
     );
     let mut device = scenario.nominal.clone();
     device.joints[3].transmission_error = TransmissionError::Parallelogram {

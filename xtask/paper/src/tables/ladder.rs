@@ -9,7 +9,7 @@ use haptical_report::{Cell, Figure, Mark, Series, Table};
 use haptical_simulator::simulate;
 use xtask_output::Progress;
 
-use super::sweeps::{Seeds, columns};
+use super::sweeps::Seeds;
 use crate::monte_carlo::{PoseSummary, Spread};
 use crate::pose_error::PoseErrors;
 use crate::run::{evaluation_readings, step_one, step_two};
@@ -21,18 +21,10 @@ pub(crate) fn ladder(
     seeds: Seeds,
     progress: &Progress,
 ) -> Result<(Table, Figure)> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "What each correction buys, on 200 other poses",
-        columns(&[
-            ("calibration", ""),
-            ("distance", "mm rms"),
-            ("improvement", "%"),
-            ("95 % of runs", "%"),
-            ("position", "mm rms"),
-            ("improvement", "%"),
-            ("orientation", "mrad rms"),
-            ("improvement", "%"),
-        ]),
+        "calibration | distance [mm rms] | improvement [%] | 95 % of runs [%] | position [mm rms] | \
+                  improvement [%] | orientation [mrad rms] | improvement [%]",
     );
     let mut bars = Vec::new();
     let mut categories = Vec::new();

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use haptical_metrics::chi_square_p_value;
 use haptical_model::Device;
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use serde_json::json;
 use xtask_output::{Output, Progress};
 
@@ -105,18 +105,9 @@ fn gain(before: f64, after: f64) -> f64 {
 pub(crate) fn table1(output: &mut Output, results: &Results) -> Result<()> {
     output.section("Table 1: Denavit-Hartenberg parameters");
     let nominal = &results.scenario.nominal;
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Table 1",
-        [
-            ("row", ""),
-            ("a", "mm"),
-            ("alpha", "deg"),
-            ("paper's alpha", "deg"),
-            ("d", "mm"),
-            ("home of theta", "deg"),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "row | a [mm] | alpha [deg] | paper's alpha [deg] | d [mm] | home of theta [deg]",
     );
     let mut agree = true;
     for (row, link) in nominal.links.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use haptical_model::Device;
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use haptical_simulator::{CableSigma, Noise, Sampling};
 use xtask_output::Progress;
 
@@ -95,22 +95,11 @@ pub(crate) fn table(
     seeds: Seeds,
     progress: &Progress,
 ) -> Result<Table> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Sensitivity: one assumption at a time",
-        [
-            ("assumption changed", ""),
-            ("distance improvement", "%"),
-            ("position before", "mm rms"),
-            ("after", "mm rms"),
-            ("orientation before", "mrad rms"),
-            ("after", "mrad rms"),
-            ("lowest median I", "%"),
-            ("of", ""),
-            ("I of at least 97 %", "of 28"),
-            ("not identified in some run", ""),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "assumption changed | distance improvement [%] | position before [mm rms] | after [mm rms] | \
+                  orientation before [mrad rms] | after [mrad rms] | lowest median I [%] | of | I of at least 97 \
+                  % [of 28] | not identified in some run",
     );
     for (name, change) in VARIATIONS {
         let mut scenario = Scenario::paper(nominal.clone(), paper, false)?;

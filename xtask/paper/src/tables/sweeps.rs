@@ -6,7 +6,7 @@ use haptical_calibration::{
 };
 use haptical_identification::{Method, Settings as Search};
 use haptical_metrics::{median, rms};
-use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
+use haptical_report::{Cell, Figure, Mark, Series, Table};
 use haptical_simulator::{simulate, simulate_transmission};
 use rayon::prelude::*;
 use xtask_output::Progress;
@@ -32,28 +32,16 @@ impl Seeds {
     }
 }
 
-pub(crate) fn columns(names: &[(&str, &str)]) -> Vec<Column> {
-    names
-        .iter()
-        .map(|(name, unit)| Column::new(*name, *unit))
-        .collect()
-}
-
 /// Polynomial degrees 4 to 14: error of the identified curve against the true one.
 pub(crate) fn degrees(
     scenario: &Scenario,
     seeds: Seeds,
     progress: &Progress,
 ) -> Result<(Table, Figure)> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Degree of the parallelogram's polynomial",
-        columns(&[
-            ("degree", ""),
-            ("median curve error within +-40 deg", "urad rms"),
-            ("median curve error within +-45 deg", "urad rms"),
-            ("median condition of raw monomials", ""),
-            ("chosen by BIC", "% of seeds"),
-        ]),
+        "degree | median curve error within +-40 deg [urad rms] | median curve error within +-45 deg \
+                  [urad rms] | median condition of raw monomials | chosen by BIC [% of seeds]",
     );
     let chosen = seeds.map(|seed| chosen_degree(scenario, seed))?;
     let (mut inner, mut outer) = (Vec::new(), Vec::new());
@@ -167,16 +155,10 @@ pub(crate) fn poses(
     seeds: Seeds,
     progress: &Progress,
 ) -> Result<(Table, Figure)> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Number of poses for step 2",
-        columns(&[
-            ("poses", ""),
-            ("distance improvement", "%"),
-            ("position after", "mm rms"),
-            ("lowest median I", "%"),
-            ("of parameter", ""),
-            ("parameters with median I of at least 97 %", "of 28"),
-        ]),
+        "poses | distance improvement [%] | position after [mm rms] | lowest median I [%] | of parameter \
+                  | parameters with median I of at least 97 % [of 28]",
     );
     let (mut weakest, mut distances) = (Vec::new(), Vec::new());
     for poses in [50, 100, 200, 300, 500, 1000] {
@@ -270,16 +252,11 @@ pub(crate) fn methods(
     seeds: Seeds,
     progress: &Progress,
 ) -> Result<Table> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Search method against the size of the deviations",
-        columns(&[
-            ("deviations", "times Table 3"),
-            ("Gauss-Newton: reached the minimum", "% of seeds"),
-            ("steps, median", ""),
-            ("Levenberg-Marquardt: reached the minimum", "% of seeds"),
-            ("steps, median", ""),
-            ("largest initial distance error", "mm"),
-        ]),
+        "deviations [times Table 3] | Gauss-Newton: reached the minimum [% of seeds] | steps, median | \
+                  Levenberg-Marquardt: reached the minimum [% of seeds] | steps, median | largest initial \
+                  distance error [mm]",
     );
     for scale in [1.0, 2.0, 3.0, 5.0, 10.0] {
         let mut cells = vec![Cell::number(scale, 0)];

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use haptical_metrics::parameter_improvement_percent;
-use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
+use haptical_report::{Cell, Figure, Mark, Series, Table};
 
 use super::verdict::Verdict;
 use crate::monte_carlo::{MonteCarlo, Spread};
@@ -70,25 +70,11 @@ pub(crate) struct Table2 {
     pub(crate) chi_squares: Vec<f64>,
 }
 
-const COLUMNS: [(&str, &str); 13] = [
-    ("parameter", ""),
-    ("unit", ""),
-    ("assigned", ""),
-    ("paper", ""),
-    ("paper I", "%"),
-    ("recomputed", "%"),
-    ("ours, one seed", ""),
-    ("I", "%"),
-    ("median I", "%"),
-    ("95 % of runs", "%"),
-    ("Cramer-Rao sd", ""),
-    ("paper's z", ""),
-    ("possible here?", ""),
-];
+const HEADS: &str = "parameter | unit | assigned | paper | paper I [%] | recomputed [%] | ours, one seed | I [%] | median \
+    I [%] | 95 % of runs [%] | Cramer-Rao sd | paper's z | possible here?";
 
 pub(crate) fn table2(paper: &Paper, run: &Run, runs: &MonteCarlo, title: &str) -> Result<Table2> {
-    let columns = COLUMNS.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new(title, columns);
+    let mut table = Table::with_heads(title, HEADS);
     let (mut ours, mut theirs, mut categories) = (Vec::new(), Vec::new(), Vec::new());
     let mut possible = 0;
     for (index, row) in rows(paper).iter().enumerate() {

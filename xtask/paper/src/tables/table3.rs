@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use haptical_metrics::{chi_square_p_value, parameter_improvement_percent};
 use haptical_model::Device;
-use haptical_report::{Cell, Column, Figure, Mark, Series, Table};
+use haptical_report::{Cell, Figure, Mark, Series, Table};
 
 use super::verdict::Verdict;
 use crate::monte_carlo::{MonteCarlo, Spread, chi_square};
@@ -92,23 +92,9 @@ impl Ours {
     }
 }
 
-const COLUMNS: [(&str, &str); 15] = [
-    ("parameter", ""),
-    ("unit", ""),
-    ("assigned", ""),
-    ("paper", ""),
-    ("paper I", "%"),
-    ("recomputed", "%"),
-    ("ours, one seed", ""),
-    ("I", "%"),
-    ("two steps: median I", "%"),
-    ("95 % of runs", "%"),
-    ("angles known: median I", "%"),
-    ("95 % of runs", "%"),
-    ("Cramer-Rao sd", ""),
-    ("paper's z", ""),
-    ("possible here?", ""),
-];
+const HEADS: &str = "parameter | unit | assigned | paper | paper I [%] | recomputed [%] | ours, one seed | I [%] | two \
+    steps: median I [%] | 95 % of runs [%] | angles known: median I [%] | 95 % of runs [%] | Cramer-Rao \
+    sd | paper's z | possible here?";
 
 pub(crate) fn table3(
     paper: &Paper,
@@ -122,8 +108,7 @@ pub(crate) fn table3(
         .enumerate()
         .map(|(index, row)| Ours::new(row, index, nominal, run, runs))
         .collect::<Result<_>>()?;
-    let columns = COLUMNS.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new("Table 3: kinematic parameters", columns);
+    let mut table = Table::with_heads("Table 3: kinematic parameters", HEADS);
     for (row, ours) in paper.table3.iter().zip(&rows) {
         table.push(ours.cells(row)?)?;
     }

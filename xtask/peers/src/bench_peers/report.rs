@@ -4,9 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use haptical_metrics::median;
-use haptical_report::{
-    BarRow, BarRows, Block, Cell, Column, Document, Section, Table, write_atomically,
-};
+use haptical_report::{BarRow, BarRows, Block, Cell, Document, Section, Table, write_atomically};
 use serde_json::{Value, json};
 
 use super::agreement::COST_AGREEMENT;
@@ -88,18 +86,9 @@ impl Results {
 
 /// The pairs of one work.
 pub(crate) fn pairs(work: &str, comparisons: &[Comparison]) -> Result<Table> {
-    let columns = vec![
-        Column::new("ours", ""),
-        Column::new("other", ""),
-        Column::new("ours", "us"),
-        Column::new("other", "us"),
-        Column::new("other / ours", ""),
-        Column::new("interval", ""),
-        Column::new("confidence", "%"),
-        Column::new("rounds", ""),
-        Column::new("discarded", ""),
-    ];
-    let mut table = Table::new(format!("{work}: medians"), columns);
+    let columns = "ours | other | ours [us] | other [us] | other / ours | interval | confidence [%] | rounds | \
+             discarded";
+    let mut table = Table::with_heads(format!("{work}: medians"), columns);
     for each in comparisons.iter().filter(|each| each.work == work) {
         let time = |times_s: &[f64]| {
             let median_s = median(times_s).ok();
@@ -124,12 +113,8 @@ pub(crate) fn pairs(work: &str, comparisons: &[Comparison]) -> Result<Table> {
 
 /// Times of ours in the runs before the pairs, and a row for each peer that is missing.
 pub(crate) fn presence(results: &Results) -> Result<Table> {
-    let columns = vec![
-        Column::new("who", ""),
-        Column::new("work", ""),
-        Column::new("first times of ours", "us"),
-    ];
-    let mut table = Table::new("Who takes part", columns);
+    let columns = "who | work | first times of ours [us]";
+    let mut table = Table::with_heads("Who takes part", columns);
     for (work, ours, time_s) in &results.alone {
         let time = Cell::number(1e6 * time_s, 2);
         table.push(vec![ours.full().into(), work.as_str().into(), time])?;
@@ -147,15 +132,9 @@ pub(crate) fn presence(results: &Results) -> Result<Table> {
 }
 
 fn solutions(results: &Results) -> Result<Table> {
-    let columns = vec![
-        Column::new("work", ""),
-        Column::new("contender", ""),
-        Column::new("sum of squares", ""),
-        Column::new("above the lowest", "1"),
-        Column::new("steps", ""),
-        Column::new("construction", "us"),
-    ];
-    let mut table = Table::new("Solutions", columns);
+    let columns =
+        "work | contender | sum of squares | above the lowest [1] | steps | construction [us]";
+    let mut table = Table::with_heads("Solutions", columns);
     for each in &results.solutions {
         let same = results
             .solutions

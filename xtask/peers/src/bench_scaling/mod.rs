@@ -11,7 +11,7 @@ use haptical_calibration::ReducedProblem;
 use haptical_identification::{Method, Settings, solve};
 use haptical_linalg::{Matrix, RANK_TOLERANCE, Reduction};
 use haptical_model::Recording;
-use haptical_report::{Cell, Column, Figure, FigureGrid, Mark, Series, Table};
+use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table};
 use xtask_output::{Layout, Output, Progress};
 
 use arms::Arm;
@@ -127,17 +127,9 @@ fn poses_section(
     progress: &Progress,
 ) -> Result<Vec<(f64, f64)>> {
     let arm = Arm::new(JOINTS, seed)?;
-    let columns = [
-        ("poses", ""),
-        ("one thread", "ms"),
-        ("two threads", "ms"),
-        ("one over two", ""),
-        ("steps", ""),
-        ("each pose and pass", "ns"),
-        ("over the floor", ""),
-    ];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new("Time over the number of poses, 28 parameters", columns);
+    let columns = "poses | one thread [ms] | two threads [ms] | one over two | steps | each pose and pass [ns] | over \
+             the floor";
+    let mut table = Table::with_heads("Time over the number of poses, 28 parameters", columns);
     let mut points = Vec::new();
     for poses in HELD {
         let batch = arm.record(poses, seed)?;
@@ -178,16 +170,9 @@ fn parameters_section(
     peak: f64,
     progress: &Progress,
 ) -> Result<Vec<(f64, f64)>> {
-    let columns = [
-        ("joints", ""),
-        ("parameters", ""),
-        ("one thread", "ms"),
-        ("steps", ""),
-        ("each pose and pass", "ns"),
-        ("over the floor", ""),
-    ];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new("Time over the number of joints, 20 000 poses", columns);
+    let columns =
+        "joints | parameters | one thread [ms] | steps | each pose and pass [ns] | over the floor";
+    let mut table = Table::with_heads("Time over the number of joints, 20 000 poses", columns);
     let mut points = Vec::new();
     for joints in ARMS {
         let arm = Arm::new(joints, seed)?;

@@ -1,7 +1,7 @@
 //! Counts for people and as JSON.
 
 use anyhow::Result;
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use serde_json::{Value, json};
 
 use super::compare::{Comparison, Row, TOLERANCE_PERCENT};
@@ -66,17 +66,8 @@ impl Results<'_> {
     }
 
     fn table(&self) -> Result<Table> {
-        let columns = [
-            "workload",
-            "instructions",
-            "committed",
-            "ratio",
-            "each",
-            "of",
-            "",
-        ];
-        let columns = columns.map(|name| Column::new(name, "")).to_vec();
-        let mut table = Table::new("Instructions", columns);
+        let columns = "workload | instructions | committed | ratio | each | of | ";
+        let mut table = Table::with_heads("Instructions", columns);
         for (workload, count, row) in self.rows() {
             let committed = row.and_then(|row| row.committed).map(|count| count as f64);
             let ratio = committed.map(|committed| count as f64 / committed);

@@ -6,7 +6,7 @@ pub(crate) mod record;
 pub(crate) mod wrong;
 
 use anyhow::Result;
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 use serde_json::json;
 use xtask_blind::{Rate, TrialScore, summarise};
 use xtask_output::Output;
@@ -65,9 +65,8 @@ fn bars(output: &mut Output, measures: &[Measure]) -> Result<()> {
          shares by bootstrap over the trials.",
         judged.len()
     ));
-    let columns = ["of", "figure", "measured", "95 % interval", "bar", ""];
-    let columns = columns.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new("", columns);
+    let columns = "of | figure | measured | 95 % interval | bar | ";
+    let mut table = Table::with_heads("", columns);
     for one in measures {
         let bar = one.bar.map_or(String::new(), |bar| bar.words(&one.value));
         table.push(vec![
@@ -107,21 +106,9 @@ fn lines(measures: &[Measure]) -> String {
 
 fn suites(output: &mut Output, cases: &[Case]) -> Result<()> {
     output.section("Suites");
-    let names = [
-        "suite",
-        "what",
-        "trials",
-        "no answer",
-        "detected",
-        "named",
-        "right",
-        "wrong name alone",
-        "unknown",
-        "joint right",
-        "false causes",
-    ];
-    let columns = names.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new("", columns);
+    let heads = "suite | what | trials | no answer | detected | named | right | wrong name alone | unknown | joint right \
+                 | false causes";
+    let mut table = Table::with_heads("", heads);
     let mut present: Vec<&str> = cases.iter().map(|case| case.suite).collect();
     present.dedup();
     let mut summaries = Vec::new();
@@ -177,13 +164,8 @@ fn calibration(output: &mut Output, cases: &[Case]) -> Result<()> {
         "Stated probability of the first cause, or of unknown, against how often it was so, all suites.",
         &figures::reliability(&bins),
     )?;
-    let columns = vec![
-        Column::new("mean probability", ""),
-        Column::new("share that was so", ""),
-        Column::new("95 % interval", ""),
-        Column::new("answers", ""),
-    ];
-    let mut table = Table::new("", columns);
+    let columns = "mean probability | share that was so | 95 % interval | answers";
+    let mut table = Table::with_heads("", columns);
     for bin in &bins {
         let interval = bin
             .happened
@@ -234,13 +216,8 @@ fn parameters(output: &mut Output, cases: &[Case]) -> Result<()> {
         return Ok(());
     }
     output.section("Intervals of parameters");
-    let columns = vec![
-        Column::new("effect: parameter", ""),
-        Column::new("intervals that hold the truth", ""),
-        Column::new("of", ""),
-        Column::new("95 % interval", ""),
-    ];
-    let mut table = Table::new("", columns);
+    let columns = "effect: parameter | intervals that hold the truth | of | 95 % interval";
+    let mut table = Table::with_heads("", columns);
     for (name, rate) in &by_name {
         let interval = rate.ci95.map_or(Cell::Missing, |[low, high]| {
             Cell::interval(100.0 * low, 100.0 * high, 0)

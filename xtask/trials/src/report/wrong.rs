@@ -1,6 +1,6 @@
 //! The trials that were not answered rightly, each with what was said and how to run it again.
 
-use haptical_report::{Cell, Column, ReportError, Table};
+use haptical_report::{Cell, ReportError, Table};
 use xtask_blind::{Answer, TrialScore, Verdict};
 
 use crate::batch::Case;
@@ -83,9 +83,7 @@ pub(crate) fn table(
         .filter(|(fault, case)| wanted(case, *fault))
         .collect();
     found.sort_by_key(|(fault, _)| *fault);
-    let names = ["fault", "trial", "device", "truth", "verdict", "answer"];
-    let columns = names.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new(title, columns);
+    let mut table = Table::with_heads(title, "fault | trial | device | truth | verdict | answer");
     for (fault, case) in found {
         table.push(vec![
             fault.words().into(),

@@ -4,7 +4,7 @@ mod figures;
 mod tables;
 
 use haptical_diagnosis::{Diagnosis, Verdict};
-use haptical_report::{Block, Column, Document, Section, Table, Tone};
+use haptical_report::{Block, Document, Section, Table, Tone};
 
 use crate::diagnose::gap_file::GapFile;
 use crate::diagnose::words::{next_step, percent, place_sentence, verdict_mark, verdict_sentence};
@@ -171,8 +171,8 @@ fn unseen(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
 fn provenance(gap: &GapFile<'_>) -> Result<Block, Error> {
     let diagnosis = gap.diagnosis;
     let from = &diagnosis.provenance;
-    let columns = vec![Column::new("what", ""), Column::new("value", "")];
-    let mut table = Table::new("What the answer rests on", columns);
+    let columns = "what | value";
+    let mut table = Table::with_heads("What the answer rests on", columns);
     let mut row = |what: &str, value: String| table.push(vec![what.into(), value.into()]);
     row("rows", from.rows.to_string())?;
     if !diagnosis.held_out.is_empty() {

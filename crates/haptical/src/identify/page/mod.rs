@@ -7,7 +7,7 @@ mod transmission_figures;
 
 use haptical_calibration::{Calibration, ChannelReport};
 use haptical_model::{Device, Recording};
-use haptical_report::{Block, Cell, Column, Document, Section, Table};
+use haptical_report::{Block, Cell, Document, Section, Table};
 
 use super::result::Identified;
 use super::summary::{channel_table, force_sentence, judged_table};
@@ -117,8 +117,8 @@ fn residuals(result: &Identified) -> Result<Section, Error> {
 }
 
 fn provenance(result: &Identified) -> Result<Section, Error> {
-    let columns = vec![Column::new("what", ""), Column::new("value", "")];
-    let mut table = Table::new("What was fitted", columns);
+    let columns = "what | value";
+    let mut table = Table::with_heads("What was fitted", columns);
     let convergence = result.convergence.map_or_else(
         || "no parameter was fitted".to_owned(),
         |convergence| convergence.to_string(),
@@ -135,13 +135,8 @@ fn provenance(result: &Identified) -> Result<Section, Error> {
         table.push(vec![what.into(), value.into()])?;
     }
     let mut blocks = vec![result.provenance.table()?, Block::Table(table)];
-    let columns = vec![
-        Column::new("channel", ""),
-        Column::new("unit", ""),
-        Column::new("stated noise", ""),
-        Column::new("factor", ""),
-    ];
-    let mut noise = Table::new("Noise that the fit was weighted by", columns);
+    let columns = "channel | unit | stated noise | factor";
+    let mut noise = Table::with_heads("Noise that the fit was weighted by", columns);
     noise.notes = vec![
         "The factor is estimated from the residuals, 1 where the stated noise was taken."
             .to_owned(),

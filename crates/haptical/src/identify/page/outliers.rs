@@ -1,6 +1,6 @@
 //! The readings that a robust loss distrusts, row by row.
 
-use haptical_report::{Block, Cell, Column, Section, Table};
+use haptical_report::{Block, Cell, Section, Table};
 
 use crate::error::Error;
 use crate::identify::result::Identified;
@@ -40,14 +40,8 @@ pub(super) fn section(result: &Identified) -> Result<Section, Error> {
 }
 
 fn table(title: &str, result: &Identified, from: usize, to: usize) -> Result<Table, Error> {
-    let columns = [
-        ("line of the log", ""),
-        ("channel", ""),
-        ("residual", ""),
-        ("deviations", ""),
-    ];
-    let columns = columns.map(|(name, unit)| Column::new(name, unit)).to_vec();
-    let mut table = Table::new(title, columns);
+    let columns = "line of the log | channel | residual | deviations";
+    let mut table = Table::with_heads(title, columns);
     for outlier in &result.outliers[from..to] {
         let channel = outlier.channel.name();
         let mut reports = result.channels_fit.iter().chain(&result.channels);

@@ -1,6 +1,6 @@
 //! Tables of the parameters: identified, not identified, correlated.
 
-use haptical_report::{Block, Cell, Column, Table};
+use haptical_report::{Block, Cell, Table};
 
 use crate::error::Error;
 use crate::identify::intervals;
@@ -9,17 +9,9 @@ use crate::units::Shown;
 
 /// Values of all identified parameters with their intervals.
 pub(super) fn identified(result: &Identified) -> Result<Vec<Block>, Error> {
-    let columns = [
-        "parameter",
-        "unit",
-        "nominal",
-        "identified",
-        "deviation",
-        "standard deviation",
-        "95 % interval of the value",
-    ];
-    let columns = columns.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new("", columns);
+    let columns = "parameter | unit | nominal | identified | deviation | standard deviation | 95 % interval of the \
+             value";
+    let mut table = Table::with_heads("", columns);
     for entry in result
         .parameters
         .iter()
@@ -80,9 +72,8 @@ pub(super) fn not_identified(result: &Identified) -> Result<Vec<Block>, Error> {
         ));
         return Ok(blocks);
     }
-    let columns = ["parameter", "status", "why"];
-    let columns = columns.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new("Kept at the nominal value", columns);
+    let columns = "parameter | status | why";
+    let mut table = Table::with_heads("Kept at the nominal value", columns);
     for refused in &result.not_identified {
         table.push(vec![
             refused.name.as_str().into(),
@@ -105,9 +96,8 @@ pub(super) fn correlations(result: &Identified) -> Result<Vec<Block>, Error> {
         let none = "No two identified parameters are correlated above 0.95.".to_owned();
         return Ok(vec![Block::Paragraph(none)]);
     }
-    let columns = ["parameter", "and", "correlation"];
-    let columns = columns.map(|name| Column::new(name, "")).to_vec();
-    let mut table = Table::new("Correlations above 0.95", columns);
+    let columns = "parameter | and | correlation";
+    let mut table = Table::with_heads("Correlations above 0.95", columns);
     for (one, other, correlation) in &result.correlations_above_0_95 {
         table.push(vec![
             one.as_str().into(),

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use haptical_metrics::{median, quantile, rms};
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 
 use super::sample::{CONTROLLERS, Kind, Sample};
 use crate::monte_carlo::Spread;
@@ -13,22 +13,11 @@ fn largest(values: &[f64]) -> f64 {
 
 /// Over seeds: RMS and peak of the poses of each seed.
 pub(crate) fn over_seeds(kinds: &[Kind]) -> Result<Table> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "Transverse force of the virtual wall (2 N along the handle's z), 100 poses for each seed",
-        [
-            ("truth and loop", ""),
-            ("controller", ""),
-            ("RMS, median seed", "mN"),
-            ("RMS, 95 % of seeds", "mN"),
-            ("peak, median seed", "mN"),
-            ("peak, worst seed", "mN"),
-            ("RMS of nominal, median seed", "%"),
-            ("of nominal, 95 % of seeds", "%"),
-            ("of nominal, worst seed", "%"),
-            ("poses left out", "of 100"),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "truth and loop | controller | RMS, median seed [mN] | RMS, 95 % of seeds [mN] | peak, median \
+                  seed [mN] | peak, worst seed [mN] | RMS of nominal, median seed [%] | of nominal, 95 % of seeds \
+                  [%] | of nominal, worst seed [%] | poses left out [of 100]",
     );
     for kind in kinds {
         for (index, controller) in CONTROLLERS.iter().enumerate() {
@@ -68,21 +57,11 @@ pub(crate) fn over_seeds(kinds: &[Kind]) -> Result<Table> {
 
 /// Over poses, those of all seeds together.
 pub(crate) fn over_poses(kinds: &[Kind]) -> Result<Table> {
-    let mut table = Table::new(
+    let mut table = Table::with_heads(
         "The same pose by pose, the poses of all seeds together",
-        [
-            ("truth and loop", ""),
-            ("controller", ""),
-            ("median pose", "mN"),
-            ("95 % of poses below", "mN"),
-            ("worst pose", "mN"),
-            ("of nominal in that pose, median", "%"),
-            ("95 % of poses below", "%"),
-            ("of nominal, worst pose", "%"),
-            ("poses", ""),
-        ]
-        .map(|(name, unit)| Column::new(name, unit))
-        .to_vec(),
+        "truth and loop | controller | median pose [mN] | 95 % of poses below [mN] | worst pose [mN] | \
+                  of nominal in that pose, median [%] | 95 % of poses below [%] | of nominal, worst pose [%] | \
+                  poses",
     );
     for kind in kinds {
         for (index, controller) in CONTROLLERS.iter().enumerate() {

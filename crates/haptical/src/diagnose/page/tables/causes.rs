@@ -1,9 +1,8 @@
 //! Tables of the causes: how sure they are, their numbers, what else could stand in their place.
 
 use haptical_diagnosis::{CandidateAnswer, Diagnosis};
-use haptical_report::{Block, Cell};
+use haptical_report::{Block, Cell, Table};
 
-use super::table;
 use crate::diagnose::quantity::Quantity;
 use crate::diagnose::words::{listed, named_at};
 use crate::error::Error;
@@ -14,17 +13,10 @@ const OPEN_CANDIDATES: usize = 6;
 
 /// How sure each cause is and how much it closes on unseen data.
 pub(in crate::diagnose::page) fn causes(diagnosis: &Diagnosis) -> Result<Block, Error> {
-    let mut table = table(
+    let mut table = Table::with_heads(
         "How sure they are",
-        &[
-            "cause",
-            "probability [%]",
-            "share of the gap [%]",
-            "not told from",
-            "unseen data",
-            "gap closed there [%]",
-            "95 % interval [%]",
-        ],
+        "cause | probability [%] | share of the gap [%] | not told from | unseen data | gap closed there [%] \
+             | 95 % interval [%]",
     );
     for cause in &diagnosis.causes {
         let mut rivals = listed(&cause.confusable_with);
@@ -58,15 +50,8 @@ pub(in crate::diagnose::page) fn causes(diagnosis: &Diagnosis) -> Result<Block, 
 
 /// Numbers of the causes.
 pub(in crate::diagnose::page) fn parameters(diagnosis: &Diagnosis) -> Result<Block, Error> {
-    let columns = [
-        "cause",
-        "parameter",
-        "value",
-        "95 % interval",
-        "unit",
-        "in gap.json",
-    ];
-    let mut table = table("Their numbers", &columns);
+    let columns = "cause | parameter | value | 95 % interval | unit | in gap.json";
+    let mut table = Table::with_heads("Their numbers", columns);
     for cause in &diagnosis.causes {
         for (name, parameter) in &cause.parameters {
             let quantity = Quantity::new(&cause.effect, name, parameter.value);
@@ -93,12 +78,7 @@ pub(in crate::diagnose::page) fn parameters(diagnosis: &Diagnosis) -> Result<Blo
 pub(in crate::diagnose::page) fn candidates(
     diagnosis: &Diagnosis,
 ) -> Result<(Block, Option<Block>), Error> {
-    let columns = [
-        "candidate",
-        "probability [%]",
-        "nats behind",
-        "explains alone [%]",
-    ];
+    let columns = "candidate | probability [%] | nats behind | explains alone [%]";
     let row = |candidate: &CandidateAnswer| -> Vec<Cell> {
         vec![
             named_at(&candidate.effect, candidate.joint).into(),
@@ -107,7 +87,7 @@ pub(in crate::diagnose::page) fn candidates(
             Cell::number(100.0 * candidate.share, 1),
         ]
     };
-    let mut open = table("The nearest candidates for the first cause", &columns);
+    let mut open = Table::with_heads("The nearest candidates for the first cause", columns);
     for candidate in diagnosis.candidates.iter().take(OPEN_CANDIDATES) {
         open.push(row(candidate))?;
     }
@@ -125,7 +105,7 @@ pub(in crate::diagnose::page) fn candidates(
     if diagnosis.candidates.len() <= OPEN_CANDIDATES {
         return Ok((Block::Table(open), None));
     }
-    let mut all = table("", &columns);
+    let mut all = Table::with_heads("", columns);
     for candidate in &diagnosis.candidates {
         all.push(row(candidate))?;
     }

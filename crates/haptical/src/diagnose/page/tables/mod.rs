@@ -4,7 +4,7 @@ mod causes;
 mod unseen;
 
 use haptical_diagnosis::{Diagnosis, Verdict};
-use haptical_report::{Block, Cell, Column, Table};
+use haptical_report::{Block, Cell, Table};
 
 use crate::error::Error;
 use crate::units::Shown;
@@ -12,20 +12,11 @@ use crate::units::Shown;
 pub(super) use self::causes::{candidates, causes, parameters};
 pub(super) use self::unseen::{detectable, invisible, untestable};
 
-/// A table under columns named `name` or `name [unit]`.
-fn table(title: &str, columns: &[&str]) -> Table {
-    let column = |text: &&str| match text.split_once(" [") {
-        Some((name, unit)) => Column::new(name, unit.trim_end_matches(']')),
-        None => Column::new(*text, ""),
-    };
-    Table::new(title, columns.iter().map(column).collect())
-}
-
 /// Before, after, floor and what was closed, channel by channel; without a gap, what there is.
 pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Block, Error> {
     let title = "Root mean square of the residual, channel by channel";
     if diagnosis.verdict == Verdict::NoGap {
-        let mut table = table(title, &["channel", "unit", "residual", "noise floor"]);
+        let mut table = Table::with_heads(title, "channel | unit | residual | noise floor");
         for channel in &diagnosis.gap.channels {
             let shown = Shown::fine(&channel.unit);
             table.push(vec![
@@ -37,17 +28,9 @@ pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Block, Error> {
         }
         return Ok(Block::Table(table));
     }
-    let columns = [
-        "channel",
-        "unit",
-        "before",
-        "after",
-        "noise floor",
-        "share of the gap [%]",
-        "gap closed [%]",
-        "95 % interval [%]",
-    ];
-    let mut table = table(title, &columns);
+    let columns = "channel | unit | before | after | noise floor | share of the gap [%] | gap closed [%] | 95 % \
+             interval [%]";
+    let mut table = Table::with_heads(title, columns);
     for channel in &diagnosis.gap.channels {
         let shown = Shown::fine(&channel.unit);
         table.push(vec![
@@ -74,14 +57,8 @@ pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Block, Error> {
 /// Of touches: everything that the residuals were asked for; none for other recordings.
 pub(super) fn dependence(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
     let found = diagnosis.place.iter().flat_map(|place| &place.dependence);
-    let columns = [
-        "column",
-        "it depends on",
-        "p",
-        "p, all together",
-        "share [%]",
-    ];
-    let mut table = table("What the residuals of the touches depend on", &columns);
+    let columns = "column | it depends on | p | p, all together | share [%]";
+    let mut table = Table::with_heads("What the residuals of the touches depend on", columns);
     for found in found {
         table.push(vec![
             found.column.as_str().into(),
@@ -102,7 +79,7 @@ pub(super) fn dependence(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> 
 /// Odd values of the model.
 pub(super) fn plausibility(diagnosis: &Diagnosis) -> Result<Block, Error> {
     let title = "Values of the model that a sound device hardly has: an effect may hide in them";
-    let mut table = table(title, &["parameter", "what is odd"]);
+    let mut table = Table::with_heads(title, "parameter | what is odd");
     for hint in &diagnosis.plausibility {
         table.push(vec![
             hint.parameter.as_str().into(),
@@ -114,14 +91,9 @@ pub(super) fn plausibility(diagnosis: &Diagnosis) -> Result<Block, Error> {
 
 /// Noise of each channel.
 pub(super) fn noise(diagnosis: &Diagnosis) -> Result<Block, Error> {
-    let columns = [
-        "channel",
-        "of the stated noise",
-        "correlation of successive rows",
-        "left out as outliers [%]",
-        "estimated from",
-    ];
-    let mut table = table("", &columns);
+    let columns = "channel | of the stated noise | correlation of successive rows | left out as outliers [%] | \
+             estimated from";
+    let mut table = Table::with_heads("", columns);
     for entry in &diagnosis.noise {
         table.push(vec![
             entry.channel.as_str().into(),

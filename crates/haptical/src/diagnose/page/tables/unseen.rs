@@ -1,9 +1,8 @@
 //! Tables of what the data could not have shown, or only from some size on.
 
 use haptical_diagnosis::Diagnosis;
-use haptical_report::{Block, Cell};
+use haptical_report::{Block, Cell, Table};
 
-use super::table;
 use crate::diagnose::quantity::Quantity;
 use crate::diagnose::words::named_at;
 use crate::error::Error;
@@ -20,8 +19,7 @@ pub(in crate::diagnose::page) fn detectable(diagnosis: &Diagnosis) -> Result<Opt
     if of_device {
         columns.push("device".to_owned());
     }
-    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-    let mut table = table("", &columns);
+    let mut table = Table::with_heads("", &columns.join(" | "));
     let mut done: Vec<(&str, &str)> = Vec::new();
     for entry in all {
         let key = (entry.effect.as_str(), entry.parameter.as_str());
@@ -60,7 +58,7 @@ pub(in crate::diagnose::page) fn detectable(diagnosis: &Diagnosis) -> Result<Opt
 
 /// What the model swallows.
 pub(in crate::diagnose::page) fn invisible(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
-    let mut table = table("", &["effect", "why", "what it would falsify"]);
+    let mut table = Table::with_heads("", "effect | why | what it would falsify");
     for entry in &diagnosis.invisible {
         table.push(vec![
             named_at(&entry.effect, entry.joint).into(),
@@ -73,7 +71,7 @@ pub(in crate::diagnose::page) fn invisible(diagnosis: &Diagnosis) -> Result<Opti
 
 /// What cannot be tested, and why.
 pub(in crate::diagnose::page) fn untestable(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
-    let mut table = table("", &["effect", "joints", "why"]);
+    let mut table = Table::with_heads("", "effect | joints | why");
     for entry in &diagnosis.untestable {
         let joints: Vec<String> = entry.joints.iter().map(ToString::to_string).collect();
         let joints = if joints.is_empty() {

@@ -1,74 +1,100 @@
-//! `haptical check`: validate a device file and a log, and say what the log could identify.
+//! What a log could identify, judged at the device as it is given: nothing is fitted.
 
 mod text;
 
-use haptical::files::Source;
-use haptical::{Identify, Log, NotIdentified, RankEntry};
 use haptical_calibration::{
     CalibrationError, Channel, Options, Weights, candidate_parameters, channels, check_rig,
     held_for_scale, identifiability_at, prepare_device,
 };
 use haptical_model::{
-    Device, JointType, ParameterId, Recording, TransmissionError, TransmissionKind,
+    Device as Model, JointType, ParameterId, Recording, TransmissionError, TransmissionKind,
 };
 use serde::Serialize;
 
-use crate::arguments::CheckArguments;
-use crate::failure::Failure;
-use crate::terminal;
-use crate::terminal::Progress;
+use crate::device::Device;
+use crate::error::Error;
+use crate::identify::{Identify, NotIdentified, RankEntry};
+use crate::log::Log;
 
-/// What the check found.
-#[derive(Debug, Serialize)]
-pub(crate) struct Findings {
-    pub(crate) device: DeviceFindings,
-    pub(crate) log: Option<LogFindings>,
-    pub(crate) warnings: Vec<String>,
+/// A device and a log, described. It prints as the command prints it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Checked {
+    /// The device.
+    pub device: CheckedDevice,
+    /// The log; none where none was given.
+    pub log: Option<CheckedLog>,
+    /// What is odd about both.
+    pub warnings: Vec<String>,
 }
 
-#[derive(Debug, Serialize)]
-pub(crate) struct DeviceFindings {
-    pub(crate) file: String,
-    pub(crate) name: String,
-    pub(crate) links: usize,
-    pub(crate) cables: usize,
-    pub(crate) joints: Vec<JointFindings>,
+/// A device file.
+#[derive(Debug, Clone, Serialize)]
+pub struct CheckedDevice {
+    /// Its name in results.
+    pub file: String,
+    /// Name of the device.
+    pub name: String,
+    /// Number of links.
+    pub links: usize,
+    /// Number of cable encoders.
+    pub cables: usize,
+    /// The joints.
+    pub joints: Vec<CheckedJoint>,
 }
 
-#[derive(Debug, Serialize)]
-pub(crate) struct JointFindings {
-    pub(crate) joint: usize,
-    pub(crate) name: String,
-    pub(crate) unit: &'static str,
-    pub(crate) transmission: &'static str,
-    pub(crate) ratio: f64,
-    /// Limits from home; none where the file gives none.
-    pub(crate) lower: Option<f64>,
-    pub(crate) upper: Option<f64>,
+/// A joint; its ranges in rad, or in m where it slides.
+#[derive(Debug, Clone, Serialize)]
+pub struct CheckedJoint {
+    /// Number, from 1.
+    pub joint: usize,
+    /// Name.
+    pub name: String,
+    /// `rad` or `m`.
+    pub unit: &'static str,
+    /// `capstan`, `parallelogram` or `direct`.
+    pub transmission: &'static str,
+    /// Transmission ratio.
+    pub ratio: f64,
+    /// Lower limit from home; none where the file gives none.
+    pub lower: Option<f64>,
+    /// Upper limit.
+    pub upper: Option<f64>,
     /// Smallest and largest reading of the log.
-    pub(crate) readings: Option<[f64; 2]>,
+    pub readings: Option<[f64; 2]>,
 }
 
-#[derive(Debug, Serialize)]
-pub(crate) struct LogFindings {
-    pub(crate) file: String,
-    pub(crate) rows: usize,
-    pub(crate) runs: usize,
-    /// Mean rate within runs; none without times.
-    pub(crate) rate_hz: Option<f64>,
-    pub(crate) channels: Vec<ChannelFindings>,
+/// A log.
+#[derive(Debug, Clone, Serialize)]
+pub struct CheckedLog {
+    /// Its name in results.
+    pub file: String,
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of runs.
+    pub runs: usize,
+    /// Mean rate within runs \[Hz\]; none without times.
+    pub rate_hz: Option<f64>,
+    /// What was measured.
+    pub channels: Vec<CheckedChannel>,
     /// Columns that identification does not use.
-    pub(crate) covariates: Vec<String>,
-    pub(crate) identifiability: RankEntry,
-    pub(crate) identifiable: Vec<String>,
-    pub(crate) not_identified: Vec<NotIdentified>,
+    pub covariates: Vec<String>,
+    /// Rank and conditioning at the device as it is given.
+    pub identifiability: RankEntry,
+    /// Names of parameters that the log fixes.
+    pub identifiable: Vec<String>,
+    /// The others.
+    pub not_identified: Vec<NotIdentified>,
 }
 
-#[derive(Debug, Serialize)]
-pub(crate) struct ChannelFindings {
-    pub(crate) channel: String,
-    pub(crate) unit: &'static str,
-    pub(crate) readings: usize,
+/// A measured channel.
+#[derive(Debug, Clone, Serialize)]
+pub struct CheckedChannel {
+    /// Name.
+    pub channel: String,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Number of readings.
+    pub readings: usize,
 }
 
 /// Status of a length that a fit holds because no measurement tells the device's size.
@@ -80,54 +106,49 @@ const READINGS_FOR_DEGREE: usize = 200;
 /// Terms of equation (1) that a joint without drums can have: offset, ratio, output eccentricity.
 const TERMS_WITHOUT_DRUMS: usize = 4;
 
-/// Runs the command.
-pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
-    let progress = Progress::start("checking");
-    let options = &arguments.device_options;
-    let mut device = options.read_by_path(&arguments.device)?;
-    let held = Identify {
-        hold: arguments.hold.hold(),
-        deviations: arguments.hold.deviations(),
-        ..Identify::default()
-    };
-    held.hold(&mut device.model)?;
+/// Describes a device, and what [`identify`](crate::identify()) with `request` could identify of it from a log.
+///
+/// ```
+/// use haptical::prelude::*;
+/// # let fixtures = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures");
+/// # std::env::set_current_dir(fixtures)?;
+/// let device = Device::load("devices/haptic7.toml")?;
+/// let log = Log::read("logs/haptic7-sample.csv", &device)?;
+/// let found = check(&device, Some(&log), &Identify::default())?;
+/// println!("{found}"); // what `haptical check` prints
+/// let log = found.log.ok_or("no log")?;
+/// assert!(log.identifiable.iter().any(|name| name == "alpha3"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`ErrorKind::Unidentifiable`](crate::ErrorKind) where the log fixes nothing; a log that does not belong to the
+/// device; an unknown name in [`Identify::hold`] or [`Identify::deviations`].
+pub fn check(device: &Device, log: Option<&Log>, request: &Identify) -> Result<Checked, Error> {
+    let mut model = device.model.clone();
+    request.hold(&mut model)?;
     let mut warnings = device.warnings.clone();
-    let (recording, log) = match &arguments.log {
-        None => (None, None),
-        Some(path) => {
-            let log = Log::open(&Source::by_path(path), &device)?;
-            warnings.extend(log.warnings);
-            let file = path.display().to_string();
-            let found = look_at_log(&device.model, &log.recording, file).map_err(|error| {
-                Failure::calibration(&error, &arguments.device, path).with_equipment(&device)
-            })?;
-            (Some(log.recording), Some(found))
-        }
-    };
-    let file = arguments.device.display().to_string();
-    let findings = Findings {
-        device: look_at_device(&device.model, recording.as_ref(), file),
-        log,
+    let source = device.source();
+    let found = log.map(|log| {
+        warnings.extend(log.warnings.iter().cloned());
+        let place = log.source();
+        checked_log(&model, &log.recording, place.label.clone()).map_err(|error| {
+            Error::calibration(&error, &source.path, &place.path).with_equipment(device)
+        })
+    });
+    Ok(Checked {
+        log: found.transpose()?,
+        device: checked_device(&model, log.map(|log| &log.recording), source.label.clone()),
         warnings,
-    };
-    drop(progress);
-    terminal::warn(&findings.warnings);
-    let said = if arguments.json {
-        let mut json = serde_json::to_string_pretty(&findings).map_err(Failure::internal)?;
-        json.push('\n');
-        json
-    } else {
-        text::text(&findings)?
-    };
-    terminal::write_output(said.as_bytes())
+    })
 }
 
-fn look_at_device(device: &Device, recording: Option<&Recording>, file: String) -> DeviceFindings {
+fn checked_device(device: &Model, recording: Option<&Recording>, file: String) -> CheckedDevice {
     let joints = device
         .joints
         .iter()
         .enumerate()
-        .map(|(index, joint)| JointFindings {
+        .map(|(index, joint)| CheckedJoint {
             joint: index + 1,
             name: joint.name.clone(),
             unit: match joint.joint_type {
@@ -145,7 +166,7 @@ fn look_at_device(device: &Device, recording: Option<&Recording>, file: String) 
             readings: recording.map(|recording| range(&recording.joint[index])),
         })
         .collect();
-    DeviceFindings {
+    CheckedDevice {
         file,
         name: device.name.clone(),
         links: device.links.len(),
@@ -154,11 +175,11 @@ fn look_at_device(device: &Device, recording: Option<&Recording>, file: String) 
     }
 }
 
-fn look_at_log(
-    device: &Device,
+fn checked_log(
+    device: &Model,
     recording: &Recording,
     file: String,
-) -> Result<LogFindings, CalibrationError> {
+) -> Result<CheckedLog, CalibrationError> {
     let channels = channels(device, recording)?;
     check_rig(device, recording)?;
     let prepared = prepare_device(device, recording)?;
@@ -208,14 +229,14 @@ fn look_at_log(
             .filter(|&row| channel.has_reading(recording, row))
             .count()
     };
-    Ok(LogFindings {
+    Ok(CheckedLog {
         file,
         rows: recording.len(),
         runs: run_count(recording),
         rate_hz: rate_hz(recording),
         channels: channels
             .iter()
-            .map(|channel| ChannelFindings {
+            .map(|channel| CheckedChannel {
                 channel: channel.name(),
                 unit: channel.unit(&device),
                 readings: readings(channel),
@@ -241,10 +262,10 @@ fn look_at_log(
 /// What an identification from these channels could free: links where a channel sees the chain,
 /// equation (1) of capstans, and of the others what their external encoder shows.
 fn candidates(
-    device: &Device,
+    device: &Model,
     recording: &Recording,
     channels: &[Channel],
-) -> (Device, Vec<ParameterId>) {
+) -> (Model, Vec<ParameterId>) {
     let mut device = device.clone();
     let sees_chain = channels.iter().any(|channel| channel.sees_chain());
     let mut parameters = if sees_chain {

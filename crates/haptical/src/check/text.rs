@@ -1,0 +1,97 @@
+//! The findings of a check as text for a terminal.
+
+use std::fmt::{Display, Error, Formatter, Result, Write};
+
+use haptical_report::{Cell, ReportError, Table};
+
+use super::{Checked, CheckedJoint, CheckedLog};
+
+/// Names per line of the list of identifiable parameters.
+const NAMES_PER_LINE: usize = 8;
+
+impl Display for Checked {
+    fn fmt(&self, text: &mut Formatter<'_>) -> Result {
+        let device = &self.device;
+        writeln!(
+            text,
+            "{}: {}; joints: {}, links: {}, cable encoders: {}",
+            device.file,
+            device.name,
+            device.joints.len(),
+            device.links,
+            device.cables
+        )?;
+        if let Some(log) = &self.log {
+            describe_log(text, log)?;
+        }
+        writeln!(
+            text,
+            "{}",
+            joint_table(&device.joints)
+                .map_err(|_| Error)?
+                .to_terminal()
+        )?;
+        match &self.log {
+            Some(log) => describe_identifiability(text, log),
+            None => writeln!(text, "The device file is valid."),
+        }
+    }
+}
+
+fn describe_log(text: &mut impl Write, log: &CheckedLog) -> Result {
+    write!(text, "{}: {} rows", log.file, log.rows)?;
+    if log.runs > 1 {
+        write!(text, " in {} runs", log.runs)?;
+    }
+    match log.rate_hz {
+        Some(rate) => writeln!(text, ", {rate:.1} Hz")?,
+        None => writeln!(text, ", no times")?,
+    }
+    let channels = log.channels.iter();
+    let channels = channels.map(|channel| format!("{} ({})", channel.channel, channel.readings));
+    let channels: Vec<String> = channels.collect();
+    writeln!(text, "channels (readings): {}", channels.join(", "))?;
+    if !log.covariates.is_empty() {
+        writeln!(text, "covariates: {}", log.covariates.join(", "))?;
+    }
+    Ok(())
+}
+
+/// Never refused but for a number that is none.
+fn joint_table(joints: &[CheckedJoint]) -> std::result::Result<Table, ReportError> {
+    let heads =
+        "joint | transmission | ratio | readings from | to | lower limit | upper limit | unit";
+    let mut table = Table::with_heads("", heads);
+    for joint in joints {
+        table.push(vec![
+            joint.name.as_str().into(),
+            joint.transmission.into(),
+            Cell::number(joint.ratio, 3),
+            Cell::number_or_missing(joint.readings.map(|range| range[0]), 3),
+            Cell::number_or_missing(joint.readings.map(|range| range[1]), 3),
+            Cell::number_or_missing(joint.lower, 3),
+            Cell::number_or_missing(joint.upper, 3),
+            joint.unit.into(),
+        ])?;
+    }
+    Ok(table)
+}
+
+fn describe_identifiability(text: &mut impl Write, log: &CheckedLog) -> Result {
+    writeln!(
+        text,
+        "\nAt the nominal device this log could identify {} of {} parameters:",
+        log.identifiable.len(),
+        log.identifiability.candidates
+    )?;
+    for names in log.identifiable.chunks(NAMES_PER_LINE) {
+        writeln!(text, "  {}", names.join(" "))?;
+    }
+    if !log.not_identified.is_empty() {
+        writeln!(text, "Not these:")?;
+    }
+    for refused in &log.not_identified {
+        writeln!(text, "  {:<10} {}", refused.status, refused.reason)?;
+    }
+    Ok(())
+}
