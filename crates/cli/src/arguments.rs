@@ -9,6 +9,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use haptical_calibration::Degree;
 use haptical_diagnosis::effect_names;
+use haptical_effects::structure::JOINT_COMPLIANCE;
 
 use crate::export::ExportArguments;
 use crate::failure::{self, Failure};
@@ -120,7 +121,7 @@ pub(crate) struct IdentifyArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=100), conflicts_with = "held_out")]
     pub(crate) folds: Option<u64>,
     /// Fit this too: what joints yield to their torque behind the external encoder
-    #[arg(long, value_name = "EFFECT", value_parser = ["joint-compliance"])]
+    #[arg(long, value_name = "EFFECT", value_parser = [JOINT_COMPLIANCE.name])]
     pub(crate) with: Vec<String>,
     #[command(flatten)]
     pub(crate) hold: HoldOptions,

@@ -35,6 +35,7 @@ pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         without: arguments.without.clone(),
         model: model.as_ref(),
         validate: second.as_ref(),
+        ..Diagnose::default()
     };
     let gap = diagnose(&device, &log, &request)?;
     let files = gap.files()?;

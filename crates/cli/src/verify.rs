@@ -158,6 +158,7 @@ fn recompute(
                 without: options.without.clone(),
                 model: model.as_ref(),
                 validate: second.as_ref(),
+                ..Diagnose::default()
             };
             diagnose_as(version, &device, &log, &request)?.files()?
         }

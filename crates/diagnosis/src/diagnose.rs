@@ -34,7 +34,7 @@ pub fn diagnose(
     let device = yielding.as_ref().unwrap_or(device);
     let thinned = thinned(recording);
     let recording = thinned.as_ref().unwrap_or(recording);
-    let effects = catalogue_without(device, &options.without)?;
+    let effects = effects_of(device, options)?;
     check_recording(device, recording, &channels(device, recording)?)?;
     check_rig(device, recording)?;
     let base = Base::fit(device, recording)?;
@@ -206,12 +206,17 @@ fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {
 /// Other names that are understood.
 const ALIASES: [(&str, &str); 1] = [("link-compliance", JOINT_COMPLIANCE.name)];
 
-fn catalogue_without(
+/// The catalogue and the caller's own effects, without those that are to be left out.
+fn effects_of(
     device: &Device,
-    without: &[String],
+    options: &Options<'_>,
 ) -> Result<Vec<Box<dyn Effect>>, DiagnosisError> {
-    let names = haptical_effects::names();
-    let without: Vec<String> = without
+    let mut effects = catalogue(device);
+    effects.extend(options.own_effects.into_iter().flat_map(|own| own(device)));
+    let mut names = haptical_effects::names();
+    names.extend(effects.iter().map(|effect| effect.name()));
+    let without: Vec<String> = options
+        .without
         .iter()
         .map(|name| {
             ALIASES
@@ -228,7 +233,6 @@ fn catalogue_without(
             });
         }
     }
-    let mut effects = catalogue(device);
     effects.retain(|effect| !without.iter().any(|name| name == effect.name()));
     Ok(effects)
 }

@@ -25,4 +25,4 @@ pub use diagnose::diagnose;
 pub use error::DiagnosisError;
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use judge::unlisted::IN_NO_CATALOGUE;
-pub use options::Options;
+pub use options::{Catalogue, Options};

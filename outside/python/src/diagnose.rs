@@ -36,6 +36,7 @@ pub(crate) fn diagnose(
             without,
             model: model.as_ref().map(|model| &model.read),
             validate: second.as_ref(),
+            ..Diagnose::default()
         };
         let gap = diagnose_device(&device.read, &read, &request)?;
         serde_json::to_string(&gap.diagnosis).map_err(|error| Failure::value(error.to_string()))

@@ -15,7 +15,7 @@ const CHOSEN_DEGREE: usize = 14;
 /// Numbers of folds, as the command has them.
 const FOLDS: std::ops::RangeInclusive<usize> = 2..=100;
 /// The one effect that `identify` can fit besides.
-const COMPLIANCE: &str = "joint-compliance";
+const COMPLIANCE: &str = haptical::effects::structure::JOINT_COMPLIANCE.name;
 
 /// What `identify` takes beside device and log.
 #[derive(Debug)]

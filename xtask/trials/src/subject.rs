@@ -75,6 +75,7 @@ impl Given {
             without: self.without.clone(),
             model: self.model.as_ref(),
             validation,
+            ..Options::default()
         };
         let start = Instant::now();
         let outcome = catch_unwind(AssertUnwindSafe(|| {

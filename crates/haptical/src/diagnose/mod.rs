@@ -11,7 +11,7 @@ mod words;
 use std::path::{Path, PathBuf};
 
 use haptical_diagnosis::{
-    BOOTSTRAP_SEED, CauseAnswer, Diagnosis, Options, Prediction, Verdict,
+    BOOTSTRAP_SEED, Catalogue, CauseAnswer, Diagnosis, Options, Prediction, Verdict,
     diagnose as diagnose_recording,
 };
 
@@ -29,6 +29,8 @@ const PREDICTION_COLUMNS: [&str; 5] = ["row", "channel", "measured", "before", "
 pub struct Diagnose<'a> {
     /// Effects to leave out of the catalogue.
     pub without: Vec<String>,
+    /// Effects of the caller, tested like those of the catalogue; `haptical verify` does not know them.
+    pub own_effects: Option<Catalogue>,
     /// A model identified earlier: what the device deviates from it is part of the gap.
     pub model: Option<&'a Device>,
     /// Another log of the device, on which the shrink is measured; without it blocks of the log are held out.
@@ -72,6 +74,7 @@ pub fn diagnose_as(
 ) -> Result<Diagnosed, Error> {
     let Diagnose {
         without,
+        own_effects,
         model,
         validate,
     } = options;
@@ -83,6 +86,7 @@ pub fn diagnose_as(
     }
     let request = Options {
         without: without.clone(),
+        own_effects: *own_effects,
         model: model.map(|model| &model.model),
         validation: validate.map(|log| &log.recording),
     };

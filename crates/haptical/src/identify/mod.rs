@@ -12,6 +12,7 @@ use haptical_calibration::{
     Calibration, CalibrationError, Degree, ForceDirection, HeldOut, LossChoice, Options, Weighting,
     calibrate, force_direction, without_copies,
 };
+use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_model::{Device as Model, Recording, TransmissionKind};
 
 use self::result::{Described, identified};
@@ -192,7 +193,7 @@ impl Identify {
                 LossChoice::Fixed(loss) => format!("--loss={loss}"),
             },
         ]);
-        let compliance = || "--with=joint-compliance".to_owned();
+        let compliance = || format!("--with={}", JOINT_COMPLIANCE.name);
         flags.extend(self.joint_compliance.then(compliance));
         let deviations = self.deviations.iter();
         flags.extend(deviations.map(|(word, size)| format!("--deviation={word}={size}")));

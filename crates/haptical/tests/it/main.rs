@@ -16,6 +16,8 @@ mod errors;
 mod fleet;
 #[path = "../../examples/next_poses.rs"]
 mod next_poses;
+#[path = "../../examples/own_effect.rs"]
+mod own_effect;
 #[path = "../../examples/tracker.rs"]
 mod tracker;
 #[path = "../../examples/two_step.rs"]
@@ -44,6 +46,11 @@ fn many_devices_give_the_same_numbers_in_parallel() {
 #[test]
 fn the_next_poses_are_better_than_random_ones() {
     next_poses::main().unwrap();
+}
+
+#[test]
+fn an_effect_of_the_caller_is_named() {
+    own_effect::main().unwrap();
 }
 
 #[test]
