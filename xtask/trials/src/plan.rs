@@ -1,4 +1,4 @@
-//! Which trials a batch holds: suites, how many of each, from which index on.
+//! The trials of a batch: suites, how many of each, from which index on.
 
 use anyhow::{Context, Result, ensure};
 use xtask_blind::Suite;

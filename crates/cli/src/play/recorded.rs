@@ -1,4 +1,4 @@
-//! What the page plays: positions, errors and the axis of a thinned log, rounded for embedding.
+//! The recording as the page plays it: positions, errors and the axis of a thinned log, rounded for embedding.
 
 use std::path::Path;
 

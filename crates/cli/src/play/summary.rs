@@ -1,4 +1,4 @@
-//! What `haptical play` says of the page that it wrote.
+//! The summary that `haptical play` prints of its page.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What `haptical verify` says of a result, for people and for programs.
+//! The findings of `haptical verify`, for people and for programs.
 
 use std::fmt::Write as _;
 

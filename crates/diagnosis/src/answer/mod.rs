@@ -74,7 +74,8 @@ pub struct Diagnosis {
     pub warnings: Vec<String>,
     /// What was held out, in words.
     pub held_out: String,
-    /// What the answer rests on.
+    /// What the answer rests on; gap.json has it together with how the file came about.
+    #[serde(skip)]
     pub provenance: Provenance,
     /// The base model.
     #[serde(skip)]

@@ -1,4 +1,4 @@
-//! What a log could identify, judged at the device as it is given: nothing is fitted.
+//! Judges what a log could identify, at the device as it is given: nothing is fitted.
 
 mod text;
 

@@ -1,4 +1,4 @@
-//! What is said of a refused plan.
+//! Refusals of plans.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What is said of a refused device file, and of other TOML files.
+//! Refusals of device files, and of other TOML files.
 
 use std::io::ErrorKind as ErrorCause;
 use std::path::Path;

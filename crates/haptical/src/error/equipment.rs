@@ -1,4 +1,4 @@
-//! What a refusal has to do with the equipment that a device was read with: a URDF's base and tip, a rig file.
+//! Names in a refusal the equipment that the device was read with: a URDF's base and tip, a rig file.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What is said of a refused log.
+//! Refusals of logs.
 
 use haptical_data::DataError;
 use haptical_model::Device;

@@ -1,4 +1,4 @@
-//! Where something is wrong.
+//! The place of a fault: file, line, column.
 
 /// Where it is; `file` may also be words such as "the command line".
 #[derive(Debug, Clone, Default, PartialEq)]

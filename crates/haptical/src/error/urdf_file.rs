@@ -1,4 +1,4 @@
-//! What is said of a refused URDF.
+//! Refusals of URDFs.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What every result carries of how it came about: version, command, hashes of inputs, seeds, thresholds.
+//! The provenance that every result carries: version, command, hashes of inputs, seeds, thresholds.
 
 use std::collections::BTreeMap;
 

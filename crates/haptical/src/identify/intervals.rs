@@ -1,4 +1,4 @@
-//! How the intervals of an identification were made, in a sentence.
+//! The kind of an identification's intervals, in a sentence.
 
 use haptical_calibration::Intervals;
 

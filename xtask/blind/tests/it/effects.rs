@@ -9,10 +9,15 @@ use xtask_blind::{
     perturbed,
 };
 
-fn plan(kind: &Kind) -> MotionPlan {
+/// Rows in which every effect shows.
+const ROWS: usize = 2500;
+/// Rows that are enough where nothing must show.
+const FEW_ROWS: usize = 600;
+
+fn plan(kind: &Kind, rows: usize) -> MotionPlan {
     let runs = if kind.needs_two_runs() { 2 } else { 1 };
     MotionPlan {
-        rows: 2500 / runs,
+        rows: rows / runs,
         runs,
         ..MotionPlan::default()
     }
@@ -42,12 +47,12 @@ fn record(nominal: &Device, plan: &MotionPlan, effects: &[Box<dyn Effect>]) -> (
 }
 
 /// Every kind on every device at its first and last joint, and the recording of its motion without an effect.
-fn everywhere(mut check: impl FnMut(&Device, &Kind, usize, &Recorded)) {
+fn everywhere(rows: usize, mut check: impl FnMut(&Device, &Kind, usize, &Recorded)) {
     for nominal in NOMINALS {
         let device = nominal.device().expect("a device");
         let mut without: BTreeMap<usize, Recorded> = BTreeMap::new();
         for kind in KINDS {
-            let plan = plan(kind);
+            let plan = plan(kind, rows);
             let clean = without
                 .entry(plan.runs)
                 .or_insert_with(|| record(&device, &plan, &[]).0);
@@ -63,8 +68,8 @@ fn everywhere(mut check: impl FnMut(&Device, &Kind, usize, &Recorded)) {
 
 #[test]
 fn size_zero_is_clean() {
-    everywhere(|nominal, kind, joint, clean| {
-        let plan = plan(kind);
+    everywhere(FEW_ROWS, |nominal, kind, joint, clean| {
+        let plan = plan(kind, FEW_ROWS);
         let (with, _) = record(nominal, &plan, &[effect(nominal, kind, joint, 0.0, 5)]);
         assert_eq!(with.log, clean.log, "{} at joint {joint}", kind.name);
     });
@@ -106,8 +111,8 @@ fn reach(kind: &Kind) -> [bool; 5] {
 
 #[test]
 fn effects_reach_their_channels_and_no_others() {
-    everywhere(|nominal, kind, joint, clean| {
-        let plan = plan(kind);
+    everywhere(ROWS, |nominal, kind, joint, clean| {
+        let plan = plan(kind, ROWS);
         let (with, _) = record(nominal, &plan, &[effect(nominal, kind, joint, 1.0, 5)]);
         let changed = [
             with.log.joint != clean.log.joint,
@@ -322,9 +327,9 @@ fn a_changed_tool_shows_in_the_second_run() {
     let nominal = haptic7();
     let kind = kind("tool-changed").expect("a kind");
     let effects = [effect(&nominal, kind, 0, 1.0, 8)];
-    let (clean, device) = record(&nominal, &plan(kind), &[]);
-    let (with, _) = record(&nominal, &plan(kind), &effects);
-    let scene = Scene::draw(&device, &plan(kind), 17).expect("a scene");
+    let (clean, device) = record(&nominal, &plan(kind, ROWS), &[]);
+    let (with, _) = record(&nominal, &plan(kind, ROWS), &effects);
+    let scene = Scene::draw(&device, &plan(kind, ROWS), 17).expect("a scene");
     let shift_m = effects[0].facts(&scene).parameters["shift_m"];
     let run = with.log.run.as_ref().expect("runs");
     let cable = |recorded: &Recorded| recorded.clean.cable_m[0].clone().expect("a cable");

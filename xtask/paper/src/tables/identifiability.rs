@@ -1,4 +1,4 @@
-//! Which parameters distances can show: the paper's list, found from all 32, and special cases.
+//! Parameters that distances can show: the paper's list, found from all 32, and special cases.
 
 use anyhow::Result;
 use haptical_calibration::{Channel, Weights, candidate_parameters, identifiability_at};
