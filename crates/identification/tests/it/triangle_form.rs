@@ -96,7 +96,7 @@ impl TriangleProblem for Reduced {
         let mut tall = Matrix::zeros(rows, free.len());
         self.0.evaluate(p, &mut all, Some((free, &mut tall)))?;
         let columns: Vec<&[f64]> = (0..free.len()).map(|column| tall.column(column)).collect();
-        into.clear(free.len());
+        *into = Triangle::new(free.len());
         Ok(into.fold_rows(&columns, &all)?)
     }
 }
