@@ -7,13 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::posture::{PER_LINK, Posture, Rows};
 use super::recorded::{Besides, Recorded};
 use super::rows::whitener::Whitener;
+use crate::thresholds::torque::{ANGLE_SD_RAD, FORCE_PRIOR, LENGTH_SD_M};
 
-/// What a calibrated length may still be wrong by \[m\].
-const LENGTH_SD_M: f64 = 2e-3;
-/// What a calibrated angle may still be wrong by \[rad\].
-const ANGLE_SD_RAD: f64 = 1e-2;
-/// One over the variance of a force of which nothing is known \[1/N^2\].
-const FORCE_PRIOR: f64 = 1e-6;
 /// Part of the largest inertial column below which one is rounding alone.
 const ROUNDING: f64 = 1e-9;
 

@@ -16,16 +16,11 @@ use super::trust;
 use super::values::Sizes;
 use crate::DiagnosisError;
 use crate::select::{excess, misfit};
+use crate::thresholds::torque::{
+    BEYOND_WRONG_ANGLES, GRIP_PROBABILITY, LEAST_STRUCTURE, NOISE_DEVIATIONS, OMNIBUS_DEVIATIONS,
+    STRAINED, UNEXPLAINED_SHARE,
+};
 
-/// Slow energy beyond noise, in its standard deviations, that is a gap.
-const OMNIBUS_DEVIATIONS: f64 = 6.0;
-/// Least structure that is a gap: its mean square over that of a row's noise, all channels
-/// together. Angles and lengths that other effects falsify leave less.
-const LEAST_STRUCTURE: f64 = 0.2;
-/// Part of the structure that named effects may leave.
-const UNEXPLAINED_SHARE: f64 = 0.1;
-/// Slow energy that named effects may leave in any case.
-const NOISE_DEVIATIONS: f64 = 4.0;
 /// Of the normal distribution.
 const QUANTILE_975: f64 = 1.959_963_984_540_054;
 
@@ -100,13 +95,6 @@ impl ForceAnswer {
         }
     }
 }
-
-/// A force that does not pass the sensor, and readings of the sensor that are wrong by no law of the catalogue, are one
-/// equation: neither is likelier.
-const GRIP_PROBABILITY: f64 = 0.5;
-
-/// Times the torque that wrong angles cause by which a finding must stand out.
-const BEYOND_WRONG_ANGLES: f64 = 3.0;
 
 /// Puts the answer together.
 pub(super) fn answer(
@@ -199,9 +187,6 @@ pub(super) fn answer(
 
 /// Why torques say nothing while positions show an effect that is not in the model.
 const FALSIFIED: &str = "an effect on positions that is not in the model falsifies the geometry";
-
-/// Deviations of a torque's scale from the drive's stated one that are a gap, whether or not they have a name.
-const STRAINED: f64 = 5.0;
 
 /// The joint whose torque scale the base model moved far beyond what is stated of it, and that scale; none where a finding
 /// has it.

@@ -13,13 +13,8 @@ use super::rows::{FastRows, TorqueRows};
 use crate::engine::regression::Regression;
 use crate::engine::system::{Column, SlowEnergy, dot};
 use crate::select::scan::{Candidate, Score};
+use crate::thresholds::torque::{DELAY_SD_S, LEAST_SCALE_SD, SCALE_ROUNDS};
 
-/// Delay of the encoders against the torques \[s\].
-const DELAY_SD_S: f64 = 2e-2;
-/// Rounds in which the scales' columns settle; each leaves the square of a scale's error.
-const ROUNDS: usize = 2;
-/// Smallest uncertainty of a torque's scale.
-const LEAST_SCALE_SD: f64 = 1e-4;
 /// Part of a column's square that every column has as knowledge beforehand: inertial parameters that only sums of
 /// which show have a smallest solution.
 const RIDGE: f64 = 1e-9;
@@ -154,7 +149,7 @@ impl Along<'_> {
     pub(super) fn settle(&self, base: &mut Base) {
         let device = self.recorded.context.device;
         let blocks = self.recorded.blocks.len();
-        for round in 0..=ROUNDS {
+        for round in 0..=SCALE_ROUNDS {
             if round > 0 {
                 base.inertia = self.all_parameters(&base.regression.solution());
             }

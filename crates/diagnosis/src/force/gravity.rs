@@ -7,16 +7,9 @@ use super::base::Base;
 use super::posture::PER_LINK;
 use crate::DiagnosisError;
 use crate::engine::system::Column;
-
-/// What an assumed mass may be wrong by: relative, and at least \[kg\].
-const MASS_SD: f64 = 0.1;
-const LEAST_MASS_SD_KG: f64 = 5e-3;
-/// What an assumed centre of mass may be wrong by along each axis \[m\].
-const CENTRE_SD_M: f64 = 2e-3;
-/// Chance of naming any link whose file is right.
-const FAMILY_WISE_P: f64 = 1e-3;
-/// Least torque of it, over a row's noise.
-const LEAST_TORQUE: f64 = 0.2;
+use crate::thresholds::torque::{
+    CENTRE_SD_M, FAMILY_WISE_P, LEAST_MASS_SD_KG, LEAST_WEIGHT, MASS_SD,
+};
 
 /// A link whose weight is not the assumed one.
 #[derive(Debug, Clone)]
@@ -115,7 +108,7 @@ pub(super) fn unbalanced(
     let is_large = (0..row_sd.len()).any(|channel| {
         let own = &torque_nm[channel * blocks..(channel + 1) * blocks];
         let square = own.iter().map(|torque| torque * torque).sum::<f64>();
-        square > (LEAST_TORQUE * row_sd[channel]).powi(2) * blocks as f64
+        square > (LEAST_WEIGHT * row_sd[channel]).powi(2) * blocks as f64
     });
     if p * groups.len() as f64 >= FAMILY_WISE_P || !is_large {
         return Ok(None);

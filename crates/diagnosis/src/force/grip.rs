@@ -4,17 +4,11 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::along::Along;
-use super::recorded::{Besides, UNKNOWN_FORCE_SD_N};
+use super::recorded::Besides;
 use super::rows::whitener::Whitener;
 use super::trust;
 use crate::select::excess;
-
-/// Part of the structure that a free force may leave.
-const LEFT: f64 = 0.1;
-/// Deviations of slow energy that are noise.
-const NOISE_DEVIATIONS: f64 = 4.0;
-/// Torques beside the force's three directions that the test needs.
-const SPARE_CHANNELS: usize = 2;
+use crate::thresholds::torque::{GRIP_LEFT, NOISE_DEVIATIONS, SPARE_CHANNELS, UNKNOWN_FORCE_SD_N};
 
 /// A force of the hand that accounts for what is left.
 #[derive(Debug, Clone)]
@@ -92,7 +86,7 @@ fn left_beside(
     }
     let (energy, sd) = excess(&base.energy(free));
     let left = energy.max(0.0) / before.max(1.0);
-    let is_small = left <= LEFT || energy < NOISE_DEVIATIONS * sd;
+    let is_small = left <= GRIP_LEFT || energy < NOISE_DEVIATIONS * sd;
     Some((base.rest(), is_small.then_some(left)))
 }
 

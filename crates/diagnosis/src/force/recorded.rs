@@ -9,24 +9,13 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::rows::harmonics::{harmonics, without_harmonics};
 use crate::noise;
+use crate::thresholds::torque::{
+    BLOCK_S, LONGEST_BLOCK_ROWS, MODEL_SD, READINGS_PER_PARAMETER, UNKNOWN_FORCE_SD_N,
+    UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
+};
 
-/// Time that one block averages \[s\]: short against a motion, long against the sampling.
-const BLOCK_S: f64 = 0.1;
-/// Most rows of a block.
-const LONGEST_BLOCK: usize = 400;
-/// Blocks of a window, within which what is left of a gap hardly changes.
-const WINDOW: usize = 4;
 /// Share of the force's square below which its changes are none.
 const CONSTANT: f64 = 1e-6;
-/// Readings per parameter of the base model that are enough.
-const ENOUGH: usize = 8;
-/// What the base model itself may be wrong by, over a torque's root mean square: postures are
-/// averaged over half blocks.
-const MODEL_SD: f64 = 1e-3;
-/// Standard deviation of the hand's force where nothing is known of it \[N\].
-pub(super) const UNKNOWN_FORCE_SD_N: f64 = 30.0;
-/// Standard deviation of a torque of which nothing is known \[N m\].
-const UNKNOWN_TORQUE_SD_NM: f64 = 10.0;
 
 /// What may act on the chain beside what was recorded, changing as it likes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,8 +106,9 @@ impl<'a> Recorded<'a> {
         }
         let blocks = blocks(context, &torque_nm, step_s);
         let parameters = 10 * device.joints.len();
-        if blocks.len() * channels.len() < ENOUGH * parameters {
-            let rows = (ENOUGH * parameters).div_ceil(channels.len()) as f64 * BLOCK_S;
+        if blocks.len() * channels.len() < READINGS_PER_PARAMETER * parameters {
+            let rows =
+                (READINGS_PER_PARAMETER * parameters).div_ceil(channels.len()) as f64 * BLOCK_S;
             return Err(format!(
                 "too little motion with torques: record at least {rows:.0} s of it"
             ));
@@ -227,7 +217,7 @@ impl<'a> Recorded<'a> {
         for block in 0..self.blocks.len() {
             let next = block + 1;
             let breaks = self.blocks.get(next).is_none_or(|next| !next.follows);
-            if breaks || next - start == WINDOW {
+            if breaks || next - start == WINDOW_BLOCKS {
                 windows.push(start..next);
                 start = next;
             }
@@ -310,7 +300,7 @@ fn needed(context: &Context<'_>) -> Result<(), String> {
 }
 
 fn blocks(context: &Context<'_>, torque_nm: &[Vec<f64>], step_s: f64) -> Vec<Block> {
-    let size = ((BLOCK_S / step_s).round() as usize).clamp(1, LONGEST_BLOCK);
+    let size = ((BLOCK_S / step_s).round() as usize).clamp(1, LONGEST_BLOCK_ROWS);
     let usable = |row: usize| torque_nm.iter().all(|values| values[row].is_finite());
     let mut blocks = Vec::new();
     for run in &context.runs {

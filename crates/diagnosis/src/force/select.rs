@@ -11,29 +11,13 @@ use crate::DiagnosisError;
 use crate::engine::system::SlowEnergy;
 use crate::select::scan::{Candidate, Score};
 use crate::select::{excess, misfit};
+use crate::thresholds::torque::{
+    FAMILY_WISE_P, LEAST_LOOP, LEAST_RETAINED, LEAST_SHARE_OF_NOISE, MOST_NAMES, MOST_ORDERS,
+    MOST_RIPPLES, SHARE_OF_REST, TRANSITION_REACH, TRANSITION_STEPS,
+};
 
-/// Chance of any name on torques without an effect.
-const FAMILY_WISE_P: f64 = 1e-3;
-/// Least size of an effect: its mean square over that of a row's noise. Errors of the angles and of
-/// the geometry that are no effects on torques leave less than this.
-const LEAST_SHARE_OF_NOISE: f64 = 0.04;
-/// Least share of its columns that the base model must leave.
-const RETAINED: f64 = 0.05;
-/// Least part of what is left that a further effect must explain.
-const SHARE_OF_REST: f64 = 0.1;
-/// Effects that are named at most.
-const MOST: usize = 3;
-/// Harmonic errors of angles that are allowed for beside them.
-const MOST_RIPPLES: usize = 4;
-/// Steps of the search for a transition, and the factor that it goes to each side.
-const STEPS: usize = 8;
-const REACH: f64 = 3.2;
 /// Step of its derivative, of its logarithm.
 const SHAPE_STEP: f64 = 0.05;
-/// Part of a hysteresis that neither a bias nor a gain of the sensor explains.
-const LEAST_LOOP: f64 = 0.5;
-/// Orders of cogging that one joint may have: more of them would follow any function of its angle.
-const MOST_ORDERS: usize = 2;
 
 /// A chosen effect.
 #[derive(Debug, Clone)]
@@ -109,7 +93,7 @@ impl<'s, 'a> Selector<'s, 'a> {
         let mut after = before.clone();
         let mut picks: Vec<Pick> = Vec::new();
         let mut ripples: Vec<(usize, f64)> = Vec::new();
-        while picks.len() < MOST {
+        while picks.len() < MOST_NAMES {
             let scores = self.effects.scores(base, &mut candidates).into_iter();
             let open = scores.filter(|score| !self.is_taken(score, &picks, &ripples));
             let Some(score) = open.max_by(|a, b| self.merit(a).total_cmp(&self.merit(b))) else {
@@ -206,7 +190,7 @@ impl<'s, 'a> Selector<'s, 'a> {
         let p = chi_square_p_value(score.score, score.rank as f64)?;
         let is_large = is_scale(self.effects.effect(score.effect))
             || score.score >= LEAST_SHARE_OF_NOISE * self.rows;
-        Ok(p * (tested as f64) < FAMILY_WISE_P && is_large && score.retained > RETAINED)
+        Ok(p * (tested as f64) < FAMILY_WISE_P && is_large && score.retained > LEAST_RETAINED)
     }
 
     /// Whether a hysteresis shows as a loop: a state that hardly reverses is a bias, one that hardly saturates a gain.
@@ -244,10 +228,10 @@ impl<'s, 'a> Selector<'s, 'a> {
         let placed = |log: f64| pick.shape * log.exp();
         let at = |log: f64| base.score(columns(placed(log))).score;
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let (mut low, mut high) = (-REACH.ln(), REACH.ln());
+        let (mut low, mut high) = (-TRANSITION_REACH.ln(), TRANSITION_REACH.ln());
         let (mut left, mut right) = (high - golden * (high - low), low + golden * (high - low));
         let (mut of_left, mut of_right) = (at(left), at(right));
-        for _ in 0..STEPS {
+        for _ in 0..TRANSITION_STEPS {
             if of_left > of_right {
                 (high, right, of_right) = (right, left, of_left);
                 left = high - golden * (high - low);
@@ -318,7 +302,7 @@ impl<'s, 'a> Selector<'s, 'a> {
                 let other = self.effects.effect(rival.effect);
                 let (name, joint) = (other.name(), other.joint());
                 let is_own = name == effect.name() && joint == effect.joint();
-                if is_own || rival.retained < RETAINED {
+                if is_own || rival.retained < LEAST_RETAINED {
                     continue;
                 }
                 match best.iter_mut().find(|b| b.0 == name && b.1 == joint) {

@@ -6,13 +6,7 @@ use haptical_effects::Context;
 
 use super::base::Base;
 use crate::noise;
-
-/// Residuals of positions over their noise that are a gap.
-const POSITION_GAP: f64 = 1.5;
-/// Strain of the geometry, per parameter, that torques alone do not cause.
-const STRAIN: f64 = 0.5;
-/// The same where a link's weight is in question, which a falsified geometry changes first.
-const WEIGHT_STRAIN: f64 = 0.25;
+use crate::thresholds::torque::{POSITION_GAP, STRAIN, WEIGHT_STRAIN};
 
 /// Squares of what the torques pull each row parameter by, over its tolerance, per parameter.
 fn strain(base: &Base) -> f64 {
