@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use haptical_kinematics::KinematicsError;
-use haptical_transmission::TransmissionError;
+use haptical_transmission::LawError;
 
 /// A device file that cannot be used; each says where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -135,7 +135,7 @@ pub enum ModelError {
         /// Joint, from 1.
         joint: usize,
         /// What is wrong.
-        source: TransmissionError,
+        source: LawError,
     },
     /// The chain.
     #[error(transparent)]

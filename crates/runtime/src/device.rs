@@ -1,4 +1,4 @@
-//! What describes a device: its rows and joints as plain numbers, as a device file holds them.
+//! A device as plain numbers: its rows and joints, as a device file holds them.
 
 use haptical_kinematics::{
     Convention, Link, Motion as RowMotion, Parameter, Pose, Preparation, PreparedChain,

@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use haptical_transmission::{
-    Capstan, CapstanError, CapstanParallelogram, Parallelogram, TransmissionError, chebyshev,
+    Capstan, CapstanError, CapstanParallelogram, LawError, Parallelogram, chebyshev,
 };
 
 const ANGLE_RAD: f64 = 0.4;
@@ -19,7 +19,7 @@ const COEFFICIENTS: [f64; 11] = [
     1e-3, -1e-2, 6e-3, 2e-3, -1e-3, 5e-4, -2e-4, 1e-4, -5e-5, 2e-5, -1e-5,
 ];
 
-fn errors(criterion: &mut Criterion) -> Result<(), TransmissionError> {
+fn errors(criterion: &mut Criterion) -> Result<(), LawError> {
     let mut group = criterion.benchmark_group("error with derivatives");
     let capstan = Capstan::new(8.0, 0.0675, 0.0675)?;
     let error = CapstanError::from_polar(0.001, -0.02, 2e-4, -0.2, 2.5e-6, 2.4);

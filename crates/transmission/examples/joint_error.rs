@@ -1,11 +1,9 @@
 //! Prints the error of a capstan-driven parallelogram over its range, and the inverse.
 #![allow(clippy::print_stdout, reason = "an example prints its result")]
 
-use haptical_transmission::{
-    Capstan, CapstanError, CapstanParallelogram, Parallelogram, TransmissionError,
-};
+use haptical_transmission::{Capstan, CapstanError, CapstanParallelogram, LawError, Parallelogram};
 
-fn main() -> Result<(), TransmissionError> {
+fn main() -> Result<(), LawError> {
     let joint = CapstanParallelogram {
         capstan: Capstan::new(12.0, 0.0975, 0.0975)?,
         parallelogram: Parallelogram::new([0.18, 0.076, 0.18, 0.076])?,

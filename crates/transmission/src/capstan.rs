@@ -16,7 +16,7 @@
 //! `y` and all derivatives stay smooth there.
 
 use crate::capstan_terms::{CapstanTerms, Drum, TurnedDrum};
-use crate::error::{TransmissionError, finite, positive};
+use crate::error::{LawError, finite, positive};
 use crate::evaluation::Evaluation;
 use crate::inverse::invert;
 
@@ -147,15 +147,15 @@ impl Capstan {
     /// Source: Baser & Konukseven eq. (1); docs/equations.md, Capstan error.
     ///
     /// # Errors
-    /// [`TransmissionError::NonFinite`] for a number that is not finite,
-    /// [`TransmissionError::OutOfRange`] for a ratio of 0 or a distance that is not positive.
+    /// [`LawError::NonFinite`] for a number that is not finite,
+    /// [`LawError::OutOfRange`] for a ratio of 0 or a distance that is not positive.
     pub fn new(
         transmission_ratio: f64,
         drum_distance_m: f64,
         input_drum_denominator_m: f64,
-    ) -> Result<Self, TransmissionError> {
+    ) -> Result<Self, LawError> {
         if finite("transmission ratio", transmission_ratio)? == 0.0 {
-            return Err(TransmissionError::OutOfRange {
+            return Err(LawError::OutOfRange {
                 quantity: "transmission ratio",
                 value: transmission_ratio,
                 allowed: "other than 0",
@@ -202,9 +202,9 @@ impl Capstan {
     /// let longer = CapstanError { ratio_deviation: 2.0, ..CapstanError::default() };
     /// // the drive turns 8/10 of what the encoder says
     /// assert!((drive.error(&longer, 0.5)? - (0.4 - 0.5)).abs() < 1e-15);
-    /// # Ok::<(), haptical_transmission::TransmissionError>(())
+    /// # Ok::<(), haptical_transmission::LawError>(())
     /// ```
-    pub fn error(&self, p: &CapstanError, theta_rad: f64) -> Result<f64, TransmissionError> {
+    pub fn error(&self, p: &CapstanError, theta_rad: f64) -> Result<f64, LawError> {
         Ok(self.evaluate(p, theta_rad)?.value_rad)
     }
 
@@ -220,14 +220,10 @@ impl Capstan {
     /// Source: Baser & Konukseven eq. (1); docs/equations.md, Capstan error.
     ///
     /// # Errors
-    /// [`TransmissionError::NonFinite`] for a number that is not finite or a result that overflows,
-    /// [`TransmissionError::SingularRatio`] for `R_e + R = 0` up to rounding,
-    /// [`TransmissionError::EccentricityTooLarge`] for an eccentricity that is not less than its `D`.
-    pub fn evaluate(
-        &self,
-        p: &CapstanError,
-        theta_rad: f64,
-    ) -> Result<Evaluation<6>, TransmissionError> {
+    /// [`LawError::NonFinite`] for a number that is not finite or a result that overflows,
+    /// [`LawError::SingularRatio`] for `R_e + R = 0` up to rounding,
+    /// [`LawError::EccentricityTooLarge`] for an eccentricity that is not less than its `D`.
+    pub fn evaluate(&self, p: &CapstanError, theta_rad: f64) -> Result<Evaluation<6>, LawError> {
         for (parameter, name) in p.to_array().into_iter().zip(CapstanError::PARAMETER_NAMES) {
             finite(name, parameter)?;
         }
@@ -238,7 +234,7 @@ impl Capstan {
         let actual_ratio = finite("actual ratio", ratio + p.ratio_deviation)?;
         // Below the rounding of the sum its sign, and so the sign of the error, is arbitrary.
         if actual_ratio.abs() <= f64::EPSILON * ratio.abs() {
-            return Err(TransmissionError::SingularRatio {
+            return Err(LawError::SingularRatio {
                 transmission_ratio: ratio,
                 ratio_deviation: p.ratio_deviation,
             });
@@ -289,14 +285,14 @@ impl Capstan {
     /// let p = CapstanError::from_polar(0.001, -0.02, 2e-4, -0.2, 2.5e-6, 2.4);
     /// let theta_rad = drive.invert(&p, 0.4, [-1.6, 1.6])?;
     /// assert!((theta_rad + drive.error(&p, theta_rad)? - 0.4).abs() < 1e-12);
-    /// # Ok::<(), haptical_transmission::TransmissionError>(())
+    /// # Ok::<(), haptical_transmission::LawError>(())
     /// ```
     pub fn invert(
         &self,
         p: &CapstanError,
         output_rad: f64,
         bracket_rad: [f64; 2],
-    ) -> Result<f64, TransmissionError> {
+    ) -> Result<f64, LawError> {
         let error = |theta_rad| self.evaluate(p, theta_rad).map(|e| (e.value_rad, e.slope));
         invert(error, output_rad, bracket_rad)
     }
@@ -307,12 +303,12 @@ fn check_eccentricity(
     drum: &'static str,
     [x_m, y_m]: [f64; 2],
     denominator_m: f64,
-) -> Result<(), TransmissionError> {
+) -> Result<(), LawError> {
     let eccentricity_m = libm::hypot(x_m, y_m);
     if eccentricity_m < denominator_m {
         Ok(())
     } else {
-        Err(TransmissionError::EccentricityTooLarge {
+        Err(LawError::EccentricityTooLarge {
             drum,
             eccentricity_m,
             denominator_m,

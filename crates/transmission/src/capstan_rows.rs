@@ -1,7 +1,7 @@
 //! Eq. (1) at many encoder angles at once.
 
 use crate::capstan_terms::Drum;
-use crate::error::TransmissionError;
+use crate::error::LawError;
 use crate::{Capstan, CapstanError};
 
 /// Many encoder angles of one capstan, with the sines and cosines of its drums' angles.
@@ -24,7 +24,7 @@ use crate::{Capstan, CapstanError};
 /// let mut values_rad = [0.0];
 /// rows.evaluate(&p, &mut values_rad, None)?;
 /// assert!((values_rad[0] - capstan.error(&p, theta_rad)?).abs() < 1e-16);
-/// # Ok::<(), haptical_transmission::TransmissionError>(())
+/// # Ok::<(), haptical_transmission::LawError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct CapstanRows<'a> {
@@ -51,7 +51,7 @@ impl CapstanRows<'_> {
         p: &CapstanError,
         values_rad: &mut [f64],
         derivatives: Option<[&mut [f64]; 6]>,
-    ) -> Result<(), TransmissionError> {
+    ) -> Result<(), LawError> {
         // says whether the parameters are allowed
         self.capstan.evaluate(p, 0.0)?;
         let terms = self.capstan.terms(p);
@@ -87,7 +87,7 @@ impl CapstanRows<'_> {
         p: &CapstanError,
         values_rad: &mut [f64],
         mut derivatives: Option<[&mut [f64]; 6]>,
-    ) -> Result<(), TransmissionError> {
+    ) -> Result<(), LawError> {
         for (row, theta_rad) in self.angles_rad.iter().enumerate() {
             let evaluation = self.capstan.evaluate(p, *theta_rad)?;
             values_rad[row] = evaluation.value_rad;

@@ -5,7 +5,7 @@
 //! `total(theta) = e_c(theta) + par(theta + e_c(theta)) - par(0)`.
 
 use crate::capstan::{Capstan, CapstanError};
-use crate::error::TransmissionError;
+use crate::error::LawError;
 use crate::evaluation::Evaluation;
 use crate::inverse::invert;
 use crate::parallelogram::Parallelogram;
@@ -31,7 +31,7 @@ impl CapstanParallelogram {
         p: &CapstanError,
         deviations_m: &[f64; 4],
         theta_rad: f64,
-    ) -> Result<f64, TransmissionError> {
+    ) -> Result<f64, LawError> {
         Ok(self.evaluate(p, deviations_m, theta_rad)?.value_rad)
     }
 
@@ -56,14 +56,14 @@ impl CapstanParallelogram {
     /// };
     /// let at_home = joint.evaluate(&CapstanError::default(), &[-0.0005, -0.0007, 0.0, 0.0], 0.0)?;
     /// assert!(at_home.value_rad.abs() < 1e-15);
-    /// # Ok::<(), haptical_transmission::TransmissionError>(())
+    /// # Ok::<(), haptical_transmission::LawError>(())
     /// ```
     pub fn evaluate(
         &self,
         p: &CapstanError,
         deviations_m: &[f64; 4],
         theta_rad: f64,
-    ) -> Result<Evaluation<10>, TransmissionError> {
+    ) -> Result<Evaluation<10>, LawError> {
         let capstan = self.capstan.evaluate(p, theta_rad)?;
         let loop_input_rad = theta_rad + capstan.value_rad;
         let parallelogram = self.parallelogram.evaluate(deviations_m, loop_input_rad)?;
@@ -96,7 +96,7 @@ impl CapstanParallelogram {
         deviations_m: &[f64; 4],
         output_rad: f64,
         bracket_rad: [f64; 2],
-    ) -> Result<f64, TransmissionError> {
+    ) -> Result<f64, LawError> {
         let error = |theta_rad| {
             self.evaluate(p, deviations_m, theta_rad)
                 .map(|e| (e.value_rad, e.slope))

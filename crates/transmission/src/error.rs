@@ -4,7 +4,7 @@
 /// what would have been allowed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum TransmissionError {
+pub enum LawError {
     /// An argument, or a result computed from it, is infinite or not a number.
     #[error("{quantity} is {value}; a finite number is needed")]
     NonFinite {
@@ -116,20 +116,20 @@ pub enum TransmissionError {
 }
 
 /// Passes a finite `value` on.
-pub(crate) fn finite(quantity: &'static str, value: f64) -> Result<f64, TransmissionError> {
+pub(crate) fn finite(quantity: &'static str, value: f64) -> Result<f64, LawError> {
     if value.is_finite() {
         Ok(value)
     } else {
-        Err(TransmissionError::NonFinite { quantity, value })
+        Err(LawError::NonFinite { quantity, value })
     }
 }
 
 /// Passes a finite `value` above zero on.
-pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, TransmissionError> {
+pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, LawError> {
     if finite(quantity, value)? > 0.0 {
         Ok(value)
     } else {
-        Err(TransmissionError::OutOfRange {
+        Err(LawError::OutOfRange {
             quantity,
             value,
             allowed: "greater than 0",
@@ -141,11 +141,11 @@ pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, Transm
 pub(crate) fn ascending(
     quantity: &'static str,
     [lower_rad, upper_rad]: [f64; 2],
-) -> Result<[f64; 2], TransmissionError> {
+) -> Result<[f64; 2], LawError> {
     if lower_rad < upper_rad && (upper_rad - lower_rad).is_finite() {
         Ok([lower_rad, upper_rad])
     } else {
-        Err(TransmissionError::InvalidRange {
+        Err(LawError::InvalidRange {
             quantity,
             lower_rad,
             upper_rad,

@@ -1,6 +1,6 @@
-//! What an error function returns at one angle: value, slope and parameter derivatives.
+//! Value, slope and parameter derivatives of an error function at one angle.
 
-use crate::error::{TransmissionError, finite};
+use crate::error::{LawError, finite};
 
 /// A transmission error at one encoder angle together with its first derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Evaluation<const N: usize> {
 
 impl<const N: usize> Evaluation<N> {
     /// Passes the evaluation on if all its numbers are finite: extreme finite arguments can overflow.
-    pub(crate) fn checked(self) -> Result<Self, TransmissionError> {
+    pub(crate) fn checked(self) -> Result<Self, LawError> {
         finite("error, rad", self.value_rad)?;
         finite("slope of the error, rad/rad", self.slope)?;
         for derivative in self.derivatives {

@@ -1,6 +1,6 @@
 //! The encoder angle that brings the output to a wanted angle: safeguarded Newton on a bracket.
 
-use crate::error::{TransmissionError, ascending, finite};
+use crate::error::{LawError, ascending, finite};
 
 /// Points inside the bracket at which growth is checked before the search, and by which it is narrowed.
 const MONOTONICITY_CHECKS: usize = 8;
@@ -39,23 +39,23 @@ struct Point {
 /// Source: Press et al., Numerical Recipes, section 9.4 (Newton's method with bisection).
 ///
 /// # Errors
-/// What `error` returns; [`TransmissionError::NonFinite`] and [`TransmissionError::InvalidRange`] for
-/// bad arguments; [`TransmissionError::NotMonotone`] where the output angle was seen not to grow;
-/// [`TransmissionError::NotBracketed`] if the wanted angle is not reached between the ends;
-/// [`TransmissionError::NoConvergence`] for a bracket too wide to be searched.
+/// What `error` returns; [`LawError::NonFinite`] and [`LawError::InvalidRange`] for
+/// bad arguments; [`LawError::NotMonotone`] where the output angle was seen not to grow;
+/// [`LawError::NotBracketed`] if the wanted angle is not reached between the ends;
+/// [`LawError::NoConvergence`] for a bracket too wide to be searched.
 ///
 /// ```
 /// use haptical_transmission::invert;
 /// let ripple = |theta: f64| Ok((0.01 * (8.0 * theta).sin(), 0.08 * (8.0 * theta).cos()));
 /// let theta_rad = invert(ripple, 0.3, [-1.0, 1.0])?;
 /// assert!((theta_rad + 0.01 * (8.0 * theta_rad).sin() - 0.3).abs() < 1e-12);
-/// # Ok::<(), haptical_transmission::TransmissionError>(())
+/// # Ok::<(), haptical_transmission::LawError>(())
 /// ```
 pub fn invert(
-    mut error: impl FnMut(f64) -> Result<(f64, f64), TransmissionError>,
+    mut error: impl FnMut(f64) -> Result<(f64, f64), LawError>,
     output_rad: f64,
     bracket_rad: [f64; 2],
-) -> Result<f64, TransmissionError> {
+) -> Result<f64, LawError> {
     finite("output angle, rad", output_rad)?;
     let [lower_rad, upper_rad] = ascending("bracket", bracket_rad)?;
     let mut point = |theta_rad| growing_point(&mut error, output_rad, theta_rad);
@@ -96,7 +96,7 @@ pub fn invert(
             high = here;
         }
     }
-    Err(TransmissionError::NoConvergence {
+    Err(LawError::NoConvergence {
         output_rad,
         theta_rad: here.theta_rad,
         iterations: MAX_ITERATIONS,
@@ -106,10 +106,10 @@ pub fn invert(
 /// Checks growth over the bracket and returns the pair of neighbouring check points between which the
 /// residual changes its sign.
 fn narrowed(
-    mut point: impl FnMut(f64) -> Result<Point, TransmissionError>,
+    mut point: impl FnMut(f64) -> Result<Point, LawError>,
     output_rad: f64,
     [lower_rad, upper_rad]: [f64; 2],
-) -> Result<(Point, Point), TransmissionError> {
+) -> Result<(Point, Point), LawError> {
     let first = point(lower_rad)?;
     let last = point(upper_rad)?;
     let (mut low, mut high) = (first, last);
@@ -127,7 +127,7 @@ fn narrowed(
     }
     in_order(before, last)?;
     if first.residual_rad > 0.0 || last.residual_rad < 0.0 {
-        return Err(TransmissionError::NotBracketed {
+        return Err(LawError::NotBracketed {
             output_rad,
             bracket_rad: [lower_rad, upper_rad],
             reached_rad: [
@@ -141,10 +141,10 @@ fn narrowed(
 
 /// Evaluates the output angle and refuses a point at which it does not grow.
 fn growing_point(
-    mut error: impl FnMut(f64) -> Result<(f64, f64), TransmissionError>,
+    mut error: impl FnMut(f64) -> Result<(f64, f64), LawError>,
     output_rad: f64,
     theta_rad: f64,
-) -> Result<Point, TransmissionError> {
+) -> Result<Point, LawError> {
     let (error_rad, error_slope) = error(theta_rad)?;
     let residual_rad = finite("error, rad", (theta_rad - output_rad) + error_rad)?;
     let slope = finite("slope of the error, rad/rad", 1.0 + error_slope)?;
@@ -157,19 +157,19 @@ fn growing_point(
             slope,
         })
     } else {
-        Err(TransmissionError::NotMonotone { theta_rad, slope })
+        Err(LawError::NotMonotone { theta_rad, slope })
     }
 }
 
 /// Refuses two points of which the later has the smaller output angle, beyond rounding: slopes alone
 /// do not show a jump or a fold between two points.
-fn in_order(earlier: Point, later: Point) -> Result<(), TransmissionError> {
+fn in_order(earlier: Point, later: Point) -> Result<(), LawError> {
     let rise_rad = later.residual_rad - earlier.residual_rad;
     if rise_rad >= -(earlier.rounding_rad + later.rounding_rad) {
         return Ok(());
     }
     let run_rad = later.theta_rad - earlier.theta_rad;
-    Err(TransmissionError::NotMonotone {
+    Err(LawError::NotMonotone {
         theta_rad: later.theta_rad,
         slope: rise_rad / run_rad,
     })

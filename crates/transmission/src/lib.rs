@@ -30,7 +30,7 @@ pub use capstan::{Capstan, CapstanError};
 pub use capstan_rows::CapstanRows;
 pub use capstan_terms::{CapstanTerms, Drum, TurnedDrum};
 pub use cascade::CapstanParallelogram;
-pub use error::TransmissionError;
+pub use error::LawError;
 pub use evaluation::Evaluation;
 pub use four_bar::FourBar;
 pub use inverse::invert;

@@ -17,7 +17,7 @@
 //! `alpha = atan2(v, u)`, and `gamma = atan2(k, L4^2 + s^2 - L3^2)`, where `k = 2 L4 s sin gamma` is
 //! four times the area of the triangle CAE by Heron's product.
 
-use crate::error::{TransmissionError, finite, positive};
+use crate::error::{LawError, finite, positive};
 use crate::evaluation::Evaluation;
 use crate::four_bar::{FourBar, SINGULAR_MARGIN};
 use core::f64::consts::FRAC_PI_2;
@@ -37,9 +37,9 @@ impl Parallelogram {
     /// Source: Baser & Konukseven eq. (2); docs/equations.md, Parallelogram error.
     ///
     /// # Errors
-    /// [`TransmissionError::NonFinite`], [`TransmissionError::OutOfRange`] for a length that is not
-    /// positive, [`TransmissionError::OpenLoop`] or [`TransmissionError::SingularLoop`] at home.
-    pub fn new(lengths_m: [f64; 4]) -> Result<Self, TransmissionError> {
+    /// [`LawError::NonFinite`], [`LawError::OutOfRange`] for a length that is not
+    /// positive, [`LawError::OpenLoop`] or [`LawError::SingularLoop`] at home.
+    pub fn new(lengths_m: [f64; 4]) -> Result<Self, LawError> {
         for (length_m, name) in lengths_m.into_iter().zip(LENGTH_NAMES) {
             positive(name, length_m)?;
         }
@@ -67,13 +67,9 @@ impl Parallelogram {
     /// // a crank BC that is 0.7 mm short: dL2 tan(theta) / L4 to first order
     /// let error_rad = elbow.error(&[0.0, -0.0007, 0.0, 0.0], 0.6)?;
     /// assert!((error_rad - -0.0007 * 0.6f64.tan() / 0.076).abs() < 1e-4);
-    /// # Ok::<(), haptical_transmission::TransmissionError>(())
+    /// # Ok::<(), haptical_transmission::LawError>(())
     /// ```
-    pub fn error(
-        &self,
-        deviations_m: &[f64; 4],
-        theta_a_rad: f64,
-    ) -> Result<f64, TransmissionError> {
+    pub fn error(&self, deviations_m: &[f64; 4], theta_a_rad: f64) -> Result<f64, LawError> {
         Ok(self.evaluate(deviations_m, theta_a_rad)?.value_rad)
     }
 
@@ -89,14 +85,14 @@ impl Parallelogram {
     /// Source: Baser & Konukseven eq. (2), corrected; docs/equations.md, Parallelogram error.
     ///
     /// # Errors
-    /// [`TransmissionError::NonFinite`], [`TransmissionError::OutOfRange`] for a length that is not
-    /// positive, [`TransmissionError::OpenLoop`] where the bars do not close,
-    /// [`TransmissionError::SingularLoop`] where a triangle is a line, or for `|theta_a| >= pi/2`.
+    /// [`LawError::NonFinite`], [`LawError::OutOfRange`] for a length that is not
+    /// positive, [`LawError::OpenLoop`] where the bars do not close,
+    /// [`LawError::SingularLoop`] where a triangle is a line, or for `|theta_a| >= pi/2`.
     pub fn evaluate(
         &self,
         deviations_m: &[f64; 4],
         theta_a_rad: f64,
-    ) -> Result<Evaluation<4>, TransmissionError> {
+    ) -> Result<Evaluation<4>, LawError> {
         let mut lengths_m = self.lengths_m;
         for ((length_m, deviation_m), name) in
             lengths_m.iter_mut().zip(deviations_m).zip(LENGTH_NAMES)
@@ -121,12 +117,9 @@ impl Parallelogram {
 }
 
 /// The interior angle at A, `alpha + gamma`, its slope and its derivatives with respect to the lengths.
-fn interior_angle(
-    lengths_m: [f64; 4],
-    theta_a_rad: f64,
-) -> Result<Evaluation<4>, TransmissionError> {
+fn interior_angle(lengths_m: [f64; 4], theta_a_rad: f64) -> Result<Evaluation<4>, LawError> {
     let (bars, scale_m) = FourBar::new(lengths_m);
-    let singular = TransmissionError::SingularLoop {
+    let singular = LawError::SingularLoop {
         lengths_m,
         theta_a_rad,
     };
@@ -140,7 +133,7 @@ fn interior_angle(
     let [perimeter, excesses @ ..] = bars.heron(s);
     let smallest = excesses.into_iter().fold(f64::INFINITY, f64::min);
     if smallest < 0.0 {
-        return Err(TransmissionError::OpenLoop {
+        return Err(LawError::OpenLoop {
             lengths_m,
             theta_a_rad,
         });

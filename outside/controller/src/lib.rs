@@ -8,7 +8,7 @@ use haptical_kinematics::{
     Chain, Convention, KinematicsError, Link, Motion, Pose, Twist, joint_torques_nm,
 };
 use haptical_transmission::{
-    Capstan, CapstanError, CapstanParallelogram, TransmissionError, chebyshev,
+    Capstan, CapstanError, CapstanParallelogram, LawError, chebyshev,
 };
 
 /// Joints of the device.
@@ -55,7 +55,7 @@ pub enum CycleError {
         /// Joint, from 1.
         joint: usize,
         /// What is wrong.
-        source: TransmissionError,
+        source: LawError,
     },
     /// The chain.
     Kinematics(KinematicsError),
@@ -109,7 +109,7 @@ impl Drive {
     ///
     /// # Errors
     /// Whatever the transmission says of its numbers.
-    pub fn error_rad(&self, reading_rad: f64) -> Result<f64, TransmissionError> {
+    pub fn error_rad(&self, reading_rad: f64) -> Result<f64, LawError> {
         match self {
             Self::Direct => Ok(0.0),
             Self::Capstan(drive, error) => drive.error(error, reading_rad),

@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 use haptical_kinematics::Motion;
 use haptical_transmission::chebyshev::to_monomials;
 use haptical_transmission::{
-    Capstan, CapstanError, CapstanParallelogram, Parallelogram, TransmissionError as Reason,
-    chebyshev,
+    Capstan, CapstanError, CapstanParallelogram, LawError, Parallelogram, chebyshev,
 };
 
 /// Relative standard deviation of a torque's scale, unless stated.
@@ -164,7 +163,7 @@ impl Joint {
     ///
     /// # Errors
     /// If ratio or distances are out of range.
-    pub fn capstan(&self) -> Result<Capstan, Reason> {
+    pub fn capstan(&self) -> Result<Capstan, LawError> {
         let distance = self.drum_distance_m.unwrap_or(1.0);
         Capstan::new(
             self.transmission_ratio,
@@ -215,7 +214,7 @@ impl Joint {
         &self,
         reading_rad: f64,
         derivatives: &mut [f64],
-    ) -> Result<(f64, f64), Reason> {
+    ) -> Result<(f64, f64), LawError> {
         match &self.transmission_error {
             TransmissionError::Capstan(error) => {
                 let at = self.capstan()?.evaluate(error, reading_rad)?;
@@ -246,7 +245,7 @@ impl Joint {
     ///
     /// # Errors
     /// Whatever the transmission says of its numbers.
-    pub fn error_rad(&self, reading_rad: f64) -> Result<f64, Reason> {
+    pub fn error_rad(&self, reading_rad: f64) -> Result<f64, LawError> {
         match &self.transmission_error {
             TransmissionError::Capstan(error) => self.capstan()?.error(error, reading_rad),
             TransmissionError::Chebyshev {
@@ -262,7 +261,7 @@ impl Joint {
         }
     }
 
-    fn cascade(&self) -> Result<CapstanParallelogram, Reason> {
+    fn cascade(&self) -> Result<CapstanParallelogram, LawError> {
         let lengths = self.parallelogram_lengths_m.unwrap_or([f64::NAN; 4]);
         Ok(CapstanParallelogram {
             capstan: self.capstan()?,
@@ -276,7 +275,7 @@ fn checked_chebyshev(
     range_rad: [f64; 2],
     coefficients: &[f64],
     reading_rad: f64,
-) -> Result<(f64, f64), Reason> {
+) -> Result<(f64, f64), LawError> {
     chebyshev::check(range_rad, coefficients)?;
     let (value, slope) = chebyshev::evaluate(range_rad, coefficients, reading_rad);
     for (quantity, number) in [
@@ -285,7 +284,7 @@ fn checked_chebyshev(
         ("slope of the Chebyshev series", slope),
     ] {
         if !number.is_finite() {
-            return Err(Reason::NonFinite {
+            return Err(LawError::NonFinite {
                 quantity,
                 value: number,
             });

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use haptical_model::transmission::{CapstanError, TransmissionError as Reason};
+use haptical_model::transmission::{CapstanError, LawError};
 use haptical_model::{Cable, Device, Joint, TransmissionError};
 use proptest::prelude::*;
 
@@ -102,7 +102,7 @@ fn a_parallelogram_without_bars_is_refused() {
         ..Joint::default()
     };
     let refused = joint.error_rad(0.1).unwrap_err();
-    assert!(matches!(refused, Reason::NonFinite { .. }), "{refused}");
+    assert!(matches!(refused, LawError::NonFinite { .. }), "{refused}");
 }
 
 proptest! {

@@ -1,4 +1,4 @@
-//! What a real device does that the base model leaves out: effects with their sizes.
+//! Effects of a real device that the base model leaves out, with their sizes.
 
 pub(crate) mod error;
 pub(crate) mod file;

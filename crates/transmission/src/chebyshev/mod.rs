@@ -16,14 +16,14 @@ mod monomials;
 
 pub use monomials::{from_monomials, to_monomials};
 
-use crate::error::{TransmissionError, ascending, finite};
+use crate::error::{LawError, ascending, finite};
 use crate::inverse::invert as invert_error;
 
 /// Whether the range is ascending and finite, and all coefficients (rad) are finite.
 ///
 /// # Errors
-/// [`TransmissionError::InvalidRange`], [`TransmissionError::NonFinite`].
-pub fn check(range_rad: [f64; 2], coefficients: &[f64]) -> Result<(), TransmissionError> {
+/// [`LawError::InvalidRange`], [`LawError::NonFinite`].
+pub fn check(range_rad: [f64; 2], coefficients: &[f64]) -> Result<(), LawError> {
     ascending("range", range_rad)?;
     for coefficient in coefficients {
         finite("Chebyshev coefficient, rad", *coefficient)?;
@@ -123,14 +123,14 @@ pub fn evaluate(range_rad: [f64; 2], coefficients: &[f64], theta_rad: f64) -> (f
 /// let theta_rad = invert(range_rad, &coefficients, 0.3, [-1.0, 1.0])?;
 /// let (error_rad, _) = evaluate(range_rad, &coefficients, theta_rad);
 /// assert!((theta_rad + error_rad - 0.3).abs() < 1e-12);
-/// # Ok::<(), haptical_transmission::TransmissionError>(())
+/// # Ok::<(), haptical_transmission::LawError>(())
 /// ```
 pub fn invert(
     range_rad: [f64; 2],
     coefficients: &[f64],
     output_rad: f64,
     bracket_rad: [f64; 2],
-) -> Result<f64, TransmissionError> {
+) -> Result<f64, LawError> {
     check(range_rad, coefficients)?;
     let error = |theta_rad| Ok(evaluate(range_rad, coefficients, theta_rad));
     invert_error(error, output_rad, bracket_rad)

@@ -5,7 +5,7 @@
 //! `(1 + sqrt 2)^n / 2` on `[-1, 1]` (3363 for n = 10) and to `(3 + sqrt 8)^n / 2` on `[0, 1]`
 //! (2.3e7 for n = 10), so a range that does not contain 0 well inside should stay a Chebyshev series.
 
-use crate::error::{TransmissionError, ascending, finite};
+use crate::error::{LawError, ascending, finite};
 
 /// Writes the powers `k_0 .. k_n` of `sum_i k_i theta^i` (rad per rad^i) that equal the Chebyshev
 /// series with `coefficients` `c_0 .. c_n` (rad) over the range; this is how the paper prints its
@@ -15,21 +15,21 @@ use crate::error::{TransmissionError, ascending, finite};
 /// 2.3 (the recurrence).
 ///
 /// # Errors
-/// [`TransmissionError::LengthMismatch`], [`TransmissionError::InvalidRange`],
-/// [`TransmissionError::NonFinite`] for a coefficient or a power that is not finite.
+/// [`LawError::LengthMismatch`], [`LawError::InvalidRange`],
+/// [`LawError::NonFinite`] for a coefficient or a power that is not finite.
 ///
 /// ```
 /// use haptical_transmission::chebyshev::to_monomials;
 /// let mut powers = [0.0; 3];
 /// to_monomials([-2.0, 2.0], &[0.0, 0.0, 1.0], &mut powers)?; // 2 (theta / 2)^2 - 1
 /// assert_eq!(powers, [-1.0, 0.0, 0.5]);
-/// # Ok::<(), haptical_transmission::TransmissionError>(())
+/// # Ok::<(), haptical_transmission::LawError>(())
 /// ```
 pub fn to_monomials(
     range_rad: [f64; 2],
     coefficients: &[f64],
     out: &mut [f64],
-) -> Result<(), TransmissionError> {
+) -> Result<(), LawError> {
     let (centre_rad, half_width_rad) = prepare(range_rad, coefficients, out)?;
     // T_k = 2 x T_{k-1} - T_{k-2} takes one factor x out of all terms but the constant; what remains
     // is a series of one degree less.
@@ -59,13 +59,13 @@ pub fn to_monomials(
 /// let mut coefficients = [0.0; 3];
 /// from_monomials([-1.0, 1.0], &[0.0, 0.0, 1.0], &mut coefficients)?; // x^2 = (T_0 + T_2) / 2
 /// assert_eq!(coefficients, [0.5, 0.0, 0.5]);
-/// # Ok::<(), haptical_transmission::TransmissionError>(())
+/// # Ok::<(), haptical_transmission::LawError>(())
 /// ```
 pub fn from_monomials(
     range_rad: [f64; 2],
     monomials: &[f64],
     out: &mut [f64],
-) -> Result<(), TransmissionError> {
+) -> Result<(), LawError> {
     let (centre_rad, half_width_rad) = prepare(range_rad, monomials, out)?;
     shift_argument(out, centre_rad);
     scale_argument(out, half_width_rad);
@@ -80,14 +80,10 @@ pub fn from_monomials(
 }
 
 /// Copies the checked input to `out` and returns centre and half width of the checked range.
-fn prepare(
-    range_rad: [f64; 2],
-    input: &[f64],
-    out: &mut [f64],
-) -> Result<(f64, f64), TransmissionError> {
+fn prepare(range_rad: [f64; 2], input: &[f64], out: &mut [f64]) -> Result<(f64, f64), LawError> {
     let [lower_rad, upper_rad] = ascending("range", range_rad)?;
     if out.len() != input.len() {
-        return Err(TransmissionError::LengthMismatch {
+        return Err(LawError::LengthMismatch {
             quantity: "output slice",
             got: out.len(),
             expected: input.len(),
@@ -117,7 +113,7 @@ fn shift_argument(powers: &mut [f64], shift: f64) {
     }
 }
 
-fn all_finite(numbers: &[f64]) -> Result<(), TransmissionError> {
+fn all_finite(numbers: &[f64]) -> Result<(), LawError> {
     for number in numbers {
         finite("polynomial coefficient", *number)?;
     }

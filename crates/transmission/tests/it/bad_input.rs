@@ -1,8 +1,6 @@
 //! Each error variant once with its data, and finite answers or errors for any finite input.
 
-use haptical_transmission::{
-    Capstan, CapstanError, CapstanParallelogram, Parallelogram, TransmissionError,
-};
+use haptical_transmission::{Capstan, CapstanError, CapstanParallelogram, LawError, Parallelogram};
 use proptest::prelude::*;
 
 fn drive() -> Capstan {
@@ -12,26 +10,17 @@ fn drive() -> Capstan {
 #[test]
 fn capstan_constructor() {
     let refused = Capstan::new(0.0, 0.1, 0.1).unwrap_err();
-    assert!(matches!(
-        refused,
-        TransmissionError::OutOfRange { value: 0.0, .. }
-    ));
+    assert!(matches!(refused, LawError::OutOfRange { value: 0.0, .. }));
     for (distance_m, denominator_m) in [(0.0, 0.1), (0.1, -0.1)] {
         let refused = Capstan::new(8.0, distance_m, denominator_m).unwrap_err();
-        assert!(
-            matches!(refused, TransmissionError::OutOfRange { .. }),
-            "{refused}"
-        );
+        assert!(matches!(refused, LawError::OutOfRange { .. }), "{refused}");
     }
     for at in 0..3 {
         let mut numbers = [8.0, 0.1, 0.1];
         numbers[at] = f64::NAN;
         let [ratio, distance_m, denominator_m] = numbers;
         let refused = Capstan::new(ratio, distance_m, denominator_m).unwrap_err();
-        assert!(
-            matches!(refused, TransmissionError::NonFinite { .. }),
-            "{refused}"
-        );
+        assert!(matches!(refused, LawError::NonFinite { .. }), "{refused}");
     }
     let capstan = drive();
     assert_eq!(capstan.transmission_ratio(), 8.0);
@@ -47,7 +36,7 @@ fn cancelled_ratio() {
     };
     assert_eq!(
         drive().error(&p, 0.1),
-        Err(TransmissionError::SingularRatio {
+        Err(LawError::SingularRatio {
             transmission_ratio: 8.0,
             ratio_deviation: -8.0
         })
@@ -62,7 +51,7 @@ fn eccentricity_up_to_its_own_denominator() {
     };
     assert_eq!(
         drive().error(&output, 0.1),
-        Err(TransmissionError::EccentricityTooLarge {
+        Err(LawError::EccentricityTooLarge {
             drum: "output",
             eccentricity_m: 0.1,
             denominator_m: 0.1
@@ -75,7 +64,7 @@ fn eccentricity_up_to_its_own_denominator() {
     };
     assert_eq!(
         drive().error(&input, 0.1),
-        Err(TransmissionError::EccentricityTooLarge {
+        Err(LawError::EccentricityTooLarge {
             drum: "input",
             eccentricity_m: 0.05,
             denominator_m: 0.02
@@ -96,7 +85,7 @@ fn numbers_that_are_not_finite() {
         let refused = drive()
             .error(&CapstanError::from_array(parameters), 0.1)
             .unwrap_err();
-        let TransmissionError::NonFinite { quantity, .. } = refused else {
+        let LawError::NonFinite { quantity, .. } = refused else {
             panic!("{refused}")
         };
         assert_eq!(quantity, CapstanError::PARAMETER_NAMES[at]);
@@ -110,17 +99,14 @@ fn numbers_that_are_not_finite() {
 fn loops_that_do_not_exist() {
     for lengths_m in [[0.18, 0.0, 0.18, 0.076], [0.18, 0.076, -0.18, 0.076]] {
         let refused = Parallelogram::new(lengths_m).unwrap_err();
-        assert!(
-            matches!(refused, TransmissionError::OutOfRange { .. }),
-            "{refused}"
-        );
+        assert!(matches!(refused, LawError::OutOfRange { .. }), "{refused}");
     }
     assert!(Parallelogram::new([f64::NAN, 0.1, 0.1, 0.1]).is_err());
     // AC = 0.195 at home, longer than both other bars together
     let short_m = [0.18, 0.076, 0.09, 0.076];
     assert_eq!(
         Parallelogram::new(short_m),
-        Err(TransmissionError::OpenLoop {
+        Err(LawError::OpenLoop {
             lengths_m: short_m,
             theta_a_rad: 0.0
         })
@@ -129,7 +115,7 @@ fn loops_that_do_not_exist() {
     let line_m = [0.3, 0.4, 0.3, 0.2];
     assert_eq!(
         Parallelogram::new(line_m),
-        Err(TransmissionError::SingularLoop {
+        Err(LawError::SingularLoop {
             lengths_m: line_m,
             theta_a_rad: 0.0
         })
@@ -144,7 +130,7 @@ fn loops_that_open_or_fold_on_the_way() {
     // towards +pi/2 AC shrinks to L1 - L2 = 0.104, less than L3 - L4 = 0.154
     assert_eq!(
         joint.error(&deviations_m, 1.2),
-        Err(TransmissionError::OpenLoop {
+        Err(LawError::OpenLoop {
             lengths_m,
             theta_a_rad: 1.2
         })
@@ -152,13 +138,13 @@ fn loops_that_open_or_fold_on_the_way() {
     for theta_a_rad in [core::f64::consts::FRAC_PI_2, -1.6, 6.3] {
         let refused = joint.error(&[0.0; 4], theta_a_rad).unwrap_err();
         assert!(
-            matches!(refused, TransmissionError::SingularLoop { .. }),
+            matches!(refused, LawError::SingularLoop { .. }),
             "{refused}"
         );
     }
     let negative = joint.error(&[0.0, -0.08, 0.0, 0.0], 0.1).unwrap_err();
     assert!(
-        matches!(negative, TransmissionError::OutOfRange { .. }),
+        matches!(negative, LawError::OutOfRange { .. }),
         "{negative}"
     );
 }

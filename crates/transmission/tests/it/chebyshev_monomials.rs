@@ -1,7 +1,7 @@
 //! Conversion between Chebyshev series and powers: 60-digit numbers, round trips, conditioning.
 
 use crate::fixture::{assert_close, rows};
-use haptical_transmission::TransmissionError;
+use haptical_transmission::LawError;
 use haptical_transmission::chebyshev::{evaluate, from_monomials, to_monomials};
 use proptest::prelude::*;
 
@@ -103,7 +103,7 @@ fn bad_arguments_are_refused() {
     let mut two = [0.0; 2];
     assert_eq!(
         to_monomials([-1.0, 1.0], &[0.0; 3], &mut two),
-        Err(TransmissionError::LengthMismatch {
+        Err(LawError::LengthMismatch {
             quantity: "output slice",
             got: 2,
             expected: 3
@@ -111,7 +111,7 @@ fn bad_arguments_are_refused() {
     );
     assert_eq!(
         from_monomials([1.0, -1.0], &[0.0; 3], &mut three),
-        Err(TransmissionError::InvalidRange {
+        Err(LawError::InvalidRange {
             quantity: "range",
             lower_rad: 1.0,
             upper_rad: -1.0

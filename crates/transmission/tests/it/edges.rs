@@ -1,7 +1,7 @@
 //! Where a transmission stops having an answer: the last argument served and the first refused.
 
 use core::f64::consts::{FRAC_PI_2, PI};
-use haptical_transmission::{Capstan, CapstanError, Parallelogram, TransmissionError, chebyshev};
+use haptical_transmission::{Capstan, CapstanError, LawError, Parallelogram, chebyshev};
 
 /// The direction lies within (-pi, pi]: zeros of either sign give the same one.
 #[test]
@@ -47,7 +47,7 @@ fn a_ratio_cancelled_up_to_rounding_is_refused_whatever_its_size() {
         for left in [0.0, 1.2e-16] {
             let refused = error(left);
             assert!(
-                matches!(refused, Err(TransmissionError::SingularRatio { .. })),
+                matches!(refused, Err(LawError::SingularRatio { .. })),
                 "{ratio}, {left:e}: {refused:?}"
             );
         }
@@ -64,7 +64,7 @@ fn ranges_are_refused_for_their_width_alone() {
         assert!(
             matches!(
                 chebyshev::check(range_rad, &[0.1]),
-                Err(TransmissionError::InvalidRange { .. })
+                Err(LawError::InvalidRange { .. })
             ),
             "{range_rad:?}"
         );
@@ -82,7 +82,7 @@ fn a_stretched_triangle_is_refused_by_its_part_of_the_perimeter() {
         assert!(home(2e-9).is_ok(), "{scale}");
         let refused = home(0.5e-9);
         assert!(
-            matches!(refused, Err(TransmissionError::SingularLoop { .. })),
+            matches!(refused, Err(LawError::SingularLoop { .. })),
             "{scale}: {refused:?}"
         );
     }

@@ -3,8 +3,7 @@
 use crate::fixture::assert_close;
 use core::cell::Cell;
 use haptical_transmission::{
-    Capstan, CapstanError, CapstanParallelogram, Parallelogram, TransmissionError, chebyshev,
-    invert,
+    Capstan, CapstanError, CapstanParallelogram, LawError, Parallelogram, chebyshev, invert,
 };
 use proptest::prelude::*;
 
@@ -75,7 +74,7 @@ fn an_output_outside_the_bracket_is_refused() {
     for output_rad in [2.5, -2.5] {
         assert_eq!(
             invert(line, output_rad, [-1.0, 1.0]),
-            Err(TransmissionError::NotBracketed {
+            Err(LawError::NotBracketed {
                 output_rad,
                 bracket_rad: [-1.0, 1.0],
                 reached_rad: [-2.0, 2.0]
@@ -90,7 +89,7 @@ fn an_output_that_turns_back_is_refused() {
     let flat = |theta: f64| Ok((-theta, -1.0));
     let folded = |t: f64| Ok((0.5 * (5.0 * t).sin(), 2.5 * (5.0 * t).cos()));
     let jump = |t: f64| Ok((if t > 0.3 { -1.0 } else { 0.0 }, 0.0));
-    let refused = |result| matches!(result, Err(TransmissionError::NotMonotone { .. }));
+    let refused = |result| matches!(result, Err(LawError::NotMonotone { .. }));
     assert!(refused(invert(reversed, 0.1, [-1.0, 1.0])));
     assert!(refused(invert(flat, 0.0, [-1.0, 1.0])));
     assert!(refused(invert(folded, 0.1, [-0.9, 0.9])));
@@ -102,7 +101,7 @@ fn bad_arguments_and_errors_of_the_law_are_passed_on() {
     let none = |_: f64| Ok((0.0, 0.0));
     assert!(matches!(
         invert(none, f64::NAN, [-1.0, 1.0]),
-        Err(TransmissionError::NonFinite { .. })
+        Err(LawError::NonFinite { .. })
     ));
     for bracket_rad in [
         [1.0, -1.0],
@@ -112,22 +111,19 @@ fn bad_arguments_and_errors_of_the_law_are_passed_on() {
     ] {
         let result = invert(none, 0.0, bracket_rad);
         assert!(
-            matches!(result, Err(TransmissionError::InvalidRange { .. })),
+            matches!(result, Err(LawError::InvalidRange { .. })),
             "{bracket_rad:?}"
         );
     }
     let not_a_number = |_: f64| Ok((f64::NAN, 0.0));
     let result = invert(not_a_number, 0.0, [-1.0, 1.0]);
-    assert!(matches!(result, Err(TransmissionError::NonFinite { .. })));
+    assert!(matches!(result, Err(LawError::NonFinite { .. })));
     let joint = CapstanParallelogram {
         capstan: Capstan::new(12.0, 0.1, 0.1).unwrap(),
         parallelogram: Parallelogram::new([0.18, 0.076, 0.18, 0.076]).unwrap(),
     };
     let result = joint.invert(&CapstanError::default(), &[0.0; 4], 0.1, [-2.0, 2.0]);
-    assert!(matches!(
-        result,
-        Err(TransmissionError::SingularLoop { .. })
-    ));
+    assert!(matches!(result, Err(LawError::SingularLoop { .. })));
 }
 
 prop_compose! {

@@ -1,7 +1,7 @@
 //! The inverse's search: where it looks, how often, and what it takes for rounding.
 
 use core::cell::RefCell;
-use haptical_transmission::{TransmissionError, invert};
+use haptical_transmission::{LawError, invert};
 
 /// What the inverse promises, rad.
 const PROMISED_RAD: f64 = 1e-12;
@@ -85,7 +85,7 @@ fn rounding_of_large_terms_is_no_fold() {
 #[test]
 fn a_fall_beyond_rounding_is_a_fold() {
     let fall = |theta: f64, edge: f64| if theta > edge { -5e-4 } else { 0.0 };
-    let refused = |result| matches!(result, Err(TransmissionError::NotMonotone { .. }));
+    let refused = |result| matches!(result, Err(LawError::NotMonotone { .. }));
     let far = |theta: f64| Ok((fall(theta, 1e6), 0.0));
     assert!(refused(invert(
         far,
@@ -100,8 +100,7 @@ fn a_fall_beyond_rounding_is_a_fold() {
 #[test]
 fn a_fold_between_points_says_where_and_how_steep() {
     let jump = |theta: f64| Ok((if theta > 0.3 { -1.0 } else { 0.0 }, 0.0));
-    let Err(TransmissionError::NotMonotone { theta_rad, slope }) = invert(jump, 0.1, [-1.0, 1.0])
-    else {
+    let Err(LawError::NotMonotone { theta_rad, slope }) = invert(jump, 0.1, [-1.0, 1.0]) else {
         panic!("a fold was not seen")
     };
     assert!((theta_rad - 1.0 / 3.0).abs() < 1e-14, "{theta_rad}");

@@ -1,6 +1,6 @@
 //! One joint from the hand's way to the motor's reading and to the output without load.
 
-use haptical_model::transmission::{TransmissionError, invert};
+use haptical_model::transmission::{LawError, invert};
 use haptical_model::{Joint, ModelError};
 
 use crate::effect::{Driver, Effect};
@@ -143,7 +143,7 @@ impl<'d> Drive<'d> {
     }
 
     /// The motor's reading for an output near that of `reading`.
-    fn reading_of(&mut self, output: f64, reading: f64) -> Result<f64, TransmissionError> {
+    fn reading_of(&mut self, output: f64, reading: f64) -> Result<f64, LawError> {
         let (joint, derivatives) = (self.joint, &mut self.derivatives);
         // the output moves by at least half of what the motor does, or the device is no use
         let reach = 2.0 * self.most_behind;
