@@ -7,6 +7,10 @@ use nalgebra::{DMatrix, DVector};
 use crate::engine::layout::Layout;
 use crate::engine::system::{System, dot};
 
+/// Share of a column's length below which it is projected a second time: above it one pass leaves at most ten times the
+/// rounding. A long log has ten thousand blocks, and its base model a hundred columns.
+const AGAIN_BELOW: f64 = 0.1;
+
 /// Columns, and the system that they leave.
 #[derive(Debug, Clone)]
 pub(crate) struct Regression<L> {
@@ -46,7 +50,7 @@ impl<L: Layout> Regression<L> {
 
     /// Takes a column up.
     pub(crate) fn add(&mut self, column: Vec<f64>) {
-        if self.system.take(column.clone()) {
+        if self.system.take_again_below(AGAIN_BELOW, column.clone()) {
             self.independent.push(self.columns.len());
         }
         self.columns.push(column);

@@ -12,6 +12,8 @@ use crate::engine::blocks::Blocks;
 use crate::engine::layout::Layout;
 use crate::thresholds::fit::WINDOW_S;
 
+/// Two passes of a projection whatever is left.
+pub(crate) const ALWAYS: f64 = f64::INFINITY;
 /// Share of a column that must lie across those before it for a direction of its own.
 const ABSENT: f64 = 1e-7;
 
@@ -112,7 +114,12 @@ impl<L: Layout> System<L> {
 
     /// The same of a column over all blocks; false where the basis has it already.
     pub(crate) fn take(&mut self, dense: Vec<f64>) -> bool {
-        let direction = across(dense, || self.basis.iter());
+        self.take_again_below(ALWAYS, dense)
+    }
+
+    /// The same with one pass where more than a share of the column's length is left.
+    pub(crate) fn take_again_below(&mut self, share: f64, dense: Vec<f64>) -> bool {
+        let direction = across(dense, share, || self.basis.iter());
         if let Some(direction) = &direction {
             take_off(&mut self.residual, direction);
         }
@@ -153,18 +160,25 @@ impl<L: Layout> System<L> {
     }
 }
 
-/// The part of a vector across orthonormal directions, of length 1; none where nothing is left.
+/// The part of a vector across orthonormal directions, of length 1; none where nothing is left. A second pass takes off
+/// what rounding left in the first, where less than `again_below` of the length is left (Daniel, Gragg, Kaufman & Stewart
+/// 1976).
 pub(crate) fn across<'d, D: Iterator<Item = &'d Vec<f64>>>(
     mut vector: Vec<f64>,
+    again_below: f64,
     directions: impl Fn() -> D,
 ) -> Option<Vec<f64>> {
     let length = dot(&vector, &vector).sqrt();
-    for _ in 0..2 {
+    let mut left = length;
+    for pass in 0..2 {
+        if pass > 0 && left > again_below * length {
+            break;
+        }
         for direction in directions() {
             take_off(&mut vector, direction);
         }
+        left = dot(&vector, &vector).sqrt();
     }
-    let left = dot(&vector, &vector).sqrt();
     if left <= ABSENT * length || left == 0.0 {
         return None;
     }

@@ -2,7 +2,7 @@
 
 use haptical_effects::{Context, Effect, Signal};
 
-use crate::engine::system::{System, across, dot, take_off};
+use crate::engine::system::{ALWAYS, System, across, dot, take_off};
 use crate::select::scan::{Candidate, Score};
 use crate::thresholds::steps::{
     APART_S, MOST_STEPS_OF_AN_EVENT, RESTING_RAD, STEP_SCORE, STEP_SHARE, SWEEPS,
@@ -222,7 +222,7 @@ impl<'s> Rest<'s> {
 
     fn take(&mut self, signal: &Signal) {
         let dense = self.system.dense(&self.system.column(signal));
-        if let Some(direction) = across(dense, || self.directions()) {
+        if let Some(direction) = across(dense, ALWAYS, || self.directions()) {
             take_off(&mut self.residual, &direction);
             self.further.push(direction);
         }
@@ -231,7 +231,7 @@ impl<'s> Rest<'s> {
     /// What one signal explains, and its amplitude.
     fn score(&self, signal: &Signal) -> (f64, f64) {
         let dense = self.system.dense(&self.system.column(signal));
-        let Some(direction) = across(dense.clone(), || self.directions()) else {
+        let Some(direction) = across(dense.clone(), ALWAYS, || self.directions()) else {
             return (0.0, 0.0);
         };
         let along = dot(&direction, &self.residual);
