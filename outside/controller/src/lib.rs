@@ -7,9 +7,7 @@ use haptical_kinematics::nalgebra::Vector3;
 use haptical_kinematics::{
     Chain, Convention, KinematicsError, Link, Motion, Pose, Twist, joint_torques_nm,
 };
-use haptical_transmission::{
-    Capstan, CapstanError, CapstanParallelogram, LawError, chebyshev,
-};
+use haptical_transmission::{Capstan, CapstanError, CapstanParallelogram, LawError, chebyshev};
 
 /// Joints of the device.
 pub const JOINTS: usize = 7;
