@@ -76,7 +76,7 @@ impl<'a> Chain<'a> {
     ///
     /// `origins` has up to one entry more than there are rows; where it ends, and where an entry is
     /// `None`, there is no transform. A row behind an origin may have six numbers of 0 and still have
-    /// six independent derivatives, whichever way the axes stand: see [`Link`].
+    /// six independent derivatives, whatever the directions of the axes: see [`Link`].
     ///
     /// ```
     /// use haptical_kinematics::{Chain, Convention, Link, Motion, Pose, nalgebra::Vector3};

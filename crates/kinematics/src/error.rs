@@ -32,7 +32,7 @@ pub enum KinematicsError {
         "the constant transform before row {row} is not a finite position with a rotation matrix"
     )]
     Origin {
-        /// Row before which it stands, counted from 0; the number of rows for that before the end.
+        /// Row before which it is, counted from 0; the number of rows for that before the end.
         row: usize,
     },
     /// A parameter is infinite or not a number.

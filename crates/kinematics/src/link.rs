@@ -64,7 +64,7 @@ impl Motion {
 /// alone would have to jump for a small tilt; elsewhere it stays 0. `b` stays 0 in every
 /// Denavit-Hartenberg table. With it a row whose numbers are all near 0 reaches every small rigid
 /// displacement: to first order the six are the local coordinates of a product of exponentials,
-/// which have no singular arrangement of axes (Brockett 1984; Okamura & Park 1996). Such a row stands
+/// which have no singular arrangement of axes (Brockett 1984; Okamura & Park 1996). Such a row is
 /// behind a constant origin: [`Chain::with_origins`](crate::Chain::with_origins).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Link {

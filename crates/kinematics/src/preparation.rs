@@ -9,7 +9,7 @@
 //!   phi + psi is determined; any pair of the right sum serves, so no case is singular.
 //! - K's slide along z goes to the other side of the joint before it.
 //!
-//! What is left is a slide along x and y and one turn about x, whatever the convention, the tilt beta
+//! The rest is a slide along x and y and one turn about x, whatever the convention, the tilt beta
 //! the number of fixed rows, and the constant origins of the rows.
 
 use nalgebra::Vector3;
@@ -41,7 +41,7 @@ pub struct ChainConstants<const JOINTS: usize> {
     pub end_cosine: f64,
 }
 
-/// What stands between a joint and the next one.
+/// The transform between a joint and the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointConstants {
     /// Row of the table to which the joint belongs, counted from 0.
@@ -125,7 +125,7 @@ const fn turned_back(vector: &Vector3<f64>, phi_rad: f64) -> [f64; 3] {
 #[derive(Clone, Copy, Debug)]
 pub struct Preparation<const JOINTS: usize> {
     start: Frame,
-    /// What stands behind each joint.
+    /// The transform behind each joint.
     constants: [Frame; JOINTS],
     joints: [JointConstants; JOINTS],
     rows: usize,
@@ -216,7 +216,7 @@ impl<const JOINTS: usize> Preparation<JOINTS> {
         }
     }
 
-    /// What stands behind the first `moving` joints.
+    /// The transforms behind the first `moving` joints.
     const fn behind(&mut self, moving: usize) -> &mut Frame {
         match moving {
             0 => &mut self.start,

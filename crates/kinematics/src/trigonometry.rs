@@ -13,7 +13,7 @@ use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 /// 33 bits of the first part of pi/2 is exact up to 2^20 quadrants, 1.6e6 rad.
 pub const LARGEST_RAD: f64 = 1e6;
 
-/// 1.5 2^52: a number below 2^51 added to it is rounded to an integer, which stands in its low bits.
+/// 1.5 2^52: a number below 2^51 added to it is rounded to an integer, which is in its low bits.
 pub const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// First 33 bits of pi/2, and pi/2 less these: the split of fdlibm, `e_rem_pio2.c`.
 pub const QUADRANT_HIGH: f64 = 1.570_796_326_734_125_6;

@@ -46,7 +46,7 @@ pub fn arm(rows: &[(f64, f64, f64)], joints: &[&str], sensors: &str) -> Device {
 }
 
 /// Two revolute joints about parallel axes, links of 0.4 m and 0.3 m, an external encoder of 0.1 mrad each, and one cable
-/// of 10 µm whose exit is 0.5 m beside the first axis, in the plane.
+/// of 10 µm whose exit is 0.5 m from the first axis, in the plane.
 ///
 /// ```
 /// let device = haptical_testkit::planar();

@@ -2,7 +2,7 @@
 //!
 //! Short derivation (docs/equations.md, Capstan error). A drum that turns by `phi` about an axis at
 //! distance `r` from its centre carries the centre to the angle `phi + beta`. Seen from the other end
-//! of a line of centres of length `D`, the centre then stands off that line by
+//! of a line of centres of length `D`, the centre is then off that line by
 //! `g(r, beta, phi) = atan[ r sin(phi + beta) / (D - r cos(phi + beta)) ]`, and the cable turns with
 //! it. The output drum turns by `theta`, the input drum by `R theta`. With
 //! `x = r cos beta`, `y = r sin beta`:
@@ -272,7 +272,7 @@ impl Capstan {
         CapstanTerms::new(self.transmission_ratio, denominators_m, p)
     }
 
-    /// The encoder angle in rad within `bracket_rad` at which the output stands at `output_rad`.
+    /// The encoder angle in rad within `bracket_rad` at which the output is at `output_rad`.
     ///
     /// Source: [`invert`] with this drive's error.
     ///

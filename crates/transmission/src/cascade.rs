@@ -1,7 +1,7 @@
 //! A capstan that drives a parallelogram: the capstan's output is the parallelogram's input.
 //!
 //! Both errors are angles added to the encoder angle, so that with the capstan's error `e_c` and the
-//! parallelogram's `par` the joint stands at `theta + total(theta)`,
+//! parallelogram's `par` the joint is at `theta + total(theta)`,
 //! `total(theta) = e_c(theta) + par(theta + e_c(theta)) - par(0)`.
 
 use crate::capstan::{Capstan, CapstanError};
@@ -83,7 +83,7 @@ impl CapstanParallelogram {
         .checked()
     }
 
-    /// The encoder angle in rad within `bracket_rad` at which the joint stands at `output_rad`. The
+    /// The encoder angle in rad within `bracket_rad` at which the joint is at `output_rad`. The
     /// bracket, moved by the capstan's error, must lie within the loop's `-pi/2 .. pi/2`.
     ///
     /// Source: [`invert`] with this joint's error.

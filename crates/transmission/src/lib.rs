@@ -1,7 +1,7 @@
 //! Angle errors of capstan, parallelogram and polynomial transmissions, with derivatives and inverse.
 //!
 //! Every error is an angle that is added to the reading of the motor-side encoder: the output axis
-//! stands at `theta + error(theta)`, where `theta` is the motor angle over the nominal ratio. Lengths
+//! is at `theta + error(theta)`, where `theta` is the motor angle over the nominal ratio. Lengths
 //! are in metres, angles in radians. The crate needs neither an allocator nor the standard library.
 //!
 //! | item | law | source |

@@ -12,7 +12,7 @@ use haptical_transmission::{Capstan, CapstanError, CapstanParallelogram, LawErro
 /// Joints of the device.
 pub const JOINTS: usize = 7;
 
-/// What stands between a motor and its joint.
+/// The drive between a motor and its joint.
 #[derive(Debug, Clone, Copy)]
 pub enum Drive {
     /// The motor sits on the joint.

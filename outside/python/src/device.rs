@@ -108,7 +108,7 @@ pub(crate) fn device_of(
     read(read_source(source, "the device")?, ends, rig)
 }
 
-/// A path, the text of a TOML file (told by a line break or a bracket), or a dictionary.
+/// A path, the text of a TOML file (recognised by a line break or a bracket), or a dictionary.
 fn read_source(source: &Bound<'_, PyAny>, what: &str) -> PyResult<Source> {
     if let Ok(dictionary) = source.cast::<PyDict>() {
         return Ok(Source::text(toml_text(dictionary)?, what));

@@ -46,7 +46,7 @@ impl From<Failure> for PyErr {
 impl From<haptical::Error> for Failure {
     fn from(refused: haptical::Error) -> Self {
         let text = refused.to_string();
-        // a keyword of a function stands for a flag of the command
+        // a keyword of a function is a flag of the command
         let text = text.strip_prefix("the command line: ").unwrap_or(&text);
         let text = text.to_owned();
         match refused.kind() {

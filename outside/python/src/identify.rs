@@ -15,7 +15,7 @@ use crate::options::Keywords;
 use crate::residuals::{channels, outliers};
 use crate::serialised::{dictionary, python};
 
-/// Keys under which numbers stand in a row.
+/// Keys of the numbers in a row.
 const ARRAYS: [&str; 5] = [
     "singular_values",
     "gap",

@@ -17,7 +17,7 @@ const FOLDS: std::ops::RangeInclusive<usize> = 2..=100;
 /// The one effect that `identify` can fit besides.
 const COMPLIANCE: &str = haptical::effects::structure::JOINT_COMPLIANCE.name;
 
-/// What `identify` takes beside device and log.
+/// Options of `identify`: all but device and log.
 #[derive(Debug)]
 pub(crate) struct Keywords<'k, 'py> {
     pub(crate) method: &'k str,

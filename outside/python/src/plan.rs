@@ -147,11 +147,14 @@ fn next_poses<'py>(
     entry.set_item("random", random.transpose()?)?;
     entry.set_item("exchanges", next.exchanges)?;
     let predicted = PyDict::new(py);
-    let of = &next.parameters;
-    let names: Vec<&str> = of.iter().map(|told| told.name.as_str()).collect();
-    let units: Vec<&str> = of.iter().map(|told| told.unit.as_str()).collect();
-    let sizes: Vec<f64> = of.iter().map(|told| told.plausible_size).collect();
-    let deviations: Vec<f64> = of.iter().map(|told| told.standard_deviation).collect();
+    let parameters = &next.parameters;
+    let names: Vec<&str> = parameters.iter().map(|one| one.name.as_str()).collect();
+    let units: Vec<&str> = parameters.iter().map(|one| one.unit.as_str()).collect();
+    let sizes: Vec<f64> = parameters.iter().map(|one| one.plausible_size).collect();
+    let deviations: Vec<f64> = parameters
+        .iter()
+        .map(|one| one.standard_deviation)
+        .collect();
     predicted.set_item("name", names)?;
     predicted.set_item("unit", units)?;
     predicted.set_item("plausible_size", PyArray1::from_vec(py, sizes))?;

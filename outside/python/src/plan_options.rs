@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use crate::failure::Failure;
 use crate::options::unknown;
 
-/// What `plan` takes beside device and log.
+/// Options of `plan`: all but device and log.
 #[derive(Debug)]
 pub(crate) struct Keywords<'k, 'py> {
     pub(crate) measure: Vec<String>,

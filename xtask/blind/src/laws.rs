@@ -134,7 +134,7 @@ pub(crate) fn slope_of(x: &[f64], y: &[f64]) -> f64 {
     if xx > 0.0 { xy / xx } else { 0.0 }
 }
 
-/// Factor of `x` in `y` beside a constant and `others`: least squares on all of them together. Source:
+/// Factor of `x` in `y`, fitted with a constant and `others`: least squares on all of them together. Source:
 /// Frisch & Waugh, "Partial time regressions as compared with individual trends", Econometrica 1, 1933, with
 /// Gram-Schmidt done twice. Zero where nothing of `x` is left.
 pub(crate) fn slope_beside(x: &[f64], y: &[f64], others: &[Vec<f64>]) -> f64 {
@@ -190,7 +190,7 @@ mod tests {
 
     const ROUNDING: f64 = 1e-12;
 
-    /// y = 2 x + 3 t - 5 t^2 + 7 has factor 2 beside t and t^2, and another one alone.
+    /// y = 2 x + 3 t - 5 t^2 + 7 has factor 2 with t and t^2, and another one alone.
     #[test]
     fn a_factor_beside_others_is_that_of_the_sum() {
         let t: Vec<f64> = (0..50).map(|k| 0.1 * f64::from(k) - 2.0).collect();

@@ -276,7 +276,7 @@ enum Joints {
 }
 
 impl Joints {
-    fn of(self, kind: &Kind, device: &Device) -> Vec<usize> {
+    fn choices(self, kind: &Kind, device: &Device) -> Vec<usize> {
         let all = kind.joints(device);
         let has_encoder = |joint: &usize| device.joints[*joint].output_sd_rad().is_some();
         let seen: Vec<usize> = all.iter().copied().filter(has_encoder).collect();
@@ -299,7 +299,7 @@ fn one_of(
     let kind = kinds[(index % kinds.len().max(1) as u64) as usize];
     for _ in 0..100 {
         let (mut order, device) = of_device(random)?;
-        if let Some(joint) = random.choose(&joints.of(kind, &device)) {
+        if let Some(joint) = random.choose(&joints.choices(kind, &device)) {
             if kind.needs_two_runs() {
                 order.plan.runs = 2;
                 order.plan.rows /= 2;
@@ -361,7 +361,7 @@ fn pair(index: u64, random: &mut Random) -> Result<Order, BlindError> {
         let Some(second) = random.choose(&kinds) else {
             break;
         };
-        let Some(joint) = random.choose(&Joints::Seen.of(second, &device)) else {
+        let Some(joint) = random.choose(&Joints::Seen.choices(second, &device)) else {
             continue;
         };
         let is_apart = joint != first_joint || second.is_whole() != first.is_whole();

@@ -79,8 +79,8 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
          tried.",
         FOUND_M * 1e6
     ));
-    let columns = "start wrong by | size | found by one search [%] | wrong and told [%] | wrong, silent [%] | doubted \
-             [%] | found with random places [%] | wrong and told [%] | wrong, silent [%]";
+    let columns = "start wrong by | size | found by one search [%] | wrong and warned of [%] | wrong, silent [%] | doubted \
+             [%] | found with random places [%] | wrong and warned of [%] | wrong, silent [%]";
     let mut table = Table::with_heads("Starts and what was reached", columns);
     let nominal = nominal(Rig::Cable, Errors::Gaussian)?;
     let mut curves: Vec<Curves> = Vec::new();

@@ -1,4 +1,4 @@
-//! Speed: ours beside other libraries, growth with the size of the work, counted instructions.
+//! Speed: ours against other libraries, growth with the size of the work, counted instructions.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,

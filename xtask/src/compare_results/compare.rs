@@ -100,7 +100,7 @@ impl Walk {
     }
 }
 
-/// Half the width of the interval that stands in an object.
+/// Half the width of the interval in an object.
 fn half_width(object: &Value) -> Option<f64> {
     ["ci95", "reduction_ci95", "ci95_rad"]
         .iter()

@@ -49,7 +49,7 @@ impl Modules {
         let texts = modules.text.clone();
         for (module, text) in &texts {
             for statement in text.split(';') {
-                // attributes and what stands before do not matter: a statement's own last `use`
+                // attributes and what precedes it do not matter: a statement's own last `use`
                 let Some((before, tree)) = statement.rsplit_once("use ") else {
                     continue;
                 };

@@ -137,7 +137,7 @@ impl Batch {
             "{} {index} is not the trial that was sealed: the generator does not repeat itself",
             suite.name()
         );
-        let given = Given::of(&trial)?;
+        let given = Given::from_trial(&trial)?;
         let answered = given.answer();
         // from here on the answer is what it is
         let mut fixed = Fixed {

@@ -18,7 +18,7 @@ const LONG_ROWS: usize = 100_000;
 const ALONE: u64 = 7;
 const GROUP: &str = "time per diagnosis";
 
-/// Times of the batch: recordings of 6000 rows, each diagnosis on one core beside others, with the shrink
+/// Times of the batch: recordings of 6000 rows, each diagnosis on one core while others run, with the shrink
 /// measured on a second recording of as many rows.
 pub(crate) fn in_batch(cases: &[Case]) -> Vec<Measure> {
     let wanted = cases

@@ -32,7 +32,7 @@ pub(crate) struct Answered {
 
 impl Given {
     /// What of `trial` is given away.
-    pub(crate) fn of(trial: &Trial) -> Result<Self> {
+    pub(crate) fn from_trial(trial: &Trial) -> Result<Self> {
         let model = match &trial.model_toml {
             Some(text) => {
                 let file = Device::from_toml(text, "model").context("the model of an ablation")?;

@@ -33,7 +33,7 @@ fn numbers(pose: &Pose, jacobian: &[Twist]) -> Vec<f64> {
 
 /// Numbers of every posture, from the blocks; the accessors must say the same.
 fn lanes(case: &Case) -> Result<Vec<Vec<f64>>, BatchError> {
-    fn of<const JOINTS: usize>(case: &Case) -> Result<Vec<Vec<f64>>, BatchError> {
+    fn in_lanes<const JOINTS: usize>(case: &Case) -> Result<Vec<Vec<f64>>, BatchError> {
         let chain = Chain::new(case.convention, &case.links, &case.motions).unwrap();
         let mut lanes = PoseLanes::<JOINTS>::new(&chain)?;
         let joints: &[Vec<f64>; JOINTS] = case.joints.as_slice().try_into().unwrap();
@@ -54,15 +54,15 @@ fn lanes(case: &Case) -> Result<Vec<Vec<f64>>, BatchError> {
         Ok((0..postures).map(of_posture).collect())
     }
     match case.joints.len() {
-        0 => of::<0>(case),
-        1 => of::<1>(case),
-        2 => of::<2>(case),
-        3 => of::<3>(case),
-        4 => of::<4>(case),
-        5 => of::<5>(case),
-        6 => of::<6>(case),
-        7 => of::<7>(case),
-        8 => of::<8>(case),
+        0 => in_lanes::<0>(case),
+        1 => in_lanes::<1>(case),
+        2 => in_lanes::<2>(case),
+        3 => in_lanes::<3>(case),
+        4 => in_lanes::<4>(case),
+        5 => in_lanes::<5>(case),
+        6 => in_lanes::<6>(case),
+        7 => in_lanes::<7>(case),
+        8 => in_lanes::<8>(case),
         joints => panic!("{joints} joints"),
     }
 }

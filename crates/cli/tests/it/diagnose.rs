@@ -141,7 +141,7 @@ fn an_effect_that_is_left_out_is_not_named() {
 }
 
 #[test]
-fn all_fields_of_the_contract_are_there() {
+fn all_stable_fields_are_there() {
     let sandbox = with_a_gap();
     let gap = diagnosed(&sandbox, &["--without", "backlash,cable-sag"]);
     let object = gap.as_object().unwrap();

@@ -24,7 +24,7 @@ fn the_number_of_threads_changes_nothing() {
 }
 
 #[test]
-fn the_json_is_that_of_the_contract() {
+fn the_json_has_the_stable_fields() {
     let recording = record_yielding(&Session::default());
     let json = serde_json::to_value(diagnosed(&recording)).unwrap();
     assert_eq!(json["verdict"], "named");

@@ -5,7 +5,7 @@ use crate::{catalogue, names};
 
 /// Effects with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
-const CONTRACT: [(&str, &[&str]); 54] = [
+const STABLE: [(&str, &[&str]); 54] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),
     ("capstan-creep", &["creep_per_nm"]),
     ("capstan-slip", &["slip_rad", "time_s"]),
@@ -72,19 +72,19 @@ const CONTRACT: [(&str, &[&str]); 54] = [
 ];
 
 #[test]
-fn every_name_of_the_contract_is_in_the_catalogue_and_no_other() {
-    let mut contract: Vec<&str> = CONTRACT.iter().map(|(name, _)| *name).collect();
+fn every_stable_name_is_in_the_catalogue_and_no_other() {
+    let mut stable: Vec<&str> = STABLE.iter().map(|(name, _)| *name).collect();
     let mut have = names();
-    contract.sort_unstable();
+    stable.sort_unstable();
     have.sort_unstable();
-    assert_eq!(have, contract);
+    assert_eq!(have, stable);
 }
 
 #[test]
-fn every_effect_at_a_place_has_a_name_and_the_parameters_of_the_contract() {
+fn every_effect_at_a_place_has_a_name_and_its_stable_parameters() {
     for rig in rigs() {
         for effect in catalogue(&rig.device) {
-            let entry = CONTRACT.iter().find(|(name, _)| *name == effect.name());
+            let entry = STABLE.iter().find(|(name, _)| *name == effect.name());
             let (_, parameters) = entry.unwrap_or_else(|| panic!("{}", effect.name()));
             let have: Vec<&str> = effect
                 .spec()
@@ -106,7 +106,7 @@ fn every_kind_of_effect_stands_at_some_place() {
         .iter()
         .map(|effect| effect.name())
         .collect();
-    let scanned = CONTRACT
+    let scanned = STABLE
         .iter()
         .filter(|(_, parameters)| !parameters.is_empty());
     for (name, _) in scanned {

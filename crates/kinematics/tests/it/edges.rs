@@ -3,7 +3,7 @@
 use haptical_kinematics::nalgebra::Vector3;
 use haptical_kinematics::{Chain, Convention, KinematicsError, Link, Motion, Pose, PreparedChain};
 
-fn at(x_m: f64) -> Option<Pose> {
+fn displaced(x_m: f64) -> Option<Pose> {
     Some(Pose {
         position_m: Vector3::new(x_m, 0.0, 0.0),
         ..Pose::default()
@@ -16,9 +16,9 @@ fn a_transform_out_of_range_is_named_by_its_row() {
     let (links, motions) = ([Link::default(); 2], [Motion::Revolute; 2]);
     let far = 6e149;
     for (origins, expected) in [
-        ([at(far), None, at(far)], 1),
-        ([at(far), at(far), None], 1),
-        ([None, at(far), at(far)], 1),
+        ([displaced(far), None, displaced(far)], 1),
+        ([displaced(far), displaced(far), None], 1),
+        ([None, displaced(far), displaced(far)], 1),
     ] {
         let chain = Chain::with_origins(Convention::Standard, &links, &motions, &origins).unwrap();
         for error in [
@@ -31,7 +31,7 @@ fn a_transform_out_of_range_is_named_by_its_row() {
             );
         }
     }
-    let origins = [at(far), None, None];
+    let origins = [displaced(far), None, None];
     let chain = Chain::with_origins(Convention::Standard, &links, &motions, &origins).unwrap();
     assert!(chain.pose(&[0.0, 0.0]).is_ok());
 }

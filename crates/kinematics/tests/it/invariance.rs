@@ -12,7 +12,7 @@ use crate::support::{
 /// A standard chain re-expressed as a modified one with one row more.
 ///
 /// `Rz(theta) Tz(d)` of a row and `T(a, b, 0) Rx(alpha) Ry(beta)` of the row before it make one modified
-/// row, because slides along x and z commute; the last row's second half stands alone at the end.
+/// row, because slides along x and z commute; the last row's second half is alone at the end.
 fn as_modified(standard: &Case) -> Case {
     let mut links = vec![Link::default(); standard.links.len() + 1];
     for (row, link) in standard.links.iter().enumerate() {

@@ -13,7 +13,7 @@ pub(crate) const PREPARED: f64 = 2e-14;
 
 /// Pose and Jacobian by a prepared chain of as many joints as the case has.
 pub(crate) fn prepared(case: &Case) -> Result<(Pose, Vec<Twist>), KinematicsError> {
-    fn of<const JOINTS: usize>(case: &Case) -> Result<(Pose, Vec<Twist>), KinematicsError> {
+    fn prepared<const JOINTS: usize>(case: &Case) -> Result<(Pose, Vec<Twist>), KinematicsError> {
         let chain = PreparedChain::<JOINTS>::new(&case.chain())?;
         let joints: &[f64; JOINTS] = case.joints.as_slice().try_into().unwrap();
         let mut jacobian = [Twist::default(); JOINTS];
@@ -21,17 +21,17 @@ pub(crate) fn prepared(case: &Case) -> Result<(Pose, Vec<Twist>), KinematicsErro
         Ok((pose, jacobian.to_vec()))
     }
     match case.joints.len() {
-        0 => of::<0>(case),
-        1 => of::<1>(case),
-        2 => of::<2>(case),
-        3 => of::<3>(case),
-        4 => of::<4>(case),
-        5 => of::<5>(case),
-        6 => of::<6>(case),
-        7 => of::<7>(case),
-        8 => of::<8>(case),
-        9 => of::<9>(case),
-        10 => of::<10>(case),
+        0 => prepared::<0>(case),
+        1 => prepared::<1>(case),
+        2 => prepared::<2>(case),
+        3 => prepared::<3>(case),
+        4 => prepared::<4>(case),
+        5 => prepared::<5>(case),
+        6 => prepared::<6>(case),
+        7 => prepared::<7>(case),
+        8 => prepared::<8>(case),
+        9 => prepared::<9>(case),
+        10 => prepared::<10>(case),
         joints => panic!("{joints} joints"),
     }
 }

@@ -1,6 +1,6 @@
 //! An error as a Chebyshev series over a stated range of angles, continued on its tangents.
 //!
-//! A series `sum_k c_k T_k(x)`, `x = (2 theta - lower - upper) / (upper - lower)`, stands for the same
+//! A series `sum_k c_k T_k(x)`, `x = (2 theta - lower - upper) / (upper - lower)`, is the same
 //! polynomials as powers of `theta`, but a degree-10 fit to it is well conditioned and its coefficients
 //! are sizes of error in rad. Powers are converted by [`to_monomials`] and [`from_monomials`].
 //!
@@ -109,7 +109,7 @@ pub fn evaluate(range_rad: [f64; 2], coefficients: &[f64], theta_rad: f64) -> (f
     (value_rad + slope_per_x * beyond, slope_per_x * x_per_rad)
 }
 
-/// The encoder angle in rad within `bracket_rad` at which the output stands at `output_rad`, for the
+/// The encoder angle in rad within `bracket_rad` at which the output is at `output_rad`, for the
 /// error [`evaluate`] gives (tangents included).
 ///
 /// Source: [`crate::invert`] with this series.

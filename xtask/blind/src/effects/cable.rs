@@ -7,7 +7,7 @@ use crate::effects::{Draw, Effect, Facts, Info};
 use crate::laws::slope_of;
 use crate::rig::scene::{CablePath, Scene};
 
-/// Names between which the exit's geometry cannot be told apart: they differ by 1 % or less after
+/// Names between which the exit's geometry cannot be distinguished: they differ by 1 % or less after
 /// the lengths of the chain are fitted.
 const EXIT: [&str; 3] = ["cable-exit-geometry", "cable-twist", "cable-zero-offset"];
 

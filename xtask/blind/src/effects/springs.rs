@@ -10,7 +10,7 @@ use crate::truth::Event;
 
 /// Names that data cannot tell apart where no external encoder sits between them.
 const EITHER_COMPLIANCE: [&str; 2] = ["capstan-compliance", "joint-compliance"];
-/// Order of the polynomial that stands for a parallelogram's error.
+/// Order of the polynomial in place of a parallelogram's error.
 const POLYNOMIAL_ORDER: i32 = 10;
 
 /// Two pre-tensioned strands: stiff together, half as stiff once one is slack, each a little harder

@@ -7,7 +7,7 @@ use crate::effects::{Draw, Effect, Facts, Info};
 use crate::laws::{ramp, rms};
 use crate::rig::scene::Scene;
 
-/// Shape of a strange effect; the numbers beside it set its size.
+/// Shape of a strange effect; its numbers set its size.
 #[derive(Debug, Clone, Copy)]
 enum Shape {
     /// A bump at one place of the signal.

@@ -26,7 +26,7 @@ impl<'d> Drive<'d> {
         }
     }
 
-    /// The reading at which the output stands at `output_rad`: the solution of
+    /// The reading at which the output is at `output_rad`: the solution of
     /// `reading + error(reading) = output`, from the last reading's error on.
     pub(crate) fn reading_rad(&mut self, output_rad: f64) -> Result<f64, ModelError> {
         if self.is_ideal {

@@ -83,7 +83,7 @@ impl Motion {
                 ];
                 let wander = Wander::draw(&pace, plan, random);
                 for row in 0..plan.rows {
-                    let [angle, rate, acceleration] = wander.at(&pace, row, limits);
+                    let [angle, rate, acceleration] = wander.motion_at(&pace, row, limits);
                     motion.angle_rad[joint].push(angle);
                     motion.rate_rad_s[joint].push(rate);
                     motion.acceleration_rad_s2[joint].push(acceleration);
@@ -219,7 +219,7 @@ impl Wander {
 
     /// Angle, rate, acceleration at a row. Uniform cubic B-spline: de Boor, *A Practical Guide to
     /// Splines*, chapter X.
-    fn at(&self, pace: &Pace, row: usize, limits_rad: [f64; 2]) -> [f64; 3] {
+    fn motion_at(&self, pace: &Pace, row: usize, limits_rad: [f64; 2]) -> [f64; 3] {
         let place = (pace.progress_s[row] - self.start_s) / self.spacing_s;
         let segment = libm::floor(place);
         if segment < 0.0 || segment + 3.0 >= self.controls.len() as f64 {

@@ -163,7 +163,7 @@ impl<'d> Scene<'d> {
         self.seed
     }
 
-    /// Random numbers for events of this recording; `tag` tells effects apart.
+    /// Random numbers for events of this recording; `tag` separates effects.
     pub fn events(&self, tag: u64) -> Random {
         Random::new(self.seed, stream::EVENTS + tag)
     }

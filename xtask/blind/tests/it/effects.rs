@@ -179,7 +179,7 @@ fn single(name: &str, joint: usize) -> (Recorded, Device, BTreeMap<&'static str,
 }
 
 /// The motor leads by torque over stiffness, with the sign of the torque. The spring hardens, and weight hangs
-/// on the angle: the stated stiffness is that of the fit with offset, ratio and output drum beside it.
+/// on the angle: the stated stiffness is that of the fit together with offset, ratio and output drum.
 #[test]
 fn a_compliant_capstan_leads_under_load() {
     // torque readings have 4 mNm of noise on the 0.1 Nm that the angle does not explain

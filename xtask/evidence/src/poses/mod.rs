@@ -115,10 +115,10 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
          those of the handle at {} poses that no fit saw, drawn as the paper does, the rotation that no distance shows \
          taken off. The bar is on step 2 by itself, the transmissions known, for choices that count on them; on the \
          handle's position in two steps as in the paper for choices that count step 1; and on its position in one fit, as \
-         `identify` fits unless told otherwise, for choices that count on that, at poses where joint 4 reads what step 1 \
+         `identify` fits unless asked otherwise, for choices that count on that, at poses where joint 4 reads what step 1 \
          has seen (`identify` leaves others out of its figures, and what the polynomial does there is chance). In two \
          steps, what step 1 leaves in the transmissions is most of the error: it is not noise that is new in each pose, so \
-         a choice that counts on noise alone takes less of it away. In one fit the cable tells of the transmissions too and \
+         a choice that counts on noise alone takes less of it away. In one fit the cable informs on the transmissions too and \
          200 random poses give half the error of two steps.",
         scenario.evaluation_poses
     ));

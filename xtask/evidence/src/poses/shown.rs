@@ -150,5 +150,5 @@ pub(super) fn figure(
     figure
 }
 
-/// The palette's last colour that is told from the others on white.
+/// The palette's last colour that differs from the others on white.
 const BLACK: usize = 6;

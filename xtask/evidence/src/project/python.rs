@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use xtask_output::{Output, Progress};
 
-/// What the environment needs beside the wheel, with the versions that were tried.
+/// What the environment needs besides the wheel, with the versions that were tried.
 const PACKAGES: [&str; 5] = [
     "maturin>=1.9,<2",
     "numpy>=1.24",

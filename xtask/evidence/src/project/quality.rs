@@ -17,7 +17,7 @@ const COVERED_PERCENT: f64 = 90.0;
 /// Longest time that the tests of one binary may take, counting; most of a crate's counts are lost where it is too short.
 const SECONDS_OF_A_TEST_BINARY: &str = "3600";
 /// Compiles what is not measured without counters, as `RUSTC_WRAPPER`: a linear algebra that counts its own lines is not
-/// inlined, and the tests that stand on it take 13 times as long. Cargo marks what was asked for by `--package`.
+/// inlined, and the tests that rest on it take 13 times as long. Cargo marks what was asked for by `--package`.
 const UNCOUNTED_DEPENDENCIES: &str = r#"#!/bin/sh
 if [ -z "$CARGO_PRIMARY_PACKAGE" ]; then
     for argument; do
@@ -37,7 +37,7 @@ const MUTATED: [(&str, &[&str]); 3] = [
 ];
 /// Part of the mutants that is tried: one after the other in turn, so that every function has its share.
 const SHARD: &str = "0/2";
-/// Survivors that were looked into, by what stands in the tool's list, and why no test can tell them.
+/// Survivors that were looked into, by their line in the tool's list, and why no test can see them.
 const EXPLAINED: &str = "fixtures/mutants/survivors.toml";
 
 /// A survivor that was looked into.

@@ -1,4 +1,4 @@
-//! Effects that could stand behind the authors' 96.6 %, each with the one size that is varied.
+//! Effects that could explain the authors' 96.6 %, each with the one size that is varied.
 
 use haptical_model::Recording;
 use haptical_simulator::{Driver, Effect};
@@ -65,7 +65,7 @@ impl Kind {
     }
 }
 
-const fn at(
+const fn at_joint(
     joint: usize,
     name: &'static str,
     parameter: &'static str,
@@ -116,7 +116,7 @@ pub(crate) const CABLE_NOISE: Kind = Kind {
 
 /// Every effect that the simulator knows, and the cable's noise.
 pub(crate) const KINDS: [Kind; 20] = [
-    at(
+    at_joint(
         2,
         "capstan-compliance",
         "stiffness_nm_per_rad",
@@ -127,7 +127,7 @@ pub(crate) const KINDS: [Kind; 20] = [
             stiffness_nm_per_rad: size,
         },
     ),
-    at(
+    at_joint(
         2,
         "joint-compliance",
         "stiffness_nm_per_rad",
@@ -138,14 +138,14 @@ pub(crate) const KINDS: [Kind; 20] = [
             stiffness_nm_per_rad: size,
         },
     ),
-    at(3, "backlash", "width_rad", MRAD, [1e-5, 0.2], |size| {
+    at_joint(3, "backlash", "width_rad", MRAD, [1e-5, 0.2], |size| {
         Effect::Backlash {
             joint: 3,
             width_rad: size,
             driven_by: Driver::Hand,
         }
     }),
-    at(
+    at_joint(
         2,
         "hysteresis",
         "amplitude_rad",
@@ -158,13 +158,13 @@ pub(crate) const KINDS: [Kind; 20] = [
             driven_by: Driver::Hand,
         },
     ),
-    at(2, "viscous-lag", "delay_s", MS, [1e-5, 0.1], |size| {
+    at_joint(2, "viscous-lag", "delay_s", MS, [1e-5, 0.1], |size| {
         Effect::ViscousLag {
             joint: 2,
             delay_s: size,
         }
     }),
-    at(
+    at_joint(
         1,
         "encoder-count-loss",
         "counts",
@@ -176,7 +176,7 @@ pub(crate) const KINDS: [Kind; 20] = [
             time_s: LOSS_S,
         },
     ),
-    at(
+    at_joint(
         2,
         "joint-drift",
         "rad_per_s",
@@ -188,7 +188,7 @@ pub(crate) const KINDS: [Kind; 20] = [
             rad_per_degc: None,
         },
     ),
-    at(
+    at_joint(
         2,
         "axis-wobble",
         "amplitude_rad",
@@ -201,7 +201,7 @@ pub(crate) const KINDS: [Kind; 20] = [
             order: 2.0,
         },
     ),
-    at(
+    at_joint(
         2,
         "external-encoder-latency",
         "delay_s",

@@ -150,7 +150,7 @@ fn recorded_section(output: &mut Output, nominal: &Device, paper: &Paper, seed: 
     let most = recorded_figures::polynomial_difference_rad(&recorded, paper)?;
     output.words(format!(
         "The fourth transmission as a polynomial differs from that of Table 4, its k10 mended, by at most {:.3} mrad \
-         over the range of the motion. R_e and r_o cannot be told apart on a limited range: only the sum of their \
+         over the range of the motion. R_e and r_o cannot be separated on a limited range: only the sum of their \
          effects means something.",
         1e3 * most
     ));

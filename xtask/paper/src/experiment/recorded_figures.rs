@@ -144,7 +144,7 @@ pub(crate) fn polynomial_difference_rad(recorded: &Recorded, paper: &Paper) -> R
     Ok(most)
 }
 
-/// Table 5: the kinematic deviations with intervals beside those of the truth.
+/// Table 5: the kinematic deviations with intervals, next to those of the truth.
 pub(crate) fn table5(recorded: &Recorded, scenario: &Scenario, paper: &Paper) -> Result<Table> {
     let mut table = Table::with_heads(
         "Table 5: kinematic deviations, identified from the motion",

@@ -20,16 +20,16 @@ pub(crate) struct Judgements {
 
 pub(crate) fn judge(scenario: &Scenario, solution: &Device, seed: u64) -> Result<Judgements> {
     let recording = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
-    let nominal = at(&scenario.nominal, &recording)?;
-    let at_solution = at(solution, &recording)?;
+    let nominal = identifiability_on(&scenario.nominal, &recording)?;
+    let at_solution = identifiability_on(solution, &recording)?;
     let mut hooked_on_axis = scenario.nominal.clone();
     hooked_on_axis.links[7].a_m = 0.0;
-    let without_offset = at(&hooked_on_axis, &recording)?;
+    let without_offset = identifiability_on(&hooked_on_axis, &recording)?;
     let mut locked = recording.clone();
     locked.joint[2]
         .iter_mut()
         .for_each(|reading| *reading = 0.0);
-    let six_joints = at(&scenario.nominal, &locked)?;
+    let six_joints = identifiability_on(&scenario.nominal, &locked)?;
     let mut cases = Table::with_heads(
         "What distances can show",
         "case | rank | of | not identifiable, with the reason",
@@ -56,7 +56,7 @@ pub(crate) fn judge(scenario: &Scenario, solution: &Device, seed: u64) -> Result
     })
 }
 
-fn at(device: &Device, recording: &Recording) -> Result<Identifiability> {
+fn identifiability_on(device: &Device, recording: &Recording) -> Result<Identifiability> {
     let channels = [Channel::Cable { index: 0 }];
     let weights = Weights::stated(device, &channels);
     let parameters: Vec<ParameterId> = candidate_parameters(device)

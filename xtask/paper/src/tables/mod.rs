@@ -1,4 +1,4 @@
-//! The paper's simulation, end to end, with its published figures beside ours.
+//! The paper's simulation, end to end, its published figures next to ours.
 
 mod figures;
 mod identifiability;
@@ -127,7 +127,7 @@ pub fn reproduce(arguments: &Arguments) -> Result<()> {
     );
     let lead = format!(
         "Simulated calibration of the paper's 7-DOF device ({} runs; made by `{command}`, version {}). \
-         The paper's figures stand beside ours as printed. Lengths, home pose, ratios and drum \
+         The paper's figures are next to ours, as printed. Lengths, home pose, ratios and drum \
          distances are not printed in the paper; docs/assumptions.md says where ours come from. From \"The recorded motion\" on it is the paper's \
          experiment, with {} seeds where `cargo xtask reproduce-experiment` takes 200. {}",
         results.runs.samples.len(),

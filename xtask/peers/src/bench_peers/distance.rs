@@ -109,7 +109,7 @@ pub(crate) fn run(
     for contender in &mut contenders {
         let first = contender.run(1)?;
         let (label, cost) = (
-            Label::of(contender.as_ref()),
+            Label::from_contender(contender.as_ref()),
             first.cost.context("no cost")?,
         );
         costs.push((label.full(), cost));

@@ -1,4 +1,4 @@
-//! Pose and 6x7 Jacobian of the nominal chain: ours beside Pinocchio's, for one pose and for many.
+//! Pose and 6x7 Jacobian of the nominal chain: ours and Pinocchio's, for one pose and for many.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -134,7 +134,7 @@ fn check_numbers(name: &str, found: &[f64], ours: &[f64]) -> Result<f64> {
 }
 
 /// Our fastest call: the first `poses` poses, `calls` times over. One pose is the prepared chain's, several
-/// go through the lanes, whose joint variables stand joint by joint.
+/// go through the lanes, whose joint variables are laid out joint by joint.
 pub(crate) struct OursChain {
     set: Poses,
     columns: [Vec<f64>; JOINTS],

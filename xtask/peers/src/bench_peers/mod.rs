@@ -130,7 +130,7 @@ fn start(
     peer
 }
 
-/// Ours beside Pinocchio, one pose and a batch.
+/// Ours and Pinocchio, one pose and a batch.
 fn forward_kinematics(tools: &Tools, path: &Path, plan: Plan, results: &mut Results) -> Result<()> {
     let set = DataSet::simulate(POSES)?;
     set.write(path)?;

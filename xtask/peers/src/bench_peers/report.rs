@@ -80,7 +80,8 @@ pub(crate) struct Results {
 impl Results {
     /// Notes the time of ours \[s\].
     pub(crate) fn alone(&mut self, work: &str, ours: &dyn Contender, time_s: f64) {
-        self.alone.push((work.to_owned(), Label::of(ours), time_s));
+        self.alone
+            .push((work.to_owned(), Label::from_contender(ours), time_s));
     }
 }
 
@@ -206,7 +207,7 @@ fn conditions(results: &Results, keep_disturbed: bool) -> String {
         found.map_or(String::new(), |most| format!(" (found: {most:.1e})")),
         100.0 * DISTURBED,
         if keep_disturbed {
-            "; this run was told to keep such rounds, so none of its figures may be quoted"
+            "; this run keeps such rounds, as asked, so none of its figures may be quoted"
         } else {
             ""
         },
@@ -252,7 +253,7 @@ pub(crate) fn write(
     terminal.push(conditions.clone());
     let processor = processor();
     let lead = format!(
-        "Ours beside its peers on the same files, in turns (made by `{command}`, version {}, on {processor}). Only ratios \
+        "Ours and its peers on the same files, in turns (made by `{command}`, version {}, on {processor}). Only ratios \
          within one run mean something; docs/performance.md says what is compared and how.",
         env!("CARGO_PKG_VERSION"),
     );

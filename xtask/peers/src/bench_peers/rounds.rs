@@ -52,7 +52,7 @@ pub(crate) struct Label {
 }
 
 impl Label {
-    pub(crate) fn of(contender: &dyn Contender) -> Self {
+    pub(crate) fn from_contender(contender: &dyn Contender) -> Self {
         Self {
             family: contender.family().to_owned(),
             name: contender.name().to_owned(),
@@ -98,8 +98,8 @@ pub(crate) fn compare(
     let ((ours, ours_repeats), (other, other_repeats)) = (ours, other);
     let mut comparison = Comparison {
         work: work.to_owned(),
-        ours: Label::of(ours),
-        other: Label::of(other),
+        ours: Label::from_contender(ours),
+        other: Label::from_contender(other),
         ..Comparison::default()
     };
     let processes: Vec<u32> = [ours.process(), other.process()]

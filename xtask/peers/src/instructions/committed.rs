@@ -97,7 +97,7 @@ fn read(path: &Path) -> Result<Committed> {
     Ok(committed)
 }
 
-/// Writes counts; a part of the workloads goes beside the others' counts, which must be of the same
+/// Writes counts; a part of the workloads joins the others' counts, which must be of the same
 /// environment. Counts of workloads that are not `known` are dropped.
 pub(crate) fn record(
     folder: &Path,

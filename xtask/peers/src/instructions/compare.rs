@@ -20,8 +20,8 @@ pub(crate) enum Verdict {
 }
 
 impl Verdict {
-    /// Of a count; its tolerance is taken in whole numbers.
-    pub(crate) fn of(counted: u64, committed: Option<u64>) -> Self {
+    /// Its tolerance is taken in whole numbers.
+    pub(crate) fn from_counts(counted: u64, committed: Option<u64>) -> Self {
         let Some(committed) = committed else {
             return Self::NotCommitted;
         };
@@ -63,7 +63,7 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    /// Counts beside committed ones; `known` are the names of all workloads, counted or not.
+    /// Counts next to committed ones; `known` are the names of all workloads, counted or not.
     pub(crate) fn new(
         counts: &[(&str, u64)],
         committed: &BTreeMap<String, u64>,
@@ -75,7 +75,7 @@ impl Comparison {
                 name: name.to_owned(),
                 counted,
                 committed,
-                verdict: Verdict::of(counted, committed),
+                verdict: Verdict::from_counts(counted, committed),
             }
         };
         let is_left_over = |name: &&String| !known.contains(&name.as_str());

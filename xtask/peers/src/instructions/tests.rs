@@ -31,14 +31,24 @@ fn five_percent_either_way_is_the_same_and_six_is_not() {
         (1051, Verdict::More),
         (1060, Verdict::More),
     ] {
-        assert_eq!(Verdict::of(counted, Some(1000)), verdict, "{counted}");
+        assert_eq!(
+            Verdict::from_counts(counted, Some(1000)),
+            verdict,
+            "{counted}"
+        );
     }
     // of the committed number, not of the new one: 1000 is 5 % below neither 1053 nor 1055
-    assert_eq!(Verdict::of(1000, Some(1053)), Verdict::Fewer);
-    assert_eq!(Verdict::of(1000, None), Verdict::NotCommitted);
+    assert_eq!(Verdict::from_counts(1000, Some(1053)), Verdict::Fewer);
+    assert_eq!(Verdict::from_counts(1000, None), Verdict::NotCommitted);
     let huge = u64::MAX;
-    assert_eq!(Verdict::of(huge, Some(huge / 100 * 96)), Verdict::Same);
-    assert_eq!(Verdict::of(huge, Some(huge / 100 * 94)), Verdict::More);
+    assert_eq!(
+        Verdict::from_counts(huge, Some(huge / 100 * 96)),
+        Verdict::Same
+    );
+    assert_eq!(
+        Verdict::from_counts(huge, Some(huge / 100 * 94)),
+        Verdict::More
+    );
 }
 
 #[test]

@@ -20,7 +20,7 @@ const NAMED: [&str; 5] = ["s1", "s1n", "s4", "s5", "s6"];
 const CHOICES: [&str; 2] = ["order", "from_joint"];
 
 /// Scores of the suites asked for.
-pub(crate) fn of<'c>(cases: &'c [Case], suites: &[&str]) -> Vec<&'c TrialScore> {
+pub(crate) fn scores_of<'c>(cases: &'c [Case], suites: &[&str]) -> Vec<&'c TrialScore> {
     let wanted = cases.iter().filter(|case| suites.contains(&case.suite));
     wanted.filter_map(|case| case.score.as_ref()).collect()
 }
@@ -78,7 +78,7 @@ fn answered(cases: &[Case]) -> Vec<Measure> {
 
 fn clean(cases: &[Case]) -> Vec<Measure> {
     let group = "clean sets";
-    let scores = of(cases, &["s0"]);
+    let scores = scores_of(cases, &["s0"]);
     let mut all = Vec::new();
     let mut add = |what: &str, keep: &dyn Fn(&str) -> bool| {
         let kept: Vec<&TrialScore> = scores
@@ -122,7 +122,7 @@ fn joints(scores: &[&TrialScore]) -> Value {
 }
 
 fn singles(cases: &[Case]) -> Vec<Measure> {
-    let scores = of(cases, &["s1"]);
+    let scores = scores_of(cases, &["s1"]);
     let strong = "strong singles";
     let family = "detected singles";
     vec![
@@ -183,7 +183,7 @@ fn precision(cases: &[Case]) -> Vec<Measure> {
         Measure::new(
             group,
             "strong singles",
-            share(&of(cases, &["s1"]), named, name_is_right),
+            share(&scores_of(cases, &["s1"]), named, name_is_right),
             bar,
         ),
         Measure::new(
@@ -211,7 +211,7 @@ fn withheld(cases: &[Case]) -> Vec<Measure> {
         ("withheld", &["s2"]),
         ("never in the catalogue", &["s3"]),
     ] {
-        let scores = of(cases, suites);
+        let scores = scores_of(cases, suites);
         let bar = Some(Bar::AtLeast(0.92));
         let name = format!("unknown or a twin class, {what}");
         all.push(Measure::new(
@@ -229,7 +229,7 @@ fn withheld(cases: &[Case]) -> Vec<Measure> {
         ("torques and forces, withheld", &["sfw"]),
         ("torques and forces, never in the catalogue", &["sfu"]),
     ] {
-        let scores = of(cases, suites);
+        let scores = scores_of(cases, suites);
         let mut add = |name: String, value: Value, bar: Option<Bar>| {
             all.push(Measure::new(group, name, value, bar));
         };
@@ -241,7 +241,7 @@ fn withheld(cases: &[Case]) -> Vec<Measure> {
         let bar = Some(Bar::AtMost(0.03));
         add(format!("confidently wrong, {what}"), wrong, bar);
     }
-    let s3 = of(cases, &["s3"]);
+    let s3 = scores_of(cases, &["s3"]);
     let judged = s3.iter().filter_map(|score| score.dependence_right);
     all.push(Measure::new(
         group,
@@ -254,7 +254,7 @@ fn withheld(cases: &[Case]) -> Vec<Measure> {
 
 fn pairs(cases: &[Case]) -> Vec<Measure> {
     let group = "two effects";
-    let scores = of(cases, &["s4"]);
+    let scores = scores_of(cases, &["s4"]);
     let false_causes = |scores: &[&TrialScore]| {
         let counts: Vec<f64> = scores
             .iter()
@@ -284,7 +284,7 @@ fn pairs(cases: &[Case]) -> Vec<Measure> {
         Measure::new(
             group,
             "false extra causes per strong single",
-            false_causes(&of(cases, &["s1"])),
+            false_causes(&scores_of(cases, &["s1"])),
             None,
         ),
     ]
@@ -293,7 +293,7 @@ fn pairs(cases: &[Case]) -> Vec<Measure> {
 fn shrink(cases: &[Case]) -> Vec<Measure> {
     let group = "held-out gap where the name is right";
     let of_right = |suites: &[&str]| {
-        let scores = of(cases, suites);
+        let scores = scores_of(cases, suites);
         let right = scores.into_iter().filter(|score| score.top_right);
         right
             .filter_map(|score| score.shrink.clone())
@@ -362,7 +362,7 @@ fn calibration(cases: &[Case]) -> Vec<Measure> {
 fn parameters(cases: &[Case]) -> Vec<Measure> {
     let group = "95 % intervals of effect parameters hold the truth";
     let covered = |suites: &[&str]| {
-        let scores = of(cases, suites);
+        let scores = scores_of(cases, suites);
         let all = scores.iter().flat_map(|score| &score.coverage);
         let with_interval = all.filter(|one| !CHOICES.contains(&one.parameter.as_str()));
         Value::Share(Rate::of_cases(with_interval.map(|one| one.covered)))
@@ -377,7 +377,7 @@ fn parameters(cases: &[Case]) -> Vec<Measure> {
 
 fn near(cases: &[Case]) -> Vec<Measure> {
     let group = "near-threshold effects";
-    let scores = of(cases, &["s1n"]);
+    let scores = scores_of(cases, &["s1n"]);
     vec![
         Measure::new(
             group,
@@ -398,10 +398,10 @@ fn near(cases: &[Case]) -> Vec<Measure> {
 /// Suites without a bar of their own.
 fn others(cases: &[Case]) -> Vec<Measure> {
     let group = "other suites";
-    let flagged = of(cases, &["s10"]);
+    let flagged = scores_of(cases, &["s10"]);
     let flagged = flagged.iter().filter_map(|score| score.implausible_flagged);
     let plain = |name: &str, suite: &str| {
-        let value = share(&of(cases, &[suite]), any, right);
+        let value = share(&scores_of(cases, &[suite]), any, right);
         Measure::new(group, name, value, None)
     };
     vec![

@@ -10,7 +10,7 @@ use crate::measure::Measure;
 
 /// The log, from the root of the repository.
 pub(crate) const LOG: &str = "docs/blind-checks.md";
-/// Rows stand before this line.
+/// Rows come before this line.
 const END: &str = "<!-- end of scored runs -->";
 
 /// What a row says besides its figures.

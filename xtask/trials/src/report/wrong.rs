@@ -22,7 +22,7 @@ pub(crate) enum Fault {
     Incomplete,
     /// The right name at the wrong joint.
     Joint,
-    /// Causes that were not put in beside right ones.
+    /// Causes that were not put in, next to right ones.
     Extra,
     /// No gap was seen.
     Missed,

@@ -1,4 +1,4 @@
-//! The first-order formula for the transverse force, S dp, beside the simulation with the same errors.
+//! The first-order formula for the transverse force, S dp, compared with the simulation with the same errors.
 
 use anyhow::Result;
 use haptical_metrics::rms;

@@ -36,7 +36,7 @@ pub(crate) struct Instant {
     pub(crate) speed_mps: f64,
 }
 
-/// The wall is switched on around a handle that a fixture holds in it; then the fixture opens. The sensor stands
+/// The wall is switched on around a handle that a fixture holds in it; then the fixture opens. The sensor is
 /// between handle and hand, so it shows nothing from then on. `share` of what is wanted comes out of the model.
 pub(crate) fn let_go(law: &Law, share: f64) -> Vec<Instant> {
     let samples = (END_S / SAMPLE_S) as usize;

@@ -1,4 +1,4 @@
-//! The report's words on PI and PD beside the proportional law, with figures from the same loop.
+//! The report's words on PI and PD next to the proportional law, with figures from the same loop.
 
 use anyhow::{Context, Result};
 use haptical_metrics::rms;
@@ -24,7 +24,7 @@ struct Case<'a> {
     seed: u64,
 }
 
-/// PI and PD beside P, and where admittance control stands.
+/// PI and PD next to P, and what admittance control does.
 pub(crate) fn other_laws(
     output: &mut Output,
     scenario: &Scenario,
@@ -45,7 +45,7 @@ pub(crate) fn other_laws(
     derivative_words(output, &case, derivative_limit_s)?;
     output.grid(
         "laws",
-        "P beside PI and PD in the loop of Figure 11",
+        "P, PI and PD in the loop of Figure 11",
         &figures::laws(&proportional, &integral, gain, derivative_limit_s, seed),
     )?;
     output.words(

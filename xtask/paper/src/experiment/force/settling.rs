@@ -88,9 +88,9 @@ mod tests {
             let law = Law::proportional(gain);
             let forces = run(&axis, &matrix, &law, &wanted, &quiet).measured;
             let settled = (forces[19_999] - forces[19_000]).norm() < 1e-6;
-            let told = settles(&axis, &matrix, gain);
-            assert_eq!(settled, told, "{real} {imaginary}");
-            seen[usize::from(told)] += 1;
+            let predicted = settles(&axis, &matrix, gain);
+            assert_eq!(settled, predicted, "{real} {imaginary}");
+            seen[usize::from(predicted)] += 1;
         }
         assert!(seen[0] >= 2 && seen[1] >= 3, "{seen:?}");
     }
