@@ -68,9 +68,9 @@ fn touching_hands_tell_the_elbows() {
         }
     }
     // what is recorded is recomputed
-    let json = std::fs::read_to_string(folder.path("contact/identified.json")).unwrap();
+    let json = std::fs::read_to_string(folder.path("zero/identified.json")).unwrap();
     assert!(json.contains("\"--base=left_finger\"") && json.contains("\"--tip=right_finger\""));
-    let (status, printed, said) = folder.run(&["verify", "contact"]);
+    let (status, printed, said) = folder.run(&["verify", "zero"]);
     assert_eq!(status, Some(0), "{printed}{said}");
     // the corrected file moves as the device
     let arguments = [
