@@ -1,19 +1,21 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
-use haptical_calibration::{CalibrationError, channels, check_recording, check_rig};
+use haptical_calibration::{CalibrationError, Channel, channels, check_recording, check_rig};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Absorbed, Effect, catalogue};
 use haptical_model::{Device, JointCompliance, ParameterId, Recording};
 
-use crate::answer::assemble::{Inputs, assemble};
+use crate::answer::assemble::answer;
 use crate::answer::{Diagnosis, Verdict};
 use crate::engine::Prepared;
 use crate::engine::base::{Base, Unfinished};
 use crate::engine::earlier_model::placed;
 use crate::engine::onto_touches::onto_touches;
+use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
 use crate::noise::cleaning::without_readings;
-use crate::select::Selector;
+use crate::noise::measured::KnownNoise;
+use crate::select::{Selection, Selector};
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
 use crate::thresholds::recording::MOST_ROWS;
@@ -38,22 +40,28 @@ pub fn diagnose(
     check_recording(device, recording, &channels(device, recording)?)?;
     check_rig(device, recording)?;
     let base = Base::fit(device, recording)?;
-    let answer = |device: &Device, base: &Base| {
-        let by_base = |base: &Base| by_base(device, recording, options, &effects, base);
+    let diagnosed = |device: &Device, base: &Base| {
+        let case = Case {
+            device,
+            recording,
+            options,
+            effects: &effects,
+        };
+        let by_base = |base: &Base| by_base(&case, base);
         match &base.unfinished {
             Some(end) => without_minimum(base, end, &by_base),
             None => by_base(base),
         }
     };
     let Some(corrected) = Corrected::new(device, &base, recording)? else {
-        return answer(device, &base);
+        return diagnosed(device, &base);
     };
     // a gap may hide below a noise that is stated too large: judged by what the recording shows of it
     let mut found = if corrected.is_other_than(device) {
         let base = Base::fit(&corrected.device, recording)?;
-        answer(&corrected.device, &base)?
+        diagnosed(&corrected.device, &base)?
     } else {
-        answer(device, &base)?
+        diagnosed(device, &base)?
     };
     corrected.report(&mut found, &options.without);
     Ok(found)
@@ -104,80 +112,103 @@ fn without_minimum(
     Err(error.into())
 }
 
-/// The diagnosis against a fitted base model.
-fn by_base(
-    device: &Device,
-    recording: &Recording,
-    options: &Options<'_>,
-    effects: &[Box<dyn Effect>],
-    base: &Base,
-) -> Result<Diagnosis, DiagnosisError> {
+/// Subject of a diagnosis.
+struct Case<'c> {
+    device: &'c Device,
+    recording: &'c Recording,
+    options: &'c Options<'c>,
+    effects: &'c [Box<dyn Effect>],
+}
+
+/// Readings without their outliers, and the postures at which derivatives are taken.
+struct Cleaned {
+    recording: Recording,
+    postures: Recording,
+    gone: Vec<(Channel, usize)>,
+}
+
+/// The diagnosis against a fitted base model: prepare, fit, select, judge, answer.
+fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis, DiagnosisError> {
+    let recording = case.recording;
     let onto = onto_touches(base, recording)?;
     let postures = onto.as_ref().unwrap_or(recording);
+    let clean = |gone: Vec<(Channel, usize)>| Cleaned {
+        recording: without_readings(recording, &gone),
+        postures: without_readings(postures, &gone),
+        gone,
+    };
     let prepared = Prepared::new(base, recording, postures)?;
-    let gone = prepared.outlying(OUTLIER_SD);
-    let cleaned = without_readings(recording, &gone);
-    let at = without_readings(postures, &gone);
-    let engine = prepared.without(&gone, &at).fit(None)?;
+    let readings = clean(prepared.outlying(OUTLIER_SD));
+    let engine = prepared
+        .without(&readings.gone, &readings.postures)
+        .fit(None)?;
     let (in_base, rest): (Vec<usize>, Vec<usize>) =
-        (0..effects.len()).partition(|&index| is_in_base(effects[index].as_ref(), base));
-    let tested: Vec<usize> = rest
-        .into_iter()
-        .filter(|&index| effects[index].untestable(&engine.context).is_none())
-        .collect();
-    let earlier = match options.model {
-        None => None,
-        Some(model) => Some(placed(model, device, &cleaned, &base.channels)?),
+        (0..case.effects.len()).partition(|&index| is_in_base(case.effects[index].as_ref(), base));
+    let is_tested = |&index: &usize| case.effects[index].untestable(&engine.context).is_none();
+    let tested: Vec<usize> = rest.into_iter().filter(is_tested).collect();
+    let model = case.options.model;
+    let earlier = model
+        .map(|model| placed(model, case.device, &readings.recording, &base.channels))
+        .transpose()?;
+    let judged = |selection: Selection<'_>, readings: &Cleaned| {
+        let inputs = Inputs {
+            nominal: case.device,
+            recording: &readings.recording,
+            gone: &readings.gone,
+            in_base: &in_base,
+            earlier: earlier.as_ref(),
+            options: case.options,
+        };
+        answer(Findings::new(selection, inputs)?)
     };
-    let inputs = Inputs {
-        nominal: device,
-        recording: &cleaned,
-        gone: &gone,
-        in_base: &in_base,
-        earlier: earlier.as_ref(),
-        options,
+    let selection = Selector::new(&engine, case.effects, &tested).select(true)?;
+    let Some(again) = Again::new(&selection) else {
+        return judged(selection, &readings);
     };
-    let mut selector = Selector::new(&engine, effects, &tested);
-    let mut selection = selector.select(true)?;
-    if selection.refit.model.causes.is_empty() {
-        return assemble(&mut selector, &mut selection, &inputs);
-    }
-    // The gap may have pushed the base model far from where it belongs, and the effects' geometry with it,
-    // or its fast parts may have passed for noise: then once more from what is known with the causes.
     let model = &selection.refit.model;
-    let noise = engine.noise_of(&selection.refit.residual);
-    let mut pairs = engine.noise.iter().zip(&noise.noise);
-    let fell = pairs.any(|(before, after)| after.ratio < NOISE_FELL * before.ratio);
-    if engine.moved(&model.bare) < MOVED_FAR && !fell {
-        return assemble(&mut selector, &mut selection, &inputs);
-    }
     let nearer = Base {
         device: engine.problem.device_with(&model.values),
         ..base.clone()
     };
-    let again = if fell {
-        let prepared = Prepared::new(base, recording, postures)?;
-        prepared.outlying_beside(effects, model, OUTLIER_SD)?
-    } else {
-        gone.clone()
-    };
-    let cleaned = without_readings(recording, &again);
-    let at = without_readings(postures, &again);
-    let at = onto.as_ref().map_or(&cleaned, |_| &at);
-    let nearer = Prepared::new(&nearer, &cleaned, at)?.fit(fell.then_some(&noise))?;
-    if !fell && nearer.misfit() > NO_WORSE * engine.misfit() {
+    let cleaned = clean(match again.noise {
+        Some(_) => Prepared::new(base, recording, postures)?.outlying_beside(
+            case.effects,
+            model,
+            OUTLIER_SD,
+        )?,
+        None => readings.gone.clone(),
+    });
+    let prepared = Prepared::new(&nearer, &cleaned.recording, &cleaned.postures)?;
+    let engine_there = prepared.fit(again.noise.as_ref())?;
+    if again.noise.is_none() && engine_there.misfit() > NO_WORSE * engine.misfit() {
         // it did not find back to a minimum: the gap would be its own
-        return assemble(&mut selector, &mut selection, &inputs);
+        return judged(selection, &readings);
     }
-    let engine = nearer;
-    let inputs = Inputs {
-        recording: &cleaned,
-        gone: &again,
-        ..inputs
-    };
-    let mut selector = Selector::new(&engine, effects, &tested);
-    let mut selection = selector.select(false)?;
-    assemble(&mut selector, &mut selection, &inputs)
+    let selection = Selector::new(&engine_there, case.effects, &tested).select(false)?;
+    judged(selection, &cleaned)
+}
+
+/// A second round from what is known with the causes: the gap pushed the base model far from where it belongs, and the
+/// effects' geometry with it, or its fast parts passed for noise.
+struct Again {
+    /// With the causes in the model, where it fell.
+    noise: Option<KnownNoise>,
+}
+
+impl Again {
+    fn new(selection: &Selection<'_>) -> Option<Self> {
+        if selection.causes().is_empty() {
+            return None;
+        }
+        let engine = selection.engine();
+        let noise = engine.noise_of(&selection.refit.residual);
+        let mut pairs = engine.noise.iter().zip(&noise.noise);
+        let fell = pairs.any(|(before, after)| after.ratio < NOISE_FELL * before.ratio);
+        let is_far = engine.moved(&selection.refit.model.bare) >= MOVED_FAR;
+        (fell || is_far).then(|| Self {
+            noise: fell.then_some(noise),
+        })
+    }
 }
 
 fn thinned(recording: &Recording) -> Option<Recording> {

@@ -390,6 +390,8 @@ pub(crate) mod torque {
     /// A force that does not pass the sensor, and readings of the sensor that are wrong by no law of the catalogue,
     /// are one equation: neither is likelier.
     pub(crate) const GRIP_PROBABILITY: f64 = 0.5;
+    /// Probability that an effect on torques is one of the catalogue.
+    pub(crate) const LISTED_PROBABILITY: f64 = 0.97;
     /// Times the torque that wrong angles cause by which a finding must stand out.
     pub(crate) const BEYOND_WRONG_ANGLES: f64 = 3.0;
     /// Deviations of a torque's scale from the drive's stated one that are a gap, whether or not they have a name.

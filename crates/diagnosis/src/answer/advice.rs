@@ -3,23 +3,28 @@
 use haptical_effects::{Effect, Family, spec};
 
 use crate::answer::place::Located;
-use crate::answer::{Asked, Verdict};
+use crate::answer::{Asked, CauseAnswer, Verdict};
+use crate::judge::findings::Findings;
 use crate::judge::unlisted::IN_NO_CATALOGUE;
 use crate::select::generic::Covariate;
 
 /// The next experiment in words; none where there is no gap.
 pub(crate) fn next_experiment(
+    findings: &Findings<'_>,
     verdict: Verdict,
-    first: Option<&dyn Effect>,
-    confused_with: &[String],
+    causes: &[CauseAnswer],
     place: Option<&Located>,
 ) -> Option<String> {
-    match verdict {
-        Verdict::NoGap => None,
-        Verdict::Named => first.map(confirm),
-        Verdict::Ambiguous if confused_with.is_empty() => first.map(confirm),
-        Verdict::Ambiguous => Some(separate(first, confused_with)),
-        Verdict::Unknown => Some(match place {
+    if findings.base_terms.is_tool() {
+        return Some(CONFIRM_TOOL.to_owned());
+    }
+    let first = findings.first();
+    let confused_with = causes.first().map(|cause| cause.confusable_with.as_slice());
+    match (verdict, confused_with.unwrap_or_default()) {
+        (Verdict::NoGap, _) => None,
+        (Verdict::Named, _) | (Verdict::Ambiguous, []) => first.map(confirm),
+        (Verdict::Ambiguous, confused_with) => Some(separate(first, confused_with)),
+        (Verdict::Unknown, _) => Some(match place {
             Some(place) => explore_place(place),
             None => explore(None),
         }),
@@ -130,11 +135,8 @@ fn separate(first: Option<&dyn Effect>, confused_with: &[String]) -> String {
 }
 
 /// What confirms another tool.
-pub(crate) fn of_tool() -> String {
-    "to confirm: look at what the last link carries, and measure it; then put the shift into the last row of the \
-     earlier model, whose other numbers hold"
-        .to_owned()
-}
+const CONFIRM_TOOL: &str = "to confirm: look at what the last link carries, and measure it; then put the shift into the \
+                            last row of the earlier model, whose other numbers hold";
 
 /// By what single postures depend on, surest first; of a motion by the covariate.
 fn explore_place(place: &Located) -> String {

@@ -5,13 +5,17 @@ use std::collections::BTreeMap;
 use haptical_effects::noise::{NOISE_LEVEL, OUTLIERS};
 use haptical_effects::{Effect, Family, Hook, Need, Role, Spec};
 
+use nalgebra::DMatrix;
+
+use crate::answer::delta::with_variances;
 use crate::answer::shrink::{Shrink, Unseen};
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
-use crate::engine::model::{Cause, Refit};
-use crate::force::answer::ForceAnswer;
-use crate::judge::adequacy::Adequacy;
+use crate::engine::Engine;
+use crate::engine::model::Cause;
 use crate::judge::earlier::BaseTerm;
+use crate::judge::findings::Findings;
 use crate::judge::rivals::{Rival, warms_with_time};
+use crate::judge::verdict::is_reported;
 use crate::select::{Selection, Selector, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::earlier_model::{SURE, TOOL_ODDS};
@@ -20,20 +24,39 @@ use crate::thresholds::noise::{GROWS_WITH_SPEED, LOUD, MANY_OUTLIERS};
 use crate::thresholds::rivals::{SETTLING, STEADY};
 use crate::thresholds::unseen::SHOWN_BY_ENCODER;
 
+/// The causes that positions show, strongest first.
+pub(crate) fn position_causes(findings: &Findings<'_>) -> Vec<CauseAnswer> {
+    let base_terms = &findings.base_terms;
+    let total: f64 = findings.selection.explained.iter().sum::<f64>() + base_terms.total;
+    let terms = base_terms.terms.iter();
+    let mut causes: Vec<CauseAnswer> = terms
+        .map(|term| base_term(term, total, &findings.shrink))
+        .collect();
+    for index in 0..findings.rivals.len() {
+        let answer = cause_answer(findings, index, total);
+        if causes.is_empty() || is_reported(&answer) {
+            causes.push(answer);
+        }
+    }
+    if !base_terms.terms.is_empty() {
+        causes.sort_by(|a, b| b.share.total_cmp(&a.share));
+    }
+    causes
+}
+
 /// One cause of a selection.
-pub(crate) fn cause_answer(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-    index: usize,
-    rivals: &[Rival],
-    adequacy: &Adequacy,
-    total: f64,
-    shrink: &Shrink,
-) -> CauseAnswer {
-    let cause = &selection.refit.model.causes[index];
-    let effect = selector.effects[cause.effect].as_ref();
+fn cause_answer(findings: &Findings<'_>, index: usize, total: f64) -> CauseAnswer {
+    let Findings {
+        selection,
+        adequacy,
+        shrink,
+        ..
+    } = findings;
+    let rivals = &findings.rivals[index];
+    let cause = &selection.causes()[index];
+    let effect = selection.effect(cause);
     let (amplitudes, shape) = reported(cause);
-    let values = effect.values(&selector.engine.context, &amplitudes, shape);
+    let values = effect.values(&selection.engine().context, &amplitudes, shape);
     let confusable = confusable(rivals);
     let own = rivals.first().map_or(1.0, |rival| rival.probability);
     let mut probability = own * (1.0 - adequacy.doubt());
@@ -45,7 +68,7 @@ pub(crate) fn cause_answer(
         probability *= STEADY;
     } else if effect.spec().family == Family::Drift
         && confusable.is_empty()
-        && !is_time_tried(selector, effect)
+        && !is_time_tried(&selection.selector, effect)
     {
         // a law of time, which was not tried, may have the same course
         probability *= STEADY;
@@ -55,23 +78,22 @@ pub(crate) fn cause_answer(
         .filter(|rival| rival.nats_behind <= CONFUSABLE_NATS)
         .map(|rival| rival.probability)
         .sum();
+    let plausible = effect.is_plausible(&values);
     CauseAnswer {
-        effect: effect.name().to_owned(),
-        joint: effect.joint().map(|joint| joint + 1),
         class_probability: (class * (1.0 - adequacy.doubt())).max(probability),
-        probability,
         confusable_with: confusable,
-        parameters: parameters(selector, selection, index),
-        plausible: effect.is_plausible(&values),
-        implausible: !effect.is_plausible(&values),
+        parameters: parameters(selection, index),
+        plausible,
+        implausible: !plausible,
         share: selection.explained[index] / total.max(1e-300),
         held_out: held_out(shrink, effect.spec().hook, effect.joint()),
+        ..CauseAnswer::named(effect.name(), effect.joint(), probability)
     }
 }
 
 /// Whether a drift in time was tried in the place of one by load, or of one with a temperature that
 /// follows the time.
-fn is_time_tried(selector: &Selector<'_, '_>, effect: &dyn Effect) -> bool {
+fn is_time_tried(selector: &Selector<'_>, effect: &dyn Effect) -> bool {
     let with_temperature = effect.spec().needs.contains(&Need::Temperature);
     let in_time = |index: &usize| {
         let other = selector.effects[*index].as_ref();
@@ -86,45 +108,30 @@ fn is_time_tried(selector: &Selector<'_, '_>, effect: &dyn Effect) -> bool {
 }
 
 /// A term of the base model that an earlier model lacks.
-pub(crate) fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAnswer {
+fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAnswer {
     let hook = if term.in_drive {
         Hook::Transmission
     } else {
         Hook::Structure
     };
+    let probability = SURE * TOOL_ODDS / (TOOL_ODDS + term.confusable_with.len() as f64);
     CauseAnswer {
-        effect: term.name.to_owned(),
-        joint: term.joint.map(|joint| joint + 1),
         class_probability: SURE,
-        probability: SURE * TOOL_ODDS / (TOOL_ODDS + term.confusable_with.len() as f64),
         confusable_with: term.confusable_with.clone(),
         parameters: term.parameters.clone(),
-        plausible: true,
-        implausible: false,
         share: term.explained / total.max(1e-300),
         held_out: held_out(shrink, hook, term.joint),
+        ..CauseAnswer::named(term.name, term.joint, probability)
     }
 }
 
 /// What is said of the data: a number with its standard deviation.
 fn finding(spec: &Spec, joint: Option<usize>, value: f64, sd: f64) -> CauseAnswer {
+    let mut answer = ParameterAnswer::normal(value, sd);
+    answer.ci95[0] = answer.ci95[0].max(0.0);
     CauseAnswer {
-        effect: spec.name.to_owned(),
-        joint: joint.map(|joint| joint + 1),
-        class_probability: DATA_PROBABILITY,
-        probability: DATA_PROBABILITY,
-        confusable_with: Vec::new(),
-        parameters: BTreeMap::from([(
-            spec.parameters[0].name.to_owned(),
-            ParameterAnswer {
-                value,
-                ci95: [(value - 1.96 * sd).max(0.0), value + 1.96 * sd],
-            },
-        )]),
-        plausible: true,
-        implausible: false,
-        share: 0.0,
-        held_out: None,
+        parameters: BTreeMap::from([(spec.parameters[0].name.to_owned(), answer)]),
+        ..CauseAnswer::named(spec.name, joint, DATA_PROBABILITY)
     }
 }
 
@@ -152,43 +159,6 @@ pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) ->
         }
     }
     found
-}
-
-/// Effects on torques and forces, which no position shows.
-pub(crate) fn force_findings(force: &ForceAnswer) -> Vec<CauseAnswer> {
-    let findings = force.findings.iter();
-    findings
-        .map(|finding| {
-            let probability = finding.probability * 0.97;
-            CauseAnswer {
-                effect: finding.effect.to_owned(),
-                joint: finding.joint.map(|joint| joint + 1),
-                probability,
-                class_probability: probability,
-                confusable_with: finding
-                    .confusable_with
-                    .iter()
-                    .map(|name| name.split('@').next().unwrap_or(name).to_owned())
-                    .filter(|name| name != finding.effect)
-                    .collect(),
-                parameters: finding
-                    .parameters
-                    .iter()
-                    .map(|(name, value, ci95)| {
-                        let answer = ParameterAnswer {
-                            value: *value,
-                            ci95: *ci95,
-                        };
-                        (name.clone(), answer)
-                    })
-                    .collect(),
-                plausible: finding.plausible,
-                implausible: !finding.plausible,
-                share: finding.share,
-                held_out: None,
-            }
-        })
-        .collect()
 }
 
 /// The channel in which an effect at this place shows: its external encoder where it has one, else
@@ -244,80 +214,46 @@ fn reported(cause: &Cause) -> (Vec<f64>, f64) {
     (vec![cause.amplitudes[largest]], cause.times[largest])
 }
 
-/// Variances and covariances of one cause's numbers within a refit.
-struct Spread<'r> {
-    refit: &'r Refit,
-    first: usize,
-    count: usize,
-    /// What misfit adds to the variances.
-    inflation: f64,
-}
-
-impl Spread<'_> {
-    fn entry(&self, a: usize, b: usize) -> f64 {
-        let covariance = self.refit.covariance.as_ref();
-        covariance.map_or(0.0, |c| {
-            self.inflation * c[(self.first + a, self.first + b)]
-        })
-    }
-}
-
 /// Intervals by the delta method, the covariate's scale and the misfit allowed for.
-fn parameters(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-    index: usize,
-) -> BTreeMap<String, ParameterAnswer> {
-    let context = &selector.engine.context;
-    let causes = &selection.refit.model.causes;
+fn parameters(selection: &Selection<'_>, index: usize) -> BTreeMap<String, ParameterAnswer> {
+    let context = &selection.engine().context;
+    let causes = selection.causes();
     let cause = &causes[index];
-    let effect = selector.effects[cause.effect].as_ref();
+    let effect = selection.effect(cause);
     let continuous =
-        |cause: &Cause| usize::from(selector.effects[cause.effect].spec().shape.is_continuous());
+        |cause: &Cause| usize::from(selection.effect(cause).spec().shape.is_continuous());
     let before: usize = causes[..index]
         .iter()
         .map(|cause| cause.amplitudes.len() + continuous(cause))
         .sum();
     let (amplitudes, shape) = reported(cause);
-    let values = effect.values(context, &amplitudes, shape);
-    let spread = Spread {
-        refit: &selection.refit,
-        first: before + largest_step(cause),
-        count: amplitudes.len() + continuous(cause),
-        inflation: misfit(&selection.after),
-    };
-    let slopes = slopes(selector, effect, &amplitudes, shape, &spread);
+    let first = before + largest_step(cause);
+    let count = amplitudes.len() + continuous(cause);
+    let inflation = misfit(&selection.after);
+    let covariance = DMatrix::from_fn(count, count, |a, b| {
+        let covariance = selection.refit.covariance.as_ref();
+        covariance.map_or(0.0, |all| inflation * all[(first + a, first + b)])
+    });
+    let values = with_variances(effect, context, &amplitudes, shape, &covariance);
     let mut answers = BTreeMap::new();
-    for (position, (spec, &value)) in effect.spec().parameters.iter().zip(&values).enumerate() {
-        let mut variance = 0.0;
-        for a in 0..spread.count {
-            for b in 0..spread.count {
-                variance += slopes[position][a] * spread.entry(a, b) * slopes[position][b];
-            }
-        }
-        if position == 0 {
+    for (spec, (value, mut variance)) in effect.spec().parameters.iter().zip(values) {
+        if answers.is_empty() {
             let law = effect.spec().law_error.amplitude / kept(selection, cause, effect);
             let relative = effect.scale_uncertainty(context).hypot(law);
             variance += (value * relative).powi(2);
         }
-        let mut half = 1.96 * variance.max(0.0).sqrt();
+        let mut sd = variance.max(0.0).sqrt();
         if spec.role == Role::Instant {
-            half = half.max(instant_uncertainty_s(selector, shape));
+            sd = sd.max(instant_uncertainty_s(selection.engine(), shape) / 1.96);
         }
-        answers.insert(
-            spec.name.to_owned(),
-            ParameterAnswer {
-                value,
-                ci95: [value - half, value + half],
-            },
-        );
+        answers.insert(spec.name.to_owned(), ParameterAnswer::normal(value, sd));
     }
     answers
 }
 
 /// Share of a shape that the base model does not swallow: what its law gets wrong counts the more, the
 /// less of it is seen. 1 for the other kinds.
-fn kept(selection: &Selection, cause: &Cause, effect: &dyn Effect) -> f64 {
+fn kept(selection: &Selection<'_>, cause: &Cause, effect: &dyn Effect) -> f64 {
     if !matches!(effect.spec().family, Family::Shape | Family::Wobble) {
         return 1.0;
     }
@@ -329,49 +265,16 @@ fn kept(selection: &Selection, cause: &Cause, effect: &dyn Effect) -> f64 {
 }
 
 /// An instant is known to a few blocks of rows.
-fn instant_uncertainty_s(selector: &Selector<'_, '_>, row: f64) -> f64 {
-    let context = &selector.engine.context;
+fn instant_uncertainty_s(engine: &Engine<'_>, row: f64) -> f64 {
+    let context = &engine.context;
     let Some(times) = &context.recording.time_s else {
         return 0.0;
     };
     let row = (row as usize).min(times.len() - 1);
-    let reach = 2 * selector.engine.system.layout.size;
+    let reach = 2 * engine.system.layout.size;
     let (first, last) = (
         row.saturating_sub(reach),
         (row + reach).min(times.len() - 1),
     );
     (times[last] - times[first]).abs() / 2.0
-}
-
-/// Derivative of every reported value with respect to amplitudes and logarithm of the shape.
-fn slopes(
-    selector: &Selector<'_, '_>,
-    effect: &dyn Effect,
-    amplitudes: &[f64],
-    shape: f64,
-    spread: &Spread<'_>,
-) -> Vec<Vec<f64>> {
-    let context = &selector.engine.context;
-    let values = effect.values(context, amplitudes, shape);
-    let mut slopes = vec![vec![0.0; spread.count]; values.len()];
-    for number in 0..spread.count {
-        let sd = spread.entry(number, number).max(0.0).sqrt();
-        let (mut amplitudes, mut shape) = (amplitudes.to_vec(), shape);
-        let step = match amplitudes.get_mut(number) {
-            Some(amplitude) => {
-                let step = (1e-3 * sd).max(1e-9 * amplitude.abs()).max(1e-300);
-                *amplitude += step;
-                step
-            }
-            None => {
-                shape *= 1e-4_f64.exp();
-                1e-4
-            }
-        };
-        let moved = effect.values(context, &amplitudes, shape);
-        for (row, (after, before)) in slopes.iter_mut().zip(moved.iter().zip(&values)) {
-            row[number] = (after - before) / step;
-        }
-    }
-    slopes
 }

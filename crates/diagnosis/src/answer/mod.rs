@@ -3,6 +3,7 @@
 pub(crate) mod advice;
 pub(crate) mod assemble;
 pub(crate) mod causes;
+pub(crate) mod delta;
 pub(crate) mod place;
 pub(crate) mod place_touched;
 pub(crate) mod shrink;
@@ -11,6 +12,7 @@ pub(crate) mod unseen;
 
 use std::collections::BTreeMap;
 
+use haptical_metrics::gap_reduction_percent;
 use haptical_model::Device;
 use serde::Serialize;
 
@@ -118,6 +120,28 @@ pub struct ChannelGap {
     pub reduction_ci95: Option<[f64; 2]>,
 }
 
+impl ChannelGap {
+    /// A gap on the rows that were fitted; its share is its squared size over that of the noise, before shares are taken.
+    pub(crate) fn fitted(
+        channel: String,
+        joint: Option<usize>,
+        [rms_before, rms_after, noise_floor]: [f64; 3],
+        unit: &str,
+    ) -> Self {
+        Self {
+            channel,
+            joint: joint.map(|joint| joint + 1),
+            rms_before,
+            rms_after,
+            noise_floor,
+            unit: unit.to_owned(),
+            share_of_gap: ((rms_before / noise_floor).powi(2) - 1.0).max(0.0),
+            reduction_percent: gap_reduction_percent(rms_before, rms_after, noise_floor),
+            reduction_ci95: None,
+        }
+    }
+}
+
 /// Where the gap lies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Place {
@@ -203,6 +227,35 @@ pub struct ParameterAnswer {
     pub value: f64,
     /// 95 % interval.
     pub ci95: [f64; 2],
+}
+
+impl ParameterAnswer {
+    /// A value with a standard deviation.
+    pub(crate) fn normal(value: f64, sd: f64) -> Self {
+        let half = 1.96 * sd;
+        Self {
+            value,
+            ci95: [value - half, value + half],
+        }
+    }
+}
+
+impl CauseAnswer {
+    /// A plausible name that nothing is confused with, without numbers; joints from 0.
+    pub(crate) fn named(effect: &str, joint: Option<usize>, probability: f64) -> Self {
+        Self {
+            effect: effect.to_owned(),
+            joint: joint.map(|joint| joint + 1),
+            probability,
+            class_probability: probability,
+            confusable_with: Vec::new(),
+            parameters: BTreeMap::new(),
+            plausible: true,
+            implausible: false,
+            share: 0.0,
+            held_out: None,
+        }
+    }
 }
 
 /// The gap on data that the fit did not see.

@@ -4,9 +4,12 @@ use haptical_effects::{Context, Effect, Follows, Hook, Stream};
 
 use crate::answer::{Asked, Dependence, Place as Answer};
 use crate::engine::Engine;
+use crate::engine::model::Cause;
+use crate::force::answer::ForceAnswer;
+use crate::judge::findings::Findings;
 use crate::noise::without_lines;
+use crate::select::Selection;
 use crate::select::generic::{Covariate, Place, inner_range, score};
-use crate::select::{Selection, Selector};
 use crate::thresholds::dependence::{ALSO, DEPENDENCE_P, PLACE_BINS, PLACE_KNOTS};
 use crate::thresholds::dependence::{BIN_SHARE, EVIDENCE_PER_RANK};
 use crate::thresholds::lines::MOST_OF_A_GAP;
@@ -45,15 +48,26 @@ impl Located {
     }
 }
 
+/// The torque that shows most of the torques' gap.
+pub(crate) fn in_torques(force: &ForceAnswer) -> Option<Answer> {
+    let largest = force.largest()?;
+    let joint = largest.joint?;
+    Some(Answer {
+        channel: largest.channel.clone(),
+        joint: Some(joint),
+        depends_on: Vec::new(),
+        region: format!("in the torque of joint {joint}: positions show no gap"),
+        explained: Vec::new(),
+        dependence: Vec::new(),
+    })
+}
+
 /// By the first cause, or by free functions of every covariate where there is none.
-pub(crate) fn locate(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-    named: bool,
-) -> Option<Located> {
-    match selection.refit.model.causes.first() {
-        Some(cause) if named => by_cause(selector, selection, cause.effect),
-        _ => by_line(selector.engine).or_else(|| by_free_functions(selector, selection)),
+pub(crate) fn locate(findings: &Findings<'_>) -> Option<Located> {
+    let selection = &findings.selection;
+    match selection.causes().first() {
+        Some(cause) if findings.adequacy.is_adequate => by_cause(selection, cause),
+        _ => by_line(selection.engine()).or_else(|| by_free_functions(selection)),
     }
 }
 
@@ -93,11 +107,10 @@ fn by_line(engine: &Engine<'_>) -> Option<Located> {
     })
 }
 
-fn by_cause(selector: &Selector<'_, '_>, selection: &Selection, index: usize) -> Option<Located> {
-    let context = &selector.engine.context;
-    let effect = selector.effects[index].as_ref();
-    let cause = selection.refit.model.causes.first()?;
-    let stream = stream_of(context, selection, effect.spec().hook, effect.joint())?;
+fn by_cause(selection: &Selection<'_>, cause: &Cause) -> Option<Located> {
+    let context = &selection.engine().context;
+    let effect = selection.effect(cause);
+    let stream = stream_of(selection, effect.spec().hook, effect.joint())?;
     let joint = effect.joint();
     let covariate = law_covariate(effect, cause.shape);
     let mut depends_on = vec![covariate.column(context)];
@@ -150,11 +163,11 @@ fn law_covariate(effect: &dyn Effect, shape: f64) -> Covariate {
 
 /// The stream in which an effect at a place shows most plainly.
 pub(crate) fn stream_of(
-    context: &Context<'_>,
-    selection: &Selection,
+    selection: &Selection<'_>,
     hook: Hook,
     joint: Option<usize>,
 ) -> Option<usize> {
+    let context = &selection.engine().context;
     if matches!(hook, Hook::Transmission | Hook::ExternalEncoder)
         && let Some(stream) = joint.and_then(|joint| context.output_stream(joint))
     {
@@ -196,8 +209,8 @@ pub(crate) fn hook_words(context: &Context<'_>, place: Place) -> String {
     }
 }
 
-fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Option<Located> {
-    let engine = selector.engine;
+fn by_free_functions(selection: &Selection<'_>) -> Option<Located> {
+    let engine = selection.engine();
     let context = &engine.context;
     let mut tried: Vec<(Place, Covariate, f64)> = Vec::new();
     for place in places(context) {
@@ -210,7 +223,7 @@ fn by_free_functions(selector: &Selector<'_, '_>, selection: &Selection) -> Opti
     }
     tried.sort_by(|a, b| b.2.total_cmp(&a.2));
     let &(place, covariate, best) = tried.first()?;
-    let stream = stream_of(context, selection, place.hook, place.joint)?;
+    let stream = stream_of(selection, place.hook, place.joint)?;
     let total: f64 = selection.before.iter().map(|s| s.excess().max(0.0)).sum();
     let mut others: Vec<(Covariate, f64)> = tried
         .iter()

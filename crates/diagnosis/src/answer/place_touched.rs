@@ -95,11 +95,11 @@ fn of_tool(context: &Context<'_>, stream: usize, term: &BaseTerm) -> Option<Loca
 
 /// Of touches: by what their residuals depend on, posture by posture.
 pub(crate) fn by_dependence(
-    context: &Context<'_>,
-    selection: &Selection,
+    selection: &Selection<'_>,
     dependence: Vec<Dependence>,
 ) -> Option<Located> {
-    let stream = stream_of(context, selection, Hook::Joint, None)?;
+    let context = &selection.engine().context;
+    let stream = stream_of(selection, Hook::Joint, None)?;
     let told = || {
         dependence
             .iter()

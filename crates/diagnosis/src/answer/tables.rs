@@ -2,21 +2,34 @@
 
 use haptical_calibration::Channel;
 use haptical_effects::Effect;
-use haptical_metrics::gap_reduction_percent;
 
 use crate::answer::place::Located;
-use crate::answer::shrink::{Shrink, Unseen};
-use crate::answer::{ChannelGap, NoiseAnswer, Trace, Untestable};
-use crate::force::answer::ForceAnswer;
-use crate::select::{Selection, Selector};
+use crate::answer::shrink::Unseen;
+use crate::answer::{CandidateAnswer, ChannelGap, NoiseAnswer, Trace, Untestable};
+use crate::judge::findings::Findings;
 
-pub(crate) fn channel_gaps(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-    before: &[Vec<f64>],
-    shrink: &Shrink,
-) -> Vec<ChannelGap> {
-    let engine = selector.engine;
+/// The channels of positions and torques, with shares that add up to 1, of energies over noise; all 0 where there is
+/// no energy.
+pub(crate) fn gaps(findings: &Findings<'_>) -> Vec<ChannelGap> {
+    let mut gaps = position_gaps(findings);
+    let force = &findings.force;
+    if force.significant || !force.findings.is_empty() {
+        gaps.extend_from_slice(&force.channels);
+    }
+    let total: f64 = gaps.iter().map(|gap| gap.share_of_gap).sum();
+    for gap in &mut gaps {
+        gap.share_of_gap = if total > 0.0 {
+            gap.share_of_gap / total
+        } else {
+            0.0
+        };
+    }
+    gaps
+}
+
+fn position_gaps(findings: &Findings<'_>) -> Vec<ChannelGap> {
+    let engine = findings.engine();
+    let before = findings.before();
     let context = &engine.context;
     let mut channels: Vec<Channel> = context.streams.iter().map(|s| s.channel).collect();
     channels.dedup();
@@ -49,77 +62,34 @@ pub(crate) fn channel_gaps(
                 .sum::<f64>()
                 / streams.len().max(1) as f64)
                 .sqrt();
-            let (rms_before, rms_after) = (rms(before), rms(&selection.refit.residual));
-            let seen = shrink
+            let (rms_before, rms_after) = (rms(before), rms(&findings.selection.refit.residual));
+            let seen = findings
+                .shrink
                 .channels
                 .iter()
                 .find(|unseen| unseen.channel == channel);
             let seen = seen.map(Unseen::answer);
-            ChannelGap {
-                channel: channel.name(),
-                joint: match channel {
-                    Channel::Output { joint } => Some(joint + 1),
-                    _ => None,
-                },
-                rms_before,
-                rms_after,
-                noise_floor,
-                unit: channel.unit(context.device).to_owned(),
-                share_of_gap: ((rms_before / noise_floor).powi(2) - 1.0).max(0.0),
-                reduction_percent: seen.as_ref().map_or_else(
-                    || gap_reduction_percent(rms_before, rms_after, noise_floor),
-                    |seen| seen.reduction_percent,
-                ),
-                reduction_ci95: seen.and_then(|seen| seen.reduction_ci95),
+            let joint = match channel {
+                Channel::Output { joint } => Some(joint),
+                _ => None,
+            };
+            let unit = channel.unit(context.device);
+            let sizes = [rms_before, rms_after, noise_floor];
+            let mut gap = ChannelGap::fitted(channel.name(), joint, sizes, unit);
+            if let Some(seen) = seen {
+                gap.reduction_percent = seen.reduction_percent;
+                gap.reduction_ci95 = seen.reduction_ci95;
             }
+            gap
         })
         .collect()
-}
-
-/// The channels of positions and torques, with shares that add up to 1, of energies over noise; all 0 where there is
-/// no energy.
-pub(crate) fn shared(mut gaps: Vec<ChannelGap>, force: &ForceAnswer) -> Vec<ChannelGap> {
-    gaps.extend(torque_gaps(force));
-    let total: f64 = gaps.iter().map(|gap| gap.share_of_gap).sum();
-    for gap in &mut gaps {
-        gap.share_of_gap = if total > 0.0 {
-            gap.share_of_gap / total
-        } else {
-            0.0
-        };
-    }
-    gaps
-}
-
-/// The torques, where they show a gap.
-fn torque_gaps(force: &ForceAnswer) -> Vec<ChannelGap> {
-    if force.findings.is_empty() && !force.significant {
-        return vec![];
-    }
-    let gaps = force.channels.iter().map(|gap| ChannelGap {
-        channel: format!("torque{}", gap.joint + 1),
-        joint: Some(gap.joint + 1),
-        rms_before: gap.rms_before,
-        rms_after: gap.rms_after,
-        noise_floor: gap.noise_floor,
-        unit: "N m".to_owned(),
-        share_of_gap: gap.excess(),
-        reduction_percent: gap_reduction_percent(gap.rms_before, gap.rms_after, gap.noise_floor),
-        reduction_ci95: None,
-    });
-    gaps.collect()
 }
 
 /// Rows of a picture at most.
 const DRAWN: usize = 3000;
 
-pub(crate) fn traces(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-    before: &[Vec<f64>],
-    located: Option<&Located>,
-) -> Vec<Trace> {
-    let engine = selector.engine;
+pub(crate) fn traces(findings: &Findings<'_>, located: Option<&Located>) -> Vec<Trace> {
+    let engine = findings.engine();
     let Some(located) = located else {
         return vec![];
     };
@@ -138,18 +108,15 @@ pub(crate) fn traces(
         unit: engine.context.streams[stream].unit.to_owned(),
         covariate: located.covariate.column(&engine.context),
         at: pick(&at),
-        before: pick(&before[stream]),
-        after: pick(&selection.refit.residual[stream]),
+        before: pick(&findings.before()[stream]),
+        after: pick(&findings.selection.refit.residual[stream]),
     }]
 }
 
-pub(crate) fn untestable(
-    selector: &Selector<'_, '_>,
-    on_forces: &[(&'static str, String)],
-) -> Vec<Untestable> {
+pub(crate) fn untestable(findings: &Findings<'_>) -> Vec<Untestable> {
     let mut found: Vec<Untestable> = Vec::new();
-    for effect in selector.effects {
-        let Some(why) = effect.untestable(&selector.engine.context) else {
+    for effect in findings.selection.selector.effects {
+        let Some(why) = effect.untestable(&findings.engine().context) else {
             continue;
         };
         let why = general(effect.as_ref(), why);
@@ -168,7 +135,8 @@ pub(crate) fn untestable(
             }),
         }
     }
-    found.extend(on_forces.iter().map(|(effect, why)| Untestable {
+    let on_forces = findings.force.untestable.iter();
+    found.extend(on_forces.map(|(effect, why)| Untestable {
         effect: (*effect).to_owned(),
         joints: Vec::new(),
         why: why.clone(),
@@ -186,12 +154,14 @@ fn general(effect: &dyn Effect, why: String) -> String {
     }
 }
 
-pub(crate) fn noise(selector: &Selector<'_, '_>, gone: &[(Channel, usize)]) -> Vec<NoiseAnswer> {
-    let engine = selector.engine;
+pub(crate) fn noise(findings: &Findings<'_>) -> Vec<NoiseAnswer> {
+    let engine = findings.engine();
     let streams = engine.context.streams.iter().zip(&engine.noise).enumerate();
     streams
         .map(|(index, (stream, noise))| {
-            let left_out = gone
+            let left_out = findings
+                .inputs
+                .gone
                 .iter()
                 .filter(|(channel, _)| *channel == stream.channel)
                 .count();
@@ -215,6 +185,20 @@ pub(crate) fn noise(selector: &Selector<'_, '_>, gone: &[(Channel, usize)]) -> V
                     "all that the model leaves".to_owned()
                 },
             }
+        })
+        .collect()
+}
+
+/// Candidates for the first cause.
+pub(crate) fn candidates(findings: &Findings<'_>) -> Vec<CandidateAnswer> {
+    let rivals = findings.rivals.first().into_iter().flatten().take(8);
+    rivals
+        .map(|rival| CandidateAnswer {
+            effect: rival.name.to_owned(),
+            joint: rival.joint.map(|joint| joint + 1),
+            share: rival.share,
+            nats_behind: rival.nats_behind,
+            probability: rival.probability,
         })
         .collect()
 }

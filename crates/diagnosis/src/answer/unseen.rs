@@ -7,15 +7,14 @@ use nalgebra::{DMatrix, DVector};
 use crate::answer::{Detectable, Hint, Invisible};
 use crate::engine::Engine;
 use crate::engine::system::{Column, dot};
+use crate::judge::findings::Findings;
 use crate::select::Selector;
 use crate::select::scan::{Candidate, Score};
 use crate::thresholds::unseen::{HINT_DEVIATIONS, MOST_BIASED, NOTICED_SCORE, VISIBLE};
 
 /// Sizes that would have been noticed, and effects that never are.
-pub(crate) fn unseen(
-    selector: &Selector<'_, '_>,
-    in_base: &[usize],
-) -> (Vec<Detectable>, Vec<Invisible>) {
+pub(crate) fn unseen(findings: &Findings<'_>) -> (Vec<Detectable>, Vec<Invisible>) {
+    let selector = &findings.selection.selector;
     let engine = selector.engine;
     let mut detectable = Vec::new();
     let mut invisible = Vec::new();
@@ -48,7 +47,7 @@ pub(crate) fn unseen(
             });
         }
     }
-    for &index in in_base {
+    for &index in findings.inputs.in_base {
         let effect = selector.effects[index].as_ref();
         if effect.spec().absorbed_by == Absorbed::ByInputDrum {
             invisible.push(Invisible {
@@ -94,7 +93,7 @@ fn why(effect: &dyn Effect, retained: f64) -> String {
     }
 }
 
-fn most_sensitive(selector: &Selector<'_, '_>, index: usize) -> Option<(Score, Candidate)> {
+fn most_sensitive(selector: &Selector<'_>, index: usize) -> Option<(Score, Candidate)> {
     let engine = selector.engine;
     let effect = selector.effects[index].as_ref();
     if effect.spec().shape == Shape::Event {

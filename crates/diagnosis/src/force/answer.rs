@@ -1,12 +1,13 @@
 //! From a selection to findings with values, intervals and shares.
 
-use haptical_effects::force::{GRIP_FORCE, TORQUE_GAIN, UNBALANCED_GRAVITY};
-use haptical_effects::{Follows, Hook};
+use std::collections::BTreeMap;
+
+use haptical_effects::force::{GRIP_FORCE, UNBALANCED_GRAVITY};
+use haptical_effects::{Effect, Follows, Hook, Spec};
 
 use super::base::Base;
-use super::effects::{Effects, is_scale};
-pub(crate) use super::gaps::TorqueGap;
-use super::gaps::{add_torque, channels, scale_before};
+use super::effects::is_scale;
+use super::gaps::{channels, mean_square};
 use super::gravity::{self, Unbalanced};
 use super::grip::{self, Grip};
 use super::names;
@@ -15,39 +16,20 @@ use super::select::{Pick, Selection, Selector};
 use super::trust;
 use super::values::Sizes;
 use crate::DiagnosisError;
+use crate::answer::{CauseAnswer, ChannelGap, ParameterAnswer};
+use crate::judge::unlisted::IN_NO_CATALOGUE;
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
-    BEYOND_WRONG_ANGLES, GRIP_PROBABILITY, LEAST_STRUCTURE, NOISE_DEVIATIONS, OMNIBUS_DEVIATIONS,
-    STRAINED, UNEXPLAINED_SHARE,
+    BEYOND_WRONG_ANGLES, GRIP_PROBABILITY, LEAST_STRUCTURE, LISTED_PROBABILITY, NOISE_DEVIATIONS,
+    OMNIBUS_DEVIATIONS, STRAINED, UNEXPLAINED_SHARE,
 };
-
-/// Of the normal distribution.
-const QUANTILE_975: f64 = 1.959_963_984_540_054;
-
-/// An effect on torques or forces.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ForceFinding {
-    pub(crate) effect: &'static str,
-    /// Joint, from 0.
-    pub(crate) joint: Option<usize>,
-    /// Probability among the effects of this group, given that it is one of them.
-    pub(crate) probability: f64,
-    /// Effects (`name`, or `name@joint` from 1 where the joint differs) that refit within ln 100.
-    pub(crate) confusable_with: Vec<String>,
-    /// Name, value, 95 % interval.
-    pub(crate) parameters: Vec<(String, f64, [f64; 2])>,
-    /// Share of the torques' structured energy.
-    pub(crate) share: f64,
-    /// False where a value lies beyond what a sound device can show.
-    pub(crate) plausible: bool,
-}
 
 /// What the torques say.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct ForceAnswer {
-    pub(crate) channels: Vec<TorqueGap>,
+    pub(crate) channels: Vec<ChannelGap>,
     /// Strongest first.
-    pub(crate) findings: Vec<ForceFinding>,
+    pub(crate) findings: Vec<CauseAnswer>,
     /// Effects that the recording cannot test, and why.
     pub(crate) untestable: Vec<(&'static str, String)>,
     /// Share of the torques' structured energy that the findings leave; 1 without findings where
@@ -75,15 +57,15 @@ impl ForceAnswer {
     }
 
     /// The torques with the largest gap, where they show one that no finding explains.
-    pub(crate) fn unexplained(&self) -> Option<&TorqueGap> {
+    pub(crate) fn unexplained(&self) -> Option<&ChannelGap> {
         let is_open = self.significant && self.findings.is_empty();
         self.largest().filter(|_| is_open)
     }
 
     /// The torques with the largest gap over their noise.
-    pub(crate) fn largest(&self) -> Option<&TorqueGap> {
+    pub(crate) fn largest(&self) -> Option<&ChannelGap> {
         let gaps = self.channels.iter();
-        gaps.max_by(|a, b| a.excess().total_cmp(&b.excess()))
+        gaps.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))
     }
 
     /// Nothing can be said.
@@ -109,7 +91,6 @@ pub(super) fn answer(
     let row_sd: Vec<f64> = (0..recorded.channels.len())
         .map(|channel| recorded.row_sd(channel, &along.hand))
         .collect();
-    let mut channels = channels(selector, base, selection, fitted_before);
     let (before, before_sd) = excess(&selection.before);
     let (after, after_sd) = excess(&selection.after);
     let total = before.max(0.0) + base.explained_within_blocks();
@@ -120,16 +101,31 @@ pub(super) fn answer(
     let is_falsified = trust::is_falsified(recorded.context, base);
     let named = !selection.picks.is_empty() && is_adequate;
     let strained = strained_scale(selector, base, selection);
+    let sizes = Sizes::new(selector.effects, base, misfit(&selection.after));
     let mut findings = Vec::new();
     let mut unexplained_share = 0.0;
     let mut significant = !selection.picks.is_empty() || is_structured;
+    let blocks = recorded.blocks.len();
+    let of_channel = |torque_nm: &[f64], channel: usize| {
+        mean_square(&torque_nm[channel * blocks..(channel + 1) * blocks])
+    };
+    let mut added = vec![0.0; recorded.channels.len()];
+    let mut add_scaled = |joint: usize, gain: f64| {
+        if let Some(channel) = recorded.channel(joint) {
+            added[channel] += gain * gain * of_channel(&base.torque_nm, channel);
+        }
+    };
+    let mut has_grip = false;
     if named {
         let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
-        let sizes = Sizes::new(selector.effects, base, misfit(&selection.after));
         let explained = (1.0 - left / total.max(scores).max(1.0)).clamp(0.0, 1.0);
         for pick in &selection.picks {
             let share = explained * pick.score / scores.max(1e-300);
-            findings.push(finding(selector.effects, &sizes, pick, share));
+            let effect = selector.effects.effect(pick.effect);
+            findings.push(of_pick(effect, &sizes, pick, share));
+            if let Some(joint) = effect.joint().filter(|_| is_scale(effect)) {
+                add_scaled(joint, sizes.scale(effect).0);
+            }
         }
         unexplained_share = 1.0 - explained;
     } else if significant && is_falsified {
@@ -142,14 +138,12 @@ pub(super) fn answer(
         {
             unexplained_share = grip.left;
             findings.push(of_grip(&grip));
-            for gap in &mut channels {
-                gap.rms_after = gap.rms_after.min(gap.noise_floor);
-            }
+            has_grip = true;
         }
     }
     // beside a gap that shows anyhow it is that gap's
     if let Some((joint, gain)) = strained.filter(|_| !is_falsified && !significant) {
-        scale_before(&mut channels, selector, base, Some(joint), gain);
+        add_scaled(joint, gain);
         (significant, unexplained_share) = (true, 1.0);
     }
     if (named || !significant)
@@ -157,19 +151,16 @@ pub(super) fn answer(
         && !selector.effects.is_left_out(UNBALANCED_GRAVITY.name)
         && let Some(found) = gravity::unbalanced(along, base, &row_sd)?
     {
-        add_torque(&mut channels, selector, &found.torque_nm);
-        findings.push(of_gravity(&found, selector, total));
+        for (channel, added) in added.iter_mut().enumerate() {
+            *added += of_channel(&found.torque_nm, channel);
+        }
+        let is_beside_others = total > LEAST_STRUCTURE * rows;
+        findings.push(of_gravity(&found, total * f64::from(is_beside_others)));
         significant = true;
     }
-    for finding in findings
-        .iter()
-        .filter(|finding| finding.effect == TORQUE_GAIN.name)
-    {
-        let gain = finding
-            .parameters
-            .first()
-            .map_or(0.0, |parameter| parameter.1);
-        scale_before(&mut channels, selector, base, finding.joint, gain);
+    let mut channels = channels(selector, base, selection, fitted_before, &added);
+    for gap in channels.iter_mut().filter(|_| has_grip) {
+        gap.rms_after = gap.rms_after.min(gap.noise_floor);
     }
     findings.sort_by(|a, b| b.share.total_cmp(&a.share));
     Ok(ForceAnswer {
@@ -292,92 +283,71 @@ fn untestable(selector: &Selector<'_, '_>, is_falsified: bool) -> Vec<(&'static 
     untestable
 }
 
+/// A plausible name with its numbers, and with the probability that it is one of the catalogue's at all.
 fn finding(
-    effects: &Effects<'_, '_>,
-    sizes: &Sizes<'_, '_, '_>,
-    pick: &Pick,
+    spec: &Spec,
+    joint: Option<usize>,
+    probability: f64,
     share: f64,
-) -> ForceFinding {
-    let effect = effects.effect(pick.effect);
-    let confusable_with = pick
-        .rivals
-        .iter()
-        .map(|(name, joint)| match joint {
-            Some(other) if effect.joint() != Some(*other) => format!("{name}@{}", other + 1),
-            _ => (*name).to_owned(),
-        })
-        .collect();
-    let parameters = sizes.parameters(pick);
-    ForceFinding {
-        effect: effect.name(),
-        joint: effect.joint(),
-        probability: pick.probability,
-        confusable_with,
-        plausible: sizes.is_plausible(pick, &parameters),
-        parameters: parameters
-            .into_iter()
-            .map(|(name, value, sd)| {
-                let half = QUANTILE_975 * sd;
-                (name.to_owned(), value, [value - half, value + half])
-            })
-            .collect(),
-        share,
-    }
-}
-
-fn of_grip(grip: &Grip) -> ForceFinding {
-    let half = QUANTILE_975 * grip.force_sd_n;
-    ForceFinding {
-        effect: GRIP_FORCE.name,
-        joint: None,
-        probability: GRIP_PROBABILITY,
-        confusable_with: vec!["unknown".to_owned()],
-        parameters: vec![(
-            GRIP_FORCE.parameters[0].name.to_owned(),
-            grip.force_n,
-            [(grip.force_n - half).max(0.0), grip.force_n + half],
-        )],
-        share: 1.0 - grip.left,
-        plausible: GRIP_FORCE.parameters[0].is_plausible(grip.force_n, 1.0),
-    }
-}
-
-fn of_gravity(found: &Unbalanced, selector: &Selector<'_, '_>, total: f64) -> ForceFinding {
-    let half = QUANTILE_975 * found.moment_sd_nm;
-    let square = found.deviations * found.deviations;
-    let rows = selector.rows();
-    let mut parameters = vec![
-        (
-            UNBALANCED_GRAVITY.parameters[0].name.to_owned(),
-            found.moment_nm,
-            [found.moment_nm - half, found.moment_nm + half],
-        ),
-        (
-            UNBALANCED_GRAVITY.parameters[1].name.to_owned(),
-            found.deviations,
-            [found.deviations; 2],
-        ),
-    ];
-    if let Some((mass, sd)) = found.mass_kg {
-        let half = QUANTILE_975 * sd;
-        let mass_name = UNBALANCED_GRAVITY.parameters[2].name;
-        parameters.push((mass_name.to_owned(), mass, [mass - half, mass + half]));
-    }
-    let names = found
-        .rivals
-        .iter()
-        .map(|joint| format!("{}@{}", UNBALANCED_GRAVITY.name, joint + 1));
-    ForceFinding {
-        effect: UNBALANCED_GRAVITY.name,
-        joint: Some(found.joint),
-        probability: found.probability,
-        confusable_with: names.collect(),
+    parameters: BTreeMap<String, ParameterAnswer>,
+) -> CauseAnswer {
+    CauseAnswer {
         parameters,
-        share: if total > LEAST_STRUCTURE * rows {
-            square / (square + total)
-        } else {
-            1.0
-        },
-        plausible: true,
+        share,
+        ..CauseAnswer::named(spec.name, joint, LISTED_PROBABILITY * probability)
     }
+}
+
+fn of_pick(effect: &dyn Effect, sizes: &Sizes<'_, '_, '_>, pick: &Pick, share: f64) -> CauseAnswer {
+    let (parameters, plausible) = sizes.parameters(pick);
+    let (joint, probability) = (effect.joint(), pick.probability);
+    CauseAnswer {
+        confusable_with: pick.rivals.iter().map(|&name| name.to_owned()).collect(),
+        plausible,
+        implausible: !plausible,
+        ..finding(effect.spec(), joint, probability, share, parameters)
+    }
+}
+
+fn of_grip(grip: &Grip) -> CauseAnswer {
+    let spec = &GRIP_FORCE.parameters[0];
+    let mut force_n = ParameterAnswer::normal(grip.force_n, grip.force_sd_n);
+    force_n.ci95[0] = force_n.ci95[0].max(0.0);
+    let parameters = BTreeMap::from([(spec.name.to_owned(), force_n)]);
+    let plausible = spec.is_plausible(grip.force_n, 1.0);
+    CauseAnswer {
+        confusable_with: vec![IN_NO_CATALOGUE.to_owned()],
+        plausible,
+        implausible: !plausible,
+        ..finding(
+            &GRIP_FORCE,
+            None,
+            GRIP_PROBABILITY,
+            1.0 - grip.left,
+            parameters,
+        )
+    }
+}
+
+/// `total`: structured energy of the rest, 0 where it is hardly any.
+fn of_gravity(found: &Unbalanced, total: f64) -> CauseAnswer {
+    let numbers = [
+        Some((found.moment_nm, found.moment_sd_nm)),
+        Some((found.deviations, 0.0)),
+        found.mass_kg,
+    ];
+    let specs = UNBALANCED_GRAVITY.parameters.iter().zip(numbers);
+    let parameters = specs.filter_map(|(spec, number)| {
+        let (value, sd) = number?;
+        Some((spec.name.to_owned(), ParameterAnswer::normal(value, sd)))
+    });
+    let square = found.deviations * found.deviations;
+    let (joint, share) = (Some(found.joint), square / (square + total));
+    finding(
+        &UNBALANCED_GRAVITY,
+        joint,
+        found.probability,
+        share,
+        parameters.collect(),
+    )
 }

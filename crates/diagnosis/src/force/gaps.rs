@@ -4,34 +4,16 @@ use super::base::Base;
 use super::effects::is_scale;
 use super::rows::fast;
 use super::select::{Selection, Selector};
+use crate::answer::ChannelGap;
 
-/// Torques of one joint.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TorqueGap {
-    /// Joint, from 0.
-    pub(crate) joint: usize,
-    /// Root mean square that the base model leaves of a row \[N m\].
-    pub(crate) rms_before: f64,
-    /// The same with the findings in the model.
-    pub(crate) rms_after: f64,
-    /// Root mean square of a row's noise, of torque and hand force together.
-    pub(crate) noise_floor: f64,
-}
-
-impl TorqueGap {
-    /// Squared size of the gap over that of the noise; 0 where there is no more than noise.
-    pub(crate) fn excess(&self) -> f64 {
-        ((self.rms_before / self.noise_floor).powi(2) - 1.0).max(0.0)
-    }
-}
-
-/// Root mean squares of every channel.
+/// Gaps of every channel. `added`: mean squares of torques that the base model's freedom took, which were there before.
 pub(super) fn channels(
     selector: &Selector<'_, '_>,
     base: &Base,
     selection: &Selection,
     fitted_before: &[f64],
-) -> Vec<TorqueGap> {
+    added: &[f64],
+) -> Vec<ChannelGap> {
     let recorded = selector.recorded;
     let along = selector.effects.along;
     let blocks = recorded.blocks.len();
@@ -53,17 +35,18 @@ pub(super) fn channels(
         let (before, after) = (within(&fast_before), within(&fast_after));
         // what varies within blocks is noise but for what was named
         let noise = after / (1.0 - 1.0 / size).max(1.0 / size);
-        TorqueGap {
-            joint,
-            rms_before: (mean_square(&selection.rest_before[range.clone()]) + before).sqrt(),
-            rms_after: (mean_square(&selection.rest_after[range]) + after).sqrt(),
-            noise_floor: noise.sqrt().min(row_sd),
-        }
+        let sizes = [
+            (mean_square(&selection.rest_before[range.clone()]) + before + added[channel]).sqrt(),
+            (mean_square(&selection.rest_after[range]) + after).sqrt(),
+            noise.sqrt().min(row_sd),
+        ];
+        ChannelGap::fitted(format!("torque{}", joint + 1), Some(joint), sizes, "N m")
     };
     recorded.channels.iter().enumerate().map(gap).collect()
 }
 
-fn mean_square(values: &[f64]) -> f64 {
+/// Mean square of values.
+pub(super) fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
 }
 
@@ -99,39 +82,4 @@ fn without_picks(
         }
     }
     (torque, fitted)
-}
-
-/// Adds a torque that the base model's freedom took to what there was before.
-pub(super) fn add_torque(
-    channels: &mut [TorqueGap],
-    selector: &Selector<'_, '_>,
-    torque_nm: &[f64],
-) {
-    let blocks = selector.recorded.blocks.len();
-    for (channel, gap) in channels.iter_mut().enumerate() {
-        let own = &torque_nm[channel * blocks..(channel + 1) * blocks];
-        let square = own.iter().map(|torque| torque * torque).sum::<f64>() / blocks.max(1) as f64;
-        gap.rms_before = (gap.rms_before * gap.rms_before + square).sqrt();
-    }
-}
-
-/// Adds what a torque's scale made of it to what there was before.
-pub(super) fn scale_before(
-    channels: &mut [TorqueGap],
-    selector: &Selector<'_, '_>,
-    base: &Base,
-    joint: Option<usize>,
-    gain: f64,
-) {
-    let blocks = selector.recorded.blocks.len();
-    let mut torque = vec![0.0; base.torque_nm.len()];
-    for (channel, own) in selector.recorded.channels.iter().enumerate() {
-        if Some(*own) == joint {
-            let range = channel * blocks..(channel + 1) * blocks;
-            for (entry, value) in torque[range.clone()].iter_mut().zip(&base.torque_nm[range]) {
-                *entry = gain * value;
-            }
-        }
-    }
-    add_torque(channels, selector, &torque);
 }

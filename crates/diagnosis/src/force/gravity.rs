@@ -24,8 +24,6 @@ pub(super) struct Unbalanced {
     /// How far beyond the file's tolerance, in standard deviations.
     pub(super) deviations: f64,
     pub(super) probability: f64,
-    /// Other links that would explain it as well, from 0.
-    pub(super) rivals: Vec<usize>,
     /// Torque of the difference, channel after channel.
     pub(super) torque_nm: Vec<f64>,
 }
@@ -126,7 +124,7 @@ pub(super) fn unbalanced(
             (solution[column] - value, variance.sqrt())
         });
     let others = (0..saved.len()).filter(|&index| index != best);
-    let sum: f64 = others.clone().map(|index| (-behind(index)).exp()).sum();
+    let sum: f64 = others.map(|index| (-behind(index)).exp()).sum();
     Ok(Some(Unbalanced {
         joint: links[best],
         moment_nm,
@@ -134,10 +132,6 @@ pub(super) fn unbalanced(
         mass_kg: mass.filter(|(mass, sd)| *sd < 0.3 * mass.abs()),
         deviations,
         probability: 1.0 / (1.0 + sum),
-        rivals: others
-            .filter(|&index| behind(index) < 100.0_f64.ln())
-            .map(|index| links[index])
-            .collect(),
         torque_nm,
     }))
 }

@@ -11,6 +11,7 @@ use crate::DiagnosisError;
 use crate::engine::system::SlowEnergy;
 use crate::select::scan::{Candidate, Score};
 use crate::select::{excess, misfit};
+use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::torque::{
     FAMILY_WISE_P, LEAST_LOOP, LEAST_RETAINED, LEAST_SHARE_OF_NOISE, MOST_NAMES, MOST_ORDERS,
     MOST_RIPPLES, SHARE_OF_REST, TRANSITION_REACH, TRANSITION_STEPS,
@@ -32,8 +33,8 @@ pub(super) struct Pick {
     /// Chi-square that it saves beside the others.
     pub(super) score: f64,
     pub(super) probability: f64,
-    /// Names and joints of effects that would do nearly as well.
-    pub(super) rivals: Vec<(&'static str, Option<usize>)>,
+    /// Other names that would do nearly as well.
+    pub(super) rivals: Vec<&'static str>,
 }
 
 /// What the selection came to.
@@ -319,8 +320,8 @@ impl<'s, 'a> Selector<'s, 'a> {
             pick.probability = 1.0 / (1.0 + sum);
             pick.rivals = best
                 .into_iter()
-                .filter(|rival| rival.2 < 100.0_f64.ln())
-                .map(|(name, joint, _)| (name, joint))
+                .filter(|(name, _, nats)| *nats < CONFUSABLE_NATS && *name != effect.name())
+                .map(|(name, ..)| name)
                 .collect();
             // a second effect that does worse than another shape of the first makes up for its
             // misfit

@@ -21,10 +21,7 @@ pub(crate) struct Adequacy {
 }
 
 /// Compares what the causes leave with noise, and with what their laws may get wrong.
-pub(crate) fn adequacy(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-) -> Result<Adequacy, DiagnosisError> {
+pub(crate) fn adequacy(selection: &Selection<'_>) -> Result<Adequacy, DiagnosisError> {
     let (total, _) = excess(&selection.before);
     let (left, left_sd) = excess(&selection.after);
     let unexplained = if total > 0.0 {
@@ -32,23 +29,28 @@ pub(crate) fn adequacy(
     } else {
         0.0
     };
-    let worst = worst_excess(&selection.after, &selector.engine.noise);
-    let causes = &selection.refit.model.causes;
+    let worst = worst_excess(&selection.after, &selection.engine().noise);
+    let causes = selection.causes();
     let explained: f64 = selection.explained.iter().sum();
     let mut allowed = 0.0;
     let mut own = Vec::new();
     for (cause, part) in causes.iter().zip(&selection.explained) {
-        let effect = selector.effects[cause.effect].as_ref();
+        let effect = selection.effect(cause);
         allowed += effect.spec().law_error.share * part / explained.max(1e-300);
-        own.push(selector.broken_law(&selection.system, effect, cause, *part));
+        own.push(
+            selection
+                .selector
+                .broken_law(&selection.system, effect, cause, *part),
+        );
     }
-    let laws_hold = causes.iter().zip(&own).all(|(cause, broken)| {
-        Selector::law_is_kept(selector.effects[cause.effect].as_ref(), *broken)
-    });
+    let laws_hold = causes
+        .iter()
+        .zip(&own)
+        .all(|(cause, broken)| Selector::law_is_kept(selection.effect(cause), *broken));
     let small_rest = unexplained <= allowed;
     let is_adequate = laws_hold
         && (worst < OMNIBUS_Z || small_rest)
-        && !depends_still(selector, selection, allowed * explained)?;
+        && !depends_still(selection, allowed * explained)?;
     Ok(Adequacy {
         is_adequate,
         worst,
@@ -60,13 +62,9 @@ pub(crate) fn adequacy(
 /// Of single postures, whose noise is known to a third only: whether what the causes leave depends on a joint or
 /// on time, more surely than by chance and by more than the squares that the laws may get wrong. Noise does not,
 /// whatever its size.
-fn depends_still(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-    wrong: f64,
-) -> Result<bool, DiagnosisError> {
-    let context = &selector.engine.context;
-    if context.ordered || selection.refit.model.causes.is_empty() {
+fn depends_still(selection: &Selection<'_>, wrong: f64) -> Result<bool, DiagnosisError> {
+    let context = &selection.engine().context;
+    if context.ordered || selection.causes().is_empty() {
         return Ok(false);
     }
     let p = FAMILY_WISE_P;
@@ -74,6 +72,11 @@ fn depends_still(
 }
 
 impl Adequacy {
+    /// Whether what the causes leave is no more than noise.
+    pub(crate) fn is_noise(&self) -> bool {
+        self.worst < OMNIBUS_Z
+    }
+
     /// Probability that the cause is none of the catalogue's.
     pub(crate) fn probability_unknown(&self, verdict: Verdict) -> f64 {
         match verdict {

@@ -4,9 +4,10 @@
 use std::collections::BTreeMap;
 
 use haptical_effects::{Effect, Family, catalogue};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::answer::ParameterAnswer;
+use crate::answer::delta::with_variances;
 use crate::engine::Engine;
 use crate::engine::part::dense;
 
@@ -46,25 +47,13 @@ impl Displaced {
         amplitudes: &[f64],
         covariance: &DMatrix<f64>,
     ) -> BTreeMap<String, ParameterAnswer> {
-        let values = |amplitudes: &[f64]| self.effect.values(&engine.context, amplitudes, 0.0);
-        let here = values(amplitudes);
-        let slopes: Vec<Vec<f64>> = (0..amplitudes.len())
-            .map(|index| {
-                let step = 1e-3 * covariance[(index, index)].max(0.0).sqrt().max(1e-300);
-                let mut moved = amplitudes.to_vec();
-                moved[index] += step;
-                let there = values(&moved).into_iter().zip(&here);
-                there.map(|(there, here)| (there - here) / step).collect()
-            })
-            .collect();
-        let specs = self.effect.spec().parameters.iter().enumerate();
-        specs
-            .map(|(position, spec)| {
-                let slope = DVector::from_fn(amplitudes.len(), |index, _| slopes[index][position]);
-                let half = 1.96 * (slope.transpose() * covariance * &slope)[0].max(0.0).sqrt();
-                let value = here[position];
-                let ci95 = [value - half, value + half];
-                (spec.name.to_owned(), ParameterAnswer { value, ci95 })
+        let context = &engine.context;
+        let values = with_variances(self.effect.as_ref(), context, amplitudes, 0.0, covariance);
+        let pairs = self.effect.spec().parameters.iter().zip(values);
+        pairs
+            .map(|(spec, (value, variance))| {
+                let sd = variance.max(0.0).sqrt();
+                (spec.name.to_owned(), ParameterAnswer::normal(value, sd))
             })
             .collect()
     }

@@ -302,11 +302,7 @@ impl Earlier<'_, '_> {
         for &column in &group.columns {
             let position = engine.base.free[column];
             let value = engine.start.model.values[position];
-            let sd = self.deviations[column];
-            let answer = ParameterAnswer {
-                value,
-                ci95: [value - 1.96 * sd, value + 1.96 * sd],
-            };
+            let answer = ParameterAnswer::normal(value, self.deviations[column]);
             answers.insert(engine.base.parameters[position].name(device), answer);
         }
         answers

@@ -30,23 +30,20 @@ pub(crate) struct Rival {
 }
 
 /// Every cause's rivals, after causes that others have overtaken were exchanged.
-pub(crate) fn settle(
-    selector: &mut Selector<'_, '_>,
-    selection: &mut Selection,
-) -> Result<Vec<Vec<Rival>>, DiagnosisError> {
+pub(crate) fn settle(selection: &mut Selection<'_>) -> Result<Vec<Vec<Rival>>, DiagnosisError> {
     let mut lists: Vec<Vec<Rival>> = Vec::new();
     for round in 0..=EXCHANGES {
         lists.clear();
         let mut changed = false;
-        for cause in 0..selection.refit.model.causes.len() {
-            let list = rivals(selector, selection, cause)?;
+        for cause in 0..selection.causes().len() {
+            let list = rivals(selection, cause)?;
             let by_lead = |a: &&Rival, b: &&Rival| a.nats_behind.total_cmp(&b.nats_behind);
             let behind = list.first().map_or(0.0, |own| own.nats_behind);
             let leader = list.iter().skip(1).min_by(by_lead);
             if round < EXCHANGES
                 && behind > LEAD
                 && let Some(leader) = leader.and_then(|rival| rival.cause.clone())
-                && selector.replace(selection, cause, leader)?
+                && selection.replace(cause, leader)?
             {
                 changed = true;
             }
@@ -61,10 +58,10 @@ pub(crate) fn settle(
 
 /// The cause itself and its rivals, best first.
 pub(crate) fn rivals(
-    selector: &mut Selector<'_, '_>,
-    selection: &Selection,
+    selection: &mut Selection<'_>,
     cause: usize,
 ) -> Result<Vec<Rival>, DiagnosisError> {
+    let selector = &mut selection.selector;
     let causes = &selection.refit.model.causes;
     let (without, system, scan) = if causes.len() == 1 {
         (
@@ -134,7 +131,7 @@ pub(crate) fn rivals(
 }
 
 /// Evidence as probabilities, the cause itself first and then the best.
-fn listed(selector: &Selector<'_, '_>, own: usize, mut evidence: Vec<Evidence>) -> Vec<Rival> {
+fn listed(selector: &Selector<'_>, own: usize, mut evidence: Vec<Evidence>) -> Vec<Rival> {
     evidence.sort_by(|a, b| b.1.total_cmp(&a.1));
     let top = evidence[0].1;
     let sum: f64 = evidence
@@ -167,7 +164,7 @@ fn listed(selector: &Selector<'_, '_>, own: usize, mut evidence: Vec<Evidence>) 
 type Evidence = (usize, f64, f64, Option<Cause>);
 
 /// Brings look-alikes of a drift near to it.
-fn hedge_drifts(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &mut [Evidence]) {
+fn hedge_drifts(selector: &Selector<'_>, own: usize, best: f64, evidence: &mut [Evidence]) {
     // The course of a drift is a matter of its law (a sensor lags behind the part that warms): its kin
     // counts as near while it explains almost as much.
     let own_effect = selector.effects[own].as_ref();
@@ -190,7 +187,7 @@ fn hedge_drifts(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &m
 
 /// An axis that wobbles and a cable that is routed over a joint differ by their laws' errors where the axes
 /// intersect (docs/diagnosis.md, "Rivals"): while one explains almost as much, it counts as near.
-fn hedge_wobbles(selector: &Selector<'_, '_>, own: usize, best: f64, evidence: &mut [Evidence]) {
+fn hedge_wobbles(selector: &Selector<'_>, own: usize, best: f64, evidence: &mut [Evidence]) {
     let own_family = selector.effects[own].spec().family;
     for (effect, value, share, _) in evidence.iter_mut() {
         let pair = (own_family, selector.effects[*effect].spec().family);

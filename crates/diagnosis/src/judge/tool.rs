@@ -68,13 +68,8 @@ pub(crate) fn shift(
             variance += parts[a] * parts[b] * entry(a, b) / (size * size).max(1e-300);
         }
     }
-    let answer = |value: f64, variance: f64| {
-        let half = 1.96 * variance.max(0.0).sqrt();
-        ParameterAnswer {
-            value,
-            ci95: [value - half, value + half],
-        }
-    };
+    let answer =
+        |value: f64, variance: f64| ParameterAnswer::normal(value, variance.max(0.0).sqrt());
     let mut parameters = BTreeMap::from([("shift_m".to_owned(), answer(size, variance))]);
     for (axis, name) in ["shift_x_m", "shift_y_m", "shift_z_m"].iter().enumerate() {
         let part = answer(parts.get(axis).copied()?, entry(axis, axis));

@@ -5,9 +5,11 @@ use haptical_effects::Stream;
 
 use crate::DiagnosisError;
 use crate::answer::{Asked, Dependence, Verdict};
+use crate::engine::Engine;
 use crate::judge::dependence::dependences;
+use crate::judge::findings::Findings;
 use crate::noise::stated::is_stated;
-use crate::select::Selector;
+use crate::thresholds::chance::FAMILY_WISE_P;
 use crate::thresholds::dependence::DEPENDENCE_P;
 use crate::thresholds::noise::ROUGHEST_TOUCH_M;
 
@@ -31,15 +33,12 @@ pub(crate) struct Touched {
 
 impl Touched {
     /// Asks what the residuals depend on, where the verdict names no cause.
-    pub(crate) fn new(
-        selector: &Selector<'_, '_>,
-        verdict: Verdict,
-    ) -> Result<Self, DiagnosisError> {
-        let context = &selector.engine.context;
+    pub(crate) fn new(engine: &Engine<'_>, verdict: Verdict) -> Result<Self, DiagnosisError> {
+        let context = &engine.context;
         if context.ordered {
             return Ok(Self::default());
         }
-        let dependences = || dependences(context, &selector.engine.system);
+        let dependences = || dependences(context, &engine.system);
         if !context.streams.iter().any(Stream::is_touch) {
             let dependence = match verdict {
                 Verdict::Unknown => dependences()?,
@@ -71,7 +70,6 @@ impl Touched {
                      leaves, so only what depends on the posture shows as a gap"
                 )
             });
-        let engine = selector.engine;
         let noise_is_unknown = engine.is_noise_unknown();
         let mut touched = (0..context.streams.len()).filter(|&s| context.streams[s].is_touch());
         Ok(Self {
@@ -91,28 +89,26 @@ impl Touched {
         self.are_postures || self.is_alike || self.is_by_row
     }
 
-    /// The verdict where no cause is named: without a stated noise a gap is what depends on the posture more
+    /// The verdict, where no cause is named: without a stated noise a gap is what depends on the posture more
     /// surely than by chance, or is larger than the noise of any touch.
     /// `has_terms`: the earlier model has a term wrong.
     pub(crate) fn verdict(
         &self,
+        findings: &Findings<'_>,
         verdict: Verdict,
-        is_quiet: bool,
         has_terms: bool,
-        p: f64,
     ) -> Verdict {
-        let is_structured = self.dependence.iter().any(|found| found.p_adjusted < p);
+        if !findings.selection.causes().is_empty() {
+            return verdict;
+        }
+        let mut dependence = self.dependence.iter();
+        let is_structured = dependence.any(|found| found.p_adjusted < FAMILY_WISE_P);
+        let is_structured = is_structured || self.is_rough;
+        let is_noise = self.noise_is_unknown && findings.adequacy.is_noise();
         match verdict {
-            Verdict::NoGap if is_structured || self.is_rough => Verdict::Unknown,
-            Verdict::Unknown
-                if self.noise_is_unknown && is_quiet && !is_structured && !self.is_rough =>
-            {
-                if has_terms {
-                    Verdict::Named
-                } else {
-                    Verdict::NoGap
-                }
-            }
+            Verdict::NoGap if is_structured => Verdict::Unknown,
+            Verdict::Unknown if is_noise && !is_structured && has_terms => Verdict::Named,
+            Verdict::Unknown if is_noise && !is_structured => Verdict::NoGap,
             other => other,
         }
     }

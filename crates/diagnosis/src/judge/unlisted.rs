@@ -5,30 +5,21 @@ use haptical_effects::Effect;
 
 use crate::answer::{CauseAnswer, Verdict};
 use crate::judge::earlier::{BaseTerm, Difference};
-use crate::judge::rivals::Rival;
-use crate::select::{Selection, Selector};
+use crate::judge::findings::Findings;
 use crate::thresholds::chance::CONFUSABLE_NATS;
 
 /// Among what a cause may be taken for: an effect that is in no catalogue.
 pub const IN_NO_CATALOGUE: &str = "unknown";
 
-/// The verdict once the first cause has the rivals and the probability that belong to it; `unknown` is that no
-/// effect of the catalogue is the cause.
-pub(crate) fn hedged(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-    rivals: &[Vec<Rival>],
-    (verdict, unknown): (Verdict, f64),
-    base_terms: &Difference,
-    causes: &mut [CauseAnswer],
-) -> Verdict {
+/// Gives the first cause the rivals and the probability that belong to it.
+pub(crate) fn hedge(findings: &Findings<'_>, verdict: Verdict, causes: &mut [CauseAnswer]) {
     match verdict {
         Verdict::Unknown => {
-            doubt_partial(causes, base_terms, unknown);
-            verdict
+            let unknown = findings.adequacy.probability_unknown(verdict);
+            doubt_partial(causes, &findings.base_terms, unknown);
         }
-        Verdict::Ambiguous => with_rivals(selector, selection, rivals, causes),
-        Verdict::NoGap | Verdict::Named => verdict,
+        Verdict::Ambiguous => complete_rivals(findings, causes),
+        Verdict::NoGap | Verdict::Named => {}
     }
 }
 
@@ -44,51 +35,46 @@ fn doubt_partial(causes: &mut [CauseAnswer], base_terms: &Difference, unknown: f
     }
 }
 
-/// The verdict on a first cause that is not sure: its rivals are completed. Where no effect of the catalogue is one,
-/// the weak gap may be that of an effect in no catalogue.
-fn with_rivals(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-    rivals: &[Vec<Rival>],
-    causes: &mut [CauseAnswer],
-) -> Verdict {
+/// Completes the rivals of a first cause that is not sure. Where no effect of the catalogue is one, the weak gap may be
+/// that of an effect in no catalogue.
+fn complete_rivals(findings: &Findings<'_>, causes: &mut [CauseAnswer]) {
     let Some(first) = causes.first_mut() else {
-        return Verdict::Ambiguous;
+        return;
     };
     if first.confusable_with.is_empty() {
-        first.confusable_with = unlisted_rivals(selector, selection, rivals);
+        first.confusable_with = unlisted_rivals(findings);
     }
     if first.confusable_with.is_empty() {
         first.confusable_with.push(IN_NO_CATALOGUE.to_owned());
     }
-    Verdict::Ambiguous
 }
 
 /// What the first cause may be taken for although no other name refits as well: itself at another place, and
 /// effects of the same course at its place whose covariate was not recorded (a cable that creeps under a load
 /// that no torque tells drifts as a joint that follows the time).
-fn unlisted_rivals(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
-    rivals: &[Vec<Rival>],
-) -> Vec<String> {
-    let Some(cause) = selection.refit.model.causes.first() else {
+fn unlisted_rivals(findings: &Findings<'_>) -> Vec<String> {
+    let Some(first) = findings.first() else {
         return Vec::new();
     };
-    let first = selector.effects[cause.effect].as_ref();
     let mut names: Vec<String> = Vec::new();
-    let elsewhere = rivals.first().is_some_and(|list| {
+    let elsewhere = findings.rivals.first().is_some_and(|list| {
         let mut others = list.iter().skip(1);
         others.any(|rival| rival.name == first.name() && rival.nats_behind <= CONFUSABLE_NATS)
     });
     if elsewhere {
         names.push(first.name().to_owned());
     }
-    let context = &selector.engine.context;
+    let context = &findings.engine().context;
     let untried = |effect: &(dyn Effect + 'static)| {
         effect.is_kin_of(first) && effect.name() != first.name() && effect.lacks_covariate(context)
     };
-    for effect in selector.effects.iter().map(AsRef::as_ref) {
+    for effect in findings
+        .selection
+        .selector
+        .effects
+        .iter()
+        .map(AsRef::as_ref)
+    {
         if untried(effect) && !names.iter().any(|name| name == effect.name()) {
             names.push(effect.name().to_owned());
         }

@@ -3,23 +3,24 @@
 use haptical_calibration::Channel;
 use haptical_effects::Hook;
 
-use crate::select::{Selection, Selector};
+use crate::engine::Engine;
+use crate::engine::model::Cause;
+use crate::select::Selection;
 
 /// What the holding torques are wrong by where the model's angles are \[Nm\]: about the torque times the
 /// angle, the largest that a gap or a cause shows.
-pub(crate) fn torque_nm(selector: &Selector<'_, '_>, selection: &Selection) -> f64 {
-    let context = &selector.engine.context;
+pub(crate) fn torque_nm(selection: &Selection<'_>) -> f64 {
+    let context = &selection.engine().context;
     let torques = context.torque_nm.iter().flatten();
     let torque_nm = torques.map(|torque| rms(torque)).fold(0.0, f64::max);
-    let gaps = (0..context.streams.len()).map(|stream| gap_rad(selector, stream));
-    let causes =
-        (0..selection.refit.model.causes.len()).map(|cause| cause_rad(selector, selection, cause));
+    let gaps = (0..context.streams.len()).map(|stream| gap_rad(selection.engine(), stream));
+    let causes = selection.causes().iter();
+    let causes = causes.map(|cause| cause_rad(selection, cause));
     torque_nm * gaps.chain(causes).fold(0.0, f64::max)
 }
 
 /// The base model's gap in a stream, a cable's over its length.
-fn gap_rad(selector: &Selector<'_, '_>, stream: usize) -> f64 {
-    let engine = selector.engine;
+fn gap_rad(engine: &Engine<'_>, stream: usize) -> f64 {
     let context = &engine.context;
     let gap = rms(&engine.start.residual[stream]).powi(2) - engine.floor[stream].powi(2);
     let arm_m = match (context.streams[stream].channel, &context.cable) {
@@ -30,17 +31,16 @@ fn gap_rad(selector: &Selector<'_, '_>, stream: usize) -> f64 {
 }
 
 /// The angle by which a cause moves its joint, from what the chain sees of it.
-fn cause_rad(selector: &Selector<'_, '_>, selection: &Selection, cause: usize) -> f64 {
-    let context = &selector.engine.context;
-    let cause = &selection.refit.model.causes[cause];
-    let effect = selector.effects[cause.effect].as_ref();
+fn cause_rad(selection: &Selection<'_>, cause: &Cause) -> f64 {
+    let context = &selection.engine().context;
+    let effect = selection.effect(cause);
     let Some(joint) = effect.joint() else {
         return 0.0;
     };
     if !matches!(effect.spec().hook, Hook::Transmission | Hook::Joint) {
         return 0.0;
     }
-    let signal = cause.contribution(selector.effects, context);
+    let signal = cause.contribution(selection.selector.effects, context);
     let seen = signal.parts.iter().filter_map(|(stream, values)| {
         let lever: Vec<f64> = (0..context.rows())
             .map(|row| context.sensitivity(*stream, joint, row))

@@ -10,7 +10,7 @@ use crate::select::scan::Score;
 use crate::thresholds::chance::{FAMILY_WISE_P, SHARE_OF_REST};
 use crate::thresholds::steps::INSTANTS;
 
-impl Selector<'_, '_> {
+impl Selector<'_> {
     pub(crate) fn is_worth_a_refit(&self, score: &Score) -> Result<bool, DiagnosisError> {
         Ok(self.family_wise_p(score, 1.0)? < FAMILY_WISE_P)
     }

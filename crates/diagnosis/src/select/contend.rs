@@ -19,7 +19,7 @@ pub(crate) struct Tried {
     cost: f64,
 }
 
-impl Selector<'_, '_> {
+impl Selector<'_> {
     /// The best effect with its refit; close contenders are refitted too and the costs decide. `tried` keeps
     /// refits with the same causes.
     pub(crate) fn best(

@@ -9,7 +9,7 @@ use crate::select::scan::Score;
 use crate::thresholds::chance::OMNIBUS_Z;
 use crate::thresholds::selection::{LATER_PICK, LATER_PICK_THERE};
 
-impl Selector<'_, '_> {
+impl Selector<'_> {
     /// Whether a pick is driven by other joints, and shows most in another stream, than all causes so far: no
     /// law of theirs can have left it there.
     pub(crate) fn is_elsewhere(&self, pick: &Score, causes: &[Cause]) -> bool {

@@ -11,7 +11,7 @@ use crate::select::generic::{self, own_covariates};
 use crate::select::scan::Candidate;
 use crate::thresholds::selection::{LAW_P, OFF_BY, SURELY};
 
-impl Selector<'_, '_> {
+impl Selector<'_> {
     /// What a free function of an effect's own covariates explains after the effect: share of the
     /// effect's energy, and its probability by chance.
     pub(crate) fn broken_law(

@@ -29,7 +29,8 @@ pub(crate) use self::excess::{excess, misfit, worst_excess};
 
 /// The causes that were found, and what they leave.
 #[derive(Debug)]
-pub(crate) struct Selection {
+pub(crate) struct Selection<'e> {
+    pub(crate) selector: Selector<'e>,
     pub(crate) refit: Refit,
     /// Slow energy per stream of the base model, and of the causes' model.
     pub(crate) before: Vec<SlowEnergy>,
@@ -73,17 +74,17 @@ impl Refused {
 
 /// Scans and picks.
 #[derive(Debug)]
-pub(crate) struct Selector<'e, 'a> {
-    pub(crate) engine: &'e Engine<'a>,
+pub(crate) struct Selector<'e> {
+    pub(crate) engine: &'e Engine<'e>,
     pub(crate) effects: &'e [Box<dyn Effect>],
     /// Effects that the recording can test.
     pub(crate) tested: &'e [usize],
     candidates: Vec<Candidate>,
 }
 
-impl<'e, 'a> Selector<'e, 'a> {
+impl<'e> Selector<'e> {
     pub(crate) fn new(
-        engine: &'e Engine<'a>,
+        engine: &'e Engine<'e>,
         effects: &'e [Box<dyn Effect>],
         tested: &'e [usize],
     ) -> Self {
@@ -97,7 +98,7 @@ impl<'e, 'a> Selector<'e, 'a> {
 
     /// Picks causes until what is left is chance or no effect of the catalogue; or, with `may_stop`, until
     /// the first has explained the gap and moved the base model so far that all must be computed anew.
-    pub(crate) fn select(&mut self, may_stop: bool) -> Result<Selection, DiagnosisError> {
+    pub(crate) fn select(mut self, may_stop: bool) -> Result<Selection<'e>, DiagnosisError> {
         let before = self.engine.system.slow_energy(&self.engine.system.residual);
         let mut refused = Refused::default();
         loop {
@@ -109,6 +110,7 @@ impl<'e, 'a> Selector<'e, 'a> {
                 Some(score) => refused.add(score),
                 None => {
                     return Ok(Selection {
+                        selector: self,
                         refit: grown.refit,
                         before,
                         after: grown.after,
@@ -215,27 +217,6 @@ impl<'e, 'a> Selector<'e, 'a> {
         self.candidates.iter()
     }
 
-    /// The same selection with another effect in a cause's place, if that refits better.
-    pub(crate) fn replace(
-        &self,
-        selection: &mut Selection,
-        cause: usize,
-        by: Cause,
-    ) -> Result<bool, DiagnosisError> {
-        let mut model = selection.refit.model.clone();
-        model.causes[cause] = by;
-        let fitted = self.engine.refit(self.effects, &model)?;
-        if !self.is_possible(&fitted.model)
-            || self.cost(&fitted) > self.cost(&selection.refit) + REPLACED_COST
-        {
-            return Ok(false);
-        }
-        selection.system = self.system_of(&fitted);
-        selection.after = selection.system.slow_energy(&selection.system.residual);
-        selection.refit = fitted;
-        Ok(true)
-    }
-
     /// The system of a model: its causes projected out, its residuals in place.
     pub(crate) fn system_of(&self, refit: &Refit) -> System {
         let mut system = self.engine.system.clone();
@@ -247,5 +228,38 @@ impl<'e, 'a> Selector<'e, 'a> {
         }
         system.set_residual(&refit.residual);
         system
+    }
+}
+
+impl<'e> Selection<'e> {
+    /// The base model, and the recording that it was fitted to.
+    pub(crate) fn engine(&self) -> &'e Engine<'e> {
+        self.selector.engine
+    }
+
+    pub(crate) fn causes(&self) -> &[Cause] {
+        &self.refit.model.causes
+    }
+
+    /// The effect of a cause.
+    pub(crate) fn effect(&self, cause: &Cause) -> &'e dyn Effect {
+        self.selector.effects[cause.effect].as_ref()
+    }
+
+    /// Takes another effect in a cause's place, if that refits better.
+    pub(crate) fn replace(&mut self, cause: usize, by: Cause) -> Result<bool, DiagnosisError> {
+        let selector = &self.selector;
+        let mut model = self.refit.model.clone();
+        model.causes[cause] = by;
+        let fitted = selector.engine.refit(selector.effects, &model)?;
+        if !selector.is_possible(&fitted.model)
+            || selector.cost(&fitted) > selector.cost(&self.refit) + REPLACED_COST
+        {
+            return Ok(false);
+        }
+        self.system = selector.system_of(&fitted);
+        self.after = self.system.slow_energy(&self.system.residual);
+        self.refit = fitted;
+        Ok(true)
     }
 }

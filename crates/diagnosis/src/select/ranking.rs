@@ -12,7 +12,7 @@ use crate::thresholds::chance::{IMPLAUSIBLE_NATS, LEAST_RETAINED};
 use crate::thresholds::steps::MORE_STEPS_SHARE;
 use crate::thresholds::steps::{COINCIDENT_S, WORTH_MORE_STEPS};
 
-impl Selector<'_, '_> {
+impl Selector<'_> {
     /// Every effect's best score, best first by [`Selector::criterion`].
     pub(crate) fn scan(&mut self, system: &System, model: &Model) -> Vec<Score> {
         let known = self.engine.system.basis.len();

@@ -8,7 +8,7 @@ use crate::DiagnosisError;
 use crate::select::scan::Score;
 use crate::thresholds::chance::SHARE_OF_REST;
 
-impl Selector<'_, '_> {
+impl Selector<'_> {
     /// Takes up further joints that yield, all refitted together, where one does already,
     /// or would but for what it leaves. One by one each explains
     /// too little of what is left to be believed (a wrong effect nibbles at a gap), and the first, alone, has a

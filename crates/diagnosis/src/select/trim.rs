@@ -6,7 +6,7 @@ use crate::engine::model::Refit;
 use crate::select::scan::Score;
 use crate::select::{Grown, Selector};
 
-impl Selector<'_, '_> {
+impl Selector<'_> {
     /// Takes out, one after the other, causes that explain no more than chance when all others are in the model or the
     /// others' laws; what is left is credited with what it explains then.
     pub(crate) fn trim(&self, grown: &mut Grown) -> Result<(), DiagnosisError> {

@@ -10,17 +10,17 @@ use super::Shrink;
 use super::reduction::collect;
 use crate::DiagnosisError;
 use crate::engine::Engine;
-use crate::select::{Selection, Selector};
+use crate::select::Selection;
 use crate::thresholds::recording::HELD_BACK;
 
 /// Fits base model and causes to part of the recording, and predicts the rest.
 pub(crate) fn on_held_back(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
+    selection: &Selection<'_>,
     recording: &Recording,
     earlier: Option<&[Vec<f64>]>,
 ) -> Result<Shrink, DiagnosisError> {
-    let engine = selector.engine;
+    let engine = selection.engine();
+    let effects = selection.selector.effects;
     let (held, description) = if of_postures(engine) {
         let description = "every fifth touch of each point or plane".to_owned();
         (every_fifth_touch(recording), description)
@@ -37,8 +37,8 @@ pub(crate) fn on_held_back(
     }
     let seen = |row: usize| !held[row];
     let part = engine.part(&seen)?;
-    let plain = engine.refit_on(&part, selector.effects, &engine.start.model)?;
-    let with = engine.refit_on(&part, selector.effects, &selection.refit.model)?;
+    let plain = engine.refit_on(&part, effects, &engine.start.model)?;
+    let with = engine.refit_on(&part, effects, &selection.refit.model)?;
     let before = earlier.unwrap_or(&plain.residual);
     let after = &with.residual;
     let rows = |stream: usize, row: usize| held[row] && engine.usable[stream][row];

@@ -13,34 +13,30 @@ use crate::engine::earlier_model::{placed, places};
 use crate::engine::model::Cause;
 use crate::engine::{Engine, Prepared};
 use crate::noise::cleaning::without_readings;
+use crate::select::Selection;
 use crate::select::events::{event_score, with_more_steps};
-use crate::select::{Selection, Selector};
+use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::steps::STEP_SCORE;
 
 /// Predicts a second recording with the models of the first. Events belong to one recording: their
 /// instants and sizes are looked for in the second one.
 pub(crate) fn on_second(
-    selector: &Selector<'_, '_>,
-    selection: &Selection,
+    selection: &Selection<'_>,
     validation: &Recording,
-    outlier_sd: f64,
     earlier: Option<&Base>,
 ) -> Result<Shrink, DiagnosisError> {
-    let touched = Touched::new(selector, selection, validation)?;
+    let touched = Touched::new(selection, validation)?;
     let base = touched
         .as_ref()
-        .map_or(selector.engine.base, |touched| &touched.with);
+        .map_or(selection.engine().base, |touched| &touched.with);
     let prepared = Prepared::new(base, validation, validation)?;
-    let gone = prepared.outlying(outlier_sd);
+    let gone = prepared.outlying(OUTLIER_SD);
     let cleaned = without_readings(validation, &gone);
     let second = prepared.without(&gone, &cleaned).fit(None)?;
-    let effects = selector.effects;
+    let effects = selection.selector.effects;
     let mut warnings = Vec::new();
-    let causes: Vec<Cause> = selection
-        .refit
-        .model
-        .causes
-        .iter()
+    let causes = selection.causes().iter();
+    let causes: Vec<Cause> = causes
         .filter_map(|cause| in_second(&second, effects, cause))
         .collect();
     let before = match (earlier, &touched) {
@@ -50,7 +46,7 @@ pub(crate) fn on_second(
         }
         (Some(model), None) => model_residual(model, &cleaned, &second)?,
         (None, Some(touched)) => model_residual(&touched.plain, &cleaned, &second)?,
-        (None, None) => second.residual_of(effects, &selector.engine.start.model.values, &[])?,
+        (None, None) => second.residual_of(effects, &selection.engine().start.model.values, &[])?,
     };
     let with = match touched {
         Some(_) => places_beside(&second, effects, &causes)?,
@@ -92,14 +88,13 @@ struct Touched {
 
 impl Touched {
     fn new(
-        selector: &Selector<'_, '_>,
-        selection: &Selection,
+        selection: &Selection<'_>,
         validation: &Recording,
     ) -> Result<Option<Self>, DiagnosisError> {
         if validation.contact.is_none() && validation.plane.is_none() {
             return Ok(None);
         }
-        let engine = selector.engine;
+        let engine = selection.engine();
         let rig = &engine.base.device;
         let channels = channels(rig, validation)?;
         let placed = |values: &[f64]| {

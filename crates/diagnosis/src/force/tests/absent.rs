@@ -81,8 +81,8 @@ fn without_the_hands_force_friction_is_found_all_the_same() {
     let answer = examined(&recording);
     assert_eq!(answer.findings.len(), 1, "{answer:?}");
     assert_eq!(
-        (answer.findings[0].effect, answer.findings[0].joint),
-        ("joint-friction", Some(1))
+        (answer.findings[0].effect.as_str(), answer.findings[0].joint),
+        ("joint-friction", Some(2))
     );
 }
 

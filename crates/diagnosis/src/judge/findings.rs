@@ -1,0 +1,120 @@
+//! Everything that a diagnosis found, before it is put into words.
+
+use haptical_calibration::Channel;
+use haptical_effects::Effect;
+use haptical_model::{Device, Recording};
+
+use crate::answer::shrink::{Shrink, model_residual, on_held_back, on_second};
+use crate::engine::Engine;
+use crate::engine::base::Base;
+use crate::force::answer::ForceAnswer;
+use crate::judge::adequacy::{Adequacy, adequacy};
+use crate::judge::earlier::{Difference, difference};
+use crate::judge::rivals::{Rival, settle};
+use crate::judge::wrong_angles::torque_nm;
+use crate::select::Selection;
+use crate::{DiagnosisError, Options};
+
+/// Inputs of a diagnosis beside the fitted base model.
+#[derive(Clone, Copy)]
+pub(crate) struct Inputs<'i> {
+    pub(crate) nominal: &'i Device,
+    /// Without its outliers.
+    pub(crate) recording: &'i Recording,
+    /// Readings left out as outliers.
+    pub(crate) gone: &'i [(Channel, usize)],
+    /// Effects that the base model has already.
+    pub(crate) in_base: &'i [usize],
+    /// The model identified earlier.
+    pub(crate) earlier: Option<&'i Base>,
+    pub(crate) options: &'i Options<'i>,
+}
+
+/// A selection with the judgements on it.
+pub(crate) struct Findings<'f> {
+    pub(crate) inputs: Inputs<'f>,
+    pub(crate) selection: Selection<'f>,
+    /// Of each cause, itself first.
+    pub(crate) rivals: Vec<Vec<Rival>>,
+    pub(crate) adequacy: Adequacy,
+    /// Residuals of the model identified earlier, per stream and row.
+    pub(crate) earlier: Option<Vec<Vec<f64>>>,
+    /// Terms of the base model that the earlier model lacks or has wrong.
+    pub(crate) base_terms: Difference,
+    pub(crate) shrink: Shrink,
+    pub(crate) force: ForceAnswer,
+}
+
+impl<'f> Findings<'f> {
+    /// Judges a selection.
+    ///
+    /// # Errors
+    /// [`DiagnosisError`] where a refit or a prediction of unseen rows fails.
+    pub(crate) fn new(
+        mut selection: Selection<'f>,
+        inputs: Inputs<'f>,
+    ) -> Result<Self, DiagnosisError> {
+        let rivals = settle(&mut selection)?;
+        let engine = selection.engine();
+        let mut earlier = None;
+        let mut base_terms = Difference::default();
+        if let Some(model) = inputs.earlier {
+            let residual = model_residual(model, inputs.recording, engine)?;
+            base_terms = difference(engine, &model.device, &residual);
+            base_terms = base_terms.without(&inputs.options.without);
+            earlier = Some(residual);
+        }
+        let mut findings = Self {
+            adequacy: adequacy(&selection)?,
+            inputs,
+            selection,
+            rivals,
+            earlier,
+            base_terms,
+            shrink: Shrink::default(),
+            force: ForceAnswer::default(),
+        };
+        let (shrink, force) = rayon::join(
+            || findings.on_unseen_rows(),
+            || crate::force::examine(&engine.context, &inputs.options.without),
+        );
+        (findings.shrink, findings.force) = (shrink?, force?);
+        if !findings.selection.causes().is_empty() || !findings.is_quiet() {
+            let wrong_nm = torque_nm(&findings.selection);
+            findings.force = findings.force.beside_wrong_angles(wrong_nm);
+        }
+        Ok(findings)
+    }
+
+    fn on_unseen_rows(&self) -> Result<Shrink, DiagnosisError> {
+        let selection = &self.selection;
+        match self.inputs.options.validation {
+            Some(second) => on_second(selection, second, self.inputs.earlier),
+            None if selection.causes().is_empty() && self.base_terms.terms.is_empty() => {
+                Ok(Shrink::default())
+            }
+            None => on_held_back(selection, self.inputs.recording, self.earlier.as_deref()),
+        }
+    }
+
+    pub(crate) fn engine(&self) -> &'f Engine<'f> {
+        self.selection.engine()
+    }
+
+    /// Residuals without the causes: of the earlier model where there is one, else of the base model.
+    pub(crate) fn before(&self) -> &[Vec<f64>] {
+        let of_base = &self.engine().start.residual;
+        self.earlier.as_ref().unwrap_or(of_base)
+    }
+
+    /// The effect of the first cause.
+    pub(crate) fn first(&self) -> Option<&'f dyn Effect> {
+        let first = self.selection.causes().first();
+        first.map(|cause| self.selection.effect(cause))
+    }
+
+    /// Whether positions show nothing but noise, no cause taken up.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.adequacy.is_noise() && self.selection.refused.is_none()
+    }
+}

@@ -1,0 +1,76 @@
+//! The verdict: no gap, a name, several that cannot be told apart, or a gap without a name.
+
+use haptical_effects::Parameter;
+
+use crate::answer::{CauseAnswer, HeldOutAnswer, Verdict};
+use crate::judge::findings::Findings;
+use crate::select::excess;
+use crate::thresholds::chance::{MOST_NAMES, NAMED_PROBABILITY};
+use crate::thresholds::rivals::LATER_PROBABILITY;
+
+/// The verdict on the causes that positions show.
+pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdict {
+    let base_terms = &findings.base_terms;
+    let first = causes.first();
+    // beside a tool that was changed the rest may be as small as the tool's own law gets wrong
+    if base_terms.accounts_for(excess(&findings.selection.after).0) {
+        return by_probability(first);
+    }
+    if findings.selection.causes().is_empty() {
+        return match (findings.is_quiet(), causes.is_empty()) {
+            (true, true) if !base_terms.is_unnamed => Verdict::NoGap,
+            (true, false) => Verdict::Named,
+            (false, _) | (true, true) => Verdict::Unknown,
+        };
+    }
+    let is_hedged = first.is_some_and(|cause| cause.confusable_with.len() >= MOST_NAMES);
+    let is_void = base_terms.terms.is_empty() && !first.is_some_and(is_credible);
+    if !findings.adequacy.is_adequate || is_hedged || is_void {
+        return Verdict::Unknown;
+    }
+    by_probability(first)
+}
+
+/// The verdict where positions show no gap: by the torques' first finding, or by their gap without one.
+pub(crate) fn of_torques(findings: &Findings<'_>) -> Verdict {
+    match findings.force.findings.first() {
+        None if findings.force.unexplained().is_some() => Verdict::Unknown,
+        None => Verdict::NoGap,
+        first => by_probability(first),
+    }
+}
+
+fn by_probability(first: Option<&CauseAnswer>) -> Verdict {
+    match first.is_some_and(|cause| cause.probability >= NAMED_PROBABILITY) {
+        true => Verdict::Named,
+        false => Verdict::Ambiguous,
+    }
+}
+
+/// Whether a cause has a size, and does not make predictions of what the fit did not see worse.
+fn is_credible(cause: &CauseAnswer) -> bool {
+    let mut sizes = sizes(cause).peekable();
+    let has_size = sizes.peek().is_none() || sizes.any(|ci95| ci95[0] * ci95[1] > 0.0);
+    let is_worse =
+        |held_out: &HeldOutAnswer| held_out.reduction_ci95.is_some_and(|ci95| ci95[1] <= 0.0);
+    has_size && !cause.held_out.as_ref().is_some_and(is_worse)
+}
+
+/// Whether a later cause is more than what an earlier one's law gets wrong: its class is likely and
+/// small, and its size is not zero.
+pub(crate) fn is_reported(cause: &CauseAnswer) -> bool {
+    cause.class_probability >= LATER_PROBABILITY
+        && cause.confusable_with.len() < MOST_NAMES
+        && sizes(cause).all(|ci95| ci95[0] * ci95[1] > 0.0)
+}
+
+/// Intervals of a cause's sizes, not of their places.
+fn sizes(cause: &CauseAnswer) -> impl Iterator<Item = [f64; 2]> {
+    let is_size = |name: &str| {
+        haptical_effects::parameter(&cause.effect, name).is_none_or(Parameter::is_size)
+    };
+    let sizes = cause.parameters.iter();
+    sizes
+        .filter(move |(name, _)| is_size(name))
+        .map(|(_, size)| size.ci95)
+}
