@@ -1,5 +1,7 @@
 //! Products and differences of vectors, some numbers at a time.
 
+use pulp::{Arch, Simd, WithSimd};
+
 /// Numbers that are worked on together.
 const LANES: usize = 4;
 
@@ -19,8 +21,74 @@ pub(crate) fn product(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `into` less `factor` times `x`.
+#[inline(always)]
 pub(crate) fn subtract(into: &mut [f64], factor: f64, x: &[f64]) {
     for (into, x) in into.iter_mut().zip(x) {
         *into -= factor * x;
+    }
+}
+
+/// Partial sums of a [`dot`].
+const SUMS: usize = 8;
+
+/// Sum of products, of as many as the shorter has. It is the same on every machine: eight partial sums, whatever the
+/// width of the registers that hold them.
+///
+/// ```
+/// assert_eq!(haptical_linalg::dot(&[1.0, 2.0, 3.0], &[1.0, 1.0, 2.0]), 9.0);
+/// ```
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    Arch::new().dispatch(Dot { a, b })
+}
+
+/// Takes a vector's part along a direction of length 1 off it.
+///
+/// ```
+/// let mut vector = [3.0, 4.0];
+/// haptical_linalg::take_off(&mut vector, &[0.0, 1.0]);
+/// assert_eq!(vector, [3.0, 0.0]);
+/// ```
+pub fn take_off(vector: &mut [f64], direction: &[f64]) {
+    Arch::new().dispatch(TakeOff { vector, direction });
+}
+
+struct Dot<'v> {
+    a: &'v [f64],
+    b: &'v [f64],
+}
+
+impl WithSimd for Dot<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let count = self.a.len().min(self.b.len());
+        let (a, a_rest) = self.a[..count].as_chunks::<SUMS>();
+        let (b, b_rest) = self.b[..count].as_chunks::<SUMS>();
+        let mut sums = [0.0; SUMS];
+        for (a, b) in a.iter().zip(b) {
+            for lane in 0..SUMS {
+                sums[lane] += a[lane] * b[lane];
+            }
+        }
+        let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+        sums.iter().sum::<f64>() + rest
+    }
+}
+
+struct TakeOff<'v> {
+    vector: &'v mut [f64],
+    direction: &'v [f64],
+}
+
+impl WithSimd for TakeOff<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { vector, direction } = self;
+        let (a, b) = (direction, &*vector);
+        let along = Dot { a, b }.with_simd(simd);
+        subtract(vector, along, direction);
     }
 }

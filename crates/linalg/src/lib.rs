@@ -19,6 +19,7 @@ mod triangle;
 pub use aligned::Aligned;
 pub use basis::OrthonormalBasis;
 pub use error::LinalgError;
+pub use lanes::{dot, take_off};
 pub use matrix::Matrix;
 pub use ordered::{Dependence, OrderedRank};
 pub use reduction::Reduction;

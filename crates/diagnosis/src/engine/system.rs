@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use haptical_effects::{Context, Signal};
 use haptical_linalg::Matrix;
+pub(crate) use haptical_linalg::{dot, take_off};
 
 use rayon::prelude::*;
 
@@ -186,14 +187,6 @@ pub(crate) fn across<'d, D: Iterator<Item = &'d Vec<f64>>>(
     Some(vector)
 }
 
-/// Takes a vector's part along a direction of length 1 off it.
-pub(crate) fn take_off(vector: &mut [f64], direction: &[f64]) {
-    let shared = dot(direction, vector);
-    for (entry, other) in vector.iter_mut().zip(direction) {
-        *entry -= shared * other;
-    }
-}
-
 /// Slow energy of one stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SlowEnergy {
@@ -308,22 +301,4 @@ fn window_blocks(context: &Context<'_>, size: usize) -> usize {
     } else {
         4
     }
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // four sums: the compiler may keep them in one register of lanes
-    let mut sums = [0.0; 8];
-    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = chunks_a
-        .remainder()
-        .iter()
-        .zip(chunks_b.remainder())
-        .map(|(x, y)| x * y)
-        .sum();
-    for (x, y) in chunks_a.zip(chunks_b) {
-        for lane in 0..8 {
-            sums[lane] += x[lane] * y[lane];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
