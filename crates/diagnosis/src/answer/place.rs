@@ -23,6 +23,39 @@ pub(crate) struct Located {
 }
 
 impl Located {
+    /// In a stream, at a joint from 0; none where there is no such stream.
+    pub(crate) fn new(
+        context: &Context<'_>,
+        stream: usize,
+        joint: Option<usize>,
+        covariate: Covariate,
+        region: String,
+    ) -> Option<Self> {
+        Some(Self {
+            answer: Answer {
+                channel: context.streams.get(stream)?.channel.name(),
+                joint: joint.map(|joint| joint + 1),
+                depends_on: Vec::new(),
+                region,
+                explained: Vec::new(),
+                dependence: Vec::new(),
+            },
+            stream,
+            covariate,
+        })
+    }
+
+    /// With columns that it depends on, and the share that each explains.
+    pub(crate) fn depending(mut self, on: impl IntoIterator<Item = (String, f64)>) -> Self {
+        for (column, share) in on {
+            if !self.answer.depends_on.contains(&column) {
+                self.answer.depends_on.push(column);
+                self.answer.explained.push(share);
+            }
+        }
+        self
+    }
+
     /// Whether a gap of postures at which nothing is touched depends on nothing that was asked.
     pub(crate) fn is_nowhere(&self) -> bool {
         let dependence = &self.answer.dependence;
@@ -93,18 +126,10 @@ fn by_line(engine: &Engine<'_>) -> Option<Located> {
     let first_hz = line_hz.first().filter(|_| share > MOST_OF_A_GAP)?;
     let channel = context.streams[stream].channel.name();
     let joint = context.streams[stream].joint();
-    Some(Located {
-        answer: Answer {
-            region: format!("in what {channel} reads: it oscillates at {first_hz:.3} Hz"),
-            channel,
-            joint: joint.map(|joint| joint + 1),
-            depends_on: vec![Covariate::Time.column(context)],
-            explained: vec![share.min(1.0)],
-            dependence: Vec::new(),
-        },
-        stream,
-        covariate: Covariate::Time,
-    })
+    let region = format!("in what {channel} reads: it oscillates at {first_hz:.3} Hz");
+    let time = Covariate::Time;
+    let located = Located::new(context, stream, joint, time, region)?;
+    Some(located.depending([(time.column(context), share.min(1.0))]))
 }
 
 fn by_cause(selection: &Selection<'_>, cause: &Cause) -> Option<Located> {
@@ -126,22 +151,13 @@ fn by_cause(selection: &Selection<'_>, cause: &Cause) -> Option<Located> {
         hook: effect.spec().hook,
         joint,
     };
-    Some(Located {
-        answer: Answer {
-            channel: context.streams[stream].channel.name(),
-            joint: joint.map(|joint| joint + 1),
-            explained: vec![1.0; depends_on.len()],
-            depends_on,
-            region: format!(
-                "{}; it follows {}",
-                hook_words(context, place),
-                covariate.words(context)
-            ),
-            dependence: Vec::new(),
-        },
-        stream,
-        covariate,
-    })
+    let region = format!(
+        "{}; it follows {}",
+        hook_words(context, place),
+        covariate.words(context)
+    );
+    let located = Located::new(context, stream, joint, covariate, region)?;
+    Some(located.depending(depends_on.into_iter().map(|column| (column, 1.0))))
 }
 
 /// The covariate that an effect's law is a function of.
@@ -243,18 +259,6 @@ fn by_free_functions(selection: &Selection<'_>) -> Option<Located> {
         }
     }
     others.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut depends_on: Vec<String> = Vec::new();
-    let mut explained = Vec::new();
-    for (other, evidence) in others
-        .iter()
-        .filter(|(_, evidence)| *evidence >= ALSO * best)
-    {
-        let column = other.column(context);
-        if !depends_on.contains(&column) {
-            depends_on.push(column);
-            explained.push((evidence / total.max(1e-300)).clamp(0.0, 1.0));
-        }
-    }
     let covariate = others.first().map_or(covariate, |(first, _)| *first);
     let region = match peak(engine, stream, covariate) {
         Some(peak) => format!(
@@ -270,18 +274,13 @@ fn by_free_functions(selection: &Selection<'_>) -> Option<Located> {
             covariate.words(context)
         ),
     };
-    Some(Located {
-        answer: Answer {
-            channel: context.streams[stream].channel.name(),
-            joint: place.joint.map(|joint| joint + 1),
-            depends_on,
-            region,
-            explained,
-            dependence: Vec::new(),
-        },
-        stream,
-        covariate,
-    })
+    let near = others.iter().filter(|(_, own)| *own >= ALSO * best);
+    let shares = near.map(|(other, own)| {
+        let share = (own / total.max(1e-300)).clamp(0.0, 1.0);
+        (other.column(context), share)
+    });
+    let located = Located::new(context, stream, place.joint, covariate, region)?;
+    Some(located.depending(shares))
 }
 
 fn places(context: &Context<'_>) -> Vec<Place> {

@@ -6,7 +6,7 @@ use haptical_effects::structure::TOOL_CHANGED;
 use haptical_effects::{Context, Family, Hook, Stream, spec};
 
 use crate::answer::place::{Located, hook_words, stream_of};
-use crate::answer::{Asked, Dependence, Place as Answer};
+use crate::answer::{Asked, Dependence};
 use crate::engine::Engine;
 use crate::judge::earlier::BaseTerm;
 use crate::select::Selection;
@@ -32,39 +32,18 @@ pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Locat
             .streams_of(Channel::Position)
             .next()
             .unwrap_or(stream);
-        return Some(Located {
-            answer: Answer {
-                channel: context.streams.get(stream)?.channel.name(),
-                joint: None,
-                depends_on: Vec::new(),
-                region: format!(
-                    "{}: the earlier model has another place",
-                    hook_words(context, place)
-                ),
-                explained: Vec::new(),
-                dependence: Vec::new(),
-            },
-            stream,
-            covariate: Covariate::Time,
-        });
+        let words = hook_words(context, place);
+        let region = format!("{words}: the earlier model has another place");
+        return Located::new(context, stream, None, Covariate::Time, region);
     }
     let words = match term.joint {
         Some(joint) if term.in_drive => format!("in the drive of joint {}", joint + 1),
         Some(joint) => format!("in the geometry of link {}", joint + 1),
         None => "in the geometry of the base row".to_owned(),
     };
-    Some(Located {
-        answer: Answer {
-            channel: context.streams.get(stream)?.channel.name(),
-            joint: term.joint.map(|joint| joint + 1),
-            depends_on: vec![covariate.column(context)],
-            region: format!("{words}: the earlier model has other values there"),
-            explained: vec![1.0],
-            dependence: Vec::new(),
-        },
-        stream,
-        covariate,
-    })
+    let region = format!("{words}: the earlier model has other values there");
+    let located = Located::new(context, stream, term.joint, covariate, region)?;
+    Some(located.depending([(covariate.column(context), 1.0)]))
 }
 
 /// Behind the last joint, in the handle's frame.
@@ -75,22 +54,13 @@ fn of_tool(context: &Context<'_>, stream: usize, term: &BaseTerm) -> Option<Loca
         .filter_map(|name| term.parameters.get(*name))
         .map(|part| format!("{:.2}", 1e3 * part.value))
         .collect();
-    Some(Located {
-        answer: Answer {
-            channel: context.streams.get(stream)?.channel.name(),
-            joint: Some(joint),
-            depends_on: Vec::new(),
-            region: format!(
-                "behind joint {joint}: what the last link carries sits ({}) mm elsewhere in the handle's frame \
-                 than in the earlier model, whose other numbers hold",
-                parts.join(", ")
-            ),
-            explained: Vec::new(),
-            dependence: Vec::new(),
-        },
-        stream,
-        covariate: Covariate::Angle(joint.saturating_sub(1)),
-    })
+    let region = format!(
+        "behind joint {joint}: what the last link carries sits ({}) mm elsewhere in the handle's frame than in the \
+         earlier model, whose other numbers hold",
+        parts.join(", ")
+    );
+    let last = joint.checked_sub(1)?;
+    Located::new(context, stream, Some(last), Covariate::Angle(last), region)
 }
 
 /// Of touches: by what their residuals depend on, posture by posture.
@@ -131,14 +101,6 @@ pub(crate) fn by_dependence(
             )
         }
     };
-    let mut depends_on: Vec<String> = Vec::new();
-    let mut explained = Vec::new();
-    for found in told() {
-        if !depends_on.contains(&found.column) {
-            depends_on.push(found.column.clone());
-            explained.push(found.share);
-        }
-    }
     let of_joint = joint.map_or(0, |joint| joint - 1);
     let covariate = match surest.map(|found| (found.asked, found.column.as_str())) {
         Some((Asked::Torque, _)) => Covariate::Torque(of_joint),
@@ -146,16 +108,10 @@ pub(crate) fn by_dependence(
         Some((Asked::Course, "temp_degc")) => Covariate::Temperature,
         _ => Covariate::Angle(of_joint),
     };
-    Some(Located {
-        answer: Answer {
-            channel: context.streams[stream].channel.name(),
-            joint,
-            depends_on,
-            region,
-            explained,
-            dependence,
-        },
-        stream,
-        covariate,
-    })
+    let columns: Vec<(String, f64)> = told()
+        .map(|found| (found.column.clone(), found.share))
+        .collect();
+    let mut located = Located::new(context, stream, None, covariate, region)?.depending(columns);
+    located.answer.joint = joint;
+    Some(located.with_dependence(dependence))
 }
