@@ -6,13 +6,13 @@ use haptical_effects::force::{GRIP_FORCE, UNBALANCED_GRAVITY};
 use haptical_effects::{Effect, Follows, Hook, Spec};
 
 use super::base::Base;
-use super::effects::is_scale;
+use super::effects::{Effects, is_scale};
 use super::gaps::{channels, mean_square};
 use super::gravity::{self, Unbalanced};
 use super::grip::{self, Grip};
 use super::names;
 use super::recorded::Recorded;
-use super::select::{Pick, Selection, Selector};
+use super::select::{Pick, Selection};
 use super::trust;
 use super::values::Sizes;
 use crate::DiagnosisError;
@@ -80,14 +80,14 @@ impl ForceAnswer {
 
 /// Puts the answer together.
 pub(super) fn answer(
-    selector: &Selector<'_, '_>,
+    effects: &Effects<'_, '_>,
     base: &Base,
     selection: &Selection,
     fitted_before: &[f64],
 ) -> Result<ForceAnswer, DiagnosisError> {
-    let recorded = selector.recorded;
-    let along = selector.effects.along;
-    let rows = selector.rows();
+    let recorded = effects.along.recorded;
+    let along = effects.along;
+    let rows = effects.rows();
     let row_sd: Vec<f64> = (0..recorded.channels.len())
         .map(|channel| recorded.row_sd(channel, &along.hand))
         .collect();
@@ -100,8 +100,8 @@ pub(super) fn answer(
     let is_structured = before > OMNIBUS_DEVIATIONS * before_sd && before > LEAST_STRUCTURE * rows;
     let is_falsified = trust::is_falsified(recorded.context, base);
     let named = !selection.picks.is_empty() && is_adequate;
-    let strained = strained_scale(selector, base, selection);
-    let sizes = Sizes::new(selector.effects, base, misfit(&selection.after));
+    let strained = strained_scale(effects, base, selection);
+    let sizes = Sizes::new(effects, base, misfit(&selection.after));
     let mut findings = Vec::new();
     let mut unexplained_share = 0.0;
     let mut significant = !selection.picks.is_empty() || is_structured;
@@ -121,7 +121,7 @@ pub(super) fn answer(
         let explained = (1.0 - left / total.max(scores).max(1.0)).clamp(0.0, 1.0);
         for pick in &selection.picks {
             let share = explained * pick.score / scores.max(1e-300);
-            let effect = selector.effects.effect(pick.effect);
+            let effect = effects.effect(pick.effect);
             findings.push(of_pick(effect, &sizes, pick, share));
             if let Some(joint) = effect.joint().filter(|_| is_scale(effect)) {
                 add_scaled(joint, sizes.scale(effect).0);
@@ -133,8 +133,13 @@ pub(super) fn answer(
     } else if significant {
         unexplained_share = 1.0;
         if is_structured
-            && !selector.effects.is_left_out(GRIP_FORCE.name)
-            && let Some(grip) = grip::grip(along, selector.whitener, &selection.rest_before, before)
+            && !effects.is_left_out(GRIP_FORCE.name)
+            && let Some(grip) = grip::grip(
+                along,
+                &base.regression.system.layout.whitener,
+                &selection.rest_before,
+                before,
+            )
         {
             unexplained_share = grip.left;
             findings.push(of_grip(&grip));
@@ -148,7 +153,7 @@ pub(super) fn answer(
     }
     if (named || !significant)
         && trust::weighs(base)
-        && !selector.effects.is_left_out(UNBALANCED_GRAVITY.name)
+        && !effects.is_left_out(UNBALANCED_GRAVITY.name)
         && let Some(found) = gravity::unbalanced(along, base, &row_sd)?
     {
         for (channel, added) in added.iter_mut().enumerate() {
@@ -158,7 +163,7 @@ pub(super) fn answer(
         findings.push(of_gravity(&found, total * f64::from(is_beside_others)));
         significant = true;
     }
-    let mut channels = channels(selector, base, selection, fitted_before, &added);
+    let mut channels = channels(effects, base, selection, fitted_before, &added);
     for gap in channels.iter_mut().filter(|_| has_grip) {
         gap.rms_after = gap.rms_after.min(gap.noise_floor);
     }
@@ -166,7 +171,7 @@ pub(super) fn answer(
     Ok(ForceAnswer {
         channels,
         findings,
-        untestable: untestable(selector, is_falsified && !named),
+        untestable: untestable(effects, is_falsified && !named),
         unexplained_share,
         significant,
         not_tested: match is_falsified && !named {
@@ -182,14 +187,14 @@ const FALSIFIED: &str = "an effect on positions that is not in the model falsifi
 /// The joint whose torque scale the base model moved far beyond what is stated of it, and that scale; none where a finding
 /// has it.
 fn strained_scale(
-    selector: &Selector<'_, '_>,
+    effects: &Effects<'_, '_>,
     base: &Base,
     selection: &Selection,
 ) -> Option<(usize, f64)> {
-    let recorded = selector.recorded;
+    let recorded = effects.along.recorded;
     let is_named = |joint: usize| {
         let picks = selection.picks.iter();
-        let mut effects = picks.map(|pick| selector.effects.effect(pick.effect));
+        let mut effects = picks.map(|pick| effects.effect(pick.effect));
         effects.any(|effect| is_scale(effect) && effect.joint() == Some(joint))
     };
     let solution = base.regression.solution();
@@ -230,8 +235,8 @@ fn drowned(recorded: &Recorded<'_>, base: &Base) -> Option<String> {
 }
 
 /// Effects that need what this recording lacks, though others can be tested.
-fn untestable(selector: &Selector<'_, '_>, is_falsified: bool) -> Vec<(&'static str, String)> {
-    let recorded = selector.recorded;
+fn untestable(effects: &Effects<'_, '_>, is_falsified: bool) -> Vec<(&'static str, String)> {
+    let recorded = effects.along.recorded;
     let context = recorded.context;
     if is_falsified {
         return names().map(|name| (name, FALSIFIED.to_owned())).collect();
@@ -267,16 +272,13 @@ fn untestable(selector: &Selector<'_, '_>, is_falsified: bool) -> Vec<(&'static 
             "columns"
         };
         let why = format!("no {columns} {}", missing.join(", "));
-        for effect in &selector.effects.all {
+        for effect in &effects.all {
             if effect.joint().is_some() {
                 because(effect.name(), &why);
             }
         }
     }
-    if gravity::assumed(selector.effects.along)
-        .iter()
-        .all(Option::is_none)
-    {
+    if gravity::assumed(effects.along).iter().all(Option::is_none) {
         let why = "no mass_kg and centre_of_mass_m in the device file";
         because(UNBALANCED_GRAVITY.name, why);
     }

@@ -53,6 +53,12 @@ impl<'e, 'a> Effects<'e, 'a> {
         has_covariate && is_recorded && !self.is_left_out(effect.name())
     }
 
+    /// Usable rows of a channel.
+    pub(super) fn rows(&self) -> f64 {
+        let blocks = self.along.recorded.blocks.iter();
+        blocks.map(|block| block.usable.len()).sum::<usize>() as f64
+    }
+
     pub(super) fn effect(&self, index: usize) -> &dyn Effect {
         self.all[index].as_ref()
     }

@@ -1,23 +1,23 @@
 //! How large the torques' gap is, joint by joint, row by row.
 
 use super::base::Base;
-use super::effects::is_scale;
+use super::effects::{Effects, is_scale};
 use super::rows::fast;
-use super::select::{Selection, Selector};
+use super::select::Selection;
 use crate::answer::ChannelGap;
 
 /// Gaps of every channel. `added`: mean squares of torques that the base model's freedom took, which were there before.
 pub(super) fn channels(
-    selector: &Selector<'_, '_>,
+    effects: &Effects<'_, '_>,
     base: &Base,
     selection: &Selection,
     fitted_before: &[f64],
     added: &[f64],
 ) -> Vec<ChannelGap> {
-    let recorded = selector.recorded;
-    let along = selector.effects.along;
+    let recorded = effects.along.recorded;
+    let along = effects.along;
     let blocks = recorded.blocks.len();
-    let size = selector.rows() / blocks.max(1) as f64;
+    let size = effects.rows() / blocks.max(1) as f64;
     let solution = base.regression.solution();
     let fitted_after = along.less(&selection.rest_after);
     let gap = |(channel, &joint): (usize, &usize)| {
@@ -25,8 +25,7 @@ pub(super) fn channels(
         let row_sd = recorded.row_sd(channel, &along.hand);
         let torque = &recorded.torque_nm[channel];
         let fast_before = fast::deviations(along, torque, &fitted_before[range.clone()]);
-        let (torque, fitted) =
-            without_picks(selector, &solution, selection, channel, &fitted_after);
+        let (torque, fitted) = without_picks(effects, &solution, selection, channel, &fitted_after);
         let fast_after = fast::deviations(along, &torque, &fitted);
         let within = |rest: &[(usize, f64)]| match rest.len() {
             0 => row_sd * row_sd * (1.0 - 1.0 / size),
@@ -53,19 +52,19 @@ pub(super) fn mean_square(values: &[f64]) -> f64 {
 /// A channel's torques without the effects that were chosen for it, row by row, and the block means
 /// of what the model says of the rest.
 fn without_picks(
-    selector: &Selector<'_, '_>,
+    effects: &Effects<'_, '_>,
     solution: &[f64],
     selection: &Selection,
     channel: usize,
     fitted: &[f64],
 ) -> (Vec<f64>, Vec<f64>) {
-    let recorded = selector.recorded;
+    let recorded = effects.along.recorded;
     let blocks = recorded.blocks.len();
     let mut torque = recorded.torque_nm[channel].clone();
     let mut fitted = fitted[channel * blocks..(channel + 1) * blocks].to_vec();
     let context = recorded.context;
     for pick in &selection.picks {
-        let effect = selector.effects.effect(pick.effect);
+        let effect = effects.effect(pick.effect);
         if effect.joint() != Some(recorded.channels[channel]) || is_scale(effect) {
             continue;
         }

@@ -28,7 +28,6 @@ use self::answer::ForceAnswer;
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded};
 use self::rows::fast;
-use self::select::Selector;
 use crate::DiagnosisError;
 
 /// Names of the effects on torques and forces.
@@ -61,7 +60,6 @@ pub(crate) fn examine(
     let fitted_before = along.less(&base.rest());
     base.append(fast::rows(&along, &fitted_before));
     let effects = Effects::new(&along, without);
-    let selector = Selector::new(&recorded, &whitener, &effects);
-    let selection = selector.select(&mut base)?;
-    answer::answer(&selector, &base, &selection, &fitted_before)
+    let selection = effects.select(&mut base)?;
+    answer::answer(&effects, &base, &selection, &fitted_before)
 }

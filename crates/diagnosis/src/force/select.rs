@@ -1,14 +1,12 @@
 //! Stepwise selection of effects on the torques, with the rivals of each.
 
 use haptical_effects::transmission::INPUT_DRUM_HARMONIC;
-use haptical_metrics::chi_square_p_value;
 
 use super::base::Base;
 use super::effects::{Effects, is_harmonic, is_scale, is_sensor_loop};
-use super::recorded::Recorded;
-use super::rows::whitener::Whitener;
 use crate::DiagnosisError;
 use crate::engine::system::SlowEnergy;
+use crate::select::chance::family_wise_p;
 use crate::select::scan::{Candidate, Score};
 use crate::select::{excess, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
@@ -48,59 +46,29 @@ pub(super) struct Selection {
     pub(super) rest_after: Vec<f64>,
 }
 
-/// Everything that a selection works on.
-#[derive(Debug)]
-pub(super) struct Selector<'s, 'a> {
-    pub(super) recorded: &'s Recorded<'a>,
-    pub(super) whitener: &'s Whitener,
-    pub(super) effects: &'s Effects<'s, 'a>,
-    rows: f64,
-}
-
-impl<'s, 'a> Selector<'s, 'a> {
-    pub(super) fn new(
-        recorded: &'s Recorded<'a>,
-        whitener: &'s Whitener,
-        effects: &'s Effects<'s, 'a>,
-    ) -> Self {
-        let rows: usize = recorded.blocks.iter().map(|block| block.usable.len()).sum();
-        Self {
-            recorded,
-            whitener,
-            effects,
-            rows: rows as f64,
-        }
-    }
-
-    /// Usable rows of a channel.
-    pub(super) fn rows(&self) -> f64 {
-        self.rows
-    }
-
+impl Effects<'_, '_> {
     fn energy(&self, base: &Base) -> Vec<SlowEnergy> {
-        let free = if self.recorded.force_n.is_none() {
-            3
-        } else {
-            0
-        };
-        base.energy(free)
+        base.energy(match self.along.recorded.force_n {
+            None => 3,
+            Some(_) => 0,
+        })
     }
 
     /// Chooses effects one after the other; they become base columns of `base`.
     pub(super) fn select(&self, base: &mut Base) -> Result<Selection, DiagnosisError> {
-        let mut candidates = self.effects.candidates(base);
+        let mut candidates = self.candidates(base);
         let mut rest_before = base.rest();
         let mut before = self.energy(base);
         let mut after = before.clone();
         let mut picks: Vec<Pick> = Vec::new();
         let mut ripples: Vec<(usize, f64)> = Vec::new();
         while picks.len() < MOST_NAMES {
-            let scores = self.effects.scores(base, &mut candidates).into_iter();
+            let scores = self.scores(base, &mut candidates).into_iter();
             let open = scores.filter(|score| !self.is_taken(score, &picks, &ripples));
             let Some(score) = open.max_by(|a, b| self.merit(a).total_cmp(&self.merit(b))) else {
                 break;
             };
-            let effect = self.effects.effect(score.effect);
+            let effect = self.effect(score.effect);
             let fresh = is_scale(effect) || picks.is_empty();
             let rest = excess(&after).0.max(0.0);
             let is_part = fresh || is_harmonic(effect) || score.score >= SHARE_OF_REST * rest;
@@ -111,7 +79,7 @@ impl<'s, 'a> Selector<'s, 'a> {
                 break;
             }
             if is_harmonic(effect) && ripples.len() < MOST_RIPPLES {
-                let columns = self.effects.ripple(base, score.effect, score.shape);
+                let columns = self.ripple(base, score.effect, score.shape);
                 let rival = base.score(columns.clone());
                 if rival.rank > 0 && self.merit_as(&score, &rival) > self.merit(&score) {
                     base.adopt(&columns);
@@ -139,7 +107,7 @@ impl<'s, 'a> Selector<'s, 'a> {
                 .into_iter()
                 .for_each(|column| base.regression.add(column));
             if is_scale(effect) {
-                self.effects.along.settle(base);
+                self.along.settle(base);
                 for candidate in &mut candidates {
                     candidate.reset(&base.regression.system, base.scales);
                 }
@@ -161,9 +129,9 @@ impl<'s, 'a> Selector<'s, 'a> {
 
     /// Whether an effect is in the model already, at its place; of the harmonics of a motor's angle some may be.
     fn is_taken(&self, score: &Score, picks: &[Pick], ripples: &[(usize, f64)]) -> bool {
-        let effect = self.effects.effect(score.effect);
+        let effect = self.effect(score.effect);
         let at_place = |other: usize| {
-            let other = self.effects.effect(other);
+            let other = self.effect(other);
             other.name() == effect.name() && other.joint() == effect.joint()
         };
         let mut picked = picks.iter().filter(|pick| at_place(pick.effect));
@@ -183,33 +151,33 @@ impl<'s, 'a> Selector<'s, 'a> {
 
     /// The same of a score of something in an effect's place.
     fn merit_as(&self, effect: &Score, score: &Score) -> f64 {
-        let shapes = self.effects.shapes(effect.effect).len() as f64;
-        score.score - score.rank as f64 * self.rows.ln() - 2.0 * shapes.ln()
+        let shapes = self.shapes(effect.effect).len() as f64;
+        score.score - score.rank as f64 * self.rows().ln() - 2.0 * shapes.ln()
     }
 
     fn is_found(&self, score: &Score, tested: usize) -> Result<bool, DiagnosisError> {
-        let p = chi_square_p_value(score.score, score.rank as f64)?;
-        let is_large = is_scale(self.effects.effect(score.effect))
-            || score.score >= LEAST_SHARE_OF_NOISE * self.rows;
-        Ok(p * (tested as f64) < FAMILY_WISE_P && is_large && score.retained > LEAST_RETAINED)
+        let p = family_wise_p(score, 1.0, tested as f64)?;
+        let is_large = is_scale(self.effect(score.effect))
+            || score.score >= LEAST_SHARE_OF_NOISE * self.rows();
+        Ok(p < FAMILY_WISE_P && is_large && score.retained > LEAST_RETAINED)
     }
 
     /// Whether a hysteresis shows as a loop: a state that hardly reverses is a bias, one that hardly saturates a gain.
     /// These are asked whether or not the catalogue has them.
     fn is_a_loop(&self, base: &Base, score: &Score) -> bool {
-        if !is_sensor_loop(self.effects.effect(score.effect)) {
+        if !is_sensor_loop(self.effect(score.effect)) {
             return true;
         }
         let mut beside = base.clone();
-        beside.adopt(&self.effects.bias_and_gain(base));
-        let columns = self.effects.columns(base, score.effect, score.shape);
+        beside.adopt(&self.bias_and_gain(base));
+        let columns = self.columns(base, score.effect, score.shape);
         beside.score(columns).score >= LEAST_LOOP * score.score
     }
 
     /// The shape of an effect searched between those of the grid (golden section), and its columns with the
     /// derivative by the shape's logarithm.
     fn refined(&self, base: &Base, pick: &Score) -> (f64, Vec<Vec<f64>>) {
-        let columns = |shape: f64| self.effects.columns(base, pick.effect, shape);
+        let columns = |shape: f64| self.columns(base, pick.effect, shape);
         let dense = |shape: f64| -> Vec<Vec<f64>> {
             let columns = columns(shape);
             let columns = columns.iter();
@@ -217,13 +185,7 @@ impl<'s, 'a> Selector<'s, 'a> {
                 .map(|column| base.regression.system.dense(column))
                 .collect()
         };
-        if !self
-            .effects
-            .effect(pick.effect)
-            .spec()
-            .shape
-            .is_continuous()
-        {
+        if !self.effect(pick.effect).spec().shape.is_continuous() {
             return (pick.shape, dense(pick.shape));
         }
         let placed = |log: f64| pick.shape * log.exp();
@@ -296,11 +258,11 @@ impl<'s, 'a> Selector<'s, 'a> {
             pick.score = score.score;
             kept[index] = self.is_found(&score, candidates.len())?;
             let own = self.merit(&score);
-            let effect = self.effects.effect(pick.effect);
+            let effect = self.effect(pick.effect);
             let mut best: Vec<(&'static str, Option<usize>, f64)> = Vec::new();
-            for rival in self.effects.scores(&beside, candidates) {
+            for rival in self.scores(&beside, candidates) {
                 let nats = 0.5 * (own - self.merit(&rival)) / dispersion;
-                let other = self.effects.effect(rival.effect);
+                let other = self.effect(rival.effect);
                 let (name, joint) = (other.name(), other.joint());
                 let is_own = name == effect.name() && joint == effect.joint();
                 if is_own || rival.retained < LEAST_RETAINED {
@@ -312,7 +274,7 @@ impl<'s, 'a> Selector<'s, 'a> {
                 }
             }
             if is_harmonic(effect) {
-                let ripple = beside.score(self.effects.ripple(&beside, pick.effect, pick.shape));
+                let ripple = beside.score(self.ripple(&beside, pick.effect, pick.shape));
                 let nats = 0.5 * (own - self.merit_as(&score, &ripple)) / dispersion;
                 best.push((INPUT_DRUM_HARMONIC.name, effect.joint(), nats));
             }

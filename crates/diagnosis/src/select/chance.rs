@@ -10,6 +10,12 @@ use crate::select::scan::Score;
 use crate::thresholds::chance::{FAMILY_WISE_P, SHARE_OF_REST};
 use crate::thresholds::steps::INSTANTS;
 
+/// Probability that chance gives any of some tests a score like this, misfit allowed for as more noise (Bonferroni).
+pub(crate) fn family_wise_p(score: &Score, misfit: f64, tests: f64) -> Result<f64, DiagnosisError> {
+    let p = chi_square_p_value(score.score / misfit, score.rank as f64)?;
+    Ok((p * tests).min(1.0))
+}
+
 impl Selector<'_> {
     pub(crate) fn is_worth_a_refit(&self, score: &Score) -> Result<bool, DiagnosisError> {
         Ok(self.family_wise_p(score, 1.0)? < FAMILY_WISE_P)
@@ -26,8 +32,7 @@ impl Selector<'_> {
         } else {
             self.shapes_tried(effect)
         };
-        let p = chi_square_p_value(score.score / misfit, score.rank as f64)?;
-        Ok((p * tries.max(1.0) * self.tested.len() as f64).min(1.0))
+        family_wise_p(score, misfit, tries.max(1.0) * self.tested.len() as f64)
     }
 
     /// Shapes among which an effect's was found, at least 1; of a line all frequencies that the rows can show.

@@ -1,5 +1,6 @@
 //! Stepwise selection of causes: scan, refit of the best, and a stop where chance or misfit begins.
 
+pub(crate) mod chance;
 pub(crate) mod contend;
 pub(crate) mod events;
 pub(crate) mod generic;
@@ -7,7 +8,6 @@ pub(crate) mod laws;
 pub(crate) mod scan;
 pub(crate) mod trim;
 
-mod chance;
 mod earlier_laws;
 mod excess;
 mod ranking;
