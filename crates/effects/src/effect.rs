@@ -34,16 +34,15 @@ pub trait Effect: Debug + Send + Sync {
         Signal::sum(&self.derivative(context, amplitudes, shape), amplitudes)
     }
 
-    /// The reported parameters; the first amplitude where nothing else is said.
-    fn values(&self, _context: &Context<'_>, amplitudes: &[f64], _shape: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
+    /// The reported parameters: the amplitudes, then the shape, as many as there are parameters, where nothing else is
+    /// said.
+    fn values(&self, _context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        self.spec().values_at(amplitudes, shape)
     }
 
     /// Amplitudes and shape that have these values: the inverse of [`Effect::values`].
     fn amplitudes(&self, _context: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        let mut amplitudes = vec![0.0; self.spec().amplitudes];
-        amplitudes[0] = values[0];
-        (amplitudes, 0.0)
+        self.spec().amplitudes_at(values)
     }
 
     /// Whether nature allows these amplitudes.

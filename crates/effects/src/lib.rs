@@ -35,6 +35,3 @@ pub use registry::{catalogue, drive_catalogue, names, parameter, plausible_range
 pub use signal::Signal;
 pub use spec::{Absorbed, Family, Follows, Hook, LawError, Shape, Spec};
 pub use unit::Unit;
-
-#[cfg(test)]
-pub(crate) use tests::conforms;

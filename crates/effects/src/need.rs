@@ -10,7 +10,7 @@ use crate::context::{Context, Stream};
 pub enum Need {
     /// Times.
     Time,
-    /// Rows that follow a motion, so that reversals can be told.
+    /// Rows that follow a motion, so that reversals can be seen.
     Motion,
     /// The joint's torque, recorded or by masses and gravity.
     Torque,

@@ -35,11 +35,11 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// A size from `low` to `high`.
-    pub const fn size(name: &'static str, unit: Unit, low: f64, high: f64) -> Self {
+    /// A size from `low` to `high`, in the unit that its name ends with.
+    pub const fn size(name: &'static str, low: f64, high: f64) -> Self {
         Self {
             name,
-            unit,
+            unit: Unit::by_name(name),
             role: Role::Size,
             plausible: [low, high],
             times_ratio: false,
@@ -47,10 +47,10 @@ impl Parameter {
     }
 
     /// A stiffness and the like.
-    pub const fn inverse(name: &'static str, unit: Unit, low: f64, high: f64) -> Self {
+    pub const fn inverse(name: &'static str, low: f64, high: f64) -> Self {
         Self {
             role: Role::Inverse,
-            ..Self::size(name, unit, low, high)
+            ..Self::size(name, low, high)
         }
     }
 
@@ -58,7 +58,7 @@ impl Parameter {
     pub const fn phase() -> Self {
         Self {
             role: Role::Phase,
-            ..Self::size("phase_rad", Unit::Radian, 0.0, 10.0)
+            ..Self::size("phase_rad", 0.0, 10.0)
         }
     }
 
@@ -66,31 +66,23 @@ impl Parameter {
     pub const fn instant() -> Self {
         Self {
             role: Role::Instant,
-            ..Self::size("time_s", Unit::Second, 0.0, f64::MAX)
+            ..Self::size("time_s", 0.0, f64::MAX)
         }
     }
 
-    /// A count of periods or the number of a joint.
+    /// A count of periods, a frequency, or the number of a joint.
     pub const fn number(name: &'static str, high: f64) -> Self {
         Self {
             role: Role::Number,
-            ..Self::size(name, Unit::One, 0.0, high)
-        }
-    }
-
-    /// A frequency of up to `high` \[Hz\].
-    pub const fn frequency(high: f64) -> Self {
-        Self {
-            role: Role::Number,
-            ..Self::size("frequency_hz", Unit::Hertz, 0.0, high)
+            ..Self::size(name, 0.0, high)
         }
     }
 
     /// A travel of a loop.
-    pub const fn transition(name: &'static str, unit: Unit, high: f64) -> Self {
+    pub const fn transition(name: &'static str, high: f64) -> Self {
         Self {
             role: Role::Transition,
-            ..Self::size(name, unit, 0.0, high)
+            ..Self::size(name, 0.0, high)
         }
     }
 

@@ -49,42 +49,28 @@ fn placed<L: Law + 'static>(spec: &'static Spec, joint: Option<usize>, law: L) -
     Box::new(Placed { spec, joint, law })
 }
 
-macro_rules! law_at_joints {
-    ($kind:ident, $file:path, $law:ident) => {{
-        use $file as file;
-        Line {
-            specs: from_ref(&file::SPEC),
-            site: Site::Joint($kind, |joint| placed(&file::SPEC, Some(joint), file::$law)),
-        }
-    }};
-}
-
-macro_rules! law_on_cable {
-    ($file:path, $law:ident) => {{
-        use $file as file;
-        Line {
-            specs: from_ref(&file::SPEC),
-            site: Site::Device(|_| vec![placed(&file::SPEC, None, file::$law)]),
-        }
-    }};
-}
-
 macro_rules! at_joints {
-    ($kind:ident, $file:path, $effect:ident) => {{
+    ($kind:ident, $file:path, $law:ident) => {
+        at_joints!($kind, $file, SPEC, $law)
+    };
+    ($kind:ident, $file:path, $spec:ident, $law:ident) => {{
         use $file as file;
         Line {
-            specs: from_ref(&file::SPEC),
-            site: Site::Joint($kind, |joint| Box::new(file::$effect { joint })),
+            specs: from_ref(&file::$spec),
+            site: Site::Joint($kind, |joint| placed(&file::$spec, Some(joint), file::$law)),
         }
     }};
 }
 
 macro_rules! on_device {
-    ($file:path, $effect:ident) => {{
+    ($file:path, $law:ident) => {
+        on_device!($file, SPEC, $law)
+    };
+    ($file:path, $spec:ident, $law:ident) => {{
         use $file as file;
         Line {
-            specs: from_ref(&file::SPEC),
-            site: Site::Device(|_| vec![Box::new(file::$effect)]),
+            specs: from_ref(&file::$spec),
+            site: Site::Device(|_| vec![placed(&file::$spec, None, file::$law)]),
         }
     }};
 }
@@ -98,31 +84,31 @@ const fn elsewhere(spec: &'static Spec) -> Line {
 
 /// Order matters: of effects that explain equally much the first is taken.
 const REGISTRY: &[Line] = &[
-    law_at_joints!(any, transmission::capstan_compliance, LAW),
-    law_at_joints!(any, structure::joint_compliance, LAW),
-    law_at_joints!(has_drums, transmission::capstan_creep, CapstanCreep),
-    law_at_joints!(any, transmission::backlash, Backlash),
-    law_at_joints!(any, transmission::hysteresis, LAW),
-    law_at_joints!(any, external_encoder::windup, LAW),
-    law_at_joints!(any, transmission::viscous_lag, LAW),
-    law_at_joints!(any, external_encoder::latency, LAW),
-    law_at_joints!(any, motor_encoder::encoder_count_loss, LAW),
-    law_at_joints!(any, external_encoder::count_loss, LAW),
-    law_at_joints!(has_drums, transmission::capstan_slip, LAW),
-    law_at_joints!(any, transmission::joint_drift, LAW),
-    law_at_joints!(any, transmission::joint_warming, JointWarming),
-    law_at_joints!(any, external_encoder::drift, LAW),
-    law_at_joints!(turns, external_encoder::eccentricity, LAW),
-    law_at_joints!(turns, transmission::drum_eccentricity, LAW),
-    law_at_joints!(any, transmission::ratio_error, RatioError),
-    law_at_joints!(turns_by_drums, transmission::drum_out_of_round, LAW),
-    law_at_joints!(turns_by_drums, transmission::input_drum_harmonic, LAW),
-    law_at_joints!(
+    at_joints!(any, transmission::capstan_compliance, LAW),
+    at_joints!(any, structure::joint_compliance, LAW),
+    at_joints!(has_drums, transmission::capstan_creep, CapstanCreep),
+    at_joints!(any, transmission::backlash, Backlash),
+    at_joints!(any, transmission::hysteresis, LAW),
+    at_joints!(any, external_encoder::windup, LAW),
+    at_joints!(any, transmission::viscous_lag, LAW),
+    at_joints!(any, external_encoder::latency, LAW),
+    at_joints!(any, motor_encoder::encoder_count_loss, LAW),
+    at_joints!(any, external_encoder::count_loss, LAW),
+    at_joints!(has_drums, transmission::capstan_slip, LAW),
+    at_joints!(any, transmission::joint_drift, LAW),
+    at_joints!(any, transmission::joint_drift, WARM, Warming),
+    at_joints!(any, external_encoder::drift, LAW),
+    at_joints!(turns, external_encoder::eccentricity, LAW),
+    at_joints!(turns, transmission::drum_eccentricity, LAW),
+    at_joints!(any, transmission::ratio_error, RatioError),
+    at_joints!(turns_by_drums, transmission::drum_out_of_round, LAW),
+    at_joints!(turns_by_drums, transmission::input_drum_harmonic, LAW),
+    at_joints!(
         turns_by_drums,
         motor_encoder::device_encoder_eccentricity,
         LAW
     ),
-    law_at_joints!(turns_by_drums, transmission::cable_pitch, CablePitch),
+    at_joints!(turns_by_drums, transmission::cable_pitch, CablePitch),
     Line {
         specs: from_ref(&transmission::cross_coupling::SPEC),
         site: Site::Pair(turns, |joint, from| {
@@ -133,20 +119,23 @@ const REGISTRY: &[Line] = &[
     at_joints!(turns, structure::axis_wobble, AxisWobble),
     on_device!(structure::base_compliance, BaseCompliance),
     on_device!(structure::tool_compliance, ToolCompliance),
-    law_on_cable!(cable::hysteresis, Hysteresis),
-    law_on_cable!(cable::latency, LAW),
-    on_device!(motor_encoder::encoder_latency, EncoderLatency),
-    law_on_cable!(cable::count_loss, LAW),
-    law_on_cable!(cable::drift, LAW),
-    law_on_cable!(cable::warming, Warming),
+    on_device!(cable::hysteresis, Hysteresis),
+    on_device!(cable::latency, LAW),
+    Line {
+        specs: from_ref(&motor_encoder::encoder_latency::SPEC),
+        site: Site::Device(|_| vec![Box::new(motor_encoder::encoder_latency::EncoderLatency)]),
+    },
+    on_device!(cable::count_loss, LAW),
+    on_device!(cable::drift, LAW),
+    on_device!(cable::warming, Warming),
     on_device!(structure::warming, Warming),
-    law_on_cable!(cable::zero_offset, ZeroOffset),
-    law_on_cable!(cable::scale, LAW),
-    law_on_cable!(cable::stretch, LAW),
-    law_on_cable!(cable::sag, Sag),
-    law_on_cable!(cable::twist, Twist),
-    law_on_cable!(cable::drum_eccentricity, DrumEccentricity),
-    law_on_cable!(cable::exit_geometry, ExitGeometry),
+    on_device!(cable::zero_offset, ZeroOffset),
+    on_device!(cable::scale, LAW),
+    on_device!(cable::stretch, LAW),
+    on_device!(cable::sag, Sag),
+    on_device!(cable::twist, Twist),
+    on_device!(cable::drum_eccentricity, DrumEccentricity),
+    on_device!(cable::exit_geometry, ExitGeometry),
     on_device!(structure::tool_changed, ToolChanged),
     on_device!(structure::tracker_moved, TrackerMoved),
     Line {
@@ -159,12 +148,12 @@ const REGISTRY: &[Line] = &[
     elsewhere(&base_model::JOINT_OFFSET),
     elsewhere(&base_model::LINK_GEOMETRY),
     on_device!(force::bias, Bias),
-    on_device!(force::warming, Warming),
+    on_device!(force::bias, WARM, Warming),
     on_device!(force::gain, Gain),
     on_device!(force::crosstalk, Crosstalk),
     on_device!(force::hysteresis, Hysteresis),
-    at_joints!(any, force::joint_friction, JointFriction),
-    at_joints!(any, force::sliding_friction, SlidingFriction),
+    at_joints!(any, force::joint_friction, LAW),
+    at_joints!(any, force::joint_friction, SLIDING, SLIDING_LAW),
     at_joints!(any, force::motor_cogging, MotorCogging),
     at_joints!(any, force::torque_gain, TorqueGain),
     elsewhere(&force::UNBALANCED_GRAVITY),

@@ -80,7 +80,7 @@ pub enum Family {
     Tool,
     /// Of one frequency in time.
     Periodic,
-    /// Where a sensor stands.
+    /// Of a sensor's place.
     Place,
     /// Numbers of a sensor or of the device file.
     Stated,
@@ -268,6 +268,19 @@ impl Spec {
         log_prior: 0.0,
         law_error: LawError::NONE,
     };
+
+    /// Amplitudes and shape as parameters: in this order, as many as there are parameters.
+    pub(crate) fn values_at(&self, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        let numbers = amplitudes.iter().copied().chain([shape]);
+        numbers.take(self.parameters.len()).collect()
+    }
+
+    /// The inverse of [`Spec::values_at`]; what no parameter says is 0.
+    pub(crate) fn amplitudes_at(&self, values: &[f64]) -> (Vec<f64>, f64) {
+        let mut numbers = values.iter().copied();
+        let amplitudes = (0..self.amplitudes).map(|_| numbers.next().unwrap_or(0.0));
+        (amplitudes.collect(), numbers.next().unwrap_or(0.0))
+    }
 
     /// The parameter of a name.
     pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {

@@ -67,6 +67,19 @@ impl Unit {
             .map_or("", |(_, _, symbol)| symbol)
     }
 
+    /// The unit that a name ends with; [`Unit::One`] for a name without one.
+    pub const fn by_name(name: &str) -> Self {
+        let mut row = 0;
+        while row < UNITS.len() {
+            let (unit, suffix, _) = UNITS[row];
+            if ends_with(name.as_bytes(), suffix.as_bytes()) {
+                return unit;
+            }
+            row += 1;
+        }
+        Self::One
+    }
+
     /// The unit that a name ends with, and what of the name comes before it.
     ///
     /// ```
@@ -76,17 +89,23 @@ impl Unit {
     /// assert_eq!(Unit::split("counts"), ("counts", Unit::One));
     /// ```
     pub fn split(name: &str) -> (&str, Self) {
-        let before = |suffix: &str| {
-            let rest = name.strip_suffix(suffix)?;
-            if rest.is_empty() {
-                Some(rest)
-            } else {
-                rest.strip_suffix('_')
-            }
-        };
+        let unit = Self::by_name(name);
         let mut units = UNITS.iter();
-        units
-            .find_map(|(unit, suffix, _)| Some((before(suffix)?, *unit)))
-            .unwrap_or((name, Self::One))
+        let suffix = units.find(|(other, ..)| *other == unit);
+        let before = suffix.and_then(|(_, suffix, _)| name.strip_suffix(suffix));
+        let before = before.map(|before| before.strip_suffix('_').unwrap_or(before));
+        (before.unwrap_or(name), unit)
     }
+}
+
+/// Whether a name is a suffix, or has it behind an underscore. A loop, because a constant is made with it.
+const fn ends_with(name: &[u8], suffix: &[u8]) -> bool {
+    let Some(before) = name.len().checked_sub(suffix.len()) else {
+        return false;
+    };
+    let mut byte = 0;
+    while byte < suffix.len() && name[before + byte] == suffix[byte] {
+        byte += 1;
+    }
+    byte == suffix.len() && (before == 0 || name[before - 1] == b'_')
 }

@@ -4,7 +4,7 @@
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
 use haptical::effects::{
-    Context, Effect, Family, Follows, Hook, LawError, Parameter, Signal, Spec, Unit,
+    Context, Effect, Family, Follows, Hook, LawError, Parameter, Signal, Spec,
 };
 use haptical::prelude::*;
 use haptical::simulator::{Effects, HandMotion, MotionSettings, record_motion};
@@ -20,7 +20,7 @@ const SCRATCH: Spec = Spec {
     inspect: "the disk of the encoder",
     hook: Hook::ExternalEncoder,
     family: Family::Shape,
-    parameters: &[Parameter::size("depth_rad", Unit::Radian, 0.0, 0.01)],
+    parameters: &[Parameter::size("depth_rad", 0.0, 0.01)],
     follows: Follows::Angle,
     law_error: LawError::SHAPE,
     ..Spec::COMMON

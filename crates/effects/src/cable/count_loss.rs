@@ -3,25 +3,17 @@
 use std::f64::consts::TAU;
 
 use crate::laws::{Input, Step};
-use crate::{Family, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
+use crate::{Hook, Need, Spec};
 
-/// The cable encoder lost counts at one moment.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "cable-count-loss",
     meaning: "the cable encoder lost counts at one moment",
     inspect: "its plug and supply, and the speed of the cable",
     adds: "steps",
     source: "C12",
     hook: Hook::CableSensor,
-    family: Family::Step,
     needs: &[Need::Time, Need::Motion, Need::Cable],
-    parameters: &[
-        Parameter::size("counts", Unit::One, 0.4, 1e4),
-        Parameter::instant(),
-    ],
-    shape: Shape::Event,
-    law_error: LawError::STEP,
-    ..Spec::COMMON
+    ..Step::SPEC
 };
 
 pub(crate) const LAW: Step = Step { unit };
@@ -35,6 +27,3 @@ fn unit(input: Input<'_, '_>) -> f64 {
     let by_noise = || device.cable_sd_m(0).map(|sd| 3.0 * sd);
     by_counts.or_else(by_noise).unwrap_or(1.0)
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -2,10 +2,9 @@
 //! reading was set where the drum had turned already.
 
 use crate::laws::{Input, Law, from_polar, polar, waves};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
 
-/// The measuring drum turns off its centre.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "cable-drum-eccentricity",
     meaning: "the measuring drum turns off its centre",
     inspect: "the drum's run-out",
@@ -15,7 +14,7 @@ pub const SPEC: Spec = Spec {
     family: Family::Shape,
     needs: &[Need::Cable, Need::DrumRadius],
     parameters: &[
-        Parameter::size("amplitude_m", Unit::Metre, 0.0, 5e-3),
+        Parameter::size("amplitude_m", 0.0, 5e-3),
         Parameter::phase(),
     ],
     amplitudes: 3,
@@ -58,10 +57,7 @@ impl Law for DrumEccentricity {
     }
 
     /// The constant is the turn at the zero: no larger than the amplitude, its own uncertainty allowed for.
-    fn is_possible(&self, amplitudes: &[f64]) -> bool {
+    fn is_possible(&self, _: Input<'_, '_>, amplitudes: &[f64]) -> bool {
         amplitudes[2].abs() <= 2.5 * amplitudes[0].hypot(amplitudes[1])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

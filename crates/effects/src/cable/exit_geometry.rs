@@ -1,22 +1,17 @@
 //! The cable bends over a round guide where it leaves its encoder.
 
+use crate::cable::EXIT;
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
+use crate::{Parameter, Spec};
 
-/// The measuring cable bends round its guide where it leaves.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "cable-exit-geometry",
     meaning: "the measuring cable bends round its guide where it leaves",
     inspect: "the radius of the guide; enter it, or turn the encoder towards the workspace",
     adds: "Exit guide",
     source: "C5, C11",
-    hook: Hook::CableSensor,
-    family: Family::Exit,
-    needs: &[Need::Cable],
-    parameters: &[Parameter::size("radius_m", Unit::Metre, 0.0, 0.05)],
-    follows: Follows::ExitAngle,
-    law_error: LawError::EXIT,
-    ..Spec::COMMON
+    parameters: &[Parameter::size("radius_m", 0.0, 0.05)],
+    ..EXIT
 };
 
 #[derive(Debug)]
@@ -58,6 +53,3 @@ fn along(input: Input<'_, '_>, radius_m: f64) -> Option<Vec<f64>> {
     let error = |row| over_guide(cable.length_m[row], cable.exit_angle_rad(row), radius_m);
     Some((0..input.context.rows()).map(error).collect())
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

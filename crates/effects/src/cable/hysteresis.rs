@@ -2,10 +2,9 @@
 
 use crate::laws::{Input, Law};
 use crate::signal::{dahl, smooth};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
 
-/// The cable encoder reads differently on the way in and out.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "cable-hysteresis",
     meaning: "the cable encoder reads differently on the way in and out",
     inspect: "friction of its spring, drum and guide",
@@ -14,7 +13,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::CableSensor,
     family: Family::Loop,
     needs: &[Need::Motion, Need::Cable],
-    parameters: &[Parameter::size("amplitude_m", Unit::Metre, 0.0, 1e-2)],
+    parameters: &[Parameter::size("amplitude_m", 0.0, 1e-2)],
     shape: Shape::Continuous(&[2e-4, 2e-3, 0.01, 0.05, 0.2]),
     follows: Follows::CableSpeed,
     law_error: LawError::LOOP,
@@ -40,6 +39,3 @@ impl Law for Hysteresis {
         (vec![values[0]], 2e-3)
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

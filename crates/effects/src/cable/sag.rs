@@ -4,30 +4,21 @@
 
 use nalgebra::Vector3;
 
+use crate::cable::EXIT;
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
+use crate::{Need, Parameter, Spec};
 
-/// The measuring cable hangs through.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "cable-sag",
     meaning: "the measuring cable hangs through",
     inspect: "the spring's force; a real cable of this length sags far less than it shows",
     adds: "see above",
     source: "C3",
-    hook: Hook::CableSensor,
-    family: Family::Exit,
     needs: &[Need::Cable, Need::Gravity],
-    parameters: &[Parameter::size(
-        "weight_n_per_m_over_tension",
-        Unit::PerMetre,
-        0.0,
-        0.05,
-    )],
-    follows: Follows::ExitAngle,
+    parameters: &[Parameter::size("weight_n_per_m_over_tension", 0.0, 0.05)],
     is_positive: true,
     log_prior: -4.0,
-    law_error: LawError::EXIT,
-    ..Spec::COMMON
+    ..EXIT
 };
 
 #[derive(Debug)]
@@ -55,6 +46,3 @@ impl Law for Sag {
         (vec![values[0] * values[0]], 0.0)
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,27 +1,17 @@
 //! The reading grows with the square of the angle at which the cable leaves its guide.
 
+use crate::cable::EXIT;
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
+use crate::{Parameter, Spec};
 
-/// The reading changes with the cable's angle to its straight direction.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "cable-twist",
     meaning: "the reading changes with the cable's angle to its straight direction",
     inspect: "the guide and the fastening of the cable",
     adds: "c phi^2",
     source: "C4",
-    hook: Hook::CableSensor,
-    family: Family::Exit,
-    needs: &[Need::Cable],
-    parameters: &[Parameter::size(
-        "twist_m_per_rad2",
-        Unit::MetrePerSquareRadian,
-        0.0,
-        0.02,
-    )],
-    follows: Follows::ExitAngle,
-    law_error: LawError::EXIT,
-    ..Spec::COMMON
+    parameters: &[Parameter::size("twist_m_per_rad2", 0.0, 0.02)],
+    ..EXIT
 };
 
 #[derive(Debug)]
@@ -34,6 +24,3 @@ impl Law for Twist {
         Some(vec![squares.collect()])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,10 +1,9 @@
 //! The cable and its encoder grow with temperature.
 
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec};
 
-/// Lengths grow with the temperature.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "thermal-drift",
     meaning: "lengths grow with the temperature",
     inspect: "warm-up, and the temperature of the room",
@@ -13,12 +12,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::CableSensor,
     family: Family::Drift,
     needs: &[Need::Temperature, Need::Cable],
-    parameters: &[Parameter::size(
-        "m_per_degc",
-        Unit::MetrePerKelvin,
-        0.0,
-        3e-4,
-    )],
+    parameters: &[Parameter::size("m_per_degc", 0.0, 3e-4)],
     amplitudes: 2,
     follows: Follows::Temperature,
     law_error: LawError::DRIFT,
@@ -38,6 +32,3 @@ impl Law for Warming {
         Some(vec![warming.clone(), beyond.collect()])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,22 +1,17 @@
 //! The zero of the cable encoder is set wrong.
 
+use crate::cable::EXIT;
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
+use crate::{Parameter, Spec};
 
-/// The zero of the measuring cable is not where the device file says.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "cable-zero-offset",
     meaning: "the zero of the measuring cable is not where the device file says",
     inspect: "the reference length of the cable encoder",
     adds: "constant",
     source: "C2",
-    hook: Hook::CableSensor,
-    family: Family::Exit,
-    needs: &[Need::Cable],
-    parameters: &[Parameter::size("offset_m", Unit::Metre, 0.0, 0.05)],
-    follows: Follows::ExitAngle,
-    law_error: LawError::EXIT,
-    ..Spec::COMMON
+    parameters: &[Parameter::size("offset_m", 0.0, 0.05)],
+    ..EXIT
 };
 
 #[derive(Debug)]
@@ -27,6 +22,3 @@ impl Law for ZeroOffset {
         Some(vec![vec![1.0; input.context.rows()]])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

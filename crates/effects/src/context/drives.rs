@@ -4,6 +4,7 @@
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use super::Context;
+use super::hooks::on_one;
 use crate::signal::{LocalMotion, Signal, smooth};
 
 /// Time on each side over which rates are averaged \[s\], and the rows of it that they are already.
@@ -26,13 +27,7 @@ impl Context<'_> {
 
     /// An error of one drive's torque.
     pub fn drive(&self, joint: usize, error: Vec<f64>) -> Signal {
-        Signal {
-            parts: self
-                .torque_stream(joint)
-                .map(|stream| (stream, error))
-                .into_iter()
-                .collect(),
-        }
+        on_one(self.torque_stream(joint), error)
     }
 
     /// A force that the sensor reads and the hand does not exert, in the handle's frame: every torque is then taken to

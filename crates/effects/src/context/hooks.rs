@@ -80,13 +80,14 @@ impl Context<'_> {
         signal
     }
 
-    /// An error of a joint's angle, or of the first cable's length, where it enters.
+    /// An error of a joint's angle or torque, or of the first cable's length, where it enters.
     pub(crate) fn entering(&self, hook: Hook, joint: Option<usize>, error: &[f64]) -> Signal {
         match (hook, joint) {
             (Hook::Transmission, Some(joint)) => self.upstream(joint, error),
             (Hook::ExternalEncoder, Some(joint)) => self.encoder(joint, error),
             (Hook::Joint, Some(joint)) => self.downstream(joint, error),
             (Hook::CableSensor, _) => self.cable_error(error.to_vec()),
+            (Hook::Torque, Some(joint)) => self.drive(joint, error.to_vec()),
             _ => Signal::default(),
         }
     }
@@ -207,7 +208,7 @@ impl Context<'_> {
 }
 
 /// A signal on one stream, where the recording has it.
-fn on_one(stream: Option<usize>, values: Vec<f64>) -> Signal {
+pub(super) fn on_one(stream: Option<usize>, values: Vec<f64>) -> Signal {
     Signal {
         parts: stream.map(|stream| (stream, values)).into_iter().collect(),
     }

@@ -55,7 +55,7 @@ pub struct Context<'a> {
     pub position: Vec<Vector3<f64>>,
     /// Orientation of the handle.
     pub rotation: Vec<Matrix3<f64>>,
-    /// What a tracker sees of the handle, where it stands or is fixed anywhere: per row, or none.
+    /// The handle as a tracker with a fitted base or tool sees it: per row, or none.
     tracked: Vec<Tracked>,
     /// Origin of the frame that each joint turns (or slides) in, frame (-1); per joint and row.
     pub(crate) origin: Vec<Vec<Vector3<f64>>>,

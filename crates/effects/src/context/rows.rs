@@ -1,4 +1,4 @@
-//! How the rows of a recording follow each other: runs, and steps of a motion or between postures.
+//! Runs of a recording, and the steps between its rows: of a motion or between postures.
 
 use std::ops::Range;
 

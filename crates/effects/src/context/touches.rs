@@ -1,4 +1,4 @@
-//! How touches of points and planes show a displacement of the handle.
+//! Displacements of the handle as touches of points and planes show them.
 
 use haptical_calibration::Channel;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};

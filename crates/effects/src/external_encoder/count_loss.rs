@@ -4,25 +4,17 @@ use haptical_model::Joint;
 use std::f64::consts::TAU;
 
 use crate::laws::{Input, Step};
-use crate::{Family, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
+use crate::{Hook, Need, Spec};
 
-/// An external encoder lost counts or slipped at one moment.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "external-encoder-count-loss",
     meaning: "an external encoder lost counts or slipped at one moment",
     inspect: "its clamp, plug and supply",
     adds: "steps",
     source: "B3",
     hook: Hook::ExternalEncoder,
-    family: Family::Step,
     needs: &[Need::Time, Need::Motion, Need::Output],
-    parameters: &[
-        Parameter::size("counts", Unit::One, 0.4, 1e4),
-        Parameter::instant(),
-    ],
-    shape: Shape::Event,
-    law_error: LawError::STEP,
-    ..Spec::COMMON
+    ..Step::SPEC
 };
 
 pub(crate) const LAW: Step = Step { unit };
@@ -35,6 +27,3 @@ fn unit(input: Input<'_, '_>) -> f64 {
     let size = joint.and_then(|joint| by_counts(joint).or_else(|| by_noise(joint)));
     size.unwrap_or(1.0)
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,50 +1,64 @@
-//! A constant in what the force sensor reads.
+//! A constant in what the force sensor reads, and what it grows by with temperature.
 
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use crate::context::Context;
-use crate::{Effect, Family, Hook, Need, Parameter, Signal, Spec, Unit};
+use crate::force::SENSOR;
+use crate::laws::{Input, Law};
+use crate::{Follows, Need, Parameter, Signal, Spec};
 
-/// A constant in what the force sensor reads.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "force-bias",
     meaning: "the force sensor reads a force without one",
     inspect: "its zero, and its temperature",
     adds: "J^T b",
     source: "E1",
-    hook: Hook::ForceSensor,
-    family: Family::Stated,
-    needs: &[Need::Time, Need::Torque, Need::Force],
     parameters: &[
-        Parameter::size("x_n", Unit::Newton, 0.0, 5.0),
-        Parameter::size("y_n", Unit::Newton, 0.0, 5.0),
-        Parameter::size("z_n", Unit::Newton, 0.0, 5.0),
+        Parameter::size("x_n", 0.0, 5.0),
+        Parameter::size("y_n", 0.0, 5.0),
+        Parameter::size("z_n", 0.0, 5.0),
     ],
     amplitudes: 3,
-    ..Spec::COMMON
+    follows: Follows::Time,
+    ..SENSOR
+};
+/// The same with temperature.
+pub(crate) const WARM: Spec = Spec {
+    adds: "J^T b, J^T b_T dT",
+    needs: &[Need::Time, Need::Torque, Need::Force, Need::Temperature],
+    parameters: &[
+        Parameter::size("x_n", 0.0, 5.0),
+        Parameter::size("y_n", 0.0, 5.0),
+        Parameter::size("z_n", 0.0, 5.0),
+        Parameter::size("x_n_per_k", 0.0, f64::MAX),
+        Parameter::size("y_n_per_k", 0.0, f64::MAX),
+        Parameter::size("z_n_per_k", 0.0, f64::MAX),
+    ],
+    amplitudes: 6,
+    follows: Follows::Temperature,
+    ..SPEC
 };
 
 #[derive(Debug)]
 pub(crate) struct Bias;
 
-impl Effect for Bias {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
+/// The constant, and the growth.
+#[derive(Debug)]
+pub(crate) struct Warming;
 
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let axis = |axis: usize| context.sensor(|_| Vector3::ith(axis, 1.0));
-        (0..3).map(axis).collect()
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        amplitudes.to_vec()
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (values.to_vec(), 0.0)
+impl Law for Bias {
+    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
+        let axis = |axis: usize| input.context.sensor(|_| Vector3::ith(axis, 1.0));
+        Some((0..3).map(axis).collect())
     }
 }
 
-#[cfg(test)]
-crate::conforms!(SPEC);
+impl Law for Warming {
+    fn signals(&self, input: Input<'_, '_>, shape: f64) -> Option<Vec<Signal>> {
+        let warming_k = input.context.warming_k.as_deref().unwrap_or_default();
+        let kelvin = |row: usize| warming_k.get(row).copied().unwrap_or(0.0);
+        let warm = |axis: usize| input.context.sensor(|row| Vector3::ith(axis, kelvin(row)));
+        let mut signals = Bias.signals(input, shape)?;
+        signals.extend((0..3).map(warm));
+        Some(signals)
+    }
+}

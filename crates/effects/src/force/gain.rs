@@ -2,54 +2,43 @@
 
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, Need, Parameter, Signal, Spec, Unit};
+use crate::force::SENSOR;
+use crate::laws::{Input, Law};
+use crate::{Parameter, Signal, Spec};
 
-/// Scales of the force sensor's axes.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "force-gain",
     meaning: "the force sensor's scale is not the stated one",
     inspect: "its calibration with a weight",
     adds: "J^T diag(F)",
     source: "E2",
-    hook: Hook::ForceSensor,
-    family: Family::Stated,
-    needs: &[Need::Time, Need::Torque, Need::Force],
     parameters: &[
-        Parameter::size("x", Unit::One, 0.0, 0.2),
-        Parameter::size("y", Unit::One, 0.0, 0.2),
-        Parameter::size("z", Unit::One, 0.0, 0.2),
+        Parameter::size("x", 0.0, 0.2),
+        Parameter::size("y", 0.0, 0.2),
+        Parameter::size("z", 0.0, 0.2),
     ],
     amplitudes: 3,
-    follows: Follows::Force,
-    ..Spec::COMMON
+    ..SENSOR
 };
 
 #[derive(Debug)]
 pub(crate) struct Gain;
 
-impl Effect for Gain {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
+impl Law for Gain {
+    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
         let axis = |axis: usize| {
-            let read_n = context.read_force_n(axis);
-            context.sensor(|row| Vector3::ith(axis, read_n[row]))
+            let read_n = input.context.read_force_n(axis);
+            input.context.sensor(|row| Vector3::ith(axis, read_n[row]))
         };
-        (0..3).map(axis).collect()
+        Some((0..3).map(axis).collect())
     }
 
     // the law's force is what the sensor read, that is 1 + gain times what acted
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
         amplitudes.iter().map(|a| a / (1.0 - a).max(0.01)).collect()
     }
 
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (values.iter().map(|gain| gain / (1.0 + gain)).collect(), 0.0)
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,8 +1,8 @@
-//! A force of the hand beside the force sensor.
+//! A force of the hand that the force sensor does not see.
 
-use crate::{Family, Follows, Hook, Need, Parameter, Spec, Unit};
+use crate::{Family, Follows, Hook, Need, Parameter, Spec};
 
-/// A force of the hand beside the force sensor.
+/// A force of the hand that the force sensor does not see.
 pub const SPEC: Spec = Spec {
     name: "grip-force",
     meaning: "the hand loads the handle beside what the force sensor sees",
@@ -12,7 +12,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Torque,
     family: Family::Load,
     needs: &[Need::Time, Need::Torque, Need::Force],
-    parameters: &[Parameter::size("rms_n", Unit::Newton, 0.0, 30.0)],
+    parameters: &[Parameter::size("rms_n", 0.0, 30.0)],
     follows: Follows::Time,
     ..Spec::COMMON
 };

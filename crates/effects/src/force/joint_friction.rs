@@ -1,12 +1,18 @@
-//! Friction that a drive overcomes: Coulomb's, which changes sides over a travel, viscous, and Stribeck's at low rates.
+//! Friction that a drive overcomes: Coulomb's, which changes sides over a travel or over a rate, viscous, and Stribeck's
+//! at low rates.
 
-use crate::context::Context;
-use crate::laws::{rubbing, takes_energy};
-use crate::signal::dahl;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use std::ops::Range;
 
-/// Friction that a drive overcomes: Coulomb's, which changes sides over a travel, viscous, and Stribeck's at low rates.
-pub const SPEC: Spec = Spec {
+use crate::laws::{Input, Law};
+use crate::signal::{LocalMotion, dahl};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
+
+const COULOMB: Parameter = Parameter::size("coulomb_nm", 0.0, 0.3).times_ratio();
+const VISCOUS: Parameter = Parameter::size("viscous_nm_s_per_rad", 0.0, f64::MAX);
+const STRIBECK: Parameter = Parameter::size("stribeck_nm", 0.0, f64::MAX);
+
+/// Coulomb's friction changes sides over a travel.
+pub(crate) const SPEC: Spec = Spec {
     name: "joint-friction",
     meaning: "a joint's friction is missing in the torque",
     inspect: "bearings and cable of the joint",
@@ -16,15 +22,10 @@ pub const SPEC: Spec = Spec {
     family: Family::Loop,
     needs: &[Need::Time, Need::Torque],
     parameters: &[
-        Parameter::size("coulomb_nm", Unit::NewtonMetre, 0.0, 0.3).times_ratio(),
-        Parameter::size(
-            "viscous_nm_s_per_rad",
-            Unit::NewtonMetreSecondPerRadian,
-            0.0,
-            f64::MAX,
-        ),
-        Parameter::size("stribeck_nm", Unit::NewtonMetre, 0.0, f64::MAX),
-        Parameter::transition("transition_rad", Unit::Radian, f64::MAX),
+        COULOMB,
+        VISCOUS,
+        STRIBECK,
+        Parameter::transition("transition_rad", f64::MAX),
     ],
     amplitudes: 3,
     shape: Shape::Continuous(&[1e-3, 1e-2, 0.1]),
@@ -32,46 +33,54 @@ pub const SPEC: Spec = Spec {
     law_error: LawError::SHAPE,
     ..Spec::COMMON
 };
+/// It changes sides over a rate.
+pub(crate) const SLIDING: Spec = Spec {
+    adds: "h, omega, h exp(-(omega / 0.1)^2), h = tanh(omega / v)",
+    parameters: &[
+        COULOMB,
+        VISCOUS,
+        STRIBECK,
+        Parameter::transition("transition_rad_per_s", f64::MAX),
+    ],
+    shape: Shape::Continuous(&[0.02]),
+    ..SPEC
+};
 
+/// Rate within which friction is that of rest rather than of motion \[rad/s\].
+const STRIBECK_RAD_PER_S: f64 = 0.1;
+/// Share of the power that Coulomb's friction may seem to give back where it is hard to tell from viscous friction.
+const GIVEN_BACK: f64 = 0.25;
+
+/// Side on which Coulomb's friction is at each row, -1 to 1, for a transition.
 #[derive(Debug)]
-pub(crate) struct JointFriction {
-    pub(crate) joint: usize,
-}
+pub(crate) struct Friction(fn(&LocalMotion, f64, &[Range<usize>]) -> Vec<f64>);
 
-impl Effect for JointFriction {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
+pub(crate) const LAW: Friction =
+    Friction(|motion, transition, runs| dahl(&motion.value, transition, runs));
+pub(crate) const SLIDING_LAW: Friction = Friction(|motion, transition, _| {
+    let rates = motion.velocity.iter();
+    rates.map(|rate| (rate / transition).tanh()).collect()
+});
+
+impl Law for Friction {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
+        let motion = input.drive_motion()?;
+        let side = (self.0)(&motion, shape, &input.context.runs);
+        let rate = motion.velocity;
+        let slow = |(side, rate): (&f64, &f64)| side * (-(rate / STRIBECK_RAD_PER_S).powi(2)).exp();
+        let slow = side.iter().zip(&rate).map(slow).collect();
+        Some(vec![side, rate, slow])
     }
 
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        let Some(motion) = context.drive_motion(self.joint) else {
-            return Vec::new();
+    /// Whether it takes energy over the motion.
+    fn is_possible(&self, input: Input<'_, '_>, amplitudes: &[f64]) -> bool {
+        let Some(LocalMotion { velocity: rate, .. }) = input.drive_motion() else {
+            return false;
         };
-        let side = dahl(&motion.value, shape, &context.runs);
-        let columns = rubbing(side, motion.velocity);
-        columns
-            .map(|column| context.drive(self.joint, column))
-            .to_vec()
-    }
-
-    fn is_possible(&self, context: &Context<'_>, amplitudes: &[f64]) -> bool {
-        context
-            .drive_motion(self.joint)
-            .is_some_and(|motion| takes_energy(&motion.velocity, amplitudes))
-    }
-
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        [amplitudes, &[shape]].concat()
-    }
-
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (values[..3].to_vec(), values[3])
+        let count = rate.len().max(1) as f64;
+        let mean = rate.iter().map(|rate| rate.abs()).sum::<f64>() / count;
+        let square = rate.iter().map(|rate| rate * rate).sum::<f64>() / count;
+        let power = amplitudes[0] * mean + amplitudes[1] * square;
+        power > 0.0 && amplitudes[0] * mean > -GIVEN_BACK * power
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,7 +1,7 @@
 //! The scale of a drive's torque.
 
-use crate::context::Context;
-use crate::{Absorbed, Effect, Family, Follows, Hook, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Absorbed, Family, Follows, Hook, Need, Parameter, Spec};
 
 /// The scale of a drive's torque.
 pub const SPEC: Spec = Spec {
@@ -13,32 +13,17 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Torque,
     family: Family::Stated,
     needs: &[Need::Time, Need::Torque],
-    parameters: &[Parameter::size("gain", Unit::One, 0.0, 1.0)],
+    parameters: &[Parameter::size("gain", 0.0, 1.0)],
     follows: Follows::Torque,
     absorbed_by: Absorbed::ByTorqueScale,
     ..Spec::COMMON
 };
 
 #[derive(Debug)]
-pub(crate) struct TorqueGain {
-    pub(crate) joint: usize,
-}
+pub(crate) struct TorqueGain;
 
-impl Effect for TorqueGain {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let torque_nm = context.torque_nm[self.joint].clone();
-        let torque_nm = torque_nm.unwrap_or_else(|| vec![0.0; context.rows()]);
-        vec![context.drive(self.joint, torque_nm)]
+impl Law for TorqueGain {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        Some(vec![input.torque_nm()?.to_vec()])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,6 +1,6 @@
 //! A mass or its centre that is not where the device file assumes it.
 
-use crate::{Family, Follows, Hook, Need, Parameter, Spec, Unit};
+use crate::{Family, Follows, Hook, Need, Parameter, Spec};
 
 /// A mass or its centre that is not where the device file assumes it.
 pub const SPEC: Spec = Spec {
@@ -13,9 +13,9 @@ pub const SPEC: Spec = Spec {
     family: Family::Load,
     needs: &[Need::Time, Need::Torque, Need::Gravity],
     parameters: &[
-        Parameter::size("moment_nm", Unit::NewtonMetre, 0.0, f64::MAX),
-        Parameter::size("deviations", Unit::One, 0.0, f64::MAX),
-        Parameter::size("mass_kg", Unit::Kilogram, 0.0, f64::MAX),
+        Parameter::size("moment_nm", 0.0, f64::MAX),
+        Parameter::size("deviations", 0.0, f64::MAX),
+        Parameter::size("mass_kg", 0.0, f64::MAX),
     ],
     follows: Follows::Angle,
     ..Spec::COMMON

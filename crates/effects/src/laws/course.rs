@@ -2,9 +2,7 @@
 
 use crate::context::Context;
 use crate::laws::{Input, Law};
-
-/// Shapes of a drift: steady, then time constants of one that settles, as shares of the recording.
-pub(crate) const COURSES: [f64; 4] = [0.0, 1.0, 0.3, 0.1];
+use crate::{Family, LawError, Parameter, Shape, Spec};
 
 /// Time since the start of the run \[s\]; of a drift that settles, scaled to the slope of a steady one with the
 /// same end.
@@ -26,6 +24,17 @@ fn course(context: &Context<'_>, shape: f64) -> Vec<f64> {
 /// A drift in time; its shape is the course.
 #[derive(Debug)]
 pub(crate) struct Drift;
+
+impl Drift {
+    /// What the effects of this law have in common.
+    pub(crate) const SPEC: Spec = Spec {
+        family: Family::Drift,
+        parameters: &[Parameter::size("rad_per_s", 0.0, 5e-4)],
+        shape: Shape::Listed(&[0.0, 1.0, 0.3, 0.1]),
+        law_error: LawError::DRIFT,
+        ..Spec::COMMON
+    };
+}
 
 impl Law for Drift {
     fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {

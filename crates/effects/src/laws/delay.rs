@@ -3,6 +3,7 @@
 
 use crate::laws::{Input, Law};
 use crate::signal::LocalMotion;
+use crate::{Family, Follows, LawError, Parameter, Spec};
 
 /// -delay v + delay^2 a / 2.
 pub(crate) fn moved(motion: &LocalMotion, delay_s: f64) -> Vec<f64> {
@@ -21,6 +22,17 @@ pub(crate) fn slope(motion: &LocalMotion, delay_s: f64) -> Vec<f64> {
 /// A reading that is taken late.
 #[derive(Debug)]
 pub(crate) struct Delay;
+
+impl Delay {
+    /// What the effects of this law have in common.
+    pub(crate) const SPEC: Spec = Spec {
+        family: Family::Lag,
+        parameters: &[Parameter::size("delay_s", 0.0, 0.05)],
+        follows: Follows::Speed,
+        law_error: LawError::LAG,
+        ..Spec::COMMON
+    };
+}
 
 impl Law for Delay {
     fn columns(&self, input: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {

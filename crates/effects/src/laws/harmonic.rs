@@ -3,6 +3,7 @@
 use haptical_model::Joint;
 
 use crate::laws::{Input, Law};
+use crate::{Family, Follows, LawError, Parameter, Shape, Spec};
 
 /// A harmonic of a joint's angle: its shape is 1, or the order that is searched.
 #[derive(Debug)]
@@ -14,6 +15,19 @@ pub(crate) struct Harmonic {
 }
 
 impl Harmonic {
+    /// What the effects of this law have in common.
+    pub(crate) const SPEC: Spec = Spec {
+        family: Family::Shape,
+        parameters: &[
+            Parameter::size("amplitude_rad", 0.0, 0.1),
+            Parameter::phase(),
+        ],
+        amplitudes: 2,
+        shape: Shape::Listed(&[1.0]),
+        follows: Follows::Angle,
+        law_error: LawError::SHAPE,
+        ..Spec::COMMON
+    };
     /// A fixed number of periods in a turn of the joint.
     pub(crate) const ONCE: Self = Self::with(|_, _| 1.0);
     pub(crate) const TWICE: Self = Self::with(|_, _| 2.0);

@@ -1,4 +1,5 @@
-//! A law: the error of one number, a joint's angle or the first cable's length, that enters at the hook of its effect.
+//! A law: the error of one number, a joint's angle or torque or the first cable's length, that enters at the hook of its
+//! effect; or what several numbers show of it.
 
 use std::fmt::Debug;
 
@@ -10,8 +11,9 @@ use crate::{Effect, Signal, Spec};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Input<'c, 'a> {
     pub(crate) context: &'c Context<'a>,
-    /// Joint whose angle is wrong, from 0; none where it is the cable's length.
-    joint: Option<usize>,
+    /// Joint whose number is wrong, from 0; none where it is the cable's length, or several numbers.
+    pub(crate) joint: Option<usize>,
+    spec: &'static Spec,
 }
 
 impl<'c> Input<'c, '_> {
@@ -36,6 +38,11 @@ impl<'c> Input<'c, '_> {
         motion.filter(|motion| !motion.velocity.is_empty())
     }
 
+    /// The joint's reading with rates as torques are compared with.
+    pub(crate) fn drive_motion(&self) -> Option<LocalMotion> {
+        self.context.drive_motion(self.joint?)
+    }
+
     /// Smoothed torque of the joint \[N m\].
     pub(crate) fn torque_nm(&self) -> Option<&'c [f64]> {
         self.context.torque_nm.get(self.joint?)?.as_deref()
@@ -58,18 +65,20 @@ impl<'c> Input<'c, '_> {
     }
 }
 
-/// The error of one number.
+/// The error of one number, or of several.
 pub(crate) trait Law: Debug + Send + Sync {
     /// Derivative of the error with respect to each amplitude; none where an input is missing.
-    fn columns(
-        &self,
-        input: Input<'_, '_>,
-        amplitudes: &[f64],
-        shape: f64,
-    ) -> Option<Vec<Vec<f64>>>;
+    fn columns(&self, _: Input<'_, '_>, _amplitudes: &[f64], _shape: f64) -> Option<Vec<Vec<f64>>> {
+        None
+    }
+
+    /// Derivative of the measured streams, where they do not show the error of one number.
+    fn signals(&self, _: Input<'_, '_>, _shape: f64) -> Option<Vec<Signal>> {
+        None
+    }
 
     /// The error itself, where it is not linear.
-    fn error(&self, _: Input<'_, '_>, _: &[f64]) -> Option<Vec<f64>> {
+    fn error(&self, _: Input<'_, '_>, _amplitudes: &[f64]) -> Option<Vec<f64>> {
         None
     }
 
@@ -78,18 +87,18 @@ pub(crate) trait Law: Debug + Send + Sync {
         None
     }
 
-    /// The reported parameters.
-    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
+    /// The reported parameters, as [`Effect::values`].
+    fn values(&self, input: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        input.spec.values_at(amplitudes, shape)
     }
 
     /// Amplitudes (those left out are 0) and shape that have these values.
-    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], 0.0)
+    fn amplitudes(&self, input: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
+        input.spec.amplitudes_at(values)
     }
 
     /// Whether nature allows these amplitudes.
-    fn is_possible(&self, _: &[f64]) -> bool {
+    fn is_possible(&self, _: Input<'_, '_>, _amplitudes: &[f64]) -> bool {
         true
     }
 }
@@ -98,7 +107,7 @@ pub(crate) trait Law: Debug + Send + Sync {
 #[derive(Debug)]
 pub(crate) struct Placed<L> {
     pub(crate) spec: &'static Spec,
-    /// None of the first cable.
+    /// None of the first cable and of the whole device.
     pub(crate) joint: Option<usize>,
     pub(crate) law: L,
 }
@@ -108,6 +117,7 @@ impl<L> Placed<L> {
         Input {
             context,
             joint: self.joint,
+            spec: self.spec,
         }
     }
 
@@ -131,9 +141,12 @@ impl<L: Law> Effect for Placed<L> {
     }
 
     fn derivative(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<Signal> {
-        let columns = self.law.columns(self.input(context), amplitudes, shape);
-        let columns = columns.unwrap_or_default().into_iter();
-        columns.map(|column| self.enter(context, &column)).collect()
+        let input = self.input(context);
+        let signals = self.law.signals(input, shape).or_else(|| {
+            let columns = self.law.columns(input, amplitudes, shape)?.into_iter();
+            Some(columns.map(|column| self.enter(context, &column)).collect())
+        });
+        signals.unwrap_or_default()
     }
 
     fn signal(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Signal {
@@ -156,7 +169,8 @@ impl<L: Law> Effect for Placed<L> {
         (amplitudes, shape)
     }
 
-    fn is_possible(&self, _: &Context<'_>, amplitudes: &[f64]) -> bool {
-        (!self.spec.is_positive || amplitudes[0] > 0.0) && self.law.is_possible(amplitudes)
+    fn is_possible(&self, context: &Context<'_>, amplitudes: &[f64]) -> bool {
+        (!self.spec.is_positive || amplitudes[0] > 0.0)
+            && self.law.is_possible(self.input(context), amplitudes)
     }
 }

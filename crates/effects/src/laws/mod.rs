@@ -2,7 +2,6 @@
 
 mod course;
 mod delay;
-mod friction;
 mod harmonic;
 mod law;
 mod proportional;
@@ -10,9 +9,8 @@ mod reversal;
 mod spring;
 mod step;
 
-pub(crate) use course::{COURSES, Drift};
+pub(crate) use course::Drift;
 pub(crate) use delay::{Delay, moved, slope};
-pub(crate) use friction::{rubbing, takes_energy};
 pub(crate) use harmonic::{Harmonic, from_polar, polar, waves};
 pub(crate) use law::{Input, Law, Placed};
 pub(crate) use proportional::Proportional;

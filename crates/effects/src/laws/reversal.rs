@@ -2,10 +2,27 @@
 
 use crate::laws::{Input, Law};
 use crate::signal::dahl;
+use crate::{Family, Follows, LawError, Parameter, Shape, Spec};
 
 /// Dahl's loop of a joint's angle.
 #[derive(Debug)]
 pub(crate) struct Reversal;
+
+impl Reversal {
+    /// What the effects of this law have in common.
+    pub(crate) const SPEC: Spec = Spec {
+        family: Family::Loop,
+        parameters: &[
+            Parameter::size("amplitude_rad", 0.0, 0.1),
+            Parameter::transition("transition_rad", 5.0),
+        ],
+        shape: Shape::Continuous(&[3e-4, 3e-3, 0.01, 0.03, 0.1, 0.3, 1.0]),
+        follows: Follows::Angle,
+        log_prior: -0.5,
+        law_error: LawError::LOOP,
+        ..Spec::COMMON
+    };
+}
 
 impl Law for Reversal {
     fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
@@ -14,9 +31,5 @@ impl Law for Reversal {
 
     fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
         vec![amplitudes[0].abs(), shape]
-    }
-
-    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], values[1])
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::context::Context;
 use crate::laws::{Input, Law};
+use crate::{Family, LawError, Parameter, Shape, Spec};
 
 /// 1 from a row to the end of its run.
 pub(crate) fn step(context: &Context<'_>, shape: f64) -> Vec<f64> {
@@ -33,6 +34,17 @@ pub(crate) fn row_at(context: &Context<'_>, instant_s: f64) -> f64 {
 pub(crate) struct Step {
     /// Size of one unit.
     pub(crate) unit: fn(Input<'_, '_>) -> f64,
+}
+
+impl Step {
+    /// What the effects of this law have in common.
+    pub(crate) const SPEC: Spec = Spec {
+        family: Family::Step,
+        parameters: &[Parameter::size("counts", 0.4, 1e4), Parameter::instant()],
+        shape: Shape::Event,
+        law_error: LawError::STEP,
+        ..Spec::COMMON
+    };
 }
 
 impl Law for Step {

@@ -4,25 +4,17 @@
 use haptical_model::Joint;
 
 use crate::laws::{Input, Step};
-use crate::{Family, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
+use crate::{Hook, Need, Spec};
 
-/// A motor encoder lost counts at one moment.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "encoder-count-loss",
     meaning: "a motor encoder lost counts at one moment",
     inspect: "plug, shield and supply of that encoder, and its counter's input filter",
     adds: "steps",
     source: "A9",
     hook: Hook::Transmission,
-    family: Family::Step,
     needs: &[Need::Time, Need::Motion, Need::Counts],
-    parameters: &[
-        Parameter::size("counts", Unit::One, 0.4, 1e4),
-        Parameter::instant(),
-    ],
-    shape: Shape::Event,
-    law_error: LawError::STEP,
-    ..Spec::COMMON
+    ..Step::SPEC
 };
 
 pub(crate) const LAW: Step = Step { unit };
@@ -32,6 +24,3 @@ fn unit(input: Input<'_, '_>) -> f64 {
     let quantum = input.joint().and_then(Joint::reading_quantum_rad);
     -quantum.unwrap_or(1.0)
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

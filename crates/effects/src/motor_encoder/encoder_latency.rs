@@ -1,22 +1,17 @@
 //! All motor encoders are sampled late: everything else is ahead of them.
 
 use crate::context::Context;
-use crate::laws::{moved, slope};
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Delay, moved, slope};
+use crate::{Effect, Hook, Need, Signal, Spec};
 
-/// All motor encoders are sampled later or earlier than the rest.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "encoder-latency",
     meaning: "all motor encoders are sampled later or earlier than the rest",
     inspect: "the time stamps of the motor encoders",
     adds: "theta(t + d) - theta(t), all joints",
     hook: Hook::Timing,
-    family: Family::Lag,
     needs: &[Need::Time, Need::Motion],
-    parameters: &[Parameter::size("delay_s", Unit::Second, 0.0, 0.05)],
-    follows: Follows::Speed,
-    law_error: LawError::LAG,
-    ..Spec::COMMON
+    ..Delay::SPEC
 };
 
 #[derive(Debug)]
@@ -44,6 +39,3 @@ impl Effect for EncoderLatency {
         context.upstream_of_all(&errors.collect::<Vec<_>>())
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,6 +1,6 @@
 //! Noise of another size than stated.
 
-use crate::{Family, Hook, Parameter, Spec, Unit};
+use crate::{Family, Hook, Parameter, Spec};
 
 /// Noise of another size than stated.
 pub const SPEC: Spec = Spec {
@@ -11,6 +11,6 @@ pub const SPEC: Spec = Spec {
     source: "B6",
     hook: Hook::Readings,
     family: Family::Stated,
-    parameters: &[Parameter::size("ratio", Unit::One, 0.0, f64::MAX)],
+    parameters: &[Parameter::size("ratio", 0.0, f64::MAX)],
     ..Spec::COMMON
 };

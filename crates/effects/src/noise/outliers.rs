@@ -1,6 +1,6 @@
 //! Single readings far from the rest.
 
-use crate::{Family, Hook, Parameter, Spec, Unit};
+use crate::{Family, Hook, Parameter, Spec};
 
 /// Single readings far from the rest.
 pub const SPEC: Spec = Spec {
@@ -11,6 +11,6 @@ pub const SPEC: Spec = Spec {
     source: "F",
     hook: Hook::Readings,
     family: Family::Stated,
-    parameters: &[Parameter::size("share", Unit::One, 0.0, 1.0)],
+    parameters: &[Parameter::size("share", 0.0, 1.0)],
     ..Spec::COMMON
 };

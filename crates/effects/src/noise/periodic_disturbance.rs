@@ -5,15 +5,15 @@ use haptical_calibration::Channel;
 use haptical_model::{Device, JointType};
 
 use crate::context::Context;
-use crate::{Effect, Family, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::{Effect, Family, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
 
 const RADIANS: &[Parameter] = &[
-    Parameter::size("amplitude_rad", Unit::Radian, 0.0, 0.1),
-    Parameter::frequency(1e5),
+    Parameter::size("amplitude_rad", 0.0, 0.1),
+    Parameter::number("frequency_hz", 1e5),
 ];
 const METRES: &[Parameter] = &[
-    Parameter::size("amplitude_m", Unit::Metre, 0.0, 0.1),
-    Parameter::frequency(1e5),
+    Parameter::size("amplitude_m", 0.0, 0.1),
+    Parameter::number("frequency_hz", 1e5),
 ];
 
 /// A channel's readings oscillate at one frequency.
@@ -133,6 +133,3 @@ impl Effect for PeriodicDisturbance {
         (amplitudes, values[1])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(ENCODER, SLIDE, CABLE, POSITION, ORIENTATION);

@@ -4,11 +4,10 @@ use std::f64::consts::PI;
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
 
-/// The axis of a joint tilts as it turns.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "axis-wobble",
     meaning: "the axis of a joint tilts as it turns",
     inspect: "the bearings of that joint",
@@ -18,7 +17,7 @@ pub const SPEC: Spec = Spec {
     family: Family::Wobble,
     needs: &[Need::Chain],
     parameters: &[
-        Parameter::size("amplitude_rad", Unit::Radian, 0.0, 2e-2),
+        Parameter::size("amplitude_rad", 0.0, 2e-2),
         Parameter::phase(),
         Parameter::number("order", 100.0),
     ],
@@ -31,66 +30,53 @@ pub const SPEC: Spec = Spec {
 };
 
 #[derive(Debug)]
-pub(crate) struct AxisWobble {
-    pub(crate) joint: usize,
+pub(crate) struct AxisWobble;
+
+/// Two unit vectors across a joint's axis that the link before it carries along.
+fn across(input: Input<'_, '_>, joint: usize, row: usize) -> Option<[Vector3<f64>; 2]> {
+    let (axis, _) = input.context.lever(joint, row)?;
+    let before = match joint.checked_sub(1) {
+        Some(joint) => {
+            let twist = input.context.twist.get(joint)?.get(row)?;
+            let slides = twist.angular.norm_squared() < 0.5;
+            if slides { twist.linear } else { twist.angular }
+        }
+        // the first axis stands still: any fixed direction that is not along it
+        None if axis.x.abs() < 0.9 => Vector3::x(),
+        None => Vector3::y(),
+    };
+    let first = axis.cross(&before).try_normalize(0.05)?;
+    Some([first, axis.cross(&first)])
 }
 
-impl AxisWobble {
-    /// Two unit vectors across the joint's axis that the link before it carries along.
-    fn across(&self, context: &Context<'_>, row: usize) -> Option<[Vector3<f64>; 2]> {
-        let (axis, _) = context.lever(self.joint, row)?;
-        let before = match self.joint.checked_sub(1) {
-            Some(joint) => context.twist.get(joint).and_then(|twist| {
-                let twist = twist.get(row)?;
-                let slides = twist.angular.norm_squared() < 0.5;
-                Some(if slides { twist.linear } else { twist.angular })
-            }),
-            // the first axis stands still: any fixed direction that is not along it
-            None if axis.x.abs() < 0.9 => Some(Vector3::x()),
-            None => Some(Vector3::y()),
-        }?;
-        let first = axis.cross(&before).try_normalize(0.05)?;
-        Some([first, axis.cross(&first)])
-    }
-}
-
-impl Effect for AxisWobble {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn joint(&self) -> Option<usize> {
-        Some(self.joint)
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
+impl Law for AxisWobble {
+    fn signals(&self, input: Input<'_, '_>, shape: f64) -> Option<Vec<Signal>> {
+        let (context, joint) = (input.context, input.joint?);
         // per row: the arm, the two directions, sine and cosine
-        let rows: Vec<_> = context.output[self.joint]
-            .iter()
-            .enumerate()
+        let angles = context.output[joint].iter().enumerate();
+        let rows: Vec<_> = angles
             .map(|(row, angle)| {
-                let across = self.across(context, row)?;
-                let (_, arm) = context.lever(self.joint, row)?;
+                let across = across(input, joint, row)?;
+                let (_, arm) = context.lever(joint, row)?;
                 let (sin, cos) = (shape * angle).sin_cos();
                 Some((arm, across, sin, cos))
             })
             .collect();
-        (0..4)
-            .map(|column| {
-                context.handle(|row| {
-                    let Some((arm, across, sin, cos)) = &rows[row] else {
-                        return (Vector3::zeros(), Vector3::zeros());
-                    };
-                    let turn = across[column / 2] * if column % 2 == 0 { *cos } else { *sin };
-                    (turn.cross(arm), turn)
-                })
+        let column = |column: usize| {
+            context.handle(|row| {
+                let Some((arm, across, sin, cos)) = &rows[row] else {
+                    return (Vector3::zeros(), Vector3::zeros());
+                };
+                let turn = across[column / 2] * if column.is_multiple_of(2) { *cos } else { *sin };
+                (turn.cross(arm), turn)
             })
-            .collect()
+        };
+        Some((0..4).map(column).collect())
     }
 
     /// The largest tilt and where in the turn it is: the long axis of the ellipse that a cos + b sin
     /// describes.
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
         let a = Vector2::new(amplitudes[0], amplitudes[2]);
         let b = Vector2::new(amplitudes[1], amplitudes[3]);
         let phase = 0.5 * (2.0 * a.dot(&b)).atan2(a.norm_squared() - b.norm_squared());
@@ -100,11 +86,8 @@ impl Effect for AxisWobble {
         vec![tilt.norm(), phase.sin().atan2(phase.cos()), shape]
     }
 
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         let (sin, cos) = values[1].sin_cos();
-        (vec![values[0] * cos, values[0] * sin, 0.0, 0.0], values[2])
+        (vec![values[0] * cos, values[0] * sin], values[2])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

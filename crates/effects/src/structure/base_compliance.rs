@@ -1,10 +1,9 @@
 //! The mount of the robot turns against the cable encoder by C M, M the moment of hand and weights about the base.
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec};
 
-/// The base tilts with the load.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "base-compliance",
     meaning: "the base tilts with the load",
     inspect: "screws and table under the device",
@@ -13,12 +12,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Structure,
     family: Family::Load,
     needs: &[Need::Chain, Need::BaseMoment],
-    parameters: &[Parameter::size(
-        "rad_per_nm",
-        Unit::RadianPerNewtonMetre,
-        0.0,
-        1e-2,
-    )],
+    parameters: &[Parameter::size("rad_per_nm", 0.0, 1e-2)],
     follows: Follows::Force,
     is_positive: true,
     law_error: LawError::LOAD,
@@ -28,18 +22,11 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct BaseCompliance;
 
-impl Effect for BaseCompliance {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let Some(moment) = &context.base_moment_nm else {
-            return vec![];
-        };
-        vec![context.handle(|row| (moment[row].cross(&context.way_from_base(row)), moment[row]))]
+impl Law for BaseCompliance {
+    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
+        let context = input.context;
+        let moment = context.base_moment_nm.as_ref()?;
+        let turned = |row: usize| (moment[row].cross(&context.way_from_base(row)), moment[row]);
+        Some(vec![context.handle(turned)])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,7 +1,7 @@
 //! A joint or link yields behind the external encoder by torque over stiffness.
 
 use crate::laws::Spring;
-use crate::{Absorbed, Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
+use crate::{Absorbed, Hook, Need, Spec};
 
 /// A joint or link bends with its torque, behind the external encoder.
 pub const SPEC: Spec = Spec {
@@ -11,23 +11,9 @@ pub const SPEC: Spec = Spec {
     adds: "-tau / k",
     source: "D1, D2",
     hook: Hook::Joint,
-    family: Family::Load,
     needs: &[Need::Torque, Need::Chain],
-    parameters: &[Parameter::inverse(
-        "stiffness_nm_per_rad",
-        Unit::NewtonMetrePerRadian,
-        20.0,
-        1e7,
-    )],
-    follows: Follows::Torque,
-    is_positive: true,
-    scales_with_torque: true,
     absorbed_by: Absorbed::ByCompliance,
-    law_error: LawError::LOAD,
-    ..Spec::COMMON
+    ..Spring::SPEC
 };
 
 pub(crate) const LAW: Spring = Spring;
-
-#[cfg(test)]
-crate::conforms!(SPEC);

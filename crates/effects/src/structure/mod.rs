@@ -1,5 +1,7 @@
 //! Effects of joints behind their external encoders, of links, base and handle: the chain alone sees them.
 
+use crate::laws::Input;
+
 pub(crate) mod axis_wobble;
 pub(crate) mod base_compliance;
 pub(crate) mod joint_compliance;
@@ -8,9 +10,24 @@ pub(crate) mod tool_compliance;
 pub(crate) mod tracker_moved;
 pub(crate) mod warming;
 
-pub use axis_wobble::SPEC as AXIS_WOBBLE;
-pub use base_compliance::SPEC as BASE_COMPLIANCE;
 pub use joint_compliance::SPEC as JOINT_COMPLIANCE;
 pub use tool_changed::SPEC as TOOL_CHANGED;
-pub use tool_compliance::SPEC as TOOL_COMPLIANCE;
-pub use warming::SPEC as WARMING;
+
+/// Runs after which a displacement is looked for at most.
+const RUNS: usize = 8;
+
+/// The first run after a displacement: every one but the first.
+fn later_runs(input: Input<'_, '_>) -> Vec<f64> {
+    let later = 1..input.context.runs.len().min(RUNS + 1);
+    later.map(|run| run as f64).collect()
+}
+
+/// First row of a run.
+fn first_row(input: Input<'_, '_>, run: f64) -> usize {
+    let run = input.context.runs.get(run as usize);
+    run.map_or(usize::MAX, |run| run.start)
+}
+
+fn norm(parts: &[f64]) -> f64 {
+    parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+}

@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::structure::{first_row, later_runs, norm};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
 
 /// The last link or the handle is not the same in all runs, or not the earlier model's.
 pub const SPEC: Spec = Spec {
@@ -14,7 +15,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Structure,
     family: Family::Tool,
     needs: &[Need::Chain, Need::Runs],
-    parameters: &[Parameter::size("shift_m", Unit::Metre, 0.0, 1.0)],
+    parameters: &[Parameter::size("shift_m", 0.0, 1.0)],
     amplitudes: 3,
     shape: Shape::Given,
     follows: Follows::Run,
@@ -25,44 +26,32 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct ToolChanged;
 
-impl Effect for ToolChanged {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
+impl Law for ToolChanged {
+    fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
+        Some(later_runs(input))
     }
 
-    fn shapes(&self, context: &Context<'_>) -> Vec<f64> {
-        (1..context.runs.len().min(9))
-            .map(|run| run as f64)
-            .collect()
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        let first = context
-            .runs
-            .get(shape as usize)
-            .map_or(usize::MAX, |run| run.start);
-        (0..3)
-            .map(|axis| {
-                context.handle(|row| {
-                    let moved = if row < first {
-                        Vector3::zeros()
-                    } else {
-                        context.rotation[row].column(axis).into_owned()
-                    };
-                    (moved, Vector3::zeros())
-                })
+    fn signals(&self, input: Input<'_, '_>, shape: f64) -> Option<Vec<Signal>> {
+        let (context, first) = (input.context, first_row(input, shape));
+        let still = (Vector3::zeros(), Vector3::zeros());
+        let along = |axis: usize| {
+            let moved = |row: usize| context.rotation[row].column(axis).into_owned();
+            context.handle(|row| {
+                if row < first {
+                    still
+                } else {
+                    (moved(row), Vector3::zeros())
+                }
             })
-            .collect()
+        };
+        Some((0..3).map(along).collect())
     }
 
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes.iter().map(|a| a * a).sum::<f64>().sqrt()]
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+        vec![norm(amplitudes)]
     }
 
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0], 0.0, 0.0], 1.0)
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
+        (vec![values[0]], 1.0)
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -2,11 +2,10 @@
 
 use nalgebra::Vector3;
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec};
 
-/// The handle or the cable's hook gives way to the force.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "tool-compliance",
     meaning: "the handle or the cable's hook gives way to the force",
     inspect: "the connector between the last link and the cable",
@@ -15,7 +14,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Structure,
     family: Family::Tool,
     needs: &[Need::Chain, Need::Force],
-    parameters: &[Parameter::size("m_per_n", Unit::MetrePerNewton, 0.0, 2e-3)],
+    parameters: &[Parameter::size("m_per_n", 0.0, 2e-3)],
     follows: Follows::Force,
     is_positive: true,
     law_error: LawError::RIGID,
@@ -25,18 +24,10 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct ToolCompliance;
 
-impl Effect for ToolCompliance {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let Some(force) = &context.force_n else {
-            return vec![];
-        };
-        vec![context.handle(|row| (force[row], Vector3::zeros()))]
+impl Law for ToolCompliance {
+    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
+        let force = input.context.force_n.as_ref()?;
+        let moved = |row: usize| (force[row], Vector3::zeros());
+        Some(vec![input.context.handle(moved)])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,11 +1,11 @@
-//! The tracker, or the base that it stands before, was displaced between two runs.
+//! The tracker, or the robot's base, was displaced between two runs.
 
 use nalgebra::Vector3;
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::structure::{first_row, later_runs, norm};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
 
-/// The tracker's frame is displaced from a run on.
 pub(crate) const SPEC: Spec = Spec {
     name: "tracker-moved",
     meaning: "the tracker or the base does not stand in the same place in all runs",
@@ -15,8 +15,8 @@ pub(crate) const SPEC: Spec = Spec {
     family: Family::Place,
     needs: &[Need::Position, Need::Runs],
     parameters: &[
-        Parameter::size("shift_m", Unit::Metre, 0.0, 1.0),
-        Parameter::size("tilt_rad", Unit::Radian, 0.0, 1.0),
+        Parameter::size("shift_m", 0.0, 1.0),
+        Parameter::size("tilt_rad", 0.0, 1.0),
     ],
     amplitudes: 6,
     shape: Shape::Given,
@@ -28,24 +28,15 @@ pub(crate) const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct TrackerMoved;
 
-/// Runs after which a displacement is looked for at most.
-const RUNS: usize = 8;
-
-impl Effect for TrackerMoved {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
+impl Law for TrackerMoved {
     /// The first run after it.
-    fn shapes(&self, context: &Context<'_>) -> Vec<f64> {
-        let later = 1..context.runs.len().min(RUNS + 1);
-        later.map(|run| run as f64).collect()
+    fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
+        Some(later_runs(input))
     }
 
     /// Along and about the tracker's own axes.
-    fn derivative(&self, context: &Context<'_>, _: &[f64], shape: f64) -> Vec<Signal> {
-        let run = context.runs.get(shape as usize);
-        let first = run.map_or(usize::MAX, |run| run.start);
+    fn signals(&self, input: Input<'_, '_>, shape: f64) -> Option<Vec<Signal>> {
+        let (context, first) = (input.context, first_row(input, shape));
         let still = (Vector3::zeros(), Vector3::zeros());
         let column = |shift: Vector3<f64>, tilt: Vector3<f64>| {
             context.tracker(|row| if row < first { still } else { (shift, tilt) })
@@ -53,18 +44,14 @@ impl Effect for TrackerMoved {
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
         let shifts = axes.iter().map(|axis| column(*axis, Vector3::zeros()));
         let tilts = axes.iter().map(|axis| column(Vector3::zeros(), *axis));
-        shifts.chain(tilts).collect()
+        Some(shifts.chain(tilts).collect())
     }
 
-    fn values(&self, _: &Context<'_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        let size = |parts: &[f64]| parts.iter().map(|part| part * part).sum::<f64>().sqrt();
-        vec![size(&amplitudes[..3]), size(&amplitudes[3..])]
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+        vec![norm(&amplitudes[..3]), norm(&amplitudes[3..])]
     }
 
-    fn amplitudes(&self, _: &Context<'_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0], 0.0, 0.0, values[1], 0.0, 0.0], 1.0)
+    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
+        (vec![values[0], 0.0, 0.0, values[1]], 1.0)
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -2,11 +2,10 @@
 
 use nalgebra::Vector3;
 
-use crate::context::Context;
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec, Unit};
+use crate::laws::{Input, Law};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec};
 
-/// Lengths grow with the temperature.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "thermal-drift",
     meaning: "lengths grow with the temperature",
     inspect: "warm-up, and the temperature of the room",
@@ -15,12 +14,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Structure,
     family: Family::Drift,
     needs: &[Need::Temperature, Need::Chain],
-    parameters: &[Parameter::size(
-        "m_per_degc",
-        Unit::MetrePerKelvin,
-        0.0,
-        3e-4,
-    )],
+    parameters: &[Parameter::size("m_per_degc", 0.0, 3e-4)],
     follows: Follows::Temperature,
     law_error: LawError::DRIFT,
     ..Spec::COMMON
@@ -29,22 +23,12 @@ pub const SPEC: Spec = Spec {
 #[derive(Debug)]
 pub(crate) struct Warming;
 
-impl Effect for Warming {
-    fn spec(&self) -> &'static Spec {
-        &SPEC
-    }
-
-    fn derivative(&self, context: &Context<'_>, _: &[f64], _: f64) -> Vec<Signal> {
-        let Some(warming) = &context.warming_k else {
-            return vec![];
-        };
+impl Law for Warming {
+    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
+        let context = input.context;
+        let warming = context.warming_k.as_ref()?;
         let mean = context.mean_length_m();
-        vec![context.handle(|row| {
-            let grown = context.way_from_base(row) * (warming[row] / mean);
-            (grown, Vector3::zeros())
-        })]
+        let grown = |row: usize| context.way_from_base(row) * (warming[row] / mean);
+        Some(vec![context.handle(|row| (grown(row), Vector3::zeros()))])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -3,7 +3,7 @@
 
 use crate::laws::{Input, Law};
 use crate::signal::{play, smooth};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
 
 /// The play is driven by the motor, or by the hand on the link.
 const DRIVEN_BY_MOTOR: f64 = 0.0;
@@ -12,8 +12,7 @@ const DRIVEN_BY_LINK: f64 = 1.0;
 /// Half-width at which the score scan linearises: small against any motion \[rad\].
 const SMALL_PLAY: f64 = 5e-5;
 
-/// The joint does not follow its motor for a while after each reversal.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "backlash",
     meaning: "the joint does not follow its motor for a while after each reversal",
     inspect: "the tension of the cable, clamps and pins of the joint",
@@ -22,7 +21,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Transmission,
     family: Family::Loop,
     needs: &[Need::Motion],
-    parameters: &[Parameter::size("width_rad", Unit::Radian, 0.0, 0.1)],
+    parameters: &[Parameter::size("width_rad", 0.0, 0.1)],
     shape: Shape::Sides,
     follows: Follows::Angle,
     law_error: LawError::LOOP,
@@ -66,6 +65,3 @@ impl Law for Backlash {
         (vec![0.5 * values[0]], DRIVEN_BY_MOTOR)
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

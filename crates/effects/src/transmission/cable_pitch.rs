@@ -2,10 +2,9 @@
 //! does not start in the middle of its drum.
 
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Parameter, Spec, Unit};
+use crate::{Family, Follows, Hook, LawError, Parameter, Spec};
 
-/// The cable walks along its drum.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "cable-pitch",
     meaning: "the cable walks along its drum",
     inspect: "the groove and the lead of the cable on the drum",
@@ -13,12 +12,7 @@ pub const SPEC: Spec = Spec {
     source: "A8",
     hook: Hook::Transmission,
     family: Family::Shape,
-    parameters: &[Parameter::size(
-        "quadratic_per_rad",
-        Unit::PerRadian,
-        0.0,
-        0.1,
-    )],
+    parameters: &[Parameter::size("quadratic_per_rad", 0.0, 0.1)],
     amplitudes: 2,
     follows: Follows::Angle,
     law_error: LawError::SHAPE,
@@ -35,6 +29,3 @@ impl Law for CablePitch {
         Some(vec![power(2)?, power(3)?])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,10 +1,9 @@
 //! The wrap slips a little with every loaded travel: d(theta) = kappa tau |d(theta)|.
 
 use crate::laws::{Input, Law};
-use crate::{Family, Hook, LawError, Need, Parameter, Spec, Unit};
+use crate::{Family, Hook, LawError, Need, Parameter, Spec};
 
-/// The cable creeps round the drum with loaded travel and does not come back.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "capstan-creep",
     meaning: "the cable creeps round the drum with loaded travel and does not come back",
     inspect: "the number of turns on the drum and the cable's tension",
@@ -13,12 +12,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Transmission,
     family: Family::Drift,
     needs: &[Need::Motion, Need::Torque],
-    parameters: &[Parameter::size(
-        "creep_per_nm",
-        Unit::PerNewtonMetre,
-        0.0,
-        4e-3,
-    )],
+    parameters: &[Parameter::size("creep_per_nm", 0.0, 4e-3)],
     is_positive: true,
     scales_with_torque: true,
     log_prior: -1.0,
@@ -44,6 +38,3 @@ impl Law for CapstanCreep {
         Some(vec![error])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

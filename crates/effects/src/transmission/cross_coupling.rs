@@ -1,10 +1,9 @@
 //! A joint is turned by another one through the routing of its cable; one of many pairs.
 
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Parameter, Shape, Spec, Unit};
+use crate::{Family, Follows, Hook, LawError, Parameter, Shape, Spec};
 
-/// One joint moves with another because of the cable's routing.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "cross-coupling",
     meaning: "one joint moves with another because of the cable's routing",
     inspect: "pulleys that the cable of the joint runs over at the other joint",
@@ -13,7 +12,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Transmission,
     family: Family::Coupling,
     parameters: &[
-        Parameter::size("gain", Unit::One, 0.0, 0.5),
+        Parameter::size("gain", 0.0, 0.5),
         Parameter::number("from_joint", 1000.0),
     ],
     shape: Shape::Given,
@@ -37,15 +36,4 @@ impl Law for CrossCoupling {
     fn shapes(&self, _: Input<'_, '_>) -> Option<Vec<f64>> {
         Some(vec![(self.from + 1) as f64])
     }
-
-    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        vec![amplitudes[0], shape]
-    }
-
-    fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
-        (vec![values[0]], values[1])
-    }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);

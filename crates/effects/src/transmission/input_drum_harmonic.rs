@@ -1,7 +1,7 @@
 //! Orders of the motor's angle above the first, which the base model has for its input drum.
 
 use crate::laws::Harmonic;
-use crate::{Family, Follows, Hook, LawError, Parameter, Shape, Spec, Unit};
+use crate::{Hook, Parameter, Shape, Spec};
 
 /// The error repeats with the turns of the motor.
 pub const SPEC: Spec = Spec {
@@ -11,23 +11,16 @@ pub const SPEC: Spec = Spec {
     adds: "A cos(k R theta - phase), k = 2, 3, 4",
     source: "A10",
     hook: Hook::Transmission,
-    family: Family::Shape,
     parameters: &[
-        Parameter::size("amplitude_rad", Unit::Radian, 0.0, 0.05),
+        Parameter::size("amplitude_rad", 0.0, 0.05),
         Parameter::phase(),
         Parameter::number("order", 100.0),
     ],
-    amplitudes: 2,
     shape: Shape::Listed(&[2.0, 3.0, 4.0]),
-    follows: Follows::Angle,
-    law_error: LawError::SHAPE,
-    ..Spec::COMMON
+    ..Harmonic::SPEC
 };
 
 pub(crate) const LAW: Harmonic = Harmonic {
     periods: |joint, order| order * joint.transmission_ratio,
     reports_order: true,
 };
-
-#[cfg(test)]
-crate::conforms!(SPEC);

@@ -1,30 +1,37 @@
-//! The zero of a drive drifts in time, steadily or until it settles.
+//! The zero of a drive drifts in time, steadily or until it settles, or follows the temperature.
 
-use crate::laws::{COURSES, Drift};
-use crate::{Family, Hook, LawError, Need, Parameter, Shape, Spec, Unit};
+use crate::laws::{Drift, Input, Law};
+use crate::{Follows, Hook, Need, Parameter, Shape, Spec};
 
-/// The joint's zero drifts with time or temperature.
-pub const SPEC: Spec = Spec {
+pub(crate) const SPEC: Spec = Spec {
     name: "joint-drift",
     meaning: "the joint's zero drifts with time or temperature",
     inspect: "warm-up, and the cable's tension before and after",
     adds: "c t",
     hook: Hook::Transmission,
-    family: Family::Drift,
     needs: &[Need::Time],
-    parameters: &[Parameter::size(
-        "rad_per_s",
-        Unit::RadianPerSecond,
-        0.0,
-        5e-4,
-    )],
-    shape: Shape::Listed(&COURSES),
     look_alikes: &["capstan-creep"],
-    law_error: LawError::DRIFT,
-    ..Spec::COMMON
+    ..Drift::SPEC
+};
+/// The same with temperature.
+pub(crate) const WARM: Spec = Spec {
+    adds: "c (T - mean T)",
+    source: "A14",
+    needs: &[Need::Temperature],
+    parameters: &[Parameter::size("rad_per_degc", 0.0, 2e-3)],
+    shape: Shape::NONE,
+    follows: Follows::Temperature,
+    look_alikes: &[],
+    ..SPEC
 };
 
 pub(crate) const LAW: Drift = Drift;
 
-#[cfg(test)]
-crate::conforms!(SPEC);
+#[derive(Debug)]
+pub(crate) struct Warming;
+
+impl Law for Warming {
+    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
+        Some(vec![input.context.warming_k.clone()?])
+    }
+}

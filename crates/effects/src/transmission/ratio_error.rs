@@ -1,7 +1,7 @@
 //! A ratio error of a joint for which the base model has none, or the pitch of a screw.
 
 use crate::laws::{Input, Law};
-use crate::{Absorbed, Family, Follows, Hook, LawError, Need, Parameter, Spec, Unit};
+use crate::{Absorbed, Family, Follows, Hook, LawError, Need, Parameter, Spec};
 
 /// The transmission ratio is not the nominal one.
 pub const SPEC: Spec = Spec {
@@ -13,7 +13,7 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Transmission,
     family: Family::Shape,
     needs: &[Need::Chain],
-    parameters: &[Parameter::size("ratio_deviation", Unit::One, 0.0, 0.2)],
+    parameters: &[Parameter::size("ratio_deviation", 0.0, 0.2)],
     follows: Follows::Angle,
     absorbed_by: Absorbed::ByTransmission,
     law_error: LawError::SHAPE,
@@ -31,6 +31,3 @@ impl Law for RatioError {
         Some(vec![readings.map(|q| -q / ratio).collect()])
     }
 }
-
-#[cfg(test)]
-crate::conforms!(SPEC);
