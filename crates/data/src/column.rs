@@ -72,6 +72,31 @@ impl Role {
         }
     }
 
+    /// Name of such a column in a log of a device of this shape; none for those that may have any.
+    pub(crate) fn name(self, shape: &LogShape) -> String {
+        let part = |names: &[&str], part: usize| names.get(part).copied().unwrap_or("").to_owned();
+        let of_joint = |stem: &str, joint: usize| {
+            let unit = shape.joints.get(joint).map_or("rad", |joint| joint.unit());
+            format!("{stem}{}_{unit}", joint + 1)
+        };
+        match self {
+            Self::Time => "t_s".to_owned(),
+            Self::Run => "run".to_owned(),
+            Self::Joint(joint) => of_joint("theta", joint),
+            Self::Output(joint) => of_joint("out", joint),
+            Self::Cable(0) => "cable_m".to_owned(),
+            Self::Cable(cable) => format!("cable{}_m", cable + 1),
+            Self::Position(axis) => part(&POSITION, axis),
+            Self::Orientation(index) => part(&ORIENTATION, index),
+            Self::Contact => "contact".to_owned(),
+            Self::Plane => "plane".to_owned(),
+            Self::Torque(joint) => format!("torque{}_nm", joint + 1),
+            Self::Force(axis) => part(&FORCE, axis),
+            Self::Temperature => "temp_degc".to_owned(),
+            Self::Covariate | Self::Unnamed | Self::WrongUnit(_) => String::new(),
+        }
+    }
+
     /// Whether cells are angles, lengths, torques or forces, which are squared somewhere.
     pub(crate) fn is_measured(self) -> bool {
         matches!(
@@ -88,35 +113,6 @@ impl Role {
     /// Whether cells are text identifiers.
     pub(crate) fn is_text(self) -> bool {
         matches!(self, Self::Contact | Self::Plane)
-    }
-}
-
-/// Name of the motor-side column of joint `joint` (from 0).
-pub(crate) fn joint_name(shape: &LogShape, joint: usize) -> String {
-    indexed_name(shape, "theta", joint)
-}
-
-/// Name of the external encoder's column of joint `joint` (from 0).
-pub(crate) fn output_name(shape: &LogShape, joint: usize) -> String {
-    indexed_name(shape, "out", joint)
-}
-
-fn indexed_name(shape: &LogShape, stem: &str, joint: usize) -> String {
-    let unit = shape.joints.get(joint).map_or("rad", |joint| joint.unit());
-    format!("{stem}{}_{unit}", joint + 1)
-}
-
-/// Name of the torque column of joint `joint` (from 0).
-pub(crate) fn torque_name(joint: usize) -> String {
-    format!("torque{}_nm", joint + 1)
-}
-
-/// Name of the column of cable `cable` (from 0): `cable_m`, `cable2_m`, ...
-pub(crate) fn cable_name(cable: usize) -> String {
-    if cable == 0 {
-        "cable_m".to_owned()
-    } else {
-        format!("cable{}_m", cable + 1)
     }
 }
 

@@ -32,9 +32,9 @@ mod shape;
 mod size;
 mod write;
 
-pub use error::DataError;
 pub use error::near_miss::NearMiss;
 pub use error::place::Place;
+pub use error::{DataError, Fault};
 #[cfg(feature = "mcap")]
 pub use mcap_log::{McapOptions, read_mcap, read_mcap_from};
 pub use read::table::{Cells, log_from_columns};

@@ -12,8 +12,8 @@ use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 
-use crate::error::DataError;
 use crate::error::place::Place;
+use crate::error::{DataError, Fault};
 use crate::read::LoadedLog;
 use crate::read::table::{Cell, Table};
 use crate::shape::LogShape;
@@ -45,8 +45,7 @@ fn read_content(content: Bytes, name: &str, shape: &LogShape) -> Result<LoadedLo
         let group = file.get_row_group(index).map_err(|e| damaged(name, &e))?;
         let n_rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         for (column, descriptor) in schema.columns().iter().enumerate() {
-            let mut at = Place::cell(name, 1, column + 1, descriptor.name());
-            at.line = None;
+            let at = Place::column(name, column + 1, descriptor.name());
             check_chunk(group.metadata().column(column), at)?;
             let reader = group.get_column_reader(column);
             let mut cells = ColumnCells {
@@ -62,15 +61,12 @@ fn read_content(content: Bytes, name: &str, shape: &LogShape) -> Result<LoadedLo
     table.finish()
 }
 
-/// The whole file: its directory stands at its end.
+/// The whole file: its directory is at its end.
 fn content(reader: impl Read, name: &str) -> Result<Bytes, DataError> {
     let mut content = Vec::new();
     let mut limited = reader.take(MOST_MEMORY_BYTES + 1);
     let read = limited.read_to_end(&mut content);
-    read.map_err(|source| DataError::Unreadable {
-        at: Place::file(name),
-        source,
-    })?;
+    read.map_err(|source| Place::file(name).error(Fault::Unreadable { source }))?;
     if content.len() as u64 > MOST_MEMORY_BYTES {
         return Err(refused(
             Place::file(name),
@@ -82,35 +78,28 @@ fn content(reader: impl Read, name: &str) -> Result<Bytes, DataError> {
 }
 
 fn damaged(name: &str, error: &ParquetError) -> DataError {
-    DataError::Damaged {
-        at: Place::file(name),
-        format: "Parquet",
-        what: error.to_string(),
-    }
+    cut_short(Place::file(name), error.to_string())
 }
 
 fn cut_short(at: Box<Place>, what: impl Into<String>) -> DataError {
-    DataError::Damaged {
-        at,
+    at.error(Fault::Damaged {
         format: "Parquet",
         what: what.into(),
-    }
+    })
 }
 
 fn refused(at: Box<Place>, what: String, advice: &str) -> DataError {
-    DataError::NotALog {
-        at,
+    at.error(Fault::NotALog {
         what,
         advice: advice.to_owned(),
-    }
+    })
 }
 
 /// A log is a flat table of numbers and texts.
 fn check_columns(schema: &SchemaDescriptor, name: &str) -> Result<(), DataError> {
     for (index, column) in schema.columns().iter().enumerate() {
         let header = column.path().string();
-        let mut at = Place::cell(name, 1, index + 1, &header);
-        at.line = None;
+        let at = Place::column(name, index + 1, &header);
         if column.max_rep_level() > 0 || column.path().parts().len() > 1 {
             return Err(refused(
                 at,
@@ -179,35 +168,29 @@ struct ColumnCells<'t, 'a> {
 impl ColumnCells<'_, '_> {
     fn read(&mut self, reader: ColumnReader) -> Result<(), DataError> {
         match reader {
-            ColumnReader::BoolColumnReader(reader) => self.cells(reader, |table, index, value| {
-                table.push(index, Cell::Integer(i64::from(*value)))
-            }),
-            ColumnReader::Int32ColumnReader(reader) => self.cells(reader, |table, index, value| {
-                table.push(index, Cell::Integer(i64::from(*value)))
-            }),
-            ColumnReader::Int64ColumnReader(reader) => self.cells(reader, |table, index, value| {
-                table.push(index, Cell::Integer(*value))
-            }),
-            ColumnReader::FloatColumnReader(reader) => self.cells(reader, |table, index, value| {
-                table.push(index, Cell::Number(f64::from(*value)))
-            }),
-            ColumnReader::DoubleColumnReader(reader) => self
-                .cells(reader, |table, index, value| {
-                    table.push(index, Cell::Number(*value))
-                }),
+            ColumnReader::BoolColumnReader(reader) => {
+                self.cells(reader, |value| Ok(Cell::Integer(i64::from(*value))))
+            }
+            ColumnReader::Int32ColumnReader(reader) => {
+                self.cells(reader, |value| Ok(Cell::Integer(i64::from(*value))))
+            }
+            ColumnReader::Int64ColumnReader(reader) => {
+                self.cells(reader, |value| Ok(Cell::Integer(*value)))
+            }
+            ColumnReader::FloatColumnReader(reader) => {
+                self.cells(reader, |value| Ok(Cell::Number(f64::from(*value))))
+            }
+            ColumnReader::DoubleColumnReader(reader) => {
+                self.cells(reader, |value| Ok(Cell::Number(*value)))
+            }
             ColumnReader::ByteArrayColumnReader(reader) => {
                 let at = self.place();
-                self.cells(
-                    reader,
-                    move |table, index, value: &ByteArray| match std::str::from_utf8(value.data()) {
-                        Ok(text) => table.push(index, Cell::Text(text)),
-                        Err(_) => Err(refused(
-                            at.clone(),
-                            "the column has texts that are not UTF-8".to_owned(),
-                            "write texts as UTF-8 strings",
-                        )),
-                    },
-                )
+                let advice = "write texts as UTF-8 strings";
+                let what = "the column has texts that are not UTF-8";
+                self.cells(reader, |value: &ByteArray| {
+                    let text = std::str::from_utf8(value.data()).map(Cell::Text);
+                    text.map_err(|_| refused(at.clone(), what.to_owned(), advice))
+                })
             }
             // refused with the schema
             ColumnReader::Int96ColumnReader(_) | ColumnReader::FixedLenByteArrayColumnReader(_) => {
@@ -220,7 +203,7 @@ impl ColumnCells<'_, '_> {
     fn cells<T: DataType>(
         &mut self,
         mut reader: ColumnReaderImpl<T>,
-        push: impl Fn(&mut Table<'_>, usize, &T::T) -> Result<(), DataError>,
+        cell: impl for<'v> Fn(&'v T::T) -> Result<Cell<'v>, DataError>,
     ) -> Result<(), DataError> {
         let most_level = self.descriptor.max_def_level();
         let (mut values, mut levels) = (Vec::new(), Vec::new());
@@ -240,7 +223,7 @@ impl ColumnCells<'_, '_> {
                 let is_present = levels.get(row).is_none_or(|&level| level == most_level);
                 let value = if is_present { present.next() } else { None };
                 match value {
-                    Some(value) => push(self.table, self.column, value)?,
+                    Some(value) => self.table.push(self.column, cell(value)?)?,
                     None if is_present => return self.cut_off(done + row),
                     None => self.table.push(self.column, Cell::Number(f64::NAN))?,
                 }
@@ -251,9 +234,7 @@ impl ColumnCells<'_, '_> {
     }
 
     fn place(&self) -> Box<Place> {
-        let mut at = Place::cell(self.name, 1, self.column + 1, self.descriptor.name());
-        at.line = None;
-        at
+        Place::column(self.name, self.column + 1, self.descriptor.name())
     }
 
     fn cut_off(&self, got: usize) -> Result<(), DataError> {

@@ -2,6 +2,9 @@
 
 use haptical_model::{Device, JointType};
 
+use crate::error::place::Place;
+use crate::error::{DataError, Fault};
+
 /// What the device file says that the log must fit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LogShape {
@@ -37,6 +40,16 @@ impl From<&Device> for LogShape {
         Self {
             joints: joints.collect(),
             cable_count: device.cables.len().max(usize::from(device.has_links())),
+        }
+    }
+}
+
+impl LogShape {
+    /// Refuses a device without joints.
+    pub(crate) fn check(&self, file: &str) -> Result<(), DataError> {
+        match self.joints[..] {
+            [] => Err(Place::file(file).error(Fault::InvalidShape)),
+            _ => Ok(()),
         }
     }
 }

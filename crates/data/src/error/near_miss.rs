@@ -1,6 +1,6 @@
 //! Names in a header that are close to a name of the log format.
 
-use crate::column::{cable_name, joint_name, output_name, torque_name};
+use crate::column::Role;
 use crate::shape::LogShape;
 
 /// A column that may be meant as another one.
@@ -83,12 +83,14 @@ fn wanted_name(stem: &str, index: Option<usize>, shape: &LogShape) -> Option<Str
     };
     let plain = |name: &str| index.is_none().then(|| name.to_owned());
     match stem {
-        "theta" | "th" | "joint" | "jnt" | "j" | "q" | "angle" => Some(joint_name(shape, joint()?)),
-        "out" | "output" | "external" | "ext" => Some(output_name(shape, joint()?)),
-        "torque" | "tau" => Some(torque_name(joint()?)),
+        "theta" | "th" | "joint" | "jnt" | "j" | "q" | "angle" => {
+            Some(Role::Joint(joint()?).name(shape))
+        }
+        "out" | "output" | "external" | "ext" => Some(Role::Output(joint()?).name(shape)),
+        "torque" | "tau" => Some(Role::Torque(joint()?).name(shape)),
         "cable" | "distance" | "dist" => {
             let cable = index.unwrap_or(1).checked_sub(1)?;
-            (cable < shape.cable_count).then(|| cable_name(cable))
+            (cable < shape.cable_count).then(|| Role::Cable(cable).name(shape))
         }
         "t" | "time" | "timestamp" => plain("t_s"),
         "x" => plain("x_m"),

@@ -35,6 +35,14 @@ impl Place {
         })
     }
 
+    /// One column of a file that has no line of a header: 1-based number, name.
+    pub(crate) fn column(file: &str, number: usize, name: &str) -> Box<Self> {
+        Box::new(Self {
+            line: None,
+            ..*Self::cell(file, 1, number, name)
+        })
+    }
+
     /// One cell: line, 1-based column number, column name.
     pub(crate) fn cell(file: &str, line: u64, number: usize, name: &str) -> Box<Self> {
         Box::new(Self {

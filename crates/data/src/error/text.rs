@@ -1,12 +1,11 @@
-//! Messages that depend on what was found: those of the other errors stand beside their variants.
+//! Messages that depend on what was found; those of the other faults are attributes of their variants.
 
 use std::fmt::{Formatter, Result};
 use std::io;
 
 use crate::error::near_miss::{NearMiss, advice, list};
-use crate::error::place::Place;
 
-pub(crate) fn corrupt_gzip(at: &Place, source: &io::Error, to: &mut Formatter<'_>) -> Result {
+pub(crate) fn corrupt_gzip(source: &io::Error, to: &mut Formatter<'_>) -> Result {
     let state = if source.kind() == io::ErrorKind::UnexpectedEof {
         "cut off"
     } else {
@@ -14,11 +13,11 @@ pub(crate) fn corrupt_gzip(at: &Place, source: &io::Error, to: &mut Formatter<'_
     };
     write!(
         to,
-        "{at}: the gzip data is {state} ({source}); copy or record the file again"
+        "the gzip data is {state} ({source}); copy or record the file again"
     )
 }
 
-pub(crate) fn no_header(at: &Place, found: &str, to: &mut Formatter<'_>) -> Result {
+pub(crate) fn no_header(found: &str, to: &mut Formatter<'_>) -> Result {
     let what = if found.is_empty() {
         "the file has no header, it is empty".to_owned()
     } else {
@@ -26,12 +25,11 @@ pub(crate) fn no_header(at: &Place, found: &str, to: &mut Formatter<'_>) -> Resu
     };
     write!(
         to,
-        "{at}: {what}; the first line must name the columns, such as `t_s,theta1_rad,cable_m`"
+        "{what}; the first line must name the columns, such as `t_s,theta1_rad,cable_m`"
     )
 }
 
 pub(crate) fn missing_column(
-    at: &Place,
     missing: &[String],
     required: &[String],
     near_misses: &[NearMiss],
@@ -39,7 +37,7 @@ pub(crate) fn missing_column(
 ) -> Result {
     write!(
         to,
-        "{at}: missing {}; the device needs one column per joint: {}{}",
+        "missing {}; the device needs one column per joint: {}{}",
         list(missing),
         list(required),
         advice(near_misses)
@@ -47,7 +45,6 @@ pub(crate) fn missing_column(
 }
 
 pub(crate) fn wrong_unit(
-    at: &Place,
     joint: &str,
     prismatic: &bool,
     expected: &str,
@@ -56,20 +53,19 @@ pub(crate) fn wrong_unit(
     let kind = if *prismatic { "prismatic" } else { "revolute" };
     write!(
         to,
-        "{at}: joint {joint} is {kind} in the device file, so this column must be `{expected}`; \
+        "joint {joint} is {kind} in the device file, so this column must be `{expected}`; \
          convert and rename it, or correct the joint's type"
     )
 }
 
 pub(crate) fn incomplete_group(
-    at: &Place,
     present: &[String],
     missing: &[String],
     to: &mut Formatter<'_>,
 ) -> Result {
     write!(
         to,
-        "{at}: {} given without {}; add the missing columns or delete the others",
+        "{} given without {}; add the missing columns or delete the others",
         list(present),
         list(missing)
     )

@@ -19,7 +19,7 @@ pub(super) const TRANSFORM: &str = "geometry_msgs/msg/TransformStamped";
 pub(super) struct Header {
     sec: i32,
     nanosec: u32,
-    #[expect(dead_code, reason = "stands in the message")]
+    #[expect(dead_code, reason = "a field of the message")]
     frame_id: String,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct JointState {
     pub(super) header: Header,
     pub(super) name: Vec<String>,
     pub(super) position: Vec<f64>,
-    #[expect(dead_code, reason = "stands in the message")]
+    #[expect(dead_code, reason = "a field of the message")]
     velocity: Vec<f64>,
     pub(super) effort: Vec<f64>,
 }
@@ -53,7 +53,7 @@ pub(super) struct PoseStamped {
 #[derive(Debug, Deserialize)]
 struct TransformStamped {
     header: Header,
-    #[expect(dead_code, reason = "stands in the message")]
+    #[expect(dead_code, reason = "a field of the message")]
     child_frame_id: String,
     position_m: [f64; 3],
     orientation_xyzw: [f64; 4],

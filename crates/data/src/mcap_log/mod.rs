@@ -17,8 +17,8 @@ use mcap::sans_io::LinearReaderOptions;
 use self::decompress::WholeChunk;
 use self::messages::{JOINT_STATE, JointState, POSE, TRANSFORM, decode, pose};
 use self::topics::Topics;
-use crate::error::DataError;
 use crate::error::place::Place;
+use crate::error::{DataError, Fault};
 use crate::read::LoadedLog;
 use crate::read::source::open_error;
 use crate::shape::LogShape;
@@ -47,7 +47,7 @@ pub struct McapOptions {
 /// the row nearest in time, at most half the rows' usual distance away. The first row is line 2 in errors.
 ///
 /// # Errors
-/// [`DataError::Damaged`] for a file that does not hold together, [`DataError::NotALog`] where the joints or
+/// [`Fault::Damaged`] for a file that does not hold together, [`Fault::NotALog`] where the joints or
 /// the topic is not unique, otherwise as [`read_log`](crate::read_log).
 pub fn read_mcap(
     path: &Path,
@@ -80,11 +80,7 @@ pub fn read_mcap_from(
     options: &McapOptions,
     shape: &LogShape,
 ) -> Result<LoadedLog, DataError> {
-    if shape.joints.is_empty() {
-        return Err(DataError::InvalidShape {
-            at: Place::file(name),
-        });
-    }
+    shape.check(name)?;
     let wanted = wanted_names(options, shape, name)?;
     let topics = read_topics(reader, name, &wanted)?;
     rows::log_of(&topics, &wanted, name, options, shape)
@@ -148,10 +144,11 @@ fn read_topics(reader: impl Read, name: &str, wanted: &[String]) -> Result<Topic
             let what = format!("topic `{topic}` is encoded as `{encoding}`, not as CDR of ROS 2");
             return Err(not_a_log(name, what, "convert the recording to ROS 2"));
         }
-        let refuse = |what: String| DataError::Damaged {
-            at: Place::file(name),
-            format: "MCAP",
-            what: format!("topic `{topic}`: {what}"),
+        let refuse = |what: String| {
+            Place::file(name).error(Fault::Damaged {
+                format: "MCAP",
+                what: format!("topic `{topic}`: {what}"),
+            })
         };
         if is_joints {
             let recorded_ns = i64::try_from(message.log_time).unwrap_or(i64::MAX);
@@ -175,28 +172,25 @@ fn read_topics(reader: impl Read, name: &str, wanted: &[String]) -> Result<Topic
 }
 
 fn not_a_log(name: &str, what: String, advice: &str) -> DataError {
-    DataError::NotALog {
-        at: Place::file(name),
+    Place::file(name).error(Fault::NotALog {
         what,
         advice: advice.to_owned(),
-    }
+    })
 }
 
 fn failed(name: &str, error: McapError) -> DataError {
     let at = Place::file(name);
     match error {
         McapError::Io(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
-            DataError::Unreadable { at, source }
+            at.error(Fault::Unreadable { source })
         }
-        McapError::UnsupportedCompression(codec) => DataError::NotALog {
-            at,
+        McapError::UnsupportedCompression(codec) => at.error(Fault::NotALog {
             what: format!("a chunk is compressed with `{codec}`, which is not read"),
             advice: "write the recording with lz4, zstd or no compression".to_owned(),
-        },
-        other => DataError::Damaged {
-            at,
+        }),
+        other => at.error(Fault::Damaged {
             format: "MCAP",
             what: other.to_string(),
-        },
+        }),
     }
 }

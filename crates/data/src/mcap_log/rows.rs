@@ -3,7 +3,7 @@
 use super::poses::{Matched, match_poses};
 use super::topics::{JointTopic, Topics};
 use super::{McapOptions, not_a_log};
-use crate::column::{ORIENTATION, POSITION, joint_name, torque_name};
+use crate::column::{ORIENTATION, POSITION, Role};
 use crate::error::DataError;
 use crate::error::near_miss::list;
 use crate::read::LoadedLog;
@@ -48,7 +48,7 @@ pub(super) fn log_of(
     let mut columns = vec![("t_s".to_owned(), seconds(&stamps_ns))];
     for joint in 0..wanted.len() {
         let readings = rows.iter().map(|&row| joints.position[joint][row]);
-        columns.push((joint_name(shape, joint), readings.collect()));
+        columns.push((Role::Joint(joint).name(shape), readings.collect()));
     }
     for (joint, device) in shape.joints.iter().enumerate() {
         let efforts: Vec<f64> = rows.iter().map(|&row| joints.effort[joint][row]).collect();
@@ -62,7 +62,7 @@ pub(super) fn log_of(
             ));
             continue;
         }
-        columns.push((torque_name(joint), efforts));
+        columns.push((Role::Torque(joint).name(shape), efforts));
     }
     if let Some(matched) = matched {
         for (part, header) in POSITION.iter().chain(&ORIENTATION).enumerate() {

@@ -3,11 +3,11 @@
 use haptical_model::Recording;
 
 use crate::column::{FORCE, ORIENTATION, POSITION, Role};
-use crate::error::DataError;
 use crate::error::place::Place;
+use crate::error::{DataError, Fault};
 use crate::read::LoadedLog;
-use crate::read::cell::{self, CellFault};
-use crate::read::groups::{Group, take_group};
+use crate::read::cell;
+use crate::read::groups::Groups;
 use crate::shape::LogShape;
 use crate::size::{LARGEST_READING, LONGEST_ID_BYTES, NUMBER_BYTES, TEXT_BYTES};
 
@@ -18,14 +18,14 @@ pub(crate) struct Column {
     /// Position in the header, counted from 1.
     pub(crate) number: usize,
     pub(crate) role: Role,
-    values: Values,
+    pub(super) values: Values,
     /// First cell of a covariate that is text, or not finite.
     text: Option<(u64, String)>,
     not_finite: Option<(u64, String)>,
 }
 
 #[derive(Debug)]
-enum Values {
+pub(super) enum Values {
     Numbers(Vec<f64>),
     Integers(Vec<i64>),
     Texts(Vec<String>),
@@ -52,7 +52,10 @@ impl Column {
     /// Adds a trimmed cell; returns the memory that it takes \[bytes\].
     pub(crate) fn push(&mut self, cell: &str, line: u64, file: &str) -> Result<u64, DataError> {
         let fault = match &mut self.values {
-            Values::Texts(_) if cell.len() > LONGEST_ID_BYTES => CellFault::LongId,
+            Values::Texts(_) if cell.len() > LONGEST_ID_BYTES => Fault::LongId {
+                bytes: cell.len(),
+                most: LONGEST_ID_BYTES,
+            },
             Values::Texts(texts) => {
                 texts.push(cell.to_owned());
                 return Ok(TEXT_BYTES + cell.len() as u64);
@@ -69,10 +72,13 @@ impl Column {
             }
             Values::Numbers(numbers) => match cell::number(cell) {
                 Ok(value) if value.is_nan() && matches!(self.role, Role::Joint(_)) => {
-                    CellFault::Empty
+                    Fault::MissingReading
                 }
                 Ok(value) if value.abs() > LARGEST_READING && self.role.is_measured() => {
-                    CellFault::TooLarge
+                    Fault::ReadingTooLarge {
+                        found: cell::shortened(cell),
+                        largest: LARGEST_READING,
+                    }
                 }
                 Ok(value) => {
                     numbers.push(value);
@@ -81,7 +87,7 @@ impl Column {
                 Err(fault) if self.role == Role::Covariate => {
                     numbers.push(f64::NAN);
                     let first = match fault {
-                        CellFault::NotFinite => &mut self.not_finite,
+                        Fault::NotFinite { .. } => &mut self.not_finite,
                         _ => &mut self.text,
                     };
                     first.get_or_insert_with(|| (line, cell::shortened(cell)));
@@ -90,11 +96,7 @@ impl Column {
                 Err(fault) => fault,
             },
         };
-        Err(cell::error(
-            fault,
-            cell,
-            Place::cell(file, line, self.number, &self.name),
-        ))
+        Err(Place::cell(file, line, self.number, &self.name).error(fault))
     }
 
     /// Adds a number, `NaN` for none, by the rules of [`Column::push`]; returns the memory that it takes
@@ -159,38 +161,23 @@ pub(crate) fn assemble(
 ) -> Result<LoadedLog, DataError> {
     let n_joints = shape.joints.len();
     let mut warnings = Vec::new();
+    let mut groups = Groups {
+        columns: &mut columns,
+        lines: &lines,
+        file,
+        warnings: &mut warnings,
+    };
     let mut recording = Recording {
         joint: vec![Vec::new(); n_joints],
         output: vec![None; n_joints],
         torque_nm: vec![None; n_joints],
         cable_m: vec![None; shape.cable_count],
-        position_m: group(
-            &mut columns,
-            &POSITION,
-            Role::Position,
-            &lines,
-            file,
-            &mut warnings,
-        ),
-        orientation_wxyz: group(
-            &mut columns,
-            &ORIENTATION,
-            Role::Orientation,
-            &lines,
-            file,
-            &mut warnings,
-        ),
-        force_n: group(
-            &mut columns,
-            &FORCE,
-            Role::Force,
-            &lines,
-            file,
-            &mut warnings,
-        ),
-        line: lines,
+        position_m: groups.take(&POSITION, Role::Position),
+        orientation_wxyz: groups.take(&ORIENTATION, Role::Orientation),
+        force_n: groups.take(&FORCE, Role::Force),
         ..Recording::default()
     };
+    recording.line = lines;
     for column in columns {
         place_column(column, &mut recording, file, &mut warnings)?;
     }
@@ -200,35 +187,6 @@ pub(crate) fn assemble(
         recording,
         warnings,
     })
-}
-
-/// Takes the columns of a vector or quaternion out of `columns`.
-fn group<const N: usize>(
-    columns: &mut Vec<Column>,
-    names: &[&str; N],
-    role: fn(usize) -> Role,
-    lines: &[u64],
-    file: &str,
-    warnings: &mut Vec<String>,
-) -> Option<[Vec<f64>; N]> {
-    let mut parts: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
-    for (part, numbers) in parts.iter_mut().enumerate() {
-        let index = columns
-            .iter()
-            .position(|column| column.role == role(part))?;
-        if let Values::Numbers(values) = columns.remove(index).values {
-            *numbers = values;
-        }
-    }
-    take_group(
-        Group {
-            parts,
-            names,
-            lines,
-            file,
-        },
-        warnings,
-    )
 }
 
 fn place_column(
@@ -264,7 +222,9 @@ fn place_column(
                 ));
             } else if let Some((line, text)) = &column.not_finite {
                 let at = Place::cell(file, *line, number, &name);
-                return Err(cell::error(CellFault::NotFinite, text, at));
+                return Err(at.error(Fault::NotFinite {
+                    found: text.clone(),
+                }));
             } else if let Some(numbers) = column.into_numbers(file, warnings) {
                 recording.covariates.push((name, numbers));
             }

@@ -1,46 +1,35 @@
 //! One cell to a number.
 
-use crate::error::DataError;
-use crate::error::place::Place;
-use crate::size::{LARGEST_READING, LONGEST_ID_BYTES};
-
-/// What is wrong with a cell, before its place is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum CellFault {
-    Text,
-    DecimalComma,
-    NotFinite,
-    Empty,
-    NotInteger,
-    LongId,
-    TooLarge,
-}
+use crate::error::Fault;
 
 /// Longest text of the file that an error repeats \[characters\].
 const LONGEST_QUOTE: usize = 40;
 
 /// The number in a trimmed cell; `NaN` for an empty one.
-pub(crate) fn number(cell: &str) -> Result<f64, CellFault> {
+pub(crate) fn number(cell: &str) -> Result<f64, Fault> {
     if cell.is_empty() {
         return Ok(f64::NAN);
     }
+    let found = || shortened(cell);
     match cell.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(CellFault::NotFinite),
-        Err(_) if is_spreadsheet_nan(cell) => Err(CellFault::NotFinite),
-        Err(_) if is_decimal_comma(cell) => Err(CellFault::DecimalComma),
-        Err(_) => Err(CellFault::Text),
+        Ok(_) => Err(Fault::NotFinite { found: found() }),
+        Err(_) if is_spreadsheet_nan(cell) => Err(Fault::NotFinite { found: found() }),
+        Err(_) if is_decimal_comma(cell) => Err(Fault::DecimalComma { found: found() }),
+        Err(_) => Err(Fault::NotANumber { found: found() }),
     }
 }
 
 /// The integer in a trimmed cell. `3.0` counts: spreadsheets and data frames write integers so.
-pub(crate) fn integer(cell: &str) -> Result<i64, CellFault> {
+pub(crate) fn integer(cell: &str) -> Result<i64, Fault> {
     if let Ok(value) = cell.parse::<i64>() {
         return Ok(value);
     }
     cell.strip_suffix(".0")
         .and_then(|whole| whole.parse::<i64>().ok())
-        .ok_or(CellFault::NotInteger)
+        .ok_or_else(|| Fault::RunNotInteger {
+            found: shortened(cell),
+        })
 }
 
 /// A text that an error repeats, shortened.
@@ -51,28 +40,6 @@ pub(crate) fn shortened(text: &str) -> String {
         short.push_str("...");
     }
     short
-}
-
-/// The error for a fault at a place.
-pub(crate) fn error(fault: CellFault, cell: &str, at: Box<Place>) -> DataError {
-    let found = shortened(cell);
-    match fault {
-        CellFault::Text => DataError::NotANumber { at, found },
-        CellFault::DecimalComma => DataError::DecimalComma { at, found },
-        CellFault::NotFinite => DataError::NotFinite { at, found },
-        CellFault::Empty => DataError::MissingReading { at },
-        CellFault::NotInteger => DataError::RunNotInteger { at, found },
-        CellFault::TooLarge => DataError::ReadingTooLarge {
-            at,
-            found,
-            largest: LARGEST_READING,
-        },
-        CellFault::LongId => DataError::LongId {
-            at,
-            bytes: cell.len(),
-            most: LONGEST_ID_BYTES,
-        },
-    }
 }
 
 /// `-nan(ind)`, `1.#INF`, `1.#QNAN`, `#DIV/0!` as C libraries and spreadsheets print them.

@@ -2,8 +2,8 @@
 
 use std::io::Read;
 
-use crate::error::DataError;
 use crate::error::place::Place;
+use crate::error::{DataError, Fault};
 use crate::read::LoadedLog;
 use crate::shape::LogShape;
 
@@ -64,11 +64,7 @@ pub(crate) fn read_binary(
         _ => {
             let _ = (reader, shape);
             let (format, feature) = format.names();
-            Err(DataError::NotBuiltIn {
-                at: Place::file(name),
-                format,
-                feature,
-            })
+            Err(Place::file(name).error(Fault::NotBuiltIn { format, feature }))
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use csv::StringRecord;
 
-use crate::column::{FORCE, ORIENTATION, POSITION, Role, indexed, joint_name, output_name};
-use crate::error::DataError;
+use crate::column::{FORCE, ORIENTATION, POSITION, Role, indexed};
 use crate::error::near_miss::{NearMiss, near_miss};
 use crate::error::place::Place;
-use crate::read::cell::{self, CellFault};
+use crate::error::{DataError, Fault};
+use crate::read::cell;
 use crate::shape::LogShape;
 
 /// A checked header.
@@ -57,7 +57,7 @@ impl Header {
     }
 
     fn reject_numbers(&self, file: &str) -> Result<(), DataError> {
-        let is_number = |name: &str| !matches!(cell::number(name), Err(CellFault::Text));
+        let is_number = |name: &str| !matches!(cell::number(name), Err(Fault::NotANumber { .. }));
         let named = || {
             self.columns
                 .iter()
@@ -66,10 +66,9 @@ impl Header {
         };
         match named().next() {
             Some(_) if !named().all(|name| is_number(name)) => Ok(()),
-            first => Err(DataError::NoHeader {
-                at: Place::line(file, self.line),
+            first => Err(Place::line(file, self.line).error(Fault::NoHeader {
                 found: first.map_or_else(String::new, |name| cell::shortened(name)),
-            }),
+            })),
         }
     }
 
@@ -84,10 +83,9 @@ impl Header {
             .min_by_key(|pair| pair[1]);
         match duplicate {
             None => Ok(()),
-            Some(pair) => Err(DataError::DuplicateColumn {
-                at: self.place(file, pair[1]),
-                first: pair[0] + 1,
-            }),
+            Some(pair) => Err(self
+                .place(file, pair[1])
+                .error(Fault::DuplicateColumn { first: pair[0] + 1 })),
         }
     }
 
@@ -104,16 +102,15 @@ impl Header {
                 continue;
             };
             let expected = if name.starts_with("theta") {
-                joint_name(shape, joint)
+                Role::Joint(joint).name(shape)
             } else {
-                output_name(shape, joint)
+                Role::Output(joint).name(shape)
             };
-            return Err(DataError::WrongUnit {
-                at: self.place(file, index),
+            return Err(self.place(file, index).error(Fault::WrongUnit {
                 joint: device.name.clone(),
                 prismatic: device.prismatic,
                 expected,
-            });
+            }));
         }
         Ok(())
     }
@@ -127,7 +124,7 @@ impl Header {
 
     fn require_joints(&self, file: &str, shape: &LogShape) -> Result<(), DataError> {
         let required: Vec<String> = (0..shape.joints.len())
-            .map(|joint| joint_name(shape, joint))
+            .map(|joint| Role::Joint(joint).name(shape))
             .collect();
         let missing: Vec<String> = required
             .iter()
@@ -140,12 +137,11 @@ impl Header {
         let mut at = Place::line(file, self.line);
         at.column = Some(first.clone());
         let near_misses = self.near_misses_of(&required, &missing, shape);
-        Err(DataError::MissingColumn {
-            at,
+        Err(at.error(Fault::MissingColumn {
             missing,
             required,
             near_misses,
-        })
+        }))
     }
 
     fn near_misses_of(
@@ -189,11 +185,12 @@ impl Header {
             .iter()
             .position(|(name, _)| present.contains(&name.as_str()));
         match first {
-            Some(index) if !missing.is_empty() => Err(DataError::IncompleteGroup {
-                at: self.place(file, index),
-                present: present.into_iter().map(str::to_owned).collect(),
-                missing: missing.into_iter().map(str::to_owned).collect(),
-            }),
+            Some(index) if !missing.is_empty() => {
+                Err(self.place(file, index).error(Fault::IncompleteGroup {
+                    present: present.into_iter().map(str::to_owned).collect(),
+                    missing: missing.into_iter().map(str::to_owned).collect(),
+                }))
+            }
             _ => Ok(()),
         }
     }

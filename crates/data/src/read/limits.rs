@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use haptical_model::Recording;
 
-use crate::column::{Role, joint_name, output_name};
-use crate::error::DataError;
+use crate::column::Role;
+use crate::error::{DataError, Fault};
 use crate::read::order::cell_of;
 use crate::shape::{JointShape, LogShape};
 
@@ -39,19 +39,15 @@ pub(crate) fn check(
             let (min, max) = outside.range;
             let (lower, upper) = (device.lower, device.upper);
             if !device.prismatic && looks_like_degrees(readings, device) {
-                return Err(DataError::LooksLikeDegrees {
-                    at,
+                return Err(at.error(Fault::LooksLikeDegrees {
                     min,
                     max,
                     lower_rad: lower,
                     upper_rad: upper,
                     within_a_turn: (min - lower).min(upper - max) >= -(1.0 + SLACK) * TAU,
-                });
+                }));
             }
-            let name = match role {
-                Role::Joint(_) => joint_name(shape, joint),
-                _ => output_name(shape, joint),
-            };
+            let name = role.name(shape);
             warnings.push(format!(
                 "{at}: {} readings of `{name}` lie outside the device's limits {lower} to {upper} \
                  {unit} by more than 10 % of that range, the farthest is {}; {}check the zero and \

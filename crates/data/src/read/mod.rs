@@ -18,15 +18,15 @@ use std::path::Path;
 
 use haptical_model::Recording;
 
-use crate::error::DataError;
 use crate::error::place::Place;
-use crate::read::assemble::{Column, assemble};
+use crate::error::{DataError, Fault};
 use crate::read::format::{Format, read_binary};
 use crate::read::header::Header;
 use crate::read::rows::Rows;
 use crate::read::source::{N_FIRST, first_bytes, open_error};
+use crate::read::table::Table;
 use crate::shape::LogShape;
-use crate::size::{MOST_COLUMNS, MOST_MEMORY_BYTES, NUMBER_BYTES};
+use crate::size::{MOST_COLUMNS, MOST_MEMORY_BYTES};
 
 /// A log that was read, and what was odd about it.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -72,135 +72,53 @@ pub fn read_log_from(
     name: &str,
     shape: &LogShape,
 ) -> Result<LoadedLog, DataError> {
-    if shape.joints.is_empty() {
-        return Err(DataError::InvalidShape {
-            at: Place::file(name),
-        });
-    }
+    shape.check(name)?;
     let mut reader = reader;
-    let first = first_bytes(&mut reader, N_FIRST).map_err(|source| DataError::Unreadable {
-        at: Place::file(name),
-        source,
-    })?;
+    let first = first_bytes(&mut reader, N_FIRST)
+        .map_err(|source| Place::file(name).error(Fault::Unreadable { source }))?;
     let format = Format::detect(&first);
     let whole = Cursor::new(first).chain(reader);
     if format != Format::Text {
         return read_binary(format, whole, name, shape);
     }
     let mut rows = Rows::new(whole, name)?;
-    let parsed =
-        parse(&mut rows, name, shape, MOST_MEMORY_BYTES).map_err(|refusal| rows.explain(refusal));
-    let (header, lines, columns) = parsed?;
+    let table = parse(&mut rows, name, shape, MOST_MEMORY_BYTES);
+    let table = table.map_err(|refusal| rows.explain(refusal))?;
     drop(rows);
-    checked(header, lines, columns, name, shape)
+    table.finish()
 }
 
-/// The recording of columns whose cells were checked one by one.
-pub(crate) fn checked(
-    header: Header,
-    lines: Vec<u64>,
-    columns: Vec<Column>,
-    name: &str,
-    shape: &LogShape,
-) -> Result<LoadedLog, DataError> {
-    check_row_count(&lines, header.line, name)?;
-    let mut log = assemble(columns, lines, name, shape)?;
-    log.warnings.splice(0..0, header.warnings);
-    order::check(&log.recording, &header.columns, name)?;
-    orientation::normalise(&mut log.recording, &header.columns, name)?;
-    order::check_distances(&log.recording, &header.columns, name)?;
-    log.warnings
-        .extend(limits::check(&log.recording, &header.columns, name, shape)?);
-    Ok(log)
-}
-
-/// The header, the line of each row, and the columns, in this memory at most.
-fn parse(
+/// The rows, in this memory at most.
+fn parse<'a>(
     rows: &mut Rows<'_>,
-    name: &str,
-    shape: &LogShape,
+    name: &'a str,
+    shape: &'a LogShape,
     most_bytes: u64,
-) -> Result<(Header, Vec<u64>, Vec<Column>), DataError> {
-    let header = read_header(rows, name, shape)?;
-    let mut columns: Vec<Column> = header
-        .columns
-        .iter()
-        .enumerate()
-        .map(|(index, (column, role))| Column::new(column, index + 1, *role))
-        .collect();
-    let mut lines = Vec::new();
-    let mut memory_bytes = 0_u64;
+) -> Result<Table<'a>, DataError> {
+    let mut table = Table::with_header(read_header(rows, name, shape)?, name, shape);
+    table.most_bytes = most_bytes;
     while let Some((line, record)) = rows.next()? {
-        if record.len() != columns.len() {
-            return Err(DataError::CellCount {
-                at: Place::line(name, line),
-                got: record.len(),
-                expected: columns.len(),
-                advice: cell_count_advice(record, columns.len()),
-            });
-        }
-        for (column, cell) in columns.iter_mut().zip(record) {
-            memory_bytes += column.push(cell.trim(), line, name)?;
-        }
-        lines.push(line);
-        memory_bytes += NUMBER_BYTES;
-        if memory_bytes > most_bytes {
-            return Err(DataError::TooLarge {
-                at: Place::line(name, line),
-                rows: lines.len(),
-                gibibytes: most_bytes >> 30,
-            });
-        }
+        table.push_row(record, line)?;
     }
-    Ok((header, lines, columns))
+    Ok(table)
 }
 
 fn read_header(rows: &mut Rows<'_>, name: &str, shape: &LogShape) -> Result<Header, DataError> {
     let Some((line, record)) = rows.next()? else {
-        return Err(DataError::NoHeader {
-            at: Place::line(name, 1),
+        return Err(Place::line(name, 1).error(Fault::NoHeader {
             found: String::new(),
-        });
+        }));
     };
     let columns = record.len();
     if columns > MOST_COLUMNS {
-        return Err(DataError::TooManyColumns {
-            at: Place::line(name, line),
+        return Err(Place::line(name, line).error(Fault::TooManyColumns {
             columns,
             most: MOST_COLUMNS,
-        });
+        }));
     }
     let header = record.clone();
     rows.check_separator(line)?;
     Header::new(&header, line, name, shape)
-}
-
-fn check_row_count(lines: &[u64], header_line: u64, name: &str) -> Result<(), DataError> {
-    match lines {
-        [] => Err(DataError::NoRows {
-            at: Place::line(name, header_line),
-        }),
-        [only] => Err(DataError::TooFewRows {
-            at: Place::line(name, *only),
-            rows: 1,
-        }),
-        _ => Ok(()),
-    }
-}
-
-/// What a row with a wrong number of cells probably is.
-fn cell_count_advice(record: &csv::StringRecord, expected: usize) -> &'static str {
-    let is_integer = |cell: &str| {
-        let digits = cell.trim().trim_start_matches(['-', '+']);
-        digits.bytes().all(|byte| byte.is_ascii_digit())
-    };
-    if record.len() < expected {
-        "the row is cut off or a comma is missing: delete the row or complete it"
-    } else if record.iter().all(is_integer) {
-        "it looks like a comma as decimal sign: export the log again with a point"
-    } else {
-        "there is a comma too many, or the header is not complete: correct the row"
-    }
 }
 
 #[cfg(test)]
@@ -223,7 +141,7 @@ mod tests {
         };
         let read = |text: &str, most_bytes| {
             let mut rows = Rows::new(text.as_bytes(), "log.csv").unwrap();
-            parse(&mut rows, "log.csv", &shape, most_bytes).map(|(_, lines, _)| lines.len())
+            parse(&mut rows, "log.csv", &shape, most_bytes).map(|table| table.lines.len())
         };
         for (text, row_bytes) in [
             ("theta1_rad,other\n0.1,1\n0.2,2\n0.3,\n", 24),

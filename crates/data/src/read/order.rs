@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use haptical_model::Recording;
 
 use crate::column::Role;
-use crate::error::DataError;
 use crate::error::place::Place;
+use crate::error::{DataError, Fault};
 
 /// The place of a cell of the column with `role`.
 pub(crate) fn cell_of(columns: &[(String, Role)], role: Role, file: &str, line: u64) -> Box<Place> {
@@ -38,11 +38,10 @@ pub(crate) fn check(
             }
             if let Some((run, &previous_line)) = this.and_then(|run| ended.get_key_value(&run)) {
                 let at = cell_of(columns, Role::Run, file, line);
-                return Err(DataError::RunNotContiguous {
-                    at,
+                return Err(at.error(Fault::RunNotContiguous {
                     run: *run,
                     previous_line,
-                });
+                }));
             }
             previous = None;
         }
@@ -57,12 +56,11 @@ pub(crate) fn check(
             && time_s <= previous_s
         {
             let at = cell_of(columns, Role::Time, file, line);
-            return Err(DataError::TimeOrder {
-                at,
+            return Err(at.error(Fault::TimeOrder {
                 time_s,
                 previous_line,
                 previous_s,
-            });
+            }));
         }
     }
     Ok(())
@@ -78,7 +76,7 @@ pub(crate) fn check_distances(
         let rows = recording.line.iter().zip(distances.iter().flatten());
         if let Some((&line, &value_m)) = rows.into_iter().find(|(_, value)| **value < 0.0) {
             let at = cell_of(columns, Role::Cable(cable), file, line);
-            return Err(DataError::NegativeDistance { at, value_m });
+            return Err(at.error(Fault::NegativeDistance { value_m }));
         }
     }
     Ok(())

@@ -3,7 +3,7 @@
 use haptical_model::Recording;
 
 use crate::column::Role;
-use crate::error::DataError;
+use crate::error::{DataError, Fault};
 use crate::read::order::cell_of;
 
 /// Allowed deviation of a quaternion's norm from 1: four components printed with three decimals
@@ -31,15 +31,14 @@ pub(crate) fn normalise(
         }
         let at = || cell_of(columns, Role::Orientation(0), file, line);
         if [*w, *x, *y, *z].iter().all(|part| *part == 0.0) {
-            return Err(DataError::ZeroQuaternion { at: at() });
+            return Err(at().error(Fault::ZeroQuaternion));
         }
         let norm = squared.sqrt();
         if (norm - 1.0).abs() > NORM_TOLERANCE {
-            return Err(DataError::QuaternionNorm {
-                at: at(),
+            return Err(at().error(Fault::QuaternionNorm {
                 norm,
                 allowed: NORM_TOLERANCE,
-            });
+            }));
         }
         for part in [w, x, y, z] {
             *part /= norm;

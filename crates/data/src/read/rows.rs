@@ -1,11 +1,11 @@
-//! Text to rows of cells, each row with the line it stands on.
+//! Text to rows of cells, each row with its line.
 
 use std::io::Read;
 
 use csv::StringRecord;
 
-use crate::error::DataError;
 use crate::error::place::Place;
+use crate::error::{DataError, Fault};
 use crate::read::source::TextStream;
 
 /// Bytes that are read at a time.
@@ -69,13 +69,11 @@ impl<'r> Rows<'r> {
     }
 
     fn refusal(&mut self, error: csv::Error) -> DataError {
-        self.reader
-            .get_mut()
-            .take_fault()
-            .unwrap_or_else(|| DataError::Unreadable {
-                at: Place::file(self.file),
+        self.reader.get_mut().take_fault().unwrap_or_else(|| {
+            Place::file(self.file).error(Fault::Unreadable {
                 source: error.into(),
             })
+        })
     }
 
     fn reject_line_breaks(&self, line: u64) -> Result<(), DataError> {
@@ -88,7 +86,7 @@ impl<'r> Rows<'r> {
             Some(index) => {
                 let mut at = Place::line(self.file, line);
                 at.column_number = Some(index + 1);
-                Err(DataError::UnclosedQuote { at })
+                Err(at.error(Fault::UnclosedQuote))
             }
         }
     }
@@ -107,10 +105,7 @@ fn check_separator(header: &str, file: &str, line: u64) -> Result<(), DataError>
         _ if commas == 0 && has_words_of_a_header(header) => "spaces",
         _ => return Ok(()),
     };
-    Err(DataError::WrongSeparator {
-        at: Place::line(file, line),
-        saw,
-    })
+    Err(Place::line(file, line).error(Fault::WrongSeparator { saw }))
 }
 
 /// Whether blanks separate column names, rather than words of one name such as `theta1 [deg]`.

@@ -5,8 +5,8 @@ use std::io::{self, BufReader, Cursor, Read};
 
 use flate2::bufread::MultiGzDecoder;
 
-use crate::error::DataError;
 use crate::error::place::Place;
+use crate::error::{DataError, Fault};
 use crate::read::format::{MCAP_MAGIC, PARQUET_MAGIC};
 use crate::size::{LONGEST_GAP_BYTES, LONGEST_LINE_BYTES};
 
@@ -27,7 +27,7 @@ pub(crate) struct TextStream<'r> {
     file: String,
     is_gzip: bool,
     first: Vec<u8>,
-    /// Bytes seen, line that the next one stands on and commas before it, and where it began.
+    /// Bytes seen, line of the next one and commas before it, and where it began.
     offset: u64,
     line: u64,
     commas: usize,
@@ -60,10 +60,7 @@ impl std::fmt::Debug for TextStream<'_> {
 impl<'r> TextStream<'r> {
     /// Decompresses what starts as gzip, and drops a byte order mark.
     pub(crate) fn new(reader: impl Read + 'r, file: &str) -> Result<Self, DataError> {
-        let unreadable = |source| DataError::Unreadable {
-            at: Place::file(file),
-            source,
-        };
+        let unreadable = |source| Place::file(file).error(Fault::Unreadable { source });
         let mut reader = BufReader::new(reader);
         let magic = first_bytes(&mut reader, GZIP_MAGIC.len()).map_err(unreadable)?;
         // A single 0x1f counts too: no text starts so, but a cut gzip file does.
@@ -197,10 +194,9 @@ impl<'r> TextStream<'r> {
         }
         if self.offset - self.last_row > LONGEST_GAP_BYTES {
             let line = self.starts.front().map_or(self.line, |&(_, line)| line);
-            return Err(DataError::NoRow {
-                at: Place::line(&self.file, line),
+            return Err(Place::line(&self.file, line).error(Fault::NoRow {
                 mebibytes: LONGEST_GAP_BYTES >> 20,
-            });
+            }));
         }
         Ok(())
     }
@@ -211,10 +207,11 @@ impl<'r> TextStream<'r> {
             self.starts.push_back((self.offset, self.line));
         }
         if self.offset - self.line_start >= LONGEST_LINE_BYTES {
-            return Err(DataError::LineTooLong {
-                at: Place::line(&self.file, self.line),
-                mebibytes: LONGEST_LINE_BYTES >> 20,
-            });
+            return Err(
+                Place::line(&self.file, self.line).error(Fault::LineTooLong {
+                    mebibytes: LONGEST_LINE_BYTES >> 20,
+                }),
+            );
         }
         if !self.has_header {
             self.header.push(byte);
@@ -242,11 +239,10 @@ impl<'r> TextStream<'r> {
     }
 
     fn not_utf8(&self) -> DataError {
-        DataError::NotUtf8 {
-            at: self.here(),
+        self.here().error(Fault::NotUtf8 {
             byte: self.offset,
             advice: what_it_is(&self.first).unwrap_or("save it as UTF-8"),
-        }
+        })
     }
 
     fn nul_byte(&self) -> DataError {
@@ -254,8 +250,7 @@ impl<'r> TextStream<'r> {
             return self.not_utf8();
         }
         let is_wide = self.first.len() >= 2 && self.first[..2].contains(&0);
-        DataError::NulByte {
-            at: self.here(),
+        self.here().error(Fault::NulByte {
             byte: self.offset,
             advice: if is_wide && self.first.iter().any(|byte| *byte != 0) {
                 "it looks like UTF-16: save it as UTF-8"
@@ -263,7 +258,7 @@ impl<'r> TextStream<'r> {
                 "the file was damaged, as by a loss of power while it was recorded: delete the row \
                  and what follows it, or record again"
             },
-        }
+        })
     }
 
     fn at_end(&self) -> Result<(), DataError> {
@@ -312,9 +307,9 @@ fn unreadable_or_corrupt(source: io::Error, file: &str, is_gzip: bool) -> DataEr
     let at = Place::file(file);
     match source.kind() {
         InvalidData | InvalidInput | UnexpectedEof if is_gzip => {
-            DataError::CorruptGzip { at, source }
+            at.error(Fault::CorruptGzip { source })
         }
-        _ => DataError::Unreadable { at, source },
+        _ => at.error(Fault::Unreadable { source }),
     }
 }
 
@@ -359,8 +354,8 @@ fn what_it_is(bytes: &[u8]) -> Option<&'static str> {
 pub(crate) fn open_error(name: &str, source: io::Error) -> DataError {
     let at = Place::file(name);
     if source.kind() == io::ErrorKind::NotFound {
-        DataError::NotFound { at }
+        at.error(Fault::NotFound)
     } else {
-        DataError::Unreadable { at, source }
+        at.error(Fault::Unreadable { source })
     }
 }

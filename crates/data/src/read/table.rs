@@ -2,11 +2,11 @@
 
 use csv::StringRecord;
 
-use crate::error::DataError;
 use crate::error::place::Place;
-use crate::read::assemble::Column;
+use crate::error::{DataError, Fault};
+use crate::read::assemble::{Column, assemble};
 use crate::read::header::Header;
-use crate::read::{LoadedLog, checked};
+use crate::read::{LoadedLog, limits, order, orientation};
 use crate::shape::LogShape;
 use crate::size::{MOST_COLUMNS, MOST_MEMORY_BYTES, NUMBER_BYTES};
 
@@ -23,7 +23,7 @@ pub enum Cells<'a> {
 }
 
 impl Cells<'_> {
-    fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Numbers(cells) => cells.len(),
             Self::Integers(cells) => cells.len(),
@@ -37,7 +37,7 @@ impl Cells<'_> {
 /// In errors and warnings the first row is line 2, as in the CSV log of the same rows.
 ///
 /// # Errors
-/// [`DataError::NotALog`] for columns of unequal length; otherwise as [`read_log`](crate::read_log).
+/// [`Fault::NotALog`] for columns of unequal length; otherwise as [`read_log`](crate::read_log).
 ///
 /// # Examples
 /// ```
@@ -66,16 +66,14 @@ pub fn log_from_columns(
     let n_rows = columns.first().map_or(0, |(_, cells)| cells.len());
     for (index, (header, cells)) in columns.iter().enumerate() {
         if cells.len() != n_rows {
-            let mut at = Place::cell(name, 1, index + 1, header);
-            at.line = None;
-            return Err(DataError::NotALog {
-                at,
+            let at = Place::column(name, index + 1, header);
+            return Err(at.error(Fault::NotALog {
                 what: format!(
                     "the column has {} rows, the first one {n_rows}",
                     cells.len()
                 ),
                 advice: "give all columns the same number of rows".to_owned(),
-            });
+            }));
         }
     }
     for (index, (_, cells)) in columns.iter().enumerate() {
@@ -110,17 +108,19 @@ pub(crate) enum Cell<'a> {
     Text(&'a str),
 }
 
-/// A log that is filled cell by cell, in any order of the columns.
+/// A log that is filled row by row, or cell by cell in any order of the columns.
 #[derive(Debug)]
 pub(crate) struct Table<'a> {
     name: &'a str,
     shape: &'a LogShape,
     header: Header,
     columns: Vec<Column>,
-    /// Rows so far, by column.
+    /// Line of each row.
+    pub(super) lines: Vec<u64>,
+    /// Rows so far, by column, of a log that is filled cell by cell.
     n_rows: Vec<u64>,
     memory_bytes: u64,
-    most_bytes: u64,
+    pub(super) most_bytes: u64,
 }
 
 /// Line of the first row: the header is line 1.
@@ -133,32 +133,50 @@ impl<'a> Table<'a> {
         name: &'a str,
         shape: &'a LogShape,
     ) -> Result<Self, DataError> {
-        if shape.joints.is_empty() {
-            return Err(DataError::InvalidShape {
-                at: Place::file(name),
-            });
-        }
+        shape.check(name)?;
         if names.len() > MOST_COLUMNS {
-            return Err(DataError::TooManyColumns {
-                at: Place::file(name),
+            return Err(Place::file(name).error(Fault::TooManyColumns {
                 columns: names.len(),
                 most: MOST_COLUMNS,
-            });
+            }));
         }
         let header = Header::new(&names.collect::<StringRecord>(), 1, name, shape)?;
+        Ok(Self::with_header(header, name, shape))
+    }
+
+    /// A log with a checked header and no rows.
+    pub(crate) fn with_header(header: Header, name: &'a str, shape: &'a LogShape) -> Self {
         let named = header.columns.iter().enumerate();
         let columns: Vec<Column> = named
             .map(|(index, (column, role))| Column::new(column, index + 1, *role))
             .collect();
-        Ok(Self {
+        Self {
             name,
             shape,
             n_rows: vec![0; columns.len()],
             header,
             columns,
+            lines: Vec::new(),
             memory_bytes: 0,
             most_bytes: MOST_MEMORY_BYTES,
-        })
+        }
+    }
+
+    /// Adds the cells of a line.
+    pub(crate) fn push_row(&mut self, record: &StringRecord, line: u64) -> Result<(), DataError> {
+        if record.len() != self.columns.len() {
+            return Err(Place::line(self.name, line).error(Fault::CellCount {
+                got: record.len(),
+                expected: self.columns.len(),
+                advice: cell_count_advice(record, self.columns.len()),
+            }));
+        }
+        for (column, cell) in self.columns.iter_mut().zip(record) {
+            self.memory_bytes += column.push(cell.trim(), line, self.name)?;
+        }
+        self.lines.push(line);
+        self.memory_bytes += NUMBER_BYTES;
+        self.check_memory(line, self.lines.len())
     }
 
     /// Adds a cell to the column at `index`, which is below the number of names.
@@ -171,25 +189,55 @@ impl<'a> Table<'a> {
             Cell::Integer(value) => column.push(&value.to_string(), line, self.name),
             Cell::Text(text) => column.push(text.trim(), line, self.name),
         }?;
+        let rows = usize::try_from(*row).unwrap_or(usize::MAX);
         if index == 0 {
+            self.lines.push(line);
             self.memory_bytes += NUMBER_BYTES;
         }
-        if self.memory_bytes > self.most_bytes {
-            return Err(DataError::TooLarge {
-                at: Place::line(self.name, line),
-                rows: usize::try_from(*row).unwrap_or(usize::MAX),
-                gibibytes: self.most_bytes >> 30,
-            });
+        self.check_memory(line, rows)
+    }
+
+    fn check_memory(&self, line: u64, rows: usize) -> Result<(), DataError> {
+        if self.memory_bytes <= self.most_bytes {
+            return Ok(());
         }
-        Ok(())
+        Err(Place::line(self.name, line).error(Fault::TooLarge {
+            rows,
+            gibibytes: self.most_bytes >> 30,
+        }))
     }
 
     /// The recording, after the checks that need all rows. Every column has the same number of cells.
     pub(crate) fn finish(self) -> Result<LoadedLog, DataError> {
-        let n_rows = self.n_rows.first().copied().unwrap_or(0);
-        debug_assert!(self.n_rows.iter().all(|&count| count == n_rows));
-        let lines = (FIRST_LINE..FIRST_LINE + n_rows).collect();
-        checked(self.header, lines, self.columns, self.name, self.shape)
+        let (header, name) = (self.header, self.name);
+        match self.lines[..] {
+            [] => return Err(Place::line(name, header.line).error(Fault::NoRows)),
+            [only] => return Err(Place::line(name, only).error(Fault::TooFewRows { rows: 1 })),
+            _ => {}
+        }
+        let mut log = assemble(self.columns, self.lines, name, self.shape)?;
+        log.warnings.splice(0..0, header.warnings);
+        order::check(&log.recording, &header.columns, name)?;
+        orientation::normalise(&mut log.recording, &header.columns, name)?;
+        order::check_distances(&log.recording, &header.columns, name)?;
+        let outside = limits::check(&log.recording, &header.columns, name, self.shape)?;
+        log.warnings.extend(outside);
+        Ok(log)
+    }
+}
+
+/// What a row with a wrong number of cells probably is.
+fn cell_count_advice(record: &StringRecord, expected: usize) -> &'static str {
+    let is_integer = |cell: &str| {
+        let digits = cell.trim().trim_start_matches(['-', '+']);
+        digits.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    if record.len() < expected {
+        "the row is cut off or a comma is missing: delete the row or complete it"
+    } else if record.iter().all(is_integer) {
+        "it looks like a comma as decimal sign: export the log again with a point"
+    } else {
+        "there is a comma too many, or the header is not complete: correct the row"
     }
 }
 

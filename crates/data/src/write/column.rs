@@ -4,39 +4,22 @@ use std::fmt::Write as _;
 
 use haptical_model::Recording;
 
-use crate::column::{
-    FORCE, ORIENTATION, POSITION, Role, cable_name, joint_name, output_name, torque_name,
-};
-use crate::error::DataError;
+use crate::column::Role;
 use crate::error::place::Place;
+use crate::error::{DataError, Fault};
+use crate::read::table::Cells;
 use crate::shape::LogShape;
 
 /// One column with its header.
 #[derive(Debug)]
 pub(crate) struct WriteColumn<'r> {
     pub(crate) name: String,
-    cells: Cells<'r>,
+    pub(crate) cells: Cells<'r>,
     /// Whether no reading may be missing.
     required: bool,
 }
 
-#[derive(Debug)]
-enum Cells<'r> {
-    Numbers(&'r [f64]),
-    Integers(&'r [i64]),
-    Texts(&'r [String]),
-}
-
 impl WriteColumn<'_> {
-    /// Number of rows.
-    pub(crate) fn len(&self) -> usize {
-        match self.cells {
-            Cells::Numbers(numbers) => numbers.len(),
-            Cells::Integers(integers) => integers.len(),
-            Cells::Texts(texts) => texts.len(),
-        }
-    }
-
     /// Appends the cell of `row` to `buffer`, or says why it cannot be written.
     pub(crate) fn print(&self, row: usize, buffer: &mut String) -> Result<(), &'static str> {
         match self.cells {
@@ -98,57 +81,55 @@ pub(crate) fn columns_of<'r>(
 ) -> Result<Vec<WriteColumn<'r>>, DataError> {
     check_counts(recording, shape, file)?;
     let mut columns = Vec::new();
-    let mut add = |name: String, cells: Option<Cells<'r>>, required: bool| {
+    let mut add = |role: Role, cells: Option<Cells<'r>>| {
         columns.extend(cells.map(|cells| WriteColumn {
-            name,
+            name: role.name(shape),
             cells,
-            required,
+            required: matches!(role, Role::Joint(_)),
         }));
     };
-    let numbers = |column: Option<&'r Vec<f64>>| column.map(|column| Cells::Numbers(column));
-    let texts = |column: Option<&'r Vec<String>>| column.map(|column| Cells::Texts(column));
+    let numbers = |column: &'r Vec<f64>| Cells::Numbers(column);
+    let texts = |column: &'r Vec<String>| Cells::Texts(column);
 
-    add("t_s".to_owned(), numbers(recording.time_s.as_ref()), false);
-    add(
-        "run".to_owned(),
-        recording.run.as_deref().map(Cells::Integers),
-        false,
-    );
+    add(Role::Time, recording.time_s.as_ref().map(numbers));
+    add(Role::Run, recording.run.as_deref().map(Cells::Integers));
     for (joint, column) in recording.joint.iter().enumerate() {
-        add(joint_name(shape, joint), numbers(Some(column)), true);
+        add(Role::Joint(joint), Some(numbers(column)));
     }
     for (joint, column) in recording.output.iter().enumerate() {
-        add(output_name(shape, joint), numbers(column.as_ref()), false);
+        add(Role::Output(joint), column.as_ref().map(numbers));
     }
     for (cable, column) in recording.cable_m.iter().enumerate() {
-        add(cable_name(cable), numbers(column.as_ref()), false);
+        add(Role::Cable(cable), column.as_ref().map(numbers));
     }
-    for (part, column) in recording.position_m.iter().flatten().enumerate() {
-        add(POSITION[part].to_owned(), numbers(Some(column)), false);
+    for (axis, column) in recording.position_m.iter().flatten().enumerate() {
+        add(Role::Position(axis), Some(numbers(column)));
     }
     for (part, column) in recording.orientation_wxyz.iter().flatten().enumerate() {
-        add(ORIENTATION[part].to_owned(), numbers(Some(column)), false);
+        add(Role::Orientation(part), Some(numbers(column)));
     }
-    add(
-        "contact".to_owned(),
-        texts(recording.contact.as_ref()),
-        false,
-    );
-    add("plane".to_owned(), texts(recording.plane.as_ref()), false);
+    add(Role::Contact, recording.contact.as_ref().map(texts));
+    add(Role::Plane, recording.plane.as_ref().map(texts));
     for (joint, column) in recording.torque_nm.iter().enumerate() {
-        add(torque_name(joint), numbers(column.as_ref()), false);
+        add(Role::Torque(joint), column.as_ref().map(numbers));
     }
-    for (part, column) in recording.force_n.iter().flatten().enumerate() {
-        add(FORCE[part].to_owned(), numbers(Some(column)), false);
+    for (axis, column) in recording.force_n.iter().flatten().enumerate() {
+        add(Role::Force(axis), Some(numbers(column)));
     }
     add(
-        "temp_degc".to_owned(),
-        numbers(recording.temperature_degc.as_ref()),
-        false,
+        Role::Temperature,
+        recording.temperature_degc.as_ref().map(numbers),
     );
-    for (name, column) in &recording.covariates {
-        add(name.clone(), numbers(Some(column)), false);
-    }
+    columns.extend(
+        recording
+            .covariates
+            .iter()
+            .map(|(name, column)| WriteColumn {
+                name: name.clone(),
+                cells: numbers(column),
+                required: false,
+            }),
+    );
     Ok(columns)
 }
 
@@ -156,41 +137,21 @@ pub(crate) fn columns_of<'r>(
 fn check_counts(recording: &Recording, shape: &LogShape, file: &str) -> Result<(), DataError> {
     let (joints, cables) = (shape.joints.len(), shape.cable_count);
     let counts = [
-        (
-            "joint",
-            recording.joint.len(),
-            joints,
-            recording.joint.len() == joints,
-        ),
-        (
-            "output",
-            recording.output.len(),
-            joints,
-            recording.output.len() <= joints,
-        ),
-        (
-            "torque",
-            recording.torque_nm.len(),
-            joints,
-            recording.torque_nm.len() <= joints,
-        ),
-        (
-            "cable",
-            recording.cable_m.len(),
-            cables,
-            recording.cable_m.len() <= cables,
-        ),
+        ("joint", recording.joint.len(), joints),
+        ("output", recording.output.len(), joints),
+        ("torque", recording.torque_nm.len(), joints),
+        ("cable", recording.cable_m.len(), cables),
     ];
-    match counts.iter().find(|(_, _, _, fits)| !fits) {
-        None => Ok(()),
-        Some((what, got, expected, _)) => Err(DataError::InvalidRecording {
-            at: Place::file(file),
-            what: format!(
-                "it has {got} {what} columns and the device {expected}; use the device that it \
-                 was recorded with"
-            ),
-        }),
-    }
+    let is_wrong = |&&(what, got, expected): &&(&str, usize, usize)| {
+        got > expected || (what == "joint" && got < expected)
+    };
+    let Some((what, got, expected)) = counts.iter().find(is_wrong) else {
+        return Ok(());
+    };
+    let what = format!(
+        "it has {got} {what} columns and the device {expected}; use the device that it was recorded with"
+    );
+    Err(Place::file(file).error(Fault::InvalidRecording { what }))
 }
 
 /// Refuses covariates whose names would be read as something else.
@@ -212,10 +173,9 @@ pub(crate) fn check_covariate_names(
             continue;
         };
         let at = Place::cell(file, 1, index + 1, name);
-        return Err(DataError::InvalidRecording {
-            at,
+        return Err(at.error(Fault::InvalidRecording {
             what: what.to_owned(),
-        });
+        }));
     }
     Ok(())
 }

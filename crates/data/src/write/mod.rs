@@ -8,8 +8,8 @@ use std::io::{self, Write};
 
 use haptical_model::Recording;
 
-use crate::error::DataError;
 use crate::error::place::Place;
+use crate::error::{DataError, Fault};
 use crate::shape::LogShape;
 use crate::write::column::{WriteColumn, check_covariate_names, columns_of};
 
@@ -46,20 +46,16 @@ impl<W: Write> LogWriter<W> {
     /// log `name`.
     ///
     /// # Errors
-    /// [`DataError::InvalidShape`] for a device without joints, [`DataError::InvalidRecording`]
+    /// [`Fault::InvalidShape`] for a device without joints, [`Fault::InvalidRecording`]
     /// when the recording does not fit the shape or a covariate's name cannot be a header,
-    /// [`DataError::Unwritable`] from the writer.
+    /// [`Fault::Unwritable`] from the writer.
     pub fn new(
         writer: W,
         name: &str,
         recording: &Recording,
         shape: &LogShape,
     ) -> Result<Self, DataError> {
-        if shape.joints.is_empty() {
-            return Err(DataError::InvalidShape {
-                at: Place::file(name),
-            });
-        }
+        shape.check(name)?;
         let columns = columns_of(recording, shape, name)?;
         check_covariate_names(&columns, recording.covariates.len(), shape, name)?;
         let header: Vec<String> = columns.into_iter().map(|column| column.name).collect();
@@ -79,9 +75,9 @@ impl<W: Write> LogWriter<W> {
     /// Writes all rows of `recording`, which has the columns of the first one.
     ///
     /// # Errors
-    /// [`DataError::InvalidRecording`] for other columns, columns of unequal length, a joint
+    /// [`Fault::InvalidRecording`] for other columns, columns of unequal length, a joint
     /// reading that is missing, a number that is infinite, or a text with a line break or with
-    /// blanks at its ends; [`DataError::Unwritable`] from the writer. Rows before the faulty one
+    /// blanks at its ends; [`Fault::Unwritable`] from the writer. Rows before the faulty one
     /// are written.
     pub fn write_rows(&mut self, recording: &Recording) -> Result<(), DataError> {
         let columns = columns_of(recording, &self.shape, &self.name)?;
@@ -90,13 +86,14 @@ impl<W: Write> LogWriter<W> {
         for row in 0..recording.len() {
             for (index, column) in columns.iter().enumerate() {
                 cell.clear();
-                column
-                    .print(row, &mut cell)
-                    .map_err(|what| DataError::InvalidRecording {
-                        // The header is line 1, the first row line 2.
-                        at: Place::cell(&self.name, self.n_rows + 2, index + 1, &column.name),
-                        what: what.to_owned(),
-                    })?;
+                column.print(row, &mut cell).map_err(|what| {
+                    // The header is line 1, the first row line 2.
+                    Place::cell(&self.name, self.n_rows + 2, index + 1, &column.name).error(
+                        Fault::InvalidRecording {
+                            what: what.to_owned(),
+                        },
+                    )
+                })?;
                 self.output
                     .write_field(&cell)
                     .map_err(|e| unwritable(&self.name, e.into()))?;
@@ -112,7 +109,7 @@ impl<W: Write> LogWriter<W> {
     /// Flushes and gives back the writer.
     ///
     /// # Errors
-    /// [`DataError::Unwritable`] from the writer.
+    /// [`Fault::Unwritable`] from the writer.
     pub fn finish(self) -> Result<W, DataError> {
         let Self { name, output, .. } = self;
         output
@@ -127,25 +124,21 @@ impl<W: Write> LogWriter<W> {
             let what = format!(
                 "the header is `{header}`, these rows have `{names}`; write them to another log"
             );
-            return Err(DataError::InvalidRecording {
-                at: Place::file(&self.name),
-                what,
-            });
+            return Err(Place::file(&self.name).error(Fault::InvalidRecording { what }));
         }
         let unequal = columns
             .iter()
             .enumerate()
-            .find(|(_, column)| column.len() != n_rows);
+            .find(|(_, column)| column.cells.len() != n_rows);
         let Some((index, column)) = unequal else {
             return Ok(());
         };
-        let mut at = Place::cell(&self.name, 1, index + 1, &column.name);
-        at.line = None;
+        let at = Place::column(&self.name, index + 1, &column.name);
         let what = format!(
             "the column has {} rows and the first joint {n_rows}; give all columns the same",
-            column.len()
+            column.cells.len()
         );
-        Err(DataError::InvalidRecording { at, what })
+        Err(at.error(Fault::InvalidRecording { what }))
     }
 }
 
@@ -155,8 +148,7 @@ pub(crate) fn unwritable(name: &str, source: io::Error) -> DataError {
     let inner = source.get_ref().and_then(|inner| inner.source());
     let inner = inner.and_then(|inner| inner.downcast_ref::<io::Error>());
     let code = inner.and_then(io::Error::raw_os_error);
-    DataError::Unwritable {
-        at: Place::file(name),
+    Place::file(name).error(Fault::Unwritable {
         source: code.map_or(source, io::Error::from_raw_os_error),
-    }
+    })
 }

@@ -1,6 +1,6 @@
 //! Rows and cells that are refused.
 
-use haptical_data::DataError;
+use haptical_data::Fault;
 
 use crate::support::{device, read, refused, single};
 
@@ -26,7 +26,7 @@ fn rows_have_as_many_cells_as_the_header() {
     ];
     for (text, line, cells, advice) in cases {
         let error = refused(text, &single(), "cell-count", Some(line), None);
-        assert!(matches!(error, DataError::CellCount { got, expected: 2, .. } if got == cells));
+        assert!(matches!(error.fault, Fault::CellCount { got, expected: 2, .. } if got == cells));
         assert!(error.to_string().contains(advice), "{error}");
     }
 }
@@ -165,7 +165,7 @@ fn distances_are_not_negative() {
         Some(4),
         Some((5, "cable2_m")),
     );
-    assert!(matches!(error, DataError::NegativeDistance { value_m, .. } if value_m == -0.001));
+    assert!(matches!(error.fault, Fault::NegativeDistance { value_m, .. } if value_m == -0.001));
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn quaternions_are_neither_zero_nor_scaled() {
         Some((5, "qw")),
     );
     let expected = (0.36_f64 + 0.802 * 0.802).sqrt();
-    assert!(matches!(error, DataError::QuaternionNorm { norm, .. } if norm == expected));
+    assert!(matches!(error.fault, Fault::QuaternionNorm { norm, .. } if norm == expected));
     // 0.0009 off is allowed, 0.0011 is not, on either side.
     for (norm, allowed) in [
         (0.9989, false),

@@ -1,6 +1,6 @@
 //! Headers that are refused.
 
-use haptical_data::{DataError, LogShape};
+use haptical_data::{Fault, LogShape};
 
 use crate::support::{device, read, refused, single};
 
@@ -49,7 +49,7 @@ fn duplicate_columns_are_refused() {
         Some((3, "t_s")),
     );
     assert!(
-        matches!(error, DataError::DuplicateColumn { first: 1, .. }),
+        matches!(error.fault, Fault::DuplicateColumn { first: 1, .. }),
         "{error}"
     );
 }
@@ -70,15 +70,15 @@ fn missing_joints_are_named_with_their_near_misses() {
     );
     assert!(message.contains("rename column 2 `theta1` to `theta1_rad` if it is in rad"));
     assert!(message.contains("convert column 3 `theta_2_deg` to rad and rename it `theta2_rad`"));
-    let DataError::MissingColumn {
+    let Fault::MissingColumn {
         near_misses,
         required,
         ..
-    } = error
+    } = &error.fault
     else {
         panic!("another variant");
     };
-    assert_eq!(required, ["theta1_rad", "theta2_rad", "theta3_m"]);
+    assert_eq!(*required, ["theta1_rad", "theta2_rad", "theta3_m"]);
     let found: Vec<(usize, bool)> = near_misses
         .iter()
         .map(|miss| (miss.column_number, miss.convert))
@@ -98,7 +98,7 @@ fn near_misses_understand_other_spellings() {
     ];
     for name in spellings {
         let error = read(&format!("run,{name}\n0,1\n"), &single()).unwrap_err();
-        let DataError::MissingColumn { near_misses, .. } = error else {
+        let Fault::MissingColumn { near_misses, .. } = &error.fault else {
             panic!("another variant for {name}: {error}");
         };
         let found: Vec<(&str, bool)> = near_misses
@@ -170,7 +170,7 @@ fn units_of_the_other_type_of_joint_are_refused() {
     ];
     for (text, number, name, wanted) in cases {
         let error = refused(text, &device(), "wrong-unit", Some(1), Some((number, name)));
-        let DataError::WrongUnit { expected, .. } = &error else {
+        let Fault::WrongUnit { expected, .. } = &error.fault else {
             panic!("another variant: {error}");
         };
         assert_eq!(expected, wanted);
@@ -193,7 +193,7 @@ fn a_part_of_a_vector_is_refused() {
     ];
     for (text, place, names) in cases {
         let error = refused(text, &single(), "incomplete-group", Some(1), Some(place));
-        let DataError::IncompleteGroup { missing, .. } = &error else {
+        let Fault::IncompleteGroup { missing, .. } = &error.fault else {
             panic!("another variant: {error}");
         };
         assert_eq!(*missing, names);

@@ -1,6 +1,6 @@
 //! The order of times and runs.
 
-use haptical_data::DataError;
+use haptical_data::Fault;
 
 use crate::support::{clean, refused, single};
 
@@ -9,12 +9,12 @@ fn time_increases_within_a_run() {
     for (time, earlier) in [("1.5", 1.5), ("1.4", 1.5)] {
         let text = format!("theta1_rad,t_s\n0,1\n\n0,1.5\n0,{time}\n");
         let error = refused(&text, &single(), "time-order", Some(5), Some((2, "t_s")));
-        let DataError::TimeOrder {
+        let Fault::TimeOrder {
             time_s,
             previous_line,
             previous_s,
             ..
-        } = &error
+        } = &error.fault
         else {
             panic!("another variant: {error}");
         };
@@ -52,8 +52,8 @@ fn the_rows_of_a_run_are_contiguous() {
     );
     assert!(
         matches!(
-            error,
-            DataError::RunNotContiguous {
+            error.fault,
+            Fault::RunNotContiguous {
                 run: 1,
                 previous_line: 3,
                 ..

@@ -1,6 +1,6 @@
 //! Refusals of logs.
 
-use haptical_data::DataError;
+use haptical_data::{DataError, Fault};
 use haptical_model::Device;
 
 use super::equipment::listed;
@@ -9,8 +9,8 @@ use super::{Error, ErrorKind, Place, split_advice};
 impl Error {
     /// A refused log of a device: the joints that it has no columns of are named.
     pub(crate) fn log(error: DataError, device: &Device) -> Self {
-        let names: Vec<String> = match &error {
-            DataError::MissingColumn {
+        let names: Vec<String> = match &error.fault {
+            Fault::MissingColumn {
                 missing, required, ..
             } => {
                 let joints = required.iter().zip(&device.joints);
@@ -33,12 +33,10 @@ impl Error {
 
 impl From<DataError> for Error {
     fn from(error: DataError) -> Self {
-        let at = error.place();
-        let text = error.to_string();
-        let text = text.strip_prefix(&format!("{at}: ")).unwrap_or(&text);
-        let (what, next) = split_advice(text);
-        let joint_columns = match &error {
-            DataError::MissingColumn {
+        let at = &error.at;
+        let (what, next) = split_advice(&error.fault.to_string());
+        let joint_columns = match &error.fault {
+            Fault::MissingColumn {
                 missing,
                 required,
                 near_misses,
@@ -49,9 +47,9 @@ impl From<DataError> for Error {
             _ => None,
         };
         Self {
-            kind: match &error {
-                DataError::NotFound { .. } => ErrorKind::NotFound,
-                DataError::Unreadable { .. } => ErrorKind::Io,
+            kind: match &error.fault {
+                Fault::NotFound => ErrorKind::NotFound,
+                Fault::Unreadable { .. } => ErrorKind::Io,
                 _ => ErrorKind::BadInput,
             },
             name: error.kind(),
