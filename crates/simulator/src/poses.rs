@@ -2,7 +2,7 @@
 
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{KinematicsError, distance_m};
-use haptical_model::{Device, Evaluation, ModelError};
+use haptical_model::{Cable, Device, Evaluation, ModelError};
 use rand_chacha::ChaCha8Rng;
 
 use crate::SimulatorError;
@@ -45,7 +45,7 @@ impl<'d> PoseSampler<'d> {
             readings: vec![0.0; joints.len()],
             distances_m: vec![0.0; truth.cables.len()],
             joints,
-            generator: Stream::Poses.open(seed),
+            generator: Stream::Poses.open(0, seed),
             minimum_distance_m: settings.minimum_distance_m,
             evaluation: Evaluation::new(truth),
         })
@@ -73,14 +73,19 @@ impl<'d> PoseSampler<'d> {
 
     /// Whether every cable is long enough; keeps the distances.
     fn measure_cables(&mut self) -> Result<bool, ModelError> {
-        let position_m = self.evaluation.pose()?.position_m;
+        let handle_m = self.evaluation.pose()?.position_m;
         for (distance, cable) in self.distances_m.iter_mut().zip(&self.truth.cables) {
-            *distance = match distance_m(&position_m, &Vector3::from(cable.anchor_m)) {
-                Ok(distance_m) if distance_m >= self.minimum_distance_m => distance_m,
-                Ok(_) | Err(KinematicsError::ZeroDistance { .. }) => return Ok(false),
-                Err(reason) => return Err(reason.into()),
-            };
+            *distance = way_m(cable, &handle_m)?;
         }
-        Ok(true)
+        let mut distances = self.distances_m.iter();
+        Ok(distances.all(|distance_m| *distance_m > 0.0 && *distance_m >= self.minimum_distance_m))
+    }
+}
+
+/// Distance from a cable's exit to the handle, 0 where they coincide \[m\].
+pub(crate) fn way_m(cable: &Cable, handle_m: &Vector3<f64>) -> Result<f64, ModelError> {
+    match distance_m(handle_m, &Vector3::from(cable.anchor_m)) {
+        Err(KinematicsError::ZeroDistance { .. }) => Ok(0.0),
+        other => Ok(other?),
     }
 }

@@ -32,21 +32,10 @@ impl JointSampler {
         settings: &Settings,
     ) -> Result<Self, SimulatorError> {
         let part = joint_part(joint, index);
-        let (lower, upper) = (joint.lower_rad, joint.upper_rad);
-        let usable = |value: f64| match settings.sampling {
-            Sampling::Normal => !value.is_nan(),
-            Sampling::Uniform => value.is_finite(),
-        };
-        for (key, value) in [("lower_rad", lower), ("upper_rad", upper)] {
-            if !usable(value) {
-                return Err(SimulatorError::Value {
-                    part,
-                    key,
-                    value,
-                    allowed: "a finite limit",
-                });
-            }
-        }
+        let (lower, upper) = limits(joint, &part, |limit| match settings.sampling {
+            Sampling::Normal => !limit.is_nan(),
+            Sampling::Uniform => limit.is_finite(),
+        })?;
         let (sd, low, high) = match settings.sampling {
             Sampling::Normal => {
                 let purpose = "normal sampling";
@@ -98,6 +87,27 @@ pub(crate) fn joint_part(joint: &Joint, index: usize) -> Part {
     Part::Joint {
         number: index + 1,
         name: joint.name.clone(),
+    }
+}
+
+/// The limits of a joint, if both are usable.
+pub(crate) fn limits(
+    joint: &Joint,
+    part: &Part,
+    is_usable: impl Fn(f64) -> bool,
+) -> Result<(f64, f64), SimulatorError> {
+    let limits = [
+        ("lower_rad", joint.lower_rad),
+        ("upper_rad", joint.upper_rad),
+    ];
+    match limits.into_iter().find(|(_, limit)| !is_usable(*limit)) {
+        None => Ok((joint.lower_rad, joint.upper_rad)),
+        Some((key, value)) => Err(SimulatorError::Value {
+            part: part.clone(),
+            key,
+            value,
+            allowed: "a finite limit",
+        }),
     }
 }
 

@@ -29,20 +29,17 @@ impl Sensor {
         index: usize,
         settings: &Settings,
     ) -> Result<Self, SimulatorError> {
-        let count = if settings.motor_counts {
-            let (part, key) = (joint_part(joint, index), "encoder_counts_per_rev");
-            let purpose = "rounding of the motor-side readings";
-            let counts = required(joint.encoder_counts_per_rev, &part, key, purpose)?;
-            let turns = TAU / counts;
-            let ratio = joint.transmission_ratio.abs();
-            let ratio = required(Some(ratio), &part, "transmission_ratio", purpose)?;
-            Some(turns / ratio)
-        } else {
-            None
-        };
+        if !settings.motor_counts {
+            return Ok(Self::exact());
+        }
+        let (part, key) = (joint_part(joint, index), "encoder_counts_per_rev");
+        let purpose = "rounding of the motor-side readings";
+        let turns = TAU / required(joint.encoder_counts_per_rev, &part, key, purpose)?;
+        let ratio = joint.transmission_ratio.abs();
+        let ratio = required(Some(ratio), &part, "transmission_ratio", purpose)?;
         Ok(Self {
             gaussian: None,
-            count,
+            count: Some(turns / ratio),
         })
     }
 

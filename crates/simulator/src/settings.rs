@@ -110,27 +110,31 @@ impl Settings {
     /// Refuses settings outside their domain; `rows` is checked with them.
     pub(crate) fn check(&self, rows: usize) -> Result<(), SimulatorError> {
         // each row owns a section of the pose stream, and there are 2^32 sections
-        if u32::try_from(rows).is_err() {
-            return Err(SimulatorError::Setting {
-                setting: "rows",
-                value: rows as f64,
-                allowed: "below 2^32",
-            });
-        }
-        if !(self.uniform_share > 0.0 && self.uniform_share <= 1.0) {
-            return Err(SimulatorError::Setting {
-                setting: "uniform_share",
-                value: self.uniform_share,
-                allowed: "above 0, at most 1",
-            });
-        }
-        if !(self.minimum_distance_m >= 0.0 && self.minimum_distance_m.is_finite()) {
-            return Err(SimulatorError::Setting {
-                setting: "minimum_distance_m",
-                value: self.minimum_distance_m,
-                allowed: "finite, 0 or more",
-            });
-        }
+        let is_counted = u32::try_from(rows).is_ok();
+        allow("rows", rows as f64, is_counted, "below 2^32")?;
+        let share = self.uniform_share;
+        let good = share > 0.0 && share <= 1.0;
+        allow("uniform_share", share, good, "above 0, at most 1")?;
+        let distance_m = self.minimum_distance_m;
+        let good = distance_m >= 0.0 && distance_m.is_finite();
+        allow("minimum_distance_m", distance_m, good, "finite, 0 or more")
+    }
+}
+
+/// Refuses a setting that is not good.
+pub(crate) fn allow(
+    setting: &'static str,
+    value: f64,
+    good: bool,
+    allowed: &'static str,
+) -> Result<(), SimulatorError> {
+    if good {
         Ok(())
+    } else {
+        Err(SimulatorError::Setting {
+            setting,
+            value,
+            allowed,
+        })
     }
 }

@@ -9,7 +9,7 @@ use crate::sensor::Sensor;
 use crate::settings::Settings;
 use crate::streams::{Stream, seek_row};
 
-/// Line of a log on which the first row stands; line 1 is the header.
+/// Line of a log of the first row; line 1 is the header.
 pub(crate) const FIRST_LINE: u64 = 2;
 
 /// Simulates a recording of random poses of a device.
@@ -59,32 +59,25 @@ pub fn simulate(
 ) -> Result<Recording, SimulatorError> {
     settings.check(rows)?;
     let mut poses = PoseSampler::new(truth, settings, seed)?;
-    let mut motors = motors(truth, settings)?;
-    let mut outputs = Vec::new();
-    for (index, joint) in truth.joints.iter().enumerate() {
-        outputs.push(if has_output(joint) {
-            let generator = Stream::Output(index).open(seed);
-            Some(Sensor::output(
-                joint,
-                index,
-                settings.output_noise,
-                generator,
-            )?)
-        } else {
-            None
-        });
-    }
-    let mut cables = Vec::new();
-    if truth.has_links() {
-        for (index, cable) in truth.cables.iter().enumerate() {
-            cables.push(Sensor::cable(
-                cable,
-                index,
-                settings,
-                Stream::Cable(index).open(seed),
-            )?);
-        }
-    }
+    let motors = truth.joints.iter().enumerate();
+    let motors = motors.map(|(index, joint)| Sensor::motor(joint, index, settings));
+    let mut motors: Vec<_> = motors.collect::<Result<_, SimulatorError>>()?;
+    let output = |(index, joint): (usize, &Joint)| {
+        let generator = Stream::Output.open(index, seed);
+        let sensor = || Sensor::output(joint, index, settings.output_noise, generator);
+        has_output(joint).then(sensor).transpose()
+    };
+    let outputs = truth.joints.iter().enumerate().map(output);
+    let mut outputs: Vec<_> = outputs.collect::<Result<_, SimulatorError>>()?;
+    let measured = if truth.has_links() {
+        &truth.cables[..]
+    } else {
+        &[]
+    };
+    let cables = measured.iter().enumerate().map(|(index, cable)| {
+        Sensor::cable(cable, index, settings, Stream::Cable.open(index, seed))
+    });
+    let mut cables: Vec<_> = cables.collect::<Result<_, SimulatorError>>()?;
 
     let mut recording = empty_recording(truth);
     for row in 0..rows {
@@ -138,9 +131,9 @@ pub fn simulate_transmission(
     };
     let sampler = JointSampler::new(moving, joint, settings)?;
     let mut motor = Sensor::motor(moving, joint, settings)?;
-    let noise_generator = Stream::TransmissionOutput(joint).open(seed);
+    let noise_generator = Stream::TransmissionOutput.open(joint, seed);
     let mut sensor = Sensor::output(moving, joint, settings.output_noise, noise_generator)?;
-    let mut generator = Stream::TransmissionPoses(joint).open(seed);
+    let mut generator = Stream::TransmissionPoses.open(joint, seed);
     let mut evaluation = Evaluation::new(truth);
 
     let mut recording = empty_recording(truth);
@@ -165,15 +158,6 @@ pub fn simulate_transmission(
     }
     recording.output[joint] = Some(outputs);
     Ok(recording)
-}
-
-fn motors(truth: &Device, settings: &Settings) -> Result<Vec<Sensor>, SimulatorError> {
-    truth
-        .joints
-        .iter()
-        .enumerate()
-        .map(|(index, joint)| Sensor::motor(joint, index, settings))
-        .collect()
 }
 
 /// Whether a log has an `out` column for the joint.

@@ -33,7 +33,7 @@ impl Waves {
     }
 
     /// Value at `x`.
-    pub(crate) fn at(&self, x: f64) -> f64 {
+    pub(crate) fn value(&self, x: f64) -> f64 {
         let sum: f64 = self
             .sines
             .iter()
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn the_root_mean_square_and_the_band_are_the_given_ones() {
-        let waves = Waves::new(Stream::Roughness(0).open(3), 32, [100.0, 1000.0], 0.25);
+        let waves = Waves::new(Stream::Roughness.open(0, 3), 32, [100.0, 1000.0], 0.25);
         assert!(
             waves
                 .sines
@@ -60,7 +60,7 @@ mod tests {
         // 100 rad hold 1600 periods of the slowest sine; mixed products average out as 1 / 100
         let samples = 100_000;
         let square: f64 = (0..samples)
-            .map(|k| waves.at(f64::from(k) * 1e-3).powi(2))
+            .map(|k| waves.value(f64::from(k) * 1e-3).powi(2))
             .sum::<f64>()
             / f64::from(samples);
         assert!(

@@ -16,13 +16,10 @@ const NAME: &str = "name";
 pub(crate) fn parse(text: &str, file: &str) -> Result<Vec<Effect>, EffectError> {
     let table: Table = text
         .parse()
-        .map_err(|error: toml::de::Error| EffectError::Syntax {
-            file: file.to_owned(),
-            what: error.to_string().trim_end().to_owned(),
-        })?;
-    let wrong_key = |key: &str| EffectError::Key {
-        file: file.to_owned(),
-        key: key.to_owned(),
+        .map_err(|error: toml::de::Error| EffectError::new(file, error.to_string().trim_end()))?;
+    let wrong_key = |key: &str| {
+        let what = format!("`{key}` is not known; write each effect as a table [[effect]]");
+        EffectError::new(file, what)
     };
     if let Some(key) = table.keys().find(|key| *key != EFFECT) {
         return Err(wrong_key(key));
@@ -44,36 +41,26 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Vec<Effect>, EffectError> 
 
 fn one(effect: &Table, file: &str, number: usize) -> Result<Effect, EffectError> {
     let all = simulated_effects();
-    let file = file.to_owned();
+    let names = all.join(", ");
+    let refuse = |what: String| EffectError::new(format!("{file}, effect {number}"), what);
     let Some(Value::String(name)) = effect.get(NAME) else {
-        return Err(EffectError::NoName {
-            file,
-            number,
-            names: all.join(", "),
-        });
+        let what = format!("`name` is missing; the names are: {names}");
+        return Err(refuse(what));
     };
     let Some(known) = known(name) else {
-        return Err(EffectError::Unknown {
-            file,
-            number,
-            name: name.clone(),
-            nearest: did_you_mean(name, &all),
-            names: all.join(", "),
-        });
+        let nearest = did_you_mean(name, &all);
+        let what = format!("`{name}` cannot be simulated; {nearest}the names are: {names}");
+        return Err(refuse(what));
     };
-    let parameters = known.parameters.join(", ");
-    let wrong = effect
-        .keys()
-        .find(|key| *key != NAME && !known.parameters.contains(&key.as_str()));
-    if let Some(wrong) = wrong {
-        return Err(EffectError::Parameter {
-            file,
-            number,
-            name: known.name,
-            parameter: wrong.clone(),
-            nearest: did_you_mean(wrong, known.parameters),
-            parameters,
-        });
+    let parameters = known.keys.join(", ");
+    let refuse = |what: String| {
+        let place = format!("{file}, effect {number} (`{name}`)");
+        EffectError::new(place, format!("{what}its parameters are: {parameters}"))
+    };
+    let mut keys = effect.keys();
+    if let Some(wrong) = keys.find(|key| *key != NAME && !known.keys.contains(&key.as_str())) {
+        let nearest = did_you_mean(wrong, known.keys);
+        return Err(refuse(format!("no parameter `{wrong}`; {nearest}")));
     }
     // 260 is as good a number as 260.0
     let mut numbers = effect.clone();
@@ -82,11 +69,8 @@ fn one(effect: &Table, file: &str, number: usize) -> Result<Effect, EffectError>
             *value = Value::Float(*whole as f64);
         }
     }
-    Effect::deserialize(Value::Table(numbers)).map_err(|error| EffectError::Shape {
-        file,
-        number,
-        name: known.name,
-        what: error.to_string().trim_end().replace('\n', " "),
-        parameters,
+    Effect::deserialize(Value::Table(numbers)).map_err(|error| {
+        let what = error.to_string().trim_end().replace('\n', " ");
+        refuse(format!("{what}; "))
     })
 }

@@ -122,7 +122,7 @@ pub(crate) fn outputs(
         if !has_output(joint) {
             return Ok(None);
         }
-        let generator = Stream::MotionOutput(index).open(seed);
+        let generator = Stream::MotionOutput.open(index, seed);
         let noise = match &settings.encoders {
             Encoders::Same(settings) => settings.output_noise,
             Encoders::Exact => Noise::None,
@@ -136,7 +136,7 @@ pub(crate) fn outputs(
             }
             _ => None,
         });
-        let drums = Stream::Roughness(index).open(settings.device_seed);
+        let drums = Stream::Roughness.open(index, settings.device_seed);
         let rms = roughness[index];
         Ok(Some(Output {
             scene: scenes.with(late_s)?,
@@ -178,7 +178,7 @@ fn cable_sensor(
     seed: u64,
 ) -> Result<Sensor, SimulatorError> {
     let cable = &truth.cables[index];
-    let generator = Stream::MotionCable(index).open(seed);
+    let generator = Stream::MotionCable.open(index, seed);
     let described = Settings {
         cable_sigma: CableSigma::Stated,
         ..Settings::paper()

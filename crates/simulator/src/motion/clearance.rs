@@ -1,10 +1,8 @@
 //! Keeps the hand's way clear of the points where the cables leave their guides.
 
-use haptical_model::kinematics::KinematicsError;
-use haptical_model::kinematics::distance_m;
-use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Evaluation, ModelError};
 
+use crate::poses::way_m;
 use crate::{Motion, SimulatorError};
 
 /// Instants looked at \[1/s\]: at a hand's speed of 1.5 m/s the handle moves 15 mm between two.
@@ -32,7 +30,7 @@ pub(crate) fn keep_clear(
         for look in 0..looks {
             let time_s = look as f64 / LOOKS_PER_S;
             for (joint, reading) in readings.iter_mut().enumerate() {
-                *reading = motion.at(joint, time_s).position;
+                *reading = motion.joint_motion(joint, time_s).position;
             }
             let shortest_m = shortest_m(&mut evaluation, truth, &readings)
                 .map_err(|source| SimulatorError::Row { row: look, source })?;
@@ -60,15 +58,9 @@ fn shortest_m(
     readings: &[f64],
 ) -> Result<f64, ModelError> {
     evaluation.move_pose_to(readings)?;
-    let position_m = evaluation.pose()?.position_m;
-    let mut shortest_m = f64::INFINITY;
-    for cable in &truth.cables {
-        let length_m = match distance_m(&position_m, &Vector3::from(cable.anchor_m)) {
-            Ok(length_m) => length_m,
-            Err(KinematicsError::ZeroDistance { .. }) => 0.0,
-            Err(reason) => return Err(reason.into()),
-        };
-        shortest_m = shortest_m.min(length_m);
-    }
-    Ok(shortest_m)
+    let handle_m = evaluation.pose()?.position_m;
+    let mut cables = truth.cables.iter();
+    cables.try_fold(f64::INFINITY, |shortest_m, cable| {
+        Ok(shortest_m.min(way_m(cable, &handle_m)?))
+    })
 }

@@ -5,8 +5,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::SimulatorError;
 use crate::motion::rests::{Rests, STEEPEST};
-use crate::motion::settings::{HandMotion, allow};
-use crate::sampling::joint_part;
+use crate::motion::settings::HandMotion;
+use crate::sampling::{joint_part, limits};
+use crate::settings::allow;
 use crate::streams::{Stream, uniform};
 
 /// Largest slope of the minimum-jerk step 10 u^3 - 15 u^4 + 6 u^5: at u = 1/2.
@@ -45,9 +46,9 @@ pub struct JointMotion {
 /// let text = "[[joint]]\nlower_rad = -1.0\nupper_rad = 1.2\n";
 /// let device = Device::from_toml(text, "one.toml")?.device;
 /// let motion = Motion::new(&device, &HandMotion::default(), 1)?;
-/// let middle = motion.at(0, 51.3);
+/// let middle = motion.joint_motion(0, 51.3);
 /// assert!(middle.position >= -0.95 && middle.position <= 0.95 * 1.2);
-/// assert_eq!(motion.at(0, 100.0).position, 0.0);
+/// assert_eq!(motion.joint_motion(0, 100.0).position, 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -88,8 +89,8 @@ impl Motion {
     ///
     /// # Panics
     /// If the device has no such joint.
-    pub fn at(&self, joint: usize, time_s: f64) -> JointMotion {
-        let moving = self.rests.at(time_s);
+    pub fn joint_motion(&self, joint: usize, time_s: f64) -> JointMotion {
+        let moving = self.rests.moving_time(time_s);
         let path = &self.paths[joint];
         let (segment, share) = path.place(moving.value_s);
         let (from, to) = (path.targets[segment], path.targets[segment + 1]);
@@ -109,7 +110,7 @@ impl Motion {
 
     /// Draws anew where every joint goes at a time, but for home at both ends.
     pub(crate) fn redraw(&mut self, time_s: f64) {
-        let moving_s = self.rests.at(time_s).value_s;
+        let moving_s = self.rests.moving_time(time_s).value_s;
         for path in &mut self.paths {
             let (segment, _) = path.place(moving_s);
             let last = path.targets.len() - 1;
@@ -131,17 +132,7 @@ impl Path {
         seed: u64,
     ) -> Result<Self, SimulatorError> {
         let part = joint_part(joint, index);
-        let (mut low, mut high) = (joint.lower_rad, joint.upper_rad);
-        for (key, value) in [("lower_rad", low), ("upper_rad", high)] {
-            if !value.is_finite() {
-                return Err(SimulatorError::Value {
-                    part,
-                    key,
-                    value,
-                    allowed: "a finite limit",
-                });
-            }
-        }
+        let (mut low, mut high) = limits(joint, &part, f64::is_finite)?;
         if let TransmissionError::Chebyshev { range_rad, .. } = &joint.transmission_error {
             (low, high) = (low.max(range_rad[0]), high.min(range_rad[1]));
         }
@@ -174,7 +165,7 @@ impl Path {
         // a recording too short for the whole range has a part of it
         let part_of_range = (segment_s / least_s).min(1.0);
         let range = [low, high].map(|end| end * part_of_range * part_of_range);
-        let mut generator = Stream::MotionTarget(index).open(seed);
+        let mut generator = Stream::MotionTarget.open(index, seed);
         let targets = (0..=segments)
             .map(|target| match target {
                 _ if target == 0 || target == segments => 0.0,

@@ -1,7 +1,8 @@
 //! Time as the hand's motion counts it: it stands still while the whole device rests.
 
 use crate::SimulatorError;
-use crate::motion::settings::{HandMotion, allow};
+use crate::motion::settings::HandMotion;
+use crate::settings::allow;
 
 /// Largest slope of the smooth step 3 y^2 - 2 y^3.
 pub(crate) const STEEPEST: f64 = 1.5;
@@ -51,13 +52,14 @@ impl Rests {
     }
 
     /// Moving time at a time \[s\]; before the start and after the end it stands still.
-    pub(crate) fn at(&self, time_s: f64) -> MovingTime {
+    pub(crate) fn moving_time(&self, time_s: f64) -> MovingTime {
         let since_s = time_s - self.home_rest_s;
-        let still = |value_s| MovingTime {
+        let moving = |value_s, rate, rate_change_per_s| MovingTime {
             value_s,
-            rate: 0.0,
-            rate_change_per_s: 0.0,
+            rate,
+            rate_change_per_s,
         };
+        let still = |value_s| moving(value_s, 0.0, 0.0);
         if since_s <= 0.0 {
             return still(0.0);
         }
@@ -70,11 +72,7 @@ impl Rests {
         let begun = libm::floor((since_s + window_s / 2.0) / spacing_s).min(self.rests as f64);
         let lost_s = self.rest_s + self.ramp_s;
         if begun < 1.0 {
-            return MovingTime {
-                value_s: since_s,
-                rate: 1.0,
-                rate_change_per_s: 0.0,
-            };
+            return moving(since_s, 1.0, 0.0);
         }
         let start_s = begun * spacing_s - window_s / 2.0;
         let before_s = start_s - (begun - 1.0) * lost_s;
@@ -90,26 +88,16 @@ impl Rests {
         };
         if into_s < ramp_s {
             let (area, height, slope) = step(into_s / ramp_s);
-            MovingTime {
-                value_s: before_s + into_s - ramp_s * area,
-                rate: 1.0 - height,
-                rate_change_per_s: -slope / ramp_s,
-            }
+            let value_s = before_s + into_s - ramp_s * area;
+            moving(value_s, 1.0 - height, -slope / ramp_s)
         } else if into_s <= ramp_s + self.rest_s {
             still(before_s + ramp_s / 2.0)
         } else if into_s < window_s {
             let (area, height, slope) = step((into_s - ramp_s - self.rest_s) / ramp_s);
-            MovingTime {
-                value_s: before_s + ramp_s / 2.0 + ramp_s * area,
-                rate: height,
-                rate_change_per_s: slope / ramp_s,
-            }
+            let value_s = before_s + ramp_s / 2.0 + ramp_s * area;
+            moving(value_s, height, slope / ramp_s)
         } else {
-            MovingTime {
-                value_s: since_s - begun * lost_s,
-                rate: 1.0,
-                rate_change_per_s: 0.0,
-            }
+            moving(since_s - begun * lost_s, 1.0, 0.0)
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use haptical_model::{Device, TransmissionKind};
 
+use crate::settings::allow;
 use crate::{Settings, SimulatorError};
 
 /// How a hand moves the device. The bounds hold for every joint at every instant.
@@ -267,20 +268,3 @@ const MOST_ROWS: f64 = 4_294_967_296.0;
 const ROUGH_JOINTS: [usize; 2] = [2, 3];
 const ROUGH_RMS_RAD: f64 = 3e-4;
 const SMOOTH_RMS_RAD: f64 = 3e-5;
-
-pub(crate) fn allow(
-    setting: &'static str,
-    value: f64,
-    good: bool,
-    allowed: &'static str,
-) -> Result<(), SimulatorError> {
-    if good {
-        Ok(())
-    } else {
-        Err(SimulatorError::Setting {
-            setting,
-            value,
-            allowed,
-        })
-    }
-}

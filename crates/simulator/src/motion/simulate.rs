@@ -100,16 +100,16 @@ pub fn simulate_motion<'d>(
     let outputs = outputs(truth, settings, &mut scenes, seed)?;
     let cables = cables(truth, settings, &mut scenes, seed)?;
     let hand = [0, 1, 2].map(|axis| {
-        let generator = Stream::HandForce(axis).open(seed);
+        let generator = Stream::HandForce.open(axis, seed);
         let rms_n = settings.force_rms_n;
         Waves::new(generator, FORCE_SINES, FORCE_BAND_RAD_PER_S, rms_n)
     });
     let noisy_torque = |joint| {
-        let generator = Stream::MotionTorque(joint).open(seed);
+        let generator = Stream::MotionTorque.open(joint, seed);
         Sensor::noisy(settings.torque_sd_nm, generator)
     };
     let noisy_force = |axis| {
-        let generator = Stream::MotionForce(axis).open(seed);
+        let generator = Stream::MotionForce.open(axis, seed);
         Sensor::noisy(settings.force_sd_n, generator)
     };
     let sd_k = settings.temperature.map_or(0.0, |warm| warm.sd_k);
@@ -123,7 +123,7 @@ pub fn simulate_motion<'d>(
         cables,
         torques: (0..joints).map(noisy_torque).collect(),
         forces: [0, 1, 2].map(noisy_force),
-        thermometer: Sensor::noisy(sd_k, Stream::Temperature.open(seed)),
+        thermometer: Sensor::noisy(sd_k, Stream::Temperature.open(0, seed)),
         has_links: truth.has_links(),
         joints,
         cable_columns: truth.cables.len(),
@@ -250,7 +250,7 @@ impl MotionSimulation<'_> {
             let jiggle = output
                 .roughness
                 .as_ref()
-                .map_or(0.0, |rough| rough.at(angle));
+                .map_or(0.0, |rough| rough.value(angle));
             let shown = output.sensor.read(angle + jiggle);
             let channel = || format!("out{}", joint + 1);
             push(&mut chunk.output[joint], finite(shown + 0.0, row, channel)?);

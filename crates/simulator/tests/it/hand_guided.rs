@@ -21,7 +21,7 @@ fn without_effects_and_noise_rows_are_the_model_s_bits() {
         let time_s = time(&recording)[row];
         assert_eq!(time_s.to_bits(), (row as f64 / 200.0).to_bits());
         for joint in 0..4 {
-            let wanted = simulation.motion().at(joint, time_s).position;
+            let wanted = simulation.motion().joint_motion(joint, time_s).position;
             assert_eq!(recording.joint[joint][row], wanted);
             if let Some(column) = &recording.output[joint] {
                 assert_eq!(column[row], evaluation.output_rad(joint));

@@ -40,7 +40,7 @@ proptest! {
             let of = &device.joints[joint];
             let (speed, acceleration) = limits(&device, joint, &bounds);
             for step in 0..2000 {
-                let at = motion.at(joint, seconds * f64::from(step) / 2000.0);
+                let at = motion.joint_motion(joint, seconds * f64::from(step) / 2000.0);
                 prop_assert!(at.position >= range_share * of.lower_rad);
                 prop_assert!(at.position <= range_share * of.upper_rad);
                 prop_assert!(at.velocity.abs() <= speed * (1.0 + ROUNDING));
@@ -61,7 +61,7 @@ fn the_position_has_two_continuous_derivatives() {
         for step in 0..200_000 {
             let time_s = 30.0 * f64::from(step) / 200_000.0;
             let [before, now, after] =
-                [-STEP_S, 0.0, STEP_S].map(|shift| motion.at(joint, time_s + shift));
+                [-STEP_S, 0.0, STEP_S].map(|shift| motion.joint_motion(joint, time_s + shift));
             let velocity = (after.position - before.position) / (2.0 * STEP_S);
             let acceleration = (after.velocity - before.velocity) / (2.0 * STEP_S);
             // jerk stays below 60 x 2 rad / (1 s)^3 or so, and 0.1 s of rests' ramps
@@ -82,10 +82,11 @@ fn the_position_has_two_continuous_derivatives() {
 fn it_rests_at_home_at_both_ends_and_as_a_whole_in_between() {
     let (device, bounds) = (arm(), HandMotion::default());
     let motion = Motion::new(&device, &bounds, 11).expect("a motion");
-    let is_still = |time_s: f64| (0..4).all(|joint| motion.at(joint, time_s).velocity == 0.0);
+    let is_still =
+        |time_s: f64| (0..4).all(|joint| motion.joint_motion(joint, time_s).velocity == 0.0);
     for time_s in [-1.0, 0.0, 1.0, 2.0, 98.0, 99.0, 100.0, 101.0] {
         for joint in 0..4 {
-            let at = motion.at(joint, time_s);
+            let at = motion.joint_motion(joint, time_s);
             assert_eq!((at.position, at.velocity, at.acceleration), (0.0, 0.0, 0.0));
         }
     }
@@ -106,8 +107,9 @@ fn a_hundred_seconds_sweep_nearly_the_whole_range_of_every_joint() {
     for seed in 1..20 {
         let motion = Motion::new(&device, &bounds, seed).expect("a motion");
         for (joint, of) in device.joints.iter().enumerate() {
-            let places =
-                || (0..10_000).map(|step| motion.at(joint, 0.01 * f64::from(step)).position);
+            let places = || {
+                (0..10_000).map(|step| motion.joint_motion(joint, 0.01 * f64::from(step)).position)
+            };
             let high = places().fold(0.0, f64::max);
             let low = places().fold(0.0, f64::min);
             assert!(
@@ -123,7 +125,7 @@ fn joints_do_not_move_together() {
     let mut device = arm();
     device.joints[1] = device.joints[0].clone();
     let motion = Motion::new(&device, &HandMotion::default(), 5).expect("a motion");
-    let way = |joint: usize, step: i32| motion.at(joint, 0.05 * f64::from(step)).position;
+    let way = |joint: usize, step: i32| motion.joint_motion(joint, 0.05 * f64::from(step)).position;
     let product: f64 = (0..2000).map(|step| way(0, step) * way(1, step)).sum();
     let square: f64 = (0..2000).map(|step| way(0, step).powi(2)).sum();
     // about 30 targets each: a correlation's standard deviation is 0.18
@@ -136,7 +138,8 @@ fn a_polynomial_keeps_the_joint_where_it_holds() {
     device.joints[2].lower_rad = -0.4;
     device.joints[2].upper_rad = 0.4;
     let motion = Motion::new(&device, &HandMotion::default(), 2).expect("a motion");
-    let most = largest((0..10_000).map(|step| motion.at(2, 0.01 * f64::from(step)).position));
+    let most =
+        largest((0..10_000).map(|step| motion.joint_motion(2, 0.01 * f64::from(step)).position));
     assert!(most <= 0.095 && most > 0.09, "{most}");
 }
 
@@ -197,7 +200,11 @@ fn a_hand_has_next_to_no_motion_above_two_hertz() {
     let motion = Motion::new(&device, &bounds, 8).expect("a motion");
     for joint in 0..4 {
         let speeds: Vec<f64> = (0..ROWS)
-            .map(|row| motion.at(joint, f64::from(row) / RATE_HZ).velocity)
+            .map(|row| {
+                motion
+                    .joint_motion(joint, f64::from(row) / RATE_HZ)
+                    .velocity
+            })
             .collect();
         let power = |line: i32| -> f64 {
             let turn = std::f64::consts::TAU * f64::from(line) / f64::from(ROWS);

@@ -92,13 +92,13 @@ impl<'d> Scene<'d> {
         self.time_s = time_s;
         let model = |source: ModelError| SimulatorError::Row { row, source };
         for (joint, drive) in self.drives.iter_mut().enumerate() {
-            let wanted = motion.at(joint, time_s);
+            let wanted = motion.joint_motion(joint, time_s);
             drive
                 .move_to(wanted.position, wanted.velocity, at)
                 .map_err(model)?;
             self.unloaded[joint] = drive.unloaded;
         }
-        self.force_n = Vector3::from(hand.each_ref().map(|axis| axis.at(time_s)));
+        self.force_n = Vector3::from(hand.each_ref().map(|axis| axis.value(time_s)));
         self.arm
             .settle(&self.unloaded, &self.force_n)
             .map_err(|reason| refusal(row, reason))?;
