@@ -64,7 +64,7 @@ pub enum DeviceFileError {
         place: String,
         /// Key.
         key: String,
-        /// What stands there.
+        /// What is there.
         found: String,
         /// What may stand there.
         allowed: String,

@@ -1,6 +1,7 @@
 //! One pose of a device, with every derivative that an identification needs, without allocation.
 
 use haptical_kinematics::{LinkDerivatives, Pose, Twist};
+use haptical_transmission::LawError;
 
 use crate::{Device, DeviceChain, JointType, ModelError, ParameterId};
 
@@ -13,7 +14,7 @@ pub struct Evaluation<'d> {
     device: &'d Device,
     chain: DeviceChain,
     outputs: Vec<f64>,
-    /// Where the links stand: the outputs, less what a joint yields behind its encoder.
+    /// Angles of the links: the outputs, less what a joint yields behind its encoder.
     link_angles: Vec<f64>,
     /// Drive torques at this row; empty where nothing yields to them.
     torque_nm: Vec<f64>,
@@ -91,18 +92,13 @@ impl<'d> Evaluation<'d> {
         self.pose = None;
         for (index, reading) in readings.iter().enumerate() {
             let error = self.device.joints[index].error_rad(*reading);
-            let error = error.map_err(|source| ModelError::Transmission {
-                joint: index + 1,
-                source,
-            })?;
+            let error = error.map_err(at_joint(index))?;
             self.errors[index].value = error;
             self.outputs[index] = reading + error;
         }
         if self.device.has_links() {
-            self.take_link_angles();
-            self.chain.variables(&self.link_angles, &mut self.variables);
-            let chain = self.chain.chain()?;
-            self.pose = Some(chain.pose(&self.variables)?);
+            self.take_variables();
+            self.pose = Some(self.chain.chain()?.pose(&self.variables)?);
         }
         Ok(())
     }
@@ -118,11 +114,12 @@ impl<'d> Evaluation<'d> {
         self.torque_nm.resize(self.outputs.len(), 0.0);
     }
 
-    fn take_link_angles(&mut self) {
+    fn take_variables(&mut self) {
         self.link_angles.copy_from_slice(&self.outputs);
         for (joint, torque) in self.torque_nm.iter().enumerate() {
             self.link_angles[joint] -= torque * self.device.compliance_rad_per_nm(joint);
         }
+        self.chain.variables(&self.link_angles, &mut self.variables);
     }
 
     fn check_count(&self, numbers: &[f64]) -> Result<(), ModelError> {
@@ -138,8 +135,7 @@ impl<'d> Evaluation<'d> {
         // a pose of earlier readings must not outlive a failure below
         self.pose = None;
         if self.device.has_links() {
-            self.take_link_angles();
-            self.chain.variables(&self.link_angles, &mut self.variables);
+            self.take_variables();
             let chain = self.chain.chain()?;
             self.pose = Some(chain.derivatives(&self.variables, &mut self.link_derivatives)?);
         }
@@ -154,12 +150,8 @@ impl<'d> Evaluation<'d> {
         let error = &mut self.errors[joint];
         let (value, slope) = self.device.joints[joint]
             .evaluate_error(reading, &mut error.derivatives)
-            .map_err(|source| ModelError::Transmission {
-                joint: joint + 1,
-                source,
-            })?;
-        error.value = value;
-        error.slope = slope;
+            .map_err(at_joint(joint))?;
+        (error.value, error.slope) = (value, slope);
         self.outputs[joint] = reading + value;
         Ok(())
     }
@@ -213,28 +205,20 @@ impl<'d> Evaluation<'d> {
         }
     }
 
-    /// Derivative of the handle's pose with respect to any parameter, as a twist in frame (-1). What stands
-    /// beside the chain does not move the handle.
+    /// Derivative of the handle's pose with respect to any parameter, as a twist in frame (-1). The tracker,
+    /// cables and what is touched do not move the handle.
     pub fn pose_derivative(&self, parameter: ParameterId) -> Twist {
         match parameter {
             ParameterId::Compliance { joint } => {
                 let torque = self.torque_nm.get(joint).copied().unwrap_or(0.0);
-                let twist = self.joint_twist(joint);
-                Twist {
-                    linear: twist.linear * -torque,
-                    angular: twist.angular * -torque,
-                }
+                scaled(self.joint_twist(joint), -torque)
             }
             ParameterId::Surrounding(_) => Twist::default(),
             ParameterId::Link { row, parameter } => self.link_derivatives[row].get(parameter),
-            ParameterId::Transmission { joint, index } => {
-                let factor = self.errors[joint].derivatives[index];
-                let twist = self.joint_twist(joint);
-                Twist {
-                    linear: twist.linear * factor,
-                    angular: twist.angular * factor,
-                }
-            }
+            ParameterId::Transmission { joint, index } => scaled(
+                self.joint_twist(joint),
+                self.errors[joint].derivatives[index],
+            ),
         }
     }
 
@@ -264,11 +248,20 @@ impl<'d> Evaluation<'d> {
 
     /// Derivative of the handle's pose with respect to a joint's motor-side reading.
     pub fn reading_twist(&self, joint: usize) -> Twist {
-        let factor = self.output_slope(joint);
-        let twist = self.joint_twist(joint);
-        Twist {
-            linear: twist.linear * factor,
-            angular: twist.angular * factor,
-        }
+        scaled(self.joint_twist(joint), self.output_slope(joint))
+    }
+}
+
+fn at_joint(joint: usize) -> impl Fn(LawError) -> ModelError {
+    move |source| ModelError::Transmission {
+        joint: joint + 1,
+        source,
+    }
+}
+
+fn scaled(twist: Twist, factor: f64) -> Twist {
+    Twist {
+        linear: twist.linear * factor,
+        angular: twist.angular * factor,
     }
 }

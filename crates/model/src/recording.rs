@@ -55,50 +55,43 @@ impl Recording {
     /// If an index is not below [`Recording::len`].
     #[must_use]
     pub fn select(&self, indices: &[usize]) -> Self {
-        fn take<T: Clone>(column: &[T], indices: &[usize]) -> Vec<T> {
-            indices.iter().map(|&index| column[index].clone()).collect()
-        }
-        fn optional<T: Clone>(column: Option<&Vec<T>>, indices: &[usize]) -> Option<Vec<T>> {
-            column.map(|column| take(column, indices))
-        }
+        let numbers = |column: &Vec<f64>| take(column, indices);
+        let texts = |column: &Vec<String>| take(column, indices);
         let many = |columns: &[Option<Vec<f64>>]| {
-            columns
-                .iter()
-                .map(|column| optional(column.as_ref(), indices))
-                .collect()
+            let columns = columns.iter();
+            columns.map(|column| column.as_ref().map(numbers)).collect()
         };
+        let covariates = self.covariates.iter();
         Self {
             line: take(&self.line, indices),
-            time_s: optional(self.time_s.as_ref(), indices),
-            run: optional(self.run.as_ref(), indices),
-            joint: self
-                .joint
-                .iter()
-                .map(|column| take(column, indices))
-                .collect(),
+            time_s: self.time_s.as_ref().map(numbers),
+            run: self.run.as_ref().map(|column| take(column, indices)),
+            joint: self.joint.iter().map(numbers).collect(),
             output: many(&self.output),
             cable_m: many(&self.cable_m),
             position_m: self
                 .position_m
                 .as_ref()
-                .map(|axes| axes.each_ref().map(|column| take(column, indices))),
+                .map(|axes| axes.each_ref().map(numbers)),
             orientation_wxyz: self
                 .orientation_wxyz
                 .as_ref()
-                .map(|parts| parts.each_ref().map(|column| take(column, indices))),
+                .map(|parts| parts.each_ref().map(numbers)),
             torque_nm: many(&self.torque_nm),
             force_n: self
                 .force_n
                 .as_ref()
-                .map(|axes| axes.each_ref().map(|column| take(column, indices))),
-            temperature_degc: optional(self.temperature_degc.as_ref(), indices),
-            contact: optional(self.contact.as_ref(), indices),
-            plane: optional(self.plane.as_ref(), indices),
-            covariates: self
-                .covariates
-                .iter()
-                .map(|(name, column)| (name.clone(), take(column, indices)))
+                .map(|axes| axes.each_ref().map(numbers)),
+            temperature_degc: self.temperature_degc.as_ref().map(numbers),
+            contact: self.contact.as_ref().map(texts),
+            plane: self.plane.as_ref().map(texts),
+            covariates: covariates
+                .map(|(name, column)| (name.clone(), numbers(column)))
                 .collect(),
         }
     }
+}
+
+fn take<T: Clone>(column: &[T], indices: &[usize]) -> Vec<T> {
+    indices.iter().map(|&index| column[index].clone()).collect()
 }

@@ -1,4 +1,4 @@
-//! Why a URDF gives no device, or a device no robot description.
+//! Refusals of URDFs, and of devices that no robot description can hold.
 
 use haptical_model::kinematics::KinematicsError;
 use haptical_model::{DeviceFileError, Position};

@@ -59,10 +59,10 @@ pub(crate) fn place_tracker(
     };
     let frames = closed_form(&sights, known, open);
     if open[0] {
-        device.surroundings.tracker_base = Some(Placement::at(&frames.base));
+        device.surroundings.tracker_base = Some(Placement::from_pose(&frames.base));
     }
     if open[1] {
-        device.surroundings.tracker_tool = Some(Placement::at(&frames.tool));
+        device.surroundings.tracker_tool = Some(Placement::from_pose(&frames.tool));
     }
     if let Some(fitted) = fit(device, recording, open)? {
         device.surroundings = fitted.surroundings.settled();

@@ -72,7 +72,7 @@ impl DeviceChain {
         Chain::with_origins(self.convention, &self.links, &self.motions, &self.origins)
     }
 
-    /// The first `rows` rows, without what stands behind them; all where there are not so many.
+    /// The first `rows` rows, without what is behind them; all where there are not so many.
     ///
     /// # Errors
     /// [`KinematicsError`] as [`Chain::with_origins`]; no rows are no chain.

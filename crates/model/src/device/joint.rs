@@ -153,10 +153,7 @@ impl Joint {
 
     /// Unit of readings: `rad` or `m`.
     pub fn unit(&self) -> &'static str {
-        match self.joint_type {
-            JointType::Revolute => "rad",
-            JointType::Prismatic => "m",
-        }
+        self.joint_type.unit()
     }
 
     /// The capstan's fixed dimensions. A joint without drums has denominators of 1 m.

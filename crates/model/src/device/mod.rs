@@ -24,7 +24,7 @@ pub struct Device {
     /// [`Device::drives`] says otherwise. `theta_rad` is the
     /// joint offset alone: home and reading are added when the device is evaluated.
     pub links: Vec<Link>,
-    /// Constant rigid transforms: entry i stands before row i, the last one (as many as there are links)
+    /// Constant rigid transforms: entry i comes before row i, the last one (as many as there are links)
     /// carries the last row's frame to the handle. Empty where the device has none.
     pub origins: Vec<Option<Origin>>,
     /// What drives rows 1 to n; empty where row i moves with joint i alone.
@@ -46,7 +46,7 @@ pub struct Device {
     /// How far rows' numbers may plausibly be from the device's, where somebody says so (\[m\] or \[rad\]); 0 where
     /// a calibration keeps them ([`Device::hold`], [`Device::expect_deviation`]).
     pub deviations: BTreeMap<(usize, Parameter), f64>,
-    /// Numbers beside the chain that may have to be fitted with it: the tracker's place, touched points.
+    /// Numbers outside the chain that may have to be fitted with it: the tracker's place, touched points.
     pub surroundings: Surroundings,
 }
 

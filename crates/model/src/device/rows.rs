@@ -73,6 +73,14 @@ pub struct Drive {
 }
 
 impl JointType {
+    /// Unit of its variable: `rad` or `m`.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "rad",
+            Self::Prismatic => "m",
+        }
+    }
+
     /// The kinematics' word for it.
     pub fn motion(self) -> Motion {
         match self {
@@ -112,7 +120,7 @@ impl Device {
         self.drives.is_empty()
     }
 
-    /// Whether a row stands behind an origin, so that all six of its numbers may be identified.
+    /// Whether a row has an origin before it, so that all six of its numbers may be identified.
     pub fn is_general_row(&self, row: usize) -> bool {
         row < self.links.len() && self.origins.get(row).is_some_and(Option::is_some)
     }
@@ -123,12 +131,7 @@ impl Device {
         self.origins.iter().all(Option::is_none)
             && self.drives_are_plain()
             && self.links.iter().all(|link| link.b_m == 0.0)
-            && self.is_rigid()
-    }
-
-    /// Whether no joint yields to its torque, nor may be found to.
-    fn is_rigid(&self) -> bool {
-        !self.has_compliance()
+            && !self.has_compliance()
     }
 
     /// What each row's variable does: row 0 is fixed, row i moves with the joint that drives it.
@@ -141,7 +144,7 @@ impl Device {
         std::iter::once(Motion::Fixed).chain(driven).collect()
     }
 
-    /// The rows as the chain wants them: what the home pose adds stands in `theta_rad` or `d_m`.
+    /// The rows as the chain wants them: what the home pose adds is in `theta_rad` or `d_m`.
     pub fn chain_links(&self) -> Vec<Link> {
         let mut links = self.links.clone();
         for (row, link) in links.iter_mut().enumerate() {

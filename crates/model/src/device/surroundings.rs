@@ -5,7 +5,7 @@ use haptical_kinematics::nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::{Device, Origin};
 
-/// Numbers beside the chain that a calibration may have to fit with it.
+/// Numbers outside the chain that a calibration may have to fit with it.
 ///
 /// Where a list is empty or an entry is `None` nothing is known yet: a calibration finds start values.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -89,7 +89,7 @@ pub struct JointCompliance {
 
 impl Placement {
     /// A placement at a pose, without a turn.
-    pub fn at(pose: &Pose) -> Self {
+    pub fn from_pose(pose: &Pose) -> Self {
         Self {
             start: Origin::from_pose(pose),
             turn_rad: [0.0; 3],

@@ -8,6 +8,7 @@ use toml::de::DeTable;
 use crate::DeviceFileError;
 use crate::device::Device;
 use crate::device::joint::Joint;
+use crate::file::CONVENTIONS;
 use crate::file::joint::read_joint;
 use crate::file::reader::{Section, Source};
 use crate::file::row::{read_link, read_rows};
@@ -61,14 +62,7 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
     let (mut name, mut convention) = (file.to_owned(), Convention::Standard);
     if let Some(head) = &head {
         name = head.text("name")?.unwrap_or(file).to_owned();
-        convention = match head.text("convention")? {
-            None | Some("standard") => Convention::Standard,
-            Some("modified") => Convention::Modified,
-            Some(other) => {
-                let allowed = "it must be \"standard\" or \"modified\"";
-                return Err(head.refuse("convention", format!("\"{other}\""), allowed));
-            }
-        };
+        convention = head.word("convention", CONVENTIONS)?.unwrap_or(convention);
     }
     let joints = root.tables("joint", 1)?;
     if joints.len() > MOST_JOINTS {
@@ -130,20 +124,16 @@ fn read_nominal(
     links: usize,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Vec<Link>>> {
-    let Some(nominal) = root.table("nominal")? else {
-        return Ok(None);
-    };
-    let rows = nominal.tables("link", 0)?;
-    let nominal_links = rows
-        .iter()
-        .map(|row| read_link(row, warnings))
-        .collect::<Result<Vec<Link>>>()?;
-    rows.iter().for_each(|row| row.unknown_keys(warnings));
-    nominal.unknown_keys(warnings);
-    if nominal_links.len() != links {
+    root.within("nominal", warnings, |nominal, warnings| {
+        let rows = nominal.tables("link", 0)?;
+        let read = |row: &Section<'_, '_>| read_link(row, warnings);
+        let nominal_links = rows.iter().map(read).collect::<Result<Vec<Link>>>()?;
+        rows.iter().for_each(|row| row.unknown_keys(warnings));
+        if nominal_links.len() == links {
+            return Ok(nominal_links);
+        }
         let found = format!("a list of {} rows", nominal_links.len());
         let allowed = format!("the device has {links} [[link]] rows");
-        return Err(nominal.refuse("link", found, &allowed));
-    }
-    Ok(Some(nominal_links))
+        Err(nominal.refuse("link", found, &allowed))
+    })
 }

@@ -7,6 +7,7 @@ use crate::device::joint::{
     Joint, JointType, TORQUE_SCALE_SD, TransmissionError, TransmissionKind,
 };
 use crate::file::reader::{SMALLEST, Section};
+use crate::file::{JOINT_TYPES, TRANSMISSIONS};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -35,23 +36,10 @@ pub(crate) fn read_joint(
     index: usize,
     warnings: &mut Vec<String>,
 ) -> Result<Joint> {
-    let joint_type = match section.text("type")? {
-        None | Some("revolute") => JointType::Revolute,
-        Some("prismatic") => JointType::Prismatic,
-        Some(other) => {
-            let allowed = "it must be \"revolute\" or \"prismatic\"";
-            return Err(section.refuse("type", format!("\"{other}\""), allowed));
-        }
-    };
-    let transmission = match section.text("transmission")? {
-        None | Some("direct") => TransmissionKind::Direct,
-        Some("capstan") => TransmissionKind::Capstan,
-        Some("parallelogram") => TransmissionKind::Parallelogram,
-        Some(other) => {
-            let allowed = "it must be \"capstan\", \"parallelogram\" or \"direct\"";
-            return Err(section.refuse("transmission", format!("\"{other}\""), allowed));
-        }
-    };
+    let joint_type = section.word("type", JOINT_TYPES)?;
+    let joint_type = joint_type.unwrap_or(JointType::Revolute);
+    let transmission = section.word("transmission", TRANSMISSIONS)?;
+    let transmission = transmission.unwrap_or(TransmissionKind::Direct);
     let [home, lower, upper] = match joint_type {
         JointType::Revolute => [
             angle(section, "home_rad", LARGEST_ANGLE_RAD)?,

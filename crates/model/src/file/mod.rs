@@ -10,3 +10,34 @@ pub(crate) mod surroundings;
 pub(crate) mod syntax;
 pub(crate) mod text;
 pub(crate) mod write;
+
+use haptical_kinematics::Convention;
+
+use crate::{JointType, TransmissionKind};
+
+/// Words of a file with what they stand for, for reading and writing.
+pub(crate) type Words<T> = [(&'static str, T)];
+
+pub(crate) const CONVENTIONS: &Words<Convention> = &[
+    ("standard", Convention::Standard),
+    ("modified", Convention::Modified),
+];
+pub(crate) const JOINT_TYPES: &Words<JointType> = &[
+    ("revolute", JointType::Revolute),
+    ("prismatic", JointType::Prismatic),
+];
+pub(crate) const TRANSMISSIONS: &Words<TransmissionKind> = &[
+    ("capstan", TransmissionKind::Capstan),
+    ("parallelogram", TransmissionKind::Parallelogram),
+    ("direct", TransmissionKind::Direct),
+];
+/// Whether the place of a tracker's base or tool is known.
+pub(crate) const PLACES: &Words<bool> = &[("known", true), ("unknown", false)];
+
+/// The word for a value.
+pub(crate) fn word_for<T: PartialEq>(words: &Words<T>, value: &T) -> &'static str {
+    let mut words = words.iter();
+    words
+        .find(|(_, known)| known == value)
+        .map_or("", |(word, _)| word)
+}

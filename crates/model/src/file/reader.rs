@@ -1,4 +1,4 @@
-//! Reads a TOML document value by value, remembering where each stands and which keys were used.
+//! Reads a TOML document value by value, with the place of each and the keys that were used.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -8,6 +8,7 @@ use toml_edit::DocumentMut;
 
 use crate::DeviceFileError;
 use crate::error::Position;
+use crate::file::Words;
 use crate::file::syntax::syntax_error;
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
@@ -137,17 +138,28 @@ impl<'s, 't> Section<'s, 't> {
     }
 
     /// An error about the value of a key.
-    pub(crate) fn refuse(&self, key: &str, found: String, allowed: &str) -> DeviceFileError {
+    pub(crate) fn refuse(
+        &self,
+        key: &str,
+        found: impl Into<String>,
+        allowed: &str,
+    ) -> DeviceFileError {
         let offset = self.find(key).map_or(self.offset, |(_, offset)| offset);
         self.refuse_at(offset, key, found, allowed)
     }
 
-    fn refuse_at(&self, offset: usize, key: &str, found: String, allowed: &str) -> DeviceFileError {
+    fn refuse_at(
+        &self,
+        offset: usize,
+        key: &str,
+        found: impl Into<String>,
+        allowed: &str,
+    ) -> DeviceFileError {
         DeviceFileError::Value {
             at: self.source.position(offset),
             place: self.place.clone(),
             key: key.to_owned(),
-            found,
+            found: found.into(),
             allowed: allowed.to_owned(),
         }
     }
@@ -169,6 +181,17 @@ impl<'s, 't> Section<'s, 't> {
             Some(value) if value < SMALLEST => {
                 let allowed = format!("at least {SMALLEST:e} is expected");
                 Err(self.refuse(key, format!("{value:e}"), &allowed))
+            }
+            other => Ok(other),
+        }
+    }
+
+    /// A number that is not negative, if the key is there; `quantity` names it.
+    pub(crate) fn not_negative(&self, key: &str, quantity: &str) -> Result<Option<f64>> {
+        match self.number(key)? {
+            Some(value) if value < 0.0 => {
+                let allowed = format!("{quantity} is not negative");
+                Err(self.refuse(key, value.to_string(), &allowed))
             }
             other => Ok(other),
         }
@@ -199,10 +222,26 @@ impl<'s, 't> Section<'s, 't> {
             None => Ok(None),
             Some((DeValue::String(text), _)) => Ok(Some(text.as_ref())),
             Some((value, offset)) => {
-                let found = value.type_str().to_owned();
-                Err(self.refuse_at(offset, key, found, "text in quotes is expected"))
+                Err(self.refuse_at(offset, key, value.type_str(), "text in quotes is expected"))
             }
         }
+    }
+
+    /// The meaning of one of some words, if the key is there.
+    pub(crate) fn word<T: Copy>(&self, key: &str, words: &Words<T>) -> Result<Option<T>> {
+        let Some(found) = self.text(key)? else {
+            return Ok(None);
+        };
+        if let Some((_, value)) = words.iter().find(|(word, _)| *word == found) {
+            return Ok(Some(*value));
+        }
+        let quoted: Vec<String> = words
+            .iter()
+            .map(|(word, _)| format!("\"{word}\""))
+            .collect();
+        let (others, last) = quoted.split_at(words.len() - 1);
+        let allowed = format!("it must be {} or {}", others.join(", "), last.join(""));
+        Err(self.refuse(key, format!("\"{found}\""), &allowed))
     }
 
     /// A list of finite numbers of any length.
@@ -219,18 +258,24 @@ impl<'s, 't> Section<'s, 't> {
                 .map(|item| self.to_number(key, item.get_ref(), item.span().start))
                 .collect::<Result<Vec<f64>>>()
                 .map(Some),
-            Some((value, offset)) => {
-                let found = value.type_str().to_owned();
-                Err(self.refuse_at(offset, key, found, "a list of numbers is expected"))
-            }
+            Some((value, offset)) => Err(self.refuse_at(
+                offset,
+                key,
+                value.type_str(),
+                "a list of numbers is expected",
+            )),
         }
     }
 
     /// A list of texts.
     pub(crate) fn texts(&self, key: &str) -> Result<Option<Vec<&'t str>>> {
         let wrong = |value: &DeValue<'_>, offset: usize| {
-            let found = value.type_str().to_owned();
-            self.refuse_at(offset, key, found, "a list of texts in quotes is expected")
+            self.refuse_at(
+                offset,
+                key,
+                value.type_str(),
+                "a list of texts in quotes is expected",
+            )
         };
         match self.find(key) {
             None => Ok(None),
@@ -261,6 +306,15 @@ impl<'s, 't> Section<'s, 't> {
         })
     }
 
+    /// A list of exactly `N` finite numbers that must be there.
+    pub(crate) fn required_vector<const N: usize>(
+        &self,
+        key: &str,
+        advice: &str,
+    ) -> Result<[f64; N]> {
+        self.vector(key)?.ok_or_else(|| self.missing(key, advice))
+    }
+
     /// One table below this one.
     pub(crate) fn table(&self, key: &str) -> Result<Option<Section<'s, 't>>> {
         match self.find(key) {
@@ -274,10 +328,39 @@ impl<'s, 't> Section<'s, 't> {
                 Ok(Some(Section::new(self.source, table, place, offset)))
             }
             Some((value, offset)) => {
-                let found = value.type_str().to_owned();
-                Err(self.refuse_at(offset, key, found, "a table is expected"))
+                Err(self.refuse_at(offset, key, value.type_str(), "a table is expected"))
             }
         }
+    }
+
+    /// What is read from one table below this one; its unknown keys are named.
+    pub(crate) fn within<T>(
+        &self,
+        key: &str,
+        warnings: &mut Vec<String>,
+        read: impl FnOnce(&Section<'s, 't>, &mut Vec<String>) -> Result<T>,
+    ) -> Result<Option<T>> {
+        let Some(section) = self.table(key)? else {
+            return Ok(None);
+        };
+        let found = read(&section, warnings)?;
+        section.unknown_keys(warnings);
+        Ok(Some(found))
+    }
+
+    /// What is read from each of a list of tables, as [`Section::within`].
+    pub(crate) fn each<T>(
+        &self,
+        key: &str,
+        warnings: &mut Vec<String>,
+        mut read: impl FnMut(&Section<'s, 't>) -> Result<T>,
+    ) -> Result<Vec<T>> {
+        let mut found = Vec::new();
+        for section in self.tables(key, 1)? {
+            found.push(read(&section)?);
+            section.unknown_keys(warnings);
+        }
+        Ok(found)
     }
 
     /// A list of tables; `number` names the first.
@@ -293,16 +376,14 @@ impl<'s, 't> Section<'s, 't> {
                         Ok(Section::new(self.source, table, place, item.span().start))
                     }
                     other => {
-                        let found = other.type_str().to_owned();
                         let expected = "a list of tables is expected";
-                        Err(self.refuse_at(item.span().start, key, found, expected))
+                        Err(self.refuse_at(item.span().start, key, other.type_str(), expected))
                     }
                 })
                 .collect(),
             Some((value, offset)) => {
-                let found = value.type_str().to_owned();
                 let allowed = format!("write each as [[{key}]]");
-                Err(self.refuse_at(offset, key, found, &allowed))
+                Err(self.refuse_at(offset, key, value.type_str(), &allowed))
             }
         }
     }

@@ -7,6 +7,7 @@ use haptical_kinematics::Link;
 use crate::device::Body;
 use crate::device::joint::{Joint, JointType};
 use crate::device::rows::{Drive, Origin};
+use crate::file::JOINT_TYPES;
 use crate::file::joint::{LARGEST_ANGLE_RAD, angle};
 use crate::file::reader::{SMALLEST, Section};
 use crate::parameter::unknown::{DEVIATION_KEYS, numbers_of};
@@ -73,12 +74,8 @@ pub(crate) fn read_rows(
 fn read_deviations(section: &Section<'_, '_>) -> Result<Vec<(Parameter, f64)>> {
     let mut found = Vec::new();
     for (number, key) in DEVIATION_KEYS {
-        if let Some(size) = section.number(key)? {
-            if size < 0.0 {
-                return Err(section.refuse(key, size.to_string(), "a size is not negative"));
-            }
-            found.push((number, size));
-        }
+        let size = section.not_negative(key, "a size")?;
+        found.extend(size.map(|size| (number, size)));
     }
     for word in section.texts("hold")?.unwrap_or_default() {
         let numbers = numbers_of(word).ok_or_else(|| {
@@ -108,18 +105,12 @@ pub(crate) fn read_link(section: &Section<'_, '_>, warnings: &mut Vec<String>) -
 }
 
 fn read_body(section: &Section<'_, '_>) -> Result<Option<Body>> {
-    let mass = section.number("mass_kg")?;
     let centre = section.vector("centre_of_mass_m")?;
-    match mass {
-        Some(mass) if mass < 0.0 => {
-            Err(section.refuse("mass_kg", mass.to_string(), "a mass is not negative"))
-        }
-        Some(mass_kg) => Ok(Some(Body {
-            mass_kg,
-            centre_of_mass_m: centre.unwrap_or([0.0; 3]),
-        })),
-        None => Ok(None),
-    }
+    let mass = section.not_negative("mass_kg", "a mass")?;
+    Ok(mass.map(|mass_kg| Body {
+        mass_kg,
+        centre_of_mass_m: centre.unwrap_or([0.0; 3]),
+    }))
 }
 
 pub(crate) fn read_origin(
@@ -173,15 +164,8 @@ fn read_drive(
     is_stated: bool,
 ) -> Result<Drive> {
     let own = joints.get(joint).map(|joint| joint.joint_type);
-    let motion = match section.text("driven_type")? {
-        None => own.unwrap_or(JointType::Revolute),
-        Some("revolute") => JointType::Revolute,
-        Some("prismatic") => JointType::Prismatic,
-        Some(other) => {
-            let allowed = "it must be \"revolute\" or \"prismatic\"";
-            return Err(section.refuse("driven_type", format!("\"{other}\""), allowed));
-        }
-    };
+    let motion = section.word("driven_type", JOINT_TYPES)?.or(own);
+    let motion = motion.unwrap_or(JointType::Revolute);
     let multiplier = section.number("driven_multiplier")?;
     if let Some(value) = multiplier
         && value.abs() < SMALLEST
@@ -189,13 +173,12 @@ fn read_drive(
         let allowed = format!("at least {SMALLEST:e} in size is expected");
         return Err(section.refuse("driven_multiplier", value.to_string(), &allowed));
     }
-    let offset_key = match motion {
-        JointType::Revolute => "driven_offset_rad",
-        JointType::Prismatic => "driven_offset_m",
-    };
-    let offset = match motion {
-        JointType::Revolute => angle(section, offset_key, LARGEST_ANGLE_RAD)?,
-        JointType::Prismatic => section.number(offset_key)?,
+    let (offset_key, offset) = match motion {
+        JointType::Revolute => {
+            let key = "driven_offset_rad";
+            (key, angle(section, key, LARGEST_ANGLE_RAD)?)
+        }
+        JointType::Prismatic => ("driven_offset_m", section.number("driven_offset_m")?),
     };
     if !is_stated {
         for key in ["driven_type", "driven_multiplier", offset_key] {

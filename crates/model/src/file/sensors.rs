@@ -3,6 +3,7 @@
 use crate::DeviceFileError;
 use crate::device::cable::{Cable, CableFit};
 use crate::device::{ContactPair, Tracker};
+use crate::file::PLACES;
 use crate::file::reader::Section;
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
@@ -19,9 +20,8 @@ pub(crate) fn read_cables(
         return Err(root.missing_for(first, "cable_encoder", advice));
     }
     sections.extend(further);
-    sections
-        .iter()
-        .enumerate()
+    let cables = sections.iter().enumerate();
+    cables
         .map(|(index, section)| {
             let anchor = section.vector("anchor_m")?;
             if index > 0 && anchor.is_none() {
@@ -37,7 +37,9 @@ pub(crate) fn read_cables(
                 exit_axis: section.vector("exit_axis")?,
                 zero_m: section.number("zero_m")?.unwrap_or(0.0),
                 scale: section.positive("scale")?.unwrap_or(1.0),
-                exit_radius_m: read_radius(section)?,
+                exit_radius_m: section
+                    .not_negative("exit_radius_m", "a radius")?
+                    .unwrap_or(0.0),
                 fit: read_fit(section)?,
             };
             section.unknown_keys(warnings);
@@ -46,29 +48,29 @@ pub(crate) fn read_cables(
         .collect()
 }
 
-fn read_radius(section: &Section<'_, '_>) -> Result<f64> {
-    match section.number("exit_radius_m")? {
-        Some(radius_m) if radius_m < 0.0 => {
-            let allowed = "a radius is not negative";
-            Err(section.refuse("exit_radius_m", radius_m.to_string(), allowed))
-        }
-        other => Ok(other.unwrap_or(0.0)),
-    }
+/// Words of `fit`, and whether each is set.
+pub(crate) fn fit_words(mut fit: CableFit) -> [(&'static str, bool); 4] {
+    fit_flags(&mut fit).map(|(word, is_fitted)| (word, *is_fitted))
+}
+
+fn fit_flags(fit: &mut CableFit) -> [(&'static str, &mut bool); 4] {
+    [
+        ("anchor", &mut fit.anchor),
+        ("zero", &mut fit.zero),
+        ("scale", &mut fit.scale),
+        ("exit_radius", &mut fit.exit_radius),
+    ]
 }
 
 fn read_fit(section: &Section<'_, '_>) -> Result<CableFit> {
     let mut fit = CableFit::default();
     for word in section.texts("fit")?.unwrap_or_default() {
-        match word {
-            "anchor" => fit.anchor = true,
-            "zero" => fit.zero = true,
-            "scale" => fit.scale = true,
-            "exit_radius" => fit.exit_radius = true,
-            other => {
-                let allowed = "it may list \"anchor\", \"zero\", \"scale\" and \"exit_radius\"";
-                return Err(section.refuse("fit", format!("\"{other}\""), allowed));
-            }
-        }
+        let mut flags = fit_flags(&mut fit).into_iter();
+        let (_, is_fitted) = flags.find(|(known, _)| *known == word).ok_or_else(|| {
+            let allowed = "it may list \"anchor\", \"zero\", \"scale\" and \"exit_radius\"";
+            section.refuse("fit", format!("\"{word}\""), allowed)
+        })?;
+        *is_fitted = true;
     }
     Ok(fit)
 }
@@ -81,70 +83,51 @@ pub(crate) fn read_tracker(
     root: &Section<'_, '_>,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Tracker>> {
-    let Some(section) = root.table("tracker")? else {
-        return Ok(None);
-    };
-    let known = |key: &str| match section.text(key)? {
-        None | Some("known") => Ok(true),
-        Some("unknown") => Ok(false),
-        Some(other) => {
-            let allowed = "it must be \"known\" or \"unknown\"";
-            Err(section.refuse(key, format!("\"{other}\""), allowed))
+    root.within("tracker", warnings, |section, _| {
+        // the places are read with the surroundings
+        for key in PLACEMENT_KEYS.as_flattened() {
+            section.has(key);
         }
-    };
-    let tracker = Tracker {
-        base_known: known("base")?,
-        tool_known: known("tool")?,
-        position_sd_m: section.positive("position_sd_m")?,
-        rotation_sd_rad: section.positive("rotation_sd_rad")?,
-    };
-    // read with the surroundings
-    let _ = PLACEMENT_KEYS
-        .as_flattened()
-        .iter()
-        .filter(|key| section.has(key))
-        .count();
-    section.unknown_keys(warnings);
-    Ok(Some(tracker))
+        Ok(Tracker {
+            base_known: section.word("base", PLACES)?.unwrap_or(true),
+            tool_known: section.word("tool", PLACES)?.unwrap_or(true),
+            position_sd_m: section.positive("position_sd_m")?,
+            rotation_sd_rad: section.positive("rotation_sd_rad")?,
+        })
+    })
 }
 
 pub(crate) fn read_contact_pairs(
     root: &Section<'_, '_>,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<ContactPair>> {
-    root.tables("contact_pair", 1)?
-        .iter()
-        .map(|section| {
-            let id = |key: &str| match section.text(key)? {
-                Some(text) => Ok(text.to_owned()),
-                None => Err(section.missing(key, "give the contact's id")),
-            };
-            let missing = |key: &str| section.missing(key, "give it in m");
-            let pair = ContactPair {
-                a: id("a")?,
-                b: id("b")?,
-                distance_m: section
-                    .positive("distance_m")?
-                    .ok_or_else(|| missing("distance_m"))?,
-                sd_m: section.positive("sd_m")?.ok_or_else(|| missing("sd_m"))?,
-            };
-            section.unknown_keys(warnings);
-            Ok(pair)
+    root.each("contact_pair", warnings, |section| {
+        let length = |key: &str| {
+            let length_m = section.positive(key)?;
+            length_m.ok_or_else(|| section.missing(key, "give it in m"))
+        };
+        let id = |key: &str| read_id(section, key, "give the contact's id");
+        Ok(ContactPair {
+            a: id("a")?,
+            b: id("b")?,
+            distance_m: length("distance_m")?,
+            sd_m: length("sd_m")?,
         })
-        .collect()
+    })
+}
+
+/// The name of what is touched.
+pub(crate) fn read_id(section: &Section<'_, '_>, key: &str, advice: &str) -> Result<String> {
+    let text = section.text(key)?;
+    let text = text.ok_or_else(|| section.missing(key, advice))?;
+    Ok(text.to_owned())
 }
 
 pub(crate) fn read_gravity(
     root: &Section<'_, '_>,
     warnings: &mut Vec<String>,
 ) -> Result<Option<[f64; 3]>> {
-    let Some(gravity) = root.table("gravity")? else {
-        return Ok(None);
-    };
-    let vector = gravity.vector("vector_mps2")?;
-    gravity.unknown_keys(warnings);
-    match vector {
-        Some(vector) => Ok(Some(vector)),
-        None => Err(gravity.missing("vector_mps2", "give gravity in frame (-1) in m/s^2")),
-    }
+    root.within("gravity", warnings, |gravity, _| {
+        gravity.required_vector("vector_mps2", "give gravity in frame (-1) in m/s^2")
+    })
 }

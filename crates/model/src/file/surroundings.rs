@@ -1,4 +1,4 @@
-//! Reads what stands beside the chain: the tracker's place, touched points and planes, compliances.
+//! Reads what a device is measured against: the tracker's place, touched points and planes; and compliances.
 
 use crate::DeviceFileError;
 use crate::device::Tracker;
@@ -7,7 +7,7 @@ use crate::device::surroundings::{
 };
 use crate::file::reader::Section;
 use crate::file::row::read_origin;
-use crate::file::sensors::PLACEMENT_KEYS;
+use crate::file::sensors::{PLACEMENT_KEYS, read_id};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -85,67 +85,56 @@ fn read_sd(
     key: &str,
     warnings: &mut Vec<String>,
 ) -> Result<Option<f64>> {
-    let Some(section) = root.table(table)? else {
-        return Ok(None);
-    };
-    let sd = section.positive(key)?;
-    section.unknown_keys(warnings);
-    Ok(sd)
+    let sd = root.within(table, warnings, |section, _| section.positive(key))?;
+    Ok(sd.flatten())
 }
 
-fn id(section: &Section<'_, '_>, key: &str) -> Result<String> {
-    let text = section.text(key)?;
-    let text = text.ok_or_else(|| section.missing(key, "give the id that the log has"))?;
-    Ok(text.to_owned())
+/// Says where an id comes from.
+const OF_LOG: &str = "give the id that the log has";
+
+/// An id that no earlier table has.
+fn new_id(section: &Section<'_, '_>, seen: &mut Vec<String>) -> Result<String> {
+    let id = read_id(section, "id", OF_LOG)?;
+    if seen.contains(&id) {
+        return Err(section.refuse("id", format!("\"{id}\" again"), "each id stands once"));
+    }
+    seen.push(id.clone());
+    Ok(id)
 }
 
 fn read_contacts(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Vec<ContactPoint>> {
-    let mut points: Vec<ContactPoint> = Vec::new();
-    for section in &root.tables("contact_point", 1)? {
-        let id = id(section, "id")?;
-        if points.iter().any(|point| point.id == id) {
-            return Err(section.refuse("id", format!("\"{id}\" again"), "each id stands once"));
-        }
-        let position_m = section.vector("position_m")?;
+    let mut seen = Vec::new();
+    root.each("contact_point", warnings, |section| {
         let advice = "give the point in frame (-1) in m";
-        points.push(ContactPoint {
-            id,
-            position_m: position_m.ok_or_else(|| section.missing("position_m", advice))?,
-        });
-        section.unknown_keys(warnings);
-    }
-    Ok(points)
+        Ok(ContactPoint {
+            id: new_id(section, &mut seen)?,
+            position_m: section.required_vector("position_m", advice)?,
+        })
+    })
 }
 
 fn read_planes(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Vec<TouchedPlane>> {
-    let mut planes: Vec<TouchedPlane> = Vec::new();
-    for section in &root.tables("touched_plane", 1)? {
-        let id = id(section, "id")?;
-        if planes.iter().any(|plane| plane.id == id) {
-            return Err(section.refuse("id", format!("\"{id}\" again"), "each id stands once"));
-        }
+    let mut seen = Vec::new();
+    root.each("touched_plane", warnings, |section| {
+        let id = new_id(section, &mut seen)?;
         let advice = "give the unit normal in frame (-1)";
-        let normal: Option<[f64; 3]> = section.vector("normal")?;
-        let normal = normal.ok_or_else(|| section.missing("normal", advice))?;
+        let normal: [f64; 3] = section.required_vector("normal", advice)?;
         let square: f64 = normal.iter().map(|part| part * part).sum();
         if (square.sqrt() - 1.0).abs() > NORMAL_TOLERANCE {
             let found = format!("a vector of length {}", square.sqrt());
             return Err(section.refuse("normal", found, "a unit vector is expected"));
         }
-        planes.push(TouchedPlane {
+        Ok(TouchedPlane {
             id,
             normal,
             tilt: [0.0; 2],
             offset_m: section.required("offset_m", "give it in m along the normal")?,
-        });
-        section.unknown_keys(warnings);
-    }
-    Ok(planes)
+        })
+    })
 }
 
 fn read_plane_pairs(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Vec<PlanePair>> {
-    let mut pairs = Vec::new();
-    for section in &root.tables("plane_pair", 1)? {
+    root.each("plane_pair", warnings, |section| {
         let angle_rad = section
             .number("angle_rad")?
             .unwrap_or(std::f64::consts::FRAC_PI_2);
@@ -154,13 +143,11 @@ fn read_plane_pairs(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Resul
             return Err(section.refuse("angle_rad", angle_rad.to_string(), allowed));
         }
         let sd_rad = section.positive("sd_rad")?;
-        pairs.push(PlanePair {
-            a: id(section, "a")?,
-            b: id(section, "b")?,
+        Ok(PlanePair {
+            a: read_id(section, "a", OF_LOG)?,
+            b: read_id(section, "b", OF_LOG)?,
             angle_rad,
             sd_rad: sd_rad.ok_or_else(|| section.missing("sd_rad", "give it in rad"))?,
-        });
-        section.unknown_keys(warnings);
-    }
-    Ok(pairs)
+        })
+    })
 }

@@ -39,6 +39,16 @@ pub enum ParameterId {
     Surrounding(SurroundingParameter),
 }
 
+/// Keys of a `[[link]]` for its numbers, in the order in which they are written.
+pub(crate) const LINK_KEYS: [(Parameter, &str); 6] = [
+    (Parameter::A, "a_m"),
+    (Parameter::Alpha, "alpha_rad"),
+    (Parameter::D, "d_m"),
+    (Parameter::Theta, "theta_offset_rad"),
+    (Parameter::Beta, "beta_rad"),
+    (Parameter::B, "b_m"),
+];
+
 /// Plausible size of a length deviation \[m\]: the largest of the paper's Table 5 is 4.2 mm.
 const PLAUSIBLE_LENGTH_M: f64 = 5e-3;
 /// Plausible size of an angle deviation \[rad\]: Table 5 has 27 mrad, once 52 mrad.
@@ -108,15 +118,9 @@ impl ParameterId {
             }
             Self::Surrounding(parameter) => parameter.key(device),
             Self::Link { row, parameter } => {
-                let key = match parameter {
-                    Parameter::A => "a_m",
-                    Parameter::Alpha => "alpha_rad",
-                    Parameter::D => "d_m",
-                    Parameter::Theta => "theta_offset_rad",
-                    Parameter::Beta => "beta_rad",
-                    Parameter::B => "b_m",
-                };
-                format!("link[{row}].{key}")
+                let mut keys = LINK_KEYS.iter();
+                let key = keys.find(|(number, _)| *number == parameter);
+                format!("link[{row}].{}", key.map_or("", |(_, key)| key))
             }
             Self::Transmission { joint, index } => {
                 let number = joint + 1;
@@ -254,7 +258,7 @@ impl Device {
             .collect()
     }
 
-    /// What may be fitted beside links and transmissions: what cables, tracker, touched points and planes
+    /// What may be fitted with links and transmissions: what cables, tracker, touched points and planes
     /// leave open, and compliances that are to be found.
     pub fn further_parameters(&self) -> Vec<ParameterId> {
         let open = self.surrounding_parameters().into_iter();
@@ -269,15 +273,17 @@ impl Device {
     /// # Errors
     /// [`ModelError::NoParameter`].
     pub fn parameter(&self, name: &str) -> Result<ParameterId, ModelError> {
-        let transmissions =
-            (0..self.joints.len()).flat_map(|joint| self.transmission_parameters(joint));
-        self.link_parameters(true)
-            .into_iter()
-            .chain(transmissions)
-            .chain(self.further_parameters())
-            .find(|id| id.name(self) == name)
-            .ok_or_else(|| ModelError::NoParameter {
-                name: name.to_owned(),
-            })
+        let mut parameters = self.every_parameter();
+        let found = parameters.find(|id| id.name(self) == name);
+        found.ok_or_else(|| ModelError::NoParameter {
+            name: name.to_owned(),
+        })
+    }
+
+    pub(crate) fn every_parameter(&self) -> impl Iterator<Item = ParameterId> {
+        let joints = 0..self.joints.len();
+        let transmissions = joints.flat_map(|joint| self.transmission_parameters(joint));
+        let links = self.link_parameters(true).into_iter();
+        links.chain(transmissions).chain(self.further_parameters())
     }
 }

@@ -1,6 +1,6 @@
-//! The numbers beside the chain that a calibration may change, by a stable name.
+//! The numbers of cables, tracker and touched places that a calibration may change, by a stable name.
 
-use crate::{Device, Placement};
+use crate::Device;
 
 /// A parameter of a cable, the tracker, a touched point or plane.
 ///
@@ -67,6 +67,41 @@ const PLAUSIBLE_CABLE_M: f64 = 1e-2;
 /// Plausible error of a cable drum's circumference.
 const PLAUSIBLE_SCALE: f64 = 1e-2;
 
+/// The number of a parameter in a device, to be read or written.
+macro_rules! number {
+    ($parameter:ident, $device:ident, $get:ident, $as:ident $(, $mut:tt)?) => {{
+        let around = &$($mut)? $device.surroundings;
+        let cables = &$($mut)? $device.cables;
+        match $parameter {
+            Self::CableAnchor { cable, axis } => {
+                cables.$get(cable).and_then(|cable| cable.anchor_m.$get(axis))
+            }
+            Self::CableZero { cable } => cables.$get(cable).map(|cable| &$($mut)? cable.zero_m),
+            Self::CableScale { cable } => cables.$get(cable).map(|cable| &$($mut)? cable.scale),
+            Self::CableExitRadius { cable } => {
+                cables.$get(cable).map(|cable| &$($mut)? cable.exit_radius_m)
+            }
+            Self::TrackerBase { index } | Self::TrackerTool { index } => {
+                let placement = match $parameter {
+                    Self::TrackerBase { .. } => around.tracker_base.$as(),
+                    _ => around.tracker_tool.$as(),
+                };
+                placement.and_then(|placement| match index.checked_sub(3) {
+                    None => placement.start.position_m.$get(index),
+                    Some(turn) => placement.turn_rad.$get(turn),
+                })
+            }
+            Self::Contact { point, axis } => {
+                around.contacts.$get(point).and_then(|point| point.position_m.$get(axis))
+            }
+            Self::Plane { plane, index } => around.planes.$get(plane).and_then(|plane| match index {
+                2 => Some(&$($mut)? plane.offset_m),
+                _ => plane.tilt.$get(index),
+            }),
+        }
+    }};
+}
+
 impl SurroundingParameter {
     /// Unit.
     pub fn unit(self) -> &'static str {
@@ -84,7 +119,6 @@ impl SurroundingParameter {
             _ => format!("cable{}", index + 1),
         };
         let part = |names: &[&'static str], index: usize| names.get(index).copied().unwrap_or("?");
-        let surroundings = &device.surroundings;
         match self {
             Self::CableAnchor { cable: of, axis } => {
                 format!("{}_anchor_{}", cable(of), part(&AXES, axis))
@@ -95,17 +129,11 @@ impl SurroundingParameter {
             Self::TrackerBase { index } => format!("tracker_base_{}", part(&PLACEMENT, index)),
             Self::TrackerTool { index } => format!("tracker_tool_{}", part(&PLACEMENT, index)),
             Self::Contact { point, axis } => {
-                let id = surroundings
-                    .contacts
-                    .get(point)
-                    .map_or("?", |point| &point.id);
+                let id = contact_id(device, point);
                 format!("contact.{id}.{}", part(&AXES, axis))
             }
             Self::Plane { plane, index } => {
-                let id = surroundings
-                    .planes
-                    .get(plane)
-                    .map_or("?", |plane| &plane.id);
+                let id = plane_id(device, plane);
                 format!("plane.{id}.{}", part(&PLANE, index))
             }
         }
@@ -121,7 +149,6 @@ impl SurroundingParameter {
             0..3 => format!("tracker.{place}_xyz_m[{index}]"),
             _ => format!("tracker.{place}_wxyz"),
         };
-        let surroundings = &device.surroundings;
         match self {
             Self::CableAnchor { cable: of, axis } => format!("{}.anchor_m[{axis}]", cable(of)),
             Self::CableZero { cable: of } => format!("{}.zero_m", cable(of)),
@@ -130,17 +157,11 @@ impl SurroundingParameter {
             Self::TrackerBase { index } => placed("base", index),
             Self::TrackerTool { index } => placed("tool", index),
             Self::Contact { point, axis } => {
-                let id = surroundings
-                    .contacts
-                    .get(point)
-                    .map_or("?", |point| &point.id);
+                let id = contact_id(device, point);
                 format!("contact_point[{id}].position_m[{axis}]")
             }
             Self::Plane { plane, index } => {
-                let id = surroundings
-                    .planes
-                    .get(plane)
-                    .map_or("?", |plane| &plane.id);
+                let id = plane_id(device, plane);
                 let key = if index == 2 { "offset_m" } else { "normal" };
                 format!("touched_plane[{id}].{key}")
             }
@@ -160,86 +181,27 @@ impl SurroundingParameter {
 
     /// Value in a device; NaN where the device does not have the parameter.
     pub fn value(self, device: &Device) -> f64 {
-        let surroundings = &device.surroundings;
-        let found = match self {
-            Self::CableAnchor { cable, axis } => {
-                let cable = device.cables.get(cable);
-                cable.and_then(|cable| cable.anchor_m.get(axis).copied())
-            }
-            Self::CableZero { cable } => device.cables.get(cable).map(|cable| cable.zero_m),
-            Self::CableScale { cable } => device.cables.get(cable).map(|cable| cable.scale),
-            Self::CableExitRadius { cable } => {
-                device.cables.get(cable).map(|cable| cable.exit_radius_m)
-            }
-            Self::TrackerBase { index } => placed(surroundings.tracker_base.as_ref(), index),
-            Self::TrackerTool { index } => placed(surroundings.tracker_tool.as_ref(), index),
-            Self::Contact { point, axis } => {
-                let point = surroundings.contacts.get(point);
-                point.and_then(|point| point.position_m.get(axis).copied())
-            }
-            Self::Plane { plane, index } => {
-                let plane = surroundings.planes.get(plane);
-                plane.and_then(|plane| match index {
-                    2 => Some(plane.offset_m),
-                    _ => plane.tilt.get(index).copied(),
-                })
-            }
-        };
-        found.unwrap_or(f64::NAN)
+        number!(self, device, get, as_ref)
+            .copied()
+            .unwrap_or(f64::NAN)
     }
 
     /// Sets the value in a device.
     pub fn set(self, device: &mut Device, value: f64) {
-        let surroundings = &mut device.surroundings;
-        let place = match self {
-            Self::CableAnchor { cable, axis } => {
-                let cable = device.cables.get_mut(cable);
-                cable.and_then(|cable| cable.anchor_m.get_mut(axis))
-            }
-            Self::CableZero { cable } => {
-                device.cables.get_mut(cable).map(|cable| &mut cable.zero_m)
-            }
-            Self::CableScale { cable } => {
-                device.cables.get_mut(cable).map(|cable| &mut cable.scale)
-            }
-            Self::CableExitRadius { cable } => {
-                let cable = device.cables.get_mut(cable);
-                cable.map(|cable| &mut cable.exit_radius_m)
-            }
-            Self::TrackerBase { index } => place_of(surroundings.tracker_base.as_mut(), index),
-            Self::TrackerTool { index } => place_of(surroundings.tracker_tool.as_mut(), index),
-            Self::Contact { point, axis } => {
-                let point = surroundings.contacts.get_mut(point);
-                point.and_then(|point| point.position_m.get_mut(axis))
-            }
-            Self::Plane { plane, index } => {
-                let plane = surroundings.planes.get_mut(plane);
-                plane.and_then(|plane| match index {
-                    2 => Some(&mut plane.offset_m),
-                    _ => plane.tilt.get_mut(index),
-                })
-            }
-        };
-        if let Some(place) = place {
-            *place = value;
+        if let Some(number) = number!(self, device, get_mut, as_mut, mut) {
+            *number = value;
         }
     }
 }
 
-fn placed(placement: Option<&Placement>, index: usize) -> Option<f64> {
-    let placement = placement?;
-    match index.checked_sub(3) {
-        None => placement.start.position_m.get(index).copied(),
-        Some(turn) => placement.turn_rad.get(turn).copied(),
-    }
+fn contact_id(device: &Device, point: usize) -> &str {
+    let point = device.surroundings.contacts.get(point);
+    point.map_or("?", |point| &point.id)
 }
 
-fn place_of(placement: Option<&mut Placement>, index: usize) -> Option<&mut f64> {
-    let placement = placement?;
-    match index.checked_sub(3) {
-        None => placement.start.position_m.get_mut(index),
-        Some(turn) => placement.turn_rad.get_mut(turn),
-    }
+fn plane_id(device: &Device, plane: usize) -> &str {
+    let plane = device.surroundings.planes.get(plane);
+    plane.map_or("?", |plane| &plane.id)
 }
 
 impl Device {

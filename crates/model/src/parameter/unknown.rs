@@ -42,7 +42,7 @@ pub struct UnknownNumbers {
     pub last: usize,
 }
 
-/// The numbers of a row that a word stands for.
+/// The numbers of a row that a word means.
 pub(crate) fn numbers_of(word: &str) -> Option<&'static [Parameter]> {
     let known = GROUPS
         .iter()

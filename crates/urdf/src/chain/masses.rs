@@ -121,11 +121,8 @@ fn said_of_loads(robot: &Robot, loads: &[&Branch], file: &str) -> Option<String>
     let off_zero = off_zero.filter(|(_, position)| *position != 0.0);
     let off_zero = off_zero.map(|(joint, position)| {
         let joint = &robot.joints[*joint];
-        let unit = match joint.joint_type {
-            RobotJointType::Prismatic => "m",
-            _ => "rad",
-        };
-        format!("`{}` at {} {unit}", joint.name, rounded(*position))
+        let at = rounded(*position);
+        format!("`{}` at {at} {}", joint.name, joint.unit())
     });
     let off_zero: Vec<String> = off_zero.collect();
     let taken = match off_zero.is_empty() {

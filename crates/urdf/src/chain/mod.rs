@@ -1,4 +1,4 @@
-//! The moving rows of a path: what stands between them, and which joint drives each.
+//! The moving rows of a path: the fixed parts between them, and the joint that drives each.
 
 pub(crate) mod ends;
 pub(crate) mod gaps;
@@ -138,10 +138,7 @@ pub(crate) fn numbering(robot: &Robot, rows: &Rows, file: &str) -> Option<String
     let mut apart = Vec::new();
     for (index, row) in rows.rows.iter().enumerate() {
         let driver = rows.drivers[row.drive.joint];
-        let unit = match robot.joints[driver].joint_type {
-            RobotJointType::Prismatic => "m",
-            _ => "rad",
-        };
+        let unit = robot.joints[driver].unit();
         let column = format!("column theta{}_{unit}", row.drive.joint + 1);
         let own = format!("row {} `{}`", index + 1, name(row.joint));
         if driver != row.joint {

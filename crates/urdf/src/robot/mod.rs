@@ -76,4 +76,12 @@ impl RobotJoint {
     pub(crate) fn moves(&self) -> bool {
         self.joint_type != RobotJointType::Fixed
     }
+
+    /// Unit of its variable.
+    pub(crate) fn unit(&self) -> &'static str {
+        match self.joint_type {
+            RobotJointType::Prismatic => "m",
+            _ => "rad",
+        }
+    }
 }

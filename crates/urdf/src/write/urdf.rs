@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use haptical_model::{Device, JointType};
+use haptical_model::Device;
 
 use crate::UrdfError;
 use crate::numbers::{escaped, written};
@@ -100,19 +100,15 @@ pub(crate) fn left_out(device: &Device) -> Vec<String> {
     let transmissions = segments_are_dirty(device).then(|| TRANSMISSIONS.to_owned());
     let scaled = device.joints.iter().enumerate().filter_map(|(index, joint)| {
         let drive = device.drive(own_row(device, index)?)?;
-        let unit = |motion| match motion {
-            JointType::Revolute => "rad",
-            JointType::Prismatic => "m",
-        };
         let is_own = drive.multiplier == 1.0 && drive.motion == joint.joint_type;
         (!is_own).then(|| {
             format!(
                 "joint `{}` drives other rows and has none of its own: its value in {} is {} times the \
                  reading in {}",
                 joint.name,
-                unit(drive.motion),
+                drive.motion.unit(),
                 drive.multiplier,
-                unit(joint.joint_type)
+                joint.unit()
             )
         })
     });

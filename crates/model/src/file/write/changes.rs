@@ -4,7 +4,8 @@ use haptical_kinematics::Link;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value, value};
 
 use crate::file::reader::Source;
-use crate::{Device, DeviceFileError, TransmissionError};
+use crate::parameter::LINK_KEYS;
+use crate::{Device, DeviceFileError, Parameter, TransmissionError};
 
 /// Every key that may hold a number of a transmission error.
 const ERROR_KEYS: [&str; 8] = [
@@ -60,12 +61,8 @@ impl Device {
 
     /// Name of the first parameter that is not finite.
     fn not_finite(&self) -> Option<String> {
-        let transmissions =
-            (0..self.joints.len()).flat_map(|joint| self.transmission_parameters(joint));
-        self.link_parameters(true)
-            .into_iter()
-            .chain(transmissions)
-            .chain(self.further_parameters())
+        let mut parameters = self.every_parameter();
+        parameters
             .find(|id| !id.value(self).is_finite())
             .map(|id| id.name(self))
     }
@@ -103,15 +100,9 @@ pub(crate) fn set(row: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
 
 /// Replaces the numbers that changed and leaves the others as they are written.
 fn set_link(row: &mut dyn TableLike, now: &Link, was: &Link) {
-    for (key, new, old) in [
-        ("a_m", now.a_m, was.a_m),
-        ("alpha_rad", now.alpha_rad, was.alpha_rad),
-        ("d_m", now.d_m, was.d_m),
-        ("theta_offset_rad", now.theta_rad, was.theta_rad),
-        ("beta_rad", now.beta_rad, was.beta_rad),
-        ("b_m", now.b_m, was.b_m),
-    ] {
-        if new.to_bits() != old.to_bits() {
+    for (number, key) in LINK_KEYS {
+        let new = now.get(number);
+        if new.to_bits() != was.get(number).to_bits() {
             set(row, key, new);
         }
     }
@@ -120,12 +111,10 @@ fn set_link(row: &mut dyn TableLike, now: &Link, was: &Link) {
 /// A row's numbers; those that few rows have only where they are not 0.
 pub(crate) fn link_table(link: &Link) -> Table {
     let mut row = Table::new();
-    row.insert("a_m", value(link.a_m));
-    row.insert("alpha_rad", value(link.alpha_rad));
-    row.insert("d_m", value(link.d_m));
-    row.insert("theta_offset_rad", value(link.theta_rad));
-    for (key, number) in [("beta_rad", link.beta_rad), ("b_m", link.b_m)] {
-        if number.to_bits() != 0 {
+    for (number, key) in LINK_KEYS {
+        let is_rare = matches!(number, Parameter::Beta | Parameter::B);
+        let number = link.get(number);
+        if !is_rare || number.to_bits() != 0 {
             row.insert(key, value(number));
         }
     }
@@ -167,15 +156,18 @@ pub(crate) fn set_error(row: &mut dyn TableLike, error: &TransmissionError, unit
 }
 
 fn error_values(error: &TransmissionError, unit: &str) -> Vec<(String, Value)> {
-    let list = |numbers: &[f64]| Value::Array(numbers.iter().copied().collect::<Array>());
+    let list = |key: &str, numbers: &[f64]| {
+        let numbers = numbers.iter().copied().collect::<Array>();
+        (key.to_owned(), Value::Array(numbers))
+    };
     let capstan = match error {
         TransmissionError::Chebyshev {
             range_rad,
             coefficients,
         } => {
             return vec![
-                ("range_rad".to_owned(), list(range_rad)),
-                ("chebyshev".to_owned(), list(coefficients)),
+                list("range_rad", range_rad),
+                list("chebyshev", coefficients),
             ];
         }
         TransmissionError::Parallelogram { capstan, .. } | TransmissionError::Capstan(capstan) => {
@@ -185,18 +177,15 @@ fn error_values(error: &TransmissionError, unit: &str) -> Vec<(String, Value)> {
     let mut values = vec![
         (format!("offset_{unit}"), capstan.offset_rad.into()),
         ("ratio_deviation".to_owned(), capstan.ratio_deviation.into()),
-        (
-            "output_drum_xy_m".to_owned(),
-            list(&capstan.output_drum_xy_m),
-        ),
-        ("input_drum_xy_m".to_owned(), list(&capstan.input_drum_xy_m)),
+        list("output_drum_xy_m", &capstan.output_drum_xy_m),
+        list("input_drum_xy_m", &capstan.input_drum_xy_m),
     ];
     if let TransmissionError::Parallelogram {
         length_deviations_m,
         ..
     } = error
     {
-        values.push(("length_deviations_m".to_owned(), list(length_deviations_m)));
+        values.push(list("length_deviations_m", length_deviations_m));
     }
     values
 }

@@ -1,4 +1,4 @@
-//! Writes what stands beside the chain into a device file.
+//! Writes what a device is measured against into its file.
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value, value};
 
@@ -7,7 +7,7 @@ use crate::device::cable::Cable;
 use crate::device::surroundings::{ContactPoint, Placement, Surroundings, TouchedPlane};
 use crate::file::sensors::PLACEMENT_KEYS;
 use crate::file::write::changes::{rows, set};
-use crate::file::write::whole::{insert_tables, list};
+use crate::file::write::whole::{insert_tables, list, number, table, text};
 use crate::parameter::compliance_key;
 
 /// Writes what a calibration may have changed: places, points, planes, cables, compliances.
@@ -45,15 +45,13 @@ pub(crate) fn write_changes(document: &mut DocumentMut, now: &Device, before: &D
 pub(crate) fn write_all(document: &mut DocumentMut, device: &Device) {
     let surroundings = device.surroundings.settled();
     write_places(document, &surroundings, &Surroundings::default());
-    for (table, key, sd) in [
+    for (section, key, sd) in [
         ("contact", "sd_m", surroundings.contact_sd_m),
         ("plane", "sd_m", surroundings.plane_sd_m),
         ("fixture", "sd_rad", surroundings.fixture_sd_rad),
     ] {
-        if let Some(sd) = sd {
-            let mut section = Table::new();
-            section.insert(key, value(sd));
-            document.insert(table, Item::Table(section));
+        if sd.is_some() {
+            document.insert(section, Item::Table(table([(key, number(sd))])));
         }
     }
     let contacts = surroundings.contacts.iter().map(contact_table).collect();
@@ -61,12 +59,12 @@ pub(crate) fn write_all(document: &mut DocumentMut, device: &Device) {
     let planes = surroundings.planes.iter().map(plane_table).collect();
     insert_tables(document, "touched_plane", planes);
     let pairs = surroundings.plane_pairs.iter().map(|pair| {
-        let mut table = Table::new();
-        table.insert("a", value(pair.a.as_str()));
-        table.insert("b", value(pair.b.as_str()));
-        table.insert("angle_rad", value(pair.angle_rad));
-        table.insert("sd_rad", value(pair.sd_rad));
-        table
+        table([
+            ("a", text(&pair.a)),
+            ("b", text(&pair.b)),
+            ("angle_rad", number(pair.angle_rad)),
+            ("sd_rad", number(pair.sd_rad)),
+        ])
     });
     insert_tables(document, "plane_pair", pairs.collect());
     let rigid = Device {
@@ -111,18 +109,18 @@ fn numbers(values: &[f64]) -> Value {
 }
 
 fn contact_table(point: &ContactPoint) -> Table {
-    let mut table = Table::new();
-    table.insert("id", value(point.id.as_str()));
-    table.insert("position_m", list(&point.position_m));
-    table
+    table([
+        ("id", text(&point.id)),
+        ("position_m", list(&point.position_m)),
+    ])
 }
 
 fn plane_table(plane: &TouchedPlane) -> Table {
-    let mut table = Table::new();
-    table.insert("id", value(plane.id.as_str()));
-    table.insert("normal", list(&plane.normal));
-    table.insert("offset_m", value(plane.offset_m));
-    table
+    table([
+        ("id", text(&plane.id)),
+        ("normal", list(&plane.normal)),
+        ("offset_m", number(plane.offset_m)),
+    ])
 }
 
 fn set_cable(table: &mut dyn TableLike, now: &Cable, was: &Cable) {

@@ -3,11 +3,13 @@
 use haptical_kinematics::Convention;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
+use crate::device::Tracker;
 use crate::device::cable::Cable;
-use crate::device::joint::{Joint, JointType, TransmissionKind};
+use crate::device::joint::Joint;
 use crate::device::rows::{Drive, Origin};
-use crate::device::{Body, Tracker};
+use crate::file::sensors::fit_words;
 use crate::file::write::changes::{link_table, nominal, set_error};
+use crate::file::{CONVENTIONS, JOINT_TYPES, PLACES, TRANSMISSIONS, word_for};
 use crate::parameter::unknown::DEVIATION_KEYS;
 use crate::{Device, DeviceFileError};
 
@@ -47,11 +49,13 @@ impl Device {
 
     fn document(&self) -> DocumentMut {
         let mut document = DocumentMut::new();
-        let mut head = Table::new();
-        head.insert("name", value(self.name.as_str()));
-        head.insert("dof", value(self.joints.len() as i64));
-        if self.convention == Convention::Modified {
-            head.insert("convention", value("modified"));
+        let mut head = table([
+            ("name", text(&self.name)),
+            ("dof", Some(value(self.joints.len() as i64))),
+        ]);
+        if self.convention != Convention::Standard {
+            let convention = word_for(CONVENTIONS, &self.convention);
+            head.insert("convention", value(convention));
         }
         if let Some(Some(handle)) = self.origins.get(self.links.len()) {
             insert_origin(&mut head, "handle_xyz_m", "handle_wxyz", handle);
@@ -70,19 +74,18 @@ impl Device {
             document.insert("tracker", Item::Table(tracker_table(tracker)));
         }
         let pairs = self.contact_pairs.iter().map(|pair| {
-            let mut table = Table::new();
-            table.insert("a", value(pair.a.as_str()));
-            table.insert("b", value(pair.b.as_str()));
-            table.insert("distance_m", value(pair.distance_m));
-            table.insert("sd_m", value(pair.sd_m));
-            table
+            table([
+                ("a", text(&pair.a)),
+                ("b", text(&pair.b)),
+                ("distance_m", number(pair.distance_m)),
+                ("sd_m", number(pair.sd_m)),
+            ])
         });
         insert_tables(&mut document, "contact_pair", pairs.collect());
         crate::file::write::surroundings::write_all(&mut document, self);
         if let Some(gravity) = &self.gravity_mps2 {
-            let mut table = Table::new();
-            table.insert("vector_mps2", list(gravity));
-            document.insert("gravity", Item::Table(table));
+            let gravity = table([("vector_mps2", list(gravity))]);
+            document.insert("gravity", Item::Table(gravity));
         }
         if let Some(links) = &self.nominal_links {
             document.insert("nominal", Item::Table(nominal(links)));
@@ -103,20 +106,39 @@ impl Device {
         if let Some(drive) = row.checked_sub(1).and_then(|index| self.drives.get(index)) {
             insert_drive(&mut table, drive);
         }
-        if let Some(Some(Body {
-            mass_kg,
-            centre_of_mass_m,
-        })) = self.bodies.get(row)
-        {
-            table.insert("mass_kg", value(*mass_kg));
-            table.insert("centre_of_mass_m", list(centre_of_mass_m));
+        if let Some(Some(body)) = self.bodies.get(row) {
+            insert(&mut table, "mass_kg", number(body.mass_kg));
+            insert(&mut table, "centre_of_mass_m", list(&body.centre_of_mass_m));
         }
         table
     }
 }
 
-pub(crate) fn list(numbers: &[f64]) -> Item {
-    value(numbers.iter().copied().collect::<Array>())
+/// A table of what there is.
+pub(crate) fn table<const N: usize>(entries: [(&str, Option<Item>); N]) -> Table {
+    let mut table = Table::new();
+    for (key, item) in entries {
+        insert(&mut table, key, item);
+    }
+    table
+}
+
+fn insert(table: &mut Table, key: &str, item: Option<Item>) {
+    if let Some(item) = item {
+        table.insert(key, item);
+    }
+}
+
+pub(crate) fn text(text: &str) -> Option<Item> {
+    Some(value(text))
+}
+
+pub(crate) fn number(number: impl Into<Option<f64>>) -> Option<Item> {
+    number.into().map(value)
+}
+
+pub(crate) fn list(numbers: &[f64]) -> Option<Item> {
+    Some(value(numbers.iter().copied().collect::<Array>()))
 }
 
 pub(crate) fn insert_tables(document: &mut DocumentMut, key: &str, tables: Vec<Table>) {
@@ -126,132 +148,86 @@ pub(crate) fn insert_tables(document: &mut DocumentMut, key: &str, tables: Vec<T
     }
 }
 
-pub(crate) fn insert_origin(table: &mut Table, place: &str, turn: &str, origin: &Origin) {
-    table.insert(place, list(&origin.position_m));
-    table.insert(turn, list(&origin.orientation_wxyz));
+fn insert_origin(table: &mut Table, place: &str, turn: &str, origin: &Origin) {
+    insert(table, place, list(&origin.position_m));
+    insert(table, turn, list(&origin.orientation_wxyz));
 }
 
 fn insert_drive(table: &mut Table, drive: &Drive) {
     table.insert("driven_by", value(drive.joint as i64 + 1));
-    table.insert("driven_type", value(type_name(drive.motion)));
+    table.insert("driven_type", value(word_for(JOINT_TYPES, &drive.motion)));
     table.insert("driven_multiplier", value(drive.multiplier));
-    let key = match drive.motion {
-        JointType::Revolute => "driven_offset_rad",
-        JointType::Prismatic => "driven_offset_m",
-    };
-    table.insert(key, value(drive.offset));
-}
-
-fn type_name(joint_type: JointType) -> &'static str {
-    match joint_type {
-        JointType::Revolute => "revolute",
-        JointType::Prismatic => "prismatic",
-    }
-}
-
-fn insert_numbers(table: &mut Table, numbers: &[(&str, Option<f64>)]) {
-    for (key, number) in numbers {
-        if let Some(number) = number {
-            table.insert(key, value(*number));
-        }
-    }
+    let key = format!("driven_offset_{}", drive.motion.unit());
+    table.insert(&key, value(drive.offset));
 }
 
 fn joint_table(joint: &Joint) -> Table {
-    let mut table = Table::new();
-    table.insert("name", value(joint.name.as_str()));
-    table.insert("type", value(type_name(joint.joint_type)));
-    let keys = match joint.joint_type {
-        JointType::Revolute => ["home_rad", "lower_rad", "upper_rad"],
-        JointType::Prismatic => ["home_m", "lower_m", "upper_m"],
-    };
-    let limits = [joint.home_rad, joint.lower_rad, joint.upper_rad];
-    for (key, limit) in keys.into_iter().zip(limits) {
+    let mut joint_table = table([
+        ("name", text(&joint.name)),
+        ("type", text(word_for(JOINT_TYPES, &joint.joint_type))),
+    ]);
+    let limits = [
+        ("home", joint.home_rad),
+        ("lower", joint.lower_rad),
+        ("upper", joint.upper_rad),
+    ];
+    for (key, limit) in limits {
         // a joint without limits has none in its file
-        if limit.is_finite() {
-            table.insert(key, value(limit));
-        }
+        let limit = Some(limit).filter(|limit| limit.is_finite());
+        let key = format!("{key}_{}", joint.unit());
+        insert(&mut joint_table, &key, number(limit));
     }
-    let transmission = match joint.transmission {
-        TransmissionKind::Capstan => "capstan",
-        TransmissionKind::Parallelogram => "parallelogram",
-        TransmissionKind::Direct => "direct",
-    };
-    table.insert("transmission", value(transmission));
-    insert_numbers(
-        &mut table,
-        &[
-            ("transmission_ratio", Some(joint.transmission_ratio)),
-            ("drum_distance_m", joint.drum_distance_m),
-            ("input_drum_denominator_m", joint.input_drum_denominator_m),
-            ("encoder_counts_per_rev", joint.encoder_counts_per_rev),
-            (
-                "external_encoder_counts_per_rev",
-                joint.external_encoder_counts_per_rev,
-            ),
-            ("external_encoder_sd_rad", joint.external_encoder_sd_rad),
-            ("torque_scale_sd", Some(joint.torque_scale_sd)),
-            ("sampling_sd_rad", joint.sampling_sd_rad),
-        ],
-    );
+    let kind = word_for(TRANSMISSIONS, &joint.transmission);
+    joint_table.insert("transmission", value(kind));
+    let output_counts = joint.external_encoder_counts_per_rev;
+    for (key, of_joint) in [
+        ("transmission_ratio", Some(joint.transmission_ratio)),
+        ("drum_distance_m", joint.drum_distance_m),
+        ("input_drum_denominator_m", joint.input_drum_denominator_m),
+        ("encoder_counts_per_rev", joint.encoder_counts_per_rev),
+        ("external_encoder_counts_per_rev", output_counts),
+        ("external_encoder_sd_rad", joint.external_encoder_sd_rad),
+        ("torque_scale_sd", Some(joint.torque_scale_sd)),
+        ("sampling_sd_rad", joint.sampling_sd_rad),
+    ] {
+        insert(&mut joint_table, key, number(of_joint));
+    }
     if let Some(lengths_m) = &joint.parallelogram_lengths_m {
-        table.insert("parallelogram_lengths_m", list(lengths_m));
+        insert(&mut joint_table, "parallelogram_lengths_m", list(lengths_m));
     }
-    set_error(&mut table, &joint.transmission_error, joint.unit());
-    table
+    set_error(&mut joint_table, &joint.transmission_error, joint.unit());
+    joint_table
 }
 
 fn cable_table(cable: &Cable) -> Table {
-    let mut table = Table::new();
-    table.insert("anchor_m", list(&cable.anchor_m));
-    insert_numbers(
-        &mut table,
-        &[
-            ("drum_radius_m", cable.drum_radius_m),
-            ("counts_per_rev", cable.counts_per_rev),
-            ("distance_sd_m", cable.distance_sd_m),
-        ],
-    );
-    if let Some(axis) = &cable.exit_axis {
-        table.insert("exit_axis", list(axis));
-    }
+    let unusual = |number: f64, usual: f64| (number.to_bits() != usual.to_bits()).then_some(number);
     let plain = Cable::default();
-    for (key, number, usual) in [
-        ("zero_m", cable.zero_m, plain.zero_m),
-        ("scale", cable.scale, plain.scale),
-        ("exit_radius_m", cable.exit_radius_m, plain.exit_radius_m),
-    ] {
-        if number.to_bits() != usual.to_bits() {
-            table.insert(key, value(number));
-        }
-    }
-    let fit = cable.fit;
-    let words: Array = [
-        (fit.anchor, "anchor"),
-        (fit.zero, "zero"),
-        (fit.scale, "scale"),
-        (fit.exit_radius, "exit_radius"),
-    ]
-    .into_iter()
-    .filter_map(|(is_fitted, word)| is_fitted.then_some(word))
-    .collect();
-    if !words.is_empty() {
-        table.insert("fit", value(words));
-    }
-    table
+    let (exit_axis, radius_m) = (cable.exit_axis.as_ref(), cable.exit_radius_m);
+    let words: Array = fit_words(cable.fit)
+        .into_iter()
+        .filter_map(|(word, is_fitted)| is_fitted.then_some(word))
+        .collect();
+    table([
+        ("anchor_m", list(&cable.anchor_m)),
+        ("drum_radius_m", number(cable.drum_radius_m)),
+        ("counts_per_rev", number(cable.counts_per_rev)),
+        ("distance_sd_m", number(cable.distance_sd_m)),
+        ("exit_axis", exit_axis.and_then(|axis| list(axis))),
+        ("zero_m", number(unusual(cable.zero_m, plain.zero_m))),
+        ("scale", number(unusual(cable.scale, plain.scale))),
+        (
+            "exit_radius_m",
+            number(unusual(radius_m, plain.exit_radius_m)),
+        ),
+        ("fit", (!words.is_empty()).then(|| value(words))),
+    ])
 }
 
 fn tracker_table(tracker: &Tracker) -> Table {
-    let word = |known: bool| value(if known { "known" } else { "unknown" });
-    let mut table = Table::new();
-    table.insert("base", word(tracker.base_known));
-    table.insert("tool", word(tracker.tool_known));
-    insert_numbers(
-        &mut table,
-        &[
-            ("position_sd_m", tracker.position_sd_m),
-            ("rotation_sd_rad", tracker.rotation_sd_rad),
-        ],
-    );
-    table
+    table([
+        ("base", text(word_for(PLACES, &tracker.base_known))),
+        ("tool", text(word_for(PLACES, &tracker.tool_known))),
+        ("position_sd_m", number(tracker.position_sd_m)),
+        ("rotation_sd_rad", number(tracker.rotation_sd_rad)),
+    ])
 }
