@@ -50,8 +50,8 @@ fn placed<L: Law + 'static>(spec: &'static Spec, joint: Option<usize>, law: L) -
 }
 
 macro_rules! at_joints {
-    ($kind:ident, $file:path, $law:ident) => {
-        at_joints!($kind, $file, SPEC, $law)
+    ($kind:ident, $file:path) => {
+        at_joints!($kind, $file, SPEC, LAW)
     };
     ($kind:ident, $file:path, $spec:ident, $law:ident) => {{
         use $file as file;
@@ -63,8 +63,8 @@ macro_rules! at_joints {
 }
 
 macro_rules! on_device {
-    ($file:path, $law:ident) => {
-        on_device!($file, SPEC, $law)
+    ($file:path) => {
+        on_device!($file, SPEC, LAW)
     };
     ($file:path, $spec:ident, $law:ident) => {{
         use $file as file;
@@ -84,31 +84,27 @@ const fn elsewhere(spec: &'static Spec) -> Line {
 
 /// Order matters: of effects that explain equally much the first is taken.
 const REGISTRY: &[Line] = &[
-    at_joints!(any, transmission::capstan_compliance, LAW),
-    at_joints!(any, structure::joint_compliance, LAW),
-    at_joints!(has_drums, transmission::capstan_creep, CapstanCreep),
-    at_joints!(any, transmission::backlash, Backlash),
-    at_joints!(any, transmission::hysteresis, LAW),
-    at_joints!(any, external_encoder::windup, LAW),
-    at_joints!(any, transmission::viscous_lag, LAW),
-    at_joints!(any, external_encoder::latency, LAW),
-    at_joints!(any, motor_encoder::encoder_count_loss, LAW),
-    at_joints!(any, external_encoder::count_loss, LAW),
-    at_joints!(has_drums, transmission::capstan_slip, LAW),
-    at_joints!(any, transmission::joint_drift, LAW),
-    at_joints!(any, transmission::joint_drift, WARM, Warming),
-    at_joints!(any, external_encoder::drift, LAW),
-    at_joints!(turns, external_encoder::eccentricity, LAW),
-    at_joints!(turns, transmission::drum_eccentricity, LAW),
-    at_joints!(any, transmission::ratio_error, RatioError),
-    at_joints!(turns_by_drums, transmission::drum_out_of_round, LAW),
-    at_joints!(turns_by_drums, transmission::input_drum_harmonic, LAW),
-    at_joints!(
-        turns_by_drums,
-        motor_encoder::device_encoder_eccentricity,
-        LAW
-    ),
-    at_joints!(turns_by_drums, transmission::cable_pitch, CablePitch),
+    at_joints!(any, transmission::capstan_compliance),
+    at_joints!(any, structure::joint_compliance),
+    at_joints!(has_drums, transmission::capstan_creep),
+    at_joints!(any, transmission::backlash),
+    at_joints!(any, transmission::hysteresis),
+    at_joints!(any, external_encoder::windup),
+    at_joints!(any, transmission::viscous_lag),
+    at_joints!(any, external_encoder::latency),
+    at_joints!(any, motor_encoder::encoder_count_loss),
+    at_joints!(any, external_encoder::count_loss),
+    at_joints!(has_drums, transmission::capstan_slip),
+    at_joints!(any, transmission::joint_drift),
+    at_joints!(any, transmission::joint_drift, WARM, WARM_LAW),
+    at_joints!(any, external_encoder::drift),
+    at_joints!(turns, external_encoder::eccentricity),
+    at_joints!(turns, transmission::drum_eccentricity),
+    at_joints!(any, transmission::ratio_error),
+    at_joints!(turns_by_drums, transmission::drum_out_of_round),
+    at_joints!(turns_by_drums, transmission::input_drum_harmonic),
+    at_joints!(turns_by_drums, motor_encoder::device_encoder_eccentricity),
+    at_joints!(turns_by_drums, transmission::cable_pitch),
     Line {
         specs: from_ref(&transmission::cross_coupling::SPEC),
         site: Site::Pair(turns, |joint, from| {
@@ -116,28 +112,28 @@ const REGISTRY: &[Line] = &[
             placed(&transmission::cross_coupling::SPEC, Some(joint), law)
         }),
     },
-    at_joints!(turns, structure::axis_wobble, AxisWobble),
-    on_device!(structure::base_compliance, BaseCompliance),
-    on_device!(structure::tool_compliance, ToolCompliance),
-    on_device!(cable::hysteresis, Hysteresis),
-    on_device!(cable::latency, LAW),
+    at_joints!(turns, structure::axis_wobble),
+    on_device!(structure::base_compliance),
+    on_device!(structure::tool_compliance),
+    on_device!(cable::hysteresis),
+    on_device!(cable::latency),
     Line {
         specs: from_ref(&motor_encoder::encoder_latency::SPEC),
         site: Site::Device(|_| vec![Box::new(motor_encoder::encoder_latency::EncoderLatency)]),
     },
-    on_device!(cable::count_loss, LAW),
-    on_device!(cable::drift, LAW),
-    on_device!(cable::warming, Warming),
-    on_device!(structure::warming, Warming),
-    on_device!(cable::zero_offset, ZeroOffset),
-    on_device!(cable::scale, LAW),
-    on_device!(cable::stretch, LAW),
-    on_device!(cable::sag, Sag),
-    on_device!(cable::twist, Twist),
-    on_device!(cable::drum_eccentricity, DrumEccentricity),
-    on_device!(cable::exit_geometry, ExitGeometry),
-    on_device!(structure::tool_changed, ToolChanged),
-    on_device!(structure::tracker_moved, TrackerMoved),
+    on_device!(cable::count_loss),
+    on_device!(cable::drift),
+    on_device!(cable::warming),
+    on_device!(structure::warming),
+    on_device!(cable::zero_offset),
+    on_device!(cable::scale),
+    on_device!(cable::stretch),
+    on_device!(cable::sag),
+    on_device!(cable::twist),
+    on_device!(cable::drum_eccentricity),
+    on_device!(cable::exit_geometry),
+    on_device!(structure::tool_changed),
+    on_device!(structure::tracker_moved),
     Line {
         specs: &noise::periodic_disturbance::SPECS,
         site: Site::Device(noise::periodic_disturbance::on_channels),
@@ -147,15 +143,15 @@ const REGISTRY: &[Line] = &[
     elsewhere(&base_model::PARALLELOGRAM_ERROR),
     elsewhere(&base_model::JOINT_OFFSET),
     elsewhere(&base_model::LINK_GEOMETRY),
-    on_device!(force::bias, Bias),
-    on_device!(force::bias, WARM, Warming),
-    on_device!(force::gain, Gain),
-    on_device!(force::crosstalk, Crosstalk),
-    on_device!(force::hysteresis, Hysteresis),
-    at_joints!(any, force::joint_friction, LAW),
+    on_device!(force::bias),
+    on_device!(force::bias, WARM, WARM_LAW),
+    on_device!(force::gain),
+    on_device!(force::crosstalk),
+    on_device!(force::hysteresis),
+    at_joints!(any, force::joint_friction),
     at_joints!(any, force::joint_friction, SLIDING, SLIDING_LAW),
-    at_joints!(any, force::motor_cogging, MotorCogging),
-    at_joints!(any, force::torque_gain, TorqueGain),
+    at_joints!(any, force::motor_cogging),
+    at_joints!(any, force::torque_gain),
     elsewhere(&force::UNBALANCED_GRAVITY),
     elsewhere(&force::GRIP_FORCE),
 ];

@@ -24,6 +24,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
+pub(crate) const LAW: DrumEccentricity = DrumEccentricity;
+
 #[derive(Debug)]
 pub(crate) struct DrumEccentricity;
 

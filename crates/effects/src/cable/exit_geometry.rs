@@ -14,6 +14,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..EXIT
 };
 
+pub(crate) const LAW: ExitGeometry = ExitGeometry;
+
 #[derive(Debug)]
 pub(crate) struct ExitGeometry;
 

@@ -20,6 +20,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
+pub(crate) const LAW: Hysteresis = Hysteresis;
+
 #[derive(Debug)]
 pub(crate) struct Hysteresis;
 

@@ -21,6 +21,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..EXIT
 };
 
+pub(crate) const LAW: Sag = Sag;
+
 #[derive(Debug)]
 pub(crate) struct Sag;
 

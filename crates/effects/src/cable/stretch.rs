@@ -1,7 +1,7 @@
 //! The measuring cable is longer under the tension of its spring.
 
 use crate::cable::EXIT;
-use crate::laws::Proportional;
+use crate::laws::Linear;
 use crate::{Absorbed, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -16,4 +16,4 @@ pub(crate) const SPEC: Spec = Spec {
     ..EXIT
 };
 
-pub(crate) const LAW: Proportional = Proportional;
+pub(crate) const LAW: Linear = Linear::PROPORTIONAL;

@@ -1,7 +1,7 @@
 //! The reading grows with the square of the angle at which the cable leaves its guide.
 
 use crate::cable::EXIT;
-use crate::laws::{Input, Law};
+use crate::laws::Linear;
 use crate::{Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -14,13 +14,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..EXIT
 };
 
-#[derive(Debug)]
-pub(crate) struct Twist;
-
-impl Law for Twist {
-    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
-        let cable = input.context.cable.as_ref()?;
-        let squares = (0..input.context.rows()).map(|row| cable.exit_angle_rad(row).powi(2));
-        Some(vec![squares.collect()])
-    }
-}
+pub(crate) const LAW: Linear = Linear(|input| {
+    let cable = input.context.cable.as_ref()?;
+    let squares = (0..input.context.rows()).map(|row| cable.exit_angle_rad(row).powi(2));
+    Some(vec![squares.collect()])
+});

@@ -1,6 +1,6 @@
 //! The cable and its encoder grow with temperature.
 
-use crate::laws::{Input, Law};
+use crate::laws::Linear;
 use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -19,16 +19,11 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct Warming;
-
-impl Law for Warming {
-    /// A shift at the mean distance (housing and cable), and what grows with the distance beyond that.
-    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
-        let (warming, length_m) = (input.context.warming_k.as_ref()?, input.reading()?);
-        let mean = input.context.mean_length_m();
-        let beyond = warming.iter().zip(length_m);
-        let beyond = beyond.map(|(warming, length)| warming * (length / mean - 1.0));
-        Some(vec![warming.clone(), beyond.collect()])
-    }
-}
+/// A shift at the mean distance (housing and cable), and what grows with the distance beyond that.
+pub(crate) const LAW: Linear = Linear(|input| {
+    let (warming, length_m) = (input.context.warming_k.as_ref()?, input.reading()?);
+    let mean = input.context.mean_length_m();
+    let beyond = warming.iter().zip(length_m);
+    let beyond = beyond.map(|(warming, length)| warming * (length / mean - 1.0));
+    Some(vec![warming.clone(), beyond.collect()])
+});

@@ -1,7 +1,7 @@
 //! The zero of the cable encoder is set wrong.
 
 use crate::cable::EXIT;
-use crate::laws::{Input, Law};
+use crate::laws::Linear;
 use crate::{Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -14,11 +14,4 @@ pub(crate) const SPEC: Spec = Spec {
     ..EXIT
 };
 
-#[derive(Debug)]
-pub(crate) struct ZeroOffset;
-
-impl Law for ZeroOffset {
-    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
-        Some(vec![vec![1.0; input.context.rows()]])
-    }
-}
+pub(crate) const LAW: Linear = Linear(|input| Some(vec![vec![1.0; input.context.rows()]]));

@@ -3,7 +3,7 @@
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::force::SENSOR;
-use crate::laws::{Input, Law};
+use crate::laws::{InStreams, Input};
 use crate::{Follows, Need, Parameter, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -38,27 +38,16 @@ pub(crate) const WARM: Spec = Spec {
     ..SPEC
 };
 
-#[derive(Debug)]
-pub(crate) struct Bias;
-
+pub(crate) const LAW: InStreams = InStreams(|input| Some(constant(input)));
 /// The constant, and the growth.
-#[derive(Debug)]
-pub(crate) struct Warming;
+pub(crate) const WARM_LAW: InStreams = InStreams(|input| {
+    let warming_k = input.context.warming_k.as_deref().unwrap_or_default();
+    let kelvin = |row: usize| warming_k.get(row).copied().unwrap_or(0.0);
+    let warm = |axis: usize| input.context.sensor(|row| Vector3::ith(axis, kelvin(row)));
+    Some([constant(input), (0..3).map(warm).collect()].concat())
+});
 
-impl Law for Bias {
-    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
-        let axis = |axis: usize| input.context.sensor(|_| Vector3::ith(axis, 1.0));
-        Some((0..3).map(axis).collect())
-    }
-}
-
-impl Law for Warming {
-    fn signals(&self, input: Input<'_, '_>, shape: f64) -> Option<Vec<Signal>> {
-        let warming_k = input.context.warming_k.as_deref().unwrap_or_default();
-        let kelvin = |row: usize| warming_k.get(row).copied().unwrap_or(0.0);
-        let warm = |axis: usize| input.context.sensor(|row| Vector3::ith(axis, kelvin(row)));
-        let mut signals = Bias.signals(input, shape)?;
-        signals.extend((0..3).map(warm));
-        Some(signals)
-    }
+fn constant(input: Input<'_, '_>) -> Vec<Signal> {
+    let axis = |axis: usize| input.context.sensor(|_| Vector3::ith(axis, 1.0));
+    (0..3).map(axis).collect()
 }

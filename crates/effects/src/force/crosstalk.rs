@@ -3,8 +3,8 @@
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::force::SENSOR;
-use crate::laws::{Input, Law};
-use crate::{Parameter, Signal, Spec};
+use crate::laws::InStreams;
+use crate::{Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "force-crosstalk",
@@ -27,15 +27,10 @@ pub(crate) const SPEC: Spec = Spec {
 /// Axes that read too much, and whose force it is.
 const ENTRIES: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
 
-#[derive(Debug)]
-pub(crate) struct Crosstalk;
-
-impl Law for Crosstalk {
-    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
-        let entry = |(to, from): (usize, usize)| {
-            let read_n = input.context.read_force_n(from);
-            input.context.sensor(|row| Vector3::ith(to, read_n[row]))
-        };
-        Some(ENTRIES.map(entry).to_vec())
-    }
-}
+pub(crate) const LAW: InStreams = InStreams(|input| {
+    let entry = |(to, from): (usize, usize)| {
+        let read_n = input.context.read_force_n(from);
+        input.context.sensor(|row| Vector3::ith(to, read_n[row]))
+    };
+    Some(ENTRIES.map(entry).to_vec())
+});

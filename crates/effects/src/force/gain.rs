@@ -21,6 +21,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..SENSOR
 };
 
+pub(crate) const LAW: Gain = Gain;
+
 #[derive(Debug)]
 pub(crate) struct Gain;
 

@@ -36,6 +36,8 @@ fn averaged_n(context: &Context<'_>, axis: usize) -> Vec<f64> {
     smooth(&context.read_force_n(axis), REACH, &context.runs)
 }
 
+pub(crate) const LAW: Hysteresis = Hysteresis;
+
 #[derive(Debug)]
 pub(crate) struct Hysteresis;
 

@@ -28,6 +28,8 @@ pub const COGGING_ORDERS: usize = 12;
 /// Periods that the travel must show.
 const LEAST_PERIODS: f64 = 2.0;
 
+pub(crate) const LAW: MotorCogging = MotorCogging;
+
 #[derive(Debug)]
 pub(crate) struct MotorCogging;
 

@@ -1,6 +1,6 @@
 //! The scale of a drive's torque.
 
-use crate::laws::{Input, Law};
+use crate::laws::Linear;
 use crate::{Absorbed, Family, Follows, Hook, Need, Parameter, Spec};
 
 /// The scale of a drive's torque.
@@ -19,11 +19,4 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct TorqueGain;
-
-impl Law for TorqueGain {
-    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
-        Some(vec![input.torque_nm()?.to_vec()])
-    }
-}
+pub(crate) const LAW: Linear = Linear(|input| Some(vec![input.torque_nm()?.to_vec()]));

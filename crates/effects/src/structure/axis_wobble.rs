@@ -29,6 +29,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
+pub(crate) const LAW: AxisWobble = AxisWobble;
+
 #[derive(Debug)]
 pub(crate) struct AxisWobble;
 

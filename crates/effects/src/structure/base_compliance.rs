@@ -1,7 +1,7 @@
 //! The mount of the robot turns against the cable encoder by C M, M the moment of hand and weights about the base.
 
-use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec};
+use crate::laws::InStreams;
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "base-compliance",
@@ -19,14 +19,9 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct BaseCompliance;
-
-impl Law for BaseCompliance {
-    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
-        let context = input.context;
-        let moment = context.base_moment_nm.as_ref()?;
-        let turned = |row: usize| (moment[row].cross(&context.way_from_base(row)), moment[row]);
-        Some(vec![context.handle(turned)])
-    }
-}
+pub(crate) const LAW: InStreams = InStreams(|input| {
+    let context = input.context;
+    let moment = context.base_moment_nm.as_ref()?;
+    let turned = |row: usize| (moment[row].cross(&context.way_from_base(row)), moment[row]);
+    Some(vec![context.handle(turned)])
+});

@@ -23,6 +23,8 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
+pub(crate) const LAW: ToolChanged = ToolChanged;
+
 #[derive(Debug)]
 pub(crate) struct ToolChanged;
 

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec};
+use crate::laws::InStreams;
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "tool-compliance",
@@ -21,13 +21,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct ToolCompliance;
-
-impl Law for ToolCompliance {
-    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
-        let force = input.context.force_n.as_ref()?;
-        let moved = |row: usize| (force[row], Vector3::zeros());
-        Some(vec![input.context.handle(moved)])
-    }
-}
+pub(crate) const LAW: InStreams = InStreams(|input| {
+    let force = input.context.force_n.as_ref()?;
+    let moved = |row: usize| (force[row], Vector3::zeros());
+    Some(vec![input.context.handle(moved)])
+});

@@ -25,6 +25,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
+pub(crate) const LAW: TrackerMoved = TrackerMoved;
+
 #[derive(Debug)]
 pub(crate) struct TrackerMoved;
 

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Signal, Spec};
+use crate::laws::InStreams;
+use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "thermal-drift",
@@ -20,15 +20,10 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct Warming;
-
-impl Law for Warming {
-    fn signals(&self, input: Input<'_, '_>, _: f64) -> Option<Vec<Signal>> {
-        let context = input.context;
-        let warming = context.warming_k.as_ref()?;
-        let mean = context.mean_length_m();
-        let grown = |row: usize| context.way_from_base(row) * (warming[row] / mean);
-        Some(vec![context.handle(|row| (grown(row), Vector3::zeros()))])
-    }
-}
+pub(crate) const LAW: InStreams = InStreams(|input| {
+    let context = input.context;
+    let warming = context.warming_k.as_ref()?;
+    let mean = context.mean_length_m();
+    let grown = |row: usize| context.way_from_base(row) * (warming[row] / mean);
+    Some(vec![context.handle(|row| (grown(row), Vector3::zeros()))])
+});

@@ -28,6 +28,8 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
+pub(crate) const LAW: Backlash = Backlash;
+
 #[derive(Debug)]
 pub(crate) struct Backlash;
 

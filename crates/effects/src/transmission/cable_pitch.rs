@@ -1,7 +1,7 @@
 //! Pitch of the helix and cables that walk or cross: to leading order an even term, and a cubic one where the cable
 //! does not start in the middle of its drum.
 
-use crate::laws::{Input, Law};
+use crate::laws::Linear;
 use crate::{Family, Follows, Hook, LawError, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -19,13 +19,7 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct CablePitch;
-
-impl Law for CablePitch {
-    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
-        let power =
-            |exponent: i32| Some(input.reading()?.iter().map(|q| q.powi(exponent)).collect());
-        Some(vec![power(2)?, power(3)?])
-    }
-}
+pub(crate) const LAW: Linear = Linear(|input| {
+    let power = |exponent: i32| Some(input.reading()?.iter().map(|q| q.powi(exponent)).collect());
+    Some(vec![power(2)?, power(3)?])
+});

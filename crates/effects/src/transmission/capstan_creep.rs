@@ -1,6 +1,6 @@
 //! The wrap slips a little with every loaded travel: d(theta) = kappa tau |d(theta)|.
 
-use crate::laws::{Input, Law};
+use crate::laws::Linear;
 use crate::{Family, Hook, LawError, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -20,21 +20,16 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct CapstanCreep;
-
-impl Law for CapstanCreep {
-    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
-        let (torque, travel) = (input.torque_nm()?, input.reading()?);
-        let mut error = vec![0.0; travel.len()];
-        for run in &input.context.runs {
-            let mut crept = 0.0;
-            for row in run.clone().skip(1) {
-                let mean = 0.5 * (torque[row] + torque[row - 1]);
-                crept -= mean * (travel[row] - travel[row - 1]).abs();
-                error[row] = crept;
-            }
+pub(crate) const LAW: Linear = Linear(|input| {
+    let (torque, travel) = (input.torque_nm()?, input.reading()?);
+    let mut error = vec![0.0; travel.len()];
+    for run in &input.context.runs {
+        let mut crept = 0.0;
+        for row in run.clone().skip(1) {
+            let mean = 0.5 * (torque[row] + torque[row - 1]);
+            crept -= mean * (travel[row] - travel[row - 1]).abs();
+            error[row] = crept;
         }
-        Some(vec![error])
     }
-}
+    Some(vec![error])
+});

@@ -1,6 +1,6 @@
 //! The zero of a drive drifts in time, steadily or until it settles, or follows the temperature.
 
-use crate::laws::{Drift, Input, Law};
+use crate::laws::{Drift, Linear};
 use crate::{Follows, Hook, Need, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -27,11 +27,4 @@ pub(crate) const WARM: Spec = Spec {
 
 pub(crate) const LAW: Drift = Drift;
 
-#[derive(Debug)]
-pub(crate) struct Warming;
-
-impl Law for Warming {
-    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
-        Some(vec![input.context.warming_k.clone()?])
-    }
-}
+pub(crate) const WARM_LAW: Linear = Linear(|input| Some(vec![input.context.warming_k.clone()?]));

@@ -1,6 +1,6 @@
 //! A ratio error of a joint for which the base model has none, or the pitch of a screw.
 
-use crate::laws::{Input, Law};
+use crate::laws::Linear;
 use crate::{Absorbed, Family, Follows, Hook, LawError, Need, Parameter, Spec};
 
 /// The transmission ratio is not the nominal one.
@@ -20,14 +20,9 @@ pub const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
-#[derive(Debug)]
-pub(crate) struct RatioError;
-
-impl Law for RatioError {
-    fn columns(&self, input: Input<'_, '_>, _: &[f64], _: f64) -> Option<Vec<Vec<f64>>> {
-        // output = reading / (1 + deviation / ratio), as eq. (1)
-        let ratio = input.joint()?.transmission_ratio;
-        let readings = input.reading()?.iter();
-        Some(vec![readings.map(|q| -q / ratio).collect()])
-    }
-}
+pub(crate) const LAW: Linear = Linear(|input| {
+    // output = reading / (1 + deviation / ratio), as eq. (1)
+    let ratio = input.joint()?.transmission_ratio;
+    let readings = input.reading()?.iter();
+    Some(vec![readings.map(|q| -q / ratio).collect()])
+});
