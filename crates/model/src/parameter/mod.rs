@@ -66,10 +66,7 @@ impl ParameterId {
     /// Unit.
     pub fn unit(self, device: &Device) -> &'static str {
         match self {
-            Self::Link {
-                parameter: Parameter::A | Parameter::B | Parameter::D,
-                ..
-            } => "m",
+            Self::Link { parameter, .. } if is_length(parameter) => "m",
             Self::Compliance { joint } => match device.joints[joint].joint_type {
                 crate::JointType::Revolute => "rad/(N m)",
                 crate::JointType::Prismatic => "m/N",
@@ -78,12 +75,11 @@ impl ParameterId {
             Self::Link { .. } => "rad",
             Self::Transmission { joint, index } => {
                 let joint = &device.joints[joint];
-                match &joint.transmission_error {
-                    TransmissionError::Chebyshev { .. } => joint.unit(),
-                    _ if index == 0 => joint.unit(),
-                    _ if index == 1 => "1",
+                match (&joint.transmission_error, index) {
+                    (TransmissionError::Chebyshev { .. }, _) | (_, 0) => joint.unit(),
+                    (_, 1) => "1",
                     // Without drums the eccentricity's denominator is 1 m: the number is an angle.
-                    _ if index < 6 && joint.drum_distance_m.is_none() => "rad",
+                    (_, 2..6) if joint.drum_distance_m.is_none() => "rad",
                     _ => "m",
                 }
             }
@@ -147,10 +143,7 @@ impl ParameterId {
             {
                 size
             }
-            Self::Link {
-                parameter: Parameter::A | Parameter::B | Parameter::D,
-                ..
-            } => PLAUSIBLE_LENGTH_M,
+            Self::Link { parameter, .. } if is_length(parameter) => PLAUSIBLE_LENGTH_M,
             Self::Link { .. } => PLAUSIBLE_ANGLE_RAD,
             Self::Compliance { .. } => PLAUSIBLE_COMPLIANCE,
             Self::Surrounding(parameter) => parameter.plausible_size(),
@@ -217,6 +210,10 @@ impl ParameterId {
             }
         }
     }
+}
+
+fn is_length(parameter: Parameter) -> bool {
+    matches!(parameter, Parameter::A | Parameter::B | Parameter::D)
 }
 
 /// Key of `[[joint]]` for what the joint yields.

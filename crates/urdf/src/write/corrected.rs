@@ -79,7 +79,7 @@ pub fn corrected_urdf(
         mut warnings,
         ..
     } = read;
-    if segments_are_dirty(device) {
+    if has_transmission_errors(device) {
         warnings.push(TRANSMISSIONS.to_owned());
     }
     let before = segments.rows.iter().map(|row| row.before);
@@ -87,31 +87,20 @@ pub fn corrected_urdf(
     // the path has joints, so the robot has a closing tag
     let end = robot.end.unwrap_or(text.len());
     let mut edits = Vec::new();
-    let add = |parent: &str, what: &str, place: &str, origin: &Pose| {
-        let (addition, name) = added_link(&robot, parent, what, origin);
-        let warning = format!(
+    let mut add = |link: &mut String, what: &str, place: &str, origin: &Pose| {
+        let (addition, name) = added_link(&robot, link, what, origin);
+        warnings.push(format!(
             "{file}: nothing is fixed {place} joint, so the link `{name}` was added for the {what}"
-        );
-        (warning, (end..end, addition), name)
+        ));
+        *link = name;
+        (end..end, addition)
     };
     for correction in corrections(&robot, &path, before, &segments.handle) {
-        match correction {
-            Correction::Joint(index, origin) => {
-                edits.push(edit(text, &robot.joints[index], &origin));
-            }
-            Correction::Base(origin) => {
-                let (warning, edit, name) = add(&base, "base", "before the first", &origin);
-                warnings.push(warning);
-                edits.push(edit);
-                base = name;
-            }
-            Correction::Tip(origin) => {
-                let (warning, edit, name) = add(&tip, "handle", "behind the last", &origin);
-                warnings.push(warning);
-                edits.push(edit);
-                tip = name;
-            }
-        }
+        edits.push(match correction {
+            Correction::Joint(index, origin) => edit(text, &robot.joints[index], &origin),
+            Correction::Base(origin) => add(&mut base, "base", "before the first", &origin),
+            Correction::Tip(origin) => add(&mut tip, "handle", "behind the last", &origin),
+        });
     }
     Ok(CorrectedUrdf {
         text: replaced(text, edits),
@@ -126,12 +115,10 @@ pub(crate) const TRANSMISSIONS: &str = "a robot description has no transmission 
      values that are corrected for them (`haptical export --format rust` or `c-header`)";
 
 /// Whether any joint's value differs from its reading.
-pub(crate) fn segments_are_dirty(device: &Device) -> bool {
+pub(crate) fn has_transmission_errors(device: &Device) -> bool {
     let none = haptical_model::TransmissionError::default();
-    device
-        .joints
-        .iter()
-        .any(|joint| joint.transmission_error != none)
+    let mut joints = device.joints.iter();
+    joints.any(|joint| joint.transmission_error != none)
 }
 
 fn check_same(read: &ReadChain, device: &Device, file: &str) -> Result<(), UrdfError> {

@@ -7,7 +7,7 @@ use haptical_model::{Device, JointType, Origin};
 use crate::UrdfError;
 use crate::numbers::{escaped, written};
 use crate::write::segments::segments;
-use crate::write::urdf::{joint_names, left_out, own_row};
+use crate::write::urdf::{joint_names, left_out};
 
 /// An MJCF with a body for each row, joints along z with their ranges, the masses that are known, and a
 /// site `handle`; and what it leaves out. Its joint values are those of [`new_urdf`](crate::new_urdf): the
@@ -67,14 +67,11 @@ pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
             "{indent}  <joint name=\"{name}\" type=\"{kind}\" axis=\"0 0 1\""
         );
         let range = segment.limits(device);
-        let source = own_row(device, segment.drive.joint).unwrap_or(index + 1);
-        if source != index + 1 {
-            let first = &segments.rows[source - 1].drive;
-            let multiplier = segment.drive.multiplier / first.multiplier;
+        if let Some((source, multiplier)) = segments.followed(device, index) {
             let _ = writeln!(
                 bonds,
                 "    <joint joint1=\"{name}\" joint2=\"{}\" polycoef=\"0 {} 0 0 0\"/>",
-                escaped(&names[source - 1]),
+                escaped(&names[source]),
                 written(&[multiplier])
             );
         } else if range.iter().all(|end| end.is_finite()) {

@@ -6,6 +6,7 @@ use haptical_model::{Device, Drive, JointType};
 
 use crate::UrdfError;
 use crate::rigid::{about_z, then, turn};
+use crate::write::urdf::own_row;
 
 /// A moving row: everything constant before its motion, and what is known of its mass.
 #[derive(Debug, Clone)]
@@ -51,6 +52,16 @@ pub(crate) struct Segments {
     pub(crate) rows: Vec<Segment>,
     /// From the frame behind the last motion to the handle.
     pub(crate) handle: Pose,
+}
+
+impl Segments {
+    /// The row (from 0) that another one follows, and by which multiplier; none for a joint's own row.
+    pub(crate) fn followed(&self, device: &Device, row: usize) -> Option<(usize, f64)> {
+        let drive = &self.rows[row].drive;
+        let source = own_row(device, drive.joint)? - 1;
+        let multiplier = drive.multiplier / self.rows[source].drive.multiplier;
+        (source != row).then_some((source, multiplier))
+    }
 }
 
 /// A row's constant parts before and behind its motion: Rz(variable) and T(0, 0, variable) change places

@@ -6,7 +6,7 @@ use haptical_model::Device;
 
 use crate::UrdfError;
 use crate::numbers::{escaped, written};
-use crate::write::corrected::{TRANSMISSIONS, origin_element, segments_are_dirty, type_name};
+use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors, origin_element, type_name};
 use crate::write::segments::segments;
 
 /// Stands where one limit is known and the other is not \[rad\] or \[m\].
@@ -51,8 +51,6 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
                 written(&[mass_kg])
             ),
         };
-        let source = own_row(device, segment.drive.joint).unwrap_or(index + 1);
-        let follows = source != index + 1;
         let limits = segment.limits(device);
         let limits = (limits[0].is_finite() || limits[1].is_finite())
             .then_some([limits[0].max(-FAR), limits[1].min(FAR)]);
@@ -74,13 +72,12 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
                 written(&[upper])
             );
         }
-        if follows {
-            let first = &segments.rows[source - 1].drive;
+        if let Some((source, multiplier)) = segments.followed(device, index) {
             let _ = writeln!(
                 text,
                 "    <mimic joint=\"{}\" multiplier=\"{}\"/>",
-                escaped(&names[source - 1]),
-                written(&[segment.drive.multiplier / first.multiplier]),
+                escaped(&names[source]),
+                written(&[multiplier]),
             );
         }
         text.push_str("  </joint>\n");
@@ -97,7 +94,7 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
 
 /// What a robot description of a device does not hold, and where its values are no readings.
 pub(crate) fn left_out(device: &Device) -> Vec<String> {
-    let transmissions = segments_are_dirty(device).then(|| TRANSMISSIONS.to_owned());
+    let transmissions = has_transmission_errors(device).then(|| TRANSMISSIONS.to_owned());
     let scaled = device.joints.iter().enumerate().filter_map(|(index, joint)| {
         let drive = device.drive(own_row(device, index)?)?;
         let is_own = drive.multiplier == 1.0 && drive.motion == joint.joint_type;
