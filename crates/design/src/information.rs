@@ -195,33 +195,6 @@ impl Information {
         self.analyse(&self.reduce(0..self.poses(), factor)?)
     }
 
-    /// Judges every parameter for chosen poses alone.
-    ///
-    /// # Errors
-    /// Refusals of the analysis.
-    ///
-    /// # Panics
-    /// For a pose that is not there.
-    pub fn judge_chosen(&self, chosen: &[usize]) -> Result<Identifiability, DesignError> {
-        self.analyse(&self.reduce(chosen.iter().copied(), 1.0)?)
-    }
-
-    /// As [`Information::judge_chosen`], with condition number and observability from singular values.
-    ///
-    /// # Errors
-    /// Refusals of the analysis.
-    ///
-    /// # Panics
-    /// For a pose that is not there.
-    pub fn judge_with_singular_values(
-        &self,
-        chosen: &[usize],
-    ) -> Result<Identifiability, DesignError> {
-        let rules = IdentifiabilityRules::default();
-        let reduction = self.reduce(chosen.iter().copied(), 1.0)?;
-        Ok(analyse(&reduction, &self.infos, &self.order, &rules)?)
-    }
-
     /// Fisher's information matrix of chosen poses, over all parameters.
     ///
     /// # Panics

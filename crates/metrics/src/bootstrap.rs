@@ -3,10 +3,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::error::{MetricsError, check_level};
-use crate::quantile::{Interval, percentile_interval, sorted, sorted_quantile};
+use crate::quantile::{Interval, percentile_interval};
 
 /// Smallest share of the resamples in which the statistic must have a value.
 const DEFINED_SHARE: f64 = 0.5;
@@ -61,44 +60,6 @@ impl Bootstrap {
     ) -> Result<Interval, MetricsError> {
         let values = self.replicate(sample_size, statistic)?;
         percentile_interval(&values, self.level)
-    }
-
-    /// Bias-corrected percentile interval, for a statistic whose resamples lie to one side of it.
-    ///
-    /// With `z0` the normal quantile of the share of resamples below the statistic of the sample
-    /// itself (ties count half), the ends are the quantiles at `Phi(2 z0 -+ z)`, where `z` is the
-    /// normal quantile of `(1 + level) / 2`. The share is kept at least half a resample away from 0
-    /// and 1. Source: Efron & Tibshirani, 1993, section 14.3, with acceleration 0.
-    ///
-    /// # Errors
-    /// As [`Bootstrap::interval`]; also [`MetricsError::StatisticUndefined`] when the statistic has
-    /// no value on the sample itself.
-    pub fn bias_corrected_interval(
-        &self,
-        sample_size: usize,
-        mut statistic: impl FnMut(&[usize]) -> Option<f64>,
-    ) -> Result<Interval, MetricsError> {
-        self.check(sample_size)?;
-        let identity: Vec<usize> = (0..sample_size).collect();
-        let undefined = MetricsError::StatisticUndefined {
-            defined: 0,
-            replicates: 1,
-            needed: 1,
-        };
-        let observed = statistic(&identity).ok_or(undefined)?;
-        crate::error::check_finite("the statistic of the sample", observed)?;
-        let values = sorted(&self.replicate(sample_size, statistic)?);
-        let count = values.len() as f64;
-        let below = values.iter().filter(|&&value| value < observed).count() as f64;
-        let ties = values.iter().filter(|&&value| value == observed).count() as f64;
-        let share = ((below + 0.5 * ties) / count).clamp(0.5 / count, 1.0 - 0.5 / count);
-        let normal = Normal::standard();
-        let shift = 2.0 * normal.inverse_cdf(share);
-        let z = normal.inverse_cdf(0.5 * (1.0 + self.level));
-        Ok(Interval {
-            low: sorted_quantile(&values, normal.cdf(shift - z).clamp(0.0, 1.0)),
-            high: sorted_quantile(&values, normal.cdf(shift + z).clamp(0.0, 1.0)),
-        })
     }
 
     /// Values of the statistic over all resamples in which it is defined.

@@ -114,13 +114,6 @@ fn by_hand(
     columns: &[usize],
     task: &[Vec<f64>],
 ) -> Option<(f64, f64)> {
-    let judged = information.judge_chosen(chosen).ok()?;
-    if !columns
-        .iter()
-        .all(|column| judged.independent.contains(column))
-    {
-        return None;
-    }
     // conditional variances, one after the other: their product is the determinant
     let mut log = 0.0;
     for (place, column) in columns.iter().enumerate() {
@@ -215,9 +208,14 @@ fn o1_is_d_where_every_pose_gives_as_many_readings_and_equals_the_analysis() {
         choose(&information, 12, Criterion::O1),
     );
     assert_eq!(d.chosen, o1.chosen);
-    // from singular values, by the analysis
-    let judged = information.judge_with_singular_values(&d.chosen).unwrap();
-    let wanted = judged.observability.unwrap().o1;
+    // from conditional standard deviations, one after the other
+    let readings: usize = d
+        .chosen
+        .iter()
+        .map(|&pose| information.readings(Some(pose)))
+        .sum();
+    let (mean_sd, _) = by_hand(&information, &d.chosen, &d.parameters, &[]).unwrap();
+    let wanted = 1.0 / (mean_sd * (readings as f64).sqrt());
     assert!(
         (o1.figures.o1 / wanted - 1.0).abs() < 1e-6,
         "{} {wanted}",

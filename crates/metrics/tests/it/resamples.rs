@@ -1,6 +1,6 @@
-//! Bootstrap: the ends from replicates that are known, the stream of indices, the limits of the settings.
+//! Bootstrap: the stream of indices, the limits of the settings.
 
-use haptical_metrics::{Bootstrap, Interval, MetricsError, normal_two_sided_p};
+use haptical_metrics::{Bootstrap, MetricsError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -10,48 +10,6 @@ const PLAIN: Bootstrap = Bootstrap {
     level: 0.95,
     block_length: 1,
 };
-
-/// The interval when the sample itself gives `observed` and the resamples give 1, 2, ... 400.
-fn corrected(observed: f64) -> Interval {
-    let mut call = 0;
-    let statistic = |_: &[usize]| {
-        call += 1;
-        Some(if call == 1 {
-            observed
-        } else {
-            f64::from(call - 1)
-        })
-    };
-    PLAIN.bias_corrected_interval(6, statistic).unwrap()
-}
-
-fn normal_below(z: f64) -> f64 {
-    let tail = 0.5 * normal_two_sided_p(z).unwrap();
-    if z < 0.0 { tail } else { 1.0 - tail }
-}
-
-/// Efron & Tibshirani (1993), section 14.3: with the printed normal quantile of each share, the type 7
-/// quantile of 1, 2, ... 400 at p is 1 + 399 p.
-#[test]
-fn bias_corrected_ends_are_those_of_the_formula() {
-    let shares = [
-        (200.5, 0.0),                    // half of them below
-        (100.5, -0.674_489_750_196_082), // a quarter
-        (300.5, 0.674_489_750_196_082),
-        (41.0, -1.274_461_242_221_932), // 40 below and one tie: 40.5 of 400
-        (1e9, 3.023_341_439_739_156),   // all: half a resample from 1
-        (-1e9, -3.023_341_439_739_156), // none
-    ];
-    for (observed, quantile) in shares {
-        let found = corrected(observed);
-        let end = |z: f64| 1.0 + 399.0 * normal_below(2.0 * quantile + z);
-        let expected = [end(-1.959_963_984_540_054), end(1.959_963_984_540_054)];
-        assert!(
-            (found.low - expected[0]).abs() < 1e-6 && (found.high - expected[1]).abs() < 1e-6,
-            "{observed}: {found:?}, {expected:?}"
-        );
-    }
-}
 
 /// One index of the generator for each block: the stream that a seed stands for.
 #[test]
@@ -108,8 +66,4 @@ fn the_least_settings_are_served() {
         ..PLAIN
     };
     assert!(wide(200).interval(5, ones).is_ok() && wide(199).interval(5, ones).is_err());
-    let nan = PLAIN
-        .bias_corrected_interval(5, |_: &[usize]| Some(f64::NAN))
-        .unwrap_err();
-    assert!(matches!(nan, MetricsError::NonFinite { .. }), "{nan}");
 }
