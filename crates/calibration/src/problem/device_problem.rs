@@ -7,7 +7,6 @@ use haptical_model::{Device, ModelError, ParameterId, Recording};
 
 use crate::problem::lanes::transmission::outputs_in_bulk;
 use crate::problem::loads::Loads;
-use crate::problem::sink::Sink;
 use crate::{CalibrationError, Channel, Weights};
 
 /// Residuals (model minus measurement, over standard deviation) of chosen channels as functions of
@@ -174,11 +173,7 @@ impl Problem for DeviceProblem<'_> {
         residuals: &mut [f64],
         jacobian: Option<(&[usize], &mut Matrix)>,
     ) -> Result<(), IdentificationError> {
-        let sink = match jacobian {
-            None => Sink::None,
-            Some((free, matrix)) => Sink::Dense(free, matrix),
-        };
-        self.run(parameters, residuals, sink)
+        self.run(parameters, residuals, jacobian)
     }
 }
 

@@ -2,14 +2,10 @@
 
 use std::cell::OnceCell;
 
-use haptical_identification::{
-    IdentificationError, Matrix, Problem, Triangle, TriangleProblem, evaluate_jacobian,
-};
+use haptical_identification::{IdentificationError, Matrix, Problem, Triangle, TriangleProblem};
 
-use crate::problem::gathered::GatheredRows;
-use crate::problem::lanes::all_rows::{ChannelTriangle, Lanes};
+use crate::problem::lanes::all_rows::{ChannelTriangle, Lanes, merge_parts};
 use crate::problem::lanes::plan::seen_columns;
-use crate::problem::sink::Sink;
 use crate::{Channel, DeviceProblem};
 
 /// A [`DeviceProblem`] whose derivative matrix is never held.
@@ -95,87 +91,72 @@ impl<'p> ReducedProblem<'p> {
         {
             return Ok(triangles);
         }
-        let mut all = vec![0.0; self.problem.residual_count()];
-        let count = self.problem.parameter_count();
-        let mut gathered: Vec<GatheredRows> = seen_columns(self.problem, free)
-            .into_iter()
-            .map(|columns| {
-                let with_parameter = columns.iter().map(|&position| (position, free[position]));
-                GatheredRows::new(with_parameter.collect(), count)
-            })
-            .collect();
-        self.problem
-            .run(parameters, &mut all, Sink::Triangles(&mut gathered))?;
-        let finish = |rows: GatheredRows| {
-            let columns: Vec<usize> = rows.positions().collect();
-            Ok(ChannelTriangle {
-                of: (0..columns.len()).collect(),
-                columns,
-                triangle: rows.finish()?,
-            })
+        let columns = seen_columns(self.problem, free);
+        let parts = self
+            .problem
+            .by_part(parameters, Some(free), |start, residuals, matrix| {
+                let places = self.problem.places(start).zip(&columns);
+                let folded = places.map(|((whole, own), columns)| {
+                    let entries = |column: &usize| {
+                        let matrix = matrix.as_ref();
+                        matrix.map_or(&[][..], |matrix| &matrix.column(*column)[own.clone()])
+                    };
+                    let derivatives: Vec<&[f64]> = columns.iter().map(entries).collect();
+                    let residuals = &residuals[own.clone()];
+                    let names = columns.iter().map(|&column| free[column]);
+                    let names = names.chain([self.problem.parameter_count()]);
+                    let all = derivatives.iter().copied().chain([residuals]);
+                    for (values, column) in all.zip(names) {
+                        if let Some(row) = values.iter().position(|value| !value.is_finite()) {
+                            return Err(IdentificationError::NotFinite {
+                                row: whole.start + row,
+                                column,
+                                value: values[row],
+                            });
+                        }
+                    }
+                    let mut triangle = Triangle::new(columns.len());
+                    triangle.fold_rows(&derivatives, residuals)?;
+                    Ok(triangle)
+                });
+                folded.collect::<Result<Vec<Triangle>, IdentificationError>>()
+            })?;
+        let channels = columns.into_iter().zip(merge_parts(parts)?);
+        let finish = |(columns, triangle): (Vec<usize>, Triangle)| ChannelTriangle {
+            of: (0..columns.len()).collect(),
+            columns,
+            triangle,
         };
-        gathered.into_iter().map(finish).collect()
+        Ok(channels.map(finish).collect())
     }
 
-    /// Hands all rows over, some at a time, each channel's in order; no derivative matrix is held where the
-    /// problem has a form in lanes.
+    /// Hands all rows over, some at a time, each channel's in order, without a matrix of all of them.
     ///
     /// # Errors
-    /// As [`Problem::evaluate`] of the [`DeviceProblem`]; rows before the one that is refused may have been
-    /// visited.
+    /// [`IdentificationError::Evaluation`] where the problem has no form in lanes or a number is refused there, which
+    /// [`Problem::evaluate`] of the [`DeviceProblem`] names; rows before it may have been visited.
     pub fn visit(
         &self,
         parameters: &[f64],
         free: &[usize],
         mut visit: impl FnMut(&ChannelRows<'_>),
     ) -> Result<(), IdentificationError> {
-        let problem = self.problem;
-        let channels: Vec<Channel> = problem.channels().collect();
-        if let Some(lanes) = self.lanes() {
-            let visited = lanes.visit(problem, parameters, free, |rows| {
+        let channels: Vec<Channel> = self.problem.channels().collect();
+        let visited = self.lanes().and_then(|lanes| {
+            lanes.visit(self.problem, parameters, free, |rows| {
                 let all = rows.of.iter().map(|&own| rows.derivatives[own]);
-                let derivatives: Vec<&[f64]> = all.collect();
                 visit(&ChannelRows {
                     channel: channels[rows.channel],
                     first: rows.first,
                     columns: rows.columns,
-                    derivatives: &derivatives,
+                    derivatives: &all.collect::<Vec<&[f64]>>(),
                     residuals: rows.residuals,
                 });
-            });
-            if visited.is_some() {
-                return Ok(());
-            }
-            // the general form reports the refused row
-            let mut residuals = vec![0.0; problem.residual_count()];
-            problem.evaluate(parameters, &mut residuals, None)?;
-            return Err(IdentificationError::Evaluation {
-                reason: "a number of the chain is beyond what the lanes work with".to_owned(),
-            });
-        }
-        let (jacobian, residuals) = if free.is_empty() {
-            let mut residuals = vec![0.0; problem.residual_count()];
-            problem.evaluate(parameters, &mut residuals, None)?;
-            (Matrix::zeros(residuals.len(), 0), residuals)
-        } else {
-            evaluate_jacobian(problem, parameters, free)?
-        };
-        let columns: Vec<usize> = (0..free.len()).collect();
-        for (channel, (first, count)) in problem.layout() {
-            let own = first..first + count;
-            let slices: Vec<&[f64]> = columns
-                .iter()
-                .map(|&column| &jacobian.column(column)[own.clone()])
-                .collect();
-            visit(&ChannelRows {
-                channel,
-                first,
-                columns: &columns,
-                derivatives: &slices,
-                residuals: &residuals[own],
-            });
-        }
-        Ok(())
+            })
+        });
+        visited.ok_or_else(|| IdentificationError::Evaluation {
+            reason: "the problem has no form in lanes, or a number is refused there".to_owned(),
+        })
     }
 
     /// Weighted residuals, row by row.

@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use crate::problem::channel::with_kind;
 use crate::problem::device_problem::Block;
 use crate::problem::measurement::kind::{Measurement, Posture};
-use crate::problem::sink::{Place, Sink};
 use crate::{Channel, DeviceProblem};
 
 /// Rows that one thread works out at a time.
@@ -25,63 +24,23 @@ fn within(block: &Block, start: usize) -> Range<usize> {
 }
 
 impl DeviceProblem<'_> {
+    /// Residuals and derivatives of all rows; many rows in parallel, each as it is alone.
     pub(crate) fn run(
         &self,
         values: &[f64],
         residuals: &mut [f64],
-        mut sink: Sink<'_>,
-    ) -> Result<(), IdentificationError> {
-        let device = self.device_with(values);
-        let rows = self.recording.len();
-        if rows > ROWS_AT_ONCE {
-            match &mut sink {
-                Sink::None => return self.run_in_parallel(&device, residuals, None),
-                Sink::Dense(free, matrix) => {
-                    return self.run_in_parallel(&device, residuals, Some((free, matrix)));
-                }
-                Sink::Triangles(_) => {}
-            }
-        }
-        let firsts: Vec<usize> = self.blocks.iter().map(|block| block.first).collect();
-        self.run_rows(&device, 0..rows, &firsts, residuals, &mut sink)
-    }
-
-    /// All rows, some at a time; each is worked out as it is alone.
-    fn run_in_parallel(
-        &self,
-        device: &Device,
-        residuals: &mut [f64],
         mut jacobian: Option<(&[usize], &mut Matrix)>,
     ) -> Result<(), IdentificationError> {
+        let rows = self.recording.len();
+        if rows <= ROWS_AT_ONCE {
+            let device = self.device_with(values);
+            let firsts: Vec<usize> = self.blocks.iter().map(|block| block.first).collect();
+            return self.run_rows(&device, 0..rows, &firsts, residuals, &mut jacobian);
+        }
         let free = jacobian.as_ref().map(|(free, _)| *free);
-        let starts: Vec<usize> = (0..self.recording.len()).step_by(ROWS_AT_ONCE).collect();
-        // per part: every block's residuals, one block after the other, and their derivatives
-        let parts: Vec<(Vec<f64>, Option<Matrix>)> = starts
-            .par_iter()
-            .map(|&start| {
-                let mut firsts = Vec::with_capacity(self.blocks.len());
-                let mut count = 0;
-                for block in &self.blocks {
-                    firsts.push(count);
-                    count += within(block, start).len();
-                }
-                let mut part = vec![0.0; count];
-                let mut matrix = free.map(|free| Matrix::zeros(count, free.len()));
-                let mut sink = match (free, &mut matrix) {
-                    (Some(free), Some(matrix)) => Sink::Dense(free, matrix),
-                    _ => Sink::None,
-                };
-                let end = (start + ROWS_AT_ONCE).min(self.recording.len());
-                self.run_rows(device, start..end, &firsts, &mut part, &mut sink)?;
-                Ok((part, matrix))
-            })
-            .collect::<Result<_, IdentificationError>>()?;
-        for (start, (part, derivatives)) in starts.into_iter().zip(&parts) {
-            let mut first = 0;
-            for block in &self.blocks {
-                let whole = within(block, start);
-                let own = first..first + whole.len();
-                first = own.end;
+        let parts = self.by_part(values, free, |_, part, matrix| Ok((part, matrix)))?;
+        for (index, (part, derivatives)) in parts.iter().enumerate() {
+            for (whole, own) in self.places(index * ROWS_AT_ONCE) {
                 residuals[whole.clone()].copy_from_slice(&part[own.clone()]);
                 if let (Some((_, matrix)), Some(derivatives)) = (&mut jacobian, derivatives) {
                     for column in 0..derivatives.columns() {
@@ -94,6 +53,46 @@ impl DeviceProblem<'_> {
         Ok(())
     }
 
+    /// What `each` makes of every part of the rows, in their order: of its first row, all blocks' residuals one block
+    /// after the other, and their derivatives. The first part that is refused is reported, whichever thread met it first.
+    pub(crate) fn by_part<T: Send>(
+        &self,
+        values: &[f64],
+        free: Option<&[usize]>,
+        each: impl Fn(usize, Vec<f64>, Option<Matrix>) -> Result<T, IdentificationError> + Sync,
+    ) -> Result<Vec<T>, IdentificationError> {
+        let device = self.device_with(values);
+        let rows = self.recording.len();
+        let starts: Vec<usize> = (0..rows.max(1)).step_by(ROWS_AT_ONCE).collect();
+        let made = starts.par_iter().map(|&start| {
+            let places: Vec<Range<usize>> = self.places(start).map(|(_, own)| own).collect();
+            let firsts: Vec<usize> = places.iter().map(|own| own.start).collect();
+            let count = places.last().map_or(0, |own| own.end);
+            let mut part = vec![0.0; count];
+            let mut matrix = free.map(|free| Matrix::zeros(count, free.len()));
+            let end = (start + ROWS_AT_ONCE).min(rows);
+            let mut jacobian = free.zip(matrix.as_mut());
+            self.run_rows(&device, start..end, &firsts, &mut part, &mut jacobian)?;
+            each(start, part, matrix)
+        });
+        let made: Vec<Result<T, IdentificationError>> = made.collect();
+        made.into_iter().collect()
+    }
+
+    /// Ranges of each block's residuals of the part from row `start` on: within the problem, and within the part.
+    pub(crate) fn places(
+        &self,
+        start: usize,
+    ) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+        let mut first = 0;
+        self.blocks.iter().map(move |block| {
+            let whole = within(block, start);
+            let own = first..first + whole.len();
+            first = own.end;
+            (whole, own)
+        })
+    }
+
     /// Rows of the recording, each block's residuals written from its entry of `firsts` on.
     fn run_rows(
         &self,
@@ -101,7 +100,7 @@ impl DeviceProblem<'_> {
         rows: Range<usize>,
         firsts: &[usize],
         residuals: &mut [f64],
-        sink: &mut Sink<'_>,
+        jacobian: &mut Option<(&[usize], &mut Matrix)>,
     ) -> Result<(), IdentificationError> {
         let mut evaluation = Evaluation::new(device);
         let mut readings = vec![0.0; device.joints.len()];
@@ -112,8 +111,7 @@ impl DeviceProblem<'_> {
             .collect();
         let mut cursors = begins.clone();
         for row in rows {
-            let derivatives = !matches!(sink, Sink::None);
-            self.move_to_row(&mut evaluation, &mut readings, row, derivatives)?;
+            self.move_to_row(&mut evaluation, &mut readings, row, jacobian.is_some())?;
             for (position, (block, cursor)) in self.blocks.iter().zip(&mut cursors).enumerate() {
                 if block.rows.get(*cursor) != Some(&row) {
                     continue;
@@ -125,17 +123,46 @@ impl DeviceProblem<'_> {
                         .move_joint(joint, readings[joint])
                         .map_err(|error| self.at_row(row, &error))?;
                 }
-                let place = Place {
-                    block: position,
-                    channel: block.channel,
-                    index: firsts[position] + (*cursor - begins[position]) * block.channel.width(),
-                    weight: block.weights[*cursor],
+                let at = Posture {
+                    device,
+                    evaluation: &evaluation,
+                    recording: self.recording,
                     row,
                     subject: block.subjects.get(*cursor).copied().unwrap_or(0),
                 };
-                self.residual(&place, device, &evaluation, residuals, sink)
-                    .map_err(|error| self.at_row(row, &error))?;
+                let width = block.channel.width();
+                let first = firsts[position] + (*cursor - begins[position]) * width;
+                let (own, weight) = (first..first + width, block.weights[*cursor]);
+                with_kind!(block.channel, kind => {
+                    self.reading(&kind, &at, weight, own, residuals, jacobian)
+                })
+                .map_err(|error| self.at_row(row, &error))?;
                 *cursor += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// The residuals `own` of one reading, and their derivatives.
+    fn reading<M: Measurement>(
+        &self,
+        kind: &M,
+        at: &Posture<'_>,
+        weight: f64,
+        own: Range<usize>,
+        residuals: &mut [f64],
+        jacobian: &mut Option<(&[usize], &mut Matrix)>,
+    ) -> Result<(), ModelError> {
+        let (values, seen) = kind.see(at, weight)?;
+        residuals[own.clone()].copy_from_slice(&values[..own.len()]);
+        if let Some((free, matrix)) = jacobian {
+            for (position, &index) in free.iter().enumerate() {
+                let parameter = self.parameters[index];
+                let values = match kind.sees(parameter) {
+                    true => kind.derivative(&seen, at, parameter),
+                    false => [0.0; 3],
+                };
+                matrix.column_mut(position)[own.clone()].copy_from_slice(&values[..own.len()]);
             }
         }
         Ok(())
@@ -167,31 +194,6 @@ impl DeviceProblem<'_> {
             None => evaluation.move_pose_to(readings),
         };
         moved.map_err(|error| self.at_row(row, &error))
-    }
-
-    fn residual(
-        &self,
-        place: &Place,
-        device: &Device,
-        evaluation: &Evaluation<'_>,
-        residuals: &mut [f64],
-        sink: &mut Sink<'_>,
-    ) -> Result<(), ModelError> {
-        let at = Posture {
-            device,
-            evaluation,
-            recording: self.recording,
-            row: place.row,
-            subject: place.subject,
-        };
-        with_kind!(place.channel, kind => {
-            let (values, seen) = kind.see(&at, place.weight)?;
-            let width = place.channel.width();
-            residuals[place.index..][..width].copy_from_slice(&values[..width]);
-            sink.put(self.parameters, place, residuals, |parameter| {
-                Ok(kind.derivative(&seen, &at, parameter))
-            })
-        })
     }
 
     fn at_row(&self, row: usize, error: &ModelError) -> IdentificationError {

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use haptical_identification::Triangle;
+use haptical_linalg::LinalgError;
 use rayon::prelude::*;
 
 use crate::DeviceProblem;
@@ -83,14 +84,8 @@ impl Lanes {
             self.rows.blocks.iter().zip(&mut rooms).map(fold).collect()
         };
         self.rooms.replace(rooms);
-        let mut blocks = folded?.into_iter();
-        let mut totals = blocks.next()?;
-        for block in blocks {
-            for (total, triangle) in totals.iter_mut().zip(&block) {
-                total.merge(triangle).ok()?;
-            }
-        }
-        let channels = pass.channels.into_iter().zip(totals);
+        let folded = folded.filter(|blocks| !blocks.is_empty())?;
+        let channels = pass.channels.into_iter().zip(merge_parts(folded).ok()?);
         let channels = channels.map(|(columns, triangle)| ChannelTriangle {
             columns: columns.positions,
             of: columns.of,
@@ -98,6 +93,18 @@ impl Lanes {
         });
         Some(channels.collect())
     }
+}
+
+/// The triangles of successive rows, channel by channel, merged in their order.
+pub(crate) fn merge_parts(parts: Vec<Vec<Triangle>>) -> Result<Vec<Triangle>, LinalgError> {
+    let mut parts = parts.into_iter();
+    let mut totals = parts.next().unwrap_or_default();
+    for part in parts {
+        for (total, triangle) in totals.iter_mut().zip(&part) {
+            total.merge(triangle)?;
+        }
+    }
+    Ok(totals)
 }
 
 /// `[F q]` of one channel, of the columns that differ.
