@@ -65,3 +65,19 @@ pub enum BatchError {
         pose: usize,
     },
 }
+
+/// Refuses a slice of another length.
+pub(crate) fn check_length(
+    what: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), BatchError> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(BatchError::Length {
+        what,
+        expected,
+        found,
+    })
+}

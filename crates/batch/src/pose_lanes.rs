@@ -7,6 +7,7 @@ use haptical_kinematics::{Chain, ChainConstants, KinematicsError, Pose, Prepared
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::BatchError;
+use crate::error::check_length;
 use crate::poses::not_finite;
 use crate::trigonometry::LARGEST_RAD;
 use haptical_linalg::Aligned;
@@ -83,14 +84,7 @@ impl<const JOINTS: usize> PoseLanes<JOINTS> {
         self.postures = 0;
         let postures = joints.first().map_or(0, |joint| joint.as_ref().len());
         for joint in joints {
-            let found = joint.as_ref().len();
-            if found != postures {
-                return Err(BatchError::Length {
-                    what: "a joint's variables",
-                    expected: postures,
-                    found,
-                });
-            }
+            check_length("a joint's variables", postures, joint.as_ref().len())?;
         }
         let slices: [&[f64]; JOINTS] = std::array::from_fn(|joint| joints[joint].as_ref());
         self.numbers

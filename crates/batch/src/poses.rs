@@ -2,6 +2,7 @@
 
 use haptical_kinematics::Motion;
 
+use crate::error::check_length;
 use crate::{BatchError, DistanceModel, sines_cosines};
 use haptical_linalg::{Aligned, TILE_ROWS};
 
@@ -79,26 +80,15 @@ impl PoseBatch {
         let rows = distances_m.len();
         let moving = motions.iter().filter(|motion| **motion != Motion::Fixed);
         let moving = moving.count();
-        let length = |what, expected, found| {
-            if expected == found {
-                Ok(())
-            } else {
-                Err(BatchError::Length {
-                    what,
-                    expected,
-                    found,
-                })
-            }
-        };
         if rows == 0 {
             return Err(BatchError::NoPose);
         }
-        length("joint variables' slices", moving, joints.len())?;
+        check_length("joint variables' slices", moving, joints.len())?;
         for joint in joints {
-            length("a joint's variables", rows, joint.as_ref().len())?;
+            check_length("a joint's variables", rows, joint.as_ref().len())?;
             check_all("a joint variable", joint.as_ref())?;
         }
-        length("weights", rows, weights.len())?;
+        check_length("weights", rows, weights.len())?;
         check_all("the distance", distances_m)?;
         check_all("the weight", weights)?;
         if let Some(pose) = weights.iter().position(|weight| *weight < 0.0) {
@@ -145,19 +135,11 @@ impl PoseBatch {
     /// [`BatchError::Length`] for a joint that the chain has not or another number of poses;
     /// [`BatchError::Pose`] for a number that is not finite.
     pub fn move_joint(&mut self, joint: usize, variables: &[f64]) -> Result<(), BatchError> {
-        let length = |what, expected, found| BatchError::Length {
-            what,
-            expected,
-            found,
-        };
         let count = self.columns.joints.len();
         if joint >= count {
-            let what = "joints, by the index of one";
-            return Err(length(what, count, joint + 1));
+            check_length("joints, by the index of one", count, joint + 1)?;
         }
-        if variables.len() != self.rows {
-            return Err(length("a joint's variables", self.rows, variables.len()));
-        }
+        check_length("a joint's variables", self.rows, variables.len())?;
         check_all("a joint variable", variables)?;
         self.write_joint(joint, variables);
         Ok(())

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use haptical_linalg::{Aligned, TILE_ROWS};
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::error::check_length;
 use crate::program::Program;
 use crate::sweep::{BadRow, SweepRoom, Tile, sweep_tile};
 use crate::{BatchError, DistanceModel, PoseBatch};
@@ -164,21 +165,15 @@ fn check_lengths(
     free: &[usize],
 ) -> Result<(), BatchError> {
     let expected = model.parameters.len();
-    if parameters.len() != expected {
-        return Err(BatchError::Length {
-            what: "the parameter vector",
+    check_length("the parameter vector", expected, parameters.len())?;
+    match free.iter().find(|index| **index >= expected) {
+        None => Ok(()),
+        Some(index) => check_length(
+            "the parameter vector, by the index of a free parameter",
+            index + 1,
             expected,
-            found: parameters.len(),
-        });
+        ),
     }
-    if let Some(&index) = free.iter().find(|index| **index >= expected) {
-        return Err(BatchError::Length {
-            what: "the parameter vector, by the index of a free parameter",
-            expected: index + 1,
-            found: expected,
-        });
-    }
-    Ok(())
 }
 
 #[cfg(test)]

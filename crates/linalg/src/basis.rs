@@ -1,7 +1,8 @@
 //! A decomposition that keeps its orthonormal basis: projections and many right-hand sides.
 
-use crate::pivoted::{ThinFactors, thin_factors};
-use crate::reduction::{at_least_zero, norm};
+use crate::error::check_rhs;
+use crate::pivoted::{ThinFactors, back_substitute, thin_factors};
+use crate::reduction::at_least_zero;
 use crate::{LinalgError, Matrix};
 
 /// A = Q R of a tall matrix with its basis Q (m x rank), for projections and for right-hand sides that are
@@ -37,21 +38,7 @@ impl OrthonormalBasis {
     pub fn new(matrix: &Matrix, tolerance: f64) -> Result<Self, LinalgError> {
         at_least_zero("tolerance", tolerance)?;
         matrix.check()?;
-        let mut scaled = matrix.clone();
-        let mut norms = Vec::with_capacity(matrix.columns());
-        for column in 0..matrix.columns() {
-            let size = norm(matrix.column(column));
-            if !size.is_finite() {
-                return Err(LinalgError::Overflow {
-                    what: "a column norm",
-                });
-            }
-            norms.push(size);
-            if size > 0.0 {
-                let entries = scaled.column_mut(column).iter_mut();
-                entries.for_each(|entry| *entry /= size);
-            }
-        }
+        let (scaled, norms) = matrix.clone().into_unit_columns()?;
         Ok(Self {
             factors: thin_factors(&scaled, tolerance),
             norms,
@@ -70,32 +57,11 @@ impl OrthonormalBasis {
     /// finite, [`LinalgError::Overflow`] for a value beyond 1e308.
     pub fn solve(&self, rhs: &[f64]) -> Result<Vec<f64>, LinalgError> {
         let basis = &self.factors.basis;
-        if rhs.len() != basis.rows() {
-            return Err(LinalgError::Shape {
-                what: "right-hand side",
-                expected: basis.rows(),
-                found: rhs.len(),
-            });
-        }
-        if let Some(row) = rhs.iter().position(|entry| !entry.is_finite()) {
-            return Err(LinalgError::NotFinite {
-                row,
-                column: self.norms.len(),
-                value: rhs[row],
-            });
-        }
-        let rank = basis.columns();
-        let mut known: Vec<f64> = (0..rank)
+        check_rhs(rhs, basis.rows(), self.norms.len())?;
+        let projected: Vec<f64> = (0..basis.columns())
             .map(|k| basis.column(k).iter().zip(rhs).map(|(q, b)| q * b).sum())
             .collect();
-        let r = &self.factors.factor;
-        for row in (0..rank).rev() {
-            let mut value: f64 = known[row];
-            for column in row + 1..rank {
-                value -= r[(row, column)] * known[column];
-            }
-            known[row] = value / r[(row, row)];
-        }
+        let known = back_substitute(&self.factors.factor, &projected);
         let mut solution = vec![0.0; self.norms.len()];
         for (value, &column) in known.iter().zip(&self.factors.pivots) {
             solution[column] = value / self.norms[column];

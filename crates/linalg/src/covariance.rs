@@ -12,11 +12,7 @@ pub(crate) fn covariance(
 ) -> Result<Matrix, LinalgError> {
     let count = factor.columns();
     let qr = PivotedQr::new(factor, &vec![0.0; factor.rows()]);
-    let rank = if factor.rows() == 0 {
-        0
-    } else {
-        qr.rank(tolerance)
-    };
+    let rank = qr.rank(tolerance);
     if rank < count {
         return Err(LinalgError::RankDeficient {
             rank,

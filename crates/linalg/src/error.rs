@@ -75,3 +75,32 @@ pub enum LinalgError {
         columns: usize,
     },
 }
+
+/// Refuses an argument of another length.
+pub(crate) fn check_length(
+    what: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), LinalgError> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(LinalgError::Shape {
+        what,
+        expected,
+        found,
+    })
+}
+
+/// Refuses a right-hand side of another length than the matrix has rows, or with an entry that is not finite.
+pub(crate) fn check_rhs(rhs: &[f64], rows: usize, columns: usize) -> Result<(), LinalgError> {
+    check_length("right-hand side", rows, rhs.len())?;
+    match rhs.iter().position(|entry| !entry.is_finite()) {
+        None => Ok(()),
+        Some(row) => Err(LinalgError::NotFinite {
+            row,
+            column: columns,
+            value: rhs[row],
+        }),
+    }
+}

@@ -1,6 +1,8 @@
 //! A dense matrix of `f64`, stored column by column.
 
 use crate::LinalgError;
+use crate::error::check_length;
+use crate::reduction::norm;
 
 /// Dense matrix, column-major.
 ///
@@ -68,13 +70,7 @@ impl Matrix {
     /// [`LinalgError::Shape`] if the length does not fit, [`LinalgError::NotFinite`] for a product
     /// that is not a finite number.
     pub fn times(&self, vector: &[f64]) -> Result<Vec<f64>, LinalgError> {
-        if vector.len() != self.columns {
-            return Err(LinalgError::Shape {
-                what: "vector of a product",
-                expected: self.columns,
-                found: vector.len(),
-            });
-        }
+        check_length("vector of a product", self.columns, vector.len())?;
         let mut product = vec![0.0; self.rows];
         for (column, factor) in vector.iter().enumerate() {
             for (sum, entry) in product.iter_mut().zip(self.column(column)) {
@@ -107,6 +103,30 @@ impl Matrix {
                 value: self.data[index],
             }),
         }
+    }
+
+    /// The matrix with every column that is not zero divided by its norm, and the norms.
+    pub(crate) fn into_unit_columns(mut self) -> Result<(Self, Vec<f64>), LinalgError> {
+        let mut norms = Vec::with_capacity(self.columns);
+        for column in 0..self.columns {
+            let size = norm(self.column(column));
+            if !size.is_finite() {
+                return Err(LinalgError::Overflow {
+                    what: "a column norm",
+                });
+            }
+            if size > 0.0 {
+                let entries = self.column_mut(column).iter_mut();
+                entries.for_each(|entry| *entry /= size);
+            }
+            norms.push(size);
+        }
+        Ok((self, norms))
+    }
+
+    /// Whether all entries are zero.
+    pub(crate) fn is_zero(&self) -> bool {
+        self.data.iter().all(|entry| *entry == 0.0)
     }
 
     pub(crate) fn as_faer(&self) -> faer::MatRef<'_, f64> {

@@ -23,7 +23,7 @@ impl PivotedQr {
         let (rows, columns) = (matrix.rows(), matrix.columns());
         let size = rows.min(columns);
         // faer divides by the largest column norm: an all-zero matrix would come back as NaN.
-        if (0..columns).all(|column| matrix.column(column).iter().all(|entry| *entry == 0.0)) {
+        if matrix.is_zero() {
             return Self {
                 factor: Matrix::zeros(size, columns),
                 pivots: (0..columns).collect(),
@@ -55,33 +55,36 @@ impl PivotedQr {
         }
     }
 
-    /// Index of the first diagonal entry that is negligible against the largest.
-    ///
-    /// The diagonal falls monotonically only above the rounding noise, so the rank is the *first*
-    /// index below the tolerance, never a count of entries above it.
+    /// Rank of the factor ([`rank_of_diagonal`]).
     pub(crate) fn rank(&self, tolerance: f64) -> usize {
-        let size = self.factor.rows();
-        let largest = self.factor[(0, 0)].abs();
-        if largest == 0.0 {
-            return 0;
-        }
-        (0..size)
-            .find(|&index| self.factor[(index, index)].abs() <= tolerance * largest)
-            .unwrap_or(size)
+        let diagonal = (0..self.factor.rows()).map(|index| self.factor[(index, index)]);
+        rank_of_diagonal(diagonal, tolerance)
     }
+}
 
-    /// Solves the leading `rank` x `rank` triangle for the top of `rhs`.
-    pub(crate) fn back_substitute(&self, rank: usize, rhs: &[f64]) -> Vec<f64> {
-        let mut solution = rhs[..rank].to_vec();
-        for row in (0..rank).rev() {
-            let mut value = solution[row];
-            for (column, known) in solution.iter().enumerate().skip(row + 1) {
-                value -= self.factor[(row, column)] * known;
-            }
-            solution[row] = value / self.factor[(row, row)];
+/// Index of the first diagonal entry that is negligible against the largest.
+///
+/// The diagonal falls monotonically only above the rounding noise, so the rank is the *first* index below the
+/// tolerance, never a count of entries above it.
+fn rank_of_diagonal(diagonal: impl ExactSizeIterator<Item = f64>, tolerance: f64) -> usize {
+    let size = diagonal.len();
+    let mut diagonal = diagonal.map(f64::abs).peekable();
+    let largest = diagonal.peek().copied().unwrap_or(0.0);
+    let first = diagonal.position(|entry| entry == 0.0 || entry <= tolerance * largest);
+    first.unwrap_or(size)
+}
+
+/// Solves the leading triangle of `factor`, as large as `rhs` is long.
+pub(crate) fn back_substitute(factor: &Matrix, rhs: &[f64]) -> Vec<f64> {
+    let mut solution = rhs.to_vec();
+    for row in (0..rhs.len()).rev() {
+        let mut value = solution[row];
+        for (column, known) in solution.iter().enumerate().skip(row + 1) {
+            value -= factor[(row, column)] * known;
         }
-        solution
+        solution[row] = value / factor[(row, row)];
     }
+    solution
 }
 
 /// Leading columns of Q, the leading triangle of R and the pivots of a checked matrix, as many as its rank.
@@ -97,7 +100,7 @@ pub(crate) struct ThinFactors {
 
 pub(crate) fn thin_factors(matrix: &Matrix, tolerance: f64) -> ThinFactors {
     let (rows, columns) = (matrix.rows(), matrix.columns());
-    if (0..columns).all(|column| matrix.column(column).iter().all(|entry| *entry == 0.0)) {
+    if matrix.is_zero() {
         return ThinFactors {
             basis: Matrix::zeros(rows, 0),
             factor: Matrix::zeros(0, 0),
@@ -106,12 +109,10 @@ pub(crate) fn thin_factors(matrix: &Matrix, tolerance: f64) -> ThinFactors {
     }
     let qr = matrix.as_faer().col_piv_qr();
     let r = qr.R();
-    let size = rows.min(columns);
-    let largest = r[(0, 0)].abs();
-    // the first pivot below the tolerance, as in PivotedQr::rank
-    let rank = (0..size)
-        .find(|&index| r[(index, index)].abs() <= tolerance * largest)
-        .unwrap_or(size);
+    let rank = rank_of_diagonal(
+        (0..rows.min(columns)).map(|index| r[(index, index)]),
+        tolerance,
+    );
     let q = qr.compute_thin_Q();
     ThinFactors {
         basis: Matrix::from_fn(rows, rank, |row, column| q[(row, column)]),

@@ -1,5 +1,6 @@
 //! One decomposition of a tall matrix, from which every later question is answered.
 
+use crate::error::{check_length, check_rhs};
 use crate::pivoted::{PivotedQr, singular_vectors};
 use crate::{LinalgError, Matrix, OrderedRank, covariance, ordered};
 
@@ -37,37 +38,8 @@ impl Reduction {
     /// or a column norm or |b|^2 that overflows.
     pub fn new(matrix: &Matrix, rhs: &[f64]) -> Result<Self, LinalgError> {
         matrix.check()?;
-        if rhs.len() != matrix.rows() {
-            return Err(LinalgError::Shape {
-                what: "right-hand side",
-                expected: matrix.rows(),
-                found: rhs.len(),
-            });
-        }
-        if let Some(row) = rhs.iter().position(|entry| !entry.is_finite()) {
-            return Err(LinalgError::NotFinite {
-                row,
-                column: matrix.columns(),
-                value: rhs[row],
-            });
-        }
-        let mut scaled = matrix.clone();
-        let mut column_norms = Vec::with_capacity(matrix.columns());
-        for column in 0..matrix.columns() {
-            let norm = norm(matrix.column(column));
-            if !norm.is_finite() {
-                return Err(LinalgError::Overflow {
-                    what: "a column norm",
-                });
-            }
-            column_norms.push(norm);
-            if norm > 0.0 {
-                scaled
-                    .column_mut(column)
-                    .iter_mut()
-                    .for_each(|entry| *entry /= norm);
-            }
-        }
+        check_rhs(rhs, matrix.rows(), matrix.columns())?;
+        let (scaled, column_norms) = matrix.clone().into_unit_columns()?;
         let qr = PivotedQr::new(&scaled, rhs);
         let size = qr.factor.rows();
         let mut factor = Matrix::zeros(size, matrix.columns());
@@ -115,32 +87,13 @@ impl Reduction {
     ) -> Result<Self, LinalgError> {
         triangle.check()?;
         let expected = triangle.columns();
-        for (what, found) in [
-            ("right-hand side", projected.len()),
-            ("rows of a triangle", triangle.rows()),
-        ] {
-            if found != expected {
-                return Err(LinalgError::Shape {
-                    what,
-                    expected,
-                    found,
-                });
-            }
-        }
-        let mut factor = triangle.clone();
-        let mut column_norms = Vec::with_capacity(expected);
-        for column in 0..expected {
-            let norm = norm(factor.column(column));
-            if norm > 0.0 {
-                let entries = factor.column_mut(column).iter_mut();
-                entries.for_each(|entry| *entry /= norm);
-            }
-            column_norms.push(norm);
-        }
+        check_length("right-hand side", expected, projected.len())?;
+        check_length("rows of a triangle", expected, triangle.rows())?;
+        let (factor, column_norms) = triangle.clone().into_unit_columns()?;
         let square = projected.iter().map(|entry| entry * entry).sum::<f64>() + rest_square;
-        if !square.is_finite() || column_norms.iter().any(|norm| !norm.is_finite()) {
+        if !square.is_finite() {
             return Err(LinalgError::Overflow {
-                what: "a column norm or the square of the right-hand side",
+                what: "the square of the right-hand side",
             });
         }
         Ok(Self {
@@ -220,13 +173,7 @@ impl Reduction {
     /// [`LinalgError::Column`] for a bad index, [`LinalgError::Shape`] unless there is one norm per
     /// column, [`LinalgError::NotFinite`] for an entry that is not finite.
     pub fn scaled_factor(&self, columns: &[usize], norms: &[f64]) -> Result<Matrix, LinalgError> {
-        if norms.len() != columns.len() {
-            return Err(LinalgError::Shape {
-                what: "norms of the chosen columns",
-                expected: columns.len(),
-                found: norms.len(),
-            });
-        }
+        check_length("norms of the chosen columns", columns.len(), norms.len())?;
         let mut factor = self.chosen(columns)?;
         for (position, norm) in norms.iter().enumerate() {
             factor

@@ -1,6 +1,7 @@
 //! Least-squares steps from a reduction: plain, truncated and damped.
 
-use crate::pivoted::PivotedQr;
+use crate::error::check_length;
+use crate::pivoted::{PivotedQr, back_substitute};
 use crate::reduction::at_least_zero;
 use crate::{LinalgError, Matrix, Reduction};
 
@@ -50,13 +51,7 @@ impl Reduction {
         weights: &[f64],
         tolerance: f64,
     ) -> Result<Solution, LinalgError> {
-        if weights.len() != columns.len() {
-            return Err(LinalgError::Shape {
-                what: "damping weights",
-                expected: columns.len(),
-                found: weights.len(),
-            });
-        }
+        check_length("damping weights", columns.len(), weights.len())?;
         at_least_zero("damping", damping)?;
         at_least_zero("tolerance", tolerance)?;
         for &weight in weights {
@@ -95,7 +90,7 @@ impl Reduction {
         rhs.resize(size + extra, 0.0);
         let qr = PivotedQr::new(&stacked, &rhs);
         let rank = qr.rank(tolerance);
-        let leading = qr.back_substitute(rank, &qr.projected);
+        let leading = back_substitute(&qr.factor, &qr.projected[..rank]);
         let mut scaled = vec![0.0; count];
         for (position, value) in leading.into_iter().enumerate() {
             let column = qr.pivots[position];

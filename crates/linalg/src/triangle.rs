@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use pulp::Arch;
 
 use crate::aligned::Aligned;
+use crate::error::check_length;
 use crate::fold::Fold;
 use crate::{LinalgError, Matrix, Reduction};
 
@@ -123,20 +124,9 @@ impl Triangle {
     /// [`LinalgError::Shape`] for slices that do not fit; [`LinalgError::Overflow`] for entries that are
     /// not finite or whose squares are not: then the triangle is of no further use.
     pub fn fold_rows(&mut self, columns: &[&[f64]], residuals: &[f64]) -> Result<(), LinalgError> {
-        let length = |what, expected, found| {
-            if expected == found {
-                Ok(())
-            } else {
-                Err(LinalgError::Shape {
-                    what,
-                    expected,
-                    found,
-                })
-            }
-        };
-        length("columns to fold", self.columns, columns.len())?;
+        check_length("columns to fold", self.columns, columns.len())?;
         for column in columns {
-            length("a column to fold", residuals.len(), column.len())?;
+            check_length("a column to fold", residuals.len(), column.len())?;
         }
         TILE.with_borrow_mut(|tile| {
             tile.reserve((self.columns + 1) * TILE_ROWS);
