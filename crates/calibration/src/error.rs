@@ -1,7 +1,7 @@
 //! Recordings that a device cannot be calibrated from.
 
 use haptical_identification::IdentificationError;
-use haptical_model::ModelError;
+use haptical_model::{ModelError, Recording};
 
 /// Why a calibration was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -175,4 +175,10 @@ pub(crate) fn wrap(what: &str, source: IdentificationError) -> CalibrationError 
         what: what.to_owned(),
         source,
     }
+}
+
+/// A refusal of the model, with the line of a recording's row.
+pub(crate) fn at_row(recording: &Recording, row: usize) -> impl Fn(ModelError) -> CalibrationError {
+    let line = recording.line.get(row).copied().unwrap_or(0);
+    move |source| CalibrationError::Row { line, source }
 }

@@ -188,24 +188,19 @@ pub fn channels(device: &Device, recording: &Recording) -> Result<Vec<Channel>, 
 
 /// Touches and fixtures, and the pairs of which the recording has both.
 fn touches(device: &Device, recording: &Recording) -> Vec<Channel> {
-    let touched = |ids: Option<&Vec<String>>, id: &str| {
-        ids.is_some_and(|ids| ids.iter().any(|other| other == id))
+    let are_touched = |ids: &Option<Vec<String>>, a: &String, b: &String| {
+        ids.as_ref()
+            .is_some_and(|ids| ids.contains(a) && ids.contains(b))
     };
     let mut found = vec![Channel::Contact];
     for (index, pair) in device.contact_pairs.iter().enumerate() {
-        if [&pair.a, &pair.b]
-            .iter()
-            .all(|id| touched(recording.contact.as_ref(), id))
-        {
+        if are_touched(&recording.contact, &pair.a, &pair.b) {
             found.push(Channel::ContactPair { index });
         }
     }
     found.push(Channel::Plane);
     for (index, pair) in device.surroundings.plane_pairs.iter().enumerate() {
-        if [&pair.a, &pair.b]
-            .iter()
-            .all(|id| touched(recording.plane.as_ref(), id))
-        {
+        if are_touched(&recording.plane, &pair.a, &pair.b) {
             found.push(Channel::PlanePair { index });
         }
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use haptical_identification::{IdentificationError, Matrix, Problem};
 use haptical_model::{Device, ModelError, ParameterId, Recording};
 
+use crate::error::at_row;
 use crate::problem::lanes::transmission::outputs_in_bulk;
 use crate::problem::loads::Loads;
 use crate::{CalibrationError, Channel, Weights};
@@ -240,13 +241,11 @@ fn fixed_outputs(
         for (index, (joint, column)) in device.joints.iter().zip(&recording.joint).enumerate() {
             let error = joint
                 .error_rad(column[row])
-                .map_err(|source| CalibrationError::Row {
-                    line: recording.line[row],
-                    source: ModelError::Transmission {
-                        joint: index + 1,
-                        source,
-                    },
-                })?;
+                .map_err(|source| ModelError::Transmission {
+                    joint: index + 1,
+                    source,
+                })
+                .map_err(at_row(recording, row))?;
             outputs.push(column[row] + error);
         }
     }

@@ -4,8 +4,8 @@ use haptical_identification::{IdentificationError, Matrix, Problem};
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Convention, Twist};
 use haptical_model::{
-    Device, DeviceChain, Evaluation, JointType, Parameter, ParameterId, SurroundingParameter,
-    TouchedPlane,
+    Device, DeviceChain, Drive, Evaluation, JointType, Parameter, ParameterId,
+    SurroundingParameter, TouchedPlane,
 };
 
 use crate::error::wrap;
@@ -122,7 +122,6 @@ fn log_mobility(
         })
         .collect();
     let chain = DeviceChain::new(device);
-    let driven: Vec<Driven> = driven(&chain);
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; device.joints.len()];
     let mut sum = Sum::new(if slopes { problem.parameters.len() } else { 0 });
@@ -134,7 +133,7 @@ fn log_mobility(
         let torques = problem.loads.as_ref().map(|loads| loads.of_row(row));
         let at = AtTouch {
             evaluation: &evaluation,
-            driven: &driven,
+            drives: chain.drives(),
             convention: device.convention,
             torques,
         };
@@ -174,24 +173,6 @@ impl Sum {
     }
 }
 
-/// A row that a joint turns, by how much of the joint's angle.
-struct Driven {
-    row: usize,
-    joint: usize,
-    multiplier: f64,
-}
-
-fn driven(chain: &DeviceChain) -> Vec<Driven> {
-    let drives = chain.drives().iter().enumerate();
-    drives
-        .map(|(index, drive)| Driven {
-            row: index + 1,
-            joint: drive.joint,
-            multiplier: drive.multiplier,
-        })
-        .collect()
-}
-
 /// Derivatives of the logarithm by the handle's velocity with each driven row, and what planes need besides.
 struct Pulls {
     /// In the order of the driven rows.
@@ -204,7 +185,8 @@ struct Pulls {
 /// A device moved to a touch.
 struct AtTouch<'t> {
     evaluation: &'t Evaluation<'t>,
-    driven: &'t [Driven],
+    /// Of the rows from 1 on.
+    drives: &'t [Drive],
     convention: Convention,
     torques: Option<&'t [f64]>,
 }
@@ -256,10 +238,10 @@ impl AtTouch<'_> {
                 of_joint = by_joint.iter().map(pull).collect();
             }
         }
-        let of_row = self.driven.iter();
+        let of_row = self.drives.iter();
         Some(Pulls {
             of_row: of_row
-                .map(|driven| of_joint[driven.joint] * driven.multiplier)
+                .map(|drive| of_joint[drive.joint] * drive.multiplier)
                 .collect(),
             square,
             over,
@@ -269,12 +251,10 @@ impl AtTouch<'_> {
     /// Derivative of the logarithm by a parameter of the chain.
     fn slope(&self, parameter: ParameterId, pulls: &[Vector3<f64>]) -> f64 {
         let of_joint = |joint: usize, factor: f64| -> f64 {
-            let own = self.driven.iter().filter(|driven| driven.joint == joint);
-            own.map(|driven| {
-                let parameter = Parameter::Theta;
-                driven.multiplier * self.of_link(driven.row, parameter, pulls)
-            })
-            .sum::<f64>()
+            let rows = self.drives.iter().zip(1..);
+            let own = rows.filter(|(drive, _)| drive.joint == joint);
+            own.map(|(drive, row)| drive.multiplier * self.of_link(row, Parameter::Theta, pulls))
+                .sum::<f64>()
                 * factor
         };
         match parameter {
@@ -299,9 +279,9 @@ impl AtTouch<'_> {
         let is_before_own_turn = self.convention == Convention::Modified
             && !matches!(parameter, Parameter::Theta | Parameter::D);
         let mut slope = 0.0;
-        for (driven, pull) in self.driven.iter().zip(pulls) {
-            let axis = self.axis(driven.row);
-            let is_before = row < driven.row || (row == driven.row && is_before_own_turn);
+        for (driven, pull) in (1..).zip(pulls) {
+            let axis = self.axis(driven);
+            let is_before = row < driven || (row == driven && is_before_own_turn);
             let change = if is_before {
                 moved.angular.cross(&axis.linear)
             } else {

@@ -3,6 +3,7 @@
 use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
+use crate::error::at_row;
 
 /// Torques, row by row, joint by joint.
 #[derive(Debug)]
@@ -26,10 +27,7 @@ impl Loads {
         if device.has_compliance() {
             let joints = device.joints.len();
             let held = haptical_model::holding_torques_nm(device, recording);
-            let held = held.map_err(|source| CalibrationError::Row {
-                line: recording.line.first().copied().unwrap_or(0),
-                source: source.into(),
-            })?;
+            let held = held.map_err(|source| at_row(recording, 0)(source.into()))?;
             let mut torque_nm = Vec::with_capacity(joints * recording.len());
             for row in 0..recording.len() {
                 for joint in 0..joints {

@@ -7,11 +7,13 @@ use haptical_model::kinematics::Parameter;
 use haptical_model::{Device, Evaluation, JointType, Recording};
 use rayon::prelude::*;
 
+use crate::error::at_row;
 use crate::problem::channel::with_kind;
 use crate::problem::lanes::cable::cable_model;
 use crate::problem::lanes::transmission::values_and_slopes;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::kind::{Measurement, Posture};
+use crate::problem::rows::read_joints;
 use crate::{CalibrationError, Channel};
 
 /// Rows that one thread works out at a time.
@@ -138,16 +140,11 @@ fn by_row(
     let mut readings = vec![0.0; device.joints.len()];
     let mut variances = Vec::with_capacity(rows.len());
     for row in rows {
-        for (reading, column) in readings.iter_mut().zip(&recording.joint) {
-            *reading = column[row];
-        }
-        let at_row = |source| CalibrationError::Row {
-            line: recording.line[row],
-            source,
-        };
+        read_joints(recording, row, &mut readings);
+        let refused = at_row(recording, row);
         if let Channel::Output { joint } = channel {
             let moved = evaluation.move_joint(joint, readings[joint]);
-            moved.map_err(at_row)?;
+            moved.map_err(&refused)?;
             variances.push(evaluation.output_slope(joint).powi(2) * quanta[joint]);
             continue;
         }
@@ -159,7 +156,7 @@ fn by_row(
         if let Some(loads) = loads {
             evaluation.set_torques(loads.of_row(row));
         }
-        evaluation.move_to(&readings).map_err(at_row)?;
+        evaluation.move_to(&readings).map_err(&refused)?;
         if let Channel::Fixture { joint } = channel {
             variances.push(evaluation.output_slope(joint).powi(2) * quanta[joint]);
             continue;
@@ -178,7 +175,7 @@ fn by_row(
         for (joint, quantum) in quanta.iter().enumerate() {
             let twist = evaluation.reading_twist(joint);
             let square = with_kind!(channel, kind => kind.sensitivity_square(&at, &twist));
-            sum += quantum * square.map_err(at_row)?;
+            sum += quantum * square.map_err(&refused)?;
         }
         variances.push(sum);
     }

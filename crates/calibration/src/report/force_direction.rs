@@ -6,6 +6,7 @@ use haptical_model::{
     Evaluation, ForceTransmission, ModelError, ParameterId, Recording, handle_force_n,
 };
 
+use crate::error::at_row;
 use crate::report::open_direction::open_directions;
 use crate::{CalibrationError, ParameterFit};
 
@@ -68,12 +69,6 @@ pub fn force_direction(
     }
     let step = recording.len().div_ceil(POSTURES).max(1);
     let rows: Vec<usize> = (0..recording.len()).step_by(step).collect();
-    let wrap = |row: usize| {
-        move |source| CalibrationError::Row {
-            line: recording.line.get(row).copied().unwrap_or(0),
-            source,
-        }
-    };
     let (uncertain, covariance) = fit.uncertain();
     let count = uncertain.len();
     let deviation = |entry: usize| covariance[(entry, entry)].sqrt();
@@ -95,22 +90,24 @@ pub fn force_direction(
             readings[locked] = 0.0;
         }
         let mut truth = Evaluation::new(&fit.device);
-        truth.move_to(&readings).map_err(wrap(row))?;
+        truth.move_to(&readings).map_err(at_row(recording, row))?;
         let Ok(known) = ForceTransmission::new(&truth, &truth, free) else {
             continue;
         };
         if known.condition > WORST_CONDITION {
             continue;
         }
-        let slopes = slopes(fit, &moves, &truth, (&readings, free)).map_err(wrap(row))?;
-        let ways = self::slopes(fit, &open_moves, &truth, (&readings, free)).map_err(wrap(row))?;
+        let turns =
+            slopes(fit, &moves, &truth, (&readings, free)).map_err(at_row(recording, row))?;
+        let ways =
+            slopes(fit, &open_moves, &truth, (&readings, free)).map_err(at_row(recording, row))?;
         postures += 1;
         for ((sum, way), open) in open_squares.iter_mut().zip(ways).zip(&open) {
             *sum += open.size.powi(2) * (way[0].powi(2) + way[1].powi(2));
         }
-        for (a, left) in slopes.iter().enumerate() {
-            for (b, right) in slopes.iter().enumerate() {
-                sums[a * slopes.len() + b] += left[0] * right[0] + left[1] * right[1];
+        for (a, left) in turns.iter().enumerate() {
+            for (b, right) in turns.iter().enumerate() {
+                sums[a * count + b] += left[0] * right[0] + left[1] * right[1];
             }
         }
     }

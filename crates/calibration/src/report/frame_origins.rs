@@ -1,8 +1,10 @@
 //! Origins of a device's frames at each row of a recording, for drawings of the arm.
 
-use haptical_model::{Device, DeviceChain, Evaluation, ModelError, Recording};
+use haptical_model::{Device, DeviceChain, Evaluation, Recording};
 
 use crate::CalibrationError;
+use crate::error::at_row;
+use crate::problem::rows::read_joints;
 
 /// Origins of all frames of a device, in frame (-1), for every row of a recording \[m\].
 ///
@@ -49,15 +51,10 @@ pub fn frame_origins_m(
     let mut outputs = vec![0.0; device.joints.len()];
     let mut rows = Vec::with_capacity(recording.len());
     for row in 0..recording.len() {
-        for (reading, column) in readings.iter_mut().zip(&recording.joint) {
-            *reading = column[row];
-        }
-        let at_row = |source: ModelError| CalibrationError::Row {
-            line: recording.line[row],
-            source,
-        };
-        evaluation.move_pose_to(&readings).map_err(at_row)?;
-        let handle = evaluation.pose().map_err(at_row)?.position_m;
+        read_joints(recording, row, &mut readings);
+        let refused = at_row(recording, row);
+        evaluation.move_pose_to(&readings).map_err(&refused)?;
+        let handle = evaluation.pose().map_err(&refused)?.position_m;
         for (joint, output) in outputs.iter_mut().enumerate() {
             *output = evaluation.output_rad(joint);
         }
@@ -68,7 +65,7 @@ pub fn frame_origins_m(
             let pose = chain
                 .part(last + 1)
                 .and_then(|chain| chain.pose(&variables[..last]))
-                .map_err(|source| at_row(source.into()))?;
+                .map_err(|source| refused(source.into()))?;
             origins.push(pose.position_m.into());
         }
         origins.push(handle.into());

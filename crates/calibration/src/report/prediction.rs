@@ -5,6 +5,8 @@ use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{Twist, distance_m};
 use haptical_model::{Evaluation, ModelError, ParameterId, Recording};
 
+use crate::error::at_row;
+use crate::problem::rows::read_joints;
 use crate::report::open_direction::{OpenDirection, open_directions};
 use crate::{CalibrationError, ParameterFit};
 
@@ -112,18 +114,16 @@ pub fn predict_distances(
 fn at_each_posture(
     fit: &ParameterFit,
     postures: &Recording,
-    mut at: impl FnMut(&Evaluation<'_>) -> Result<(), ModelError>,
+    mut look: impl FnMut(&Evaluation<'_>) -> Result<(), ModelError>,
 ) -> Result<(), CalibrationError> {
     let mut evaluation = Evaluation::new(&fit.device);
+    let mut readings = vec![0.0; postures.joint.len()];
     for row in 0..postures.len() {
-        let readings: Vec<f64> = postures.joint.iter().map(|column| column[row]).collect();
+        read_joints(postures, row, &mut readings);
         let moved = evaluation.move_to(&readings);
         moved
-            .and_then(|()| at(&evaluation))
-            .map_err(|source| CalibrationError::Row {
-                line: postures.line.get(row).copied().unwrap_or(0),
-                source,
-            })?;
+            .and_then(|()| look(&evaluation))
+            .map_err(at_row(postures, row))?;
     }
     Ok(())
 }

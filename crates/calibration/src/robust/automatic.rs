@@ -7,8 +7,8 @@ use haptical_model::{Device, Recording};
 
 use crate::robust::reweighted::{fit, judge, set_aside};
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice,
-    Options, Outlier, RobustChannel, Robustness, channel_residuals, channels, far_out,
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, FittedDevice, Options, Outlier,
+    RobustChannel, Robustness, far_out,
 };
 
 /// Rows on which it is tried whether a robust loss is needed.
@@ -49,14 +49,9 @@ pub(crate) fn automatic(
     let Ok(screen) = fit(device, &sample, &quick, Loss::Tukey) else {
         return plain;
     };
-    let floors = noise_floors(&screen, &sample)?;
-    let found = screen.robust.iter().flat_map(|robust| &robust.channels);
-    let at_noise = found
-        .filter(|found| disturbed.contains(&found.channel))
-        .any(|found| {
-            let floor = floors.get(&found.channel).copied().unwrap_or(0.0);
-            found.scale <= ABOVE_FLOOR * floor
-        });
+    let is_at_noise = is_at_noise(&screen, &sample)?;
+    let mut found = screen.robust.iter().flat_map(|robust| &robust.channels);
+    let at_noise = found.any(|found| disturbed.contains(&found.channel) && is_at_noise(found));
     let outliers = screen.robust.map_or(Vec::new(), |robust| robust.outliers);
     if outliers.is_empty() || !(wild || at_noise) || are_in_stretches(&outliers, &sample) {
         return plain;
@@ -76,12 +71,23 @@ fn is_sound(fitted: &FittedDevice, recording: &Recording) -> Result<bool, Calibr
     if robust.settled {
         return Ok(true);
     }
-    let floors = noise_floors(fitted, recording)?;
-    let is_at_noise = |channel: &RobustChannel| {
+    let is_at_noise = is_at_noise(fitted, recording)?;
+    Ok(robust.channels.iter().all(is_at_noise))
+}
+
+/// Whether the scale of a channel is that of its noise floor.
+fn is_at_noise(
+    fitted: &FittedDevice,
+    recording: &Recording,
+) -> Result<impl Fn(&RobustChannel) -> bool + use<>, CalibrationError> {
+    let residuals = fitted.residuals(recording)?.into_iter();
+    let floors: BTreeMap<Channel, f64> = residuals
+        .map(|channel| (channel.channel, channel.noise_floor))
+        .collect();
+    Ok(move |channel: &RobustChannel| {
         let floor = floors.get(&channel.channel).copied().unwrap_or(0.0);
         channel.scale <= ABOVE_FLOOR * floor
-    };
-    Ok(robust.channels.iter().all(is_at_noise))
+    })
 }
 
 /// Largest share of a channel's held-out readings that are wild ones rather than an effect.
@@ -137,29 +143,8 @@ fn above_floor(
     fitted: &FittedDevice,
     recording: &Recording,
 ) -> Result<Vec<Channel>, CalibrationError> {
-    let present = channels(&fitted.device, recording)?;
-    let (device, weights) = (&fitted.device, &fitted.weights);
-    let residuals = channel_residuals(device, device, recording, &present, weights)?;
-    let is_above = |channel: &&ChannelResiduals| {
-        let rms = channel.rms().unwrap_or(0.0);
-        rms > ABOVE_FLOOR * channel.noise_floor
-    };
-    Ok(residuals
-        .iter()
-        .filter(is_above)
-        .map(|channel| channel.channel)
-        .collect())
-}
-
-fn noise_floors(
-    fitted: &FittedDevice,
-    recording: &Recording,
-) -> Result<BTreeMap<Channel, f64>, CalibrationError> {
-    let present = channels(&fitted.device, recording)?;
-    let (device, weights) = (&fitted.device, &fitted.weights);
-    let residuals = channel_residuals(device, device, recording, &present, weights)?;
-    let pairs = residuals
-        .iter()
-        .map(|channel| (channel.channel, channel.noise_floor));
-    Ok(pairs.collect())
+    let residuals = fitted.residuals(recording)?.into_iter();
+    let above = residuals
+        .filter(|channel| channel.rms().unwrap_or(0.0) > ABOVE_FLOOR * channel.noise_floor);
+    Ok(above.map(|channel| channel.channel).collect())
 }

@@ -154,9 +154,7 @@ pub(crate) fn judge(
     recording: &Recording,
     loss: Loss,
 ) -> Result<(Vec<RobustChannel>, Weights), CalibrationError> {
-    let device = &fitted.device;
-    let channels = channels(device, recording)?;
-    let residuals = channel_residuals(device, device, recording, &channels, &fitted.weights)?;
+    let residuals = fitted.residuals(recording)?;
     let mut weights = fitted.weights.trusting();
     let mut scales = Vec::with_capacity(residuals.len());
     for channel in &residuals {

@@ -7,7 +7,9 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{ContactPoint, Device, DeviceChain, Evaluation, Recording, TouchedPlane};
 
 use crate::CalibrationError;
+use crate::error::at_row;
 use crate::problem::loads::Loads;
+use crate::problem::rows::read_joints;
 use crate::start::hand_eye::place_tracker;
 
 /// The device with a start value for everything around the chain that a recording shows and the device file
@@ -82,18 +84,13 @@ pub(crate) fn handle_poses(
     let mut readings = vec![0.0; device.joints.len()];
     let mut poses = Vec::with_capacity(recording.len());
     for row in 0..recording.len() {
-        for (reading, column) in readings.iter_mut().zip(&recording.joint) {
-            *reading = column[row];
-        }
+        read_joints(recording, row, &mut readings);
         if let Some(loads) = &loads {
             evaluation.set_torques(loads.of_row(row));
         }
         let moved = evaluation.move_pose_to(&readings);
         let pose = moved.and_then(|()| evaluation.pose().copied());
-        poses.push(pose.map_err(|source| CalibrationError::Row {
-            line: recording.line.get(row).copied().unwrap_or(0),
-            source,
-        })?);
+        poses.push(pose.map_err(at_row(recording, row))?);
     }
     Ok(poses)
 }
@@ -107,10 +104,7 @@ fn place_exits(device: &mut Device, recording: &Recording) -> Result<(), Calibra
     }
     let home = vec![0.0; device.joints.len()];
     let pose = DeviceChain::new(device).pose(&home);
-    let pose = pose.map_err(|source| CalibrationError::Row {
-        line: recording.line.first().copied().unwrap_or(0),
-        source: source.into(),
-    })?;
+    let pose = pose.map_err(|source| at_row(recording, 0)(source.into()))?;
     for cable in device.cables.iter_mut().filter(|cable| is_bent(cable)) {
         let way = pose.position_m - Vector3::from(cable.anchor_m);
         cable.exit_axis = way.try_normalize(f64::MIN_POSITIVE).map(Into::into);

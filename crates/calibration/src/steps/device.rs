@@ -1,5 +1,6 @@
 //! The fits of a whole device by least squares: two steps as in the paper, or all at once.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use haptical_model::{Device, ParameterId, Recording};
@@ -65,22 +66,10 @@ pub(crate) fn fit_once(
         weights: weights.clone(),
         robust: None,
     };
-    let distant: Vec<Channel> = channels
-        .iter()
-        .copied()
-        .filter(|channel| channel.sees_chain())
-        .collect();
-    if distant.is_empty() {
+    let Some((distant, rows)) = step_two(&fitted.device, recording, channels) else {
         return Ok(fitted);
-    }
-    let inside = rows_of_step_two(&fitted.device, recording);
-    let kinematics = fit_kinematics(
-        &fitted.device,
-        inside.as_ref().unwrap_or(recording),
-        &distant,
-        weights,
-        options,
-    )?;
+    };
+    let kinematics = fit_kinematics(&fitted.device, &rows, &distant, weights, options)?;
     let whole = match options.method {
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {
@@ -117,11 +106,25 @@ pub(crate) fn fit_once(
     })
 }
 
-/// The rows whose transmission errors are known, unless they are all or less than half.
-fn rows_of_step_two(device: &Device, recording: &Recording) -> Option<Recording> {
+/// Channels and rows of step 2: what sees the chain, none where nothing does, and the rows whose transmission errors
+/// are known, unless they are less than half.
+fn step_two<'r>(
+    device: &Device,
+    recording: &'r Recording,
+    channels: &[Channel],
+) -> Option<(Vec<Channel>, Cow<'r, Recording>)> {
+    let channels = channels.iter().copied();
+    let distant: Vec<Channel> = channels.filter(|channel| channel.sees_chain()).collect();
+    if distant.is_empty() {
+        return None;
+    }
     let within = rows_with_known_errors(device, recording);
     let are_some = within.len() < recording.len() && 2 * within.len() >= recording.len();
-    are_some.then(|| recording.select(&within))
+    let rows = match are_some {
+        true => Cow::Owned(recording.select(&within)),
+        false => Cow::Borrowed(recording),
+    };
+    Some((distant, rows))
 }
 
 /// Gives the kinematic fit of two steps the noise of the first.
@@ -130,18 +133,12 @@ pub(crate) fn add_step_one_noise(
     channels: &[Channel],
     recording: &Recording,
 ) -> Result<FittedDevice, CalibrationError> {
-    let Some(whole) = fitted.whole.take() else {
+    let step_two = step_two(&fitted.device, recording, channels);
+    let (Some(whole), Some((distant, rows))) = (fitted.whole.take(), step_two) else {
         return Ok(fitted);
     };
-    let distant: Vec<Channel> = channels
-        .iter()
-        .copied()
-        .filter(|channel| channel.sees_chain())
-        .collect();
-    let inside = rows_of_step_two(&fitted.device, recording);
-    let rows = inside.as_ref().unwrap_or(recording);
     let (steps, weights) = (&fitted.transmissions, &fitted.weights);
-    fitted.whole = Some(with_step_one_noise(whole, steps, rows, &distant, weights)?);
+    fitted.whole = Some(with_step_one_noise(whole, steps, &rows, &distant, weights)?);
     Ok(fitted)
 }
 
@@ -159,11 +156,9 @@ pub(crate) fn profile_whole(
         profile(whole, recording, &channels, &fitted.weights, options);
         return Ok(());
     }
-    let channels = channels.iter().copied();
-    let distant: Vec<Channel> = channels.filter(|channel| channel.sees_chain()).collect();
-    let inside = rows_of_step_two(&fitted.device, recording);
-    let rows = inside.as_ref().unwrap_or(recording);
-    profile(whole, rows, &distant, &fitted.weights, options);
+    if let Some((distant, rows)) = step_two(&fitted.device, recording, &channels) {
+        profile(whole, &rows, &distant, &fitted.weights, options);
+    }
     Ok(())
 }
 

@@ -1,10 +1,13 @@
 //! A fitted device, and what a robust loss found of its readings.
 
 use haptical_identification::Loss;
-use haptical_model::Device;
+use haptical_model::{Device, Recording};
 use serde::Serialize;
 
-use crate::{Channel, ParameterFit, TransmissionFit, Weights};
+use crate::{
+    CalibrationError, Channel, ChannelResiduals, ParameterFit, TransmissionFit, Weights,
+    channel_residuals, channels,
+};
 
 /// A fitted device with the fits that made it.
 #[derive(Debug, Clone)]
@@ -69,6 +72,18 @@ fn name<S: serde::Serializer>(channel: &Channel, serializer: S) -> Result<S::Ok,
 /// Degrees of freedom from which on a channel's residuals say what its noise is: one or two may be zero by chance,
 /// and its readings would count as exact.
 pub(crate) const LEAST_FREEDOM: f64 = 4.0;
+
+impl FittedDevice {
+    /// Residuals of every channel of a recording.
+    pub(crate) fn residuals(
+        &self,
+        recording: &Recording,
+    ) -> Result<Vec<ChannelResiduals>, CalibrationError> {
+        let (device, weights) = (&self.device, &self.weights);
+        let present = channels(device, recording)?;
+        channel_residuals(device, device, recording, &present, weights)
+    }
+}
 
 /// The last fit that saw the channel decides: the joint one, or in two steps the transmission's own.
 pub(crate) fn parameters_paid_by(fitted: &FittedDevice, channel: Channel) -> f64 {

@@ -83,13 +83,17 @@ impl ErrorRows {
     }
 }
 
+/// A joint, and the parameters of its transmission's error.
+fn error_of(device: &Device, joint: usize) -> Option<(&Joint, Vec<f64>)> {
+    let described = device.joints.get(joint)?;
+    let parameters = 0..described.error_parameter_count();
+    let value = |index| ParameterId::Transmission { joint, index }.value(device);
+    Some((described, parameters.map(value).collect()))
+}
+
 /// Errors of a joint's transmission as the device has it, at many readings; none where the law refuses a number.
 pub(crate) fn errors_in_bulk(device: &Device, joint: usize, readings: &[f64]) -> Option<Vec<f64>> {
-    let described = device.joints.get(joint)?;
-    let parameter = |index| ParameterId::Transmission { joint, index }.value(device);
-    let error: Vec<f64> = (0..described.error_parameter_count())
-        .map(parameter)
-        .collect();
+    let (described, error) = error_of(device, joint)?;
     if error.iter().all(|value| *value == 0.0) {
         // nothing to add; whether the law accepts the joint's dimensions is asked all the same
         described.error_rad(0.0).ok()?;
@@ -111,11 +115,7 @@ pub(crate) fn values_and_slopes(
     joint: usize,
     readings: &[f64],
 ) -> Option<(Vec<f64>, Vec<f64>)> {
-    let described = device.joints.get(joint)?;
-    let parameter = |index| ParameterId::Transmission { joint, index }.value(device);
-    let error: Vec<f64> = (0..described.error_parameter_count())
-        .map(parameter)
-        .collect();
+    let (described, error) = error_of(device, joint)?;
     if !readings.iter().all(|reading| reading.is_finite()) {
         return None;
     }
