@@ -1,5 +1,8 @@
 //! The command line: subcommands, flags, their help, and what is said of a wrong one.
 
+#[cfg(test)]
+mod fuzz_tests;
+
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -14,6 +17,7 @@ use haptical_effects::structure::JOINT_COMPLIANCE;
 use crate::export::ExportArguments;
 use crate::failure::{self, Failure};
 use crate::flags::{DeviceOptions, HoldOptions};
+use crate::result::ResultCommand;
 use crate::{STATUS_BAD_INPUT, terminal};
 
 /// Calibrates a cable-driven haptic device from its own logs.
@@ -93,6 +97,18 @@ Example:
         /// Shell that the script is for
         shell: clap_complete::Shell,
     },
+}
+
+impl Command {
+    /// The command as one that makes a result, where it is one.
+    pub(crate) fn into_result(self) -> Option<Box<dyn ResultCommand>> {
+        match self {
+            Self::Identify(arguments) => Some(Box::new(arguments)),
+            Self::Diagnose(arguments) => Some(Box::new(arguments)),
+            Self::Plan(arguments) => Some(Box::new(arguments)),
+            _ => None,
+        }
+    }
 }
 
 #[derive(Debug, Args)]

@@ -28,13 +28,10 @@ struct Number {
 
 /// Prints the catalogue.
 pub(crate) fn print(json: bool) -> Result<(), Failure> {
-    let text = if json {
-        let entries: Vec<Entry> = specs().map(entry).collect();
-        serde_json::to_string_pretty(&entries).map_err(Failure::internal)?
-    } else {
-        table()?.to_terminal()
-    };
-    terminal::write_output(format!("{text}\n").as_bytes())
+    if json {
+        return terminal::write_json(&specs().map(entry).collect::<Vec<_>>());
+    }
+    terminal::write_output(format!("{}\n", table()?.to_terminal()).as_bytes())
 }
 
 fn entry(spec: &'static Spec) -> Entry {

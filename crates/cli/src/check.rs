@@ -23,11 +23,8 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let found = check(&device, log.as_ref(), &request)?;
     drop(progress);
     terminal::warn(&found.warnings);
-    let text = if arguments.json {
-        let json = serde_json::to_string_pretty(&found).map_err(Failure::internal)?;
-        json + "\n"
-    } else {
-        found.to_string()
-    };
-    terminal::write_output(text.as_bytes())
+    if arguments.json {
+        return terminal::write_json(&found);
+    }
+    terminal::write_output(found.to_string().as_bytes())
 }

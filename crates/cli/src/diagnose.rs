@@ -1,67 +1,67 @@
-//! `haptical diagnose`: reads, diagnoses, writes the files, prints the answer.
+//! `haptical diagnose`: the effect that causes what a calibration leaves, as a page and as JSON.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use haptical::files::{Source, check_folder, check_outputs};
-use haptical::{Device, Diagnose, Diagnosed, Equipment, Log, diagnose};
+use haptical::{Diagnose, Diagnosed, diagnose_as};
 
 use crate::arguments::DiagnoseArguments;
 use crate::failure::Failure;
-use crate::interrupt::write_all;
-use crate::terminal::{self, Progress};
+use crate::result::{self, Inputs, MadeResult, ResultCommand};
+use crate::terminal::Progress;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
-    check_folder(&arguments.out)?;
-    check_outputs(
-        &Diagnosed::FILES.map(|name| arguments.out.join(name)),
-        &arguments.inputs(),
-    )?;
-    let progress = Progress::start("reading");
-    let equipment = arguments.device_options.equipment();
-    let device = Device::open(&Source::given(&arguments.device), &equipment)?;
-    let log = Log::read(&arguments.log, &device)?;
-    let model = arguments.model.as_deref().map(Source::given);
-    let model = model.map(|source| Device::open(&source, &Equipment::default()));
-    let model = model.transpose()?;
-    let second = arguments.validate.as_ref();
-    let second = second.map(|path| Log::read(path, &device)).transpose()?;
-    progress.say(format!(
-        "diagnosing {} joints from {} rows",
-        device.model.joints.len(),
-        log.recording.len()
-    ));
-    let request = Diagnose {
-        without: arguments.without.clone(),
-        model: model.as_ref(),
-        validate: second.as_ref(),
-        ..Diagnose::default()
-    };
-    let gap = diagnose(&device, &log, &request)?;
-    let files = gap.files()?;
-    progress.say("writing");
-    let written = write_all(&arguments.out, &files)?;
-    drop(progress);
-    terminal::warn(gap.warnings());
-    if arguments.json {
-        return terminal::write_output(&files[0].1);
-    }
-    let written: Vec<String> = written
-        .iter()
-        .map(|path| path.display().to_string())
-        .collect();
-    let text = format!("{gap}{:<9}{}\n", "written", written.join("  "));
-    terminal::write_output(text.as_bytes())
+    result::run(arguments, Some(&arguments.out), arguments.json, |paths| {
+        format!("{:<9}{}\n", "written", paths.join("  "))
+    })
 }
 
-impl DiagnoseArguments {
-    /// The files that are read.
-    fn inputs(&self) -> Vec<&Path> {
-        let further = [&self.device_options.rig, &self.model, &self.validate];
-        [&self.device, &self.log]
-            .into_iter()
-            .chain(further.into_iter().flatten())
-            .map(PathBuf::as_path)
-            .collect()
+impl ResultCommand for DiagnoseArguments {
+    fn name(&self) -> &'static str {
+        "diagnose"
+    }
+
+    fn files(&self) -> &'static [&'static str] {
+        &Diagnosed::FILES
+    }
+
+    fn result_file(&self) -> &'static str {
+        Diagnosed::FILES[0]
+    }
+
+    fn inputs(&self) -> Vec<(&'static str, &Path)> {
+        result::given(&[
+            ("device", Some(&self.device)),
+            ("log", Some(&self.log)),
+            ("rig", self.device_options.rig.as_ref()),
+            ("model", self.model.as_ref()),
+            ("validate", self.validate.as_ref()),
+        ])
+    }
+
+    fn make(
+        &self,
+        version: &str,
+        inputs: &Inputs,
+        progress: &Progress,
+    ) -> Result<MadeResult, Failure> {
+        let device = inputs.device(self.device_options.equipment())?;
+        let log = inputs.log(&device)?;
+        let model = inputs.model()?;
+        let second = inputs.optional_log("validate", &device)?;
+        let (joints, rows) = (device.model.joints.len(), log.recording.len());
+        progress.say(format!("diagnosing {joints} joints from {rows} rows"));
+        let request = Diagnose {
+            without: self.without.clone(),
+            model: model.as_ref(),
+            validate: second.as_ref(),
+            ..Diagnose::default()
+        };
+        let gap = diagnose_as(version, &device, &log, &request)?;
+        Ok(MadeResult {
+            files: gap.files()?,
+            warnings: gap.warnings().to_vec(),
+            summary: gap.to_string(),
+        })
     }
 }

@@ -1,38 +1,58 @@
-//! `haptical identify`: reads, identifies, writes the three files, prints the summary.
+//! `haptical identify`: values, intervals and reasons of a device's parameters, as three files.
 
-use haptical::files::{Source, check_folder, check_outputs};
-use haptical::{Device, Found, Log, identify};
+use std::path::Path;
+
+use haptical::{Found, identify_as};
 
 use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
-use crate::interrupt::write_all;
-use crate::terminal::{self, Progress};
+use crate::result::{self, Inputs, MadeResult, ResultCommand};
+use crate::terminal::Progress;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
-    check_folder(&arguments.out)?;
-    let outputs = Found::FILES.map(|name| arguments.out.join(name));
-    check_outputs(&outputs, &[&arguments.device, &arguments.log])?;
-    let progress = Progress::start("reading");
-    let device = Device::open(&Source::given(&arguments.device), &arguments.equipment())?;
-    let log = Log::read(&arguments.log, &device)?;
-    progress.say(format!(
-        "calibrating {} joints from {} rows",
-        device.model.joints.len(),
-        log.recording.len()
-    ));
-    let found = identify(&device, &log, &arguments.request())?;
-    let files = found.files()?;
-    progress.say("writing");
-    let written = write_all(&arguments.out, &files)?;
-    drop(progress);
-    terminal::warn(found.warnings());
-    if arguments.json {
-        return terminal::write_output(&files[1].1);
+    result::run(arguments, Some(&arguments.out), arguments.json, |paths| {
+        let lines = paths.iter().map(|path| format!("  {path}\n"));
+        format!("\nWritten:\n{}", lines.collect::<String>())
+    })
+}
+
+impl ResultCommand for IdentifyArguments {
+    fn name(&self) -> &'static str {
+        "identify"
     }
-    let mut text = format!("{found}\nWritten:\n");
-    for path in written {
-        text.push_str(&format!("  {}\n", path.display()));
+
+    fn files(&self) -> &'static [&'static str] {
+        &Found::FILES
     }
-    terminal::write_output(text.as_bytes())
+
+    fn result_file(&self) -> &'static str {
+        Found::FILES[1]
+    }
+
+    fn inputs(&self) -> Vec<(&'static str, &Path)> {
+        result::given(&[
+            ("device", Some(&self.device)),
+            ("log", Some(&self.log)),
+            ("rig", self.device_options.rig.as_ref()),
+        ])
+    }
+
+    fn make(
+        &self,
+        version: &str,
+        inputs: &Inputs,
+        progress: &Progress,
+    ) -> Result<MadeResult, Failure> {
+        let device = inputs.device(self.equipment())?;
+        let log = inputs.log(&device)?;
+        let (joints, rows) = (device.model.joints.len(), log.recording.len());
+        progress.say(format!("calibrating {joints} joints from {rows} rows"));
+        let found = identify_as(version, &device, &log, &self.request())?;
+        Ok(MadeResult {
+            files: found.files()?,
+            warnings: found.warnings().to_vec(),
+            summary: found.to_string(),
+        })
+    }
 }

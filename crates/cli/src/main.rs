@@ -7,14 +7,13 @@ mod diagnose;
 mod export;
 mod failure;
 mod flags;
-#[cfg(test)]
-mod fuzz;
 mod identify;
 mod import;
 mod init;
 mod interrupt;
 mod plan;
 mod play;
+mod result;
 mod simulate;
 mod terminal;
 mod verify;

@@ -4,6 +4,7 @@ use std::io::{ErrorKind, Write};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
 
 use crate::failure::Failure;
 
@@ -29,6 +30,12 @@ pub(crate) fn write_output(bytes: &[u8]) -> Result<(), Failure> {
         )),
         _ => Ok(()),
     }
+}
+
+/// Writes a value to standard output as JSON.
+pub(crate) fn write_json(value: &impl Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_string_pretty(value).map_err(Failure::internal)?;
+    write_output(format!("{json}\n").as_bytes())
 }
 
 /// Writes a text to standard error; there is nobody to tell if that fails.

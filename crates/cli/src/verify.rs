@@ -9,16 +9,15 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use haptical::files::{NewFile, Source};
-use haptical::{Device, Diagnose, Equipment, Log, diagnose_as, identify_as, plan_as};
+use haptical::files::NewFile;
 
 use crate::failure::Failure;
+use crate::result::Inputs;
 use crate::terminal::{self, Progress};
 
-use self::compare::{FileVerdict, Written, compare};
-use self::recorded::{Recorded, RecordedCommand};
+use self::compare::{Agreement, FileVerdict, Written, compare};
+use self::recorded::Recorded;
 use self::said::{CheckedResult, Verification};
-use self::sought::{Found, Search};
 
 /// Exit status where a result is not what its inputs give.
 const STATUS_DIFFERS: u8 = 1;
@@ -69,21 +68,15 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     let progress = Progress::start("computing again");
     let mut checked = Vec::new();
     for result in &results {
-        let (inputs, files) = recompute(result, arguments)?;
-        let files = files
-            .iter()
-            .map(|file| verdict(result, &results, file))
-            .collect::<Result<Vec<FileVerdict>, Failure>>()?;
-        checked.push(CheckedResult::new(result, &inputs, files));
+        checked.push(check(result, &results, arguments, &progress)?);
     }
     drop(progress);
     let verification = Verification::new(checked);
-    let text = if arguments.json {
-        verification.json()?
+    if arguments.json {
+        terminal::write_json(&verification)?;
     } else {
-        verification.text()
-    };
-    terminal::write_output(text.as_bytes())?;
+        terminal::write_output(verification.text().as_bytes())?;
+    }
     Ok(if verification.holds() {
         ExitCode::SUCCESS
     } else {
@@ -91,156 +84,83 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     })
 }
 
+impl VerifyArguments {
+    /// The place of the input of a flag, where the user says it.
+    fn given(&self, flag: &str) -> Option<&Path> {
+        let path = match flag {
+            "device" => &self.device,
+            "rig" => &self.rig,
+            "log" => &self.log,
+            "model" => &self.model,
+            _ => &self.validate,
+        };
+        path.as_deref()
+    }
+}
+
 /// A flag for an input that no result had is a mistake.
 fn refuse_needless(arguments: &VerifyArguments, results: &[Recorded]) -> Result<(), Failure> {
-    let given = [
-        ("rig", &arguments.rig),
-        ("model", &arguments.model),
-        ("validate", &arguments.validate),
-    ];
-    for (flag, path) in given {
-        let is_input = |result: &Recorded| result.inputs.iter().any(|input| input.flag == flag);
-        if path.is_some() && !results.iter().any(is_input) {
-            return Err(Failure::command_line(
-                "arguments",
-                format!("the result was made without --{flag}"),
-                format!("leave --{flag} out"),
-            ));
-        }
+    let is_input = |flag: &str| {
+        let mut inputs = results.iter().flat_map(|result| &result.provenance.inputs);
+        inputs.any(|input| input.flag == flag)
+    };
+    let is_needless = |flag: &&&str| arguments.given(flag).is_some() && !is_input(flag);
+    match ["rig", "model", "validate"].iter().find(is_needless) {
+        None => Ok(()),
+        Some(flag) => Err(Failure::command_line(
+            "arguments",
+            format!("the result was made without --{flag}"),
+            format!("leave --{flag} out"),
+        )),
     }
-    Ok(())
 }
 
-/// Finds the inputs and makes the files of the result again, under the names and the version that it
-/// recorded.
-fn recompute(
+/// Makes a result again, under the names and the version that it recorded, and compares its files.
+fn check(
     result: &Recorded,
+    results: &[Recorded],
     arguments: &VerifyArguments,
-) -> Result<(Vec<Found>, Vec<NewFile<'static>>), Failure> {
-    let mut inputs = Inputs {
-        search: Search { result },
-        found: Vec::new(),
-    };
-    let version = &result.version;
-    let files = match &result.command {
-        RecordedCommand::Identify(options) => {
-            let device = inputs.find("device", &options.device, &arguments.device)?;
-            let log = inputs.find("log", &options.log, &arguments.log)?;
-            let rig = inputs.option("rig", &options.device_options.rig, &arguments.rig)?;
-            let equipment = Equipment {
-                rig,
-                ..options.equipment()
-            };
-            let device = Device::open(&device, &equipment)?;
-            let log = Log::open(&log, &device)?;
-            identify_as(version, &device, &log, &options.request())?.files()?
-        }
-        RecordedCommand::Diagnose(options) => {
-            let device = inputs.find("device", &options.device, &arguments.device)?;
-            let log = inputs.find("log", &options.log, &arguments.log)?;
-            let rig = inputs.option("rig", &options.device_options.rig, &arguments.rig)?;
-            let model = inputs.option("model", &options.model, &arguments.model)?;
-            let second = inputs.option("validate", &options.validate, &arguments.validate)?;
-            let equipment = Equipment {
-                rig,
-                ..options.device_options.equipment()
-            };
-            let device = Device::open(&device, &equipment)?;
-            let log = Log::open(&log, &device)?;
-            let plain = Equipment::default();
-            let model = model
-                .map(|source| Device::open(&source, &plain))
-                .transpose()?;
-            let second = second
-                .map(|source| Log::open(&source, &device))
-                .transpose()?;
-            let request = Diagnose {
-                without: options.without.clone(),
-                model: model.as_ref(),
-                validate: second.as_ref(),
-                ..Diagnose::default()
-            };
-            diagnose_as(version, &device, &log, &request)?.files()?
-        }
-        RecordedCommand::Plan(options) => {
-            let device = inputs.find("device", &options.device, &arguments.device)?;
-            let rig = inputs.option("rig", &options.device_options.rig, &arguments.rig)?;
-            let log = inputs.option("log", &options.log, &arguments.log)?;
-            let equipment = Equipment {
-                rig,
-                ..options.device_options.equipment()
-            };
-            let device = Device::open(&device, &equipment)?;
-            let log = log.map(|source| Log::open(&source, &device)).transpose()?;
-            let request = options.request(&device)?;
-            plan_as(version, &device, &request, log.as_ref(), &|_| ())?.files()?
-        }
-    };
-    Ok((inputs.found, files))
-}
-
-/// The inputs that were found, in the order in which they were asked for.
-struct Inputs<'a> {
-    search: Search<'a>,
-    found: Vec<Found>,
-}
-
-impl Inputs<'_> {
-    fn find(
-        &mut self,
-        flag: &str,
-        recorded: &Path,
-        given: &Option<PathBuf>,
-    ) -> Result<Source, Failure> {
-        let found = self.search.find(flag, recorded, given.as_deref())?;
-        let source = found.source.clone();
-        self.found.push(found);
-        Ok(source)
+    progress: &Progress,
+) -> Result<CheckedResult, Failure> {
+    let (mut sources, mut inputs) = (Vec::new(), Vec::new());
+    for (flag, name) in result.command.inputs() {
+        let (source, input) = sought::find(result, flag, name, arguments.given(flag))?;
+        sources.push((flag, source));
+        inputs.push(input);
     }
-
-    fn option(
-        &mut self,
-        flag: &str,
-        recorded: &Option<PathBuf>,
-        given: &Option<PathBuf>,
-    ) -> Result<Option<Source>, Failure> {
-        let recorded = recorded.as_deref();
-        recorded
-            .map(|path| self.find(flag, path, given))
-            .transpose()
-    }
+    let version = &result.provenance.haptical_version;
+    let made = result.command.make(version, &Inputs(sources), progress)?;
+    let files = made.files.iter();
+    let files = files.map(|file| verdict(result, results, file));
+    Ok(CheckedResult {
+        result: result.path.display().to_string(),
+        command: result.command.name(),
+        recorded_version: version.clone(),
+        inputs,
+        files: files.collect::<Result<_, _>>()?,
+    })
 }
 
-/// What is said of one file of a result.
+/// Compares one file of a result.
 fn verdict(
     result: &Recorded,
     results: &[Recorded],
     (name, recomputed): &NewFile<'static>,
 ) -> Result<FileVerdict, Failure> {
     if *name == result.command.result_file() {
-        let written = Written {
-            bytes: result.text.as_bytes().to_vec(),
-            is_changed: !result.is_seal_whole(),
-        };
-        return Ok(compare(name, Some(written), recomputed));
+        return Ok(compare(name, Some(result.written()), recomputed));
     }
-    let path = result.folder.join(name);
-    let Some(bytes) = recorded::read_beside(&path, recomputed.len())? else {
-        return Ok(if result.stands_alone {
-            FileVerdict::not_kept(name)
-        } else {
-            compare(name, None, recomputed)
-        });
+    let written = result.other_file(name, recomputed.len())?;
+    let is_not_kept = match &written {
+        None => result.is_alone,
+        // The report of the other command has the same name.
+        Some(Written { bytes, is_changed }) => {
+            *is_changed && results.iter().any(|other| other.lists(name, bytes))
+        }
     };
-    // The report of the other command has the same name.
-    let belongs = |other: &Recorded| other.lists(name, &bytes);
-    let is_changed = !belongs(result);
-    if is_changed && results.iter().any(belongs) {
-        return Ok(FileVerdict::not_kept(name));
-    }
-    Ok(compare(
-        name,
-        Some(Written { bytes, is_changed }),
-        recomputed,
-    ))
+    Ok(if is_not_kept {
+        FileVerdict::new(name, Agreement::NotKept)
+    } else {
+        compare(name, written, recomputed)
+    })
 }

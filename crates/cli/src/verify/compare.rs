@@ -9,7 +9,7 @@ const TOLERANCE: f64 = 1e-9;
 const MOST_LISTED: usize = 1000;
 /// Characters of a text that are shown.
 const SHOWN: usize = 60;
-/// Places that hold hashes of a result's own files: on another machine they are others.
+/// Hashes of a result's own files: on another machine they are others.
 const HASHES: [&str; 2] = ["provenance.outputs", "provenance.result_sha256"];
 
 /// How a file agrees with what its inputs give.
@@ -25,7 +25,7 @@ pub(super) enum Agreement {
     NotKept,
 }
 
-/// What is said of one file.
+/// The findings on one file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct FileVerdict {
     pub(super) file: String,
@@ -54,8 +54,37 @@ pub(super) struct Written {
     pub(super) is_changed: bool,
 }
 
+/// Compares a file, if it is there, with its recomputed bytes.
+pub(super) fn compare(name: &str, written: Option<Written>, recomputed: &[u8]) -> FileVerdict {
+    let mut verdict = FileVerdict::new(name, Agreement::Missing);
+    let Some(Written { bytes, is_changed }) = written else {
+        return verdict;
+    };
+    if bytes == recomputed {
+        return FileVerdict::new(name, Agreement::SameBytes);
+    }
+    verdict.changed_since_written = is_changed;
+    match (values(name, &bytes), values(name, recomputed)) {
+        (Ok(Some(was)), Ok(Some(is))) => verdict.walk("", Some(&was), Some(&is)),
+        (Err(why), _) | (_, Err(why)) => verdict.push("the file", &why, "a file of its kind"),
+        _ => verdict.compare_texts(&bytes, recomputed),
+    }
+    if is_changed && verdict.difference_count == 0 {
+        // Spacing, comments, or how a number is written.
+        verdict.push_first_line(&bytes, recomputed);
+    }
+    verdict.agreement = if verdict.difference_count == 0 {
+        verdict.largest_relative_difference.get_or_insert(0.0);
+        Agreement::SameNumbers
+    } else {
+        verdict.largest_relative_difference = None;
+        Agreement::Differs
+    };
+    verdict
+}
+
 impl FileVerdict {
-    fn new(file: &str, agreement: Agreement) -> Self {
+    pub(super) fn new(file: &str, agreement: Agreement) -> Self {
         Self {
             file: file.to_owned(),
             agreement,
@@ -66,90 +95,43 @@ impl FileVerdict {
         }
     }
 
-    pub(super) fn not_kept(file: &str) -> Self {
-        Self::new(file, Agreement::NotKept)
-    }
-
     /// Whether the file is what its inputs give.
     pub(super) fn holds(&self) -> bool {
         !matches!(self.agreement, Agreement::Differs | Agreement::Missing)
     }
-}
 
-/// Compares a file, if it is there, with its recomputed bytes.
-pub(super) fn compare(name: &str, written: Option<Written>, recomputed: &[u8]) -> FileVerdict {
-    let Some(Written { bytes, is_changed }) = written else {
-        return FileVerdict::new(name, Agreement::Missing);
-    };
-    if bytes == recomputed {
-        return FileVerdict::new(name, Agreement::SameBytes);
-    }
-    // What was changed after it was written is no other machine's.
-    let mut found = Differences {
-        // What was changed after it was written is no other machine's.
-        tolerance: if is_changed { 0.0 } else { TOLERANCE },
-        ..Differences::default()
-    };
-    match (values(name, &bytes), values(name, recomputed)) {
-        (Ok(Some(was)), Ok(Some(is))) => found.walk("", Some(&was), Some(&is)),
-        (Err(why), _) | (_, Err(why)) => found.push("the file", &why, "a file of its kind"),
-        _ => compare_texts(&mut found, &bytes, recomputed),
-    }
-    if is_changed && found.count == 0 {
-        // Spacing, comments, or how a number is written.
-        first_line(&mut found, &bytes, recomputed);
-    }
-    FileVerdict {
-        changed_since_written: is_changed,
-        agreement: if found.count == 0 {
-            Agreement::SameNumbers
-        } else {
-            Agreement::Differs
-        },
-        largest_relative_difference: (found.count == 0).then_some(found.largest),
-        difference_count: found.count,
-        differences: found.listed,
-        ..FileVerdict::new(name, Agreement::Differs)
-    }
-}
-
-#[derive(Default)]
-struct Differences {
-    count: usize,
-    listed: Vec<Difference>,
-    /// Largest relative difference that counts as none.
-    tolerance: f64,
-    /// Largest one within it.
-    largest: f64,
-}
-
-impl Differences {
-    fn push(&mut self, place: impl Into<String>, recorded: &str, recomputed: &str) {
-        self.count += 1;
-        if self.listed.len() < MOST_LISTED {
-            self.listed.push(Difference {
-                place: place.into(),
+    fn push(&mut self, place: &str, recorded: &str, recomputed: &str) {
+        self.difference_count += 1;
+        if self.differences.len() < MOST_LISTED {
+            self.differences.push(Difference {
+                place: place.to_owned(),
                 recorded: shortened(recorded),
                 recomputed: shortened(recomputed),
             });
         }
     }
 
-    /// Whether two numbers agree.
+    /// Whether two numbers agree. A file that was changed after it was written is no other machine's.
     fn agree(&mut self, was: f64, is: f64) -> bool {
         let relative = relative_difference(was, is);
-        let agrees = relative <= self.tolerance;
-        if agrees {
-            self.largest = self.largest.max(relative);
+        let tolerance = if self.changed_since_written {
+            0.0
+        } else {
+            TOLERANCE
+        };
+        if relative <= tolerance {
+            let largest = self.largest_relative_difference.unwrap_or(0.0);
+            self.largest_relative_difference = Some(largest.max(relative));
         }
-        agrees
+        relative <= tolerance
     }
 
     /// Compares two values and all that are in them.
     fn walk(&mut self, place: &str, was: Option<&Value>, is: Option<&Value>) {
-        if self.tolerance > 0.0 && HASHES.contains(&place) {
+        if !self.changed_since_written && HASHES.contains(&place) {
             return;
         }
+        let numbers = was.and_then(Value::as_f64).zip(is.and_then(Value::as_f64));
         match (was, is) {
             (Some(Value::Object(was)), Some(Value::Object(is))) => {
                 let new = is.keys().filter(|key| !was.contains_key(*key));
@@ -163,14 +145,47 @@ impl Differences {
                     self.walk(&format!("{place}[{index}]"), was.get(index), is.get(index));
                 }
             }
-            (Some(a), Some(b)) if self.agree_as_numbers(a, b) || a == b => {}
+            _ if was == is || numbers.is_some_and(|(was, is)| self.agree(was, is)) => {}
             _ => self.push(place, &shown(was), &shown(is)),
         }
     }
 
-    fn agree_as_numbers(&mut self, was: &Value, is: &Value) -> bool {
-        let numbers = was.as_f64().zip(is.as_f64());
-        numbers.is_some_and(|(was, is)| self.agree(was, is))
+    /// Pages, pictures and tables hold numbers between texts: the texts must be the same, and the numbers agree
+    /// within one unit of their last digit, where another machine may have rounded the other way.
+    fn compare_texts(&mut self, was: &[u8], is: &[u8]) {
+        let (was_text, is_text) = (String::from_utf8_lossy(was), String::from_utf8_lossy(is));
+        let (was_parts, is_parts) = (parts(&was_text), parts(&is_text));
+        let agrees = !self.changed_since_written
+            && was_parts.len() == is_parts.len()
+            && was_parts.iter().zip(&is_parts).all(|(was, is)| {
+                let numbers = was.parse::<f64>().ok().zip(is.parse::<f64>().ok());
+                let agree =
+                    |(a, b): (f64, f64)| self.agree(a, b) || (a - b).abs() <= 1.01 * last_digit(is);
+                was == is || numbers.is_some_and(agree)
+            });
+        if !agrees {
+            self.push_first_line(was, is);
+        }
+    }
+
+    /// Puts down the first line that differs, from shortly before the first character that does.
+    fn push_first_line(&mut self, was: &[u8], is: &[u8]) {
+        let (was, is) = (String::from_utf8_lossy(was), String::from_utf8_lossy(is));
+        let (mut was, mut is) = (was.split('\n'), is.split('\n'));
+        for line in 1_usize.. {
+            let (was, is) = (was.next(), is.next());
+            if was == is && was.is_some() {
+                continue;
+            }
+            let (was, is) = (was.unwrap_or("nothing"), is.unwrap_or("nothing"));
+            let pairs = was.chars().zip(is.chars());
+            let from = pairs
+                .take_while(|(a, b)| a == b)
+                .count()
+                .saturating_sub(SHOWN / 3);
+            let tail = |text: &str| text.chars().skip(from).collect::<String>();
+            return self.push(&format!("line {line}"), &tail(was), &tail(is));
+        }
     }
 }
 
@@ -206,26 +221,7 @@ fn relative_difference(was: f64, is: f64) -> f64 {
     2.0 * (half / was.abs().max(is.abs()))
 }
 
-/// Pages, pictures and tables hold numbers between texts: the texts must be the same, and the numbers agree within
-/// one unit of their last digit where another machine may have rounded the other way.
-fn compare_texts(found: &mut Differences, was: &[u8], is: &[u8]) {
-    let (was_text, is_text) = (String::from_utf8_lossy(was), String::from_utf8_lossy(is));
-    let (was_parts, is_parts) = (parts(&was_text), parts(&is_text));
-    let agrees = found.tolerance > 0.0
-        && was_parts.len() == is_parts.len()
-        && was_parts.iter().zip(&is_parts).all(|(was, is)| {
-            was == is
-                || match (was.parse::<f64>(), is.parse::<f64>()) {
-                    (Ok(a), Ok(b)) => found.agree(a, b) || (a - b).abs() <= 1.01 * last_digit(is),
-                    _ => false,
-                }
-        });
-    if !agrees {
-        first_line(found, was, is);
-    }
-}
-
-/// A text as numbers and what stands between them.
+/// A text as numbers and the texts between them.
 fn parts(text: &str) -> Vec<&str> {
     let is_digit = |byte: u8| byte.is_ascii_digit() || byte == b'.';
     text.as_bytes()
@@ -244,40 +240,15 @@ fn last_digit(number: &str) -> f64 {
     10_f64.powi(-i32::try_from(decimals).unwrap_or(i32::MAX))
 }
 
-/// Puts down the first line that differs.
-fn first_line(found: &mut Differences, was: &[u8], is: &[u8]) {
-    let (was, is) = (String::from_utf8_lossy(was), String::from_utf8_lossy(is));
-    let (mut was_lines, mut is_lines) = (was.split('\n'), is.split('\n'));
-    for line in 1_usize.. {
-        let (was, is) = (was_lines.next(), is_lines.next());
-        if was == is && was.is_some() {
-            continue;
-        }
-        let (was, is) = (was.unwrap_or("nothing"), is.unwrap_or("nothing"));
-        // From shortly before the first character that differs.
-        let same = was
-            .chars()
-            .zip(is.chars())
-            .take_while(|(a, b)| a == b)
-            .count();
-        let from = |text: &str| {
-            text.chars()
-                .skip(same.saturating_sub(SHOWN / 3))
-                .collect::<String>()
-        };
-        found.push(format!("line {line}"), &from(was), &from(is));
-        return;
-    }
-}
-
 fn shortened(text: &str) -> String {
     let mut characters = text.chars().map(|c| if c.is_control() { ' ' } else { c });
     let shown: String = characters.by_ref().take(SHOWN).collect();
-    if characters.next().is_some() {
-        shown + "…"
+    let more = if characters.next().is_some() {
+        "…"
     } else {
-        shown
-    }
+        ""
+    };
+    shown + more
 }
 
 #[cfg(test)]

@@ -5,10 +5,8 @@ use std::fmt::Write as _;
 use haptical::files::VERSION;
 use serde::Serialize;
 
-use super::compare::{Agreement, FileVerdict};
-use super::recorded::Recorded;
-use super::sought::Found;
-use crate::failure::Failure;
+use super::compare::{Agreement, Difference, FileVerdict};
+use super::sought::FoundInput;
 
 /// Differences of a file that the terminal lists; `--json` has more.
 const LISTED: usize = 10;
@@ -25,40 +23,12 @@ pub(super) struct Verification {
 /// One result.
 #[derive(Debug, Serialize)]
 pub(super) struct CheckedResult {
-    result: String,
-    command: &'static str,
+    pub(super) result: String,
+    pub(super) command: &'static str,
     /// Version that wrote it.
-    recorded_version: String,
-    inputs: Vec<CheckedInput>,
-    files: Vec<FileVerdict>,
-}
-
-#[derive(Debug, Serialize)]
-struct CheckedInput {
-    flag: String,
-    /// Recorded name.
-    file: String,
-    /// Where it was found.
-    found: String,
-    sha256: String,
-}
-
-impl CheckedResult {
-    pub(super) fn new(result: &Recorded, inputs: &[Found], files: Vec<FileVerdict>) -> Self {
-        let input = |found: &Found| CheckedInput {
-            flag: found.recorded.flag.clone(),
-            file: found.recorded.file.clone(),
-            found: found.source.path.display().to_string(),
-            sha256: found.recorded.sha256.clone(),
-        };
-        Self {
-            result: result.path.display().to_string(),
-            command: result.command.name(),
-            recorded_version: result.version.clone(),
-            inputs: inputs.iter().map(input).collect(),
-            files,
-        }
-    }
+    pub(super) recorded_version: String,
+    pub(super) inputs: Vec<FoundInput>,
+    pub(super) files: Vec<FileVerdict>,
 }
 
 impl Verification {
@@ -82,23 +52,17 @@ impl Verification {
         self.verdict != Agreement::Differs
     }
 
-    /// Whether everything that differs is known to be other than it was written.
+    /// Whether each file that differs was changed after it was written.
     fn was_changed(&self) -> bool {
         let files = self.results.iter().flat_map(|result| &result.files);
         let mut failing = files.filter(|file| !file.holds());
         failing.all(|file| file.changed_since_written)
     }
 
-    pub(super) fn json(&self) -> Result<String, Failure> {
-        let mut json = serde_json::to_string_pretty(self).map_err(Failure::internal)?;
-        json.push('\n');
-        Ok(json)
-    }
-
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         for result in &self.results {
-            result.say(&mut text);
+            result.write(&mut text);
         }
         let last = match self.verdict {
             Agreement::SameBytes => "Verified: these inputs give the same bytes.",
@@ -117,7 +81,7 @@ impl Verification {
 
 impl CheckedResult {
     /// `write!` to a String cannot fail.
-    fn say(&self, text: &mut String) {
+    fn write(&self, text: &mut String) {
         let Self {
             result,
             command,
@@ -132,26 +96,26 @@ impl CheckedResult {
             let _ = writeln!(text, "  recomputed by another version: {VERSION}");
         }
         for input in &self.inputs {
-            let _ = writeln!(
-                text,
-                "  --{} {}: the recorded bytes",
-                input.flag, input.found
-            );
+            let (flag, found) = (&input.flag, &input.found);
+            let _ = writeln!(text, "  --{flag} {found}: the recorded bytes");
         }
         let width = self.files.iter().map(|file| file.file.len()).max();
         for file in &self.files {
             let name = format!("{:<1$}", file.file, width.unwrap_or_default());
             let _ = writeln!(text, "  {name}  {}", file.sentence());
-            for difference in file.differences.iter().take(LISTED) {
+            for Difference {
+                place,
+                recorded,
+                recomputed,
+            } in file.differences.iter().take(LISTED)
+            {
                 let _ = writeln!(
                     text,
-                    "    {}: recorded {}, recomputed {}",
-                    difference.place, difference.recorded, difference.recomputed
+                    "    {place}: recorded {recorded}, recomputed {recomputed}"
                 );
             }
             if file.difference_count > LISTED {
-                let more = file.difference_count - LISTED;
-                let _ = writeln!(text, "    and {more} more");
+                let _ = writeln!(text, "    and {} more", file.difference_count - LISTED);
             }
         }
         text.push('\n');

@@ -2,149 +2,125 @@
 
 use std::path::{Path, PathBuf};
 
-use haptical::files::{Fingerprint, InputFile, Source, reason};
+use haptical::files::{Fingerprint, InputFile, Source};
+use serde::Serialize;
 
 use super::recorded::Recorded;
 use crate::failure::Failure;
 
 /// An input with the recorded bytes.
-pub(super) struct Found {
-    pub(super) source: Source,
-    pub(super) recorded: InputFile,
+#[derive(Debug, Serialize)]
+pub(super) struct FoundInput {
+    pub(super) flag: String,
+    /// Recorded name.
+    file: String,
+    /// Its place.
+    pub(super) found: String,
+    sha256: String,
 }
 
-/// Where the inputs of a result are looked for.
-pub(super) struct Search<'a> {
-    pub(super) result: &'a Recorded,
-}
-
-impl Search<'_> {
-    /// The input of a flag: where the user says that it is, or else where its recorded name leads.
-    pub(super) fn find(
-        &self,
-        flag: &str,
-        name: &Path,
-        given: Option<&Path>,
-    ) -> Result<Found, Failure> {
-        let recorded = self.recorded(flag)?;
-        let source = |path: PathBuf| Source {
-            path,
-            label: recorded.file.clone(),
-            text: None,
-        };
-        if let Some(path) = given {
-            let is_it = hash(path)? == recorded.sha256;
-            return if is_it {
-                let source = source(path.to_owned());
-                Ok(Found { source, recorded })
-            } else {
-                Err(self.changed(&recorded, path))
-            };
+/// The input of a flag, at the place that the user gives, or else where its recorded name leads.
+pub(super) fn find(
+    result: &Recorded,
+    flag: &str,
+    name: &Path,
+    given: Option<&Path>,
+) -> Result<(Source, FoundInput), Failure> {
+    let mut inputs = result.provenance.inputs.iter();
+    let recorded = inputs.find(|input| input.flag == flag).ok_or_else(|| {
+        let what = format!("its provenance has no SHA-256 of the file of --{flag}");
+        let next = "run the command that wrote it again";
+        Failure::in_file("provenance", what, &result.path, next)
+    })?;
+    let places = given.map_or_else(
+        || places(result.folder(), name),
+        |path| vec![path.to_owned()],
+    );
+    let mut other = None;
+    for path in &places {
+        // Pipes and devices have no end to be hashed to.
+        if given.is_none() && !path.is_file() {
+            continue;
         }
-        let places = self.places(name);
-        let mut other = None;
-        for path in &places {
-            // Pipes and devices have no end to be hashed to.
-            if !path.is_file() {
-                continue;
-            }
-            if hash(path)? == recorded.sha256 {
-                let source = source(path.clone());
-                return Ok(Found { source, recorded });
-            }
-            other.get_or_insert(path);
+        if hash(path)? == recorded.sha256 {
+            return Ok(found(path, recorded));
         }
-        Err(match other {
-            Some(path) => self.changed(&recorded, path),
-            None => self.missing(&recorded, &places),
-        })
+        other.get_or_insert(path);
     }
-
-    fn recorded(&self, flag: &str) -> Result<InputFile, Failure> {
-        let input = self.result.inputs.iter().find(|input| input.flag == flag);
-        input.cloned().ok_or_else(|| {
-            Failure::bad_input(
-                "provenance",
-                format!("its provenance has no SHA-256 of the file of --{flag}"),
-                self.result.path.display().to_string(),
-                "run the command that wrote it again",
-            )
-        })
-    }
-
-    /// Paths that the recorded name may mean, each once: as it stands and its last part, from the
-    /// current folder, the result's folder and the one above.
-    fn places(&self, name: &Path) -> Vec<PathBuf> {
-        let folder = &self.result.folder;
-        let above = folder.join("..");
-        let folders = [Path::new(""), folder, &above];
-        let last = name.file_name().map_or(name, Path::new);
-        let mut places: Vec<PathBuf> = Vec::new();
-        for name in [name, last] {
-            for folder in folders {
-                let place = folder.join(name);
-                if !places.contains(&place) {
-                    places.push(place);
-                }
-            }
-        }
-        places
-    }
-
-    fn changed(&self, recorded: &InputFile, path: &Path) -> Failure {
-        let InputFile {
-            flag,
-            file,
-            bytes,
-            sha256,
-        } = recorded;
-        Failure::bad_input(
+    let InputFile {
+        file,
+        bytes,
+        sha256,
+        ..
+    } = recorded;
+    let command = result.command.name();
+    Err(match other {
+        Some(path) => Failure::in_file(
             "changed-input",
             format!("this is not the file that the result was made from as --{flag}"),
-            path.display().to_string(),
+            path,
             format!(
                 "give the one that was called {file} ({bytes} bytes, SHA-256 {sha256}) with --{flag}, \
-                 or run `haptical {}` again",
-                self.result.command.name()
+                 or run `haptical {command}` again"
             ),
-        )
-    }
+        ),
+        None => {
+            let looked: Vec<String> = places
+                .iter()
+                .map(|path| path.display().to_string())
+                .collect();
+            Failure::bad_input(
+                "missing-input",
+                format!("the file that the result was made from as --{flag} is not there"),
+                looked.join(", "),
+                format!("give its place with --{flag}; its SHA-256 is {sha256}"),
+            )
+        }
+    })
+}
 
-    fn missing(&self, recorded: &InputFile, places: &[PathBuf]) -> Failure {
-        let looked: Vec<String> = places
-            .iter()
-            .map(|path| path.display().to_string())
-            .collect();
-        Failure::bad_input(
-            "missing-input",
-            format!(
-                "the file that the result was made from as --{} is not there",
-                recorded.flag
-            ),
-            looked.join(", "),
-            format!(
-                "give its place with --{}; its SHA-256 is {}",
-                recorded.flag, recorded.sha256
-            ),
-        )
+fn found(path: &Path, recorded: &InputFile) -> (Source, FoundInput) {
+    let source = Source {
+        path: path.to_owned(),
+        label: recorded.file.clone(),
+        text: None,
+    };
+    let input = FoundInput {
+        flag: recorded.flag.clone(),
+        file: recorded.file.clone(),
+        found: path.display().to_string(),
+        sha256: recorded.sha256.clone(),
+    };
+    (source, input)
+}
+
+/// Paths that the recorded name may mean, each once: the name and its last part, from the
+/// current folder, the result's folder and the one above.
+fn places(folder: &Path, name: &Path) -> Vec<PathBuf> {
+    let above = folder.join("..");
+    let last = name.file_name().map_or(name, Path::new);
+    let mut places: Vec<PathBuf> = Vec::new();
+    for name in [name, last] {
+        for place in [Path::new(""), folder, &above].map(|folder| folder.join(name)) {
+            if !places.contains(&place) {
+                places.push(place);
+            }
+        }
     }
+    places
 }
 
 /// SHA-256 of a regular file.
 fn hash(path: &Path) -> Result<String, Failure> {
-    let refuse = |what: String| {
-        let place = path.display().to_string();
-        Failure::bad_input(
+    let next = "check the path and its permissions";
+    let unreadable = |error: std::io::Error| Failure::unreadable(&error, path, next);
+    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Err(Failure::in_file(
             "unreadable",
-            what,
-            place,
-            "check the path and its permissions",
-        )
-    };
-    let unreadable = |error: std::io::Error| refuse(format!("cannot be read: {}", reason(&error)));
-    let there = std::fs::metadata(path).map_err(unreadable)?;
-    if !there.is_file() {
-        return Err(refuse("it is no regular file".to_owned()));
+            "it is no regular file",
+            path,
+            next,
+        ));
     }
     Ok(Fingerprint::of_file(path).map_err(unreadable)?.sha256)
 }

@@ -1,7 +1,7 @@
 //! Diagnosis: what a calibration leaves, which effect causes it, and how much of it that effect closes.
 
 #[cfg(test)]
-mod example;
+mod example_tests;
 mod gap_file;
 mod page;
 mod quantity;

@@ -189,7 +189,7 @@ fn push(text: &mut String, label: &str, said: &str, most: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::example::{named, no_gap, unknown};
+    use crate::diagnose::example_tests::{named, no_gap, unknown};
 
     #[test]
     fn the_summary_says_all_that_the_brief_wants() {

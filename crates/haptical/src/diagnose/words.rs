@@ -317,7 +317,7 @@ fn joined(names: &[String], word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::example::{named, no_gap, unknown as unknown_example};
+    use crate::diagnose::example_tests::{named, no_gap, unknown as unknown_example};
 
     #[test]
     fn what_explains_a_part_reads_as_no_finding() {

@@ -14,6 +14,8 @@ use haptical_calibration::CalibrationError;
 use haptical_diagnosis::DiagnosisError;
 use haptical_report::ReportError;
 
+use crate::files::reason;
+
 /// Kinds of refusals; the command has an exit status for each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -59,6 +61,26 @@ impl Error {
         }
     }
 
+    /// Bad input in a file.
+    pub fn in_file(
+        name: &'static str,
+        what: impl Into<String>,
+        file: &Path,
+        next: impl Into<String>,
+    ) -> Self {
+        Self::bad_input(name, what, file.display().to_string(), next)
+    }
+
+    /// A file that the system does not let read.
+    pub fn unreadable(error: &std::io::Error, file: &Path, next: &str) -> Self {
+        Self::in_file(
+            "unreadable",
+            format!("cannot be read: {}", reason(error)),
+            file,
+            next,
+        )
+    }
+
     /// Bad input in a line of a log.
     pub fn log_line(
         name: &'static str,
@@ -67,7 +89,7 @@ impl Error {
         line: Option<u64>,
         next: impl Into<String>,
     ) -> Self {
-        let mut failure = Self::bad_input(name, what, log.display().to_string(), next);
+        let mut failure = Self::in_file(name, what, log, next);
         failure.place.line = line;
         failure
     }
@@ -96,14 +118,9 @@ impl Error {
 
     /// A request to stop while `out` was written.
     pub fn interrupted(out: &Path) -> Self {
-        let place = out.display().to_string();
-        Self::bad_input(
-            "interrupted",
-            "interrupted before the end; nothing was written",
-            place,
-            "run the command again",
-        )
-        .of_kind(ErrorKind::Interrupted)
+        let what = "interrupted before the end; nothing was written";
+        Self::in_file("interrupted", what, out, "run the command again")
+            .of_kind(ErrorKind::Interrupted)
     }
 
     /// A failure of the program itself; no input should lead here.
@@ -206,6 +223,12 @@ impl Error {
     /// What to do next.
     pub fn next_step(&self) -> &str {
         &self.next
+    }
+
+    /// The same under the name of another reason.
+    pub fn with_name(mut self, name: &'static str) -> Self {
+        self.name = name;
+        self
     }
 
     fn of_kind(mut self, kind: ErrorKind) -> Self {

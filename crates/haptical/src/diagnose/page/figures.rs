@@ -316,7 +316,7 @@ fn nats(behind: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::example::named;
+    use crate::diagnose::example_tests::named;
 
     #[test]
     fn one_cause_has_the_numbers_of_its_channel() {

@@ -205,7 +205,7 @@ fn provenance(gap: &GapFile<'_>) -> Result<Block, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::example::{named, no_gap, unknown};
+    use crate::diagnose::example_tests::{named, no_gap, unknown};
     use crate::files::InputFile;
     use crate::files::Record;
 

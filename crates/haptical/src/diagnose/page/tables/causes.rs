@@ -116,7 +116,7 @@ pub(in crate::diagnose::page) fn candidates(
 mod tests {
     use super::super::only;
     use super::*;
-    use crate::diagnose::example::named;
+    use crate::diagnose::example_tests::named;
 
     #[test]
     fn further_candidates_are_folded_and_none_of_them_is_one() {

@@ -92,7 +92,7 @@ pub(in crate::diagnose::page) fn untestable(diagnosis: &Diagnosis) -> Result<Opt
 mod tests {
     use super::super::only;
     use super::*;
-    use crate::diagnose::example::named;
+    use crate::diagnose::example_tests::named;
 
     #[test]
     fn detectable_sizes_stand_under_their_joints() {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::Parser;
 
-use crate::arguments::{Arguments, failure_of};
+use super::{Arguments, failure_of};
 
 /// Words that a command line is made of, and others.
 const WORDS: [&str; 49] = [

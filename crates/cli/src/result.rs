@@ -1,0 +1,131 @@
+//! Commands that make a result: `identify`, `diagnose` and `plan`; `haptical verify` makes it again.
+
+use std::path::{Path, PathBuf};
+
+use haptical::files::{NewFile, Source, VERSION, check_folder, check_outputs};
+use haptical::{Device, Equipment, Log};
+
+use crate::failure::Failure;
+use crate::interrupt::write_all;
+use crate::terminal::{self, Progress};
+
+/// A command line that makes a result from files.
+pub(crate) trait ResultCommand {
+    /// Its name.
+    fn name(&self) -> &'static str;
+
+    /// Names of the files that it can write.
+    fn files(&self) -> &'static [&'static str];
+
+    /// Name of the one that holds the provenance.
+    fn result_file(&self) -> &'static str;
+
+    /// The files that it reads, by flag.
+    fn inputs(&self) -> Vec<(&'static str, &Path)>;
+
+    /// Reads the inputs and makes the result, under the name of a version.
+    fn make(
+        &self,
+        version: &str,
+        inputs: &Inputs,
+        progress: &Progress,
+    ) -> Result<MadeResult, Failure>;
+}
+
+/// A result in memory.
+pub(crate) struct MadeResult {
+    pub(crate) files: Vec<NewFile<'static>>,
+    pub(crate) warnings: Vec<String>,
+    /// For a terminal.
+    pub(crate) summary: String,
+}
+
+/// The places of the files to read, by flag.
+pub(crate) struct Inputs(pub(crate) Vec<(&'static str, Source)>);
+
+impl Inputs {
+    fn find(&self, flag: &str) -> Option<&Source> {
+        let mut all = self.0.iter();
+        all.find(|(own, _)| *own == flag).map(|(_, source)| source)
+    }
+
+    fn required(&self, flag: &str) -> Result<&Source, Failure> {
+        let missing = || Failure::internal(format!("--{flag} is not among the inputs"));
+        self.find(flag).ok_or_else(missing)
+    }
+
+    /// The device, with the rig file in it.
+    pub(crate) fn device(&self, equipment: Equipment) -> Result<Device, Failure> {
+        let rig = self.find("rig").cloned();
+        Device::open(self.required("device")?, &Equipment { rig, ..equipment })
+    }
+
+    /// The model identified earlier.
+    pub(crate) fn model(&self) -> Result<Option<Device>, Failure> {
+        let plain = Equipment::default();
+        let open = |source| Device::open(source, &plain);
+        self.find("model").map(open).transpose()
+    }
+
+    /// The log, where there must be one.
+    pub(crate) fn log(&self, device: &Device) -> Result<Log, Failure> {
+        Log::open(self.required("log")?, device)
+    }
+
+    /// The log of a flag, where it is given.
+    pub(crate) fn optional_log(&self, flag: &str, device: &Device) -> Result<Option<Log>, Failure> {
+        let open = |source| Log::open(source, device);
+        self.find(flag).map(open).transpose()
+    }
+}
+
+/// Makes a result, writes it into a folder, and prints the summary or the result; `written` puts the
+/// paths that were written into words.
+pub(crate) fn run(
+    command: &impl ResultCommand,
+    out: Option<&Path>,
+    json: bool,
+    written: fn(&[String]) -> String,
+) -> Result<(), Failure> {
+    let inputs = command.inputs();
+    if let Some(out) = out {
+        check_folder(out)?;
+        let outputs: Vec<PathBuf> = command.files().iter().map(|name| out.join(name)).collect();
+        let paths: Vec<&Path> = inputs.iter().map(|(_, path)| *path).collect();
+        check_outputs(&outputs, &paths)?;
+    }
+    let progress = Progress::start("reading");
+    let given = inputs
+        .iter()
+        .map(|(flag, path)| (*flag, Source::given(path)));
+    let made = command.make(VERSION, &Inputs(given.collect()), &progress)?;
+    progress.say("writing");
+    let paths = match out {
+        Some(out) => write_all(out, &made.files)?,
+        None => Vec::new(),
+    };
+    drop(progress);
+    terminal::warn(&made.warnings);
+    if json {
+        let result = made
+            .files
+            .iter()
+            .find(|(name, _)| *name == command.result_file());
+        return terminal::write_output(result.map_or(&[], |(_, content)| content));
+    }
+    let paths: Vec<String> = paths
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
+    terminal::write_output((made.summary + &written(&paths)).as_bytes())
+}
+
+/// The inputs of which there is a path.
+pub(crate) fn given<'a>(
+    inputs: &[(&'static str, Option<&'a PathBuf>)],
+) -> Vec<(&'static str, &'a Path)> {
+    let given = inputs
+        .iter()
+        .filter_map(|(flag, path)| Some((*flag, path.as_ref()?.as_path())));
+    given.collect()
+}
