@@ -3,8 +3,10 @@
 use crate::canvas::{Anchor, Canvas, Colour, Rectangle, Stroke};
 use crate::error::ReportError;
 use crate::figure::axis::{Axis, MOST_TICKS, Tick};
-use crate::figure::layout::{LINE_PX, MARGIN_PX, TEXT_PX, TICK_PX, TITLE_LINE_PX, TITLE_PX};
-use crate::text::{BOLD_FACTOR, width_px, wrap};
+use crate::figure::layout::{
+    LINE_PX, MARGIN_PX, TEXT_PX, TICK_PX, TITLE_LINE_PX, TITLE_PX, draw_name, draw_title,
+};
+use crate::text::{BOLD_FACTOR, widest_px, wrap};
 
 /// Height of a row whose name has one line.
 const ROW_PX: f64 = 32.0;
@@ -22,7 +24,7 @@ const SMALLEST_PLOT_PX: f64 = 80.0;
 /// One bar with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarRow {
-    /// What stands before the bar.
+    /// Name before the bar.
     pub name: String,
     /// Where the bar begins, in the unit of the axis.
     pub from: f64,
@@ -30,7 +32,7 @@ pub struct BarRow {
     pub to: f64,
     /// Index into the palette, as [`crate::Series::colour`].
     pub colour: usize,
-    /// What stands behind the bar; may be empty.
+    /// Text behind the bar; may be empty.
     pub value: String,
 }
 
@@ -100,15 +102,9 @@ impl BarRows {
                 });
             }
         }
-        let ends: Vec<f64> = self
-            .rows
-            .iter()
-            .flat_map(|row| [row.from, row.to])
-            .collect();
-        let empty = || ReportError::Empty {
-            figure: self.title.clone(),
-            missing: "bars",
-        };
+        let ends = self.rows.iter().flat_map(|row| [row.from, row.to]);
+        let ends: Vec<f64> = ends.collect();
+        let empty = || ReportError::empty(&self.title, "bars");
         if self.rows.is_empty() {
             return Err(empty());
         }
@@ -122,18 +118,11 @@ impl BarRows {
     fn layout(&self, width: f64) -> Result<Layout, ReportError> {
         let inner = width - 2.0 * MARGIN_PX;
         let title = wrap(&self.title, TITLE_PX * BOLD_FACTOR, inner);
-        let names: Vec<Vec<String>> = self
-            .rows
-            .iter()
-            .map(|row| wrap(&row.name, TEXT_PX, NAME_SHARE * width))
-            .collect();
-        let widest = |texts: &mut dyn Iterator<Item = &str>| {
-            texts
-                .map(|text| width_px(text, TEXT_PX))
-                .fold(0.0, f64::max)
-        };
-        let name_px = widest(&mut names.iter().flatten().map(String::as_str));
-        let value_px = widest(&mut self.rows.iter().map(|row| row.value.as_str()));
+        let names = self.rows.iter();
+        let names = names.map(|row| wrap(&row.name, TEXT_PX, NAME_SHARE * width));
+        let names: Vec<Vec<String>> = names.collect();
+        let name_px = widest_px(names.iter().flatten(), TEXT_PX);
+        let value_px = widest_px(self.rows.iter().map(|row| &row.value), TEXT_PX);
         let top = MARGIN_PX + title.len() as f64 * TITLE_LINE_PX + 4.0;
         let mut edges = vec![top];
         let mut edge = top;
@@ -148,13 +137,8 @@ impl BarRows {
             bottom: edge,
         };
         if plot.width() < SMALLEST_PLOT_PX {
-            return Err(ReportError::TooSmall {
-                figure: self.title.clone(),
-                width_px: plot.width().max(0.0),
-                height_px: plot.height(),
-                needed_width_px: SMALLEST_PLOT_PX,
-                needed_height_px: ROW_PX,
-            });
+            let (left, needed) = ((plot.width(), plot.height()), (SMALLEST_PLOT_PX, ROW_PX));
+            return Err(ReportError::too_small(&self.title, left, needed));
         }
         let label_px = if self.x_label.is_empty() {
             0.0
@@ -173,15 +157,9 @@ impl BarRows {
 
     fn draw(&self, canvas: &mut Canvas, layout: &Layout, axis: &Axis) {
         let plot = layout.plot;
-        for (index, line) in layout.title.iter().enumerate() {
-            let y = MARGIN_PX + (index as f64 + 0.5) * TITLE_LINE_PX;
-            canvas.heading(line, (MARGIN_PX, y), TITLE_PX);
-        }
+        draw_title(canvas, &layout.title, (0.0, 0.0));
         let x_px = |value: f64| plot.left + axis.share(value) * plot.width();
-        let line = |colour| Stroke {
-            colour,
-            width_px: 1.0,
-        };
+        let line = |colour| Stroke::new(colour, 1.0);
         let ticks = level_ticks(axis, &plot);
         for tick in &ticks {
             let x = x_px(tick.value);
@@ -192,13 +170,9 @@ impl BarRows {
             let middle = 0.5 * (top + bottom);
             let half = 0.5 * BAR_SHARE * ROW_PX;
             let (left, right) = (x_px(row.from.min(row.to)), x_px(row.from.max(row.to)));
-            let bar = Rectangle {
-                left,
-                top: middle - half,
-                // a bar of no length still shows where it stands
-                right: right.max(left + 1.0),
-                bottom: middle + half,
-            };
+            // a bar of no length still shows its place
+            let right = right.max(left + 1.0);
+            let bar = Rectangle::new(left, middle - half, right, middle + half);
             canvas.fill(bar, Colour::palette(row.colour));
             if self.connected && index + 1 < self.rows.len() {
                 let x = x_px(row.to);
@@ -209,30 +183,18 @@ impl BarRows {
                 let behind = (bar.right + GAP_PX, middle);
                 canvas.text(&row.value, behind, TEXT_PX, Anchor::Start);
             }
-            let lines = &layout.names[index];
-            for (place, name) in lines.iter().enumerate() {
-                let y = middle + (place as f64 - 0.5 * (lines.len() as f64 - 1.0)) * LINE_PX;
-                canvas.text(name, (plot.left - GAP_PX, y), TEXT_PX, Anchor::End);
-            }
+            draw_name(canvas, &layout.names[index], (plot.left - GAP_PX, middle));
         }
         let corner = (plot.left, plot.bottom);
-        canvas.path(
-            &[(plot.left, plot.top), corner, (plot.right, plot.bottom)],
-            line(Colour::AXIS),
-        );
+        let frame = [(plot.left, plot.top), corner, (plot.right, plot.bottom)];
+        canvas.path(&frame, line(Colour::AXIS));
         let under = plot.bottom + TICK_PX + 3.0;
         for tick in &ticks {
             let x = x_px(tick.value);
-            canvas.path(
-                &[(x, plot.bottom), (x, plot.bottom + TICK_PX)],
-                line(Colour::AXIS),
-            );
-            canvas.text(
-                &tick.label,
-                (x, under + 0.5 * LINE_PX),
-                TEXT_PX,
-                Anchor::Middle,
-            );
+            let ends = [(x, plot.bottom), (x, plot.bottom + TICK_PX)];
+            canvas.path(&ends, line(Colour::AXIS));
+            let place = (x, under + 0.5 * LINE_PX);
+            canvas.text(&tick.label, place, TEXT_PX, Anchor::Middle);
         }
         let at = (0.5 * (plot.left + plot.right), under + 1.5 * LINE_PX + 4.0);
         if !self.x_label.is_empty() {
@@ -241,15 +203,12 @@ impl BarRows {
     }
 }
 
-/// As many labelled ticks as stand side by side.
+/// As many labelled ticks as fit side by side.
 fn level_ticks(axis: &Axis, plot: &Rectangle) -> Vec<Tick> {
     let mut most = MOST_TICKS;
     loop {
         let ticks = axis.ticks(most);
-        let widest = ticks
-            .iter()
-            .map(|tick| width_px(&tick.label, TEXT_PX))
-            .fold(0.0, f64::max);
+        let widest = widest_px(ticks.iter().map(|tick| &tick.label), TEXT_PX);
         if most <= 2 || ticks.len() as f64 * (widest + 2.0 * GAP_PX) <= plot.width() {
             return ticks;
         }

@@ -69,7 +69,13 @@ pub(crate) struct Stroke {
     pub(crate) width_px: f64,
 }
 
-/// Where a text stands relative to its point.
+impl Stroke {
+    pub(crate) fn new(colour: Colour, width_px: f64) -> Self {
+        Self { colour, width_px }
+    }
+}
+
+/// The side of a text that is at its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
@@ -87,6 +93,15 @@ pub(crate) struct Rectangle {
 }
 
 impl Rectangle {
+    pub(crate) fn new(left: f64, top: f64, right: f64, bottom: f64) -> Self {
+        Self {
+            left,
+            top,
+            right,
+            bottom,
+        }
+    }
+
     pub(crate) fn width(&self) -> f64 {
         self.right - self.left
     }
@@ -129,11 +144,10 @@ impl Canvas {
     pub(crate) fn new(width_px: u32, height_px: u32) -> Result<Self, ReportError> {
         let sides = 1..=LARGEST_SIDE_PX;
         if !sides.contains(&width_px) || !sides.contains(&height_px) {
-            let largest_px = LARGEST_SIDE_PX;
             return Err(ReportError::PictureSize {
                 width_px,
                 height_px,
-                largest_px,
+                largest_px: LARGEST_SIDE_PX,
             });
         }
         let mut canvas = Self {
@@ -148,12 +162,7 @@ impl Canvas {
     /// The whole picture.
     pub(crate) fn page(&self) -> Rectangle {
         let (width, height) = self.size_px;
-        Rectangle {
-            left: 0.0,
-            top: 0.0,
-            right: f64::from(width),
-            bottom: f64::from(height),
-        }
+        Rectangle::new(0.0, 0.0, f64::from(width), f64::from(height))
     }
 
     /// Straight segments through the points.
@@ -219,14 +228,10 @@ impl Canvas {
         let failure = |message: String| ReportError::Drawing { message };
         let mut drawn = String::new();
         let mut backend = SVGBackend::with_string(&mut drawn, (1, 1));
-        for element in &self.elements {
-            element
-                .draw(&mut backend)
-                .map_err(|error| failure(error.to_string()))?;
-        }
-        backend
-            .present()
-            .map_err(|error| failure(error.to_string()))?;
+        let mut elements = self.elements.iter();
+        let outcome = elements.try_for_each(|element| element.draw(&mut backend));
+        let present = |()| backend.present().map_err(|error| error.to_string());
+        outcome.and_then(present).map_err(failure)?;
         drop(backend);
         // The opening tag of the backend knows one size only; ours has px outside, units inside.
         let (_, body) = drawn

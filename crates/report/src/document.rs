@@ -5,7 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use crate::table::Table;
 use crate::text::clean;
 
-/// The style sheet, which stands in the head of every document.
+/// The style sheet in the head of every document.
 const STYLE: &str = include_str!("document.css");
 /// Elements that a figure may hold; none of them runs or loads anything.
 const DRAWING_ELEMENTS: [&str; 13] = [
@@ -29,7 +29,7 @@ pub struct Document {
 pub struct Section {
     /// Heading of the section.
     pub heading: String,
-    /// What stands under it.
+    /// What is under it.
     pub blocks: Vec<Block>,
 }
 
@@ -57,7 +57,7 @@ pub enum Block {
         /// The sentence.
         text: String,
     },
-    /// A sentence that stands out, behind a word or two that say what kind it is.
+    /// A highlighted sentence behind a word or two that say its kind.
     Notice {
         /// How it is coloured.
         tone: Tone,
@@ -85,6 +85,12 @@ pub enum Tone {
     Bad,
     /// Neither.
     Neutral,
+}
+
+impl From<Table> for Block {
+    fn from(table: Table) -> Self {
+        Self::Table(table)
+    }
 }
 
 impl Section {
@@ -179,24 +185,24 @@ impl Block {
                 }
             },
             Self::List(items) => html! { ul { @for item in items { li { (clean(item)) } } } },
-            Self::Verdict { good, text } => html! {
-                p.verdict.good[*good].bad[!*good] {
-                    b { (if *good { "✓ met" } else { "✗ not met" }) }
-                    (clean(text))
-                }
-            },
-            Self::Notice { tone, label, text } => html! {
-                p.verdict.good[*tone == Tone::Good].bad[*tone == Tone::Bad] {
-                    b { (clean(label)) }
-                    (clean(text))
-                }
-            },
+            Self::Verdict { good: true, text } => notice(Tone::Good, "✓ met", text),
+            Self::Verdict { good: false, text } => notice(Tone::Bad, "✗ not met", text),
+            Self::Notice { tone, label, text } => notice(*tone, label, text),
             Self::Folded { summary, blocks } => html! {
                 details {
                     summary { (clean(summary)) }
                     @for block in blocks { (block.to_html()) }
                 }
             },
+        }
+    }
+}
+
+fn notice(tone: Tone, label: &str, text: &str) -> Markup {
+    html! {
+        p.verdict.good[tone == Tone::Good].bad[tone == Tone::Bad] {
+            b { (clean(label)) }
+            (clean(text))
         }
     }
 }
@@ -217,14 +223,9 @@ fn is_drawing(svg: &str) -> bool {
         let Some((tag, _)) = piece.split_once('>') else {
             return false;
         };
-        let closing = tag.starts_with('/');
         let name_end = |c: char| c.is_whitespace() || c == '/';
-        let name = tag
-            .trim_start_matches('/')
-            .split(name_end)
-            .next()
-            .unwrap_or_default();
-        if closing {
+        let name = tag.trim_start_matches('/').split(name_end).next();
+        if tag.starts_with('/') {
             let Some(left) = open.checked_sub(1) else {
                 return false;
             };
@@ -236,7 +237,8 @@ fn is_drawing(svg: &str) -> bool {
         let suspicious = [
             "href", "url(", "style", " on", "\ton", "\non", "\ron", "/on", "\"on", "'on",
         ];
-        DRAWING_ELEMENTS.contains(&name) && !suspicious.iter().any(|word| lower.contains(word))
+        name.is_some_and(|name| DRAWING_ELEMENTS.contains(&name))
+            && !suspicious.iter().any(|word| lower.contains(word))
     });
     plain && open == 0
 }

@@ -19,7 +19,7 @@ pub enum ReportError {
     /// A number is NaN or infinite.
     #[error("{place}: item {index} is not finite: {value}")]
     NonFinite {
-        /// Where the number stands: table and column, or figure and series.
+        /// Place of the number: table and column, or figure and series.
         place: String,
         /// Its position there, from 0.
         index: usize,
@@ -118,4 +118,21 @@ pub enum ReportError {
         /// The answer of the operating system.
         source: std::io::Error,
     },
+}
+
+impl ReportError {
+    pub(crate) fn empty(figure: &str, missing: &'static str) -> Self {
+        let figure = figure.to_owned();
+        Self::Empty { figure, missing }
+    }
+
+    pub(crate) fn too_small(figure: &str, left_px: (f64, f64), needed_px: (f64, f64)) -> Self {
+        Self::TooSmall {
+            figure: figure.to_owned(),
+            width_px: left_px.0.max(0.0),
+            height_px: left_px.1.max(0.0),
+            needed_width_px: needed_px.0,
+            needed_height_px: needed_px.1,
+        }
+    }
 }

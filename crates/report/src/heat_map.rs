@@ -2,8 +2,10 @@
 
 use crate::canvas::{Anchor, Canvas, Colour, Rectangle};
 use crate::error::ReportError;
-use crate::figure::layout::{LINE_PX, MARGIN_PX, TEXT_PX, TITLE_LINE_PX, TITLE_PX};
-use crate::text::{BOLD_FACTOR, width_px, wrap};
+use crate::figure::layout::{
+    LINE_PX, MARGIN_PX, TEXT_PX, TITLE_LINE_PX, TITLE_PX, draw_name, draw_title,
+};
+use crate::text::{BOLD_FACTOR, widest_px, wrap};
 
 /// Height of a row.
 const ROW_PX: f64 = 28.0;
@@ -23,7 +25,7 @@ const SHADE: usize = 5;
 pub struct HeatCell {
     /// From 0, nearly white, to 1, the full colour; values outside count as the nearer end.
     pub shade: f64,
-    /// What stands in the cell.
+    /// Text in the cell.
     pub text: String,
 }
 
@@ -69,41 +71,26 @@ impl HeatMap {
         self.check()?;
         let width = f64::from(width_px);
         let title = wrap(&self.title, TITLE_PX * BOLD_FACTOR, width - 2.0 * MARGIN_PX);
-        let names: Vec<Vec<String>> = self
-            .rows
-            .iter()
-            .map(|(name, _)| wrap(name, TEXT_PX, NAME_SHARE * width))
-            .collect();
-        let name_px = names
-            .iter()
-            .flatten()
-            .map(|line| px(line))
-            .fold(0.0, f64::max);
+        let names = self.rows.iter();
+        let names = names.map(|(name, _)| wrap(name, TEXT_PX, NAME_SHARE * width));
+        let names: Vec<Vec<String>> = names.collect();
+        let name_px = widest_px(names.iter().flatten(), TEXT_PX);
         let left = MARGIN_PX + name_px + GAP_PX;
         let cell = ((width - MARGIN_PX - left) / self.columns.len() as f64).min(CELL_PX.0);
-        let heads: Vec<Vec<String>> = self
-            .columns
-            .iter()
-            .map(|name| wrap(name, TEXT_PX, cell - 4.0 * SEAM_PX))
-            .collect();
+        let heads = self.columns.iter();
+        let heads = heads.map(|name| wrap(name, TEXT_PX, cell - 4.0 * SEAM_PX));
+        let heads: Vec<Vec<String>> = heads.collect();
         let head_lines = heads.iter().map(Vec::len).max().unwrap_or(0) as f64;
         let top = MARGIN_PX + title.len() as f64 * TITLE_LINE_PX + head_lines * LINE_PX + 6.0;
         let height = |lines: &Vec<String>| ROW_PX.max(lines.len() as f64 * LINE_PX + 6.0);
         let bottom = top + names.iter().map(height).sum::<f64>() + MARGIN_PX;
         if cell < CELL_PX.1 {
-            return Err(ReportError::TooSmall {
-                figure: self.title.clone(),
-                width_px: cell.max(0.0) * self.columns.len() as f64,
-                height_px: bottom - top,
-                needed_width_px: CELL_PX.1 * self.columns.len() as f64,
-                needed_height_px: ROW_PX,
-            });
+            let count = self.columns.len() as f64;
+            let (left, needed) = ((cell * count, bottom - top), (CELL_PX.1 * count, ROW_PX));
+            return Err(ReportError::too_small(&self.title, left, needed));
         }
         let mut canvas = Canvas::new(width_px, bottom.ceil() as u32)?;
-        for (index, line) in title.iter().enumerate() {
-            let y = MARGIN_PX + (index as f64 + 0.5) * TITLE_LINE_PX;
-            canvas.heading(line, (MARGIN_PX, y), TITLE_PX);
-        }
+        draw_title(&mut canvas, &title, (0.0, 0.0));
         for (column, lines) in heads.iter().enumerate() {
             let x = left + (column as f64 + 0.5) * cell;
             for (place, line) in lines.iter().rev().enumerate() {
@@ -115,18 +102,11 @@ impl HeatMap {
         for ((_, cells), lines) in self.rows.iter().zip(&names) {
             let lower = upper + height(lines);
             let middle = 0.5 * (upper + lower);
-            for (place, line) in lines.iter().enumerate() {
-                let y = middle + (place as f64 - 0.5 * (lines.len() as f64 - 1.0)) * LINE_PX;
-                canvas.text(line, (left - GAP_PX, y), TEXT_PX, Anchor::End);
-            }
+            draw_name(&mut canvas, lines, (left - GAP_PX, middle));
             for (column, content) in cells.iter().enumerate() {
                 let start = left + column as f64 * cell;
-                let area = Rectangle {
-                    left: start + SEAM_PX,
-                    top: upper + SEAM_PX,
-                    right: start + cell - SEAM_PX,
-                    bottom: lower - SEAM_PX,
-                };
+                let (x, y) = (start + SEAM_PX, upper + SEAM_PX);
+                let area = Rectangle::new(x, y, start + cell - SEAM_PX, lower - SEAM_PX);
                 draw_cell(&mut canvas, area, content.as_ref());
             }
             upper = lower;
@@ -135,14 +115,13 @@ impl HeatMap {
     }
 
     fn check(&self) -> Result<(), ReportError> {
-        let missing = match (self.columns.is_empty(), self.rows.is_empty()) {
-            (true, _) => Some("columns"),
-            (_, true) => Some("rows"),
-            _ => None,
-        };
-        if let Some(missing) = missing {
-            let figure = self.title.clone();
-            return Err(ReportError::Empty { figure, missing });
+        for (is_empty, missing) in [
+            (self.columns.is_empty(), "columns"),
+            (self.rows.is_empty(), "rows"),
+        ] {
+            if is_empty {
+                return Err(ReportError::empty(&self.title, missing));
+            }
         }
         for (index, (name, cells)) in self.rows.iter().enumerate() {
             if cells.len() != self.columns.len() {
@@ -180,8 +159,4 @@ fn draw_cell(canvas: &mut Canvas, area: Rectangle, content: Option<&HeatCell>) {
             }
         }
     }
-}
-
-fn px(text: &str) -> f64 {
-    width_px(text, TEXT_PX)
 }

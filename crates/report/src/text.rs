@@ -16,6 +16,12 @@ pub(crate) fn width_px(text: &str, size_px: f64) -> f64 {
     text.chars().map(relative_width).sum::<f64>() * size_px
 }
 
+/// Width of the widest text, in px.
+pub(crate) fn widest_px<'a>(texts: impl Iterator<Item = &'a String>, size_px: f64) -> f64 {
+    let widths = texts.map(|text| width_px(text, size_px));
+    widths.fold(0.0, f64::max)
+}
+
 /// How much wider the bold face is than the plain one.
 pub(crate) const BOLD_FACTOR: f64 = 1.12;
 

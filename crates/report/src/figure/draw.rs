@@ -48,7 +48,7 @@ impl Plot {
     }
 }
 
-/// Where the bars and symbols of one series stand beside those of the others, in units of x.
+/// Place of the bars and symbols of one series among those of the others, in units of x.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Slot {
     offset: f64,
@@ -66,12 +66,12 @@ pub(crate) fn slots(series: &[Series], categories: bool) -> Vec<Slot> {
     let bars = series.iter().filter(is_bar).count();
     let symbols = series.iter().filter(is_symbol).count();
     let single = bars == 1 && !categories;
-    let group = spacing
-        * if single {
-            SINGLE_BAR_SHARE
-        } else {
-            BAR_GROUP_SHARE
-        };
+    let share = if single {
+        SINGLE_BAR_SHARE
+    } else {
+        BAR_GROUP_SHARE
+    };
+    let group = spacing * share;
     let symbol_group = if bars == symbols {
         group
     } else if bars == 0 && symbols > 1 {
@@ -108,10 +108,8 @@ pub(crate) fn bar_spacing(series: &[Series]) -> f64 {
     let bars = series.iter().filter(|s| s.mark == Mark::Bars);
     let mut positions: Vec<f64> = bars.flat_map(|s| s.points.iter().map(|p| p.0)).collect();
     positions.sort_by(f64::total_cmp);
-    let reach = positions
-        .last()
-        .zip(positions.first())
-        .map_or(0.0, |(last, first)| last - first);
+    let ends = positions.last().zip(positions.first());
+    let reach = ends.map_or(0.0, |(last, first)| last - first);
     // Positions that differ by rounding only are one position.
     let apart = positions
         .windows(2)
@@ -124,27 +122,16 @@ pub(crate) fn bar_spacing(series: &[Series]) -> f64 {
 /// Draws one series.
 pub(crate) fn draw_series(canvas: &mut Canvas, plot: &Plot, series: &Series, slot: Slot) {
     let colour = Colour::palette(series.colour);
-    let stroke = Stroke {
-        colour,
-        width_px: LINE_WIDTH_PX,
-    };
+    let dash = series.mark.dash_px();
+    let stroke = Stroke::new(colour, LINE_WIDTH_PX);
+    let mut line = |points| draw_line(canvas, plot, points, stroke, dash);
     match series.mark {
-        Mark::Line => draw_line(canvas, plot, plot.map(&series.points), stroke, None),
-        Mark::DashedLine => {
-            draw_line(
-                canvas,
-                plot,
-                plot.map(&series.points),
-                stroke,
-                Some((7.0, 4.0)),
-            );
-        }
-        Mark::Steps => draw_line(canvas, plot, plot.map(&steps(&series.points)), stroke, None),
+        Mark::Line | Mark::DashedLine => line(plot.map(&series.points)),
+        Mark::Steps => line(plot.map(&steps(&series.points))),
         Mark::Reference => {
             for &(_, y) in series.points.iter().take(1) {
                 let y = plot.y_px(y);
-                let across = vec![(plot.area.left, y), (plot.area.right, y)];
-                draw_line(canvas, plot, across, stroke, Some((3.0, 3.0)));
+                line(vec![(plot.area.left, y), (plot.area.right, y)]);
             }
         }
         Mark::Band => {
@@ -207,33 +194,18 @@ fn draw_bars(canvas: &mut Canvas, plot: &Plot, series: &Series, slot: Slot) {
     };
     for &(x, y) in &series.points {
         let centre = x + slot.offset;
-        let left = plot
-            .x_px(centre - 0.5 * slot.width)
-            .clamp(area.left, area.right);
-        let right = plot
-            .x_px(centre + 0.5 * slot.width)
-            .clamp(area.left, area.right);
+        let ends = [centre - 0.5 * slot.width, centre + 0.5 * slot.width];
+        let [left, right] = ends.map(|x| plot.x_px(x).clamp(area.left, area.right));
         let end = plot.y_px(y).clamp(area.top, area.bottom);
         if right > left {
-            let (top, bottom) = (end.min(foot), end.max(foot));
-            canvas.fill(
-                Rectangle {
-                    left,
-                    top,
-                    right,
-                    bottom,
-                },
-                colour,
-            );
+            let bar = Rectangle::new(left, end.min(foot), right, end.max(foot));
+            canvas.fill(bar, colour);
         }
     }
 }
 
 fn draw_intervals(canvas: &mut Canvas, plot: &Plot, series: &Series, slot: Slot) {
-    let stroke = Stroke {
-        colour: Colour::palette(series.colour),
-        width_px: LINE_WIDTH_PX,
-    };
+    let stroke = Stroke::new(Colour::palette(series.colour), LINE_WIDTH_PX);
     for interval in series.points.chunks_exact(3) {
         let x = plot.x_px(interval[0].0 + slot.offset);
         let [low, mid, high] = [0, 1, 2].map(|index: usize| plot.y_px(interval[index].1));
@@ -257,16 +229,8 @@ pub(crate) fn marker(canvas: &mut Canvas, (x, y): Point, index: usize, radius: f
         0 => canvas.circle((x, y), radius, colour),
         1 => {
             let half = 0.88 * radius;
-            let (left, right, top, bottom) = (x - half, x + half, y - half, y + half);
-            canvas.fill(
-                Rectangle {
-                    left,
-                    top,
-                    right,
-                    bottom,
-                },
-                colour,
-            );
+            let square = Rectangle::new(x - half, y - half, x + half, y + half);
+            canvas.fill(square, colour);
         }
         2 => {
             let (half, foot) = (1.08 * radius, y + 0.75 * radius);

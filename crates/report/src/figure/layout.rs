@@ -1,11 +1,11 @@
 //! The places of the parts of a panel: title, legend, axis labels, tick labels and the plot itself.
 
-use crate::canvas::Rectangle;
+use crate::canvas::{Anchor, Canvas, Point, Rectangle};
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::figure::axis::{Axis, MOST_TICKS, Tick};
 use crate::figure::legend::Legend;
-use crate::text::{BOLD_FACTOR, width_px, wrap};
+use crate::text::{BOLD_FACTOR, widest_px, width_px, wrap};
 
 /// Size of the title of a grid.
 pub(crate) const PAGE_TITLE_PX: f64 = 17.0;
@@ -54,6 +54,22 @@ pub(crate) struct Layout {
     pub(crate) y_label: Vec<String>,
 }
 
+/// Draws the lines of a title below the margin of an area with this upper left corner.
+pub(crate) fn draw_title(canvas: &mut Canvas, lines: &[String], (left, top): Point) {
+    for (index, line) in lines.iter().enumerate() {
+        let y = top + MARGIN_PX + (index as f64 + 0.5) * TITLE_LINE_PX;
+        canvas.heading(line, (left + MARGIN_PX, y), TITLE_PX);
+    }
+}
+
+/// Draws the lines of a row's name, which end at the point.
+pub(crate) fn draw_name(canvas: &mut Canvas, lines: &[String], (right, middle): Point) {
+    for (index, line) in lines.iter().enumerate() {
+        let y = middle + (index as f64 - 0.5 * (lines.len() as f64 - 1.0)) * LINE_PX;
+        canvas.text(line, (right, y), TEXT_PX, Anchor::End);
+    }
+}
+
 impl Layout {
     /// Places the parts of a figure in an area.
     pub(crate) fn new(
@@ -72,12 +88,9 @@ impl Layout {
             10.0
         };
         let top = legend_top + legend.height_px() + gap;
-        let mut plot = Rectangle {
-            left: area.left + MARGIN_PX,
-            top,
-            right: area.right - MARGIN_PX,
-            bottom: area.bottom - MARGIN_PX,
-        };
+        let mut plot = area;
+        (plot.left, plot.top) = (area.left + MARGIN_PX, top);
+        (plot.right, plot.bottom) = (area.right - MARGIN_PX, area.bottom - MARGIN_PX);
         // The margins depend on the labels, and the number of labels on the margins. Margins only
         // grow from round to round, so they settle.
         let mut parts = Self::parts(figure, &plot, x, y);
@@ -88,10 +101,7 @@ impl Layout {
                 0 => MARGIN_PX,
                 count => MARGIN_PX + count as f64 * LINE_PX + 4.0,
             };
-            let widest = y_ticks
-                .iter()
-                .map(|t| width_px(&t.label, TEXT_PX))
-                .fold(0.0, f64::max);
+            let widest = widest_px(y_ticks.iter().map(|tick| &tick.label), TEXT_PX);
             let left =
                 (block(y_label) + widest + TICK_PX + 4.0).max(MARGIN_PX + x_ticks.overhang_px.0);
             let right = MARGIN_PX + x_ticks.overhang_px.1.max(4.0);
@@ -141,20 +151,14 @@ impl Layout {
 }
 
 fn check_room(figure: &Figure, plot: &Rectangle) -> Result<(), ReportError> {
-    let (needed_width_px, needed_height_px) = SMALLEST_PLOT_PX;
-    if plot.width() >= needed_width_px && plot.height() >= needed_height_px {
+    let (needed, left) = (SMALLEST_PLOT_PX, (plot.width(), plot.height()));
+    if left.0 >= needed.0 && left.1 >= needed.1 {
         return Ok(());
     }
-    Err(ReportError::TooSmall {
-        figure: figure.title.clone(),
-        width_px: plot.width().max(0.0),
-        height_px: plot.height().max(0.0),
-        needed_width_px,
-        needed_height_px,
-    })
+    Err(ReportError::too_small(&figure.title, left, needed))
 }
 
-/// As many number labels as stand side by side without touching.
+/// As many number labels as fit side by side without touching.
 fn number_ticks(plot: &Rectangle, x: &Axis) -> XTicks {
     let mut most = MOST_TICKS;
     loop {
@@ -193,10 +197,7 @@ fn number_ticks(plot: &Rectangle, x: &Axis) -> XTicks {
 fn category_ticks(names: &[String], plot: &Rectangle, x: &Axis) -> XTicks {
     let visible = |index: &usize| (x.low()..=x.high()).contains(&(*index as f64));
     let shown: Vec<usize> = (0..names.len()).filter(visible).collect();
-    let widest = shown
-        .iter()
-        .map(|&i| width_px(&names[i], TEXT_PX))
-        .fold(0.0, f64::max);
+    let widest = widest_px(shown.iter().map(|&index| &names[index]), TEXT_PX);
     let spacing = (x.share(1.0) - x.share(0.0)) * plot.width();
     let upward = widest + 0.6 * LABEL_GAP_PX > spacing;
     let stride = if upward {

@@ -6,7 +6,7 @@ use crate::figure::clip::dashes;
 use crate::figure::draw::{LINE_WIDTH_PX, marker};
 use crate::figure::layout::{LINE_PX, TEXT_PX};
 use crate::figure::series::Mark;
-use crate::text::{width_px, wrap};
+use crate::text::{widest_px, wrap};
 
 /// Width of the sample beside a name.
 const SAMPLE_PX: f64 = 26.0;
@@ -48,20 +48,15 @@ impl Legend {
             .filter(|series| !series.label.trim().is_empty())
         {
             let lines = wrap(&series.label, TEXT_PX, width - SAMPLE_PX - NAME_GAP_PX);
-            let name = lines
-                .iter()
-                .map(|line| width_px(line, TEXT_PX))
-                .fold(0.0, f64::max);
-            let entry_width = SAMPLE_PX + NAME_GAP_PX + name;
+            let entry_width = SAMPLE_PX + NAME_GAP_PX + widest_px(lines.iter(), TEXT_PX);
             if left > 0.0 && left + entry_width > width {
                 (left, row, row_lines) = (0.0, row + row_lines, 0);
             }
             row_lines = row_lines.max(lines.len());
-            let (mark, colour) = (series.mark, series.colour);
             legend.entries.push(Entry {
                 lines,
-                mark,
-                colour,
+                mark: series.mark,
+                colour: series.colour,
                 left,
                 row,
             });
@@ -96,18 +91,10 @@ impl Legend {
 impl Entry {
     fn draw_sample(&self, canvas: &mut Canvas, x: f64, y: f64) {
         let colour = Colour::palette(self.colour);
-        let stroke = Stroke {
-            colour,
-            width_px: LINE_WIDTH_PX,
-        };
+        let stroke = Stroke::new(colour, LINE_WIDTH_PX);
         let line = [(x, y), (x + SAMPLE_PX, y)];
         let middle = x + 0.5 * SAMPLE_PX;
-        let block = Rectangle {
-            left: x + 4.0,
-            top: y - 6.0,
-            right: x + SAMPLE_PX - 4.0,
-            bottom: y + 6.0,
-        };
+        let block = Rectangle::new(x + 4.0, y - 6.0, x + SAMPLE_PX - 4.0, y + 6.0);
         match self.mark {
             Mark::Line => canvas.path(&line, stroke),
             Mark::Steps => {
@@ -118,13 +105,9 @@ impl Entry {
                     stroke,
                 );
             }
-            Mark::DashedLine => {
-                for dash in dashes(&line, 7.0, 4.0) {
-                    canvas.path(&dash, stroke);
-                }
-            }
-            Mark::Reference => {
-                for dash in dashes(&line, 3.0, 3.0) {
+            Mark::DashedLine | Mark::Reference => {
+                let (dash_px, gap_px) = self.mark.dash_px().unwrap_or_default();
+                for dash in dashes(&line, dash_px, gap_px) {
                     canvas.path(&dash, stroke);
                 }
             }

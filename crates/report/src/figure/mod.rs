@@ -107,19 +107,13 @@ impl FigureGrid {
     /// As [`Figure::to_svg`]; [`ReportError::Empty`] for a grid without figures.
     pub fn to_svg(&self, width_px: u32, height_px: u32) -> Result<String, ReportError> {
         if self.figures.is_empty() {
-            return Err(ReportError::Empty {
-                figure: self.title.clone(),
-                missing: "panels",
-            });
+            return Err(ReportError::empty(&self.title, "panels"));
         }
         let mut canvas = Canvas::new(width_px, height_px)?;
         let page = canvas.page();
         let mut top = page.top;
-        for line in wrap(
-            &self.title,
-            PAGE_TITLE_PX * BOLD_FACTOR,
-            page.width() - 2.0 * MARGIN_PX,
-        ) {
+        let inner = page.width() - 2.0 * MARGIN_PX;
+        for line in wrap(&self.title, PAGE_TITLE_PX * BOLD_FACTOR, inner) {
             let at = (page.left + MARGIN_PX, top + MARGIN_PX + 0.5 * TITLE_LINE_PX);
             canvas.heading(&line, at, PAGE_TITLE_PX);
             top += TITLE_LINE_PX;
@@ -129,18 +123,12 @@ impl FigureGrid {
         }
         let columns = self.columns.clamp(1, self.figures.len());
         let rows = self.figures.len().div_ceil(columns);
-        let (width, height) = (
-            page.width() / columns as f64,
-            (page.bottom - top) / rows as f64,
-        );
+        let width = page.width() / columns as f64;
+        let height = (page.bottom - top) / rows as f64;
         for (index, figure) in self.figures.iter().enumerate() {
             let (row, column) = ((index / columns) as f64, (index % columns) as f64);
-            let area = Rectangle {
-                left: page.left + column * width,
-                top: top + row * height,
-                right: page.left + (column + 1.0) * width,
-                bottom: top + (row + 1.0) * height,
-            };
+            let (x, y) = (|n: f64| page.left + n * width, |n: f64| top + n * height);
+            let area = Rectangle::new(x(column), y(row), x(column + 1.0), y(row + 1.0));
             draw_panel(&mut canvas, figure, area)?;
         }
         canvas.finish(&self.title)

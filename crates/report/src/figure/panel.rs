@@ -5,9 +5,7 @@ use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::figure::axis::Axis;
 use crate::figure::draw::{Plot, bar_spacing, draw_series, slots};
-use crate::figure::layout::{
-    LINE_PX, Layout, MARGIN_PX, TEXT_PX, TICK_PX, TITLE_LINE_PX, TITLE_PX,
-};
+use crate::figure::layout::{LINE_PX, Layout, MARGIN_PX, TEXT_PX, TICK_PX, draw_title};
 use crate::figure::series::Mark;
 
 /// Free space left and right of the points, as a share of their range.
@@ -31,41 +29,28 @@ pub(crate) fn draw_panel(
         y,
     };
 
-    for (index, line) in layout.title.iter().enumerate() {
-        let y = area.top + MARGIN_PX + (index as f64 + 0.5) * TITLE_LINE_PX;
-        canvas.heading(line, (area.left + MARGIN_PX, y), TITLE_PX);
-    }
+    draw_title(canvas, &layout.title, (area.left, area.top));
     layout
         .legend
         .draw(canvas, area.left + MARGIN_PX, layout.legend_top);
     draw_grid(canvas, &plot, &layout, figure.categories.is_some());
     let slots = slots(&figure.series, figure.categories.is_some());
-    for layer in [Layer::Bands, Layer::Bars, Layer::Marks] {
-        let all = figure.series.iter().zip(&slots);
-        for (series, &slot) in all.filter(|(series, _)| Layer::for_mark(series.mark) == layer) {
-            draw_series(canvas, &plot, series, slot);
-        }
+    let mut all: Vec<_> = figure.series.iter().zip(slots).collect();
+    all.sort_by_key(|(series, _)| layer(series.mark));
+    for (series, slot) in all {
+        draw_series(canvas, &plot, series, slot);
     }
     draw_frame(canvas, &plot);
     draw_labels(canvas, &plot, &layout, area);
     Ok(())
 }
 
-/// What lies under what.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Layer {
-    Bands,
-    Bars,
-    Marks,
-}
-
-impl Layer {
-    fn for_mark(mark: Mark) -> Self {
-        match mark {
-            Mark::Band => Self::Bands,
-            Mark::Bars => Self::Bars,
-            _ => Self::Marks,
-        }
+/// Layer of a mark, from the lowest.
+fn layer(mark: Mark) -> usize {
+    match mark {
+        Mark::Band => 0,
+        Mark::Bars => 1,
+        _ => 2,
     }
 }
 
@@ -95,28 +80,23 @@ fn check(figure: &Figure) -> Result<(), ReportError> {
             Mark::Reference if got != 1 => "one",
             _ => continue,
         };
-        let (figure, series) = (figure.title.clone(), series.label.clone());
         return Err(ReportError::PointCount {
-            figure,
-            series,
+            figure: figure.title.clone(),
+            series: series.label.clone(),
             got,
             needed,
         });
     }
     if figure.categories.as_ref().is_some_and(Vec::is_empty) {
-        return Err(ReportError::Empty {
-            figure: figure.title.clone(),
-            missing: "categories",
-        });
+        return Err(ReportError::empty(&figure.title, "categories"));
     }
     for (axis, range) in [("x", figure.x_range), ("y", figure.y_range)] {
         let Some((low, high)) = range else { continue };
         // The range must also be wide enough for its ends to differ on the axis.
         let apart = high - low > 1e-12 * low.abs().max(high.abs()) && (high - low).is_finite();
         if !apart || !low.is_finite() || (axis == "y" && figure.y_log && low <= 0.0) {
-            let figure = figure.title.clone();
             return Err(ReportError::EmptyRange {
-                figure,
+                figure: figure.title.clone(),
                 axis,
                 low,
                 high,
@@ -135,23 +115,14 @@ fn x_axis(figure: &Figure) -> Result<Axis, ReportError> {
     }
     let half = 0.5 * bar_spacing(&figure.series);
     let mut values = Vec::new();
-    for series in figure
-        .series
-        .iter()
-        .filter(|series| series.mark != Mark::Reference)
-    {
+    let all = figure.series.iter();
+    for series in all.filter(|series| series.mark != Mark::Reference) {
         let reach = if series.mark == Mark::Bars { half } else { 0.0 };
-        values.extend(
-            series
-                .points
-                .iter()
-                .flat_map(|&(x, _)| [x - reach, x + reach]),
-        );
+        let points = series.points.iter();
+        values.extend(points.flat_map(|&(x, _)| [x - reach, x + reach]));
     }
-    Axis::around(&values, false, X_MARGIN, None).ok_or_else(|| ReportError::Empty {
-        figure: figure.title.clone(),
-        missing: "points",
-    })
+    let empty = || ReportError::empty(&figure.title, "points");
+    Axis::around(&values, false, X_MARGIN, None).ok_or_else(empty)
 }
 
 fn y_axis(figure: &Figure, x: &Axis) -> Result<Axis, ReportError> {
@@ -177,17 +148,11 @@ fn y_axis(figure: &Figure, x: &Axis) -> Result<Axis, ReportError> {
     // A line may cross the range without a point in it; then all points count.
     Axis::around(&visible(false), figure.y_log, Y_MARGIN, foot)
         .or_else(|| Axis::around(&visible(true), figure.y_log, Y_MARGIN, foot))
-        .ok_or_else(|| ReportError::Empty {
-            figure: figure.title.clone(),
-            missing: "points",
-        })
+        .ok_or_else(|| ReportError::empty(&figure.title, "points"))
 }
 
 fn draw_grid(canvas: &mut Canvas, plot: &Plot, layout: &Layout, categories: bool) {
-    let stroke = Stroke {
-        colour: Colour::GRID,
-        width_px: 1.0,
-    };
+    let stroke = Stroke::new(Colour::GRID, 1.0);
     let area = plot.area;
     for tick in &layout.y_ticks {
         let y = plot.y_px(tick.value);
@@ -203,10 +168,7 @@ fn draw_grid(canvas: &mut Canvas, plot: &Plot, layout: &Layout, categories: bool
 }
 
 fn draw_frame(canvas: &mut Canvas, plot: &Plot) {
-    let stroke = Stroke {
-        colour: Colour::AXIS,
-        width_px: 1.0,
-    };
+    let stroke = Stroke::new(Colour::AXIS, 1.0);
     let area = plot.area;
     let corner = (area.left, area.bottom);
     canvas.path(
@@ -220,10 +182,7 @@ fn draw_frame(canvas: &mut Canvas, plot: &Plot) {
 }
 
 fn draw_labels(canvas: &mut Canvas, plot: &Plot, layout: &Layout, area: Rectangle) {
-    let stroke = Stroke {
-        colour: Colour::AXIS,
-        width_px: 1.0,
-    };
+    let stroke = Stroke::new(Colour::AXIS, 1.0);
     let (left, bottom) = (plot.area.left, plot.area.bottom);
     let tick = |canvas: &mut Canvas, from: Point, to: Point| canvas.path(&[from, to], stroke);
     for minor in plot.y.minor_ticks() {

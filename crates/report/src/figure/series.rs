@@ -1,4 +1,4 @@
-//! Series of a figure: which points, drawn with which mark, under which name.
+//! Series of a figure: points with a mark and a name.
 
 /// How the points of a series are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +21,17 @@ pub enum Mark {
     Intervals,
     /// A horizontal dashed line across the plot; see [`Series::reference`].
     Reference,
+}
+
+impl Mark {
+    /// Length of a dash and of the gap behind it.
+    pub(crate) fn dash_px(self) -> Option<(f64, f64)> {
+        match self {
+            Self::DashedLine => Some((7.0, 4.0)),
+            Self::Reference => Some((3.0, 3.0)),
+            _ => None,
+        }
+    }
 }
 
 /// A named set of points of a figure.

@@ -2,7 +2,7 @@
 
 /// Magnitude from which a number with fixed decimals is written with an exponent instead.
 const LONGEST_FIXED: f64 = 1e15;
-/// What stands in a cell without a value.
+/// Text of a cell without a value.
 pub(crate) const MISSING: &str = "–";
 
 /// Head of a column.
@@ -25,10 +25,14 @@ impl Column {
 
     /// Name and unit on one line: `position error [mm]`.
     pub(crate) fn heading(&self) -> String {
-        if self.unit.is_empty() {
-            self.name.clone()
-        } else {
-            format!("{} [{}]", self.name, self.unit)
+        self.heading_of_end("")
+    }
+
+    /// The same with a word behind the name: `position error low [mm]`.
+    pub(crate) fn heading_of_end(&self, end: &str) -> String {
+        match self.unit.as_str() {
+            "" => format!("{}{end}", self.name),
+            unit => format!("{}{end} [{unit}]", self.name),
         }
     }
 }
@@ -71,6 +75,12 @@ impl From<&str> for Cell {
     }
 }
 
+impl From<&String> for Cell {
+    fn from(text: &String) -> Self {
+        Self::Text(text.clone())
+    }
+}
+
 impl From<String> for Cell {
     fn from(text: String) -> Self {
         Self::Text(text)
@@ -97,9 +107,16 @@ impl Cell {
         }
     }
 
+    /// The interval when there is one and `Missing` when it is not known.
+    pub fn interval_or_missing(ends: Option<[f64; 2]>, decimals: usize) -> Self {
+        ends.map_or(Self::Missing, |[low, high]| {
+            Self::interval(low, high, decimals)
+        })
+    }
+
     /// The number when there is one and `None` when the value is not known.
     pub fn number_or_missing(value: Option<f64>, decimals: usize) -> Self {
-        value.map_or(Self::Missing, |value| Self::Number { value, decimals })
+        value.map_or(Self::Missing, |value| Self::number(value, decimals))
     }
 
     /// The cell as people read it.
@@ -119,12 +136,9 @@ impl Cell {
         }
     }
 
-    /// True for cells that stand at the right edge of their column.
+    /// True for cells at the right edge of their column.
     pub(crate) fn is_numeric(&self) -> bool {
-        matches!(
-            self,
-            Self::Number { .. } | Self::Scientific { .. } | Self::Interval { .. }
-        )
+        !self.numbers().is_empty()
     }
 
     /// The numbers in the cell.

@@ -19,12 +19,11 @@ impl Table {
         if !self.title.is_empty() {
             text.push_str(&format!("**{}**\n\n", markdown(&self.title)));
         }
-        text.push_str(&line(
-            self.columns
-                .iter()
-                .map(|c| markdown(&c.heading()))
-                .collect(),
-        ));
+        let heads = self
+            .columns
+            .iter()
+            .map(|column| markdown(&column.heading()));
+        text.push_str(&line(heads.collect()));
         let rule = |index| {
             if self.is_numeric_column(index) {
                 "---:"
@@ -32,11 +31,8 @@ impl Table {
                 ":---"
             }
         };
-        text.push_str(&line(
-            (0..self.columns.len())
-                .map(|i| rule(i).to_owned())
-                .collect(),
-        ));
+        let rules = (0..self.columns.len()).map(|index| rule(index).to_owned());
+        text.push_str(&line(rules.collect()));
         for row in &self.rows {
             let cell = |index: usize| markdown(&self.cell(row, index).display());
             text.push_str(&line((0..self.columns.len()).map(cell).collect()));
@@ -57,56 +53,39 @@ impl Table {
     /// [`Table::push`], [`ReportError::Csv`] when the CSV library refuses.
     pub fn to_csv(&self) -> Result<String, ReportError> {
         self.check()?;
-        let failure = |message: String| ReportError::Csv {
+        let failure = |error: csv::Error| ReportError::Csv {
             table: self.title.clone(),
-            message,
+            message: error.to_string(),
         };
-        let split: Vec<bool> = (0..self.columns.len())
-            .map(|i| self.has_intervals(i))
-            .collect();
+        let split = (0..self.columns.len()).map(|index| self.has_intervals(index));
+        let split: Vec<bool> = split.collect();
         let mut writer = csv::Writer::from_writer(Vec::new());
         let mut head = Vec::new();
         for (column, &split) in self.columns.iter().zip(&split) {
             let ends: &[&str] = if split { &[" low", " high"] } else { &[""] };
-            for end in ends {
-                let unit = if column.unit.is_empty() {
-                    String::new()
-                } else {
-                    format!(" [{}]", column.unit)
-                };
-                head.push(format!("{}{end}{unit}", column.name));
-            }
+            head.extend(ends.iter().map(|end| column.heading_of_end(end)));
         }
-        writer
-            .write_record(&head)
-            .map_err(|error| failure(error.to_string()))?;
+        let mut write = |record: &[String]| writer.write_record(record).map_err(failure);
+        write(&head)?;
         for row in &self.rows {
-            let mut record = Vec::new();
-            for (cell, &split) in row.iter().zip(&split) {
-                record.extend(csv_fields(cell, split));
-            }
-            writer
-                .write_record(&record)
-                .map_err(|error| failure(error.to_string()))?;
+            let cells = row.iter().zip(&split);
+            let fields = cells.flat_map(|(cell, &split)| csv_fields(cell, split));
+            write(&fields.collect::<Vec<String>>())?;
         }
         let bytes = writer
             .into_inner()
-            .map_err(|error| failure(error.to_string()))?;
-        String::from_utf8(bytes).map_err(|error| failure(error.to_string()))
+            .map_err(|error| failure(error.into_error().into()))?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 
     /// The table as JSON: `title`, `columns` with `name` and `unit`, `rows`, `notes`.
     ///
     /// Numbers are raw, an interval is `[low, high]`, a missing or non-finite value is `null`.
     pub fn to_json(&self) -> Value {
-        let columns = self
-            .columns
-            .iter()
-            .map(|c| json!({ "name": c.name, "unit": c.unit }));
-        let rows = self
-            .rows
-            .iter()
-            .map(|row| row.iter().map(json_cell).collect::<Value>());
+        let columns = self.columns.iter();
+        let columns = columns.map(|column| json!({ "name": column.name, "unit": column.unit }));
+        let rows = self.rows.iter();
+        let rows = rows.map(|row| row.iter().map(json_cell).collect::<Value>());
         json!({
             "title": self.title,
             "columns": columns.collect::<Value>(),
@@ -155,7 +134,7 @@ impl Table {
         }
     }
 
-    fn cell<'a>(&self, row: &'a [Cell], index: usize) -> &'a Cell {
+    pub(crate) fn cell<'a>(&self, row: &'a [Cell], index: usize) -> &'a Cell {
         row.get(index).unwrap_or(&Cell::Missing)
     }
 
@@ -176,19 +155,13 @@ impl Table {
 
 /// Text that Markdown shows as it is, on one line.
 fn markdown(text: &str) -> String {
-    let mut escaped = String::new();
-    for character in clean(text).chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '|' | '\\' | '*' | '`' => {
-                escaped.push('\\');
-                escaped.push(character);
-            }
-            _ => escaped.push(character),
-        }
-    }
-    escaped
+    let escaped = |character: char| match character {
+        '&' => "&amp;".to_owned(),
+        '<' => "&lt;".to_owned(),
+        '|' | '\\' | '*' | '`' => format!("\\{character}"),
+        _ => character.to_string(),
+    };
+    clean(text).chars().map(escaped).collect()
 }
 
 fn csv_fields(cell: &Cell, split: bool) -> Vec<String> {
@@ -202,10 +175,11 @@ fn csv_fields(cell: &Cell, split: bool) -> Vec<String> {
         return vec![first];
     }
     let second = if cell.is_numeric() {
-        first.clone()
+        first.as_str()
     } else {
-        String::new()
-    };
+        ""
+    }
+    .to_owned();
     vec![first, second]
 }
 

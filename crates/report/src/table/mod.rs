@@ -74,6 +74,25 @@ impl Table {
         Self::new(title, heads.split('|').map(column).collect())
     }
 
+    /// The table with these rows added.
+    ///
+    /// # Errors
+    /// As [`Table::push`].
+    pub fn with_rows(
+        mut self,
+        rows: impl IntoIterator<Item = Vec<Cell>>,
+    ) -> Result<Self, ReportError> {
+        rows.into_iter().try_for_each(|row| self.push(row))?;
+        Ok(self)
+    }
+
+    /// The table with a remark under it.
+    #[must_use]
+    pub fn with_note(mut self, note: impl Into<String>) -> Self {
+        self.notes.push(note.into());
+        self
+    }
+
     /// Adds a row.
     ///
     /// # Errors
@@ -85,7 +104,7 @@ impl Table {
         Ok(())
     }
 
-    /// The table for a terminal: title, light borders, notes; numbers stand at the right.
+    /// The table for a terminal: title, light borders, notes; numbers are at the right.
     ///
     /// The lines are as long as the cells need. Cells that a row lacks read as missing. There is no
     /// line end after the last line.
@@ -98,7 +117,7 @@ impl Table {
         }));
         for row in &self.rows {
             table.add_row((0..self.columns.len()).map(|index| {
-                let cell = row.get(index).unwrap_or(&Cell::Missing);
+                let cell = self.cell(row, index);
                 let lines: Vec<String> = cell.display().lines().map(clean).collect();
                 TerminalCell::new(lines.join("\n")).set_alignment(self.alignment(index))
             }));
@@ -114,24 +133,16 @@ impl Table {
 
     /// True when the column holds numbers only, apart from missing cells.
     pub(crate) fn is_numeric_column(&self, index: usize) -> bool {
-        let mut cells = self
-            .rows
-            .iter()
-            .filter_map(|row| row.get(index))
-            .filter(|cell| **cell != Cell::Missing);
-        let mut any = false;
-        cells.all(|cell| {
-            any = true;
-            cell.is_numeric()
-        }) && any
+        let cells = self.rows.iter().filter_map(|row| row.get(index));
+        let mut cells = cells.filter(|cell| **cell != Cell::Missing);
+        let first = cells.next();
+        first.is_some_and(Cell::is_numeric) && cells.all(Cell::is_numeric)
     }
 
     /// Refuses rows that were not added through [`Table::push`] and do not fit.
     pub(crate) fn check(&self) -> Result<(), ReportError> {
-        self.rows
-            .iter()
-            .enumerate()
-            .try_for_each(|(index, row)| self.check_row(index, row))
+        let mut rows = self.rows.iter().enumerate();
+        rows.try_for_each(|(index, row)| self.check_row(index, row))
     }
 
     fn check_row(&self, index: usize, row: &[Cell]) -> Result<(), ReportError> {
