@@ -16,7 +16,7 @@ pub enum Method {
 }
 
 /// Settings of a fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Settings {
     /// Search method.
     pub method: Method,

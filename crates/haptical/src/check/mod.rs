@@ -74,7 +74,7 @@ pub struct CheckedLog {
     pub runs: usize,
     /// Mean rate within runs \[Hz\]; none without times.
     pub rate_hz: Option<f64>,
-    /// What was measured.
+    /// The measured channels.
     pub channels: Vec<CheckedChannel>,
     /// Columns that identification does not use.
     pub covariates: Vec<String>,
@@ -191,18 +191,16 @@ fn checked_log(
     let rules = Options::default().rules;
     let judged = identifiability_at(&device, recording, &channels, &parameters, &weights, &rules)?;
     let mut identifiable = Vec::new();
-    let mut not_identified: Vec<NotIdentified> = held
-        .iter()
-        .map(|parameter| NotIdentified {
-            name: parameter.name(&device),
-            status: HELD,
-            reason: format!(
-                "{}: touches of unknown points and planes do not tell a device from a larger one: it is held, and \
-                 the other lengths are in proportion to it",
-                parameter.name(&device)
-            ),
-        })
-        .collect();
+    let held = held.iter().map(|parameter| parameter.name(&device));
+    let held = held.map(|name| NotIdentified {
+        status: HELD,
+        reason: format!(
+            "{name}: touches of unknown points and planes do not tell a device from a larger one: it is held, and \
+             the other lengths are in proportion to it"
+        ),
+        name,
+    });
+    let mut not_identified: Vec<NotIdentified> = held.collect();
     for (index, (name, status)) in judged.names.iter().zip(&judged.statuses).enumerate() {
         match judged.reason(index) {
             None => identifiable.push(name.clone()),
@@ -214,21 +212,26 @@ fn checked_log(
         }
     }
     if identifiable.is_empty() {
-        let reasons: Vec<String> = not_identified
-            .iter()
-            .take(3)
-            .map(|refused| refused.reason.clone())
-            .collect();
+        let reasons = not_identified.iter().take(3);
+        let reasons: Vec<&str> = reasons.map(|refused| refused.reason.as_str()).collect();
         return Err(CalibrationError::NothingIdentifiable {
             what: "at the nominal device".to_owned(),
             reason: reasons.join("; "),
         });
     }
     let readings = |channel: &Channel| {
-        (0..recording.len())
-            .filter(|&row| channel.has_reading(recording, row))
+        let rows = 0..recording.len();
+        rows.filter(|&row| channel.has_reading(recording, row))
             .count()
     };
+    // homing fixtures are channels too
+    let is_channel = |name: &str| {
+        let mut prefixes = channels
+            .iter()
+            .map(|channel| format!("{}_", channel.name()));
+        prefixes.any(|prefix| name.starts_with(&prefix))
+    };
+    let covariates = recording.covariates.iter().map(|(name, _)| name);
     Ok(CheckedLog {
         file,
         rows: recording.len(),
@@ -242,16 +245,9 @@ fn checked_log(
                 readings: readings(channel),
             })
             .collect(),
-        covariates: recording
-            .covariates
-            .iter()
-            .map(|(name, _)| name.clone())
-            // homing fixtures are channels too
-            .filter(|name| {
-                channels
-                    .iter()
-                    .all(|channel| !name.starts_with(&format!("{}_", channel.name())))
-            })
+        covariates: covariates
+            .filter(|name| !is_channel(name))
+            .cloned()
             .collect(),
         identifiability: RankEntry::from_judgements(std::iter::once(&judged)),
         identifiable,
@@ -268,10 +264,9 @@ fn candidates(
 ) -> (Model, Vec<ParameterId>) {
     let mut device = device.clone();
     let sees_chain = channels.iter().any(|channel| channel.sees_chain());
-    let mut parameters = if sees_chain {
-        candidate_parameters(&device)
-    } else {
-        Vec::new()
+    let mut parameters = match sees_chain {
+        true => candidate_parameters(&device),
+        false => Vec::new(),
     };
     for joint in 0..device.joints.len() {
         let has_output = channels.contains(&Channel::Output { joint });
@@ -289,17 +284,12 @@ fn candidates(
             };
         }
         let has_drums = device.joints[joint].drum_distance_m.is_some();
-        let is_equation = matches!(
-            device.joints[joint].transmission_error,
-            TransmissionError::Capstan(_)
-        );
-        let all = device.transmission_parameters(joint);
-        let count = if is_equation && !has_drums {
-            TERMS_WITHOUT_DRUMS
-        } else {
-            all.len()
-        };
-        parameters.extend(all.into_iter().take(count));
+        let error = &device.joints[joint].transmission_error;
+        let mut own = device.transmission_parameters(joint);
+        if matches!(error, TransmissionError::Capstan(_)) && !has_drums {
+            own.truncate(TERMS_WITHOUT_DRUMS);
+        }
+        parameters.extend(own);
     }
     (device, parameters)
 }
@@ -321,12 +311,8 @@ fn run_count(recording: &Recording) -> usize {
 /// Steps over the time that they take, steps between runs left out.
 fn rate_hz(recording: &Recording) -> Option<f64> {
     let times = recording.time_s.as_ref()?;
-    let same_run = |row: usize| {
-        recording
-            .run
-            .as_ref()
-            .is_none_or(|run| run[row] == run[row + 1])
-    };
+    let run = recording.run.as_ref();
+    let same_run = |row: usize| run.is_none_or(|run| run[row] == run[row + 1]);
     let (mut steps, mut seconds) = (0_usize, 0.0);
     for (row, pair) in times.windows(2).enumerate() {
         let step = pair[1] - pair[0];

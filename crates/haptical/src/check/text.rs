@@ -24,13 +24,8 @@ impl Display for Checked {
         if let Some(log) = &self.log {
             describe_log(text, log)?;
         }
-        writeln!(
-            text,
-            "{}",
-            joint_table(&device.joints)
-                .map_err(|_| Error)?
-                .to_terminal()
-        )?;
+        let joints = joint_table(&device.joints).map_err(|_| Error)?;
+        writeln!(text, "{}", joints.to_terminal())?;
         match &self.log {
             Some(log) => describe_identifiability(text, log),
             None => writeln!(text, "The device file is valid."),
@@ -61,10 +56,9 @@ fn describe_log(text: &mut impl Write, log: &CheckedLog) -> Result {
 fn joint_table(joints: &[CheckedJoint]) -> std::result::Result<Table, ReportError> {
     let heads =
         "joint | transmission | ratio | readings from | to | lower limit | upper limit | unit";
-    let mut table = Table::with_heads("", heads);
-    for joint in joints {
-        table.push(vec![
-            joint.name.as_str().into(),
+    let rows = joints.iter().map(|joint| {
+        vec![
+            (&joint.name).into(),
             joint.transmission.into(),
             Cell::number(joint.ratio, 3),
             Cell::number_or_missing(joint.readings.map(|range| range[0]), 3),
@@ -72,9 +66,9 @@ fn joint_table(joints: &[CheckedJoint]) -> std::result::Result<Table, ReportErro
             Cell::number_or_missing(joint.lower, 3),
             Cell::number_or_missing(joint.upper, 3),
             joint.unit.into(),
-        ])?;
-    }
-    Ok(table)
+        ]
+    });
+    Table::with_heads("", heads).with_rows(rows)
 }
 
 fn describe_identifiability(text: &mut impl Write, log: &CheckedLog) -> Result {

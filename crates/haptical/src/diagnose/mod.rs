@@ -2,7 +2,6 @@
 
 #[cfg(test)]
 mod example_tests;
-mod gap_file;
 mod page;
 mod quantity;
 mod summary;
@@ -11,14 +10,15 @@ mod words;
 use std::path::{Path, PathBuf};
 
 use haptical_diagnosis::{
-    BOOTSTRAP_SEED, Catalogue, CauseAnswer, Diagnosis, Options, Prediction, Verdict,
-    diagnose as diagnose_recording,
+    BOOTSTRAP_SEED, Catalogue, CauseAnswer, ChannelGap, Diagnosis, Options, Prediction, Provenance,
+    Verdict, diagnose as diagnose_recording,
 };
 
-use self::gap_file::GapFile;
+use serde::Serialize;
+
 use crate::device::{Device, refuse_other_device};
 use crate::error::Error;
-use crate::files::{InputFile, NewFile, Record, VERSION, write_all};
+use crate::files::{InputFile, NewFile, Record, VERSION, sealed_json, write_all};
 use crate::log::Log;
 
 /// Header of predictions.csv, in the order of [`Prediction`].
@@ -38,14 +38,26 @@ pub struct Diagnose<'a> {
 }
 
 /// A diagnosis with the names and hashes of what it was made from. It prints as the command's answer.
-#[derive(Debug)]
+///
+/// As JSON it is gap.json: `provenance` holds both what the answer rests on and how the file came about.
+#[derive(Debug, Clone, Serialize)]
 pub struct Diagnosed {
     /// The answer.
+    #[serde(flatten)]
     pub diagnosis: Diagnosis,
+    provenance: GapProvenance,
+    haptical_version: String,
     device: String,
     log: String,
     validate: Option<String>,
     model: Option<String>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct GapProvenance {
+    #[serde(flatten)]
+    answer: Provenance,
+    #[serde(flatten)]
     record: Record,
 }
 
@@ -95,12 +107,13 @@ pub fn diagnose_as(
         .map_err(|error| Error::diagnosis(&error, device_path, log_path).with_equipment(device))?;
     refuse_overflow(&diagnosis, log_path)?;
     let own = std::mem::take(&mut diagnosis.warnings);
-    let read = [Some(&device.warnings), Some(&log.warnings)];
-    let further = [
+    let read = [
+        Some(&device.warnings),
+        Some(&log.warnings),
         model.map(|model| &model.warnings),
         validate.map(|log| &log.warnings),
     ];
-    let read = read.into_iter().chain(further).flatten().flatten().cloned();
+    let read = read.into_iter().flatten().flatten().cloned();
     diagnosis.warnings = read.chain(own).collect();
     let mut files = device.inputs("device");
     files.extend(log.input("log"));
@@ -108,18 +121,21 @@ pub fn diagnose_as(
     files.extend(validate.and_then(|log| log.input("validate")));
     let mut arguments: Vec<String> = files.iter().map(InputFile::argument).collect();
     arguments.extend(device.equipment().chain_flags());
-    if !without.is_empty() {
-        arguments.push(format!("--without={}", without.join(",")));
-    }
+    let flag = || format!("--without={}", without.join(","));
+    arguments.extend((!without.is_empty()).then(flag));
     let mut record = Record::new(version, "diagnose", arguments, files);
     record.seeds.insert("bootstrap", BOOTSTRAP_SEED);
     Ok(Diagnosed {
+        provenance: GapProvenance {
+            answer: diagnosis.provenance.clone(),
+            record,
+        },
         diagnosis,
+        haptical_version: version.to_owned(),
         device: device.source().label.clone(),
         log: log.source().label.clone(),
         validate: validate.map(|log| log.source().label.clone()),
         model: model.map(|model| model.source().label.clone()),
-        record,
     })
 }
 
@@ -143,22 +159,18 @@ impl Diagnosed {
     /// # Errors
     /// A fault of this library alone.
     pub fn files(&self) -> Result<Vec<NewFile<'static>>, Error> {
-        let mut gap = GapFile {
-            diagnosis: &self.diagnosis,
-            device: self.device.clone(),
-            log: self.log.clone(),
-            validate: self.validate.clone(),
-            model: self.model.clone(),
-            record: self.record.clone(),
-        };
         let [json_name, page_name, predictions_name] = Self::FILES;
-        let mut files = vec![(page_name, page::page(&gap)?.into_bytes())];
+        let mut files = vec![(
+            page_name,
+            page::page(&self.diagnosis, &self.provenance.record)?.into_bytes(),
+        )];
         if self.validate.is_some() {
             let predictions = predictions_csv(&self.diagnosis.predictions)?;
             files.push((predictions_name, predictions));
         }
-        gap.record = gap.record.with_outputs(&files);
-        files.insert(0, (json_name, gap.to_json()?.into_bytes()));
+        let mut sealed = self.clone();
+        sealed.provenance.record = self.provenance.record.with_outputs(&files);
+        files.insert(0, (json_name, sealed_json(&sealed)?.into_bytes()));
         Ok(files)
     }
 
@@ -191,10 +203,10 @@ fn refuse_same_log(first: &Log, second: &Log) -> Result<(), Error> {
     if !same_file && first.recording != second.recording {
         return Ok(());
     }
-    Err(Error::bad_input(
+    Err(Error::in_file(
         "same-log",
         "the log of --validate is that of --log: the fit has seen every row of it",
-        second.source().path.display().to_string(),
+        &second.source().path,
         "give --validate another recording of the same device, or leave it out: then blocks of the log are held \
          back from the fit",
     ))
@@ -202,24 +214,16 @@ fn refuse_same_log(first: &Log, second: &Log) -> Result<(), Error> {
 
 /// Nothing before refuses a reading such as 1e300.
 fn refuse_overflow(diagnosis: &Diagnosis, log: &Path) -> Result<(), Error> {
-    let odd = diagnosis.gap.channels.iter().find(|channel| {
+    let is_odd = |channel: &&ChannelGap| {
         let sizes = [channel.rms_before, channel.rms_after, channel.noise_floor];
         sizes.iter().any(|size| !size.is_finite())
-    });
-    match odd {
+    };
+    match diagnosis.gap.channels.iter().find(is_odd) {
         None => Ok(()),
-        Some(channel) => Err(Error::bad_input(
-            "overflow",
-            format!(
-                "a residual of {} is too large to be squared",
-                channel.channel
-            ),
-            log.display().to_string(),
-            format!(
-                "correct the reading of {} or leave its cell empty",
-                channel.channel
-            ),
-        )),
+        Some(ChannelGap { channel, .. }) => {
+            let what = format!("a residual of {channel} is too large to be squared");
+            Err(Error::overflow(what, channel, log, None))
+        }
     }
 }
 

@@ -66,41 +66,34 @@ impl Quantity {
 
     /// Value, interval and unit: `258 [243, 273] N m/rad`; without an interval of no width.
     pub(crate) fn text(&self, value: f64, ci95: [f64; 2]) -> String {
+        let digits = self.decimals(value, ci95);
+        let [low, high] = ci95.map(|end| end * self.per_si);
+        let shown = value * self.per_si;
         if ci95[0] == ci95[1] {
-            return match self.decimals(value, ci95) {
-                0 => format!("{:.0} {}", value * self.per_si, self.unit)
-                    .trim_end()
-                    .to_owned(),
+            return match digits {
+                0 => self.with_unit(format!("{shown:.0}")),
                 _ => self.short(value),
             };
         }
-        let [low, high] = ci95.map(|end| end * self.per_si);
-        let shown = value * self.per_si;
-        let text = if is_plain(shown) {
-            let digits = self.decimals(value, ci95);
-            format!(
-                "{shown:.digits$} [{low:.digits$}, {high:.digits$}] {}",
-                self.unit
-            )
+        self.with_unit(if is_plain(shown) {
+            format!("{shown:.digits$} [{low:.digits$}, {high:.digits$}]")
         } else {
-            format!("{shown:.2e} [{low:.2e}, {high:.2e}] {}", self.unit)
-        };
-        text.trim_end().to_owned()
+            format!("{shown:.2e} [{low:.2e}, {high:.2e}]")
+        })
     }
 
     /// A value alone, with three significant digits.
     pub(crate) fn short(&self, value: f64) -> String {
         let shown = value * self.per_si;
-        let text = if is_plain(shown) {
-            format!(
-                "{shown:.*} {}",
-                decimals(shown).saturating_sub(1),
-                self.unit
-            )
+        self.with_unit(if is_plain(shown) {
+            format!("{shown:.*}", decimals(shown).saturating_sub(1))
         } else {
-            format!("{shown:.2e} {}", self.unit)
-        };
-        text.trim_end().to_owned()
+            format!("{shown:.2e}")
+        })
+    }
+
+    fn with_unit(&self, text: String) -> String {
+        format!("{text} {}", self.unit).trim_end().to_owned()
     }
 
     /// Digits after the point that show two digits of the interval's half width.

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis, Verdict};
 
 use crate::diagnose::words::{
-    held_out_sizes, listed, named_at, next_step, parameters, percent, place_sentence, probability,
-    reduction, rivals, verdict_mark, verdict_sentence,
+    held_out_answer, held_out_sizes, listed, named_at, next_step, parameters, percent,
+    place_sentence, probability, reduction, rivals, verdict_mark, verdict_sentence,
 };
 use crate::units::Shown;
 
@@ -65,17 +65,13 @@ fn channels(text: &mut String, diagnosis: &Diagnosis) {
             closed.as_deref().unwrap_or("no gap")
         );
     }
-    let more = order.len().saturating_sub(kept);
-    if more > 0 {
-        let share: f64 = order
-            .iter()
-            .skip(kept)
-            .map(|channel| channel.share_of_gap)
-            .sum();
+    let others = order.iter().skip(kept);
+    if others.len() > 0 {
+        let more = others.len();
+        let share = percent(others.map(|channel| channel.share_of_gap).sum());
         let _ = writeln!(
             text,
-            "and {more} more with {} of the gap, see gap.json",
-            percent(share)
+            "and {more} more with {share} of the gap, see gap.json"
         );
     }
     text.push('\n');
@@ -88,14 +84,12 @@ fn cause_lines(causes: &[CauseAnswer]) -> usize {
 
 /// Name, probability, numbers and rivals of each cause.
 fn causes(text: &mut String, causes: &[CauseAnswer]) {
+    if let [only] = causes {
+        return push(text, "cause", &cause(only), 2);
+    }
     for (index, cause) in causes.iter().enumerate() {
-        let label = if causes.len() == 1 {
-            "cause".to_owned()
-        } else {
-            format!("cause {}", index + 1)
-        };
-        let most = if causes.len() == 1 { 2 } else { 1 };
-        push(text, &label, &self::cause(cause), most);
+        let label = format!("cause {}", index + 1);
+        push(text, &label, &self::cause(cause), 1);
     }
 }
 
@@ -118,11 +112,7 @@ pub(super) fn cause(cause: &CauseAnswer) -> String {
 }
 
 fn held_out(text: &mut String, diagnosis: &Diagnosis) {
-    let Some(held_out) = diagnosis
-        .causes
-        .iter()
-        .find_map(|cause| cause.held_out.as_ref())
-    else {
+    let Some(held_out) = held_out_answer(diagnosis) else {
         return;
     };
     let closed = reduction(held_out.reduction_percent, held_out.reduction_ci95);
@@ -158,15 +148,13 @@ fn unseen(diagnosis: &Diagnosis) -> String {
 /// A text behind a word, in at most `most` lines.
 fn push(text: &mut String, label: &str, said: &str, most: usize) {
     let indent = if label.is_empty() { 0 } else { INDENT };
-    let mut lines: Vec<String> = vec![String::new()];
+    let mut lines: Vec<String> = Vec::new();
     let room = WIDTH - indent;
     for word in said.split_whitespace() {
-        let line = lines.last_mut();
-        match line {
-            Some(line) if line.is_empty() => line.push_str(word),
+        match lines.last_mut() {
             Some(line) if line.chars().count() + 1 + word.chars().count() <= room => {
-                line.push(' ');
-                line.push_str(word);
+                *line += " ";
+                *line += word;
             }
             _ => lines.push(word.to_owned()),
         }

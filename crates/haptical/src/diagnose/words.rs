@@ -16,6 +16,11 @@ pub(crate) fn named_at(effect: &str, joint: Option<usize>) -> String {
     }
 }
 
+/// Head of a joint's column; none is the device as a whole.
+pub(crate) fn column(joint: Option<usize>) -> String {
+    joint.map_or_else(|| "device".to_owned(), |joint| format!("joint {joint}"))
+}
+
 /// A probability in whole percent; none is certain.
 pub(crate) fn probability(probability: f64) -> String {
     percent(probability.clamp(0.0, 0.999))
@@ -71,11 +76,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
             } else {
                 "explain"
             };
-            let besides = match of_data.is_empty() {
-                true => String::new(),
-                false => format!(" {}", besides(&of_data)),
-            };
-            format!("{} {verb} the gap.{besides}", listed(&names))
+            format!("{} {verb} the gap.{}", listed(&names), besides(&of_data))
         }
         (Verdict::Ambiguous, Some(first)) => ambiguous(diagnosis, first),
         _ => unknown(diagnosis),
@@ -98,9 +99,13 @@ fn is_of_data(cause: &CauseAnswer) -> bool {
     spec.is_some_and(|spec| spec.hook == haptical_effects::Hook::Readings)
 }
 
+/// A further sentence on other findings; empty without any.
 fn besides(causes: &[&CauseAnswer]) -> String {
     let names: Vec<String> = causes.iter().map(|cause| with_probability(cause)).collect();
-    format!("The data show besides: {}.", listed(&names))
+    match names.as_slice() {
+        [] => String::new(),
+        names => format!(" The data show besides: {}.", listed(names)),
+    }
 }
 
 fn with_probability(cause: &CauseAnswer) -> String {
@@ -110,18 +115,15 @@ fn with_probability(cause: &CauseAnswer) -> String {
 
 fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
     let others = diagnosis.causes[1..].iter();
-    let others: Vec<&CauseAnswer> = others.filter(|cause| !is_of_data(cause)).collect();
+    let others = others.filter(|cause| !is_of_data(cause));
+    let others: Vec<String> = others.map(with_probability).collect();
+    let others = match others.as_slice() {
+        [] => String::new(),
+        names => format!(" Beside it: {}.", listed(names)),
+    };
     let rivals: Vec<String> = rivals(first).collect();
-    let mut sentence = format!(
-        "The data cannot tell {} from {}.",
-        with_probability(first),
-        listed_or(&rivals)
-    );
-    if !others.is_empty() {
-        let names: Vec<String> = others.into_iter().map(with_probability).collect();
-        sentence.push_str(&format!(" Beside it: {}.", listed(&names)));
-    }
-    sentence
+    let (first, rivals) = (with_probability(first), joined(&rivals, "or"));
+    format!("The data cannot tell {first} from {rivals}.{others}")
 }
 
 /// What a cause cannot be told from, in words.
@@ -159,11 +161,10 @@ fn unknown(diagnosis: &Diagnosis) -> String {
         (diagnosis.causes.iter()).partition(|cause| cause.probability > 0.5);
     if !in_part.is_empty() {
         // no probability: the name of a part reads as a finding with it
-        let names: Vec<String> = in_part
+        let names = in_part
             .iter()
-            .map(|cause| named_at(&cause.effect, cause.joint))
-            .collect();
-        let part = listed(&names);
+            .map(|cause| named_at(&cause.effect, cause.joint));
+        let part = listed(&names.collect::<Vec<_>>());
         sentence.push_str(&match diagnosis.unexplained_share {
             share if share < NOTHING_LEFT => format!(
                 " It looks like {part}, but a size of none fits too, or data that the fit did not see are predicted no \
@@ -176,19 +177,18 @@ fn unknown(diagnosis: &Diagnosis) -> String {
             ),
         });
     }
-    if !surely.is_empty() {
-        sentence.push_str(&format!(" {}", besides(&surely)));
-    }
-    sentence
+    sentence + &besides(&surely)
+}
+
+/// The check of the first cause that has one on unseen data.
+pub(crate) fn held_out_answer(diagnosis: &Diagnosis) -> Option<&HeldOutAnswer> {
+    let mut causes = diagnosis.causes.iter();
+    causes.find_map(|cause| cause.held_out.as_ref())
 }
 
 /// How much of the gap closes: on unseen data, else on the rows of the fit.
 fn closing(diagnosis: &Diagnosis) -> Option<String> {
-    let held_out = diagnosis
-        .causes
-        .iter()
-        .find_map(|cause| cause.held_out.as_ref());
-    if let Some(held_out) = held_out
+    if let Some(held_out) = held_out_answer(diagnosis)
         && let Some(text) = reduction(held_out.reduction_percent, held_out.reduction_ci95)
     {
         return Some(format!(
@@ -232,15 +232,11 @@ pub(crate) fn place_sentence(diagnosis: &Diagnosis) -> Option<String> {
     if let Some(joint) = place.joint {
         text.push_str(&format!(", joint {joint}"));
     }
-    let columns: Vec<String> = place
-        .depends_on
-        .iter()
-        .enumerate()
-        .map(|(index, column)| match place.explained.get(index) {
-            Some(share) => format!("{column} (explains {} alone)", percent(*share)),
-            None => column.clone(),
-        })
-        .collect();
+    let column = |(index, column): (usize, &String)| match place.explained.get(index) {
+        Some(share) => format!("{column} (explains {} alone)", percent(*share)),
+        None => column.clone(),
+    };
+    let columns: Vec<String> = place.depends_on.iter().enumerate().map(column).collect();
     if !columns.is_empty() {
         text.push_str(&format!("; depends on {}", listed(&columns)));
     }
@@ -285,25 +281,17 @@ pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
 
 /// The parameters of a cause: `stiffness 258 [243, 273] N m/rad`.
 pub(crate) fn parameters(cause: &CauseAnswer) -> String {
-    let texts: Vec<String> = cause
-        .parameters
-        .iter()
-        .map(|(name, parameter)| {
-            let quantity = Quantity::new(&cause.effect, name, parameter.value);
-            let value = quantity.text(parameter.value, parameter.ci95);
-            format!("{} {value}", quantity.words)
-        })
-        .collect();
-    texts.join(", ")
+    let texts = cause.parameters.iter().map(|(name, parameter)| {
+        let quantity = Quantity::new(&cause.effect, name, parameter.value);
+        let value = quantity.text(parameter.value, parameter.ci95);
+        format!("{} {value}", quantity.words)
+    });
+    texts.collect::<Vec<_>>().join(", ")
 }
 
 /// `a`, `a and b`, `a, b and c`.
 pub(crate) fn listed(names: &[String]) -> String {
     joined(names, "and")
-}
-
-fn listed_or(names: &[String]) -> String {
-    joined(names, "or")
 }
 
 fn joined(names: &[String], word: &str) -> String {

@@ -107,6 +107,12 @@ impl Error {
         failure
     }
 
+    /// A reading of a channel that is too large to be squared.
+    pub fn overflow(what: String, channel: &str, log: &Path, line: Option<u64>) -> Self {
+        let next = format!("correct the reading of {channel} or leave its cell empty");
+        Self::log_line("overflow", what, log, line, next)
+    }
+
     /// Bad arguments.
     pub fn command_line(
         name: &'static str,

@@ -9,8 +9,7 @@ pub use output::{
 };
 pub(crate) use provenance::without_comments;
 pub use provenance::{
-    IdentifiabilityThresholds, OutputFile, Record, SearchThresholds, Thresholds, VERSION,
-    is_seal_whole, sealed_json, shell_word,
+    OutputFile, Record, Thresholds, VERSION, is_seal_whole, sealed_json, shell_word,
 };
 pub(crate) use source::HashingReader;
 pub use source::{Fingerprint, InputFile, Source, file_name};

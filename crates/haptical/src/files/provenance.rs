@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use haptical_calibration::Options;
-use haptical_identification::Method;
-use haptical_report::{Block, Table};
+use haptical_identification::{IdentifiabilityRules, Settings};
+use haptical_report::Table;
 use serde::{Deserialize, Serialize};
 
 use super::{Fingerprint, InputFile, NewFile};
@@ -17,7 +17,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// they do not know.
 const COMMENT: &str = "# provenance: ";
 
-/// Stands for the SHA-256 of a result while it is worked out.
+/// Placeholder of the SHA-256 of a result while it is worked out.
 const UNSEALED: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
 /// How a result came about. The number of threads is not in it: it changes nothing.
@@ -39,7 +39,7 @@ pub struct Record {
     pub thresholds: Option<Thresholds>,
     /// The other files of the result.
     pub outputs: Vec<OutputFile>,
-    /// SHA-256 of the file that this stands in, with 64 zeros in its place.
+    /// SHA-256 of the file that this is in, with 64 zeros in its place.
     pub result_sha256: String,
 }
 
@@ -58,57 +58,17 @@ pub struct OutputFile {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Thresholds {
     /// When a parameter counts as identifiable.
-    pub identifiability: IdentifiabilityThresholds,
+    pub identifiability: IdentifiabilityRules,
     /// When a search ends.
-    pub search: SearchThresholds,
-}
-
-/// When a parameter counts as identifiable.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct IdentifiabilityThresholds {
-    /// Column norms below this share of the largest are zero.
-    pub zero_tolerance: f64,
-    /// Remainders below this share of the largest are dependent.
-    pub rank_tolerance: f64,
-    /// Share of the plausible size above which a standard deviation is weak.
-    pub weak_share: f64,
-}
-
-/// When a search ends.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SearchThresholds {
-    /// Gauss-Newton or Levenberg-Marquardt.
-    pub method: Method,
-    /// Most steps.
-    pub max_iterations: usize,
-    /// Relative change of the cost that ends it.
-    pub cost_tolerance: f64,
-    /// Relative step that ends it.
-    pub step_tolerance: f64,
-    /// Remainders below this share of the largest are dependent.
-    pub rank_tolerance: f64,
-    /// First damping.
-    pub initial_damping: f64,
+    pub search: Settings,
 }
 
 impl Thresholds {
     /// Those of an identification with these options.
     pub fn from_options(options: &Options) -> Self {
-        let (rules, search) = (&options.rules, &options.search);
         Self {
-            identifiability: IdentifiabilityThresholds {
-                zero_tolerance: rules.zero_tolerance,
-                rank_tolerance: rules.rank_tolerance,
-                weak_share: rules.weak_share,
-            },
-            search: SearchThresholds {
-                method: search.method,
-                max_iterations: search.max_iterations,
-                cost_tolerance: search.cost_tolerance,
-                step_tolerance: search.step_tolerance,
-                rank_tolerance: search.rank_tolerance,
-                initial_damping: search.initial_damping,
-            },
+            identifiability: options.rules,
+            search: options.search,
         }
     }
 }
@@ -135,15 +95,8 @@ impl Record {
 
     /// The same with the files that lie beside the one that holds it.
     pub fn with_outputs(&self, files: &[NewFile<'_>]) -> Self {
-        let outputs = files.iter().map(|(name, content)| {
-            let Fingerprint { bytes, sha256 } = Fingerprint::from_bytes(content);
-            let file = (*name).to_owned();
-            OutputFile {
-                file,
-                bytes,
-                sha256,
-            }
-        });
+        let outputs = files.iter();
+        let outputs = outputs.map(|(name, content)| Fingerprint::from_bytes(content).output(name));
         Self {
             outputs: outputs.collect(),
             ..self.clone()
@@ -155,32 +108,23 @@ impl Record {
     /// # Errors
     /// A fault of this library alone.
     pub fn lines(&self) -> Result<Vec<(String, String)>, Error> {
+        let version = format!("haptical {}", self.haptical_version);
         let mut lines = vec![
-            (
-                "version".to_owned(),
-                format!("haptical {}", self.haptical_version),
-            ),
+            ("version".to_owned(), version),
             ("command line".to_owned(), self.command_line()),
         ];
-        for input in &self.inputs {
-            let InputFile {
-                file,
-                bytes,
-                sha256,
-                ..
-            } = input;
+        lines.extend(self.inputs.iter().map(|input| {
+            let (file, bytes, sha256) = (&input.file, input.bytes, &input.sha256);
             let value = format!("{file}, {bytes} bytes, SHA-256 {sha256}");
-            lines.push((input.flag.clone(), value));
-        }
-        let seeds: Vec<String> = self
+            (input.flag.clone(), value)
+        }));
+        let seeds = self
             .seeds
             .iter()
-            .map(|(purpose, seed)| format!("{purpose} {seed}"))
-            .collect();
-        let seeds = if seeds.is_empty() {
-            "none, no random numbers are drawn".to_owned()
-        } else {
-            seeds.join(", ")
+            .map(|(purpose, seed)| format!("{purpose} {seed}"));
+        let seeds = match seeds.collect::<Vec<_>>().as_slice() {
+            [] => "none, no random numbers are drawn".to_owned(),
+            seeds => seeds.join(", "),
         };
         lines.push(("seeds".to_owned(), seeds));
         if let Some(thresholds) = &self.thresholds {
@@ -213,13 +157,10 @@ impl Record {
     ///
     /// # Errors
     /// A fault of this library alone.
-    pub fn table(&self) -> Result<Block, Error> {
-        let columns = "what | value";
-        let mut table = Table::with_heads("", columns);
-        for (what, value) in self.lines()? {
-            table.push(vec![what.into(), value.into()])?;
-        }
-        Ok(Block::Table(table))
+    pub fn table(&self) -> Result<Table, Error> {
+        let rows = self.lines()?.into_iter();
+        let rows = rows.map(|(what, value)| vec![what.into(), value.into()]);
+        Ok(Table::with_heads("", "what | value").with_rows(rows)?)
     }
 
     /// The record as comments at the head of a TOML file.
@@ -247,13 +188,11 @@ pub(crate) fn without_comments(text: &str) -> &str {
 fn words(numbers: &impl Serialize) -> Result<String, Error> {
     let value = serde_json::to_value(numbers).map_err(Error::internal)?;
     let fields = value.as_object().into_iter().flatten();
-    let words: Vec<String> = fields
-        .map(|(name, value)| match value.as_str() {
-            Some(text) => format!("{name} {text}"),
-            None => format!("{name} {value}"),
-        })
-        .collect();
-    Ok(words.join(", "))
+    let words = fields.map(|(name, value)| match value.as_str() {
+        Some(text) => format!("{name} {text}"),
+        None => format!("{name} {value}"),
+    });
+    Ok(words.collect::<Vec<_>>().join(", "))
 }
 
 /// A result as JSON, with its own SHA-256 in it.
@@ -267,7 +206,7 @@ pub fn sealed_json(result: &impl Serialize) -> Result<String, Error> {
     Ok(json.replacen(&seal(UNSEALED), &seal(&sha256), 1))
 }
 
-/// Whether a result as JSON has the SHA-256 that stands in it.
+/// Whether a result as JSON has the SHA-256 that is written in it.
 pub fn is_seal_whole(json: &str, sha256: &str) -> bool {
     let unsealed = json.replacen(&seal(sha256), &seal(UNSEALED), 1);
     Fingerprint::from_bytes(unsealed.as_bytes()).sha256 == sha256

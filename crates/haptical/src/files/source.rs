@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::OutputFile;
+
 /// A file to read, and the name that results give it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
@@ -51,9 +53,8 @@ impl Source {
             path.to_string_lossy().into_owned()
         };
         Self {
-            path: path.to_owned(),
             label,
-            text: None,
+            ..Self::by_path(path)
         }
     }
 
@@ -94,11 +95,8 @@ impl Source {
     /// read only once.
     pub fn fingerprint_text(&self, text: &str) -> Fingerprint {
         let is_file = self.text.is_none() && self.path.is_file();
-        let again = if is_file {
-            Fingerprint::of_file(&self.path).ok()
-        } else {
-            None
-        };
+        let again = is_file.then(|| Fingerprint::of_file(&self.path).ok());
+        let again = again.flatten();
         again.unwrap_or_else(|| Fingerprint::from_bytes(text.as_bytes()))
     }
 
@@ -123,6 +121,15 @@ impl InputFile {
 }
 
 impl Fingerprint {
+    /// What a result says of a file of its own with these bytes.
+    pub fn output(self, name: &str) -> OutputFile {
+        OutputFile {
+            file: name.to_owned(),
+            bytes: self.bytes,
+            sha256: self.sha256,
+        }
+    }
+
     /// Of bytes in memory.
     pub fn from_bytes(bytes: &[u8]) -> Self {
         Self {

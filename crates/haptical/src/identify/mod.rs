@@ -263,11 +263,8 @@ fn refuse_overflow(
     recording: &Recording,
     log: &Path,
 ) -> Result<(), Error> {
-    let reports = calibration
-        .held_out_channels
-        .iter()
-        .chain(&calibration.fit_channels);
-    for report in reports {
+    let reports = calibration.held_out_channels.iter();
+    for report in reports.chain(&calibration.fit_channels) {
         if report.rms_before.is_finite() && report.rms_after.is_finite() {
             continue;
         }
@@ -275,19 +272,9 @@ fn refuse_overflow(
         let width = (report.before.len() / report.rows.len().max(1)).max(1);
         let largest = report.before.iter().enumerate().max_by(by_size);
         let line = largest.map(|(index, _)| recording.line[report.rows[index / width]]);
-        return Err(Error::log_line(
-            "overflow",
-            format!(
-                "the residual of {} is too large to be squared",
-                report.channel
-            ),
-            log,
-            line,
-            format!(
-                "correct the reading of {} or leave its cell empty",
-                report.channel
-            ),
-        ));
+        let channel = &report.channel;
+        let what = format!("the residual of {channel} is too large to be squared");
+        return Err(Error::overflow(what, channel, log, line));
     }
     Ok(())
 }

@@ -73,6 +73,13 @@ impl Identified {
         let fit = self.channels_fit.iter();
         fit.filter(move |report| !is_checked(&report.channel))
     }
+
+    /// SI unit of a channel; empty for an unknown one.
+    pub(super) fn unit(&self, channel: &str) -> &str {
+        let mut reports = self.channels.iter().chain(&self.channels_fit);
+        let report = reports.find(|report| report.channel == channel);
+        report.map_or("", |report| report.unit.as_str())
+    }
 }
 
 /// One candidate parameter.
@@ -202,11 +209,9 @@ pub(super) fn identified(
     warnings: Vec<String>,
 ) -> Identified {
     let fitted = &calibration.fitted;
-    let steps: Vec<&ParameterFit> = fitted
-        .transmissions
-        .iter()
-        .filter_map(|transmission| transmission.fit.as_ref())
-        .collect();
+    let steps = fitted.transmissions.iter();
+    let steps = steps.filter_map(|transmission| transmission.fit.as_ref());
+    let steps: Vec<&ParameterFit> = steps.collect();
     let fits: Vec<&ParameterFit> = match &fitted.whole {
         Some(whole) => vec![whole],
         None => steps.clone(),
@@ -222,6 +227,13 @@ pub(super) fn identified(
         }
     }
     let not_identified = parameters.iter().filter_map(refusal).collect();
+    let correlations = fits.iter().flat_map(|fit| fit.high_correlations());
+    let at_nominal = fits.iter().map(|fit| &fit.nominal_identifiability);
+    let weights = &fitted.weights;
+    let noise = weights.channel_sd.iter().map(|(channel, &stated)| {
+        let factor = weights.factor.get(channel).copied().unwrap_or(1.0);
+        (channel.name(), NoiseEntry { stated, factor })
+    });
     Identified {
         haptical_version: described.record.haptical_version.clone(),
         device: described.device,
@@ -239,24 +251,11 @@ pub(super) fn identified(
         search: fitted.whole.as_ref().map(|whole| whole.starts.clone()),
         identifiability: IdentifiabilityEntry {
             solution: RankEntry::from_judgements(fits.iter().map(|fit| &fit.identifiability)),
-            at_nominal: RankEntry::from_judgements(
-                fits.iter().map(|fit| &fit.nominal_identifiability),
-            ),
+            at_nominal: RankEntry::from_judgements(at_nominal),
         },
-        correlations_above_0_95: fits
-            .iter()
-            .flat_map(|fit| fit.high_correlations())
-            .collect(),
+        correlations_above_0_95: correlations.collect(),
         force_direction,
-        noise: fitted
-            .weights
-            .channel_sd
-            .iter()
-            .map(|(channel, &stated)| {
-                let factor = fitted.weights.factor.get(channel).copied().unwrap_or(1.0);
-                (channel.name(), NoiseEntry { stated, factor })
-            })
-            .collect(),
+        noise: noise.collect(),
         loss: LossEntry::new(fitted.robust.as_ref()),
         outliers: calibration.outliers.clone(),
         parameters,
@@ -277,14 +276,10 @@ fn entries(fit: &ParameterFit, nominal: &Device, device: &Device) -> Vec<Paramet
                 Status::Dependent { combination } => Some(combination.clone()),
                 _ => None,
             };
-            let reason = fit.identifiability.reason(index).or_else(|| {
-                estimate.value.is_none().then(|| {
-                    format!(
-                        "{} was held: it could not be fitted at the nominal device",
-                        estimate.name
-                    )
-                })
-            });
+            let name = &estimate.name;
+            let held = || format!("{name} was held: it could not be fitted at the nominal device");
+            let reason = fit.identifiability.reason(index);
+            let reason = reason.or_else(|| estimate.value.is_none().then(held));
             ParameterEntry {
                 name: estimate.name.clone(),
                 key: parameter.key(device),
@@ -309,26 +304,19 @@ fn nominal_value(parameter: ParameterId, nominal: &Device, device: &Device) -> O
         return Some(parameter.value(nominal));
     };
     let was = &nominal.joints[joint].transmission_error;
-    match (was, &device.joints[joint].transmission_error) {
-        (TransmissionError::Capstan(_), TransmissionError::Capstan(_))
-        | (TransmissionError::Parallelogram { .. }, TransmissionError::Parallelogram { .. }) => {
-            Some(parameter.value(nominal))
-        }
-        (
-            TransmissionError::Chebyshev {
-                range_rad,
-                coefficients,
-            },
-            TransmissionError::Chebyshev {
-                range_rad: range,
-                coefficients: now,
-            },
-        ) if range_rad == range && coefficients.len() == now.len() => {
-            Some(parameter.value(nominal))
-        }
-        _ if *was == TransmissionError::default() => Some(0.0),
+    let now = &device.joints[joint].transmission_error;
+    let series = |error: &TransmissionError| match error {
+        TransmissionError::Chebyshev {
+            range_rad,
+            coefficients,
+        } => Some((*range_rad, coefficients.len())),
         _ => None,
+    };
+    let is_same_form = std::mem::discriminant(was) == std::mem::discriminant(now);
+    if is_same_form && series(was) == series(now) {
+        return Some(parameter.value(nominal));
     }
+    (*was == TransmissionError::default()).then_some(0.0)
 }
 
 fn refusal(entry: &ParameterEntry) -> Option<NotIdentified> {

@@ -1,7 +1,7 @@
 //! An identification in a few lines for a terminal.
 
 use haptical_calibration::ChannelReport;
-use haptical_report::{Cell, Column, Table};
+use haptical_report::{Cell, Table};
 
 use super::result::Identified;
 use crate::error::Error;
@@ -75,49 +75,36 @@ pub(super) fn judged_table(title: &str, result: &Identified) -> Result<Table, Er
     Ok(table)
 }
 
-/// Before, after and floor of each channel; where a channel has outliers, without them and, beside, with them.
+/// Before, after and floor of each channel; where a channel has outliers, without and with them.
 pub(super) fn channel_table(title: &str, channels: &[ChannelReport]) -> Result<Table, Error> {
     let has_outliers = channels.iter().any(|channel| channel.outliers > 0);
-    let mut columns = vec![
-        Column::new("channel", ""),
-        Column::new("unit", ""),
-        Column::new("readings", ""),
-    ];
-    if has_outliers {
-        columns.push(Column::new("outliers", ""));
-    }
-    columns.extend([Column::new("before", ""), Column::new("after", "")]);
-    if has_outliers {
-        columns.push(Column::new("after, outliers too", ""));
-    }
-    columns.push(Column::new("noise floor", ""));
-    columns.push(Column::new("reduction", "%"));
-    let title = if has_outliers {
-        format!("{title}; outliers are left out of before, after and reduction")
-    } else {
-        title.to_owned()
-    };
-    let mut table = Table::new(title, columns);
-    for channel in channels {
+    let row = |channel: &ChannelReport| {
         let shown = Shown::fine(&channel.unit);
         let mut row = vec![
-            channel.channel.as_str().into(),
+            (&channel.channel).into(),
             shown.name.into(),
             Cell::number(channel.readings as f64, 0),
+            shown.cell(channel.rms_before_good),
+            shown.cell(channel.rms_after_good),
+            shown.cell(channel.noise_floor),
+            Cell::number_or_missing(channel.reduction_percent_good, 2),
         ];
         if has_outliers {
-            row.push(Cell::number(channel.outliers as f64, 0));
+            row.insert(5, shown.cell(channel.rms_after));
+            row.insert(3, Cell::number(channel.outliers as f64, 0));
         }
-        row.push(shown.cell(channel.rms_before_good));
-        row.push(shown.cell(channel.rms_after_good));
-        if has_outliers {
-            row.push(shown.cell(channel.rms_after));
-        }
-        row.push(shown.cell(channel.noise_floor));
-        row.push(Cell::number_or_missing(channel.reduction_percent_good, 2));
-        table.push(row)?;
-    }
-    Ok(table)
+        row
+    };
+    let table = if has_outliers {
+        let columns = "channel | unit | readings | outliers | before | after | after, outliers too | noise floor | \
+                 reduction [%]";
+        let title = format!("{title}; outliers are left out of before, after and reduction");
+        Table::with_heads(title, columns)
+    } else {
+        let columns = "channel | unit | readings | before | after | noise floor | reduction [%]";
+        Table::with_heads(title, columns)
+    };
+    Ok(table.with_rows(channels.iter().map(row))?)
 }
 
 fn shorten(reason: &str) -> String {

@@ -39,23 +39,21 @@ pub(super) fn transmissions(
         .iter()
         .map(|transmission| {
             let prefix = format!("joint[{}].", transmission.joint + 1);
+            let own = parameters
+                .iter()
+                .filter(|entry| entry.key.starts_with(&prefix));
+            let fit = transmission.fit.as_ref();
             TransmissionEntry {
                 joint: transmission.joint + 1,
                 terms: transmission.terms,
                 range_rad: transmission.range_rad,
                 evidence: transmission.evidence.clone(),
-                convergence: transmission.fit.as_ref().map(|fit| fit.convergence),
-                parameters: parameters
-                    .iter()
-                    .filter(|entry| entry.key.starts_with(&prefix))
-                    .cloned()
-                    .collect(),
+                convergence: fit.map(|fit| fit.convergence),
+                parameters: own.cloned().collect(),
                 polynomial_monomials: calibration.device.joints[transmission.joint]
                     .transmission_error
                     .monomials(),
-                identifiability: transmission
-                    .fit
-                    .as_ref()
+                identifiability: fit
                     .map(|fit| RankEntry::from_judgements(std::iter::once(&fit.identifiability))),
             }
         })
@@ -64,16 +62,15 @@ pub(super) fn transmissions(
 
 /// A form in words.
 pub(super) fn form_in_words(terms: TransmissionTerms) -> String {
-    match terms {
-        TransmissionTerms::None => "no error".to_owned(),
-        TransmissionTerms::Offset => "offset".to_owned(),
-        TransmissionTerms::OffsetRatio => "offset and ratio".to_owned(),
-        TransmissionTerms::OffsetEccentricity => "offset and output eccentricity".to_owned(),
-        TransmissionTerms::OffsetRatioEccentricity => {
-            "offset, ratio and output eccentricity".to_owned()
-        }
-        TransmissionTerms::Capstan => "equation (1)".to_owned(),
-        TransmissionTerms::ZeroedCapstan => "equation (1) without offset, zero at home".to_owned(),
-        TransmissionTerms::Polynomial(degree) => format!("polynomial of degree {degree}"),
-    }
+    let words = match terms {
+        TransmissionTerms::None => "no error",
+        TransmissionTerms::Offset => "offset",
+        TransmissionTerms::OffsetRatio => "offset and ratio",
+        TransmissionTerms::OffsetEccentricity => "offset and output eccentricity",
+        TransmissionTerms::OffsetRatioEccentricity => "offset, ratio and output eccentricity",
+        TransmissionTerms::Capstan => "equation (1)",
+        TransmissionTerms::ZeroedCapstan => "equation (1) without offset, zero at home",
+        TransmissionTerms::Polynomial(degree) => return format!("polynomial of degree {degree}"),
+    };
+    words.to_owned()
 }

@@ -77,7 +77,7 @@ pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
         let blocks = vec![Block::List(lines), Block::Table(predicted(next)?)];
         sections.push(Section::new("Next poses", blocks));
     }
-    let record = vec![plan.provenance.table()?];
+    let record = vec![plan.provenance.table()?.into()];
     sections.push(Section::new("How this came about", record));
     let lead = format!("{}: before anything is measured.", plan.device);
     Ok(Document::new("Plan", lead, sections).to_html())
@@ -85,14 +85,13 @@ pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
 
 fn predicted(next: &NextPoses) -> Result<Table, Error> {
     let columns = "parameter | unit | plausible size | standard deviation";
-    let mut table = Table::with_heads("What the chosen poses will tell", columns);
-    for parameter in &next.parameters {
-        table.push(vec![
-            parameter.name.as_str().into(),
-            parameter.unit.as_str().into(),
+    let rows = next.parameters.iter().map(|parameter| {
+        vec![
+            (&parameter.name).into(),
+            (&parameter.unit).into(),
             Cell::scientific(parameter.plausible_size, 2),
             Cell::scientific(parameter.standard_deviation, 3),
-        ])?;
-    }
-    Ok(table)
+        ]
+    });
+    Ok(Table::with_heads("What the chosen poses will tell", columns).with_rows(rows)?)
 }

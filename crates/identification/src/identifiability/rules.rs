@@ -1,11 +1,12 @@
 //! Thresholds that decide whether a parameter counts as fixed by the data.
 
 use haptical_linalg::RANK_TOLERANCE;
+use serde::Serialize;
 
 use crate::IdentificationError;
 
 /// Thresholds of the analysis.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct IdentifiabilityRules {
     /// A column whose plausible effect is below this share of the largest is invisible.
     pub zero_tolerance: f64,
@@ -15,6 +16,7 @@ pub struct IdentifiabilityRules {
     pub weak_share: f64,
     /// Work out singular values, condition number and observability. Statuses, rank and standard
     /// deviations are the same without them, and take a fifth of the time: for many simulated devices.
+    #[serde(skip)]
     pub singular_values: bool,
 }
 

@@ -5,7 +5,7 @@ use haptical_report::{BarRow, BarRows, Block, Figure, HeatCell, HeatMap, Mark, S
 
 use super::FIGURE_PX;
 use crate::diagnose::quantity::axis_label;
-use crate::diagnose::words::{main_channel, named_at};
+use crate::diagnose::words::{column, main_channel, named_at};
 use crate::error::Error;
 use crate::units::{Shown, decimals};
 
@@ -63,34 +63,19 @@ pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
     };
     let before = budget.levels[0];
     row("before".to_owned(), 0.0, before, BEFORE, text(before));
-    for (index, (cause, pair)) in diagnosis
-        .causes
-        .iter()
-        .zip(budget.levels.windows(2))
-        .enumerate()
-    {
+    let causes = diagnosis.causes.iter().zip(budget.levels.windows(2));
+    for ((cause, pair), colour) in causes.zip(CAUSES.into_iter().cycle()) {
         let name = named_at(&cause.effect, cause.joint);
-        let colour = CAUSES[index % CAUSES.len()];
         let step = pair[1] - pair[0];
         let sign = if step > 0.0 { "+" } else { "−" };
-        row(
-            name,
-            pair[0],
-            pair[1],
-            colour,
-            format!("{sign}{}", text(step.abs())),
-        );
+        let value = format!("{sign}{}", text(step.abs()));
+        row(name, pair[0], pair[1], colour, value);
     }
     let after = budget.levels.last().copied().unwrap_or(before);
     let floor = budget.floor;
     let left = (after - floor).max(0.0);
-    row(
-        "left unexplained".to_owned(),
-        floor + left,
-        floor,
-        LEFT,
-        text(left),
-    );
+    let name = "left unexplained".to_owned();
+    row(name, floor + left, floor, LEFT, text(left));
     row("noise floor".to_owned(), floor, 0.0, NOISE, text(floor));
     Ok(Some(Block::Svg {
         caption: budget.note.to_owned(),
@@ -104,12 +89,8 @@ fn budget(diagnosis: &Diagnosis, channel: &ChannelGap) -> Budget {
     if diagnosis.causes.len() <= 1 {
         let shown = Shown::fine(&channel.unit);
         let mut levels = vec![channel.rms_before * shown.per_si];
-        levels.extend(
-            diagnosis
-                .causes
-                .iter()
-                .map(|_| channel.rms_after * shown.per_si),
-        );
+        let after = channel.rms_after * shown.per_si;
+        levels.extend(diagnosis.causes.iter().map(|_| after));
         return Budget {
             title: format!("Gap of {}", channel.channel),
             label: format!("root mean square of the residual [{}]", shown.name),
@@ -183,12 +164,8 @@ fn beside_noise(channels: &[ChannelGap]) -> Result<Block, Error> {
 /// Residuals before and after over the covariate that matters, with the noise behind them.
 pub(super) fn traces(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     let drawn = |trace: &&Trace| trace.at.iter().any(|at| at.is_finite());
-    diagnosis
-        .traces
-        .iter()
-        .filter(drawn)
-        .map(|trace| trace_figure(diagnosis, trace))
-        .collect()
+    let traces = diagnosis.traces.iter().filter(drawn);
+    traces.map(|trace| trace_figure(diagnosis, trace)).collect()
 }
 
 fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
@@ -209,38 +186,26 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
         column.clone(),
         format!("residual [{}]", shown.name),
     );
-    let (low, high) = trace
-        .at
-        .iter()
-        .filter(|at| at.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &at| {
-            (low.min(at), high.max(at))
-        });
-    let floor = diagnosis
-        .gap
-        .channels
-        .iter()
-        .find(|channel| channel.channel == trace.channel)
-        .map(|channel| 2.0 * channel.noise_floor * shown.per_si);
+    let finite = trace.at.iter().filter(|at| at.is_finite());
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = finite.fold(ends, |(low, high), &at| (low.min(at), high.max(at)));
+    let mut channels = diagnosis.gap.channels.iter();
+    let channel = channels.find(|channel| channel.channel == trace.channel);
+    let floor = channel.map(|channel| 2.0 * channel.noise_floor * shown.per_si);
     if let Some(noise) = floor.filter(|_| high > low) {
         let ends = [(low, -noise, noise), (high, -noise, noise)];
-        figure
-            .series
-            .push(Series::band("noise (2 standard deviations)", NOISE, &ends));
+        let band = Series::band("noise (2 standard deviations)", NOISE, &ends);
+        figure.series.push(band);
     }
-    let before = points(&trace.before);
-    figure
-        .series
-        .push(Series::new("before", Mark::Points, BEFORE, before));
+    let mut push = |label: &str, colour, residuals: &[f64]| {
+        let series = Series::new(label, Mark::Points, colour, points(residuals));
+        figure.series.push(series);
+    };
+    push("before", BEFORE, &trace.before);
     let caption = if diagnosis.causes.is_empty() {
         "What the model leaves; no cause was found."
     } else {
-        figure.series.push(Series::new(
-            "after",
-            Mark::Points,
-            AFTER,
-            points(&trace.after),
-        ));
+        push("after", AFTER, &trace.after);
         "The residual before and after the causes are put into the model."
     };
     figure.series.retain(|series| !series.points.is_empty());
@@ -254,7 +219,7 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
 pub(super) fn candidates(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
     let all = &diagnosis.candidates;
     let mut joints: Vec<Option<usize>> = all.iter().map(|candidate| candidate.joint).collect();
-    // The device as a whole stands last.
+    // The device as a whole comes last.
     joints.sort_unstable_by_key(|joint| joint.unwrap_or(usize::MAX));
     joints.dedup();
     let mut effects: Vec<(&str, f64)> = Vec::new();
@@ -272,10 +237,7 @@ pub(super) fn candidates(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> 
     if effects.is_empty() {
         return Ok(None);
     }
-    let columns = joints
-        .iter()
-        .map(|joint| joint.map_or("device".to_owned(), |joint| format!("joint {joint}")))
-        .collect();
+    let columns = joints.iter().map(|joint| column(*joint)).collect();
     let mut map = HeatMap::new("Candidates: nats behind the best", columns);
     for (effect, _) in effects {
         let cell = |joint: &Option<usize>| {
@@ -304,12 +266,10 @@ pub(super) fn candidates(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> 
 
 /// Nats as people read them.
 fn nats(behind: f64) -> String {
-    if behind > FARTHEST_NATS {
-        format!("> {FARTHEST_NATS:.0}")
-    } else if behind < 9.95 {
-        format!("{behind:.1}")
-    } else {
-        format!("{behind:.0}")
+    match behind {
+        _ if behind > FARTHEST_NATS => format!("> {FARTHEST_NATS:.0}"),
+        _ if behind < 9.95 => format!("{behind:.1}"),
+        _ => format!("{behind:.0}"),
     }
 }
 

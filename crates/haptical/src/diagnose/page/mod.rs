@@ -6,9 +6,9 @@ mod tables;
 use haptical_diagnosis::{Diagnosis, Verdict};
 use haptical_report::{Block, Document, Section, Table, Tone};
 
-use crate::diagnose::gap_file::GapFile;
 use crate::diagnose::words::{next_step, percent, place_sentence, verdict_mark, verdict_sentence};
 use crate::error::Error;
+use crate::files::Record;
 
 /// Width of a figure, and height of one with two axes \[px\].
 const FIGURE_PX: (u32, u32) = (860, 340);
@@ -16,8 +16,7 @@ const FIGURE_PX: (u32, u32) = (860, 340);
 const OPEN_FIGURES: usize = 1;
 
 /// The whole page.
-pub(in crate::diagnose) fn page(gap: &GapFile<'_>) -> Result<String, Error> {
-    let diagnosis = gap.diagnosis;
+pub(in crate::diagnose) fn page(diagnosis: &Diagnosis, record: &Record) -> Result<String, Error> {
     let mut sections = vec![answer(diagnosis)?];
     let place = place(diagnosis)?;
     if !place.is_empty() {
@@ -34,11 +33,10 @@ pub(in crate::diagnose) fn page(gap: &GapFile<'_>) -> Result<String, Error> {
         let list = Block::List(diagnosis.warnings.clone());
         sections.push(Section::new("Warnings", vec![list]));
     }
-    sections.push(Section::new("Noise", vec![tables::noise(diagnosis)?]));
-    sections.push(Section::new(
-        "Provenance",
-        vec![gap.record.table()?, provenance(gap)?],
-    ));
+    let noise = tables::noise(diagnosis)?.into();
+    sections.push(Section::new("Noise", vec![noise]));
+    let tables = vec![record.table()?.into(), provenance(diagnosis)?.into()];
+    sections.push(Section::new("Provenance", tables));
     let name = &diagnosis.device.name;
     let title = format!("Diagnosis of {name}");
     Ok(Document::new(title, lead(diagnosis), sections).to_html())
@@ -74,7 +72,7 @@ fn answer(diagnosis: &Diagnosis) -> Result<Section, Error> {
         },
     ];
     blocks.extend(figures::gap(diagnosis)?);
-    blocks.push(tables::channels(diagnosis)?);
+    blocks.push(tables::channels(diagnosis)?.into());
     Ok(Section::new("Answer", blocks))
 }
 
@@ -84,7 +82,7 @@ fn place(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     if let Some(sentence) = place_sentence(diagnosis) {
         blocks.push(Block::Paragraph(format!("{sentence}.")));
     }
-    blocks.extend(tables::dependence(diagnosis)?);
+    blocks.extend(tables::dependence(diagnosis)?.map(Block::Table));
     let mut traces = figures::traces(diagnosis)?;
     let folded = traces.split_off(OPEN_FIGURES.min(traces.len()));
     blocks.extend(traces);
@@ -100,22 +98,19 @@ fn place(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
 /// What each cause is, how sure it is, and its numbers.
 fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     let mut blocks = Vec::new();
-    let words: Vec<String> = diagnosis
-        .causes
-        .iter()
-        .filter_map(|cause| {
-            let spec = haptical_effects::spec(&cause.effect)?;
-            Some(format!(
-                "{}: {}. Check {}.",
-                cause.effect, spec.meaning, spec.inspect
-            ))
-        })
-        .collect();
+    let words = diagnosis.causes.iter().filter_map(|cause| {
+        let spec = haptical_effects::spec(&cause.effect)?;
+        Some(format!(
+            "{}: {}. Check {}.",
+            spec.name, spec.meaning, spec.inspect
+        ))
+    });
+    let words: Vec<String> = words.collect();
     if !words.is_empty() {
         blocks.push(Block::List(words));
     }
-    blocks.push(tables::causes(diagnosis)?);
-    blocks.push(tables::parameters(diagnosis)?);
+    blocks.push(tables::causes(diagnosis)?.into());
+    blocks.push(tables::parameters(diagnosis)?.into());
     Ok(blocks)
 }
 
@@ -123,17 +118,15 @@ fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
 fn candidates(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     let mut blocks: Vec<Block> = figures::candidates(diagnosis)?.into_iter().collect();
     let (open, folded) = tables::candidates(diagnosis)?;
-    blocks.push(open);
-    if let Some(folded) = folded {
-        blocks.push(Block::Folded {
-            summary: "all candidates".to_owned(),
-            blocks: vec![folded],
-        });
-    }
+    blocks.push(open.into());
+    blocks.extend(folded.map(|table| Block::Folded {
+        summary: "all candidates".to_owned(),
+        blocks: vec![table.into()],
+    }));
     Ok(blocks)
 }
 
-/// What these data could not have shown.
+/// Effects that these data could not have shown.
 fn unseen(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     let mut blocks = Vec::new();
     if diagnosis.verdict == Verdict::NoGap {
@@ -143,63 +136,70 @@ fn unseen(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
         ));
     }
     if !diagnosis.plausibility.is_empty() {
-        blocks.push(tables::plausibility(diagnosis)?);
+        blocks.push(tables::plausibility(diagnosis)?.into());
     }
-    let mut fold = |count: usize, summary: String, block: Option<Block>| {
-        if let Some(block) = block.filter(|_| count > 0) {
+    let mut fold = |count: usize, summary: &str, table: Table| {
+        if count > 0 {
             blocks.push(Block::Folded {
-                summary,
-                blocks: vec![block],
+                summary: format!("{summary} ({count})"),
+                blocks: vec![table.into()],
             });
         }
     };
-    let count = diagnosis.detectable.len();
-    let summary = format!("What would have been noticed, and from which size on ({count})");
-    fold(count, summary, tables::detectable(diagnosis)?);
-    let count = diagnosis.invisible.len();
-    let summary = format!("Invisible: the model takes them for its own parameters ({count})");
-    fold(count, summary, tables::invisible(diagnosis)?);
-    let count = diagnosis.untestable.len();
-    let summary = format!("Untestable: this log lacks what they need ({count})");
-    fold(count, summary, tables::untestable(diagnosis)?);
+    let summary = "What would have been noticed, and from which size on";
+    fold(
+        diagnosis.detectable.len(),
+        summary,
+        tables::detectable(diagnosis)?,
+    );
+    let summary = "Invisible: the model takes them for its own parameters";
+    fold(
+        diagnosis.invisible.len(),
+        summary,
+        tables::invisible(diagnosis)?,
+    );
+    let summary = "Untestable: this log lacks what they need";
+    fold(
+        diagnosis.untestable.len(),
+        summary,
+        tables::untestable(diagnosis)?,
+    );
     if blocks.is_empty() {
         blocks.push(Block::Paragraph("Nothing is listed.".to_owned()));
     }
     Ok(blocks)
 }
 
-fn provenance(gap: &GapFile<'_>) -> Result<Block, Error> {
-    let diagnosis = gap.diagnosis;
+fn provenance(diagnosis: &Diagnosis) -> Result<Table, Error> {
     let from = &diagnosis.provenance;
-    let columns = "what | value";
-    let mut table = Table::with_heads("What the answer rests on", columns);
-    let mut row = |what: &str, value: String| table.push(vec![what.into(), value.into()]);
-    row("rows", from.rows.to_string())?;
-    if !diagnosis.held_out.is_empty() {
-        row("held out", diagnosis.held_out.clone())?;
-    }
-    row(
-        "parameters of the model",
-        format!(
-            "{}, {} fixed by the log",
-            from.base_parameters, from.base_identifiable
+    let (all, fixed) = (from.base_parameters, from.base_identifiable);
+    let mut rows = vec![
+        ("rows", from.rows.to_string()),
+        ("held out", diagnosis.held_out.clone()),
+        (
+            "parameters of the model",
+            format!("{all}, {fixed} fixed by the log"),
         ),
-    )?;
-    let last_step = format!(
-        "{:.1e} standard deviations of the residuals",
-        from.last_step
-    );
-    row("last step of its fit", last_step)?;
-    row("effects at their places tested", from.tested.to_string())?;
-    if !from.without.is_empty() {
-        row("left out on request", from.without.join(", "))?;
-    }
-    row("thresholds", from.thresholds.clone())?;
-    row(
-        "probability of none of the catalogue",
-        percent(diagnosis.probability_unknown),
-    )?;
-    Ok(Block::Table(table))
+        (
+            "last step of its fit",
+            format!(
+                "{:.1e} standard deviations of the residuals",
+                from.last_step
+            ),
+        ),
+        ("effects at their places tested", from.tested.to_string()),
+        ("left out on request", from.without.join(", ")),
+        ("thresholds", from.thresholds.clone()),
+        (
+            "probability of none of the catalogue",
+            percent(diagnosis.probability_unknown),
+        ),
+    ];
+    rows.retain(|(_, value)| !value.is_empty());
+    let rows = rows
+        .into_iter()
+        .map(|(what, value)| vec![what.into(), value.into()]);
+    Ok(Table::with_heads("What the answer rests on", "what | value").with_rows(rows)?)
 }
 
 #[cfg(test)]
@@ -217,15 +217,8 @@ mod tests {
             sha256: "0".to_owned(),
         };
         let inputs = vec![input("log", "log.csv"), input("validate", "log2.csv")];
-        page(&GapFile {
-            diagnosis,
-            device: "device.toml".to_owned(),
-            log: "log.csv".to_owned(),
-            validate: Some("log2.csv".to_owned()),
-            model: None,
-            record: Record::new("0", "diagnose", Vec::new(), inputs),
-        })
-        .unwrap()
+        let record = Record::new("0", "diagnose", Vec::new(), inputs);
+        page(diagnosis, &record).unwrap()
     }
 
     /// Positions of texts in the page, all present.

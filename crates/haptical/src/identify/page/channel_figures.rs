@@ -13,7 +13,7 @@ const BEFORE: usize = 0;
 const AFTER: usize = 1;
 const AFTER_HELD_OUT: usize = 2;
 
-/// Where the points of a figure stand: over what, and how it is called.
+/// The horizontal axis of a figure, and the place of each row on it.
 struct Axis<'a> {
     label: String,
     title: String,
@@ -30,13 +30,9 @@ pub(super) fn blocks(
          a kind every k-th is drawn. Rows not seen by the fit: {}.",
         calibration.held_out
     ))];
-    let names: Vec<&ChannelReport> = calibration
-        .fit_channels
-        .iter()
-        .chain(&calibration.held_out_channels)
-        .collect();
     let mut done: Vec<&str> = Vec::new();
-    for channel in names {
+    let fit = calibration.fit_channels.iter();
+    for channel in fit.chain(&calibration.held_out_channels) {
         if done.contains(&channel.channel.as_str()) {
             continue;
         }
@@ -51,52 +47,35 @@ pub(super) fn blocks(
 
 /// One figure; none where no residual has a place on the axis.
 fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Option<Block>, Error> {
-    let of = |reports: &[ChannelReport]| {
-        reports
-            .iter()
-            .find(|report| report.channel == name)
-            .cloned()
-    };
-    let fit = of(&calibration.fit_channels);
-    let held_out = of(&calibration.held_out_channels);
-    let unit = fit
-        .as_ref()
-        .or(held_out.as_ref())
-        .map_or("", |report| report.unit.as_str())
-        .to_owned();
-    let shown = Shown::fine(&unit);
+    let is_it = |report: &&ChannelReport| report.channel == name;
+    let fit = calibration.fit_channels.iter().find(is_it);
+    let held_out = calibration.held_out_channels.iter().find(is_it);
+    let unit = fit.or(held_out).map_or("", |report| report.unit.as_str());
+    let shown = Shown::fine(unit);
     let points =
         |report: &ChannelReport, residuals: &[f64]| points(report, residuals, axis, shown.per_si);
     // Folds of a short log hold out every row once, so that the fit's rows would be drawn twice.
-    let folds = matches!((&fit, &held_out), (Some(fit), Some(held_out))
+    let folds = matches!((fit, held_out), (Some(fit), Some(held_out))
         if held_out.rows.len() == fit.rows.len());
-    let mut before: Vec<(f64, f64)> = Vec::new();
-    let mut series = Vec::new();
-    if let Some(fit) = &fit {
-        before.extend(points(fit, &fit.before));
-        if !folds {
-            let after = thinned(points(fit, &fit.after));
-            series.push(Series::new(
-                "after, rows of the fit",
-                Mark::Points,
-                AFTER,
-                after,
-            ));
-        }
-    }
-    if let Some(held_out) = &held_out {
-        if !folds {
-            before.extend(points(held_out, &held_out.before));
-        }
-        let after = thinned(points(held_out, &held_out.after));
-        let label = "after, rows not seen by the fit";
-        series.push(Series::new(label, Mark::Points, AFTER_HELD_OUT, after));
-    }
+    let (fit_once, held_out_once) = (fit.filter(|_| !folds), held_out.filter(|_| !folds));
+    let all = fit.into_iter().chain(held_out_once);
+    let mut before: Vec<(f64, f64)> = all.flat_map(|own| points(own, &own.before)).collect();
     before.sort_by(|a, b| a.0.total_cmp(&b.0));
-    series.insert(
-        0,
-        Series::new("before", Mark::Points, BEFORE, thinned(before)),
-    );
+    let after = |report: Option<&ChannelReport>| {
+        report.map_or_else(Vec::new, |report| points(report, &report.after))
+    };
+    let series = [
+        ("before", BEFORE, before),
+        ("after, rows of the fit", AFTER, after(fit_once)),
+        (
+            "after, rows not seen by the fit",
+            AFTER_HELD_OUT,
+            after(held_out),
+        ),
+    ];
+    let series = series
+        .map(|(label, colour, points)| Series::new(label, Mark::Points, colour, thinned(points)));
+    let mut series = series.to_vec();
     series.retain(|series| !series.points.is_empty());
     if series.is_empty() {
         return Ok(None);
@@ -104,7 +83,7 @@ fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Opti
     let title = format!("{name}: residual {}", axis.title);
     let mut figure = Figure::new(&title, &axis.label, format!("residual [{}]", shown.name));
     figure.series = series;
-    let sizes = held_out.as_ref().or(fit.as_ref()).map(|report| {
+    let sizes = held_out.or(fit).map(|report| {
         format!(
             "Root mean square {} before and {} after, noise floor {}.",
             shown.text(report.rms_before),
@@ -118,7 +97,7 @@ fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Opti
     }))
 }
 
-/// Where each residual stands; those without a place on the axis are left out.
+/// The points of residuals; those without a place on the axis are left out.
 fn points(
     report: &ChannelReport,
     residuals: &[f64],
@@ -165,11 +144,9 @@ fn over_reading<'a>(channel: &ChannelReport, recording: &'a Recording) -> Option
             at: Box::new(|row| readings[row]),
         });
     }
-    let number = channel.channel.strip_prefix("cable")?;
-    let index = if number.is_empty() {
-        0
-    } else {
-        number.parse::<usize>().ok()?.checked_sub(1)?
+    let index = match channel.channel.strip_prefix("cable")? {
+        "" => 0,
+        number => number.parse::<usize>().ok()?.checked_sub(1)?,
     };
     let distances = recording.cable_m.get(index)?.as_ref()?;
     Some(Axis {

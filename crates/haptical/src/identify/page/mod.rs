@@ -26,11 +26,8 @@ pub(super) fn page(
     nominal: &Device,
     recording: &Recording,
 ) -> Result<String, Error> {
-    let mut sections = vec![residuals(result)?];
-    sections.push(Section::new(
-        "Residuals",
-        channel_figures::blocks(calibration, recording)?,
-    ));
+    let figures = channel_figures::blocks(calibration, recording)?;
+    let mut sections = vec![residuals(result)?, Section::new("Residuals", figures)];
     if !result.outliers.is_empty() {
         sections.push(outliers::section(result)?);
     }
@@ -38,23 +35,15 @@ pub(super) fn page(
     if !transmissions.is_empty() {
         sections.push(Section::new("Transmissions", transmissions));
     }
-    sections.push(Section::new(
-        "Parameters",
-        parameter_tables::identified(result)?,
-    ));
-    sections.push(Section::new(
-        "What was not identified",
-        parameter_tables::not_identified(result)?,
-    ));
-    sections.push(Section::new(
-        "Correlations",
-        parameter_tables::correlations(result)?,
-    ));
+    let parameters = vec![parameter_tables::identified(result)?.into()];
+    sections.push(Section::new("Parameters", parameters));
+    let refused = parameter_tables::not_identified(result)?;
+    sections.push(Section::new("What was not identified", refused));
+    let correlations = vec![parameter_tables::correlations(result)?];
+    sections.push(Section::new("Correlations", correlations));
     if !result.warnings.is_empty() {
-        sections.push(Section::new(
-            "Warnings",
-            vec![Block::List(result.warnings.clone())],
-        ));
+        let list = vec![Block::List(result.warnings.clone())];
+        sections.push(Section::new("Warnings", list));
     }
     sections.push(provenance(result)?);
     let title = format!("Identification of {}", nominal.name);
@@ -65,10 +54,8 @@ pub(super) fn page(
 /// external encoder with the largest residual.
 fn lead(result: &Identified) -> String {
     let by_size = |a: &&ChannelReport, b: &&ChannelReport| a.rms_before.total_cmp(&b.rms_before);
-    let chain = result
-        .channels
-        .iter()
-        .find(|channel| channel.joint.is_none());
+    let mut channels = result.channels.iter();
+    let chain = channels.find(|channel| channel.joint.is_none());
     let outputs = result.channels.iter().max_by(by_size);
     let Some(channel) = chain.or(outputs) else {
         return format!("The result is {}.", result.held_out);
@@ -80,10 +67,11 @@ fn lead(result: &Identified) -> String {
         1 => "; 1 outlier is left out of these figures".to_owned(),
         count => format!("; {count} outliers are left out of these figures"),
     };
-    let mut text = format!(
+    let force = force_sentence(result).map_or_else(String::new, |force| format!(" {force}"));
+    format!(
         "The root mean square residual of {} is {} before and {} after identification; the noise \
          floor is {}{outliers}. Rows that this is measured on: {}. {fixed} of {} parameters were identified \
-         from {} rows.",
+         from {} rows.{force}",
         channel.channel,
         shown.text(channel.rms_before_good),
         shown.text(channel.rms_after_good),
@@ -91,11 +79,7 @@ fn lead(result: &Identified) -> String {
         result.held_out,
         result.parameters.len(),
         result.rows,
-    );
-    if let Some(force) = force_sentence(result) {
-        text = format!("{text} {force}");
-    }
-    text
+    )
 }
 
 fn residuals(result: &Identified) -> Result<Section, Error> {
@@ -106,57 +90,45 @@ fn residuals(result: &Identified) -> Result<Section, Error> {
          included. Reduction: share of the gap between residual and floor that was closed."
             .to_owned(),
     ];
-    let mut blocks = vec![Block::Table(table)];
+    let mut blocks = vec![table.into()];
     if result.held_out != "nothing held out" {
-        blocks.push(Block::Table(channel_table(
-            "The same on the rows of the fit",
-            &result.channels_fit,
-        )?));
+        let title = "The same on the rows of the fit";
+        blocks.push(channel_table(title, &result.channels_fit)?.into());
     }
     Ok(Section::new("Result", blocks))
 }
 
 fn provenance(result: &Identified) -> Result<Section, Error> {
-    let columns = "what | value";
-    let mut table = Table::with_heads("What was fitted", columns);
     let convergence = result.convergence.map_or_else(
         || "no parameter was fitted".to_owned(),
         |convergence| convergence.to_string(),
     );
-    for (what, value) in [
+    let search = format!("{convergence}, {} steps", result.iterations);
+    let fitted = [
         ("rows", result.rows.to_string()),
         ("method", result.method.to_owned()),
         ("held out", result.held_out.clone()),
-        (
-            "search",
-            format!("{convergence}, {} steps", result.iterations),
-        ),
-    ] {
-        table.push(vec![what.into(), value.into()])?;
-    }
-    let mut blocks = vec![result.provenance.table()?, Block::Table(table)];
-    let columns = "channel | unit | stated noise | factor";
-    let mut noise = Table::with_heads("Noise that the fit was weighted by", columns);
-    noise.notes = vec![
-        "The factor is estimated from the residuals, 1 where the stated noise was taken."
-            .to_owned(),
+        ("search", search),
     ];
-    for (name, entry) in &result.noise {
-        let all = result.channels.iter().chain(&result.channels_fit);
-        let unit = all
-            .filter(|channel| channel.channel == *name)
-            .map(|channel| channel.unit.as_str())
-            .next();
-        let shown = Shown::fine(unit.unwrap_or_default());
-        noise.push(vec![
-            name.as_str().into(),
+    let fitted = fitted.map(|(what, value)| vec![what.into(), value.into()]);
+    let fitted = Table::with_heads("What was fitted", "what | value").with_rows(fitted)?;
+    let noise = result.noise.iter().map(|(name, entry)| {
+        let shown = Shown::fine(result.unit(name));
+        vec![
+            name.into(),
             shown.name.into(),
             shown.cell(entry.stated),
             Cell::number(entry.factor, 3),
-        ])?;
-    }
-    blocks.push(Block::Table(noise));
-    Ok(Section::new("Provenance", blocks))
+        ]
+    });
+    let columns = "channel | unit | stated noise | factor";
+    let noise =
+        Table::with_heads("Noise that the fit was weighted by", columns).with_rows(noise)?;
+    let noise = noise.with_note(
+        "The factor is estimated from the residuals, 1 where the stated noise was taken.",
+    );
+    let tables = [result.provenance.table()?, fitted, noise];
+    Ok(Section::new("Provenance", tables.map(Block::Table).into()))
 }
 
 /// At most [`MOST_POINTS`] points, evenly chosen.

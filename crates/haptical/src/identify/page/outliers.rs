@@ -1,12 +1,13 @@
 //! The readings that a robust loss distrusts, row by row.
 
+use haptical_calibration::Outlier;
 use haptical_report::{Block, Cell, Section, Table};
 
 use crate::error::Error;
 use crate::identify::result::Identified;
 use crate::units::Shown;
 
-/// Rows that stand open; the others are folded.
+/// Rows that are open; the others are folded.
 const SHOWN: usize = 20;
 /// Rows that the page has; identified.json has all.
 const MOST: usize = 2000;
@@ -24,7 +25,7 @@ pub(super) fn section(result: &Identified) -> Result<Section, Error> {
     let (open, folded) = (count.min(SHOWN), count.min(MOST));
     let mut blocks = vec![
         Block::Paragraph(words),
-        Block::Table(table("Outliers", result, 0, open)?),
+        table("Outliers", &result.outliers[..open], result)?.into(),
     ];
     if folded > open {
         let left_out = match count - folded {
@@ -33,26 +34,23 @@ pub(super) fn section(result: &Identified) -> Result<Section, Error> {
         };
         blocks.push(Block::Folded {
             summary: format!("{} further outliers{left_out}", folded - open),
-            blocks: vec![Block::Table(table("", result, open, folded)?)],
+            blocks: vec![table("", &result.outliers[open..folded], result)?.into()],
         });
     }
     Ok(Section::new("Outliers", blocks))
 }
 
-fn table(title: &str, result: &Identified, from: usize, to: usize) -> Result<Table, Error> {
+fn table(title: &str, outliers: &[Outlier], result: &Identified) -> Result<Table, Error> {
     let columns = "line of the log | channel | residual | deviations";
-    let mut table = Table::with_heads(title, columns);
-    for outlier in &result.outliers[from..to] {
+    let rows = outliers.iter().map(|outlier| {
         let channel = outlier.channel.name();
-        let mut reports = result.channels_fit.iter().chain(&result.channels);
-        let unit = reports.find(|report| report.channel == channel);
-        let shown = Shown::fine(unit.map_or("", |report| report.unit.as_str()));
-        table.push(vec![
+        let shown = Shown::fine(result.unit(&channel));
+        vec![
             Cell::number(outlier.line as f64, 0),
             channel.into(),
             shown.text(outlier.residual).into(),
             Cell::number(outlier.deviations, 1),
-        ])?;
-    }
-    Ok(table)
+        ]
+    });
+    Ok(Table::with_heads(title, columns).with_rows(rows)?)
 }

@@ -8,26 +8,18 @@ use crate::identify::result::{Identified, ParameterEntry};
 use crate::units::Shown;
 
 /// Values of all identified parameters with their intervals.
-pub(super) fn identified(result: &Identified) -> Result<Vec<Block>, Error> {
+pub(super) fn identified(result: &Identified) -> Result<Table, Error> {
     let columns = "parameter | unit | nominal | identified | deviation | standard deviation | 95 % interval of the \
              value";
-    let mut table = Table::with_heads("", columns);
-    for entry in result
-        .parameters
-        .iter()
-        .filter(|entry| entry.value.is_some())
-    {
-        table.push(row(entry))?;
-    }
-    table.notes = vec![
+    let entries = result.parameters.iter();
+    let rows = entries.filter(|entry| entry.value.is_some()).map(row);
+    let mut table = Table::with_heads("", columns).with_rows(rows)?.with_note(
         "Lengths in mm, angles in mrad; ratio deviations have no unit. The names stand for keys of \
-         the device file, listed in identified.json."
-            .to_owned(),
-    ];
-    table
-        .notes
-        .extend(result.intervals.as_ref().map(intervals::sentence));
-    Ok(vec![Block::Table(table)])
+         the device file, listed in identified.json.",
+    );
+    let sentence = result.intervals.as_ref().map(intervals::sentence);
+    table.notes.extend(sentence);
+    Ok(table)
 }
 
 fn row(entry: &ParameterEntry) -> Vec<Cell> {
@@ -67,43 +59,33 @@ pub(super) fn not_identified(result: &Identified) -> Result<Vec<Block>, Error> {
         judged.at_nominal.rank,
     ))];
     if result.not_identified.is_empty() {
-        blocks.push(Block::Paragraph(
-            "Every candidate was identified.".to_owned(),
-        ));
+        let all = "Every candidate was identified.".to_owned();
+        blocks.push(Block::Paragraph(all));
         return Ok(blocks);
     }
     let columns = "parameter | status | why";
-    let mut table = Table::with_heads("Kept at the nominal value", columns);
-    for refused in &result.not_identified {
-        table.push(vec![
-            refused.name.as_str().into(),
-            refused.status.into(),
-            refused.reason.as_str().into(),
-        ])?;
-    }
-    table.notes = vec![
+    let refused = result.not_identified.iter();
+    let rows = refused.map(|it| vec![(&it.name).into(), it.status.into(), (&it.reason).into()]);
+    let table = Table::with_heads("Kept at the nominal value", columns).with_rows(rows)?;
+    let table = table.with_note(
         "invisible: without effect on any measurement; dependent: its effect is a combination of \
-         others'; weak: fixed no better than it is plausibly large."
-            .to_owned(),
-    ];
-    blocks.push(Block::Table(table));
+         others'; weak: fixed no better than it is plausibly large.",
+    );
+    blocks.push(table.into());
     Ok(blocks)
 }
 
 /// Pairs of parameters that the data tell apart badly.
-pub(super) fn correlations(result: &Identified) -> Result<Vec<Block>, Error> {
+pub(super) fn correlations(result: &Identified) -> Result<Block, Error> {
     if result.correlations_above_0_95.is_empty() {
         let none = "No two identified parameters are correlated above 0.95.".to_owned();
-        return Ok(vec![Block::Paragraph(none)]);
+        return Ok(Block::Paragraph(none));
     }
     let columns = "parameter | and | correlation";
-    let mut table = Table::with_heads("Correlations above 0.95", columns);
-    for (one, other, correlation) in &result.correlations_above_0_95 {
-        table.push(vec![
-            one.as_str().into(),
-            other.as_str().into(),
-            Cell::number(*correlation, 4),
-        ])?;
-    }
-    Ok(vec![Block::Table(table)])
+    let pairs = result.correlations_above_0_95.iter();
+    let rows = pairs.map(|(one, other, correlation)| {
+        vec![one.into(), other.into(), Cell::number(*correlation, 4)]
+    });
+    let table = Table::with_heads("Correlations above 0.95", columns).with_rows(rows)?;
+    Ok(table.into())
 }

@@ -2,7 +2,7 @@
 
 use haptical_calibration::{Calibration, EvidenceEntry};
 use haptical_model::Recording;
-use haptical_report::{Block, Cell, Column, Figure, Mark, Series, Table};
+use haptical_report::{Block, Cell, Figure, Mark, Series, Table};
 
 use super::{FIGURE_PX, thinned};
 use crate::error::Error;
@@ -23,7 +23,7 @@ pub(super) fn blocks(
     for entry in &result.transmissions {
         blocks.push(figure(entry, calibration, recording)?);
         if !entry.evidence.is_empty() {
-            blocks.push(Block::Table(evidence(entry)?));
+            blocks.push(evidence(entry)?.into());
         }
     }
     Ok(blocks)
@@ -80,33 +80,28 @@ fn measured_error(recording: &Recording, joint: usize, per_si: f64) -> Vec<(f64,
 
 fn evidence(entry: &TransmissionEntry) -> Result<Table, Error> {
     let shown = Shown::fine("rad");
-    let columns = vec![
-        Column::new("form", ""),
-        Column::new("parameters", ""),
-        Column::new("rms", shown.name),
-        Column::new("leave-one-out rms", shown.name),
-        Column::new("AICc", ""),
-        Column::new("BIC", ""),
-    ];
-    let mut table = Table::new(format!("Evidence for joint {}", entry.joint), columns);
+    let unit = shown.name;
+    let columns =
+        format!("form | parameters | rms [{unit}] | leave-one-out rms [{unit}] | AICc | BIC");
     let mut forms: Vec<&EvidenceEntry> = entry.evidence.iter().collect();
     forms.sort_by_key(|form| form.parameters);
-    for form in forms {
-        table.push(vec![
+    let rows = forms.into_iter().map(|form| {
+        vec![
             form_in_words(form.terms).into(),
             Cell::number(form.parameters as f64, 0),
             shown.cell(form.rms),
             shown.cell(form.leave_one_out_rms),
             Cell::number(form.aicc, 1),
             Cell::number(form.bic, 1),
-        ])?;
-    }
-    table.notes = vec![format!(
+        ]
+    });
+    let title = format!("Evidence for joint {}", entry.joint);
+    let table = Table::with_heads(title, &columns).with_rows(rows)?;
+    Ok(table.with_note(format!(
         "Taken: {}. Lower criteria are better (AICc below 100 readings, BIC from there on); of \
          forms within 2 of the best the one with the fewest parameters is taken.",
         form_in_words(entry.terms)
-    )];
-    Ok(table)
+    )))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
-//! Tables of the causes: how sure they are, their numbers, what else could stand in their place.
+//! Tables of the causes: how sure they are, their numbers, and their rivals.
 
 use haptical_diagnosis::{CandidateAnswer, Diagnosis};
-use haptical_report::{Block, Cell, Table};
+use haptical_report::{Cell, Table};
 
 use crate::diagnose::quantity::Quantity;
 use crate::diagnose::words::{listed, named_at};
@@ -12,20 +12,16 @@ use crate::units::Shown;
 const OPEN_CANDIDATES: usize = 6;
 
 /// How sure each cause is and how much it closes on unseen data.
-pub(in crate::diagnose::page) fn causes(diagnosis: &Diagnosis) -> Result<Block, Error> {
-    let mut table = Table::with_heads(
-        "How sure they are",
-        "cause | probability [%] | share of the gap [%] | not told from | unseen data | gap closed there [%] \
-             | 95 % interval [%]",
-    );
-    for cause in &diagnosis.causes {
-        let mut rivals = listed(&cause.confusable_with);
-        if rivals.is_empty() {
-            "nothing".clone_into(&mut rivals);
-        }
+pub(in crate::diagnose::page) fn causes(diagnosis: &Diagnosis) -> Result<Table, Error> {
+    let columns = "cause | probability [%] | share of the gap [%] | not told from | unseen data | gap closed there [%] \
+             | 95 % interval [%]";
+    let rows = diagnosis.causes.iter().map(|cause| {
+        let rivals = match cause.confusable_with.as_slice() {
+            [] => "nothing".to_owned(),
+            names => listed(names),
+        };
         let held_out = cause.held_out.as_ref();
-        let interval = held_out.and_then(|held_out| held_out.reduction_ci95);
-        table.push(vec![
+        vec![
             named_at(&cause.effect, cause.joint).into(),
             Cell::number(100.0 * cause.probability, 1),
             Cell::number(100.0 * cause.share, 1),
@@ -37,47 +33,46 @@ pub(in crate::diagnose::page) fn causes(diagnosis: &Diagnosis) -> Result<Block, 
                 Cell::Text(format!("{}: {before} to {after}", held_out.channel))
             }),
             Cell::number_or_missing(held_out.and_then(|held| held.reduction_percent), 1),
-            interval.map_or(Cell::Missing, |[low, high]| Cell::interval(low, high, 1)),
-        ])?;
-    }
+            Cell::interval_or_missing(held_out.and_then(|held| held.reduction_ci95), 1),
+        ]
+    });
+    let mut table = Table::with_heads("How sure they are", columns).with_rows(rows)?;
     if !diagnosis.held_out.is_empty() {
-        table
-            .notes
-            .push(format!("Unseen data: {}.", diagnosis.held_out));
+        table.notes = vec![format!("Unseen data: {}.", diagnosis.held_out)];
     }
-    Ok(Block::Table(table))
+    Ok(table)
 }
 
 /// Numbers of the causes.
-pub(in crate::diagnose::page) fn parameters(diagnosis: &Diagnosis) -> Result<Block, Error> {
+pub(in crate::diagnose::page) fn parameters(diagnosis: &Diagnosis) -> Result<Table, Error> {
     let columns = "cause | parameter | value | 95 % interval | unit | in gap.json";
     let mut table = Table::with_heads("Their numbers", columns);
     for cause in &diagnosis.causes {
+        let named = named_at(&cause.effect, cause.joint);
         for (name, parameter) in &cause.parameters {
             let quantity = Quantity::new(&cause.effect, name, parameter.value);
             table.push(vec![
-                named_at(&cause.effect, cause.joint).into(),
-                quantity.words.as_str().into(),
+                (&named).into(),
+                (&quantity.words).into(),
                 quantity.cell(parameter.value, parameter.ci95),
                 quantity.interval(parameter.value, parameter.ci95),
                 quantity.unit.into(),
-                name.as_str().into(),
+                name.into(),
             ])?;
         }
         if !cause.plausible {
             table.notes.push(format!(
-                "{}: a size that a sound device hardly has; another effect may hide behind it.",
-                named_at(&cause.effect, cause.joint)
+                "{named}: a size that a sound device hardly has; another effect may hide behind it."
             ));
         }
     }
-    Ok(Block::Table(table))
+    Ok(table)
 }
 
 /// The nearest candidates with "none of the catalogue", and all of them where there are more.
 pub(in crate::diagnose::page) fn candidates(
     diagnosis: &Diagnosis,
-) -> Result<(Block, Option<Block>), Error> {
+) -> Result<(Table, Option<Table>), Error> {
     let columns = "candidate | probability [%] | nats behind | explains alone [%]";
     let row = |candidate: &CandidateAnswer| -> Vec<Cell> {
         vec![
@@ -87,34 +82,28 @@ pub(in crate::diagnose::page) fn candidates(
             Cell::number(100.0 * candidate.share, 1),
         ]
     };
-    let mut open = Table::with_heads("The nearest candidates for the first cause", columns);
-    for candidate in diagnosis.candidates.iter().take(OPEN_CANDIDATES) {
-        open.push(row(candidate))?;
-    }
-    open.push(vec![
+    let all = &diagnosis.candidates;
+    let none = vec![
         "none of the catalogue".into(),
         Cell::number(100.0 * diagnosis.probability_unknown, 1),
         Cell::Missing,
         Cell::Missing,
-    ])?;
-    open.notes = vec![
-        "Nats behind: how much less likely the data are with this candidate than with the best. \
-         Explains alone: share of what the first cause explains."
-            .to_owned(),
     ];
-    if diagnosis.candidates.len() <= OPEN_CANDIDATES {
-        return Ok((Block::Table(open), None));
+    let nearest = all.iter().take(OPEN_CANDIDATES).map(row).chain([none]);
+    let title = "The nearest candidates for the first cause";
+    let open = Table::with_heads(title, columns).with_rows(nearest)?.with_note(
+        "Nats behind: how much less likely the data are with this candidate than with the best. \
+         Explains alone: share of what the first cause explains.",
+    );
+    if all.len() <= OPEN_CANDIDATES {
+        return Ok((open, None));
     }
-    let mut all = Table::with_heads("", columns);
-    for candidate in &diagnosis.candidates {
-        all.push(row(candidate))?;
-    }
-    Ok((Block::Table(open), Some(Block::Table(all))))
+    let all = Table::with_heads("", columns).with_rows(all.iter().map(row))?;
+    Ok((open, Some(all)))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::only;
     use super::*;
     use crate::diagnose::example_tests::named;
 
@@ -123,21 +112,21 @@ mod tests {
         let mut diagnosis = named();
         let (open, folded) = candidates(&diagnosis).unwrap();
         assert!(folded.is_none());
-        let rows = only(open).rows;
+        let rows = open.rows;
         assert_eq!(rows.len(), 5);
         assert_eq!(rows[4][0], "none of the catalogue".into());
         let last = diagnosis.candidates[3].clone();
         diagnosis.candidates.extend(vec![last; 10]);
         let (open, folded) = candidates(&diagnosis).unwrap();
-        assert_eq!(only(open).rows.len(), OPEN_CANDIDATES + 1);
-        assert_eq!(only(folded.unwrap()).rows.len(), 14);
+        assert_eq!(open.rows.len(), OPEN_CANDIDATES + 1);
+        assert_eq!(folded.unwrap().rows.len(), 14);
     }
 
     #[test]
     fn implausible_causes_have_a_note() {
         let mut diagnosis = named();
         diagnosis.causes[0].plausible = false;
-        let notes = only(parameters(&diagnosis).unwrap()).notes;
+        let notes = parameters(&diagnosis).unwrap().notes;
         assert!(
             notes[0].starts_with("capstan-compliance at joint 2"),
             "{notes:?}"
