@@ -1,4 +1,4 @@
-//! The command line: subcommands, flags, their help, and what is said of a wrong one.
+//! The command line: subcommands, flags, their help, and refusals of a wrong one.
 
 #[cfg(test)]
 mod fuzz_tests;
@@ -276,31 +276,37 @@ pub(crate) enum LossName {
 /// Highest polynomial degree: beyond it the powers of the angle lose all digits.
 const HIGHEST_DEGREE: usize = 24;
 
+/// A number that satisfies a condition; `wanted` says which.
+fn number(text: &str, is_allowed: fn(f64) -> bool, wanted: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| is_allowed(*number));
+    number.ok_or_else(|| format!("{wanted} is expected"))
+}
+
 fn share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(share) if (0.0..=0.5).contains(&share) => Ok(share),
-        _ => Err("a share from 0 to 0.5 is expected".to_owned()),
-    }
+    number(
+        text,
+        |share| (0.0..=0.5).contains(&share),
+        "a share from 0 to 0.5",
+    )
+}
+
+fn is_positive(number: f64) -> bool {
+    number.is_finite() && number > 0.0
 }
 
 fn degree(text: &str) -> Result<Degree, String> {
     if text == "evidence" {
         return Ok(Degree::UpTo(14));
     }
-    match text.parse::<usize>() {
-        Ok(degree) if (1..=HIGHEST_DEGREE).contains(&degree) => Ok(Degree::Fixed(degree)),
-        _ => Err(format!(
-            "a degree from 1 to {HIGHEST_DEGREE}, or `evidence`, is expected"
-        )),
-    }
+    let degree = text.parse().ok();
+    let degree = degree.filter(|degree| (1..=HIGHEST_DEGREE).contains(degree));
+    let wanted = || format!("a degree from 1 to {HIGHEST_DEGREE}, or `evidence`, is expected");
+    degree.map(Degree::Fixed).ok_or_else(wanted)
 }
 
 /// A number above 0.
 pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
-        _ => Err("a number above 0 is expected".to_owned()),
-    }
+    number(text, is_positive, "a number above 0")
 }
 
 /// A number that a seed can be.
@@ -316,10 +322,7 @@ pub(crate) fn one_or_more(text: &str) -> Result<NonZeroUsize, String> {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(length) if length.is_finite() && length > 0.0 => Ok(length),
-        _ => Err("a length in m above 0 is expected".to_owned()),
-    }
+    number(text, is_positive, "a length in m above 0")
 }
 
 /// Prints help and version, or says what is wrong with the command line.
@@ -339,7 +342,7 @@ pub(crate) fn explain(error: &clap::Error, wants_json: bool) -> ExitCode {
     }
 }
 
-/// What is said of a wrong command line.
+/// The refusal of a wrong command line.
 pub(crate) fn failure_of(error: &clap::Error) -> Failure {
     if let Some(failure) = unknown_effect(error) {
         return failure;
@@ -358,12 +361,9 @@ pub(crate) fn failure_of(error: &clap::Error) -> Failure {
         what.push(' ');
         what.push_str(detail);
     }
-    let mut next: Vec<String> = tips
-        .iter()
-        .filter_map(|tip| tip.strip_prefix("tip: "))
-        .chain(usage.first().copied())
-        .map(str::to_owned)
-        .collect();
+    let tips = tips.iter().filter_map(|tip| tip.strip_prefix("tip: "));
+    let next = tips.chain(usage.first().copied());
+    let mut next: Vec<String> = next.map(str::to_owned).collect();
     // "invalid value 'x' for '--degree <N>': a degree ... is expected", "... [possible values: ...]"
     if error.kind() == ErrorKind::ValueValidation
         && let Some((before, expected)) = what.rsplit_once("': ")
@@ -371,10 +371,8 @@ pub(crate) fn failure_of(error: &clap::Error) -> Failure {
         next.insert(0, expected.to_owned());
         what = format!("{before}'");
     } else if let Some((before, values)) = what.clone().split_once(" [possible values: ") {
-        next.insert(
-            0,
-            format!("possible values: {}", values.trim_end_matches(']')),
-        );
+        let values = values.trim_end_matches(']');
+        next.insert(0, format!("possible values: {values}"));
         what = before.to_owned();
     }
     if what.contains("a value is required") {

@@ -53,18 +53,17 @@ fn entry(spec: &'static Spec) -> Entry {
 }
 
 fn table() -> Result<Table, Failure> {
-    let columns = "effect | enters | parameters | meaning";
-    let mut table = Table::with_heads("", columns);
-    for spec in specs() {
+    let rows = specs().map(|spec| {
         let parameters: Vec<String> = spec.parameters.iter().map(with_unit).collect();
-        table.push(vec![
+        let (enters, parameters) = (spec.hook.words(), parameters.join("\n"));
+        vec![
             spec.name.into(),
-            spec.hook.words().into(),
-            parameters.join("\n").into(),
+            enters.into(),
+            parameters.into(),
             spec.meaning.into(),
-        ])?;
-    }
-    Ok(table)
+        ]
+    });
+    Ok(Table::with_heads("", "effect | enters | parameters | meaning").with_rows(rows)?)
 }
 
 /// `width_rad [rad]`.

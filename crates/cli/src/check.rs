@@ -12,8 +12,8 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let progress = Progress::start("checking");
     let device = arguments.device_options.read_by_path(&arguments.device)?;
     let request = Identify {
-        hold: arguments.hold.hold(),
-        deviations: arguments.hold.deviations(),
+        hold: arguments.hold.hold.clone(),
+        deviations: arguments.hold.deviation.clone(),
         ..Identify::default()
     };
     // a wrong word is refused before the log is read

@@ -8,14 +8,15 @@ mod rust_module;
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use haptical::files::{Source, check_folder, check_outputs};
+use haptical::files::{Source, VERSION, check_folder, check_outputs, file_name};
 use haptical_model::Device;
 use serde_json::json;
 
 use self::described::Described;
 use crate::failure::Failure;
-use crate::flags::DeviceOptions;
+use crate::flags::{DeviceOptions, folder_and_name};
 use crate::interrupt::write_all;
 use crate::terminal;
 
@@ -59,20 +60,7 @@ enum FormatName {
     Mjcf,
 }
 
-impl FormatName {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Rust => "rust",
-            Self::CHeader => "c-header",
-            Self::Json => "json",
-            Self::Toml => "toml",
-            Self::Urdf => "urdf",
-            Self::Mjcf => "mjcf",
-        }
-    }
-}
-
-/// Where an export comes from.
+/// The origin of an export.
 #[derive(Debug, Clone, PartialEq)]
 struct Provenance {
     /// Name of the device.
@@ -83,12 +71,9 @@ struct Provenance {
     sha256: String,
 }
 
-/// Version of the command, part of each export.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
-
 /// Runs the command.
 pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
-    let (folder, name) = place(&arguments.out)?;
+    let (folder, name) = folder_and_name(&arguments.out)?;
     check_folder(folder)?;
     let mut inputs: Vec<&Path> = vec![&arguments.device];
     inputs.extend(arguments.urdf.as_deref());
@@ -115,40 +100,34 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         }
     };
     if arguments.format != FormatName::Toml {
-        input.warnings.extend(said_of_compliance(&input.model));
+        input.warnings.extend(compliance_warning(&input.model));
     }
     write_all(folder, &[(name, content.into_bytes())])?;
     terminal::warn(&input.warnings);
+    let (written, joints) = (arguments.out.display(), input.model.joints.len());
     if arguments.json {
-        let report = json!({
-            "written": arguments.out.display().to_string(),
-            "format": arguments.format.name(),
+        let format = arguments.format.to_possible_value();
+        return terminal::write_json(&json!({
+            "written": written.to_string(),
+            "format": format.as_ref().map(PossibleValue::get_name),
             "device": provenance.device,
             "device_file": arguments.device.display().to_string(),
             "device_sha256": provenance.sha256,
-            "joints": input.model.joints.len(),
+            "joints": joints,
             "version": VERSION,
             "warnings": input.warnings,
-        });
-        terminal::write_output(format!("{report:#}\n").as_bytes())
-    } else {
-        let said = format!(
-            "Written:\n  {}: {} joints of `{}`\n",
-            arguments.out.display(),
-            input.model.joints.len(),
-            one_line(&provenance.device),
-        );
-        terminal::write_output(said.as_bytes())
+        }));
     }
+    let device = one_line(&provenance.device);
+    let text = format!("Written:\n  {written}: {joints} joints of `{device}`\n");
+    terminal::write_output(text.as_bytes())
 }
 
 /// What an export with rigid joints leaves out.
-fn said_of_compliance(device: &Device) -> Option<String> {
+fn compliance_warning(device: &Device) -> Option<String> {
     let yields = |joint: &usize| device.compliance_rad_per_nm(*joint) != 0.0;
-    let joints: Vec<String> = (0..device.joints.len())
-        .filter(yields)
-        .map(|joint| (joint + 1).to_string())
-        .collect();
+    let joints = (0..device.joints.len()).filter(yields);
+    let joints: Vec<String> = joints.map(|joint| (joint + 1).to_string()).collect();
     let which = match joints.as_slice() {
         [] => return None,
         [one] => format!("joint {one} yields"),
@@ -158,24 +137,6 @@ fn said_of_compliance(device: &Device) -> Option<String> {
         "{which} to torque, and this form has rigid joints: take compliance times torque off each joint's angle before you \
          use it; the compliances are in the device file"
     ))
-}
-
-/// Folder and name of the file to write.
-fn place(out: &Path) -> Result<(&Path, &str), Failure> {
-    match (out.parent(), out.file_name().and_then(|name| name.to_str())) {
-        (Some(folder), Some(name)) if folder.as_os_str().is_empty() => Ok((Path::new("."), name)),
-        (Some(folder), Some(name)) => Ok((folder, name)),
-        _ => Err(Failure::command_line(
-            "arguments",
-            format!("--out is {}, which names no file", out.display()),
-            "give the path of the file to write",
-        )),
-    }
-}
-
-fn file_name(path: &Path) -> String {
-    let name = path.file_name().unwrap_or(path.as_os_str());
-    name.to_string_lossy().into_owned()
 }
 
 /// Neither a control character nor one that changes the direction of text, which rustc refuses.

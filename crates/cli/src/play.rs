@@ -19,8 +19,7 @@ use crate::failure::Failure;
 use crate::flags::DeviceOptions;
 use crate::interrupt::Writing;
 use crate::play::recorded::Recorded;
-use crate::terminal;
-use crate::terminal::Progress;
+use crate::terminal::{self, Progress};
 
 /// Size above which a page is slow to open, in bytes; thinning that is left to the command stays
 /// below it.
@@ -119,24 +118,19 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     drop(progress);
     terminal::warn(&warnings);
     let written = summary::Written::new(&recorded, &arguments.out, page.len(), warnings);
-    let text = if arguments.json {
-        written.json()?
-    } else {
-        written.text()?
-    };
-    terminal::write_output(text.as_bytes())
+    if arguments.json {
+        return terminal::write_json(&written);
+    }
+    terminal::write_output(written.text()?.as_bytes())
 }
 
 /// Refuses a place for the page that cannot be written to, before any work.
 fn check_place(arguments: &PlayArguments) -> Result<(), Failure> {
     let out = &arguments.out;
     if out.is_dir() || out.file_name().is_none() {
-        return Err(Failure::bad_input(
-            "unwritable",
-            "cannot write: it is a folder",
-            out.display().to_string(),
-            "give the name of a file, such as page.html",
-        ));
+        let next = "give the name of a file, such as page.html";
+        let what = "cannot write: it is a folder";
+        return Err(Failure::in_file("unwritable", what, out, next));
     }
     check_folder(out.parent().unwrap_or(Path::new("")))?;
     let mut inputs: Vec<&Path> = vec![&arguments.device, &arguments.log];
@@ -149,22 +143,18 @@ fn unwritable(out: &Path, error: &ReportError) -> Failure {
         ReportError::Write { source, .. } => reason(source),
         other => other.to_string(),
     };
-    Failure::bad_input(
-        "unwritable",
-        format!("cannot write: {why}"),
-        out.display().to_string(),
-        "give a file in a folder that can be written to and has room",
-    )
+    let next = "give a file in a folder that can be written to and has room";
+    Failure::in_file("unwritable", format!("cannot write: {why}"), out, next)
 }
 
 fn refuse_no_links(device: &Device) -> Result<(), Failure> {
     if device.model.has_links() {
         return Ok(());
     }
-    Err(Failure::bad_input(
+    Err(Failure::in_file(
         "no-links",
         "the device has no [[link]] rows, so there is no arm to draw",
-        device.source().path.display().to_string(),
+        &device.source().path,
         "add the Denavit-Hartenberg rows as [[link]] tables; errors of transmissions alone are in \
          the report.html of `haptical identify`",
     ))

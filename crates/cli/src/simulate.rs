@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptical::files::{
-    Fingerprint, InputFile, OutputFile, Record, Source, VERSION, check_outputs, file_name,
-    make_folder, sealed_json,
+    Fingerprint, InputFile, Record, Source, VERSION, check_outputs, file_name, make_folder,
+    sealed_json,
 };
 use haptical::{Device, Equipment};
 use haptical_data::{LogFile, LogShape};
@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use crate::arguments::{above_zero, whole_number};
 use crate::failure::Failure;
-use crate::flags::DeviceOptions;
+use crate::flags::{DeviceOptions, folder_and_name};
 use crate::interrupt::{Writing, write_all};
 use crate::terminal::{self, Progress};
 
@@ -43,31 +43,13 @@ pub(crate) struct SimulateArguments {
     #[arg(long, value_name = "FILE")]
     effects: Option<PathBuf>,
     /// Length of the recording in s
-    #[arg(
-        long,
-        value_name = "SECONDS",
-        default_value_t = 100.0,
-        value_parser = above_zero,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "SECONDS", default_value_t = 100.0, value_parser = above_zero, allow_negative_numbers = true)]
     seconds: f64,
     /// Rows per second
-    #[arg(
-        long,
-        value_name = "HZ",
-        default_value_t = 1000.0,
-        value_parser = above_zero,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "HZ", default_value_t = 1000.0, value_parser = above_zero, allow_negative_numbers = true)]
     rate_hz: f64,
     /// Seed of motion, force and noise: the same seed gives the same log
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 1,
-        value_parser = whole_number,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole_number, allow_negative_numbers = true)]
     seed: u64,
     /// Log to be written (CSV; gzip if the name ends in .gz)
     #[arg(long, value_name = "FILE")]
@@ -114,7 +96,9 @@ Names of effects: {}",
 /// Runs the command.
 pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     check_outputs(std::slice::from_ref(&arguments.out), &arguments.inputs())?;
-    let (folder, beside) = place_beside(&arguments.out)?;
+    let (folder, name) = folder_and_name(&arguments.out)?;
+    // a log cannot say itself how it came about
+    let beside = format!("{name}.provenance.json");
     let place = folder.join(&beside);
     check_outputs(std::slice::from_ref(&place), &arguments.inputs())?;
     let source = Source::given(&arguments.device);
@@ -197,34 +181,11 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     drop(progress);
     terminal::warn(&device.warnings);
     summary.log = arguments.out.display().to_string();
-    let text = if arguments.json {
-        serde_json::to_string_pretty(&summary).map_err(Failure::internal)? + "\n"
-    } else {
-        summary.text() + &format!("Beside it: {}\n", place.display())
-    };
-    terminal::write_output(text.as_bytes())
-}
-
-/// Folder and name of the file that says how the log came about: a log itself cannot.
-fn place_beside(out: &Path) -> Result<(&Path, String), Failure> {
-    match (out.parent(), out.file_name()) {
-        (Some(folder), Some(name)) => {
-            let folder = if folder.as_os_str().is_empty() {
-                Path::new(".")
-            } else {
-                folder
-            };
-            Ok((
-                folder,
-                format!("{}.provenance.json", name.to_string_lossy()),
-            ))
-        }
-        _ => Err(Failure::command_line(
-            "arguments",
-            format!("--out is {}, which names no file", out.display()),
-            "give the path of the log to write",
-        )),
+    if arguments.json {
+        return terminal::write_json(&summary);
     }
+    let text = summary.text() + &format!("Beside it: {}\n", place.display());
+    terminal::write_output(text.as_bytes())
 }
 
 impl SimulateArguments {
@@ -248,11 +209,7 @@ impl SimulateArguments {
         ]);
         let mut record = Record::new(VERSION, "simulate", flags, files);
         record.seeds.insert("simulation", self.seed);
-        record.outputs.push(OutputFile {
-            file: file_name(&log.path),
-            bytes: hashed.bytes,
-            sha256: hashed.sha256,
-        });
+        record.outputs.push(hashed.output(&file_name(&log.path)));
         record
     }
 }
@@ -264,9 +221,8 @@ impl Written<'_> {
             self.log, self.rows, self.seconds, self.rate_hz, self.seed
         );
         for effect in self.effects {
-            let place = effect
-                .joint()
-                .map_or_else(String::new, |joint| format!(" of joint {joint}"));
+            let place = effect.joint().map(|joint| format!(" of joint {joint}"));
+            let place = place.unwrap_or_default();
             text.push_str(&format!("  with {}{place}\n", effect.name()));
         }
         text
@@ -282,7 +238,7 @@ fn check_likeness(device: &Model, truth: &Model, path: &Path) -> Result<(), Fail
     if is_alike {
         return Ok(());
     }
-    Err(Failure::bad_input(
+    Err(Failure::in_file(
         "truth",
         format!(
             "the true device has {} joints and {} cables, the device {} and {}, or joints or links of \
@@ -292,23 +248,22 @@ fn check_likeness(device: &Model, truth: &Model, path: &Path) -> Result<(), Fail
             device.joints.len(),
             device.cables.len()
         ),
-        path.display().to_string(),
+        path,
         "take a copy of the device file with other numbers, such as an identified.toml",
     ))
 }
 
 fn read_effects(path: &Path) -> Result<(Effects, InputFile), Failure> {
     let name = path.display().to_string();
-    let text = read_toml_text(path).map_err(|error| Failure::device_file(&error, path))?;
-    check_toml_syntax(&text, &name).map_err(|error| Failure::device_file(&error, path))?;
-    let effects =
-        Effects::from_toml(&text, &name).map_err(|error| effects_refusal(&error, &name))?;
+    let refuse = |error| Failure::device_file(&error, path);
+    let text = read_toml_text(path).map_err(refuse)?;
+    check_toml_syntax(&text, &name).map_err(refuse)?;
+    let refuse = |error: EffectError| effects_refusal(&error, &name);
+    let effects = Effects::from_toml(&text, &name).map_err(refuse)?;
     refuse_huge(&effects, &name)?;
     let source = Source::given(path);
-    Ok((
-        effects,
-        source.input("effects", source.fingerprint_text(&text)),
-    ))
+    let file = source.input("effects", source.fingerprint_text(&text));
+    Ok((effects, file))
 }
 
 /// Refuses sizes with which the simulation would leave the range of numbers.
@@ -332,16 +287,11 @@ fn refuse_huge(effects: &Effects, file: &str) -> Result<(), Failure> {
 
 fn effects_refusal(error: &EffectError, file: &str) -> Failure {
     let text = error.to_string();
-    let text = text.strip_prefix(file).map_or(text.as_str(), |rest| {
-        rest.trim_start_matches([':', ',', ' '])
-    });
-    let (what, next) = text
-        .split_once("; ")
-        .or_else(|| text.split_once(", but "))
-        .unwrap_or((
-            text,
-            "correct it; an example is in `haptical simulate --help`",
-        ));
+    let text = text.strip_prefix(file).unwrap_or(&text);
+    let text = text.trim_start_matches([':', ',', ' ']);
+    let split = text.split_once("; ").or_else(|| text.split_once(", but "));
+    let usual = "correct it; an example is in `haptical simulate --help`";
+    let (what, next) = split.unwrap_or((text, usual));
     // What the reader of TOML calls by the names of types.
     let what = what
         .replace("expected f64", "a number is expected")
@@ -355,9 +305,8 @@ fn refusal(error: &SimulatorError, truth: &Path, arguments: &SimulateArguments) 
     let text = error.to_string();
     match error {
         SimulatorError::Effects(error) => {
-            let file = arguments.effects.as_ref();
-            let name = file.map_or_else(String::new, |path| path.display().to_string());
-            effects_refusal(error, &name)
+            let file = arguments.effects.as_deref().unwrap_or(Path::new(""));
+            effects_refusal(error, &file.display().to_string())
         }
         SimulatorError::Setting {
             setting: "seconds", ..
@@ -377,17 +326,13 @@ fn refusal(error: &SimulatorError, truth: &Path, arguments: &SimulateArguments) 
             Failure::command_line("arguments", what, next)
         }
         SimulatorError::Setting { allowed, .. } => {
-            let what = text
-                .split_once("; ")
-                .map_or(text.as_str(), |(what, _)| what);
+            let what = text.split_once("; ").map_or(&*text, |(what, _)| what);
             Failure::command_line("arguments", what, format!("allowed: {allowed}"))
         }
-        _ => Failure::bad_input(
-            "device",
-            text,
-            truth.display().to_string(),
-            "correct the device file, or the effects, or take another --seed",
-        ),
+        _ => {
+            let next = "correct the device file, or the effects, or take another --seed";
+            Failure::in_file("device", text, truth, next)
+        }
     }
 }
 

@@ -39,25 +39,23 @@ const ROOM: usize = 64;
 
 /// What is left of the chain: its rows move from their homes.
 fn constants(described: &Described) -> Result<ChainConstants<ROOM>, Failure> {
-    if described.rows.len() > ROOM {
+    let count = described.rows.len();
+    if count > ROOM {
+        let what = format!("{count} rows move; the header holds {ROOM}");
+        let next = "write --format rust or json";
         return Err(Failure::bad_input(
             "not-exportable",
-            format!(
-                "{} rows move; the header holds {ROOM}",
-                described.rows.len()
-            ),
+            what,
             "the device",
-            "write --format rust or json",
+            next,
         ));
     }
     let mut chain = Preparation::EMPTY;
     let fixed = (&described.base, kinematics::Motion::Fixed, 0.0);
     let moving = described.rows.iter().zip(&described.drives);
     let moving = moving.map(|(row, drive)| {
-        let home = described
-            .joints
-            .get(drive.joint)
-            .map_or(0.0, |own| own.home);
+        let joint = described.joints.get(drive.joint);
+        let home = joint.map_or(0.0, |joint| joint.home);
         let motion = match drive.motion {
             Motion::Revolute => kinematics::Motion::Revolute,
             Motion::Prismatic => kinematics::Motion::Prismatic,
@@ -82,13 +80,10 @@ fn constants(described: &Described) -> Result<ChainConstants<ROOM>, Failure> {
 
 fn data(described: &Described, constants: &ChainConstants<ROOM>) -> String {
     let start = &constants.start;
-    let axes = start
-        .rotation
-        .column_iter()
-        .map(|axis| list(axis.into_owned().as_slice()));
-    let start: Vec<String> = std::iter::once(list(start.position_m.as_slice()))
-        .chain(axes)
-        .collect();
+    let axes = start.rotation.column_iter();
+    let axes = axes.map(|axis| list(axis.into_owned().as_slice()));
+    let origin = std::iter::once(list(start.position_m.as_slice()));
+    let start: Vec<String> = origin.chain(axes).collect();
     // `write!` to a String cannot fail.
     let mut text = format!(
         "/* Frame of the first row in frame (-1): origin, x, y, z. */\n\

@@ -10,7 +10,7 @@ use haptical_runtime::{
 
 use crate::failure::Failure;
 
-/// What an export is made of.
+/// The content of an export.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Described {
     pub(super) convention: Convention,
@@ -20,7 +20,7 @@ pub(super) struct Described {
     pub(super) rows: Vec<GeneralRow>,
     /// From the last row's frame to the handle.
     pub(super) handle: Option<Pose>,
-    /// What drives rows 1 to n.
+    /// The drives of rows 1 to n.
     pub(super) drives: Vec<RowDrive>,
     /// Whether each row has a joint of its own.
     pub(super) drives_are_plain: bool,
@@ -36,9 +36,8 @@ pub(super) struct Described {
 impl Described {
     /// Describes a device, or says what the runtime cannot hold.
     pub(super) fn new(device: &Device, path: &Path) -> Result<Self, Failure> {
-        let refuse = |what: String, next: &str| {
-            Failure::bad_input("not-exportable", what, path.display().to_string(), next)
-        };
+        let refuse =
+            |what: String, next: &str| Failure::in_file("not-exportable", what, path, next);
         if device.links.is_empty() {
             return Err(refuse(
                 "the device has no [[link]] rows, so it has no handle".to_owned(),

@@ -15,20 +15,18 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
     let place = |pose: Option<&Pose>| pose.map(|pose| row_by_row(pose).0);
     let turn = |pose: Option<&Pose>| pose.map(|pose| row_by_row(pose).1);
     let origins = || rows.iter().map(|row| row.origin.as_ref());
-    let driven_by: Vec<usize> = described
-        .drives
-        .iter()
-        .map(|drive| drive.joint + 1)
-        .collect();
+    let drives = || described.drives.iter();
     let row_column =
         |get: fn(&GeneralRow) -> f64| rows.iter().map(|row| get(row)).collect::<Vec<f64>>();
-    let joint_column = |get: fn(&Joint) -> Value| {
-        let column: Vec<Value> = described.joints.iter().map(get).collect();
-        column
+    let joint_column =
+        |get: fn(&Joint) -> Value| described.joints.iter().map(get).collect::<Vec<_>>();
+    let capstan_column = |get: fn(&Capstan) -> Value| {
+        let column = described.joints.iter().map(|joint| capstan(joint).map(get));
+        column.collect::<Vec<_>>()
     };
     let ends = |end: usize| {
-        let column: Vec<f64> = described.ranges.iter().map(|range| range[end]).collect();
-        column
+        let column = described.ranges.iter().map(|range| range[end]);
+        column.collect::<Vec<_>>()
     };
     let export = json!({
         "format": "haptical-runtime",
@@ -63,10 +61,10 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
         },
         // of rows 1 to n; the row's variable is multiplier (home + output) + offset
         "drives": {
-            "driven_by": driven_by,
-            "type": described.drives.iter().map(|drive| motion(drive.motion)).collect::<Vec<_>>(),
-            "multiplier": described.drives.iter().map(|drive| drive.multiplier).collect::<Vec<_>>(),
-            "offset": described.drives.iter().map(|drive| drive.offset).collect::<Vec<_>>(),
+            "driven_by": drives().map(|drive| drive.joint + 1).collect::<Vec<_>>(),
+            "type": drives().map(|drive| motion(drive.motion)).collect::<Vec<_>>(),
+            "multiplier": drives().map(|drive| drive.multiplier).collect::<Vec<_>>(),
+            "offset": drives().map(|drive| drive.offset).collect::<Vec<_>>(),
         },
         "handle_xyz_m": place(described.handle.as_ref()),
         "handle_rotation": turn(described.handle.as_ref()),
@@ -82,14 +80,13 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
                 Transmission::Parallelogram(_) => "parallelogram",
                 Transmission::Polynomial { .. } => "chebyshev",
             })),
-            "transmission_ratio": joint_column(|joint| of_capstan(joint, |c| json!(c.transmission_ratio))),
-            "drum_distance_m": joint_column(|joint| of_capstan(joint, |c| json!(c.drum_distance_m))),
-            "input_drum_denominator_m":
-                joint_column(|joint| of_capstan(joint, |c| json!(c.input_drum_denominator_m))),
-            "offset": joint_column(|joint| of_capstan(joint, |c| json!(c.offset))),
-            "ratio_deviation": joint_column(|joint| of_capstan(joint, |c| json!(c.ratio_deviation))),
-            "output_drum_xy_m": joint_column(|joint| of_capstan(joint, |c| json!(c.output_drum_xy_m))),
-            "input_drum_xy_m": joint_column(|joint| of_capstan(joint, |c| json!(c.input_drum_xy_m))),
+            "transmission_ratio": capstan_column(|capstan| json!(capstan.transmission_ratio)),
+            "drum_distance_m": capstan_column(|capstan| json!(capstan.drum_distance_m)),
+            "input_drum_denominator_m": capstan_column(|capstan| json!(capstan.input_drum_denominator_m)),
+            "offset": capstan_column(|capstan| json!(capstan.offset)),
+            "ratio_deviation": capstan_column(|capstan| json!(capstan.ratio_deviation)),
+            "output_drum_xy_m": capstan_column(|capstan| json!(capstan.output_drum_xy_m)),
+            "input_drum_xy_m": capstan_column(|capstan| json!(capstan.input_drum_xy_m)),
             "parallelogram_lengths_m": joint_column(|joint| match &joint.transmission {
                 Transmission::Parallelogram(parallelogram) => json!(parallelogram.lengths_m),
                 _ => Value::Null,
@@ -112,11 +109,11 @@ fn motion(motion: Motion) -> &'static str {
     }
 }
 
-/// A number of a joint's capstan; null for a joint without one.
-fn of_capstan(joint: &Joint, get: fn(&Capstan) -> Value) -> Value {
+/// The capstan of a joint; none for a joint without one.
+fn capstan(joint: &Joint) -> Option<&Capstan> {
     match &joint.transmission {
-        Transmission::Capstan(capstan) => get(capstan),
-        Transmission::Parallelogram(parallelogram) => get(&parallelogram.capstan),
-        Transmission::Exact | Transmission::Polynomial { .. } => Value::Null,
+        Transmission::Capstan(capstan) => Some(capstan),
+        Transmission::Parallelogram(parallelogram) => Some(&parallelogram.capstan),
+        Transmission::Exact | Transmission::Polynomial { .. } => None,
     }
 }

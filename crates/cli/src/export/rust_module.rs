@@ -1,8 +1,8 @@
 //! Writes a device as a Rust module with one constant of `haptical-runtime`.
 
-use std::fmt::Write;
+use std::fmt::{Debug, Write};
 
-use haptical_runtime::{Capstan, Convention, GeneralRow, Link, Motion, Pose, Transmission};
+use haptical_runtime::{Capstan, GeneralRow, Link, Pose, Transmission};
 
 use super::described::{Described, row_by_row};
 use super::{Provenance, VERSION, one_line};
@@ -17,10 +17,7 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
         one_line(&provenance.file),
         provenance.sha256
     );
-    let convention = match described.convention {
-        Convention::Standard => "Standard",
-        Convention::Modified => "Modified",
-    };
+    let convention = described.convention;
     let (model, constructor, rows) = if described.is_plain_table {
         ("Model<JOINTS>", "Model::new", String::new())
     } else if described.drives_are_plain {
@@ -42,7 +39,7 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
          #[allow(\n    clippy::approx_constant,\n    clippy::panic,\n    \
          reason = \"numbers of a device; the compiler alone meets the panic\"\n)]\n\
          pub static MODEL: haptical_runtime::{model} = match haptical_runtime::{constructor}(\n    \
-         haptical_runtime::Convention::{convention},\n",
+         haptical_runtime::Convention::{convention:?},\n",
         provenance.device,
         provenance.sha256,
         described.joints.len(),
@@ -62,16 +59,13 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
     }
     text.push_str("    [\n");
     for (joint, name) in described.joints.iter().zip(&described.names) {
-        let motion = match joint.motion {
-            Motion::Revolute => "Revolute",
-            Motion::Prismatic => "Prismatic",
-        };
         let _ = write!(
             text,
             "        // joint `{}`\n        haptical_runtime::Joint {{\n            \
-             motion: haptical_runtime::Motion::{motion},\n            home: {:?},\n            \
+             motion: haptical_runtime::Motion::{:?},\n            home: {:?},\n            \
              transmission: {},\n        }},\n",
             one_line(name),
+            joint.motion,
             joint.home,
             transmission(&joint.transmission)
         );
@@ -98,21 +92,16 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
 }
 
 fn link(link: &Link) -> String {
-    format!(
-        "haptical_runtime::Link {{ a_m: {:?}, alpha_rad: {:?}, d_m: {:?}, theta_rad: {:?}, \
-         beta_rad: {:?}, b_m: {:?} }}",
-        link.a_m, link.alpha_rad, link.d_m, link.theta_rad, link.beta_rad, link.b_m
-    )
+    // as Rust writes it
+    format!("haptical_runtime::{link:?}")
 }
 
 fn pose(pose: Option<&Pose>) -> String {
-    pose.map_or_else(
-        || "None".to_owned(),
-        |pose| {
-            let (position_m, rotation) = row_by_row(pose);
-            format!("Some(haptical_runtime::Pose::from_rows({position_m:?}, {rotation:?}))")
-        },
-    )
+    let Some(pose) = pose else {
+        return "None".to_owned();
+    };
+    let (position_m, rotation) = row_by_row(pose);
+    format!("Some(haptical_runtime::Pose::from_rows({position_m:?}, {rotation:?}))")
 }
 
 fn general_row(general: &GeneralRow) -> String {
@@ -124,27 +113,21 @@ fn general_row(general: &GeneralRow) -> String {
 }
 
 fn capstan(capstan: &Capstan, indent: &str) -> String {
-    let fields = [
-        (
-            "transmission_ratio",
-            format!("{:?}", capstan.transmission_ratio),
-        ),
-        ("drum_distance_m", format!("{:?}", capstan.drum_distance_m)),
+    let fields: [(&str, &dyn Debug); 7] = [
+        ("transmission_ratio", &capstan.transmission_ratio),
+        ("drum_distance_m", &capstan.drum_distance_m),
         (
             "input_drum_denominator_m",
-            format!("{:?}", capstan.input_drum_denominator_m),
+            &capstan.input_drum_denominator_m,
         ),
-        ("offset", format!("{:?}", capstan.offset)),
-        ("ratio_deviation", format!("{:?}", capstan.ratio_deviation)),
-        (
-            "output_drum_xy_m",
-            format!("{:?}", capstan.output_drum_xy_m),
-        ),
-        ("input_drum_xy_m", format!("{:?}", capstan.input_drum_xy_m)),
+        ("offset", &capstan.offset),
+        ("ratio_deviation", &capstan.ratio_deviation),
+        ("output_drum_xy_m", &capstan.output_drum_xy_m),
+        ("input_drum_xy_m", &capstan.input_drum_xy_m),
     ];
     let mut text = "haptical_runtime::Capstan {\n".to_owned();
     for (name, value) in fields {
-        let _ = writeln!(text, "{indent}    {name}: {value},");
+        let _ = writeln!(text, "{indent}    {name}: {value:?},");
     }
     text + indent + "}"
 }

@@ -1,4 +1,4 @@
-//! Flags beside `--device`: the chain of a URDF, a rig file.
+//! Flags that go with `--device`: the chain of a URDF, a rig file.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use haptical::{Device, Equipment};
 
 use crate::failure::Failure;
 
-/// Flags beside `--device`.
+/// Flags that go with `--device`.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct DeviceOptions {
     #[command(flatten)]

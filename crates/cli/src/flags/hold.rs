@@ -2,37 +2,23 @@
 
 use clap::Args;
 
-/// What is kept beside the device file's own `hold`.
+use crate::arguments::above_zero;
+
+/// Numbers that are kept, in addition to the device file's own `hold`.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct HoldOptions {
     /// Keep these numbers of the links: lengths, twists, offsets, or a, b, d, alpha, theta, beta of all rows but the
     /// base's; or one row's, such as a3
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',')]
-    hold: Vec<String>,
+    pub(crate) hold: Vec<String>,
     /// How far such numbers may plausibly be off, in m or rad, as in offsets=0.06; 5 mm and 0.02 rad unless stated. What
     /// the log fixes no better than to half of this is kept
     #[arg(long, value_name = "NUMBERS=SIZE", value_delimiter = ',', value_parser = deviation)]
-    deviation: Vec<(String, f64)>,
+    pub(crate) deviation: Vec<(String, f64)>,
 }
 
 fn deviation(text: &str) -> Result<(String, f64), String> {
     let wanted = "as in offsets=0.06, the size in m or rad and above 0";
     let (word, size) = text.split_once('=').ok_or(wanted)?;
-    let size = size
-        .parse()
-        .ok()
-        .filter(|size: &f64| size.is_finite() && *size > 0.0);
-    Ok((word.to_owned(), size.ok_or(wanted)?))
-}
-
-impl HoldOptions {
-    /// The words to keep.
-    pub(crate) fn hold(&self) -> Vec<String> {
-        self.hold.clone()
-    }
-
-    /// How far others may be off.
-    pub(crate) fn deviations(&self) -> Vec<(String, f64)> {
-        self.deviation.clone()
-    }
+    Ok((word.to_owned(), above_zero(size).map_err(|_| wanted)?))
 }

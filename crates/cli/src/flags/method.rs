@@ -12,8 +12,8 @@ impl IdentifyArguments {
         Identify {
             options: self.options(),
             joint_compliance: !self.with.is_empty(),
-            hold: self.hold.hold(),
-            deviations: self.hold.deviations(),
+            hold: self.hold.hold.clone(),
+            deviations: self.hold.deviation.clone(),
         }
     }
 

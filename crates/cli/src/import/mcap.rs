@@ -9,7 +9,7 @@ use super::{Imported, Target};
 use crate::failure::Failure;
 use crate::flags::DeviceOptions;
 
-/// What stands below the help of `haptical import mcap`.
+/// End of the help of `haptical import mcap`.
 pub(super) const HELP: &str = "\
 Example:
   haptical import mcap bag.mcap --device device.toml --joints shoulder,elbow,wrist --out log.csv

@@ -15,10 +15,11 @@ use haptical_data::{JointShape, LogShape};
 use serde_json::json;
 
 use crate::failure::Failure;
+use crate::flags::folder_and_name;
 use crate::interrupt::write_all;
 use crate::terminal;
 
-/// What stands below the help of `haptical import`.
+/// End of the help of `haptical import`.
 pub(crate) const HELP: &str = "\
 Example:
   haptical import mukca panda_1 --out log.csv
@@ -31,7 +32,7 @@ pub(crate) struct ImportArguments {
     from: From,
 }
 
-/// Where a recording comes from.
+/// Origin of a recording.
 #[derive(Debug, Subcommand)]
 enum From {
     /// Postures with a ball in one of two sockets: `DIR/POSITION/hole_{0,1}.csv`
@@ -56,7 +57,7 @@ pub(crate) fn run(arguments: &ImportArguments) -> Result<(), Failure> {
     }
 }
 
-/// Where an import goes, and how it is told.
+/// The file that an import writes, and the form of its summary.
 #[derive(Debug, Args)]
 struct Target {
     /// Log to write (CSV); its folder is made if it is missing
@@ -80,26 +81,13 @@ struct Imported {
 impl Target {
     /// Folder and name of the log.
     fn place(&self) -> Result<(&Path, &str), Failure> {
-        let name = self.out.file_name().and_then(|name| name.to_str());
-        let refuse = |what: String, next: &str| Err(Failure::command_line("arguments", what, next));
-        let Some(name) = name else {
-            let what = format!("--out is {}, which names no file", self.out.display());
-            return refuse(what, "give the path of the file to write");
-        };
-        let is = |end: &str| name.to_ascii_lowercase().ends_with(end);
-        if [".gz", ".parquet", ".mcap", ".toml"]
-            .iter()
-            .any(|end| is(end))
-        {
-            let what = format!(
-                "--out is {}, and a log is written as CSV",
-                self.out.display()
-            );
-            return refuse(what, "give a name that ends in .csv");
-        }
-        let folder = self.out.parent().unwrap_or(Path::new(""));
-        if folder.as_os_str().is_empty() {
-            return Ok((Path::new("."), name));
+        let (folder, name) = folder_and_name(&self.out)?;
+        let is = |end: &&str| name.to_ascii_lowercase().ends_with(end);
+        if [".gz", ".parquet", ".mcap", ".toml"].iter().any(is) {
+            let out = self.out.display();
+            let what = format!("--out is {out}, and a log is written as CSV");
+            let next = "give a name that ends in .csv";
+            return Err(Failure::command_line("arguments", what, next));
         }
         Ok((folder, name))
     }
@@ -136,42 +124,34 @@ impl Target {
         }
         write_all(folder, &files)?;
         terminal::warn(&warnings);
-        let written: Vec<String> = [Some(&self.out), further.as_ref()]
-            .into_iter()
-            .flatten()
-            .map(|path| path.display().to_string())
-            .collect();
+        let written = std::iter::once(&self.out).chain(&further);
+        let written: Vec<String> = written.map(|path| path.display().to_string()).collect();
         if self.json {
-            let report = json!({
+            return terminal::write_json(&json!({
                 "written": written,
                 "rows": rows,
                 "joints": joints,
                 "warnings": warnings,
-            });
-            return terminal::write_output(format!("{report:#}\n").as_bytes());
+            }));
         }
-        let mut said = format!(
-            "Written:\n  {}: {rows} rows of {joints} joints\n",
-            written[0]
-        );
+        let log = &written[0];
+        let mut text = format!("Written:\n  {log}: {rows} rows of {joints} joints\n");
         if let Some(further) = written.get(1) {
-            said.push_str(&format!("  {further}: give it as --rig\n"));
+            text.push_str(&format!("  {further}: give it as --rig\n"));
         }
-        terminal::write_output(said.as_bytes())
+        terminal::write_output(text.as_bytes())
     }
 }
 
 /// A log of joints without limits; `is_prismatic` by joint.
 fn shape_without_limits(is_prismatic: &[bool], cable_count: usize) -> LogShape {
-    let joints = is_prismatic
-        .iter()
-        .enumerate()
-        .map(|(index, &prismatic)| JointShape {
-            name: (index + 1).to_string(),
-            prismatic,
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-        });
+    let joints = is_prismatic.iter().enumerate();
+    let joints = joints.map(|(index, &prismatic)| JointShape {
+        name: (index + 1).to_string(),
+        prismatic,
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    });
     LogShape {
         joints: joints.collect(),
         cable_count,

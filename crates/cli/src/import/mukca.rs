@@ -13,7 +13,7 @@ use super::{Imported, Target, shape_without_limits};
 use crate::arguments::{above_zero, one_or_more};
 use crate::failure::Failure;
 
-/// What stands below the help of `haptical import mukca`.
+/// End of the help of `haptical import mukca`.
 pub(super) const HELP: &str = "\
 Example:
   haptical import mukca panda_1 --out panda_1.csv
@@ -25,6 +25,10 @@ far the two sockets of a position are from each other.";
 
 /// End of the rig file's name.
 const RIG: &str = "rig.toml";
+
+/// What to do where there are no postures.
+const GIVE_FOLDER: &str =
+    "give the folder of one robot: <robot>/<position of the tool>/hole_{0,1}.csv";
 
 /// Flags of `haptical import mukca`.
 #[derive(Debug, Args)]
@@ -89,11 +93,8 @@ pub(super) fn run(arguments: &MukcaArguments) -> Result<(), Failure> {
         ..Recording::default()
     };
     let mut log = Vec::new();
-    write_log_to(
-        &mut log,
-        &recording,
-        &shape_without_limits(&vec![false; n_joints], 0),
-    )?;
+    let shape = shape_without_limits(&vec![false; n_joints], 0);
+    write_log_to(&mut log, &recording, &shape)?;
     let rig = rig_text(&pairs, arguments);
     arguments.target.write(Imported {
         log,
@@ -141,26 +142,15 @@ fn read_folder(
         }
     }
     if sockets.is_empty() {
-        return Err(Failure::bad_input(
-            "no-postures",
-            "no folder in it has hole_0.csv or hole_1.csv",
-            folder.display().to_string(),
-            "give the folder of one robot: <robot>/<position of the tool>/hole_{0,1}.csv",
-        ));
+        let what = "no folder in it has hole_0.csv or hole_1.csv";
+        return Err(Failure::in_file("no-postures", what, folder, GIVE_FOLDER));
     }
     Ok((sockets, pairs))
 }
 
 /// What a folder holds, by name; names that begin with a point are hidden.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let refuse = |error: std::io::Error| {
-        Failure::bad_input(
-            "unreadable",
-            format!("cannot be read: {error}"),
-            folder.display().to_string(),
-            "give the folder of one robot: <robot>/<position of the tool>/hole_{0,1}.csv",
-        )
-    };
+    let refuse = |error: std::io::Error| Failure::unreadable(&error, folder, GIVE_FOLDER);
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(refuse)? {
         let entry = entry.map_err(refuse)?;
@@ -178,17 +168,12 @@ fn common_columns(sockets: &[Socket], folder: &Path) -> Result<usize, Failure> {
     let first = sockets.first().map_or(0, width);
     match sockets.iter().find(|socket| width(socket) != first) {
         None => Ok(first),
-        Some(other) => Err(Failure::bad_input(
-            "cell-count",
-            format!(
-                "`{}` has {} columns, `{}` {first}",
-                other.contact,
-                width(other),
-                sockets[0].contact
-            ),
-            folder.display().to_string(),
-            "give recordings of one robot",
-        )),
+        Some(other) => {
+            let (own, contact) = (&other.contact, &sockets[0].contact);
+            let what = format!("`{own}` has {} columns, `{contact}` {first}", width(other));
+            let next = "give recordings of one robot";
+            Err(Failure::in_file("cell-count", what, folder, next))
+        }
     }
 }
 

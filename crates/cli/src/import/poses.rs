@@ -11,7 +11,7 @@ use super::renamed::{Renaming, Scaling, factor, fault, joints_and_cables, renami
 use super::{Imported, Target, shape_without_limits};
 use crate::failure::Failure;
 
-/// What stands below the help of `haptical import poses`.
+/// End of the help of `haptical import poses`.
 pub(super) const HELP: &str = "\
 Example:
   haptical import poses table.csv --map theta1_rad=q1,theta2_rad=q2 --map x_m=px,y_m=py,z_m=pz \\
@@ -77,12 +77,7 @@ fn refuse_covariates(
     arguments: &PosesArguments,
     covariates: &[(String, Vec<f64>)],
 ) -> Result<(), Failure> {
-    let is_mapped = |name: &str| {
-        arguments
-            .map
-            .iter()
-            .any(|renaming| renaming.target == *name)
-    };
+    let is_mapped = |name: &str| arguments.map.iter().any(|own| own.target == *name);
     match covariates.iter().find(|(name, _)| is_mapped(name)) {
         None => Ok(()),
         Some((name, _)) => Err(Failure::command_line(
@@ -97,25 +92,22 @@ fn refuse_covariates(
 
 /// The log's text: the table's cells under their new names, line by line as in the table.
 fn translated(arguments: &PosesArguments) -> Result<Vec<u8>, Failure> {
-    let place = || arguments.table.display().to_string();
-    let unreadable = |error: &dyn std::fmt::Display| {
-        let what = format!("cannot be read: {error}");
-        Failure::bad_input(
+    let table = &arguments.table;
+    let next = "give a table as CSV in UTF-8, separated by commas";
+    let unreadable = |error: csv::Error| {
+        Failure::in_file(
             "unreadable",
-            what,
-            place(),
-            "give a table as CSV in UTF-8, separated by commas",
+            format!("cannot be read: {error}"),
+            table,
+            next,
         )
     };
-    let file = File::open(&arguments.table).map_err(|error| unreadable(&error))?;
+    let file = File::open(table).map_err(|error| Failure::unreadable(&error, table, next))?;
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(!arguments.no_header)
         .trim(csv::Trim::All)
         .from_reader(file);
-    let header = reader
-        .headers()
-        .map_err(|error| unreadable(&error))?
-        .clone();
+    let header = reader.headers().map_err(unreadable)?.clone();
     let mut columns = Vec::new();
     for renaming in &arguments.map {
         columns.push((source(arguments, renaming, &header)?, renaming));
@@ -123,30 +115,20 @@ fn translated(arguments: &PosesArguments) -> Result<Vec<u8>, Failure> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let names = arguments.map.iter().map(|renaming| &renaming.target);
     writer.write_record(names).map_err(Failure::internal)?;
-    let mut record = StringRecord::new();
-    while reader
-        .read_record(&mut record)
-        .map_err(|error| unreadable(&error))?
-    {
+    let (mut record, mut cells) = (StringRecord::new(), Vec::new());
+    while reader.read_record(&mut record).map_err(unreadable)? {
         let line = record.position().map_or(1, csv::Position::line);
         for &(index, renaming) in &columns {
             let cell = record.get(index).unwrap_or_default();
             let scaled = scaled(cell, renaming, &arguments.scale).map_err(|what| {
                 let next = "correct it, or leave the cell empty where there is no reading";
-                Failure::placed(
-                    "not-a-number",
-                    what,
-                    &arguments.table,
-                    (line, index as u64 + 1),
-                    next,
-                )
+                let place = (line, index as u64 + 1);
+                Failure::placed("not-a-number", what, table, place, next)
             })?;
-            writer
-                .write_field(scaled.as_deref().unwrap_or(cell))
-                .map_err(Failure::internal)?;
+            cells.push(scaled.unwrap_or_else(|| cell.to_owned()));
         }
         writer
-            .write_record(None::<&[u8]>)
+            .write_record(cells.drain(..))
             .map_err(Failure::internal)?;
     }
     writer.into_inner().map_err(Failure::internal)
@@ -176,17 +158,11 @@ fn source(
 ) -> Result<usize, Failure> {
     let name = &renaming.source;
     let refuse = |what: String, next: String| {
-        Err(Failure::bad_input(
-            "missing-column",
-            what,
-            arguments.table.display().to_string(),
-            next,
-        ))
+        let table = &arguments.table;
+        Err(Failure::in_file("missing-column", what, table, next))
     };
-    if let Some(number) = name
-        .strip_prefix('#')
-        .and_then(|number| number.parse::<usize>().ok())
-    {
+    let number = name.strip_prefix('#');
+    if let Some(number) = number.and_then(|number| number.parse::<usize>().ok()) {
         return match number.checked_sub(1) {
             Some(index) if index < header.len() => Ok(index),
             _ => refuse(

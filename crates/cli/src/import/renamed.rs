@@ -10,7 +10,7 @@ pub(super) struct Renaming {
     pub(super) source: String,
 }
 
-/// `TARGET=FACTOR` of `--scale`; `theta*` stands for all targets that begin so.
+/// `TARGET=FACTOR` of `--scale`; `theta*` means all targets that begin so.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scaling {
     target: String,
@@ -31,24 +31,20 @@ pub(super) fn scaling(text: &str) -> Result<Scaling, String> {
         "mm" | "ms" => 1e-3,
         "um" | "us" => 1e-6,
         "ns" => 1e-9,
-        number => match number.parse::<f64>() {
-            Ok(factor) if factor.is_finite() && factor != 0.0 => factor,
-            _ => {
-                return Err(
-                    "TARGET=FACTOR with a number, deg, mm, um, ms, us or ns is expected".into(),
-                );
-            }
-        },
+        number => {
+            let factor = number.parse::<f64>().ok();
+            let factor = factor.filter(|factor| factor.is_finite() && *factor != 0.0);
+            factor.ok_or("TARGET=FACTOR with a number, deg, mm, um, ms, us or ns is expected")?
+        }
     };
     Ok(Scaling { target, factor })
 }
 
 fn two_sides(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((left, right)) if !left.trim().is_empty() && !right.trim().is_empty() => {
-            Ok((left.trim().to_owned(), right.trim().to_owned()))
-        }
-        _ => Err("NAME=VALUE is expected, such as theta1_rad=q1".to_owned()),
+    let (left, right) = text.split_once('=').unwrap_or_default();
+    match (left.trim(), right.trim()) {
+        ("", _) | (_, "") => Err("NAME=VALUE is expected, such as theta1_rad=q1".to_owned()),
+        (left, right) => Ok((left.to_owned(), right.to_owned())),
     }
 }
 
@@ -70,45 +66,31 @@ pub(super) fn factor(scalings: &[Scaling], target: &str) -> Option<f64> {
 /// A target that is given twice, or a scaling without a target, in words.
 pub(super) fn fault(renamings: &[Renaming], scalings: &[Scaling]) -> Option<String> {
     let mut seen = BTreeSet::new();
-    if let Some(twice) = renamings
-        .iter()
-        .find(|renaming| !seen.insert(&renaming.target))
-    {
-        return Some(format!("--map gives `{}` twice", twice.target));
+    let mut targets = renamings.iter().map(|renaming| &renaming.target);
+    if let Some(twice) = targets.find(|target| !seen.insert(*target)) {
+        return Some(format!("--map gives `{twice}` twice"));
     }
-    let is_idle = |scaling: &&Scaling| {
-        !renamings
-            .iter()
-            .any(|renaming| scaling.fits(&renaming.target))
-    };
-    let idle = scalings.iter().find(is_idle)?;
-    Some(format!(
-        "--scale names `{}`, which --map does not",
-        idle.target
-    ))
+    let is_idle = |scaling: &&Scaling| !seen.iter().any(|target| scaling.fits(target));
+    let idle = &scalings.iter().find(is_idle)?.target;
+    Some(format!("--scale names `{idle}`, which --map does not"))
 }
 
-/// Which joints slide, by the targets `theta1_rad`, `theta2_m`, ... up to the first that is missing; and the
+/// The joints that slide, by the targets `theta1_rad`, `theta2_m`, ... up to the first that is missing; and the
 /// number of cables.
 pub(super) fn joints_and_cables(renamings: &[Renaming]) -> (Vec<bool>, usize) {
     let has = |name: &str| renamings.iter().any(|renaming| renaming.target == name);
     let mut slides = Vec::new();
     loop {
         let number = slides.len() + 1;
-        let (turns, slide) = (
-            has(&format!("theta{number}_rad")),
-            has(&format!("theta{number}_m")),
-        );
-        if !turns && !slide {
+        let turns = has(&format!("theta{number}_rad"));
+        if !turns && !has(&format!("theta{number}_m")) {
             break;
         }
         slides.push(!turns);
     }
     let cables = renamings.iter().filter(|renaming| {
-        let number = renaming
-            .target
-            .strip_prefix("cable")
-            .and_then(|rest| rest.strip_suffix("_m"));
+        let number = renaming.target.strip_prefix("cable");
+        let number = number.and_then(|rest| rest.strip_suffix("_m"));
         number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
     });
     (slides, cables.count())

@@ -15,7 +15,7 @@ pub(super) fn read_angles(path: &Path) -> Result<Vec<Vec<f64>>, Failure> {
     let unreadable = |error: &dyn std::fmt::Display| {
         let next = "give the folder that holds <position of the tool>/hole_0.csv";
         let what = format!("cannot be read: {error}");
-        Failure::bad_input("unreadable", what, path.display().to_string(), next)
+        Failure::in_file("unreadable", what, path, next)
     };
     let file = File::open(path).map_err(|error| unreadable(&error))?;
     let mut reader = csv::ReaderBuilder::new()
@@ -29,51 +29,34 @@ pub(super) fn read_angles(path: &Path) -> Result<Vec<Vec<f64>>, Failure> {
         let line = record.position().map_or(1, csv::Position::line);
         let mut row = Vec::with_capacity(record.len());
         for (index, cell) in record.iter().enumerate() {
-            let at = (line, index as u64 + 1);
-            row.push(
-                angle(cell).map_err(|(what, next)| {
-                    Failure::placed("not-an-angle", what, path, at, next)
-                })?,
-            );
+            let place = (line, index as u64 + 1);
+            let refuse = |(what, next)| Failure::placed("not-an-angle", what, path, place, next);
+            row.push(angle(cell).map_err(refuse)?);
         }
         if rows.first().is_some_and(|first| first.len() != row.len()) {
-            let what = format!(
-                "{} numbers where the first row has {}",
-                row.len(),
-                rows[0].len()
-            );
+            let (own, first) = (row.len(), rows[0].len());
+            let what = format!("{own} numbers where the first row has {first}");
             let next = "delete or complete the row";
-            return Err(Failure::log_line(
-                "cell-count",
-                what,
-                path,
-                Some(line),
-                next,
-            ));
+            return Err(Failure::placed("cell-count", what, path, (line, 0), next));
         }
         if rows.len() == MOST_ROWS {
             let what = format!("more than {MOST_ROWS} rows");
             let next = "give postures, one for each time that the ball was put in";
-            return Err(Failure::log_line("too-large", what, path, Some(line), next));
+            return Err(Failure::placed("too-large", what, path, (line, 0), next));
         }
         rows.push(row);
     }
     if rows.is_empty() {
-        let place = path.display().to_string();
         let next = "delete the file, or record postures";
-        return Err(Failure::bad_input("no-rows", "no postures", place, next));
+        return Err(Failure::in_file("no-rows", "no postures", path, next));
     }
     Ok(rows)
 }
 
 /// The angle in a cell, or what is wrong with it and what to do.
 fn angle(cell: &str) -> Result<f64, (String, &'static str)> {
-    let refuse = |next| {
-        Err((
-            format!("expected an angle in rad, found `{}`", shortened(cell)),
-            next,
-        ))
-    };
+    let what = || format!("expected an angle in rad, found `{}`", shortened(cell));
+    let refuse = |next| Err((what(), next));
     match cell.parse::<f64>() {
         Ok(angle) if angle.abs() <= LARGEST_ANGLE_RAD => Ok(angle),
         Ok(_) => refuse("write angles in rad, not in degrees"),

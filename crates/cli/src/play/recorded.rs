@@ -22,7 +22,7 @@ const DATA_BYTES: usize = 2_500_000;
 const LARGEST_M: f64 = 1e6;
 /// Micrometres in a metre: positions are embedded as whole micrometres.
 const PER_METRE: f64 = 1e6;
-/// Upwards where the device file states no gravity: z of frame (-1).
+/// Upward direction where the device file states no gravity: z of frame (-1).
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// What was asked for, and the files to name in refusals.
@@ -31,6 +31,12 @@ pub(crate) struct Request<'a> {
     pub(crate) every: Option<usize>,
     pub(crate) device_file: &'a Path,
     pub(crate) log_file: &'a Path,
+}
+
+impl Request<'_> {
+    fn refuse(&self, error: CalibrationError) -> Failure {
+        Failure::calibration(&error, self.device_file, self.log_file)
+    }
 }
 
 /// The data of the page; field names are those that the script reads.
@@ -57,7 +63,7 @@ pub(crate) struct Recorded {
     pub(crate) channels: Vec<ChannelErrors>,
 }
 
-/// What the rows are played over.
+/// Horizontal axis: time or rows.
 #[derive(Debug, Serialize)]
 pub(crate) struct Axis {
     /// Whether the values are seconds; otherwise rows, from 1.
@@ -95,7 +101,7 @@ impl Recorded {
         request: &Request<'_>,
         warnings: &mut Vec<String>,
     ) -> Result<Self, Failure> {
-        let refuse = |error| Failure::calibration(&error, request.device_file, request.log_file);
+        let refuse = |error| request.refuse(error);
         // a tracker's frame and touched points that a file leaves open: where they fit this log best
         let nominal = &prepare_device(nominal, recording).map_err(refuse)?;
         let placed = model.map(|model| prepare_device(model, recording));
@@ -109,10 +115,8 @@ impl Recorded {
         let kept: Vec<usize> = (0..recording.len()).step_by(every).collect();
         let part = recording.select(&kept);
         let origins = frame_origins_m(nominal, &part).map_err(refuse)?;
-        let calibrated = match model {
-            None => None,
-            Some(model) => Some(frame_origins_m(model, &part).map_err(refuse)?),
-        };
+        let calibrated = model.map(|model| frame_origins_m(model, &part));
+        let calibrated = calibrated.transpose().map_err(refuse)?;
         let place = |line: u64| (request.log_file, line);
         let mut origins_um = Vec::with_capacity(kept.len());
         let mut deviations_um = calibrated.is_some().then(Vec::new);
@@ -136,7 +140,7 @@ impl Recorded {
             calibrated: model.is_some(),
             rows: recording.len(),
             every,
-            axis: Axis::of(&part, &kept),
+            axis: Axis::new(&part, &kept),
             run_starts: run_starts(&part),
             up: nominal
                 .gravity_mps2
@@ -156,7 +160,7 @@ impl Recorded {
 
 impl Axis {
     /// Time where it increases from row to row through the whole log, else the rows' numbers.
-    fn of(part: &Recording, kept: &[usize]) -> Self {
+    fn new(part: &Recording, kept: &[usize]) -> Self {
         let increases = |times: &&Vec<f64>| {
             let steps = times.windows(2).all(|pair| pair[0] < pair[1]);
             steps && times.iter().all(|time| time.is_finite())
@@ -183,15 +187,12 @@ fn drawable_channels(
 ) -> Result<Vec<Channel>, Failure> {
     match channels(device, recording) {
         Err(CalibrationError::NoChannel) => {
-            warnings.push(
-                "the log has no outN_rad, cable_m or position that this device predicts, so the \
-                 page shows the arm without errors"
-                    .to_owned(),
-            );
+            let warning = "the log has no outN_rad, cable_m or position that this device predicts, so the \
+                           page shows the arm without errors";
+            warnings.push(warning.to_owned());
             Ok(Vec::new())
         }
-        found => found
-            .map_err(|error| Failure::calibration(&error, request.device_file, request.log_file)),
+        found => found.map_err(|error| request.refuse(error)),
     }
 }
 
@@ -213,14 +214,11 @@ fn channel_errors(
     // Both arms on the same rows: those where the calibrated transmissions are known.
     let range_of = model.unwrap_or(nominal);
     let residuals = |device| {
-        channel_residuals(device, range_of, part, found, &weights)
-            .map_err(|error| Failure::calibration(&error, request.device_file, request.log_file))
+        let all = channel_residuals(device, range_of, part, found, &weights);
+        all.map_err(|error| request.refuse(error))
     };
     let before = residuals(nominal)?;
-    let mut after = match model {
-        None => None,
-        Some(model) => Some(residuals(model)?.into_iter()),
-    };
+    let mut after = model.map(residuals).transpose()?.map(Vec::into_iter);
     let mut all = Vec::with_capacity(found.len());
     for before in before {
         let channel = before.channel;
@@ -259,15 +257,8 @@ fn refuse_overflow(entry: &ChannelErrors, log: &Path) -> Result<(), Failure> {
     if sizes.into_iter().flatten().all(f64::is_finite) {
         return Ok(());
     }
-    Err(Failure::bad_input(
-        "overflow",
-        format!("an error of {} is too large to be squared", entry.name),
-        log.display().to_string(),
-        format!(
-            "correct the reading of {} or leave its cell empty",
-            entry.name
-        ),
-    ))
+    let what = format!("an error of {} is too large to be squared", entry.name);
+    Err(Failure::overflow(what, &entry.name, log, None))
 }
 
 fn title(device: &Device, channel: Channel) -> String {
@@ -275,12 +266,10 @@ fn title(device: &Device, channel: Channel) -> String {
         Channel::Output { joint } => {
             let name = &device.joints[joint].name;
             let number = (joint + 1).to_string();
-            let named = if name.is_empty() || *name == number {
-                String::new()
-            } else {
-                format!(" ({name})")
-            };
-            format!("output of joint {number}{named}")
+            match name.as_str() {
+                name if name.is_empty() || name == number => format!("output of joint {number}"),
+                name => format!("output of joint {number} ({name})"),
+            }
         }
         Channel::Cable { index } => format!("distance of cable {}", index + 1),
         Channel::Position => "handle position, distance from the tracked one".to_owned(),
@@ -289,26 +278,21 @@ fn title(device: &Device, channel: Channel) -> String {
     }
 }
 
-/// Where a cable leaves its guide; a chain without cables measures from frame (-1)'s origin.
+/// The point at which a cable leaves its guide; a chain without cables measures from frame (-1)'s origin.
 fn exit_um(device: &Device, index: usize, file: &Path) -> Result<[i64; 3], Failure> {
-    let exit = device
-        .cables
-        .get(index)
-        .map_or([0.0; 3], |cable| cable.anchor_m);
+    let cable = device.cables.get(index);
+    let exit = cable.map_or([0.0; 3], |cable| cable.anchor_m);
     point_um(exit).ok_or_else(|| {
-        Failure::bad_input(
-            "too-far",
-            format!(
-                "the exit of cable {} is too far away to be drawn",
-                index + 1
-            ),
-            file.display().to_string(),
-            format!("give coordinates below {LARGEST_M:e} m"),
-        )
+        let what = format!(
+            "the exit of cable {} is too far away to be drawn",
+            index + 1
+        );
+        let next = format!("give coordinates below {LARGEST_M:e} m");
+        Failure::in_file("too-far", what, file, next)
     })
 }
 
-/// The tracked handle in frame (-1); none where the tracker sees a marker beside the handle.
+/// The tracked handle in frame (-1); none where the tracker sees a marker at some distance from the handle.
 fn tracked_um(
     device: &Device,
     part: &Recording,
@@ -349,13 +333,9 @@ fn point_um(point_m: [f64; 3]) -> Option<[i64; 3]> {
 }
 
 fn too_far(what: &str, (log, line): (&Path, u64)) -> Failure {
-    Failure::log_line(
-        "too-far",
-        format!("the {what} reaches too far to be drawn"),
-        log,
-        Some(line),
-        format!("lengths are in metres, and coordinates stay below {LARGEST_M:e} m"),
-    )
+    let what = format!("the {what} reaches too far to be drawn");
+    let next = format!("lengths are in metres, and coordinates stay below {LARGEST_M:e} m");
+    Failure::placed("too-far", what, log, (line, 0), next)
 }
 
 /// Rows whose run is not that of the row before.
@@ -363,9 +343,8 @@ fn run_starts(part: &Recording) -> Vec<usize> {
     let Some(run) = &part.run else {
         return Vec::new();
     };
-    (1..run.len())
-        .filter(|&row| run[row] != run[row - 1])
-        .collect()
+    let starts = (1..run.len()).filter(|&row| run[row] != run[row - 1]);
+    starts.collect()
 }
 
 /// Rounded to digits after the point; a number too large for that stays as it is.

@@ -39,6 +39,13 @@ impl Written {
         bytes: usize,
         warnings: Vec<String>,
     ) -> Self {
+        let channels = recorded.channels.iter().map(|channel| WrittenChannel {
+            channel: channel.name.clone(),
+            unit: channel.si_unit,
+            readings: channel.nominal.iter().flatten().count(),
+            rms_nominal: channel.rms_nominal,
+            rms_calibrated: channel.rms_calibrated,
+        });
         Self {
             page: page.display().to_string(),
             bytes,
@@ -46,56 +53,34 @@ impl Written {
             rows_shown: recorded.len(),
             every: recorded.every,
             axis: if recorded.axis.is_time { "t_s" } else { "row" },
-            channels: recorded
-                .channels
-                .iter()
-                .map(|channel| WrittenChannel {
-                    channel: channel.name.clone(),
-                    unit: channel.si_unit,
-                    readings: channel.nominal.iter().flatten().count(),
-                    rms_nominal: channel.rms_nominal,
-                    rms_calibrated: channel.rms_calibrated,
-                })
-                .collect(),
+            channels: channels.collect(),
             warnings,
         }
     }
 
-    pub(super) fn json(&self) -> Result<String, Failure> {
-        let mut json = serde_json::to_string_pretty(self).map_err(Failure::internal)?;
-        json.push('\n');
-        Ok(json)
-    }
-
     pub(super) fn text(&self) -> Result<String, Failure> {
-        let title = format!(
-            "Errors, root mean square over the {} of {} rows on the page",
-            self.rows_shown, self.rows
-        );
-        let columns = "channel | unit | readings | nominal | calibrated";
-        let mut table = Table::with_heads(title, columns);
-        for channel in &self.channels {
-            let shown = Shown::fine(channel.unit);
-            table.push(vec![
-                channel.channel.as_str().into(),
-                shown.name.into(),
+        let (shown, all) = (self.rows_shown, self.rows);
+        let title = format!("Errors, root mean square over the {shown} of {all} rows on the page");
+        let rows = self.channels.iter().map(|channel| {
+            let unit = Shown::fine(channel.unit);
+            let rms = |rms: Option<f64>| rms.map_or(Cell::Missing, |rms| unit.cell(rms));
+            vec![
+                (&channel.channel).into(),
+                unit.name.into(),
                 Cell::number(channel.readings as f64, 0),
-                rms_cell(channel.rms_nominal, shown),
-                rms_cell(channel.rms_calibrated, shown),
-            ])?;
-        }
-        let table = if self.channels.is_empty() {
-            format!(
-                "{} of {} rows, no errors to show",
-                self.rows_shown, self.rows
-            )
-        } else {
-            table.to_terminal()
+                rms(channel.rms_nominal),
+                rms(channel.rms_calibrated),
+            ]
+        });
+        let columns = "channel | unit | readings | nominal | calibrated";
+        let table = Table::with_heads(title, columns).with_rows(rows)?;
+        let table = match self.channels.is_empty() {
+            true => format!("{shown} of {all} rows, no errors to show"),
+            false => table.to_terminal(),
         };
+        let (page, megabytes) = (&self.page, 1e-6 * self.bytes as f64);
         Ok(format!(
-            "{table}\n\nWritten:\n  {} ({:.1} MB)\n",
-            self.page,
-            1e-6 * self.bytes as f64
+            "{table}\n\nWritten:\n  {page} ({megabytes:.1} MB)\n"
         ))
     }
 }
@@ -107,8 +92,4 @@ pub(super) fn rms_texts(channel: &ChannelErrors) -> [String; 2] {
         Some(rms) => format!("{:.*}", decimals(rms * shown.per_si), rms * shown.per_si),
         None => "–".to_owned(),
     })
-}
-
-fn rms_cell(rms: Option<f64>, shown: Shown) -> Cell {
-    rms.map_or(Cell::Missing, |rms| shown.cell(rms))
 }
