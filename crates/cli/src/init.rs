@@ -21,54 +21,9 @@ const LOG_FILE: &str = "log.csv";
 const ROWS: usize = 400;
 const SEED: u64 = 1;
 
-/// Deviations of the simulated device \[m, rad, 1\]: sizes as in the paper's Tables 2 and 3.
-const DEVIATIONS: [(&str, f64); 45] = [
-    ("ratio_deviation1", -0.025),
-    ("output_drum_x1", -5.2e-5),
-    ("output_drum_y1", -1.93e-4),
-    ("input_drum_x1", 4.8e-6),
-    ("input_drum_y1", -1.3e-6),
-    ("ratio_deviation2", -0.020),
-    ("output_drum_x2", 2.46e-4),
-    ("output_drum_y2", -4.3e-5),
-    ("input_drum_x2", -1.9e-6),
-    ("input_drum_y2", 1.6e-6),
-    ("ratio_deviation3", 0.015),
-    ("output_drum_x3", -1.73e-4),
-    ("output_drum_y3", 1.0e-4),
-    ("input_drum_x3", -0.7e-6),
-    ("input_drum_y3", -3.9e-6),
-    ("ratio_deviation4", 0.02),
-    ("output_drum_x4", 7.7e-5),
-    ("output_drum_y4", -6.4e-5),
-    ("length_deviation4[1]", -5e-4),
-    ("length_deviation4[2]", -7e-4),
-    ("a0", 1.9e-3),
-    ("a1", -1.1e-3),
-    ("a2", 1.6e-3),
-    ("a3", -1.2e-3),
-    ("a4", 1.4e-3),
-    ("a5", -1.5e-3),
-    ("a6", 1.4e-3),
-    ("a7", -1.3e-3),
-    ("d1", 1.2e-3),
-    ("d2", -1.5e-3),
-    ("d3", 1.3e-3),
-    ("d4", -1.3e-3),
-    ("d5", 1.4e-3),
-    ("d6", -1.2e-3),
-    ("d7", 1.0e-3),
-    ("alpha1", -1.5e-3),
-    ("alpha2", 1.3e-3),
-    ("alpha3", -1.4e-3),
-    ("alpha4", 1.2e-3),
-    ("theta2", 1.7e-3),
-    ("theta3", -1.3e-3),
-    ("theta4", 1.0e-3),
-    ("theta5", -1.2e-3),
-    ("theta6", -1.0e-3),
-    ("theta7", 1.1e-3),
-];
+/// Deviations of the simulated device, a name and a number \[m, rad, 1\] in each line: sizes as in the paper's
+/// Tables 2 and 3.
+const DEVIATIONS: &str = include_str!("../assets/haptic7-deviations.txt");
 
 /// Runs the command.
 pub(crate) fn run(arguments: &InitArguments) -> Result<(), Failure> {
@@ -77,11 +32,12 @@ pub(crate) fn run(arguments: &InitArguments) -> Result<(), Failure> {
     for name in [DEVICE_FILE, LOG_FILE] {
         let path = folder.join(name);
         if path.exists() && !arguments.force {
-            return Err(Failure::bad_input(
+            let next = "give another folder, or --force to overwrite it";
+            return Err(Failure::in_file(
                 "exists",
                 "the file exists already",
-                path.display().to_string(),
-                "give another folder, or --force to overwrite it",
+                &path,
+                next,
             ));
         }
     }
@@ -91,26 +47,31 @@ pub(crate) fn run(arguments: &InitArguments) -> Result<(), Failure> {
     ];
     write_all(folder, &files)?;
     let (device, log) = (folder.join(DEVICE_FILE), folder.join(LOG_FILE));
-    terminal::write_output(
-        format!(
-            "Written:\n  {}: the template, to be changed into your device\n  {}: {ROWS} simulated \
-             rows of a device that deviates from it\n\nNext:\n  haptical identify --device {} \
-             --log {} --out {}\n",
-            device.display(),
-            log.display(),
-            shell_path(&device),
-            shell_path(&log),
-            shell_path(&folder.join("result")),
-        )
-        .as_bytes(),
-    )
+    let text = format!(
+        "Written:\n  {}: the template, to be changed into your device\n  {}: {ROWS} simulated \
+         rows of a device that deviates from it\n\nNext:\n  haptical identify --device {} \
+         --log {} --out {}\n",
+        device.display(),
+        log.display(),
+        shell_path(&device),
+        shell_path(&log),
+        shell_path(&folder.join("result")),
+    );
+    terminal::write_output(text.as_bytes())
 }
 
 fn sample_log() -> Result<Vec<u8>, Failure> {
     let device = Device::from_toml(TEMPLATE, DEVICE_FILE)
         .map_err(Failure::internal)?
         .device;
-    let truth = apply_deviations(&device, &DEVIATIONS).map_err(Failure::internal)?;
+    let deviation = |line: &'static str| {
+        Some((
+            line.split_once(' ')?.0,
+            line.split_once(' ')?.1.parse().ok()?,
+        ))
+    };
+    let deviations: Vec<(&str, f64)> = DEVIATIONS.lines().filter_map(deviation).collect();
+    let truth = apply_deviations(&device, &deviations).map_err(Failure::internal)?;
     let settings = Settings {
         motor_counts: true,
         cable_sigma: CableSigma::Stated,

@@ -52,7 +52,7 @@ impl Log {
         Self::new(log, source.clone(), Some(reader.fingerprint()), device)
     }
 
-    /// Takes a log from columns in memory, by their names in a file; `name` stands for the file in messages.
+    /// Takes a log from columns in memory, by their names in a file; messages call the file by `name`.
     ///
     /// # Errors
     /// As [`Log::read`].
@@ -67,7 +67,7 @@ impl Log {
         Self::new(log, Source::text("", name), None, device)
     }
 
-    /// Takes rows in memory, such as a simulated recording; `name` stands for the file in messages.
+    /// Takes rows in memory, such as a simulated recording; messages call the file by `name`.
     ///
     /// # Errors
     /// Distances in millimetres.
@@ -100,7 +100,7 @@ impl Log {
         })
     }
 
-    /// Where it came from.
+    /// Its origin.
     pub fn source(&self) -> &Source {
         &self.source
     }

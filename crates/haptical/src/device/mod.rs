@@ -51,7 +51,7 @@ pub enum InputDrumDenominators {
 }
 
 impl InputDrumDenominators {
-    fn of_joint(self, joint: usize) -> Option<f64> {
+    fn for_joint(self, joint: usize) -> Option<f64> {
         match (self, joint) {
             (Self::Stated, _) => None,
             (Self::Same(length_m), _) => Some(length_m),
@@ -99,7 +99,7 @@ impl Device {
         Self::open(&Source::given(path.as_ref()), &equipment)
     }
 
-    /// Reads the text of a device file (TOML); `name` stands for the file in messages.
+    /// Reads the text of a device file (TOML); messages call the file by `name`.
     ///
     /// # Errors
     /// A text that is no device file.
@@ -146,7 +146,7 @@ impl Device {
         &self.text
     }
 
-    /// Where it came from.
+    /// Its origin.
     pub fn source(&self) -> &Source {
         &self.source
     }
@@ -171,30 +171,24 @@ impl Device {
 /// # Errors
 /// It is not; `path` is the model's.
 pub fn refuse_other_device(nominal: &Model, model: &Model, path: &Path) -> Result<(), Error> {
-    let types =
-        |device: &Model| -> Vec<_> { device.joints.iter().map(|joint| joint.joint_type).collect() };
-    let what = if nominal.joints.len() != model.joints.len() {
-        let (wanted, got) = (nominal.joints.len(), model.joints.len());
-        format!("the model has {got} joints, the device has {wanted}")
-    } else if nominal.links.len() != model.links.len() {
-        let (wanted, got) = (nominal.links.len(), model.links.len());
-        format!("the model has {got} links, the device has {wanted}")
+    let mut pairs = nominal.joints.iter().zip(&model.joints);
+    let counts = |device: &Model| {
+        [
+            ("joints", device.joints.len()),
+            ("links", device.links.len()),
+        ]
+    };
+    let mut counts = counts(nominal).into_iter().zip(counts(model));
+    let what = if let Some(((what, wanted), (_, got))) = counts.find(|(own, other)| own != other) {
+        format!("the model has {got} {what}, the device has {wanted}")
     } else if nominal.convention != model.convention {
         "the model has another convention of its links than the device".to_owned()
-    } else if let Some(joint) =
-        (0..nominal.joints.len()).find(|&joint| types(nominal)[joint] != types(model)[joint])
-    {
-        format!(
-            "joint {} turns in one of model and device and slides in the other",
-            joint + 1
-        )
+    } else if let Some(joint) = pairs.position(|(own, other)| own.joint_type != other.joint_type) {
+        let number = joint + 1;
+        format!("joint {number} turns in one of model and device and slides in the other")
     } else {
         return Ok(());
     };
-    Err(Error::bad_input(
-        "other-device",
-        what,
-        path.display().to_string(),
-        "give the identified.toml of this device",
-    ))
+    let next = "give the identified.toml of this device";
+    Err(Error::in_file("other-device", what, path, next))
 }

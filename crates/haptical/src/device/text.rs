@@ -60,12 +60,9 @@ pub(super) fn read(source: &Source, equipment: &Equipment) -> Result<DeviceText,
 }
 
 fn read_toml(source: &Source) -> Result<String, Error> {
-    match &source.text {
-        Some(text) => Ok(text.clone()),
-        None => {
-            read_toml_text(&source.path).map_err(|error| Error::device_file(&error, &source.path))
-        }
-    }
+    let refuse = |error| Error::device_file(&error, &source.path);
+    let text = source.text.clone().map(Ok);
+    text.unwrap_or_else(|| read_toml_text(&source.path).map_err(refuse))
 }
 
 fn read_urdf(source: &Source, equipment: &Equipment) -> Result<(String, Vec<String>), Error> {
@@ -100,7 +97,7 @@ pub(super) fn with_denominators(
             )
         })?;
     for (index, (row, joint)) in rows.iter_mut().zip(&device.joints).enumerate() {
-        if let Some(length_m) = denominators.of_joint(index)
+        if let Some(length_m) = denominators.for_joint(index)
             && joint.drum_distance_m.is_some()
         {
             row.insert("input_drum_denominator_m", value(length_m));

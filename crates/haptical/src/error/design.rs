@@ -9,16 +9,12 @@ use haptical_identification::IdentificationError;
 use super::{Error, ErrorKind};
 
 impl Error {
-    /// A refused plan, said of the argument or file that it came from.
+    /// A refused plan, placed at the argument or file that it came from.
     pub fn design(error: &DesignError, device: &Path) -> Self {
         let text = error.to_string();
-        let (what, next) = text
-            .split_once("; ")
-            .or_else(|| text.split_once(": "))
-            .unwrap_or((
-                text.as_str(),
-                "correct it; the kinds of measurement are in `haptical plan --help`",
-            ));
+        let usual = "correct it; the kinds of measurement are in `haptical plan --help`";
+        let split = text.split_once("; ").or_else(|| text.split_once(": "));
+        let (what, next) = split.unwrap_or((&text, usual));
         match error {
             DesignError::NothingIdentifiable { rig, reason } => {
                 let (what, reason) = (format!("rig `{rig}`"), reason.clone());
@@ -26,23 +22,23 @@ impl Error {
                 Self::calibration(&error, device, device)
             }
             DesignError::NoLimits { .. } | DesignError::Pose { .. } => {
-                Self::bad_input("device", what, device.display().to_string(), next)
+                Self::in_file("device", what, device, next)
             }
             DesignError::Calibration(error) => Self::calibration(error, device, device),
             DesignError::Identification(error) => {
                 let next = "give another rig, or correct the device file";
-                let refused =
-                    Self::bad_input("analysis", text.clone(), device.display().to_string(), next);
+                let refused = Self::in_file("analysis", text.clone(), device, next);
                 match error {
                     IdentificationError::NothingFree => refused.of_kind(ErrorKind::Unidentifiable),
                     _ => refused,
                 }
             }
             DesignError::Measure { item, message } => {
-                let (message, next) = message
+                let split = message
                     .rsplit_once("; ")
-                    .or_else(|| message.rsplit_once(": "))
-                    .unwrap_or((message, "the kinds are in `haptical plan --help`"));
+                    .or_else(|| message.rsplit_once(": "));
+                let usual = "the kinds are in `haptical plan --help`";
+                let (message, next) = split.unwrap_or((message, usual));
                 Self::command_line("measure", format!("measurement `{item}`: {message}"), next)
             }
             _ => Self::command_line("arguments", what, next),

@@ -21,29 +21,27 @@ impl Error {
             place.column = Some(at.column as u64);
         }
         let (name, next) = match error {
-            DeviceFileError::Unreadable { .. } => (
-                "unreadable",
-                "check the path and its permissions".to_owned(),
-            ),
-            DeviceFileError::TooLarge { .. } => (
-                "too-large",
-                "give a device file; a log goes to --log".to_owned(),
-            ),
+            DeviceFileError::Unreadable { .. } => {
+                ("unreadable", "check the path and its permissions")
+            }
+            DeviceFileError::TooLarge { .. } => {
+                ("too-large", "give a device file; a log goes to --log")
+            }
             DeviceFileError::NotText { advice, .. } => {
                 what = "not a text in UTF-8".to_owned();
-                ("not-text", (*advice).to_owned())
+                ("not-text", *advice)
             }
             DeviceFileError::Syntax {
                 message, advice, ..
             } => {
                 what.clone_from(message);
-                ("syntax", advice.clone())
+                ("syntax", advice.as_str())
             }
             DeviceFileError::MissingKey {
                 place, key, advice, ..
             } => {
                 what = format!("{place} has no `{key}`");
-                ("missing-key", format!("add `{key}`: {advice}"))
+                ("missing-key", &*format!("add `{key}`: {advice}"))
             }
             DeviceFileError::Value {
                 place,
@@ -53,13 +51,14 @@ impl Error {
                 ..
             } => {
                 what = format!("{place}: `{key}` is {found}");
-                ("value", format!("correct `{key}`: {allowed}"))
+                ("value", &*format!("correct `{key}`: {allowed}"))
             }
             _ => (
                 "shape",
-                "correct the file; `haptical init` writes a template to compare with".to_owned(),
+                "correct the file; `haptical init` writes a template to compare with",
             ),
         };
+        let next = next.to_owned();
         let kind = match error {
             DeviceFileError::Unreadable { source, .. } if source.kind() == ErrorCause::NotFound => {
                 ErrorKind::NotFound

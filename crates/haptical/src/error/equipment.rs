@@ -14,7 +14,7 @@ const MOST_NAMES: usize = 8;
 
 impl Error {
     /// Says what the equipment of `device` has to do with it: which chain of a URDF was taken and which would
-    /// fit the log, or that a section stands in the rig file.
+    /// fit the log, or that a section is in the rig file.
     pub fn with_equipment(mut self, device: &Device) -> Self {
         let equipment = device.equipment();
         if let (Some(section), Some(rig)) = (&self.place.section, &equipment.rig)
@@ -22,14 +22,10 @@ impl Error {
         {
             self.place.file = rig.path.display().to_string();
         }
-        if let Some(columns) = self
-            .place
-            .joint_columns
-            .take()
-            .filter(|_| is_urdf(&device.source().path))
-        {
-            // the device was read from it just now; if it cannot be read again, the log's error stands
-            let _ = self.name_chains(&device.source().path, equipment, columns);
+        let path = &device.source().path;
+        if let Some(columns) = self.place.joint_columns.take().filter(|_| is_urdf(path)) {
+            // the device was read from it just now; if it cannot be read again, the log's error remains
+            let _ = self.name_chains(path, equipment, columns);
         }
         self
     }
@@ -46,15 +42,17 @@ impl Error {
                 ": the chain ends at `{taken}`, as the longest one does, and no --tip names another"
             ),
         };
-        let fits = chain_ends(&text, &file, chain.base.as_deref())
-            .ok()?
-            .into_iter();
-        let fits = fits.filter(|end| end.joints == columns);
+        let ends = chain_ends(&text, &file, chain.base.as_deref()).ok()?;
+        let fits = ends.into_iter().filter(|end| end.joints == columns);
         let fits: Vec<String> = fits.map(|end| end.tip).collect();
         // a base has a tip already
         let add = match chain.base {
             Some(_) => "give",
             None => "add",
+        };
+        let joints = match columns {
+            1 => "1 joint".to_owned(),
+            _ => format!("{columns} joints"),
         };
         self.next = match fits.as_slice() {
             [] => format!(
@@ -62,25 +60,16 @@ impl Error {
                  {columns} joints, as the log has"
             ),
             [only] => {
-                let joints = counted(columns);
                 format!(
                     "the chain{from} to `{only}` has {joints}, as the log has: {add} --tip {only}"
                 )
             }
             _ => format!(
-                "the chains{from} to {} have {}, as the log has: {add} --tip with the one that was measured",
-                listed(&fits),
-                counted(columns)
+                "the chains{from} to {} have {joints}, as the log has: {add} --tip with the one that was measured",
+                listed(&fits)
             ),
         };
         Some(())
-    }
-}
-
-fn counted(joints: usize) -> String {
-    match joints {
-        1 => "1 joint".to_owned(),
-        _ => format!("{joints} joints"),
     }
 }
 
@@ -92,11 +81,11 @@ fn has_section(rig: &Path, section: &str) -> bool {
 
 /// Names in backticks, the first few of them.
 pub(super) fn listed(names: &[String]) -> String {
-    let quoted: Vec<String> = names
+    let quoted = names
         .iter()
         .take(MOST_NAMES)
-        .map(|name| format!("`{name}`"))
-        .collect();
+        .map(|name| format!("`{name}`"));
+    let quoted: Vec<String> = quoted.collect();
     let more = names.len() - quoted.len();
     match more {
         0 => quoted.join(", "),

@@ -16,6 +16,11 @@ use haptical_report::ReportError;
 
 use crate::files::reason;
 
+/// What to do where a row or the numbers of a device fit nothing.
+const LEAVE_ROW_OUT: &str = "leave this row out of the log, or correct the device file";
+const CHECK_DEVICE: &str =
+    "check the device's lengths and home, and leave out the rows that are named";
+
 /// Kinds of refusals; the command has an exit status for each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -154,10 +159,9 @@ impl Error {
             CalibrationError::Option { .. } => "the command line".clone_into(&mut place.file),
             _ => {}
         }
-        let kind = if error.is_unidentifiable() {
-            ErrorKind::Unidentifiable
-        } else {
-            ErrorKind::BadInput
+        let kind = match error.is_unidentifiable() {
+            true => ErrorKind::Unidentifiable,
+            false => ErrorKind::BadInput,
         };
         Self {
             kind,
@@ -173,12 +177,10 @@ impl Error {
         if let DiagnosisError::Calibration(error) = error {
             return Self::calibration(error, device, log);
         }
-        let log_place = log.display().to_string();
         let text = error.to_string();
         match error {
             DiagnosisError::Row { line, source } => {
-                let next = "leave this row out of the log, or correct the device file";
-                Self::log_line("row", source.to_string(), log, Some(*line), next)
+                Self::log_line("row", source.to_string(), log, Some(*line), LEAVE_ROW_OUT)
             }
             DiagnosisError::UnknownEffect { .. } => {
                 let (what, next) = split_advice(&text);
@@ -186,22 +188,16 @@ impl Error {
             }
             DiagnosisError::TooFewReadings { .. } => {
                 let (what, next) = text.split_once(": ").unwrap_or((&text, "record more rows"));
-                Self::bad_input("too-few-rows", what, log_place, next)
+                Self::in_file("too-few-rows", what, log, next).of_kind(ErrorKind::Unidentifiable)
+            }
+            DiagnosisError::Identification(_) => {
+                Self::in_file("identification", text, log, CHECK_DEVICE)
+            }
+            other if other.is_unidentifiable() => {
+                let next = "record slow motion of every joint through its whole range";
+                Self::in_file("nothing-identifiable", text, log, next)
                     .of_kind(ErrorKind::Unidentifiable)
             }
-            DiagnosisError::Identification(_) => Self::bad_input(
-                "identification",
-                text,
-                log_place,
-                "check the device's lengths and home, and leave out the rows that are named",
-            ),
-            other if other.is_unidentifiable() => Self::bad_input(
-                "nothing-identifiable",
-                text,
-                log_place,
-                "record slow motion of every joint through its whole range",
-            )
-            .of_kind(ErrorKind::Unidentifiable),
             _ => Self::internal(text),
         }
     }
@@ -254,74 +250,58 @@ impl std::error::Error for Error {}
 
 /// Name, what and next step of a refused calibration.
 fn describe(error: &CalibrationError) -> (&'static str, String, String) {
-    let more = "record at many different poses that move every joint".to_owned();
-    match error {
-        CalibrationError::NoMotion { rows } => (
-            "no-motion",
-            format!(
+    let text = error.to_string();
+    let more = "record at many different poses that move every joint";
+    let far = "the nominal device may be far from the real one: check its lengths, twists, home and \
+               ratios against the device; with --loss squares, wild readings alone can do this: leave it at auto";
+    let measure = "add external encoders (outN_rad), or [[link]] rows to the device and a distance \
+                   (cable_m) or position (x_m, y_m, z_m) to the log";
+    let (name, what, next) = match error {
+        CalibrationError::NoMotion { rows } => {
+            let what = format!(
                 "no joint moves in the log ({rows} rows at one pose), so nothing can be told apart"
-            ),
-            more,
-        ),
+            );
+            ("no-motion", what, more)
+        }
         CalibrationError::TooFewRows {
             what,
             rows,
             parameters,
             advised,
-        } => (
-            "too-few-rows",
-            format!("{what}: {rows} readings cannot fix {parameters} parameters"),
-            format!("record at least {advised} readings at different poses"),
-        ),
-        CalibrationError::NothingIdentifiable { .. } => {
-            ("nothing-identifiable", error.to_string(), more)
+        } => {
+            let what = format!("{what}: {rows} readings cannot fix {parameters} parameters");
+            let next = format!("record at least {advised} readings at different poses");
+            return ("too-few-rows", what, next);
         }
-        CalibrationError::NotConverged { what, reason } => (
-            "not-converged",
-            format!("{what}: {reason}"),
-            "the nominal device may be far from the real one: check its lengths, twists, home and \
-             ratios against the device; with --loss squares, wild readings alone can do this: leave it at auto"
-                .to_owned(),
-        ),
-        CalibrationError::Identification { .. } => (
-            "identification",
-            error.to_string(),
-            "check the device's lengths and home, and leave out the rows that are named".to_owned(),
-        ),
-        CalibrationError::Row { source, .. } => (
-            "row",
-            source.to_string(),
-            "leave this row out of the log, or correct the device file".to_owned(),
-        ),
-        CalibrationError::Reading { message, .. } => {
-            let (what, next) = split_advice(message);
-            ("reading", what, next)
+        CalibrationError::NothingIdentifiable { .. } => ("nothing-identifiable", text, more),
+        CalibrationError::NotConverged { what, reason } => {
+            ("not-converged", format!("{what}: {reason}"), far)
         }
+        CalibrationError::Identification { .. } => ("identification", text, CHECK_DEVICE),
+        CalibrationError::Row { source, .. } => ("row", source.to_string(), LEAVE_ROW_OUT),
         CalibrationError::LooksLikeMillimetres { what, next, .. } => {
-            ("looks-like-millimetres", what.clone(), (*next).to_owned())
-        }
-        CalibrationError::MistakenColumns { .. } => {
-            let (what, next) = split_advice(&error.to_string());
-            ("mistaken-columns", what, next)
+            ("looks-like-millimetres", what.clone(), *next)
         }
         CalibrationError::Rig { what, message } => {
-            let (message, next) = message
-                .rsplit_once(": ")
-                .unwrap_or((message, "correct the rig or the log"));
-            ("calibration", format!("{what}: {message}"), next.to_owned())
+            let split = message.rsplit_once(": ");
+            let (message, next) = split.unwrap_or((message, "correct the rig or the log"));
+            ("calibration", format!("{what}: {message}"), next)
         }
-        CalibrationError::NoChannel => (
-            "no-channel",
-            "the log has no measurement that this device can be identified from".to_owned(),
-            "add external encoders (outN_rad), or [[link]] rows to the device and a distance \
-             (cable_m) or position (x_m, y_m, z_m) to the log"
-                .to_owned(),
-        ),
+        CalibrationError::NoChannel => {
+            let what = "the log has no measurement that this device can be identified from";
+            ("no-channel", what.to_owned(), measure)
+        }
         other => {
-            let (what, next) = split_advice(&other.to_string().replacen(": ", "; ", 1));
-            ("calibration", what, next)
+            let (name, text) = match other {
+                CalibrationError::Reading { message, .. } => ("reading", message.clone()),
+                CalibrationError::MistakenColumns { .. } => ("mistaken-columns", text),
+                _ => ("calibration", text.replacen(": ", "; ", 1)),
+            };
+            let (what, next) = split_advice(&text);
+            return (name, what, next);
         }
-    }
+    };
+    (name, what, next.to_owned())
 }
 
 impl From<ReportError> for Error {

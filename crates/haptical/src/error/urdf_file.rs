@@ -15,13 +15,13 @@ impl Error {
             UrdfError::File(error) => return Self::device_file(error, path),
             UrdfError::Xml { .. } => (
                 "syntax",
-                "correct the XML at this place; a document type (DTD) must be removed".to_owned(),
+                "correct the XML at this place; a document type (DTD) must be removed",
             ),
             UrdfError::NotUrdf { at, found, advice } => {
                 text = format!("{at}: the outermost element is <{found}>, not <robot>");
-                ("shape", (*advice).to_owned())
+                ("shape", *advice)
             }
-            UrdfError::Missing { what, .. } => ("missing-key", format!("add its {what}")),
+            UrdfError::Missing { what, .. } => ("missing-key", &*format!("add its {what}")),
             UrdfError::Value {
                 at,
                 place,
@@ -30,38 +30,36 @@ impl Error {
                 allowed,
             } => {
                 text = format!("{at}: {place}: {what} is {found}");
-                ("value", format!("correct it: {allowed}"))
+                ("value", &*format!("correct it: {allowed}"))
             }
             UrdfError::Tree { .. } => (
                 "shape",
                 "correct links and joints: one root, one parent for each link, no joint that follows \
-                 itself"
-                    .to_owned(),
+                 itself",
             ),
             UrdfError::UnknownLink { .. } => (
                 "chain",
-                "correct the name that is given with --base or --tip".to_owned(),
+                "correct the name that is given with --base or --tip",
             ),
             UrdfError::TipMissing { base, ends, .. } => {
                 text = format!("--base {base} needs --tip too");
                 (
                     "chain",
-                    format!("name the tip with --tip; branches end at {ends}"),
+                    &*format!("name the tip with --tip; branches end at {ends}"),
                 )
             }
             UrdfError::SameLink { .. } | UrdfError::Unmoved { base: Some(_), .. } => (
                 "chain",
-                "name links with a joint that moves between them with --base and --tip".to_owned(),
+                "name links with a joint that moves between them with --base and --tip",
             ),
-            UrdfError::Chain { .. } | UrdfError::Unmoved { .. } => (
-                "chain",
-                "name a link behind a joint that moves with --tip".to_owned(),
-            ),
+            UrdfError::Chain { .. } | UrdfError::Unmoved { .. } => {
+                ("chain", "name a link behind a joint that moves with --tip")
+            }
             UrdfError::Device { .. } => (
                 "other-device",
-                "give --urdf, --base and --tip as the device came from them".to_owned(),
+                "give --urdf, --base and --tip as the device came from them",
             ),
-            _ => ("shape", "correct the file".to_owned()),
+            _ => ("shape", "correct the file"),
         };
         let Some(at) = error.position() else {
             let what = text.strip_prefix(&format!("{file}: ")).unwrap_or(&text);

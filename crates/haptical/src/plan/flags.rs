@@ -3,7 +3,7 @@
 use haptical_design::{Limits, Region, Request, Spread, Terms};
 
 /// Flags as `--flag=value`, defaults included; files are not among them.
-pub(super) fn of_request(request: &Request) -> Vec<String> {
+pub(super) fn from_request(request: &Request) -> Vec<String> {
     let Limits {
         spread,
         workspace_m,
@@ -21,10 +21,11 @@ pub(super) fn of_request(request: &Request) -> Vec<String> {
     flags.extend(region(&request.region));
     flags.push(format!("--candidates={}", request.candidates));
     flags.push(format!("--seed={}", request.seed));
-    flags.push(match spread {
-        Spread::Uniform => "--spread=uniform".to_owned(),
-        Spread::Normal => "--spread=normal".to_owned(),
-    });
+    let spread = match spread {
+        Spread::Uniform => "uniform",
+        Spread::Normal => "normal",
+    };
+    flags.push(format!("--spread={spread}"));
     let sides = workspace_m.as_ref();
     flags.extend(sides.map(|sides| format!("--workspace={}", list(sides.as_flattened()))));
     if *cable_m != Limits::default().cable_m {

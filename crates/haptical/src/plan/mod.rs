@@ -59,7 +59,7 @@ pub fn plan_as(
     inputs.extend(measured.and_then(|log| log.input("log")));
     let mut flags: Vec<String> = inputs.iter().map(InputFile::argument).collect();
     flags.extend(device.equipment().chain_flags());
-    flags.extend(flags::of_request(request));
+    flags.extend(flags::from_request(request));
     let mut provenance = Record::new(version, "plan", flags, inputs);
     provenance.seeds.insert("poses", request.seed);
     let joints = device.model.joints.iter().enumerate();
@@ -98,8 +98,8 @@ impl Planned {
     }
 
     /// Names of the rigs' columns.
-    fn rig_names(&self) -> Vec<String> {
-        self.rigs().iter().map(|rig| rig.measure.clone()).collect()
+    fn rig_names(&self) -> impl Iterator<Item = String> {
+        self.rigs().iter().map(|rig| rig.measure.clone())
     }
 
     /// The files, as they are written.

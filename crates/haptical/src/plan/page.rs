@@ -14,7 +14,7 @@ const RIG_PX: u32 = 170;
 /// Parameters against rigs, shaded by the decades that the standard deviation lies below the plausible size.
 pub(super) fn picture(plan: &Planned) -> Result<String, Error> {
     let title = format!("What {} poses tell, rig by rig", plan.plan.poses);
-    let mut map = HeatMap::new(title, plan.rig_names());
+    let mut map = HeatMap::new(title, plan.rig_names().collect());
     for (name, unit) in text::parameters(plan) {
         let cell = |entry: &ParameterStatus| HeatCell {
             shade: shade(entry),
@@ -54,12 +54,13 @@ fn shade(entry: &ParameterStatus) -> f64 {
 pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
     let caption = "A standard deviation: the parameter is identified. Weak: fixed no better than half its \
                    plausible size. Dependent: it acts like a combination of others. Invisible: it moves no reading.";
+    let picture = Block::Svg {
+        caption: caption.to_owned(),
+        svg: picture.to_owned(),
+    };
     let mut sections = vec![Section::new(
         "Which rig tells which parameters",
-        vec![Block::Svg {
-            caption: caption.to_owned(),
-            svg: picture.to_owned(),
-        }],
+        vec![picture],
     )];
     for rig in plan.rigs() {
         let mut lines = text::lines(rig).into_iter();
@@ -74,7 +75,7 @@ pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
     if let Some(next) = plan.next_poses() {
         let said = text::said(next, plan.plan.measured_poses);
         let lines = said.lines().map(|line| line.trim().to_owned()).collect();
-        let blocks = vec![Block::List(lines), Block::Table(predicted(next)?)];
+        let blocks = vec![Block::List(lines), predicted(next)?.into()];
         sections.push(Section::new("Next poses", blocks));
     }
     let record = vec![plan.provenance.table()?.into()];

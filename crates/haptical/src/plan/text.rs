@@ -34,22 +34,19 @@ pub(super) fn write(text: &mut impl std::fmt::Write, plan: &Planned) -> std::fmt
     }
 }
 
-/// Parameters beside rigs.
+/// Parameters against rigs.
 fn table(plan: &Planned) -> Result<Table, Error> {
     let mut columns = vec![Column::new("parameter", ""), Column::new("unit", "")];
-    columns.extend(plan.rig_names().iter().map(|name| Column::new(name, "")));
-    let mut table = Table::new("", columns);
-    for (name, unit) in parameters(plan) {
-        let mut row: Vec<Cell> = vec![name.as_str().into(), unit.as_str().into()];
-        for rig in plan.rigs() {
-            row.push(match find(rig, &name) {
-                None => Cell::Text("not there".to_owned()),
-                Some(entry) => Cell::Text(word(entry)),
-            });
-        }
-        table.push(row)?;
-    }
-    Ok(table)
+    columns.extend(plan.rig_names().map(|name| Column::new(name, "")));
+    let rows = parameters(plan).into_iter().map(|(name, unit)| {
+        let word = |rig| find(rig, &name).map_or_else(|| "not there".to_owned(), word);
+        let words = plan.rigs().iter().map(word).map(Cell::from);
+        [Cell::from(&name), unit.into()]
+            .into_iter()
+            .chain(words)
+            .collect()
+    });
+    Ok(Table::new("", columns).with_rows(rows)?)
 }
 
 /// Names and units of all rigs' parameters, in the order in which they come.
@@ -84,24 +81,19 @@ pub(super) fn lines(rig: &RigIdentifiability) -> Vec<String> {
         rig.parameters.len(),
         rig.readings_per_pose
     )];
-    for suggestion in &rig.suggestions {
-        lines.push(format!("  {}", suggested(suggestion)));
-    }
+    let suggestions = rig.suggestions.iter();
+    lines.extend(suggestions.map(|suggestion| format!("  {}", suggested(suggestion))));
     lines
 }
 
 fn suggested(suggestion: &Suggestion) -> String {
-    let remedies: Vec<String> = suggestion
-        .remedies
-        .iter()
-        .take(REMEDIES)
-        .map(|remedy| {
-            let (measure, sd) = (&remedy.measure, remedy.standard_deviation);
-            let instead = remedy.instead_of.as_ref();
-            let instead = instead.map_or_else(String::new, |own| format!(" instead of {own}"));
-            format!("{measure}{instead} (sd {sd:.2e} {})", suggestion.unit)
-        })
-        .collect();
+    let remedies = suggestion.remedies.iter().take(REMEDIES).map(|remedy| {
+        let (measure, sd) = (&remedy.measure, remedy.standard_deviation);
+        let instead = remedy.instead_of.as_ref();
+        let instead = instead.map_or_else(String::new, |own| format!(" instead of {own}"));
+        format!("{measure}{instead} (sd {sd:.2e} {})", suggestion.unit)
+    });
+    let remedies: Vec<String> = remedies.collect();
     let own = &suggestion.parameter;
     let reason = match suggestion.not_told_from.as_slice() {
         [other] => format!(
@@ -138,27 +130,24 @@ pub(super) fn said(next: &NextPoses, measured: usize) -> String {
     };
     let (own, random) = (&next.figures, next.random.as_ref());
     let what = "geometric mean of sd over plausible size";
-    compare(
-        what,
-        own.geometric_mean_sd,
-        random.map(|random| random.geometric_mean_sd),
-    );
+    let of_random = random.map(|random| random.geometric_mean_sd);
+    compare(what, own.geometric_mean_sd, of_random);
     compare("observability O1", own.o1, random.map(|random| random.o1));
     if let Some(value) = own.root_mean_square {
-        let what = match next.criterion {
-            Criterion::TaskPosition => "handle position error in the region by noise, rms [m]",
-            Criterion::TaskForce => "force direction error in the region by noise, rms [rad]",
-            _ => "root mean square of sd over plausible size",
+        let (what, is_task) = match next.criterion {
+            Criterion::TaskPosition => (
+                "handle position error in the region by noise, rms [m]",
+                true,
+            ),
+            Criterion::TaskForce => (
+                "force direction error in the region by noise, rms [rad]",
+                true,
+            ),
+            _ => ("root mean square of sd over plausible size", false),
         };
-        compare(
-            what,
-            value,
-            random.and_then(|random| random.root_mean_square),
-        );
-        if matches!(
-            next.criterion,
-            Criterion::TaskPosition | Criterion::TaskForce
-        ) {
+        let of_random = random.and_then(|random| random.root_mean_square);
+        compare(what, value, of_random);
+        if is_task {
             text += "  Errors of numbers that this rig does not tell, listed above, come on top of it.\n";
         }
     }
