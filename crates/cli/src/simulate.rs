@@ -62,7 +62,7 @@ pub(crate) struct SimulateArguments {
 /// What was written.
 #[derive(Debug, Serialize)]
 struct Written<'a> {
-    /// Its place on standard output, its name in the file beside it.
+    /// Its place on standard output, its name in the provenance file.
     log: String,
     rows: u64,
     seconds: f64,

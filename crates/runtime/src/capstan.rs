@@ -3,7 +3,7 @@
 use haptical_kinematics::trigonometry::{LARGEST_RAD, sine_cosine, small_arctangent};
 use haptical_transmission::{CapstanError, CapstanTerms, Drum};
 
-use crate::error::{Refusal, bounded, is_bounded, length};
+use crate::error::{Refusal, attempt, bounded, is_bounded, length};
 
 /// A capstan drive and its identified error, as a device file holds them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,26 +53,14 @@ pub(crate) struct PreparedCapstan {
 
 impl PreparedCapstan {
     pub(crate) const fn new(capstan: &Capstan) -> Result<Self, Refusal> {
-        let ratio = match bounded("transmission_ratio", capstan.transmission_ratio) {
-            Ok(ratio) => ratio,
-            Err(refusal) => return Err(refusal),
-        };
-        let deviation = match bounded("ratio_deviation", capstan.ratio_deviation) {
-            Ok(deviation) => deviation,
-            Err(refusal) => return Err(refusal),
-        };
-        let offset = match bounded("offset", capstan.offset) {
-            Ok(offset) => offset,
-            Err(refusal) => return Err(refusal),
-        };
-        let output_m = match length("drum_distance_m", capstan.drum_distance_m) {
-            Ok(output_m) => output_m,
-            Err(refusal) => return Err(refusal),
-        };
-        let input_m = match length("input_drum_denominator_m", capstan.input_drum_denominator_m) {
-            Ok(input_m) => input_m,
-            Err(refusal) => return Err(refusal),
-        };
+        let ratio = attempt!(bounded("transmission_ratio", capstan.transmission_ratio));
+        let deviation = attempt!(bounded("ratio_deviation", capstan.ratio_deviation));
+        let offset = attempt!(bounded("offset", capstan.offset));
+        let output_m = attempt!(length("drum_distance_m", capstan.drum_distance_m));
+        let input_m = attempt!(length(
+            "input_drum_denominator_m",
+            capstan.input_drum_denominator_m
+        ));
         if ratio == 0.0 {
             return Err(Refusal {
                 quantity: "transmission_ratio",

@@ -3,7 +3,7 @@
 use haptical_kinematics::{Convention, Pose, PreparedChain, Twist};
 
 use crate::device::prepared_chain;
-use crate::error::{DeviceError, bounded, is_bounded};
+use crate::error::{DeviceError, attempt, bounded, is_bounded};
 use crate::transmission::Transmissions;
 use crate::{GeneralRow, Joint, Motion, RuntimeError, State};
 
@@ -62,10 +62,7 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
         joints: [Joint; JOINTS],
         drives: [RowDrive; ROWS],
     ) -> Result<Self, DeviceError> {
-        let transmissions = match Transmissions::new(&joints) {
-            Ok(transmissions) => transmissions,
-            Err(error) => return Err(error),
-        };
+        let transmissions = attempt!(Transmissions::new(&joints));
         let mut moves = [(Motion::Revolute, 0.0); ROWS];
         let mut row = 0;
         while row < ROWS {
@@ -78,7 +75,7 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
                 });
             }
             if let Err(refusal) = bounded("driven_multiplier", drive.multiplier) {
-                return Err(refusal.at(drive.joint + 1));
+                return Err(refusal.for_joint(drive.joint + 1));
             }
             // its size is checked with the chain's other homes
             let home = drive.multiplier * joints[drive.joint].home + drive.offset;
@@ -101,7 +98,7 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
         self.transmissions.ranges
     }
 
-    /// Where the device stands at `readings`: see [`Model::step`](crate::Model::step).
+    /// The device's state at `readings`: see [`Model::step`](crate::Model::step).
     ///
     /// # Errors
     /// [`RuntimeError`], as [`Model::step`](crate::Model::step); [`RuntimeError::OutputOutOfRange`] also for a row's variable.

@@ -5,7 +5,7 @@ use haptical_kinematics::{
 };
 
 use crate::Transmission;
-use crate::error::{DeviceError, LARGEST_NUMBER, bounded, is_bounded};
+use crate::error::{DeviceError, LARGEST_NUMBER, attempt, bounded, is_bounded};
 use crate::transmission::PreparedTransmission;
 
 /// What a joint does.
@@ -51,11 +51,11 @@ impl Joint {
     /// The transmission as a step needs it.
     pub(crate) const fn prepared(&self, joint: usize) -> Result<PreparedTransmission, DeviceError> {
         if let Err(refusal) = bounded("home", self.home) {
-            return Err(refusal.at(joint));
+            return Err(refusal.for_joint(joint));
         }
         match PreparedTransmission::new(&self.transmission) {
             Ok(transmission) => Ok(transmission),
-            Err(refusal) => Err(refusal.at(joint)),
+            Err(refusal) => Err(refusal.for_joint(joint)),
         }
     }
 }
@@ -98,9 +98,7 @@ impl GeneralRow {
             "beta_rad",
             "b_m",
         ];
-        if let Err(error) = check_origin(&self.origin, row) {
-            return Err(error);
-        }
+        attempt!(check_origin(&self.origin, row));
         let mut index = 0;
         while index < KEYS.len() {
             let value = self.link.get(Parameter::ALL[index]);
@@ -132,19 +130,15 @@ pub(crate) const fn prepared_chain<const ROWS: usize>(
     handle: &Option<Pose>,
     moves: &[(Motion, f64); ROWS],
 ) -> Result<PreparedChain<ROWS>, DeviceError> {
-    if let Err(error) = base.check(0) {
-        return Err(error);
-    }
+    attempt!(base.check(0));
     let mut chain = placed(Preparation::EMPTY, &base.origin);
     chain = chain.row(convention, &base.link, RowMotion::Fixed);
     let mut index = 0;
     while index < ROWS {
         let (row, (motion, home)) = (&rows[index], moves[index]);
-        if let Err(error) = row.check(index + 1) {
-            return Err(error);
-        }
+        attempt!(row.check(index + 1));
         if let Err(refusal) = bounded("home", home) {
-            return Err(refusal.at(index + 1));
+            return Err(refusal.for_joint(index + 1));
         }
         let mut link = row.link;
         let motion = match motion {
@@ -160,9 +154,7 @@ pub(crate) const fn prepared_chain<const ROWS: usize>(
         chain = placed(chain, &row.origin).row(convention, &link, motion);
         index += 1;
     }
-    if let Err(error) = check_origin(handle, ROWS + 1) {
-        return Err(error);
-    }
+    attempt!(check_origin(handle, ROWS + 1));
     Ok(PreparedChain::from_constants(
         placed(chain, handle).finish(),
     ))

@@ -110,7 +110,18 @@ pub enum RuntimeError {
     },
 }
 
-/// What a transmission says, before it is known which joint it belongs to.
+/// The `?` of constant functions.
+macro_rules! attempt {
+    ($outcome:expr) => {
+        match $outcome {
+            Ok(value) => value,
+            Err(error) => return Err(error),
+        }
+    };
+}
+pub(crate) use attempt;
+
+/// The refusal of a transmission, before it is known which joint it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Refusal {
     pub(crate) quantity: &'static str,
@@ -119,7 +130,7 @@ pub(crate) struct Refusal {
 }
 
 impl Refusal {
-    pub(crate) const fn at(self, joint: usize) -> DeviceError {
+    pub(crate) const fn for_joint(self, joint: usize) -> DeviceError {
         DeviceError::Joint {
             joint,
             quantity: self.quantity,

@@ -3,7 +3,7 @@
 use haptical_kinematics::{Convention, Link, Pose, PreparedChain, Twist};
 
 use crate::device::prepared_chain;
-use crate::error::DeviceError;
+use crate::error::{DeviceError, attempt};
 use crate::transmission::Transmissions;
 use crate::{GeneralRow, Joint, Motion, RuntimeError, State};
 
@@ -87,10 +87,7 @@ impl<const JOINTS: usize> Model<JOINTS> {
             moves[index] = (joints[index].motion, joints[index].home);
             index += 1;
         }
-        let chain = match prepared_chain(convention, &base, &rows, &handle, &moves) {
-            Ok(chain) => chain,
-            Err(error) => return Err(error),
-        };
+        let chain = attempt!(prepared_chain(convention, &base, &rows, &handle, &moves));
         match Transmissions::new(&joints) {
             Ok(transmissions) => Ok(Self {
                 transmissions,
@@ -109,7 +106,7 @@ impl<const JOINTS: usize> Model<JOINTS> {
         self.transmissions.ranges
     }
 
-    /// Where the device stands at `readings`: motor-side encoder angles over the nominal ratios,
+    /// The device's state at `readings`: motor-side encoder angles over the nominal ratios,
     /// \[rad\], or \[m\] for a prismatic joint.
     ///
     /// The joint value is reading + error(reading), Baser & Konukseven eqs. (1) and (2), the pose

@@ -7,7 +7,7 @@ use haptical_transmission::FourBar;
 
 use crate::Capstan;
 use crate::capstan::PreparedCapstan;
-use crate::error::{Refusal, length};
+use crate::error::{Refusal, attempt, length};
 
 /// A capstan followed by a four-bar loop, as a device file holds them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,16 +29,11 @@ pub(crate) struct PreparedParallelogram {
 
 impl PreparedParallelogram {
     pub(crate) const fn new(parallelogram: &Parallelogram) -> Result<Self, Refusal> {
-        let capstan = match PreparedCapstan::new(&parallelogram.capstan) {
-            Ok(capstan) => capstan,
-            Err(refusal) => return Err(refusal),
-        };
+        let capstan = attempt!(PreparedCapstan::new(&parallelogram.capstan));
         let lengths_m = parallelogram.lengths_m;
         let mut index = 0;
         while index < lengths_m.len() {
-            if let Err(refusal) = length("parallelogram_lengths_m", lengths_m[index]) {
-                return Err(refusal);
-            }
+            attempt!(length("parallelogram_lengths_m", lengths_m[index]));
             index += 1;
         }
         let (bars, _) = FourBar::new(lengths_m);

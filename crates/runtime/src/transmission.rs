@@ -4,7 +4,7 @@ use haptical_kinematics::trigonometry::LARGEST_RAD;
 use haptical_transmission::chebyshev;
 
 use crate::capstan::PreparedCapstan;
-use crate::error::{DeviceError, Refusal, SMALLEST_LENGTH, bounded, is_bounded};
+use crate::error::{DeviceError, Refusal, SMALLEST_LENGTH, attempt, bounded, is_bounded};
 use crate::parallelogram::PreparedParallelogram;
 use crate::{Capstan, Joint, Parallelogram, RuntimeError};
 
@@ -34,7 +34,7 @@ pub const fn padded<const TERMS: usize>(coefficients: [f64; TERMS]) -> [f64; POL
     all
 }
 
-/// Error of a transmission: the joint stands at reading + error(reading).
+/// Error of a transmission: the joint's value is reading + error(reading).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(
     clippy::large_enum_variant,
@@ -151,12 +151,8 @@ const fn check_polynomial(
     [lower, upper]: [f64; 2],
     coefficients: &[f64; POLYNOMIAL_TERMS],
 ) -> Result<(), Refusal> {
-    if let Err(refusal) = bounded("range_rad", lower) {
-        return Err(refusal);
-    }
-    if let Err(refusal) = bounded("range_rad", upper) {
-        return Err(refusal);
-    }
+    attempt!(bounded("range_rad", lower));
+    attempt!(bounded("range_rad", upper));
     if upper - lower < SMALLEST_LENGTH {
         return Err(Refusal {
             quantity: "range_rad",
@@ -166,9 +162,7 @@ const fn check_polynomial(
     }
     let mut index = 0;
     while index < POLYNOMIAL_TERMS {
-        if let Err(refusal) = bounded("chebyshev", coefficients[index]) {
-            return Err(refusal);
-        }
+        attempt!(bounded("chebyshev", coefficients[index]));
         index += 1;
     }
     Ok(())
@@ -203,10 +197,7 @@ impl<const JOINTS: usize> Transmissions<JOINTS> {
         };
         let mut index = 0;
         while index < JOINTS {
-            let transmission = match joints[index].prepared(index + 1) {
-                Ok(transmission) => transmission,
-                Err(error) => return Err(error),
-            };
+            let transmission = attempt!(joints[index].prepared(index + 1));
             prepared.ranges[index] = transmission.range();
             prepared.transmissions[index] = transmission;
             index += 1;

@@ -73,7 +73,7 @@ struct Imported {
     log: Vec<u8>,
     rows: usize,
     joints: usize,
-    /// Further file beside the log: the end of its name, and its content.
+    /// Further file: the end of its name, and its content.
     beside: Option<(&'static str, Vec<u8>)>,
     warnings: Vec<String>,
 }
@@ -92,7 +92,7 @@ impl Target {
         Ok((folder, name))
     }
 
-    /// Path of a file beside the log: its name without `.csv`, then `end`.
+    /// Path of a further file: the log's name without `.csv`, then `end`.
     fn beside(&self, end: &str) -> PathBuf {
         self.out.with_extension(end)
     }
@@ -106,7 +106,7 @@ impl Target {
         check_outputs(&outputs, inputs)
     }
 
-    /// Writes the log and the file beside it: both or none.
+    /// Writes the log and the further file: both or none.
     fn write(&self, imported: Imported) -> Result<(), Failure> {
         let (folder, name) = self.place()?;
         let Imported {

@@ -60,7 +60,7 @@ pub(super) fn page(recorded: &Recorded, log: &str, record: &Record) -> Result<St
     Ok(page.into_string())
 }
 
-/// The data as JSON that cannot end the element it stands in: `</` and `<!--` need a `<`.
+/// The data as JSON that cannot end its own element: `</` and `<!--` need a `<`.
 fn embedded(recorded: &Recorded) -> Result<String, Failure> {
     let json = serde_json::to_string(recorded).map_err(Failure::internal)?;
     Ok(json.replace('<', "\\u003c"))
@@ -124,7 +124,7 @@ fn arm(recorded: &Recorded) -> Markup {
     }
 }
 
-/// The numbers at the cursor beside those of the whole page: the text form of the plots.
+/// The numbers at the cursor and those of the whole page: the text form of the plots.
 fn numbers(recorded: &Recorded) -> Markup {
     html! {
         div.numbers {

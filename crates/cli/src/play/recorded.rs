@@ -34,8 +34,8 @@ pub(crate) struct Request<'a> {
 }
 
 impl Request<'_> {
-    fn refuse(&self, error: CalibrationError) -> Failure {
-        Failure::calibration(&error, self.device_file, self.log_file)
+    fn refuse(&self, error: &CalibrationError) -> Failure {
+        Failure::calibration(error, self.device_file, self.log_file)
     }
 }
 
@@ -101,7 +101,7 @@ impl Recorded {
         request: &Request<'_>,
         warnings: &mut Vec<String>,
     ) -> Result<Self, Failure> {
-        let refuse = |error| request.refuse(error);
+        let refuse = |error| request.refuse(&error);
         // a tracker's frame and touched points that a file leaves open: where they fit this log best
         let nominal = &prepare_device(nominal, recording).map_err(refuse)?;
         let placed = model.map(|model| prepare_device(model, recording));
@@ -192,7 +192,7 @@ fn drawable_channels(
             warnings.push(warning.to_owned());
             Ok(Vec::new())
         }
-        found => found.map_err(|error| request.refuse(error)),
+        found => found.map_err(|error| request.refuse(&error)),
     }
 }
 
@@ -215,7 +215,7 @@ fn channel_errors(
     let range_of = model.unwrap_or(nominal);
     let residuals = |device| {
         let all = channel_residuals(device, range_of, part, found, &weights);
-        all.map_err(|error| request.refuse(error))
+        all.map_err(|error| request.refuse(&error))
     };
     let before = residuals(nominal)?;
     let mut after = model.map(residuals).transpose()?.map(Vec::into_iter);

@@ -92,8 +92,11 @@ impl Quantity {
         })
     }
 
-    fn with_unit(&self, text: String) -> String {
-        format!("{text} {}", self.unit).trim_end().to_owned()
+    fn with_unit(&self, mut text: String) -> String {
+        if !self.unit.is_empty() {
+            text = text + " " + self.unit;
+        }
+        text
     }
 
     /// Digits after the point that show two digits of the interval's half width.

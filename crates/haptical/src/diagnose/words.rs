@@ -126,7 +126,7 @@ fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
     format!("The data cannot tell {first} from {rivals}.{others}")
 }
 
-/// What a cause cannot be told from, in words.
+/// The effects that are confusable with a cause, in words.
 pub(crate) fn rivals(cause: &CauseAnswer) -> impl Iterator<Item = String> {
     cause
         .confusable_with
@@ -137,7 +137,7 @@ pub(crate) fn rivals(cause: &CauseAnswer) -> impl Iterator<Item = String> {
         })
 }
 
-/// Unexplained share that is told as none.
+/// Unexplained share that is reported as none.
 const NOTHING_LEFT: f64 = 0.005;
 
 fn unknown(diagnosis: &Diagnosis) -> String {

@@ -8,7 +8,7 @@ use crate::error::Error;
 /// A file name and its content.
 pub type NewFile<'a> = (&'a str, Vec<u8>);
 
-/// Refuses a folder that cannot be written to, as far as that can be told without writing.
+/// Refuses a folder that cannot be written to, as far as that shows without writing.
 ///
 /// # Errors
 /// Something that is no folder is in the way.
@@ -90,7 +90,7 @@ impl Drop for MadeFolders {
     }
 }
 
-/// Writes all files: first beside their places, then each is renamed into its place, so that a full
+/// Writes all files: first into a temporary folder, then each is renamed into its place, so that a full
 /// disk or an interruption while writing leaves nothing half-written. It ends where `stop` says so.
 ///
 /// # Errors

@@ -93,7 +93,7 @@ impl Record {
         }
     }
 
-    /// The same with the files that lie beside the one that holds it.
+    /// The same with the other files of the result.
     pub fn with_outputs(&self, files: &[NewFile<'_>]) -> Self {
         let outputs = files.iter();
         let outputs = outputs.map(|(name, content)| Fingerprint::from_bytes(content).output(name));

@@ -1,4 +1,4 @@
-//! Axes: which range they span, where their ticks stand and how the ticks read.
+//! Axes: their ranges, their ticks and the labels of ticks.
 
 use crate::text::superscript;
 
@@ -81,7 +81,7 @@ impl Axis {
         self.high
     }
 
-    /// Share of the axis, from its lower end, at which the value stands.
+    /// Share of the axis, from its lower end, of a value.
     pub(crate) fn share(&self, value: f64) -> f64 {
         // Differences of logarithms and of quarters: quotients and differences of numbers at the ends
         // of the number range are not finite.

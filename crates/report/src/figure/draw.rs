@@ -58,7 +58,7 @@ pub(crate) struct Slot {
 /// The slot of each series.
 ///
 /// Bar series share the distance between positions. Over categories, symbols and error bars of
-/// several series are spread too; as many of them as there are bar series stand on the bars.
+/// several series are spread too; if there are as many of them as bar series, they are drawn on the bars.
 pub(crate) fn slots(series: &[Series], categories: bool) -> Vec<Slot> {
     let spacing = if categories { 1.0 } else { bar_spacing(series) };
     let is_bar = |s: &&Series| s.mark == Mark::Bars;

@@ -8,7 +8,7 @@ use crate::figure::layout::{LINE_PX, TEXT_PX};
 use crate::figure::series::Mark;
 use crate::text::{widest_px, wrap};
 
-/// Width of the sample beside a name.
+/// Width of the sample before a name.
 const SAMPLE_PX: f64 = 26.0;
 /// Space between a sample and its name.
 const NAME_GAP_PX: f64 = 6.0;

@@ -11,7 +11,7 @@ pub enum Mark {
     /// One symbol for each point; the symbol depends on the colour.
     Points,
     /// One bar for each point, from 0 (or the foot of a logarithmic axis); bar series that share
-    /// positions stand side by side.
+    /// positions are drawn side by side.
     Bars,
     /// A step line: each value holds until the next point.
     Steps,

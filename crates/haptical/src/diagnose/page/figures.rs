@@ -19,7 +19,7 @@ const NOISE: usize = 2;
 const MOST_POINTS: usize = 800;
 /// Most rows of the picture of candidates.
 const MOST_ROWS: usize = 10;
-/// Odds of 100 to 1 in nats: candidates nearer than this are not told apart.
+/// Odds of 100 to 1 in nats: candidates nearer than this are confusable.
 const HUNDRED_TO_ONE: f64 = 4.605_170_185_988_092;
 /// Most distant candidate whose nats are written out.
 const FARTHEST_NATS: f64 = 999.0;
@@ -35,7 +35,7 @@ struct Budget {
     note: &'static str,
 }
 
-/// The waterfall; without a gap each channel beside its noise.
+/// The waterfall; without a gap each channel as a multiple of its noise.
 pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
     let channels = &diagnosis.gap.channels;
     if channels.is_empty() {
