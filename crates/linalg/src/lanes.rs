@@ -41,15 +41,15 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     Arch::new().dispatch(Dot { a, b })
 }
 
-/// Takes a vector's part along a direction of length 1 off it.
+/// Takes a vector's part along a direction of length 1 off it: its product with the direction.
 ///
 /// ```
 /// let mut vector = [3.0, 4.0];
-/// haptical_linalg::take_off(&mut vector, &[0.0, 1.0]);
+/// assert_eq!(haptical_linalg::take_off(&mut vector, &[0.0, 1.0]), 4.0);
 /// assert_eq!(vector, [3.0, 0.0]);
 /// ```
-pub fn take_off(vector: &mut [f64], direction: &[f64]) {
-    Arch::new().dispatch(TakeOff { vector, direction });
+pub fn take_off(vector: &mut [f64], direction: &[f64]) -> f64 {
+    Arch::new().dispatch(TakeOff { vector, direction })
 }
 
 struct Dot<'v> {
@@ -82,13 +82,14 @@ struct TakeOff<'v> {
 }
 
 impl WithSimd for TakeOff<'_> {
-    type Output = ();
+    type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let Self { vector, direction } = self;
         let (a, b) = (direction, &*vector);
         let along = Dot { a, b }.with_simd(simd);
         subtract(vector, along, direction);
+        along
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use haptical_linalg::{LinalgError, Triangle};
 use nalgebra::{DMatrix, DVector};
 
 use crate::engine::layout::Layout;
@@ -20,6 +21,8 @@ pub(crate) struct Regression<L> {
     columns: Vec<Vec<f64>>,
     /// Columns that depend on none before them: those of the system's basis.
     independent: Vec<usize>,
+    /// Products of each independent column with the basis, up to its own direction.
+    triangle: Vec<Vec<f64>>,
 }
 
 impl<L: Layout> Regression<L> {
@@ -30,6 +33,7 @@ impl<L: Layout> Regression<L> {
             reading,
             columns: Vec::new(),
             independent: Vec::new(),
+            triangle: Vec::new(),
         }
     }
 
@@ -50,8 +54,10 @@ impl<L: Layout> Regression<L> {
 
     /// Takes a column up.
     pub(crate) fn add(&mut self, column: Vec<f64>) {
-        if self.system.take_again_below(AGAIN_BELOW, column.clone()) {
+        let products = self.system.take_again_below(AGAIN_BELOW, column.clone());
+        if let Some(products) = products {
             self.independent.push(self.columns.len());
+            self.triangle.push(products);
         }
         self.columns.push(column);
     }
@@ -60,14 +66,9 @@ impl<L: Layout> Regression<L> {
     pub(crate) fn truncate(&mut self, count: usize) -> Vec<Vec<f64>> {
         self.independent.retain(|&index| index < count);
         self.system.basis.truncate(self.independent.len());
+        self.triangle.truncate(self.independent.len());
         self.system.project_reading(self.reading.clone());
         self.columns.split_off(count)
-    }
-
-    /// Takes one reading's other value.
-    pub(crate) fn set_reading(&mut self, entry: usize, value: f64) {
-        self.reading[entry] = value;
-        self.system.project_reading(self.reading.clone());
     }
 
     /// Entries behind all others: `reading` of them, with no part of the columns so far.
@@ -80,15 +81,33 @@ impl<L: Layout> Regression<L> {
         }
     }
 
-    /// Products of the basis with the independent columns: an upper triangle.
+    /// Columns and readings with the first `rows` rows folded into as many as there are columns.
+    ///
+    /// # Errors
+    /// [`LinalgError::Overflow`] for entries whose squares are not finite.
+    pub(crate) fn condensed(&self, rows: usize) -> Result<(Vec<Vec<f64>>, Vec<f64>), LinalgError> {
+        let mut triangle = Triangle::new(self.len());
+        let first: Vec<&[f64]> = self.columns.iter().map(|column| &column[..rows]).collect();
+        triangle.fold_rows(&first, &self.reading[..rows])?;
+        let folded = |top: &[f64], whole: &[f64]| {
+            let mut all = top.to_vec();
+            all.resize(self.len(), 0.0);
+            all.extend_from_slice(&whole[rows..]);
+            all
+        };
+        let columns = self.columns.iter().enumerate();
+        let columns = columns.map(|(index, column)| folded(triangle.column(index), column));
+        Ok((
+            columns.collect(),
+            folded(triangle.projected(), &self.reading),
+        ))
+    }
+
+    /// Products of the basis with the independent columns.
     fn triangle(&self) -> DMatrix<f64> {
         let count = self.independent.len();
-        DMatrix::from_fn(count, count, |row, column| match row <= column {
-            true => dot(
-                &self.system.basis[row],
-                &self.columns[self.independent[column]],
-            ),
-            false => 0.0,
+        DMatrix::from_fn(count, count, |row, column| {
+            self.triangle[column].get(row).copied().unwrap_or(0.0)
         })
     }
 

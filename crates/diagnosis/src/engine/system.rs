@@ -113,20 +113,18 @@ impl<L: Layout> System<L> {
         self.take(self.dense(column));
     }
 
-    /// The same of a column over all blocks; false where the basis has it already.
-    pub(crate) fn take(&mut self, dense: Vec<f64>) -> bool {
-        self.take_again_below(ALWAYS, dense)
+    /// The same of a column over all blocks.
+    pub(crate) fn take(&mut self, dense: Vec<f64>) {
+        self.take_again_below(ALWAYS, dense);
     }
 
-    /// The same with one pass where more than a share of the column's length is left.
-    pub(crate) fn take_again_below(&mut self, share: f64, dense: Vec<f64>) -> bool {
-        let direction = across(dense, share, || self.basis.iter());
-        if let Some(direction) = &direction {
-            take_off(&mut self.residual, direction);
-        }
-        let is_new = direction.is_some();
-        self.basis.extend(direction);
-        is_new
+    /// The same with one pass where more than a share of the column's length is left: the column's products with the
+    /// basis, its own direction last; none where the basis has it already.
+    pub(crate) fn take_again_below(&mut self, share: f64, dense: Vec<f64>) -> Option<Vec<f64>> {
+        let across = across(dense, share, || self.basis.iter())?;
+        take_off(&mut self.residual, &across.direction);
+        self.basis.push(across.direction);
+        Some(across.products)
     }
 
     /// Windows of a stream.
@@ -161,22 +159,27 @@ impl<L: Layout> System<L> {
     }
 }
 
-/// The part of a vector across orthonormal directions, of length 1; none where nothing is left. A second pass takes off
-/// what rounding left in the first, where less than `again_below` of the length is left (Daniel, Gragg, Kaufman & Stewart
-/// 1976).
+/// The part of a vector across orthonormal directions.
+pub(crate) struct Across {
+    /// Of length 1.
+    pub(crate) direction: Vec<f64>,
+    /// Products of the vector with the orthonormal directions and with its own.
+    pub(crate) products: Vec<f64>,
+}
+
+/// The part of a vector across orthonormal directions; none where nothing is left. A second pass takes off what rounding
+/// left in the first, where less than `again_below` of the length is left (Daniel, Gragg, Kaufman & Stewart 1976).
 pub(crate) fn across<'d, D: Iterator<Item = &'d Vec<f64>>>(
     mut vector: Vec<f64>,
     again_below: f64,
     directions: impl Fn() -> D,
-) -> Option<Vec<f64>> {
+) -> Option<Across> {
     let length = dot(&vector, &vector).sqrt();
-    let mut left = length;
-    for pass in 0..2 {
-        if pass > 0 && left > again_below * length {
-            break;
-        }
-        for direction in directions() {
-            take_off(&mut vector, direction);
+    let mut products: Vec<f64> = directions().map(|d| take_off(&mut vector, d)).collect();
+    let mut left = dot(&vector, &vector).sqrt();
+    if left <= again_below * length {
+        for (product, direction) in products.iter_mut().zip(directions()) {
+            *product += take_off(&mut vector, direction);
         }
         left = dot(&vector, &vector).sqrt();
     }
@@ -184,7 +187,11 @@ pub(crate) fn across<'d, D: Iterator<Item = &'d Vec<f64>>>(
         return None;
     }
     vector.iter_mut().for_each(|entry| *entry /= left);
-    Some(vector)
+    products.push(left);
+    Some(Across {
+        direction: vector,
+        products,
+    })
 }
 
 /// Slow energy of one stream.

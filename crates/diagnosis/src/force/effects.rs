@@ -2,6 +2,7 @@
 
 use haptical_effects::signal::local_motion;
 use haptical_effects::{Absorbed, Effect, Family, Follows, Hook, Shape, drive_catalogue};
+use rayon::prelude::*;
 
 use super::along::Along;
 use super::base::Base;
@@ -77,7 +78,8 @@ impl<'e, 'a> Effects<'e, 'a> {
         let tested = self.tested.iter();
         let shaped =
             tested.flat_map(|&index| self.shapes(index).into_iter().map(move |s| (index, s)));
-        shaped.map(at).collect()
+        let shaped: Vec<(usize, f64)> = shaped.collect();
+        shaped.into_par_iter().map(at).collect()
     }
 
     /// Scores of candidates that are possible, after they have caught up with the model.

@@ -1,12 +1,18 @@
 //! Unbalanced gravity: a mass or its centre that is not where the device file assumes it.
 
+use std::ops::Range;
+
 use haptical_metrics::chi_square_p_value;
 
 use super::along::Along;
 use super::base::Base;
 use super::posture::PER_LINK;
+use super::rows::TorqueRows;
 use crate::DiagnosisError;
+use crate::engine::layout::Layout;
+use crate::engine::regression::Regression;
 use crate::engine::system::Column;
+use crate::select::scan::Candidate;
 use crate::thresholds::torque::{
     CENTRE_SD_M, FAMILY_WISE_P, LEAST_MASS_SD_KG, LEAST_WEIGHT, MASS_SD,
 };
@@ -75,27 +81,33 @@ pub(super) fn unbalanced(
     if groups.is_empty() {
         return Ok(None);
     }
-    let assuming = with_knowledge(base, &known);
+    let assuming = with_knowledge(base, &known)?;
     let releases: Vec<Vec<Column>> = groups
         .iter()
         .map(|group| {
             let columns = known[group.clone()].iter();
             columns
-                .map(|(column, ..)| assuming.release(*column))
+                .map(|(column, ..)| release(&assuming, *column))
                 .collect()
         })
         .collect();
     let saved: Vec<f64> = releases
         .iter()
-        .map(|columns| assuming.score(columns.clone()).score)
+        .map(|columns| {
+            let system = &assuming.system;
+            Candidate::of_columns(system, columns.clone(), 0, 0.0).score(system)
+        })
+        .map(|score| score.score)
         .collect();
     let Some(best) = (0..saved.len()).max_by(|&a, &b| saved[a].total_cmp(&saved[b])) else {
         return Ok(None);
     };
     let score = saved[best];
     let mut released = assuming.clone();
-    released.adopt(&releases[best]);
-    let solution = released.regression.solution();
+    for column in &releases[best] {
+        released.add(assuming.system.dense(column));
+    }
+    let solution = released.solution();
     let p = chi_square_p_value(score, groups[best].len() as f64)?;
     let mut change = vec![0.0; PER_LINK * assumed.len()];
     for &(column, value, _) in &known[groups[best].clone()] {
@@ -120,7 +132,7 @@ pub(super) fn unbalanced(
         .iter()
         .find(|(column, _, _)| along.parameters[*column] == PER_LINK * links[best])
         .map(|&(column, value, _)| {
-            let variance = released.regression.covariance()[(column, column)];
+            let variance = released.covariance()[(column, column)];
             (solution[column] - value, variance.sqrt())
         });
     let others = (0..saved.len()).filter(|&index| index != best);
@@ -136,20 +148,47 @@ pub(super) fn unbalanced(
     }))
 }
 
-/// The model with numbers known beforehand, `(column, value, deviation)`.
-fn with_knowledge(base: &Base, known: &[(usize, f64, f64)]) -> Base {
-    let mut assuming = base.clone();
-    let mut columns = assuming.regression.truncate(0);
-    for &(column, value, sd) in known {
-        let row = assuming.regression.system.layout.prior(column);
-        let weight = columns[column][row].hypot(1.0 / sd);
-        columns[column][row] = weight;
-        assuming
-            .regression
-            .set_reading(row, value / (sd * sd * weight));
+/// Rows one after the other.
+#[derive(Debug, Clone)]
+struct Rows(usize);
+
+impl Layout for Rows {
+    const SURVIVING: f64 = TorqueRows::SURVIVING;
+
+    fn count(&self) -> usize {
+        self.0
     }
-    columns
-        .into_iter()
-        .for_each(|column| assuming.regression.add(column));
-    assuming
+
+    fn range(&self, _: usize) -> Range<usize> {
+        0..self.0
+    }
+}
+
+/// The model with numbers known beforehand, `(column, value, deviation)`. What block means say is folded into one row for
+/// each number of the model; the row of what is known of it follows.
+fn with_knowledge(
+    base: &Base,
+    known: &[(usize, f64, f64)],
+) -> Result<Regression<Rows>, DiagnosisError> {
+    let means = base.regression.system.layout.prior(0);
+    let (mut columns, mut reading) = base.regression.condensed(means)?;
+    let count = columns.len();
+    for &(column, value, sd) in known {
+        let weight = columns[column][count + column].hypot(1.0 / sd);
+        columns[column][count + column] = weight;
+        reading[count + column] = value / (sd * sd * weight);
+    }
+    let mut assuming = Regression::new(Rows(reading.len()), Vec::new(), reading);
+    columns.into_iter().for_each(|column| assuming.add(column));
+    Ok(assuming)
+}
+
+/// Column that sets a number free of what is known of it.
+fn release(assuming: &Regression<Rows>, column: usize) -> Column {
+    let row = assuming.len() + column;
+    let mut entries = vec![0.0; assuming.reading().len()];
+    entries[row] = assuming.column(column)[row];
+    Column {
+        parts: vec![(0, entries)],
+    }
 }

@@ -222,20 +222,19 @@ impl<'s> Rest<'s> {
 
     fn take(&mut self, signal: &Signal) {
         let dense = self.system.dense(&self.system.column(signal));
-        if let Some(direction) = across(dense, ALWAYS, || self.directions()) {
-            take_off(&mut self.residual, &direction);
-            self.further.push(direction);
+        if let Some(across) = across(dense, ALWAYS, || self.directions()) {
+            take_off(&mut self.residual, &across.direction);
+            self.further.push(across.direction);
         }
     }
 
     /// What one signal explains, and its amplitude.
     fn score(&self, signal: &Signal) -> (f64, f64) {
         let dense = self.system.dense(&self.system.column(signal));
-        let Some(direction) = across(dense.clone(), ALWAYS, || self.directions()) else {
-            return (0.0, 0.0);
-        };
-        let along = dot(&direction, &self.residual);
-        let left = dot(&direction, &dense);
-        (along * along, along / left)
+        let across = across(dense.clone(), ALWAYS, || self.directions());
+        across.map_or((0.0, 0.0), |across| {
+            let along = dot(&across.direction, &self.residual);
+            (along * along, along / dot(&across.direction, &dense))
+        })
     }
 }

@@ -99,17 +99,15 @@ impl Candidate {
     ) -> Self {
         let count = columns.len();
         let own = DMatrix::from_fn(count, count, |a, b| product(&columns[a], &columns[b]));
-        let coefficients = columns
-            .iter()
-            .map(|column| system.basis.iter().map(|q| system.dot(column, q)).collect())
-            .collect();
-        Self {
+        let mut candidate = Self {
             effect: index,
             shape,
+            coefficients: vec![Vec::with_capacity(system.basis.len()); count],
             columns,
-            coefficients,
             own,
-        }
+        };
+        candidate.extend(system);
+        candidate
     }
 
     /// Forgets products beyond the first `known` directions, and takes those of `system`.
@@ -122,9 +120,12 @@ impl Candidate {
 
     /// Catches up with directions that were added to the basis.
     pub(crate) fn extend<L: Layout>(&mut self, system: &System<L>) {
-        for (column, coefficients) in self.columns.iter().zip(&mut self.coefficients) {
-            let known = coefficients.len();
-            coefficients.extend(system.basis[known..].iter().map(|q| system.dot(column, q)));
+        let known = self.coefficients.first().map_or(0, Vec::len);
+        // direction by direction: a basis is larger than the processor's cache
+        for direction in &system.basis[known..] {
+            for (column, coefficients) in self.columns.iter().zip(&mut self.coefficients) {
+                coefficients.push(system.dot(column, direction));
+            }
         }
     }
 
