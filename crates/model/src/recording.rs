@@ -49,6 +49,16 @@ impl Recording {
         self.len() == 0
     }
 
+    /// Writes the joint readings of a row into `readings`, one for each joint.
+    ///
+    /// # Panics
+    /// If the row is not below [`Recording::len`].
+    pub fn read_joints(&self, row: usize, readings: &mut [f64]) {
+        for (reading, column) in readings.iter_mut().zip(&self.joint) {
+            *reading = column[row];
+        }
+    }
+
     /// The rows at `indices`, in that order.
     ///
     /// # Panics

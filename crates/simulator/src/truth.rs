@@ -105,9 +105,7 @@ pub fn true_poses(truth: &Device, recording: &Recording) -> Result<Vec<Pose>, Si
     let mut readings = vec![0.0; recording.joint.len()];
     (0..expected)
         .map(|row| {
-            for (reading, column) in readings.iter_mut().zip(&recording.joint) {
-                *reading = column[row];
-            }
+            recording.read_joints(row, &mut readings);
             evaluation
                 .move_to(&readings)
                 .and_then(|()| evaluation.pose().copied())

@@ -74,9 +74,7 @@ pub(crate) fn true_gap(
     let mut rows = 0.0;
     let anchor_m = device.cables.first().map(|cable| cable.anchor_m);
     for row in (0..recorded.log.len()).step_by(ROW_STEP) {
-        for (reading, column) in readings.iter_mut().zip(&recorded.log.joint) {
-            *reading = column[row];
-        }
+        recorded.log.read_joints(row, &mut readings);
         evaluation.move_to(&readings)?;
         for (joint, clean) in recorded.clean.output_rad.iter().enumerate() {
             if let Some(clean) = clean {

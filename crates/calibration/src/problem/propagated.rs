@@ -13,7 +13,6 @@ use crate::problem::lanes::cable::cable_model;
 use crate::problem::lanes::transmission::values_and_slopes;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::kind::{Measurement, Posture};
-use crate::problem::rows::read_joints;
 use crate::{CalibrationError, Channel};
 
 /// Rows that one thread works out at a time.
@@ -140,7 +139,7 @@ fn by_row(
     let mut readings = vec![0.0; device.joints.len()];
     let mut variances = Vec::with_capacity(rows.len());
     for row in rows {
-        read_joints(recording, row, &mut readings);
+        recording.read_joints(row, &mut readings);
         let refused = at_row(recording, row);
         if let Channel::Output { joint } = channel {
             let moved = evaluation.move_joint(joint, readings[joint]);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use haptical_identification::{IdentificationError, Matrix};
-use haptical_model::{Device, Evaluation, ModelError, Recording};
+use haptical_model::{Device, Evaluation, ModelError};
 use rayon::prelude::*;
 
 use crate::problem::channel::with_kind;
@@ -21,13 +21,6 @@ fn within(block: &Block, start: usize) -> Range<usize> {
         block.first + before * block.channel.width()
     };
     place(start)..place(start + ROWS_AT_ONCE)
-}
-
-/// The joint readings of a row.
-pub(crate) fn read_joints(recording: &Recording, row: usize, readings: &mut [f64]) {
-    for (reading, column) in readings.iter_mut().zip(&recording.joint) {
-        *reading = column[row];
-    }
 }
 
 impl DeviceProblem<'_> {
@@ -183,7 +176,7 @@ impl DeviceProblem<'_> {
         row: usize,
         derivatives: bool,
     ) -> Result<(), IdentificationError> {
-        read_joints(self.recording, row, readings);
+        self.recording.read_joints(row, readings);
         if let Some(loads) = &self.loads {
             evaluation.set_torques(loads.of_row(row));
         }

@@ -4,7 +4,6 @@ use haptical_model::{Device, DeviceChain, Evaluation, Recording};
 
 use crate::CalibrationError;
 use crate::error::at_row;
-use crate::problem::rows::read_joints;
 
 /// Origins of all frames of a device, in frame (-1), for every row of a recording \[m\].
 ///
@@ -51,7 +50,7 @@ pub fn frame_origins_m(
     let mut outputs = vec![0.0; device.joints.len()];
     let mut rows = Vec::with_capacity(recording.len());
     for row in 0..recording.len() {
-        read_joints(recording, row, &mut readings);
+        recording.read_joints(row, &mut readings);
         let refused = at_row(recording, row);
         evaluation.move_pose_to(&readings).map_err(&refused)?;
         let handle = evaluation.pose().map_err(&refused)?.position_m;

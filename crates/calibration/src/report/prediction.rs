@@ -6,7 +6,6 @@ use haptical_model::kinematics::{Twist, distance_m};
 use haptical_model::{Evaluation, ModelError, ParameterId, Recording};
 
 use crate::error::at_row;
-use crate::problem::rows::read_joints;
 use crate::report::open_direction::{OpenDirection, open_directions};
 use crate::{CalibrationError, ParameterFit};
 
@@ -119,7 +118,7 @@ fn at_each_posture(
     let mut evaluation = Evaluation::new(&fit.device);
     let mut readings = vec![0.0; postures.joint.len()];
     for row in 0..postures.len() {
-        read_joints(postures, row, &mut readings);
+        postures.read_joints(row, &mut readings);
         let moved = evaluation.move_to(&readings);
         moved
             .and_then(|()| look(&evaluation))

@@ -9,7 +9,6 @@ use haptical_model::{ContactPoint, Device, DeviceChain, Evaluation, Recording, T
 use crate::CalibrationError;
 use crate::error::at_row;
 use crate::problem::loads::Loads;
-use crate::problem::rows::read_joints;
 use crate::start::hand_eye::place_tracker;
 
 /// The device with a start value for everything around the chain that a recording shows and the device file
@@ -84,7 +83,7 @@ pub(crate) fn handle_poses(
     let mut readings = vec![0.0; device.joints.len()];
     let mut poses = Vec::with_capacity(recording.len());
     for row in 0..recording.len() {
-        read_joints(recording, row, &mut readings);
+        recording.read_joints(row, &mut readings);
         if let Some(loads) = &loads {
             evaluation.set_torques(loads.of_row(row));
         }

@@ -37,9 +37,7 @@ pub(crate) fn onto_touches(
     let mut moved = recording.clone();
     let mut readings = vec![0.0; recording.joint.len()];
     for row in 0..recording.len() {
-        for (reading, column) in readings.iter_mut().zip(&recording.joint) {
-            *reading = column[row];
-        }
+        recording.read_joints(row, &mut readings);
         // what is wrong with a row, the context says
         if evaluation.move_to(&readings).is_err() {
             continue;

@@ -29,9 +29,7 @@ pub(crate) fn columns(engine: &Engine<'_>, earlier: &Device) -> Option<Vec<Vec<f
     let mut readings = vec![0.0; earlier.joints.len()];
     let rotation: Option<Vec<Matrix3<f64>>> = (0..context.rows())
         .map(|row| {
-            for (reading, column) in readings.iter_mut().zip(&context.recording.joint) {
-                *reading = column[row];
-            }
+            context.recording.read_joints(row, &mut readings);
             evaluation.move_pose_to(&readings).ok()?;
             evaluation.pose().ok().map(|pose| pose.rotation)
         })

@@ -46,10 +46,11 @@ pub(super) fn segment_moments(part: &[f64], basis: &[[f64; SEGMENT_ROWS]; 4]) ->
 /// Expected moments of a segment of a first-order autoregression of unit variance.
 pub(super) fn expected_moments(colour: f64, basis: &[[f64; SEGMENT_ROWS]; 4]) -> [f64; LAGS] {
     // M C M, M the projection that takes the cubic out: columns first, then rows
+    let powers: [f64; SEGMENT_ROWS] = std::array::from_fn(|lag| colour.powi(lag as i32));
     let mut projected = [[0.0; SEGMENT_ROWS]; SEGMENT_ROWS];
     for (column, entries) in projected.iter_mut().enumerate() {
         for (row, entry) in entries.iter_mut().enumerate() {
-            *entry = colour.powi((row as i32 - column as i32).abs());
+            *entry = powers[row.abs_diff(column)];
         }
         without(entries, basis);
     }

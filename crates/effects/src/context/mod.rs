@@ -108,9 +108,7 @@ impl<'a> Context<'a> {
         let mut evaluation = Evaluation::new(device);
         let mut readings = vec![0.0; joints];
         for row in 0..rows {
-            for (reading, column) in readings.iter_mut().zip(&recording.joint) {
-                *reading = column[row];
-            }
+            recording.read_joints(row, &mut readings);
             evaluation
                 .move_to(&readings)
                 .map_err(|source| ContextError::Row {
