@@ -18,7 +18,7 @@ use walk::{BLOCK, COLUMN, POSE, TILE, turns, walk};
 ///
 /// The numbers are those of [`Chain::geometric_jacobian`] but for rounding: lengths of order 1 m agree to
 /// 1e-14, plus the spacing of numbers of the joint variables' size. A posture's numbers do not depend on
-/// the postures beside it; on machines with and without fused multiply-add they differ by rounding.
+/// the postures next to it; on machines with and without fused multiply-add they differ by rounding.
 ///
 /// ```
 /// use haptical_batch::PoseLanes;
@@ -149,7 +149,7 @@ impl<const JOINTS: usize> PoseLanes<JOINTS> {
     }
 }
 
-/// Where a number of a posture stands.
+/// Where a number of a posture is.
 fn entry<const JOINTS: usize>(posture: usize, number: usize) -> usize {
     let block = PoseLanes::<JOINTS>::NUMBERS * (posture / BLOCK);
     BLOCK * (block + number) + posture % BLOCK

@@ -8,7 +8,7 @@ use haptical_kinematics::{Motion, Parameter};
 
 use crate::DistanceModel;
 
-/// A coordinate of v: where it stands, and the constant slides since.
+/// A coordinate of v: where it is, and the constant slides since.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Source {
     pub(crate) slot: usize,
@@ -20,7 +20,7 @@ pub(crate) struct Source {
 pub(crate) enum Angle {
     /// The same for every pose.
     Constant { sine: f64, cosine: f64 },
-    /// Joint variable plus a constant, whose own sine and cosine stand here.
+    /// Joint variable plus a constant, whose own sine and cosine are here.
     Joint {
         joint: usize,
         sine: f64,

@@ -15,7 +15,7 @@ use crate::program::{Action, Angle, Program, Source, plane};
 use haptical_linalg::{Aligned, TILE_ROWS};
 
 /// Rows of a sweep, always all of them, so that the compiler knows the lengths of its loops; what is
-/// kept on the way fits the first-level cache beside the tile.
+/// kept on the way fits the first-level cache next to the tile.
 pub(crate) const SWEEP_ROWS: usize = 64;
 
 /// Room of a sweep.

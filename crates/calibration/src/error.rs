@@ -14,7 +14,7 @@ pub enum CalibrationError {
          fixture"
     )]
     NoChannel,
-    /// No joint moves, so nothing can be told apart.
+    /// No joint moves, so nothing can be distinguished.
     #[error(
         "no joint moves in the recording ({rows} rows at one pose): record at many different poses"
     )]

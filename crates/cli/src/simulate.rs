@@ -184,7 +184,7 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     if arguments.json {
         return terminal::write_json(&summary);
     }
-    let text = summary.text() + &format!("Beside it: {}\n", place.display());
+    let text = summary.text() + &format!("Provenance: {}\n", place.display());
     terminal::write_output(text.as_bytes())
 }
 

@@ -33,7 +33,7 @@ same numbers within 1e-9 of each (another machine), or what differs, with both v
 looked for by their recorded names from the current folder, the result's folder and the one above it.
 Nothing is written.
 
-Exit status: 0 the result is what its inputs give; 1 it is not; 2 that cannot be told: bad arguments,
+Exit status: 0 the result is what its inputs give; 1 it is not; 2 that cannot be decided: bad arguments,
 no provenance, an input that is missing or not the recorded one; 3 nothing can be identified.";
 
 /// Flags of `haptical verify`.

@@ -217,7 +217,7 @@ impl Equipped {
         if tool_known {
             places.tracker_tool = None;
         } else if places.tracker_tool.is_none() {
-            // a marker beside the handle, not on it: what is told must not hang on a coincidence
+            // a marker off the handle, not on it: what is found must not hang on a coincidence
             let position_m = [0.03, 0.02, 0.05];
             let start = Origin {
                 position_m,

@@ -216,7 +216,7 @@ pub fn plan(
     Ok(plan)
 }
 
-/// The rigs that a device file describes: its external encoders and cables, and the same encoders beside a tracker
+/// The rigs that a device file describes: its external encoders and cables, and the same encoders with a tracker
 /// of the position and of the pose.
 ///
 /// ```

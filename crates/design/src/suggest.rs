@@ -37,7 +37,7 @@ pub struct Suggestion {
 
 /// Poses that a trial looks at: enough for every statement on rank.
 const TRIAL_POSES: usize = 300;
-/// Where further cables are tried, in half sizes of the workspace about its middle: beside it and above.
+/// Where further cables are tried, in half sizes of the workspace about its middle: to its sides and above.
 const PLACES: [[f64; 3]; 10] = [
     [1.5, 0.0, 0.0],
     [-1.5, 0.0, 0.0],
@@ -67,7 +67,7 @@ struct Trial {
     log_sum: f64,
 }
 
-/// Tries further measurements beside a rig, for `count` poses: a cable at ten places around the workspace, of which
+/// Tries measurements in addition to a rig, for `count` poses: a cable at ten places around the workspace, of which
 /// the best is kept, an external encoder or a homing fixture on each joint without one, the handle's position, its
 /// pose; and instead of a tracker one that sees the orientation too, or whose base or tool is known. `postures` are
 /// candidates of the rig.
@@ -316,7 +316,7 @@ fn workspace_m(
         low = low.inf(&pose.position_m);
         high = high.sup(&pose.position_m);
     }
-    // an arm that moves in a plane still has room beside it
+    // an arm that moves in a plane still has room at its side
     let least = (0.2 * (high - low).max()).max(LEAST_ROOM_M);
     Ok([
         (high + low) / 2.0,

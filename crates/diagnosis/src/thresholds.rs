@@ -362,7 +362,7 @@ pub(crate) mod torque {
     pub(crate) const SHARE_OF_REST: f64 = 0.1;
     /// Effects that are named at most.
     pub(crate) const MOST_NAMES: usize = 3;
-    /// Harmonic errors of angles that are allowed for beside the named effects.
+    /// Harmonic errors of angles that are allowed for in addition to the named effects.
     pub(crate) const MOST_RIPPLES: usize = 4;
     /// Steps of the search for a transition. Cost.
     pub(crate) const TRANSITION_STEPS: usize = 8;
@@ -398,7 +398,7 @@ pub(crate) mod torque {
     pub(crate) const STRAINED: f64 = 5.0;
     /// Part of the structure that a free force at the handle may leave.
     pub(crate) const GRIP_LEFT: f64 = 0.1;
-    /// Torques beside the force's three directions that the test needs.
+    /// Torques in addition to the force's three directions that the test needs.
     pub(crate) const SPARE_CHANNELS: usize = 2;
     /// Residuals of positions over their noise that are a gap.
     pub(crate) const POSITION_GAP: f64 = 1.5;

@@ -10,7 +10,7 @@ const DEVICE: &str = "[[joint]]\ntransmission = \"capstan\"\ntransmission_ratio 
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let device = Device::from_toml(DEVICE, "capstan.toml")?;
-    // the drum of the output turns about a point 0.2 mm beside its middle
+    // the drum of the output turns about a point 0.2 mm off its middle
     let readings: Vec<f64> = (0..400).map(|row| -1.4 + 0.007 * f64::from(row)).collect();
     let count_rad = std::f64::consts::TAU / 20000.0;
     let turned = |theta: &f64| theta + 2e-4 / 0.0675 * theta.sin();

@@ -1,4 +1,4 @@
-//! Twelve poses to measure next, beside those of a log, chosen for what the log says least about.
+//! Twelve poses to measure next, in addition to those of a log, chosen for what the log says least about.
 //!
 //! `cargo run -p haptical --example next_poses`
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]

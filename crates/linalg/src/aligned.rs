@@ -5,7 +5,7 @@ const LINE_BYTES: usize = 64;
 /// Numbers in a cache line.
 const LINE: usize = LINE_BYTES / size_of::<f64>();
 
-/// Numbers, zero at first, whose first one stands at the start of a cache line.
+/// Numbers, zero at first, whose first one is at the start of a cache line.
 #[derive(Debug, Default)]
 pub struct Aligned {
     data: Vec<f64>,

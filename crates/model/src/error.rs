@@ -66,7 +66,7 @@ pub enum DeviceFileError {
         key: String,
         /// What is there.
         found: String,
-        /// What may stand there.
+        /// What may be there.
         allowed: String,
     },
     /// Counts that do not fit each other.

@@ -103,7 +103,7 @@ fn two_cables(truth: &Device, path: &Path) -> Answer<()> {
     write(&recording, path)
 }
 
-/// Free postures, seen by a tracker 2 m away, with a marker beside the handle.
+/// Free postures, seen by a tracker 2 m away, with a marker off the handle.
 fn tracker(truth: &Device, path: &Path) -> Answer<()> {
     let base = Origin {
         position_m: [1.4, -0.6, 1.9],
@@ -202,7 +202,7 @@ fn homing(truth: &Device, path: &Path) -> Answer<()> {
     write(&recording, path)
 }
 
-/// The reading at which a joint's link stands at an angle from home, by Newton's steps.
+/// The reading at which a joint's link is at an angle from home, by Newton's steps.
 fn reading_at(truth: &Device, joint: usize, angle_rad: f64) -> Answer<f64> {
     let mut readings = vec![0.0; truth.joints.len()];
     let offset_rad = truth.links[joint + 1].theta_rad;

@@ -71,7 +71,7 @@ pub enum SimulatorError {
         key: &'static str,
         /// Its value.
         value: f64,
-        /// What may stand there.
+        /// What may be there.
         allowed: &'static str,
     },
     /// No reading can be drawn between the limits.

@@ -48,10 +48,10 @@ pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
 /// base, becomes row i behind the constant origin
 /// `T(xyz) R(rpy) R(axis -> z)`, its own six numbers 0; `R(axis -> z)^-1` and fixed joints are part of the
 /// next origin, the last one being the handle's. So every row is general: its six numbers, to first order
-/// the local coordinates of a product of exponentials, may be identified whichever way the axes stand
+/// the local coordinates of a product of exponentials, may be identified whichever way the axes are
 /// ([`Link`]). Home is 0 everywhere. Joints that follow another one (`<mimic>`)
 /// are rows that its joint drives, and no joints of a log. Masses are those of the links, with all that
-/// hangs on them beside the chain: such a branch, a hand or another arm, counts as fixed, its joints at 0, or
+/// hangs on them off the chain: such a branch, a hand or another arm, counts as fixed, its joints at 0, or
 /// in the middle of their limits where these exclude 0; a warning says so.
 ///
 /// From a base that is not above the tip the chain runs up the tree to the last link above both, then down. A

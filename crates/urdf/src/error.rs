@@ -47,9 +47,9 @@ pub enum UrdfError {
         place: String,
         /// Which value.
         what: &'static str,
-        /// What stands there.
+        /// What is there.
         found: String,
-        /// What may stand there.
+        /// What may be there.
         allowed: String,
     },
     /// Links and joints that make no tree, or too many of them.

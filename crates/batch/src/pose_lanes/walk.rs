@@ -92,7 +92,7 @@ fn splat<S: Simd>(simd: S, vector: Vector3<f64>) -> [S::f64s; 3] {
     ]
 }
 
-/// Three numbers that stand `apart` entries from each other.
+/// Three numbers that are `apart` entries from each other.
 #[inline(always)]
 fn load<V: Copy>(from: &[V], at: usize, apart: usize) -> [V; 3] {
     [from[at], from[at + apart], from[at + 2 * apart]]

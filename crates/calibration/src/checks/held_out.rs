@@ -108,7 +108,7 @@ pub(crate) fn is_for_folds(recording: &Recording, held_out: HeldOut) -> bool {
 pub(crate) fn check_share(held_out: HeldOut) -> Result<f64, CalibrationError> {
     match held_out {
         HeldOut::None => Ok(0.0),
-        // the fit sees all rows, the folds are fitted beside it
+        // the fit sees all rows, the folds are fitted at the same time
         HeldOut::Folds(2..=MOST_FOLDS) => Ok(0.0),
         HeldOut::Folds(folds) => Err(CalibrationError::Option {
             name: "folds",

@@ -8,7 +8,7 @@ use haptical_model::kinematics::nalgebra::DMatrix;
 
 /// Part of a joint's range in the log within which two readings are at one posture.
 const SAME: f64 = 0.003;
-/// Most postures that are told apart; a log of more hardly dwells. One joint's slow sweep has more, 1/[`SAME`].
+/// Most postures that are distinguished; a log of more hardly dwells. One joint's slow sweep has more, 1/[`SAME`].
 const MOST: usize = 300;
 /// Rows that are looked at first: where they are at more postures than half of their number, nothing dwells.
 const LOOKED_AT: usize = 1000;
@@ -36,7 +36,7 @@ pub(crate) fn postures(recording: &Recording) -> Option<Vec<usize>> {
     }
     let all: Vec<usize> = (0..rows).collect();
     let (found, numbers) = numbered(recording, &tolerance, &all, MOST)?;
-    // one posture has none beside it to check it by
+    // one posture has no neighbour to check it by
     (found > 1).then_some(numbers)
 }
 

@@ -107,7 +107,7 @@ fn lengths(device: &Device, recording: &Recording, reach_m: f64) -> Vec<Lengths>
     if let Some([x, y, z]) = &recording.position_m {
         let tracker = device.tracker.as_ref();
         let is_placed = tracker.is_none_or(|tracker| tracker.base_known);
-        // a tracker in a frame of its own may stand anywhere: what it saw lies about the middle of that
+        // a tracker in a frame of its own may be anywhere: what it saw lies about the middle of that
         let (from, what) = if is_placed {
             ([0.0; 3], MIDDLE_READING)
         } else {

@@ -173,7 +173,7 @@ impl<'a> Trial<'a> {
     }
 }
 
-/// The device without what a log's readings placed beside it.
+/// The device without what a log's readings placed around it.
 fn without_places(device: &Device) -> Device {
     let mut bare = device.clone();
     let (base_known, tool_known) = device.tracker.as_ref().map_or((true, true), |tracker| {

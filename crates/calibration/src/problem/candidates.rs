@@ -11,9 +11,9 @@ use haptical_model::{Device, Parameter, ParameterId};
 const PARALLEL_RAD: f64 = 0.02;
 
 /// The Denavit-Hartenberg parameters of all rows; Hayati's angle only where a row's twist lies between two parallel
-/// axes, the base's z being one (docs/equations.md, Structural count); and what stands beside the chain
+/// axes, the base's z being one (docs/equations.md, Structural count); and what is around the chain
 /// ([`Device::further_parameters`]). A general row ([`Device::is_general_row`]) offers all six numbers: near
-/// 0 they are independent whichever way the axes stand, and what is redundant the analysis drops. What the device
+/// 0 they are independent whichever way the axes are, and what is redundant the analysis drops. What the device
 /// holds ([`Device::hold`]) is no candidate.
 pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
     let last = device.links.len().saturating_sub(1);

@@ -69,14 +69,14 @@ pub enum Channel {
     Orientation,
     /// Touches of points, three residuals a row.
     Contact,
-    /// Known distance between two touched points; its reading stands with the first row.
+    /// Known distance between two touched points; its reading is with the first row.
     ContactPair {
         /// Position in `[[contact_pair]]`, from 0.
         index: usize,
     },
     /// Touches of planes.
     Plane,
-    /// Known angle between two touched planes; its reading stands with the first row.
+    /// Known angle between two touched planes; its reading is with the first row.
     PlanePair {
         /// Position in `[[plane_pair]]`, from 0.
         index: usize,

@@ -145,7 +145,7 @@ impl<'a> DeviceProblem<'a> {
         self.parameters
     }
 
-    /// Where each channel's residuals stand: channel, first residual, count.
+    /// Where each channel's residuals are: channel, first residual, count.
     pub fn layout(&self) -> BTreeMap<Channel, (usize, usize)> {
         self.blocks
             .iter()

@@ -14,7 +14,7 @@ use crate::{Channel, DeviceProblem};
 /// Rows that one thread works out at a time.
 pub(crate) const ROWS_AT_ONCE: usize = 512;
 
-/// Where a block's residuals of a part's rows stand, from row `start` on.
+/// Where a block's residuals of a part's rows are, from row `start` on.
 fn within(block: &Block, start: usize) -> Range<usize> {
     let place = |row: usize| {
         let before = block.rows.partition_point(|&other| other < row);

@@ -254,7 +254,7 @@ pub(crate) fn of_result(
 /// A sentence of the fitted parameters that lie so far from the device file's values that a unit, a sign or a
 /// column is more likely wrong than the device; none where there are none.
 ///
-/// `parameters` of `fitted` at the places `free` are asked; what stands around a device has no nominal place.
+/// `parameters` of `fitted` at the places `free` are asked; what is around a device has no nominal place.
 ///
 /// ```
 /// use haptical_calibration::{candidate_parameters, implausible_deviations};

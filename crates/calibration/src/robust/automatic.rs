@@ -13,7 +13,7 @@ use crate::{
 
 /// Rows on which it is tried whether a robust loss is needed.
 const SCREENED: usize = 600;
-/// Share of the outliers that stand before another one from which on they are no single wild readings but an
+/// Share of the outliers that are before another one from which on they are no single wild readings but an
 /// effect in time: of independent ones, the share is that of the outliers among all readings.
 const IN_STRETCHES: f64 = 0.6;
 /// Residual over noise floor beyond which more than noise is left.

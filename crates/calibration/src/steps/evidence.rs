@@ -106,7 +106,7 @@ pub(crate) fn weigh(
                 None => continue,
             }
         };
-        // An exact fit has no noise to weigh: rounding stands in for it.
+        // An exact fit has no noise to weigh: rounding takes its place.
         let n = rows as f64;
         let logarithm = n * (sum / n).max(1e-30).ln();
         let count = k as f64;

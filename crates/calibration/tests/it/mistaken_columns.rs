@@ -1,4 +1,4 @@
-//! Logs in which a joint runs backwards, or two joints stand in each other's column.
+//! Logs in which a joint runs backwards, or two joints are in each other's column.
 
 use haptical_calibration::{CalibrationError, HeldOut, Options, Weighting, calibrate};
 use haptical_model::{Device, Recording};

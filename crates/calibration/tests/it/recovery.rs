@@ -167,7 +167,7 @@ fn off_by_millimetres(convention: Convention, prismatic: Option<usize>) -> (Devi
     (nominal, truth)
 }
 
-/// What cannot be told apart differs from the truth, what is measured does not.
+/// What cannot be distinguished differs from the truth, what is measured does not.
 #[test]
 fn other_joints_conventions_and_rigs_predict_unseen_poses() {
     for convention in [Convention::Standard, Convention::Modified] {

@@ -72,7 +72,7 @@ fn a_handle_on_the_exit_is_a_wrong_reading() {
     }
 }
 
-/// A device whose handle stands on the exit at some reading has no derivative there.
+/// A device whose handle is on the exit at some reading has no derivative there.
 #[test]
 fn a_model_on_the_exit_names_the_line() {
     let mut device = device_of(vec![haptical_model::kinematics::Link::default(); 3]);

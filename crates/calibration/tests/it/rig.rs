@@ -1,4 +1,4 @@
-//! Measurement kinds beside cables and encoders: derivatives of each, by rows and reduced.
+//! Measurement kinds other than cables and encoders: derivatives of each, by rows and reduced.
 
 use haptical_calibration::{Channel, DeviceProblem, Weights, candidate_parameters, channels};
 use haptical_identification::{Matrix, Problem, evaluate_jacobian, worst_derivative};

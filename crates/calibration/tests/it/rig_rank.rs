@@ -55,7 +55,7 @@ fn touches_fix_as_much_as_geometry_allows() {
     for axis in ["x", "y", "z"] {
         assert!(statuses(&judged, &format!("contact.left.{axis}")).is_independent());
     }
-    // where the whole stands is what is dependent
+    // where the whole is placed is what is dependent
     for name in ["alpha0", "theta0", "d0"] {
         assert!(
             matches!(statuses(&judged, name), Status::Dependent { .. }),

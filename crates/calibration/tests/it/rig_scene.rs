@@ -63,7 +63,7 @@ pub(crate) fn placement(seed: u64, reach_m: f64, turn: f64) -> Placement {
     }
 }
 
-/// Everything that a device file can say beside the chain.
+/// Everything that a device file can say besides the chain.
 pub(crate) fn with_everything(mut device: Device) -> Device {
     unknown_tracker(&mut device);
     device.surroundings.tracker_base = Some(placement(1, 1.0, 0.4));

@@ -20,7 +20,7 @@ pub(crate) struct PlanArguments {
     #[command(flatten)]
     pub(crate) device_options: DeviceOptions,
     /// A rig: measurements separated by commas; give it again to compare rigs. The first one is what
-    /// --poses plans for. Without it: what the device file describes, beside a position and a pose
+    /// --poses plans for. Without it: what the device file describes, with a position and a pose
     #[arg(long, value_name = "RIG")]
     pub(crate) measure: Vec<String>,
     /// Folder for plan.json, report.html, rigs.svg and poses.csv; made if it is missing

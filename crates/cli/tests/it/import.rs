@@ -1,4 +1,4 @@
-//! `haptical import mukca` and `mcap`: the log that it writes, the rig beside it, its refusals.
+//! `haptical import mukca` and `mcap`: the log that it writes, the rig next to it, its refusals.
 
 use std::path::Path;
 use std::process::Output;

@@ -73,7 +73,7 @@ impl Sandbox {
         std::fs::read_to_string(self.path("log.csv")).unwrap()
     }
 
-    /// Cells of the sample log, the header as row 0: row k stands on line k + 1.
+    /// Cells of the sample log, the header as row 0: row k is on line k + 1.
     fn cells(&self) -> Vec<Vec<String>> {
         self.log_text()
             .lines()

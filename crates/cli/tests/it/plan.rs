@@ -31,7 +31,7 @@ fn without_out_a_table_is_printed_and_nothing_written() {
         said.contains("parameter") && said.contains("cable,pose"),
         "{said}"
     );
-    assert!(said.contains("cannot be told apart"), "{said}");
+    assert!(said.contains("cannot be distinguished"), "{said}");
     assert!(said.contains("would tell it"), "{said}");
     assert_eq!(names_in(sandbox.folder.path()), before);
 }

@@ -140,7 +140,7 @@ fn a_tracker_in_its_own_frame_is_played_where_it_fits_best() {
     let output = played.play(&["--out", "page.html"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let data = crate::play_log::data(&std::fs::read_to_string(played.path("page.html")).unwrap());
-    // the log's tracker stands in frame (-1), so the frame found is that one
+    // the log's tracker is in frame (-1), so the frame found is that one
     let tracked = &data["tracked_um"][0];
     let handle = data["origins_um"][0].as_array().unwrap();
     for (axis, origin) in handle[handle.len() - 3..].iter().enumerate() {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::{haptical, text};
 
-/// The folder of outside data beside the project, or a printed line.
+/// The folder of outside data next to the project, or a printed line.
 fn shared(name: &str) -> Option<PathBuf> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("../../../shared")

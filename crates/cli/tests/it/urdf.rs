@@ -1,4 +1,4 @@
-//! URDFs as devices: read, checked, exported, corrected; rig files beside them.
+//! URDFs as devices: read, checked, exported, corrected; rig files next to them.
 
 use std::path::{Path, PathBuf};
 
@@ -171,7 +171,7 @@ fn a_corrected_urdf_moves_as_the_calibrated_device() {
         &["--urdf", original, "--tip", "palm"],
     );
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("the handle stands elsewhere in it"));
+    assert!(text(&output.stderr).contains("the handle is elsewhere in it"));
     // and a URDF is corrected by --format urdf alone
     let output = export(&identified, "mjcf", &out, &["--urdf", original]);
     assert!(text(&output.stderr).contains("--urdf is for --format urdf alone"));

@@ -1,4 +1,4 @@
-//! URDFs with branches: masses beside the chain, the choice of a chain, rows that follow, rig files beside
+//! URDFs with branches: masses off the chain, the choice of a chain, rows that follow, rig files next to
 //! them.
 
 use std::fmt::Write;

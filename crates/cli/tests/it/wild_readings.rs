@@ -63,7 +63,7 @@ fn wild_readings_are_named_row_by_row_and_move_nothing() {
     assert!(text(&output.stderr).contains("farther from the model than noise explains"));
     assert_eq!(found["loss"]["used"], "tukey");
     assert_eq!(lines_of(&found), wild);
-    // the table has the figures of the good readings, and beside them the count of the others
+    // the table has the figures of the good readings, and next to them the count of the others
     let shown = text(&output.stdout);
     assert!(shown.contains("outliers are left out of before, after and reduction"));
     let cable = shown.lines().find(|line| line.contains("│ cable")).unwrap();

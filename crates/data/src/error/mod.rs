@@ -117,7 +117,7 @@ pub enum Fault {
     },
     /// More columns than a log has.
     #[error(
-        "{columns} columns, at most {most} are read; check that the header stands on a line \
+        "{columns} columns, at most {most} are read; check that the header is on a line \
          of its own, and leave out columns that are not needed"
     )]
     TooManyColumns {

@@ -24,7 +24,7 @@ use crate::read::source::open_error;
 use crate::shape::LogShape;
 use crate::size::{MOST_MEMORY_BYTES, NUMBER_BYTES};
 
-/// Largest record and chunk \[bytes\]: images stand in records, and chunks are a few MiB.
+/// Largest record and chunk \[bytes\]: images are in records, and chunks are a few MiB.
 const LARGEST_RECORD_BYTES: usize = 256 << 20;
 
 /// Which messages of an MCAP file are the log.

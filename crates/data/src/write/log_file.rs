@@ -80,7 +80,7 @@ impl LogFile {
     /// Begins a log with the columns that `recording` has, and no rows yet.
     ///
     /// # Errors
-    /// As [`LogWriter::new`], and [`Fault::Unwritable`] from the file system.
+    /// As [`LogWriter::new`], and [`Fault::Unwritable`](crate::Fault::Unwritable) from the file system.
     pub fn create(path: &Path, recording: &Recording, shape: &LogShape) -> Result<Self, DataError> {
         let name = path.display().to_string();
         let folder = match path.parent() {
@@ -115,7 +115,7 @@ impl LogFile {
     /// Ends the log and gives it its name.
     ///
     /// # Errors
-    /// [`Fault::Unwritable`] from the file system.
+    /// [`Fault::Unwritable`](crate::Fault::Unwritable) from the file system.
     pub fn finish(self) -> Result<(), DataError> {
         let name = self.path.display().to_string();
         let failed = |source| unwritable(&name, source);

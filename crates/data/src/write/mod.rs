@@ -46,9 +46,9 @@ impl<W: Write> LogWriter<W> {
     /// log `name`.
     ///
     /// # Errors
-    /// [`Fault::InvalidShape`] for a device without joints, [`Fault::InvalidRecording`]
+    /// [`Fault::InvalidShape`](crate::Fault::InvalidShape) for a device without joints, [`Fault::InvalidRecording`]
     /// when the recording does not fit the shape or a covariate's name cannot be a header,
-    /// [`Fault::Unwritable`] from the writer.
+    /// [`Fault::Unwritable`](crate::Fault::Unwritable) from the writer.
     pub fn new(
         writer: W,
         name: &str,
@@ -75,9 +75,9 @@ impl<W: Write> LogWriter<W> {
     /// Writes all rows of `recording`, which has the columns of the first one.
     ///
     /// # Errors
-    /// [`Fault::InvalidRecording`] for other columns, columns of unequal length, a joint
+    /// [`Fault::InvalidRecording`](crate::Fault::InvalidRecording) for other columns, columns of unequal length, a joint
     /// reading that is missing, a number that is infinite, or a text with a line break or with
-    /// blanks at its ends; [`Fault::Unwritable`] from the writer. Rows before the faulty one
+    /// blanks at its ends; [`Fault::Unwritable`](crate::Fault::Unwritable) from the writer. Rows before the faulty one
     /// are written.
     pub fn write_rows(&mut self, recording: &Recording) -> Result<(), DataError> {
         let columns = columns_of(recording, &self.shape, &self.name)?;
@@ -109,7 +109,7 @@ impl<W: Write> LogWriter<W> {
     /// Flushes and gives back the writer.
     ///
     /// # Errors
-    /// [`Fault::Unwritable`] from the writer.
+    /// [`Fault::Unwritable`](crate::Fault::Unwritable) from the writer.
     pub fn finish(self) -> Result<W, DataError> {
         let Self { name, output, .. } = self;
         output

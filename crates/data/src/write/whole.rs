@@ -16,8 +16,9 @@ use crate::write::log_file::LogFile;
 /// before is still there. Equal recordings give equal bytes.
 ///
 /// # Errors
-/// [`Fault::InvalidRecording`] and [`Fault::InvalidShape`] as [`LogWriter`];
-/// [`Fault::Unwritable`] from the file system.
+/// [`Fault::InvalidRecording`](crate::Fault::InvalidRecording) and
+/// [`Fault::InvalidShape`](crate::Fault::InvalidShape) as [`LogWriter`];
+/// [`Fault::Unwritable`](crate::Fault::Unwritable) from the file system.
 pub fn write_log(path: &Path, recording: &Recording, shape: &LogShape) -> Result<(), DataError> {
     let mut log = LogFile::create(path, recording, shape)?;
     log.write_rows(recording)?;

@@ -50,7 +50,7 @@ impl Score {
         }
     }
 
-    /// The score as the state stands.
+    /// The score of the present state.
     pub(crate) fn now(&self, state: &State<'_>) -> f64 {
         match self {
             Self::LogDet => state.log_det,

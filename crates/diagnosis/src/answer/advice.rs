@@ -192,7 +192,7 @@ fn explore_postures(place: &Located) -> String {
     let joint = place.answer.joint;
     let which = joint.map_or("every joint".to_owned(), |joint| format!("joint {joint}"));
     format!(
-        "the postures of this log have no direction of motion, so play and friction loops cannot be told from \
+        "the postures of this log have no direction of motion, so play and friction loops cannot be distinguished from \
          noise: touch the same points again, coming to each posture twice, with {which} from below and from above, \
          each way as a run of its own; a play shows as a difference of the two runs that no load changes"
     )

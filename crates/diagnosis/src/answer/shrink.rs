@@ -1,4 +1,4 @@
-//! How far the gap shrinks on data that the fit did not see: a second recording, or rows held back.
+//! Shrink of the gap on data that the fit did not see: a second recording, or rows held back.
 
 mod held_back;
 mod reduction;

@@ -43,7 +43,7 @@ pub(crate) fn unseen(findings: &Findings<'_>) -> (Vec<Detectable>, Vec<Invisible
                 effect: effect.name().to_owned(),
                 joint: effect.joint().map(|joint| joint + 1),
                 why: why(effect, score.retained),
-                would_bias: biases.of(engine, &candidate),
+                would_bias: biases.largest(engine, &candidate),
             });
         }
     }
@@ -143,7 +143,7 @@ impl Biases {
     }
 
     /// The parameters that change most, in units of a plausible deviation.
-    fn of(&self, engine: &Engine<'_>, candidate: &Candidate) -> String {
+    fn largest(&self, engine: &Engine<'_>, candidate: &Candidate) -> String {
         let (Some(normal), Some(column)) = (&self.normal, candidate.columns.first()) else {
             return String::new();
         };
@@ -185,7 +185,7 @@ pub(crate) fn hints(engine: &Engine<'_>, nominal: &haptical_model::Device) -> Ve
     let fitted = engine.problem.device_with(&engine.start.model.values);
     for &index in &engine.base.free {
         let parameter = engine.base.parameters[index];
-        // where a rig stands, nobody knows beforehand
+        // where a rig is, nobody knows beforehand
         if let haptical_model::ParameterId::Surrounding(_) = parameter {
             continue;
         }

@@ -22,7 +22,7 @@ pub(crate) struct Base {
     pub(crate) parameters: Vec<ParameterId>,
     /// Positions (within `parameters`) of those that the recording fixes.
     pub(crate) free: Vec<usize>,
-    /// Where they are known to be beside the recording; none where it fixes all of them well.
+    /// Where they are known to be from elsewhere than the recording; none where it fixes all of them well.
     pub(crate) anchor: Option<Anchor>,
     /// Where the search ended, and why, if that was no minimum.
     pub(crate) unfinished: Option<Unfinished>,

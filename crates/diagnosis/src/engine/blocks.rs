@@ -124,7 +124,7 @@ impl Blocks {
         self.count
     }
 
-    /// Where a stream's blocks stand among all.
+    /// Where a stream's blocks are among all.
     pub(crate) fn range(&self, stream: usize) -> std::ops::Range<usize> {
         let blocks = &self.streams[stream];
         blocks.first..blocks.first + blocks.entries.len()

@@ -1,4 +1,4 @@
-//! How whitened streams lie one after the other in a vector.
+//! Layout of whitened streams, one after the other in a vector.
 
 use std::ops::Range;
 

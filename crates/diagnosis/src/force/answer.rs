@@ -146,7 +146,7 @@ pub(super) fn answer(
             has_grip = true;
         }
     }
-    // beside a gap that shows anyhow it is that gap's
+    // where a gap shows anyhow it is that gap's
     if let Some((joint, gain)) = strained.filter(|_| !is_falsified && !significant) {
         add_scaled(joint, gain);
         (significant, unexplained_share) = (true, 1.0);
@@ -211,7 +211,7 @@ fn strained_scale(
 }
 
 /// Torques whose noise exceeds what the links alone ask of the drive: a disturbance that is as fast as the noise cannot
-/// be told from it.
+/// be distinguished from it.
 fn drowned(recorded: &Recorded<'_>, base: &Base) -> Option<String> {
     let blocks = recorded.blocks.len().max(1);
     let by_model = base.torque_nm.chunks(blocks);

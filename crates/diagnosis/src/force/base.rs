@@ -1,5 +1,5 @@
 //! The base model of the torques: inertial parameters of all links, and what is not exactly known
-//! beside them - each torque's scale, the geometry within its tolerance, a delay of the encoders.
+//! in addition: each torque's scale, the geometry within its tolerance, a delay of the encoders.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ use crate::thresholds::torque::{DELAY_SD_S, LEAST_SCALE_SD, SCALE_ROUNDS};
 /// which show have a smallest solution.
 const RIDGE: f64 = 1e-9;
 
-/// The base model fitted, and effects beside it.
+/// The base model fitted, with effects.
 #[derive(Debug, Clone)]
 pub(super) struct Base {
     pub(super) regression: Regression<TorqueRows>,
@@ -69,7 +69,7 @@ impl Base {
         }
     }
 
-    /// What some columns explain beside the model.
+    /// What some columns explain in addition to the model.
     pub(super) fn score(&self, columns: Vec<Column>) -> Score {
         let system = &self.regression.system;
         Candidate::of_columns(system, columns, 0, 0.0).score(system)

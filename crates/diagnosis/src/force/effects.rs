@@ -1,4 +1,4 @@
-//! The effects on torques and forces as columns beside the base model.
+//! The effects on torques and forces as columns in addition to the base model.
 
 use haptical_effects::signal::local_motion;
 use haptical_effects::{Absorbed, Effect, Family, Follows, Hook, Shape, drive_catalogue};

@@ -1,4 +1,4 @@
-//! How large the torques' gap is, joint by joint, row by row.
+//! Size of the torques' gap, joint by joint, row by row.
 
 use super::base::Base;
 use super::effects::{Effects, is_scale};

@@ -72,7 +72,7 @@ fn rms(forces: &[(Vector3<f64>, Matrix3<f64>)]) -> f64 {
     (square.max(0.0) / forces.len().max(1) as f64).sqrt()
 }
 
-/// What the base model leaves when something is allowed for beside it, and the part of the
+/// What the base model leaves when something is allowed for in addition, and the part of the
 /// structure in that, if that is small.
 fn left_beside(
     along: &Along<'_>,

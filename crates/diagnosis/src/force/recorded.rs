@@ -1,4 +1,4 @@
-//! What a recording says of the drives' torques: blocks of rows, the torque that is not the hand's,
+//! The drives' torques of a recording: blocks of rows, the torque that is not the hand's,
 //! the noise of both, or why nothing can be said.
 
 use std::ops::Range;
@@ -17,7 +17,7 @@ use crate::thresholds::torque::{
 /// Share of the force's square below which its changes are none.
 const CONSTANT: f64 = 1e-6;
 
-/// What may act on the chain beside what was recorded, changing as it likes.
+/// What may act on the chain in addition to what was recorded, changing as it likes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Besides {
     Nothing,

@@ -28,7 +28,7 @@ pub(super) struct Pick {
     pub(super) first: usize,
     /// The last of them is the derivative by the logarithm of a continuous shape.
     pub(super) count: usize,
-    /// Chi-square that it saves beside the others.
+    /// Chi-square that it saves with the others kept.
     pub(super) score: f64,
     pub(super) probability: f64,
     /// Other names that would do nearly as well.
@@ -222,7 +222,7 @@ impl Effects<'_, '_> {
         (shape, columns)
     }
 
-    /// For each pick: what it saves beside the others, and who would do as well in its place.
+    /// For each pick: what it saves with the others kept, and who would do as well in its place.
     fn compare(
         &self,
         base: &Base,

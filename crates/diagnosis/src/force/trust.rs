@@ -1,4 +1,4 @@
-//! Whether the calibrated geometry can be trusted with the torques: effects on positions that are
+//! Trust in the calibrated geometry where torques are tested: effects on positions that are
 //! not in the model falsify lengths and angles, and these the torques.
 
 use haptical_calibration::Channel;

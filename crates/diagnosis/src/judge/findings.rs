@@ -15,7 +15,7 @@ use crate::judge::wrong_angles::torque_nm;
 use crate::select::Selection;
 use crate::{DiagnosisError, Options};
 
-/// Inputs of a diagnosis beside the fitted base model.
+/// Inputs of a diagnosis in addition to the fitted base model.
 #[derive(Clone, Copy)]
 pub(crate) struct Inputs<'i> {
     pub(crate) nominal: &'i Device,

@@ -1,4 +1,4 @@
-//! Which other effects could stand in a cause's place, and how far behind they are.
+//! Rivals: effects that explain as much in a cause's place, and how far behind they are.
 
 use haptical_effects::{Context, Family};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! The verdict: no gap, a name, several that cannot be told apart, or a gap without a name.
+//! The verdict: no gap, a name, several that cannot be distinguished, or a gap without a name.
 
 use haptical_effects::Parameter;
 
@@ -12,7 +12,7 @@ use crate::thresholds::rivals::LATER_PROBABILITY;
 pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdict {
     let base_terms = &findings.base_terms;
     let first = causes.first();
-    // beside a tool that was changed the rest may be as small as the tool's own law gets wrong
+    // where a tool was changed the rest may be as small as the tool's own law gets wrong
     if base_terms.accounts_for(excess(&findings.selection.after).0) {
         return by_probability(first);
     }

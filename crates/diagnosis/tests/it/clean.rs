@@ -139,7 +139,7 @@ fn louder_noise_than_stated_is_noise_and_is_said() {
 fn outliers_are_left_out_and_counted() {
     let session = Session::default();
     let mut recording = record(&session, |_| Errors::default());
-    // one reading in forty stands 40 deviations off
+    // one reading in forty is 40 deviations off
     for value in recording.output[0].as_mut().unwrap().iter_mut().step_by(40) {
         *value += 40.0 * crate::arm::OUTPUT_SD_RAD;
     }

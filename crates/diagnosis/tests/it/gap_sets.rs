@@ -10,7 +10,7 @@ use haptical_model::{Device, JointType, Recording};
 use crate::arm::{assert_near, every, summary};
 use crate::normal::Normal;
 
-/// Where the sets lie: `HAPTICAL_SHARED`, or beside the workspace.
+/// Where the sets lie: `HAPTICAL_SHARED`, or next to the workspace.
 fn shared(path: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("HAPTICAL_SHARED").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),

@@ -1,4 +1,4 @@
-//! A heavy arm in single postures, seen by a tracker that stands and is fixed anywhere.
+//! A heavy arm in single postures, seen by a tracker that is fixed anywhere.
 
 use haptical_diagnosis::{Asked, Diagnosis, Options, Verdict, diagnose};
 use haptical_model::kinematics::nalgebra::{
@@ -29,7 +29,7 @@ fn device() -> Device {
     device
 }
 
-/// Where the tracker stands, frame (-1) seen from it, far from no turn.
+/// Where the tracker is, frame (-1) seen from it, far from no turn.
 fn base() -> Isometry3<f64> {
     Isometry3::new(Vector3::new(1.7, -0.4, 0.6), Vector3::new(0.5, -1.2, 2.0))
 }
@@ -54,7 +54,7 @@ fn recorded(seed: u64, stiffness_nm_per_rad: f64, noise_sd_m: f64) -> Recording 
     })
 }
 
-/// Postures whose links stand elsewhere than the model says; the tracker drifts by what `error` returns.
+/// Postures whose links are elsewhere than the model says; the tracker drifts by what `error` returns.
 fn recorded_with(
     seed: u64,
     noise_sd_m: f64,

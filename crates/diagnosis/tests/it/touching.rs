@@ -82,7 +82,7 @@ pub(crate) fn built() -> Device {
 pub(crate) struct Errors {
     /// How each joint yields to its weight \[rad/(N m)\].
     pub(crate) compliance_rad_per_nm: [f64; JOINTS],
-    /// What the touches' standard deviation has beside [`TOUCH_SD_M`] \[m\].
+    /// What is added to the touches' standard deviation [`TOUCH_SD_M`] \[m\].
     pub(crate) rough_m: f64,
     /// Where the tool sits in the handle's frame \[m\].
     pub(crate) tool_m: [f64; 3],

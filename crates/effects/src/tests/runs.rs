@@ -148,7 +148,7 @@ fn a_step_is_found_again_where_every_run_starts_at_zero() {
             if effect.untestable(&context).is_some() {
                 continue;
             }
-            // the same time stands in either run, and the row says which one is meant
+            // the same time is in either run, and the row says which one is meant
             for (row, end) in [(100, RUN), (RUN + 100, 2 * RUN)] {
                 let label = effect.label();
                 assert_eq!(

@@ -146,7 +146,7 @@ fn a_yielding_base_turns_with_the_moment_of_the_hand() {
             None,
             &[("rad_per_nm", RAD_PER_NM)],
         );
-        // row 0 alone: where the base stands
+        // row 0 alone: where the base is
         let row_0 = device.links[0];
         let turn_x = Rotation3::from_axis_angle(&Vector3::x_axis(), row_0.alpha_rad);
         let base = match device.convention {
@@ -213,7 +213,7 @@ fn a_changed_tool_and_a_yielding_one_move_the_handle() {
 
 #[test]
 fn an_exit_guide_adds_the_arc_less_the_corner() {
-    // a handle straight across the exit axis: from the guide's centre it stands at D = L - r, and the cable
+    // a handle straight across the exit axis: from the guide's centre it is at D = L - r, and the cable
     // wraps pi - acos(r / D)
     const RADIUS_M: f64 = 6e-3;
     let text = "

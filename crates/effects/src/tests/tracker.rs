@@ -1,4 +1,4 @@
-//! What a tracker that stands and is fixed anywhere shows of a joint's error, against moved isometries.
+//! What a tracker that is fixed anywhere shows of a joint's error, against moved isometries.
 
 use haptical_model::kinematics::nalgebra::{
     Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3,

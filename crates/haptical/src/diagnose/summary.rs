@@ -103,7 +103,7 @@ pub(super) fn cause(cause: &CauseAnswer) -> String {
     );
     if !cause.confusable_with.is_empty() {
         let rivals: Vec<String> = rivals(cause).collect();
-        let _ = write!(said, "; not told from {}", listed(&rivals));
+        let _ = write!(said, "; confusable with {}", listed(&rivals));
     }
     if !cause.plausible {
         said.push_str("; not a size that a sound device has");

@@ -119,7 +119,7 @@ fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
     let others: Vec<String> = others.map(with_probability).collect();
     let others = match others.as_slice() {
         [] => String::new(),
-        names => format!(" Beside it: {}.", listed(names)),
+        names => format!(" In addition: {}.", listed(names)),
     };
     let rivals: Vec<String> = rivals(first).collect();
     let (first, rivals) = (with_probability(first), joined(&rivals, "or"));
@@ -253,7 +253,7 @@ pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
     }
     match (diagnosis.verdict, diagnosis.causes.first()) {
         (Verdict::NoGap, _) => "nothing; the model is as good as these data can tell. What could \
-                                still hide stands under \"what cannot be seen\""
+                                still hide is under \"what cannot be seen\""
             .to_owned(),
         (Verdict::Named, Some(cause)) => match haptical_effects::spec(&cause.effect) {
             Some(spec) => format!(

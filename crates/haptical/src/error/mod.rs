@@ -259,7 +259,7 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
     let (name, what, next) = match error {
         CalibrationError::NoMotion { rows } => {
             let what = format!(
-                "no joint moves in the log ({rows} rows at one pose), so nothing can be told apart"
+                "no joint moves in the log ({rows} rows at one pose), so nothing can be distinguished"
             );
             ("no-motion", what, more)
         }

@@ -97,13 +97,13 @@ fn suggested(suggestion: &Suggestion) -> String {
     let own = &suggestion.parameter;
     let reason = match suggestion.not_told_from.as_slice() {
         [other] => format!(
-            "{own} and {other} cannot be told apart with this rig ({})",
+            "{own} and {other} cannot be distinguished with this rig ({})",
             suggestion.reason
         ),
         _ => suggestion.reason.clone(),
     };
     match remedies.is_empty() {
-        true => format!("{reason}; nothing that was tried beside this rig tells it"),
+        true => format!("{reason}; nothing that was tried with this rig identifies it"),
         false => format!("{reason}; adding {} would tell it", remedies.join(", or ")),
     }
 }
@@ -112,7 +112,7 @@ fn suggested(suggestion: &Suggestion) -> String {
 pub(super) fn said(next: &NextPoses, measured: usize) -> String {
     let besides = match measured {
         0 => String::new(),
-        _ => format!(" beside {measured} that were measured"),
+        _ => format!(" in addition to {measured} that were measured"),
     };
     let mut text = format!(
         "{} of {} poses{besides} for {}, {} parameters, {} exchanges.\n",

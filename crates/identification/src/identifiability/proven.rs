@@ -61,7 +61,7 @@ pub(crate) fn variances(
 const LANES: usize = 4;
 
 /// Makes a matrix, column by column, upper triangular by Householder reflections from the left
-/// (Golub & Van Loan, *Matrix Computations*, section 5.2); what stands below is not written.
+/// (Golub & Van Loan, *Matrix Computations*, section 5.2); what is below is not written.
 fn triangularise(entries: &mut [f64], rows: usize, columns: usize) {
     for index in 0..columns.min(rows - 1) {
         let (left, right) = entries.split_at_mut((index + 1) * rows);

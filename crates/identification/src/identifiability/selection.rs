@@ -107,5 +107,5 @@ fn independent_columns(
 /// Relative pivot below which a set of unit-norm columns is dependent to rounding.
 const SMALLEST_PIVOT: f64 = 1e-13;
 /// Remainder that no dependent column of finite rounding reaches: far above 1e-16 times the square
-/// of any condition number whose columns are still told apart.
+/// of any condition number whose columns are still distinguished.
 const LARGEST_REMAINDER: f64 = 1e-4;

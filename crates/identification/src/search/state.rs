@@ -10,7 +10,7 @@ use crate::{Convergence, IdentificationError, Problem, Settings};
 /// Promised fall, as a share of the cost, that the rounding of the cost can hide.
 const UNSEEN_FALL: f64 = 1e-9;
 
-/// Share of the parameters below which a step cannot be told from rounding in the residuals.
+/// Share of the parameters below which a step cannot be distinguished from rounding in the residuals.
 const UNSEEN_STEP: f64 = 1e-8;
 
 /// A millimetre or a milliradian, so that parameters near zero can converge too.

@@ -84,7 +84,7 @@ impl DeviceChain {
     }
 
     /// Variables of the moving rows at output angles (one per joint): `multiplier output`, since home
-    /// and offset stand in the rows. `variables` has one entry for each row but row 0, or for the first of
+    /// and offset are in the rows. `variables` has one entry for each row but row 0, or for the first of
     /// them. An output that is missing makes its rows' variables NaN, which every chain refuses.
     pub fn variables(&self, outputs: &[f64], variables: &mut [f64]) {
         for (variable, drive) in variables.iter_mut().zip(&self.drives) {

@@ -96,7 +96,7 @@ const OF_LOG: &str = "give the id that the log has";
 fn new_id(section: &Section<'_, '_>, seen: &mut Vec<String>) -> Result<String> {
     let id = read_id(section, "id", OF_LOG)?;
     if seen.contains(&id) {
-        return Err(section.refuse("id", format!("\"{id}\" again"), "each id stands once"));
+        return Err(section.refuse("id", format!("\"{id}\" again"), "each id is used once"));
     }
     seen.push(id.clone());
     Ok(id)

@@ -64,7 +64,7 @@ fn advice(text: &str, offset: usize, message: &str) -> String {
     } else if rest.starts_with(',') && rest[1..].starts_with(|next: char| next.is_ascii_digit()) {
         "the decimal sign is a point"
     } else if message.contains("must be quoted") || message.contains("basic string") {
-        "text stands between two quotation marks"
+        "text goes between two quotation marks"
     } else if message.contains("expected `=`") {
         "each line is `key = value`, or a heading in brackets"
     } else {

@@ -93,7 +93,7 @@ fn faults_are_told_at_their_place_in_the_rig_file() {
     );
 }
 
-/// Tables of a list stand together, whichever file they come from, so that a person finds them.
+/// Tables of a list are together, whichever file they come from, so that a person finds them.
 #[test]
 fn the_sections_of_both_files_stand_in_groups() {
     let device = "[device]\nname = \"arm\"\n\n[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\n\

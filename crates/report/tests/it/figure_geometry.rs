@@ -1,4 +1,4 @@
-//! Figures: every point stands where its axes say.
+//! Figures: every point is where its axes say.
 
 use haptical_report::{Figure, Mark, Series};
 
@@ -53,7 +53,7 @@ fn points_stand_where_the_axes_say() {
     {
         assert_near(*found, place(&plot, x, y));
     }
-    // Tick labels stand beside the values that they name.
+    // Tick labels are next to the values that they name.
     assert!((picture.find("0.4").anchor_point.1 - place(&plot, 0.0, 0.4).1).abs() <= ROUNDING_PX);
     assert!((picture.find("6").anchor_point.0 - place(&plot, 0.6, 0.0).0).abs() <= ROUNDING_PX);
 }

@@ -74,7 +74,7 @@ pub(crate) fn corrections(
         .zip(before)
         .map(|(gap, wanted)| match gap.taken_up_before_a_row(robot) {
             Some(place) => gap.with(place, &wanted),
-            // the added link leads to the base by its inverse, which stands before everything
+            // the added link leads to the base by its inverse, which is before everything
             None => Correction::Base(then(&gap.product(), &inverse(&wanted))),
         })
         .collect();
@@ -118,7 +118,7 @@ impl Gap {
         parts.filter_map(|(place, part)| Some((place, part.of?)))
     }
 
-    /// The origin of the row behind, where that is passed downwards: it stands in this gap. Otherwise the first origin:
+    /// The origin of the row behind, where that is passed downwards: it is in this gap. Otherwise the first origin:
     /// of the row before, which is passed upwards too, or of what is fixed to the base. At the turning point both rows
     /// have theirs in one gap; the one before then stays as it is.
     fn taken_up_before_a_row(&self, robot: &Robot) -> Option<(usize, Step)> {

@@ -1,4 +1,4 @@
-//! The masses that a chain carries: of its links, and of the branches that hang beside it.
+//! The masses that a chain carries: of its links, and of the branches that hang off it.
 
 use haptical_model::Body;
 use haptical_model::kinematics::Pose;
@@ -14,7 +14,7 @@ use crate::robot::{Robot, RobotJoint, RobotJointType};
 /// A limit beyond this is none \[rad\] or \[m\].
 const LARGEST_LIMIT: f64 = 1e6;
 
-/// Bodies of the rows, and what is said of the branches beside them.
+/// Bodies of the rows, and what is said of the branches off them.
 #[derive(Debug, Default)]
 pub(crate) struct Carried {
     /// Of each row of the chain.
@@ -34,7 +34,7 @@ struct Branch {
 }
 
 impl Carried {
-    /// No masses at all, where the base moves with respect to the root, and what moves beside the chain.
+    /// No masses at all, where the base moves with respect to the root, and what moves off the chain.
     pub(crate) fn nothing(robot: &Robot, path: &Path, rows: &Rows, file: &str) -> Self {
         let beside = joints_beside(robot, path);
         let names = beside
@@ -48,7 +48,7 @@ impl Carried {
     }
 }
 
-/// Sums what each row carries: its link, what is fixed to that, and every branch beside the chain as if it
+/// Sums what each row carries: its link, what is fixed to that, and every branch off the chain as if it
 /// were fixed, its joints at 0, or in the middle of their limits where these exclude 0.
 ///
 /// The base is fixed to the root, so that every row is passed downwards.
@@ -81,7 +81,7 @@ fn said_of_left_out<'n>(names: impl Iterator<Item = &'n str>, file: &str) -> Opt
     })
 }
 
-/// The joints that move whatever is beside a chain against it, in the order of the file: those that are met first
+/// The joints that move branches against the chain, in the order of the file: those that are met first
 /// on the way from the chain.
 fn joints_beside(robot: &Robot, path: &Path) -> Vec<usize> {
     let on_path = path.passed(robot);
@@ -225,7 +225,7 @@ impl<'r> Walk<'r> {
     }
 }
 
-/// Where a joint beside the chain is taken \[rad\] or \[m\]: where the one that it follows puts it, or at
+/// Where a joint off the chain is taken \[rad\] or \[m\]: where the one that it follows puts it, or at
 /// its own rest.
 fn taken(robot: &Robot, joint: usize) -> f64 {
     match driver(robot, joint) {

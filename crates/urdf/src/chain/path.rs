@@ -20,7 +20,7 @@ use crate::robot::{Robot, RobotJoint};
 /// </robot>"#;
 /// let across = device_from_urdf(text, "two_arms.urdf", BaseAndTip::between("left", "right"))?;
 /// assert_eq!((across.base.as_str(), across.tip.as_str()), ("left", "right"));
-/// // the left shoulder is passed upwards: turned by a quarter, the right one, 0.4 m beside it, is along -x
+/// // the left shoulder is passed upwards: turned by a quarter, the right one, 0.4 m to its side, is along -x
 /// let pose = haptical_model::DeviceChain::new(&across.device).pose(&[0.5 * std::f64::consts::PI, 0.0])?;
 /// assert!((pose.position_m.x + 0.4).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -102,7 +102,7 @@ impl Step {
 }
 
 impl Path {
-    /// The way between two links; none where they stand in separate trees.
+    /// The way between two links; none where they are in separate trees.
     pub(crate) fn between(robot: &Robot, base: usize, tip: usize) -> Option<Self> {
         let (mut up, mut down) = (upwards(robot, base), upwards(robot, tip));
         if up.root != down.root {
@@ -121,7 +121,7 @@ impl Path {
         Some(Self { base, tip, steps })
     }
 
-    /// From the root that a link stands on.
+    /// From the root that a link is on.
     pub(crate) fn from_root(robot: &Robot, tip: usize) -> Self {
         let Upwards { root, joints } = upwards(robot, tip);
         Self {

@@ -48,7 +48,7 @@ fn named(robot: &Robot, file: &str, base: Option<usize>, tip: usize) -> Result<P
         Some(base) => Path::between(robot, base, tip).ok_or_else(|| UrdfError::Chain {
             file: file.to_owned(),
             message: format!(
-                "no joints lead from `{}` to `{}`: they stand in separate trees",
+                "no joints lead from `{}` to `{}`: they are in separate trees",
                 name(base),
                 name(tip)
             ),
@@ -125,7 +125,7 @@ fn longest(robot: &Robot, file: &str) -> Result<(Path, Option<String>), UrdfErro
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Length {
     own: usize,
-    /// Joints that follow one beside the path, or that one beside the path follows: those of a hand's
+    /// Joints that follow one off the path, or that one off the path follows: those of a hand's
     /// fingers.
     of_hand: usize,
 }

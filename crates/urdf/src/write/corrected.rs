@@ -36,7 +36,7 @@ const SAME: f64 = 1e-6;
 /// stay as they are.
 ///
 /// `device` must have come from this URDF, this base and this tip: its constant origins are compared. Where no
-/// fixed joint stands behind the last moving one, a link and a fixed joint for the handle are added; so they are for
+/// fixed joint is behind the last moving one, a link and a fixed joint for the handle are added; so they are for
 /// the base where the first moving joint is passed upwards. Where the chain turns from upwards to downwards, the
 /// joint behind the turning point takes up what lies between the two; where it ends upwards, the handle does.
 ///
@@ -150,7 +150,7 @@ fn check_same(read: &ReadChain, device: &Device, file: &str) -> Result<(), UrdfE
         let gap_m = (origin.position_m - wanted.position_m).amax();
         let gap = (origin.rotation - wanted.rotation).amax();
         if !(gap_m <= SAME && gap <= SAME) {
-            return Err(refuse(format!("{place} stands elsewhere in it")));
+            return Err(refuse(format!("{place} is elsewhere in it")));
         }
         let drives = device.drive(index + 1).zip(rows.get(index));
         if drives.is_some_and(|(own, row)| own != row.drive) {
@@ -172,7 +172,7 @@ fn edit(text: &str, joint: &RobotJoint, origin: &Pose) -> (Range<usize>, String)
     }
 }
 
-/// Blanks with which a joint's own elements begin, so that a new one stands like the others.
+/// Blanks with which a joint's own elements begin, so that a new one is like the others.
 fn indent_at(text: &str, place: usize) -> &str {
     let rest = text.get(place..).unwrap_or_default();
     let blank = rest.len() - rest.trim_start().len();

@@ -71,7 +71,7 @@ fn what_is_refused_is_typed_and_said() {
         |base, tip| device_from_urdf(&apart, "apart.urdf", BaseAndTip { base, tip }).unwrap_err();
     assert_eq!(
         named(Some("table"), Some("head")).to_string(),
-        "apart.urdf: no joints lead from `table` to `head`: they stand in separate trees"
+        "apart.urdf: no joints lead from `table` to `head`: they are in separate trees"
     );
     assert_eq!(
         named(Some("table"), None).to_string(),

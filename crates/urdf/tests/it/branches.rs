@@ -1,4 +1,4 @@
-//! Masses of branches beside a chain: the torques of a device against sums over the whole tree.
+//! Masses of branches off a chain: the torques of a device against sums over the whole tree.
 
 use haptical_model::Device;
 use haptical_model::kinematics::Pose;
@@ -7,7 +7,7 @@ use haptical_urdf::{BaseAndTip, device_from_urdf};
 
 use crate::support::ROUNDING;
 
-/// A trunk that turns about an oblique axis, an arm to a hand on it, and beside that a head, an arm of two
+/// A trunk that turns about an oblique axis, an arm to a hand on it, and next to that a head, an arm of two
 /// joints that cannot be at 0, a gripper that follows, and a leg on the root.
 const FIGURE: &str = r#"<robot name="figure">
   <link name="pelvis"/>

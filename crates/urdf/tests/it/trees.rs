@@ -12,7 +12,7 @@ use proptest::prelude::*;
 #[derive(Debug, Clone)]
 pub(crate) struct Part {
     pub(crate) kind: &'static str,
-    /// Link that it stands on, from 0, the root.
+    /// Link that it is on, from 0, the root.
     pub(crate) parent: usize,
     pub(crate) xyz: [f64; 3],
     pub(crate) rpy: [f64; 3],
@@ -72,7 +72,7 @@ pub(crate) fn chain() -> impl Strategy<Value = Vec<Part>> {
     })
 }
 
-/// A tree with at least one joint that moves: half of the joints stand on the link before, the others anywhere before.
+/// A tree with at least one joint that moves: half of the joints are on the link before, the others anywhere before.
 pub(crate) fn tree() -> impl Strategy<Value = Vec<Part>> {
     let parents = prop::collection::vec(prop::option::of(0..9_usize), 9);
     (parts(2..10), parents).prop_map(|(mut parts, parents)| {

@@ -88,7 +88,7 @@ impl CableColumns {
     }
 }
 
-/// Where something stands among the known, at their end if it was not there.
+/// Where something is among the known, at their end if it was not there.
 fn place<T: PartialEq>(known: &mut Vec<T>, wanted: T) -> usize {
     let found = known.iter().position(|each| *each == wanted);
     found.unwrap_or_else(|| {

@@ -6,7 +6,7 @@ use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingPara
 
 use super::kind::{Measurement, Posture};
 
-/// `|a - b|` against the distance of `[[contact_pair]]`: one reading of the whole recording, which stands with
+/// `|a - b|` against the distance of `[[contact_pair]]`: one reading of the whole recording, which is with
 /// its first row. It gives touches their scale.
 pub(crate) struct ContactPair {
     /// Position in `[[contact_pair]]`, from 0.

@@ -9,7 +9,7 @@ use haptical_model::{
 use super::kind::{Measurement, Posture};
 
 /// Angle between the normals against that of `[[plane_pair]]`, or its supplement where the normals point the
-/// other way: one reading of the whole recording, which stands with its first row.
+/// other way: one reading of the whole recording, which is with its first row.
 pub(crate) struct PlanePair {
     /// Position in `[[plane_pair]]`, from 0.
     pub(crate) index: usize,

@@ -17,7 +17,7 @@ use haptical_model::{Device, ParameterId, SurroundingParameter};
 /// let mut device = Device::load(path.as_ref())?.device;
 /// let handle = Pose::default();
 /// assert!(Tracked::new(&device, &handle).is_none());
-/// // a marker 0.1 m beside the handle: a turn about z moves it along y
+/// // a marker 0.1 m off the handle: a turn about z moves it along y
 /// let start = Origin { position_m: [0.1, 0.0, 0.0], ..Origin::IDENTITY };
 /// device.surroundings.tracker_tool = Some(Placement { start, ..Placement::default() });
 /// let tracked = Tracked::new(&device, &handle).ok_or("a tool")?;

@@ -114,7 +114,7 @@ impl Touched {
     }
 }
 
-/// Where the touched points and planes of a second recording stand once the causes are in the model: Gauss-Newton,
+/// Where the touched points and planes of a second recording are once the causes are in the model: Gauss-Newton,
 /// exact in one step but for known distances.
 fn places_beside(
     second: &Engine<'_>,

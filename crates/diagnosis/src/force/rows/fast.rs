@@ -1,4 +1,4 @@
-//! What changes within blocks: a motor's cogging at speed, which block means average away.
+//! Changes within blocks: a motor's cogging at speed, which block means average away.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
@@ -66,7 +66,7 @@ fn colour(controls: &[Vec<f64>], values: &[f64], variance: f64) -> f64 {
     (scores[scores.len() / 2] / (2.0 * std::f64::consts::LN_2)).max(1.0)
 }
 
-/// What a channel's torque does within blocks beside the base model: rows with their deviations
+/// What a channel's torque does within blocks beyond the base model: rows with their deviations
 /// from the block's mean. Within a block the model is the quartic that has its means there and in
 /// the two blocks on each side.
 pub(crate) fn deviations(

@@ -13,7 +13,7 @@ const OPEN_CANDIDATES: usize = 6;
 
 /// How sure each cause is and how much it closes on unseen data.
 pub(in crate::diagnose::page) fn causes(diagnosis: &Diagnosis) -> Result<Table, Error> {
-    let columns = "cause | probability [%] | share of the gap [%] | not told from | unseen data | gap closed there [%] \
+    let columns = "cause | probability [%] | share of the gap [%] | confusable with | unseen data | gap closed there [%] \
              | 95 % interval [%]";
     let rows = diagnosis.causes.iter().map(|cause| {
         let rivals = match cause.confusable_with.as_slice() {

@@ -13,7 +13,7 @@ const ZERO: f64 = 1e-20;
 /// Relative offset up to which a gradient is zero. Its square is the share of the sum that a step could
 /// still take away: 1e-12, a thousand times the rounding of a sum of some ten squares.
 const LARGEST_OFFSET: f64 = 1e-6;
-/// Share of a column that must remain beside the others for it to count.
+/// Share of a column that must remain across the others for it to count.
 const INDEPENDENT: f64 = 1e-10;
 
 /// What a run ended with.
