@@ -18,11 +18,10 @@ mod thresholds;
 pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{
     Asked, CandidateAnswer, CauseAnswer, ChannelGap, Dependence, Detectable, Diagnosis, Gap,
-    HeldOutAnswer, Hint, Invisible, NoiseAnswer, ParameterAnswer, Place, Prediction, Provenance,
-    Trace, Untestable, Verdict,
+    HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, NoiseAnswer, ParameterAnswer, Place,
+    Prediction, Provenance, Trace, Untestable, Verdict,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
-pub use judge::unlisted::IN_NO_CATALOGUE;
 pub use options::{Catalogue, Options};

@@ -20,6 +20,22 @@ pub(crate) fn product(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
+/// Euclidean norm; entries of any size are squared without overflow or underflow.
+pub(crate) fn norm(values: &[f64]) -> f64 {
+    let largest = values
+        .iter()
+        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    if largest == 0.0 {
+        return 0.0;
+    }
+    largest
+        * values
+            .iter()
+            .map(|value| (value / largest).powi(2))
+            .sum::<f64>()
+            .sqrt()
+}
+
 /// `into` less `factor` times `x`.
 #[inline(always)]
 pub(crate) fn subtract(into: &mut [f64], factor: f64, x: &[f64]) {

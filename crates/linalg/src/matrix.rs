@@ -2,7 +2,7 @@
 
 use crate::LinalgError;
 use crate::error::check_length;
-use crate::reduction::norm;
+use crate::lanes::norm;
 
 /// Dense matrix, column-major.
 ///

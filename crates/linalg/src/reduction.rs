@@ -224,19 +224,3 @@ pub(crate) fn at_least_zero(what: &'static str, value: f64) -> Result<(), Linalg
         allowed: "finite and at least 0",
     })
 }
-
-/// Euclidean norm; entries of any size are squared without overflow or underflow.
-pub(crate) fn norm(values: &[f64]) -> f64 {
-    let largest = values
-        .iter()
-        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    if largest == 0.0 {
-        return 0.0;
-    }
-    largest
-        * values
-            .iter()
-            .map(|value| (value / largest).powi(2))
-            .sum::<f64>()
-            .sqrt()
-}

@@ -3,9 +3,8 @@
 use haptical_effects::{Effect, Family, spec};
 
 use crate::answer::place::Located;
-use crate::answer::{Asked, CauseAnswer, Verdict};
+use crate::answer::{Asked, CauseAnswer, IN_NO_CATALOGUE, Verdict};
 use crate::judge::findings::Findings;
-use crate::judge::unlisted::IN_NO_CATALOGUE;
 use crate::select::generic::Covariate;
 
 /// The next experiment in words; none where there is no gap.

@@ -195,6 +195,9 @@ pub struct Dependence {
     pub share: f64,
 }
 
+/// Among what a cause may be taken for: an effect that is in no catalogue.
+pub const IN_NO_CATALOGUE: &str = "unknown";
+
 /// A cause.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CauseAnswer {

@@ -16,8 +16,7 @@ use super::select::{Pick, Selection};
 use super::trust;
 use super::values::Sizes;
 use crate::DiagnosisError;
-use crate::answer::{CauseAnswer, ChannelGap, ParameterAnswer};
-use crate::judge::unlisted::IN_NO_CATALOGUE;
+use crate::answer::{CauseAnswer, ChannelGap, IN_NO_CATALOGUE, ParameterAnswer};
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
     BEYOND_WRONG_ANGLES, GRIP_PROBABILITY, LEAST_STRUCTURE, LISTED_PROBABILITY, NOISE_DEVIATIONS,

@@ -3,13 +3,10 @@
 
 use haptical_effects::Effect;
 
-use crate::answer::{CauseAnswer, Verdict};
+use crate::answer::{CauseAnswer, IN_NO_CATALOGUE, Verdict};
 use crate::judge::earlier::{BaseTerm, Difference};
 use crate::judge::findings::Findings;
 use crate::thresholds::chance::CONFUSABLE_NATS;
-
-/// Among what a cause may be taken for: an effect that is in no catalogue.
-pub const IN_NO_CATALOGUE: &str = "unknown";
 
 /// Gives the first cause the rivals and the probability that belong to it.
 pub(crate) fn hedge(findings: &Findings<'_>, verdict: Verdict, causes: &mut [CauseAnswer]) {
