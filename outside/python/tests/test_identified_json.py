@@ -151,7 +151,7 @@ def test_millimetres_are_refused_in_the_same_words(command):
     assert theirs["kind"] == "looks-like-millimetres"
     with pytest.raises(ValueError) as ours:
         haptical.identify(HAPTIC7, log)
-    assert str(ours.value) == f"line {theirs['line']} of the log: {theirs['what']}; {theirs['next']}"
+    assert str(ours.value) == f"the log:{theirs['line']}: {theirs['what']}; {theirs['next']}"
 
 
 def test_what_the_cases_show():

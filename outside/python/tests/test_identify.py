@@ -135,7 +135,9 @@ def test_mcap_is_read_as_its_csv_log():
         # nothing is fixed, and the message has numbers worked out from every reading
         with pytest.raises(haptical.HapticalError) as error:
             haptical.identify(from_random_poses(), path, held_out=0.0)
-        return str(error.value)
+        file, message = str(error.value).split(": ", 1)
+        assert file == str(path)
+        return message
 
     assert said(FOLDER / "zstd.mcap") == said(FOLDER / "log.csv")
 

@@ -88,7 +88,7 @@ def test_a_chain_runs_between_any_two_links():
     np.testing.assert_allclose(inverse[0], -rotation[0].T @ position[0], atol=1e-12)
     again, _ = haptical.forward_kinematics(urdf, readings, base="shoulder", tip="tool")
     np.testing.assert_array_equal(again, position)
-    with pytest.raises(ValueError, match="name the tip too"):
+    with pytest.raises(ValueError, match="needs --tip too; name the tip"):
         haptical.Device(urdf, base="tool")
     with pytest.raises(ValueError, match="base names a link of a URDF; give it where"):
         haptical.forward_kinematics(there, readings, base="tool", tip="shoulder")
