@@ -3,7 +3,8 @@
 use haptical_identification::Problem;
 use haptical_model::{Device, JointType, ParameterId, Recording};
 
-use crate::fit::multi_start::{implausible, spread_rows};
+use crate::fit::implausible::implausible_links;
+use crate::fit::multi_start::spread_rows;
 use crate::fit::request::FitRequest;
 use crate::fit::size;
 use crate::{CalibrationError, Channel, DeviceProblem, Options, ParameterFit, prepare_device};
@@ -55,7 +56,7 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
     else {
         return Ok(());
     };
-    if implausible(request.device, fit).is_empty() && !is_gross(request, unfitted, &part) {
+    if implausible_links(request.device, fit).is_empty() && !is_gross(request, unfitted, &part) {
         return Ok(());
     }
     let mut nearer: Vec<(f64, Change, Recording)> = changes(request.device)
@@ -165,10 +166,10 @@ impl<'a> Trial<'a> {
             yielded: None,
             ..*self.request
         };
-        let fit = trial.fit_from(None).ok()?;
+        let fit = trial.fit().ok()?;
         let freedom = fit.residuals.len().checked_sub(fit.fitted.len())?;
         let left = (fit.cost / freedom as f64).sqrt();
-        let odd = implausible(self.request.device, &fit).len();
+        let odd = implausible_links(self.request.device, &fit).len();
         (freedom > 0 && left.is_finite()).then_some((left, odd))
     }
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod considered;
 pub(crate) mod free_set;
+pub(crate) mod implausible;
 pub(crate) mod mistakes;
 pub(crate) mod multi_start;
 pub(crate) mod parameter_fit;

@@ -6,14 +6,13 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::wrap;
+use crate::fit::implausible::{IMPLAUSIBLE, implausible_links};
 use crate::fit::request::FitRequest;
 use crate::fit::size;
+use crate::problem::device_problem::values_of;
 use crate::problem::form::Prepared;
 use crate::{CalibrationError, DeviceProblem, ParameterFit, Starts};
 
-/// Deviation, in plausible sizes, beyond which a value is hardly the device's: half a decimetre, a fifth of a
-/// radian.
-pub(crate) const IMPLAUSIBLE: f64 = 10.0;
 /// Residual over stated noise beyond which a search may have ended at a wrong minimum.
 const ABOVE_NOISE: f64 = 5.0;
 /// Fall of the residuals' sum, in units of the noise's variance, that held weak parameters do not hold back by
@@ -72,7 +71,7 @@ pub(crate) fn improve(
     };
     let search = |values: &[f64]| solve(searched, values, &first.fitted, &settings);
     let nominal = problem.start();
-    let ended: Vec<f64> = values_of(parameters, &first.device);
+    let ended = values_of(parameters, &first.device);
     let again = search(&ended).map_err(|source| wrap(request.what, source))?;
     let found: Vec<Fit> = (0..request.options.starts)
         .filter_map(|number| search(&random_place(request, &first.fitted, &nominal, number)).ok())
@@ -116,7 +115,12 @@ pub(crate) fn improve(
     if !is_better && !is_failed {
         return Ok(ParameterFit { starts, ..first });
     }
-    let Ok(second) = request.fit_from(Some(&best.parameters)) else {
+    let place = problem.device_with(&best.parameters);
+    let again = FitRequest {
+        start: Some(&place),
+        ..*request
+    };
+    let Ok(second) = again.fit() else {
         return Ok(ParameterFit { starts, ..first });
     };
     starts.replaced = is_preferred(request, &second, &first);
@@ -137,7 +141,7 @@ fn is_preferred(request: &FitRequest<'_>, second: &ParameterFit, first: &Paramet
         [Some(_), None] => return true,
         [None, None] => {}
     }
-    let is_plausible = |fit: &ParameterFit| implausible(request.device, fit).is_empty();
+    let is_plausible = |fit: &ParameterFit| implausible_links(request.device, fit).is_empty();
     let is_lower = second.cost < (1.0 - BETTER) * first.cost;
     let was_none =
         !first.convergence.was_successful() && second.cost <= (1.0 + BETTER) * first.cost;
@@ -170,7 +174,7 @@ fn doubt(request: &FitRequest<'_>, fit: &ParameterFit) -> Option<String> {
              residual"
         ));
     }
-    let names = implausible(request.device, fit);
+    let names = implausible_links(request.device, fit);
     (!names.is_empty()).then(|| {
         format!(
             "over {IMPLAUSIBLE} times what devices show: {}",
@@ -214,26 +218,6 @@ fn missed(fit: &ParameterFit) -> Option<String> {
         let names: Vec<String> = held.map(|parameter| parameter.name(&fit.device)).collect();
         names.join(", ")
     })
-}
-
-/// Names of fitted link parameters that moved by more than is plausible.
-pub(crate) fn implausible(nominal: &Device, fit: &ParameterFit) -> Vec<String> {
-    let fitted = fit.fitted.iter().map(|&index| fit.parameters[index]);
-    fitted
-        .filter(|parameter| matches!(parameter, ParameterId::Link { .. }))
-        .filter(|parameter| {
-            let moved = parameter.value(&fit.device) - parameter.value(nominal);
-            moved.abs() > IMPLAUSIBLE * parameter.plausible_size(nominal)
-        })
-        .map(|parameter| parameter.name(nominal))
-        .collect()
-}
-
-fn values_of(parameters: &[ParameterId], device: &Device) -> Vec<f64> {
-    parameters
-        .iter()
-        .map(|parameter| parameter.value(device))
-        .collect()
 }
 
 /// Whether all values are within so many plausible sizes of others.

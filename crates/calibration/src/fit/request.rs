@@ -1,8 +1,8 @@
 //! One fit: prune what the data cannot fix, search, and judge again at the solution.
 
 use haptical_identification::{
-    Estimate, Identifiability, IdentifiabilityRules, NoiseScale, Observability, Problem, Reduction,
-    Uncertainty, analyse, estimates, solve, uncertainty,
+    Estimate, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
+    ParameterInfo, Problem, Reduction, Uncertainty, analyse, estimates, solve, uncertainty,
 };
 use haptical_model::{Device, ParameterId, Recording};
 
@@ -10,6 +10,7 @@ use crate::error::wrap;
 use crate::fit::considered::Considered;
 use crate::fit::free_set::{enough, hold, parameter_shares, worth_fitting};
 use crate::fit::parameter_fit::{ParameterFit, Profiled, Starts};
+use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
 use crate::problem::loads::Loads;
 use crate::{
@@ -44,19 +45,10 @@ pub struct FitRequest<'a> {
 }
 
 impl FitRequest<'_> {
-    /// Fits from the start of the request, or from other values; a search that ends elsewhere than at a minimum is no
-    /// error here.
-    pub(crate) fn fit_from(
-        &self,
-        values: Option<&[f64]>,
-    ) -> Result<ParameterFit, CalibrationError> {
+    /// Fits from the start of the request; a search that ends elsewhere than at a minimum is no error here.
+    pub(crate) fn fit(&self) -> Result<ParameterFit, CalibrationError> {
         let (device, recording, channels) = (self.device, self.recording, self.channels);
         let (parameters, weights) = (self.parameters, self.weights);
-        let begun: Option<Vec<f64>> = self.start.map(|device| {
-            let values = parameters.iter().map(|parameter| parameter.value(device));
-            values.collect()
-        });
-        let values = values.or(begun.as_deref());
         if let Some(problem) =
             DeviceProblem::in_bulk(device, recording, channels, parameters, weights)
         {
@@ -65,7 +57,7 @@ impl FitRequest<'_> {
             if prepared.is_in_lanes()
                 && let Ok(first) = reduce(prepared.searched(), &problem.start())
             {
-                return self.fit_prepared(&prepared, &first, values);
+                return self.fit_prepared(&prepared, &first);
             }
         }
         let mut problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
@@ -75,15 +67,14 @@ impl FitRequest<'_> {
         let prepared = Prepared::new(&problem)?;
         let first = reduce(prepared.searched(), &problem.start());
         let first = first.map_err(|source| wrap(self.what, source))?;
-        self.fit_prepared(&prepared, &first, values)
+        self.fit_prepared(&prepared, &first)
     }
 
-    /// Fits from `values`, or the device's own, where the linearised problem is `first`.
+    /// Fits a problem that is linearised to `first` at the device's values.
     fn fit_prepared(
         &self,
         prepared: &Prepared<'_>,
         first: &Reduction,
-        values: Option<&[f64]>,
     ) -> Result<ParameterFit, CalibrationError> {
         let (what, options) = (self.what, self.options);
         let wrap = |source| wrap(what, source);
@@ -92,21 +83,12 @@ impl FitRequest<'_> {
         let searched = prepared.searched();
         let parameters = problem.parameters();
         let infos = parameter_infos(problem.device(), parameters);
-        let order = preference_order(parameters);
         let judge = |reduction: &Reduction, first: &[usize]| {
-            // What is being fitted is preferred to what is not: of a dependent set the member stays
-            // that was chosen at the nominal device, so that the set settles.
-            let mut order = order.clone();
-            order.sort_by_key(|index| !first.contains(index));
-            let mut judged = analyse(reduction, &infos, &order, &options.rules)?;
-            if let Some(index) = &mut judged.observability {
-                count_readings(index, reduction.rows(), problem.residual_count());
-            }
-            Ok(judged)
+            judge(problem, &infos, reduction, first, &options.rules)
         };
         let nominal_identifiability = judge(first, &[]).map_err(wrap)?;
         let mut free = worth_fitting(&nominal_identifiability);
-        let mut values = values.map_or_else(|| start.clone(), <[f64]>::to_vec);
+        let mut values = values_of(parameters, self.start.unwrap_or(self.device));
         hold(&mut values, &free, &start);
         let mut iterations = 0;
         let mut round = 0;
@@ -118,11 +100,8 @@ impl FitRequest<'_> {
             let reduction = reduce(searched, &fit.parameters).map_err(wrap)?;
             let judged = judge(&reduction, &free).map_err(wrap)?;
             let wanted = worth_fitting(&judged);
-            if wanted == free {
-                break (fit, judged, reduction);
-            }
-            if round == MAX_ROUNDS {
-                // No set is stable: keep the fitted one and let its statuses be those at the solution.
+            // where no set is stable, the last one is kept with its statuses at the solution
+            if wanted == free || round == MAX_ROUNDS {
                 break (fit, judged, reduction);
             }
             values.clone_from(&fit.parameters);
@@ -216,10 +195,24 @@ pub fn identifiability_at(
     let searched = prepared.searched();
     let reduction = reduce(searched, &problem.start()).map_err(wrap)?;
     let infos = parameter_infos(device, parameters);
-    let mut judged =
-        analyse(&reduction, &infos, &preference_order(parameters), rules).map_err(wrap)?;
+    judge(&problem, &infos, &reduction, &[], rules).map_err(wrap)
+}
+
+/// Judges every candidate of a reduced problem. What is in `first` is preferred to what is not: of a dependent set the
+/// member stays that was chosen at the nominal device, so that the set settles.
+pub(crate) fn judge(
+    problem: &DeviceProblem<'_>,
+    infos: &[ParameterInfo],
+    reduction: &Reduction,
+    first: &[usize],
+    rules: &IdentifiabilityRules,
+) -> Result<Identifiability, IdentificationError> {
+    let mut order = preference_order(problem.parameters());
+    order.sort_by_key(|index| !first.contains(index));
+    let mut judged = analyse(reduction, infos, &order, rules)?;
     if let Some(index) = &mut judged.observability {
-        count_readings(index, reduction.rows(), problem.residual_count());
+        // for the readings, not for the rows of triangles; only O1 counts them, as 1/sqrt(m)
+        index.o1 *= (reduction.rows() as f64 / problem.residual_count() as f64).sqrt();
     }
     Ok(judged)
 }
@@ -233,10 +226,4 @@ fn scale_to_residuals(spread: &mut Uncertainty, cost: f64) {
         let entries = spread.covariance.column_mut(column).iter_mut();
         entries.for_each(|entry| *entry *= square);
     }
-}
-
-/// The observability indices for `rows` readings instead of those of the triangles: only O1 counts
-/// them, as 1/sqrt(m).
-fn count_readings(index: &mut Observability, reduced_rows: usize, rows: usize) {
-    index.o1 *= (reduced_rows as f64 / rows as f64).sqrt();
 }

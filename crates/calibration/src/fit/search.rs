@@ -19,7 +19,7 @@ use crate::fit::{mistakes, multi_start, size};
 /// [`CalibrationError`] where nothing can be fitted or no search ends at a minimum.
 pub fn fit_parameters(request: &FitRequest<'_>) -> Result<ParameterFit, CalibrationError> {
     let (what, device, options) = (request.what, request.device, request.options);
-    let fit = multi_start::improve(request, request.fit_from(None)?)?;
+    let fit = multi_start::improve(request, request.fit()?)?;
     mistakes::refuse(request, &fit)?;
     let fit = settle(request, fit)?;
     let fit = widen_offsets(request, fit)?;

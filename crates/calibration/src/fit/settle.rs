@@ -24,15 +24,11 @@ pub(crate) fn settle(
             break;
         }
         let again = FitRequest {
+            start: Some(&fit.device),
             yielded: Some(&fit.device),
             ..*request
         };
-        let values: Vec<f64> = fit
-            .parameters
-            .iter()
-            .map(|parameter| parameter.value(&fit.device))
-            .collect();
-        let next = again.fit_from(Some(&values))?;
+        let next = again.fit()?;
         if !next.convergence.was_successful() {
             break;
         }

@@ -1,17 +1,15 @@
 //! The size of a device that no measurement fixes: one length is held then.
 
 use haptical_identification::{
-    Identifiability, IdentifiabilityRules, Matrix, Reduction, Status, Term, analyse,
-    evaluate_jacobian,
+    Identifiability, IdentifiabilityRules, Matrix, Reduction, Status, Term, evaluate_jacobian,
 };
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Evaluation, Parameter, ParameterId, Recording, SurroundingParameter};
 
+use crate::fit::request::judge;
 use crate::problem::form::Prepared;
 use crate::problem::gauge::{are_touches_without_length, is_pair};
-use crate::{
-    Channel, DeviceProblem, Weights, candidate_parameters, parameter_infos, preference_order,
-};
+use crate::{Channel, DeviceProblem, Weights, candidate_parameters, parameter_infos};
 
 /// Shortest length that holds the others' scale \[m\].
 const SHORT_M: f64 = 0.01;
@@ -109,10 +107,9 @@ fn judged(
         }
     });
     let infos = parameter_infos(device, &parameters);
-    let order = preference_order(&parameters);
     let reduction = Reduction::new(&with_gauge, &vec![0.0; rows + 1]).ok()?;
     let rules = IdentifiabilityRules::default();
-    let judged = analyse(&reduction, &infos, &order, &rules).ok()?;
+    let judged = judge(&problem, &infos, &reduction, &[], &rules).ok()?;
     Some((parameters, judged))
 }
 

@@ -3,7 +3,7 @@
 use haptical_identification::Status;
 use haptical_model::{Parameter, ParameterId};
 
-use crate::fit::multi_start::implausible;
+use crate::fit::implausible::implausible_links;
 use crate::fit::request::FitRequest;
 use crate::{CalibrationError, ParameterFit};
 
@@ -51,14 +51,15 @@ pub(crate) fn widen_offsets(
         yielded: Some(&fit.device),
         ..*request
     };
-    let Ok(mut wider) = again.fit_from(None) else {
+    let Ok(mut wider) = again.fit() else {
         return Ok(fit);
     };
     let left = wider.residuals.len() as f64 - wider.fitted.len() as f64;
     let noise = wider.cost / left.max(1.0);
     let more = (wider.fitted.len() as f64 - fit.fitted.len() as f64).max(1.0);
     let is_explained = fit.cost - wider.cost > noise * (more + ABOVE_NOISE * (2.0 * more).sqrt());
-    let is_plausible = implausible(&wide, &wider).len() <= implausible(request.device, &fit).len();
+    let is_plausible =
+        implausible_links(&wide, &wider).len() <= implausible_links(request.device, &fit).len();
     if wider.convergence.was_successful() && left >= 1.0 && is_explained && is_plausible {
         // the sizes are of this fit alone
         wider

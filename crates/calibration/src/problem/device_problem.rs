@@ -118,10 +118,7 @@ impl<'a> DeviceProblem<'a> {
 
     /// The values that the device itself has.
     pub fn start(&self) -> Vec<f64> {
-        self.parameters
-            .iter()
-            .map(|parameter| parameter.value(self.device))
-            .collect()
+        values_of(self.parameters, self.device)
     }
 
     /// The device with a parameter vector in place.
@@ -176,6 +173,14 @@ impl Problem for DeviceProblem<'_> {
     ) -> Result<(), IdentificationError> {
         self.run(parameters, residuals, jacobian)
     }
+}
+
+/// The values that a device has of some parameters.
+pub(crate) fn values_of(parameters: &[ParameterId], device: &Device) -> Vec<f64> {
+    parameters
+        .iter()
+        .map(|parameter| parameter.value(device))
+        .collect()
 }
 
 /// Adds a channel's rows after the blocks that are there.

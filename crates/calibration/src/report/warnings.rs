@@ -3,6 +3,7 @@
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::checks::sufficiency;
+use crate::fit::implausible::{IMPLAUSIBLE, implausible};
 use crate::problem::loads::Loads;
 use crate::report::above_floor;
 use crate::steps::device::held_for_size;
@@ -72,10 +73,6 @@ fn of_loads(device: &Device, recording: &Recording) -> Option<String> {
             .to_owned()
     })
 }
-
-/// Deviation, in plausible sizes, beyond which a value is more likely a wrong unit, a swapped column
-/// or a mirror image of the device than the device: half a decimetre, a fifth of a radian.
-const IMPLAUSIBLE: f64 = 10.0;
 
 /// Warnings of the searches from other places.
 fn of_search(starts: &Starts) -> Vec<String> {
@@ -242,9 +239,10 @@ pub(crate) fn of_result(
     if let Some(whole) = &fitted.whole {
         warnings.extend(of_search(&whole.starts));
     }
-    warnings.extend(implausible_sentence(fits.iter().flat_map(|fit| {
-        implausible(nominal, &fit.device, &fit.parameters, &fit.fitted)
-    })));
+    let found = fits
+        .iter()
+        .flat_map(|fit| implausible_words(nominal, &fit.device, &fit.parameters, &fit.fitted));
+    warnings.extend(implausible_sentence(&found.collect::<Vec<String>>()));
     warnings.extend(of_pairs(seen));
     warnings.extend(above_floor::sentences(fitted, seen, channels));
     warnings.extend(above_floor::sentences_of_too_little(fitted, seen));
@@ -275,11 +273,10 @@ pub fn implausible_deviations(
     parameters: &[ParameterId],
     free: &[usize],
 ) -> Option<String> {
-    implausible_sentence(implausible(nominal, fitted, parameters, free))
+    implausible_sentence(&implausible_words(nominal, fitted, parameters, free))
 }
 
-fn implausible_sentence(found: impl IntoIterator<Item = String>) -> Option<String> {
-    let found: Vec<String> = found.into_iter().collect();
+fn implausible_sentence(found: &[String]) -> Option<String> {
     (!found.is_empty()).then(|| {
         format!(
             "implausible deviations, over {IMPLAUSIBLE} times what devices show: {}; check units, \
@@ -290,33 +287,19 @@ fn implausible_sentence(found: impl IntoIterator<Item = String>) -> Option<Strin
     })
 }
 
-/// Fitted parameters that moved by more than is plausible, with the move.
-fn implausible(
+fn implausible_words(
     nominal: &Device,
     device: &Device,
     parameters: &[ParameterId],
     free: &[usize],
 ) -> Vec<String> {
-    free.iter()
-        .filter_map(|&position| {
-            let parameter = *parameters.get(position)?;
-            if let ParameterId::Surrounding(_) = parameter {
-                // nobody knows beforehand where these are
-                return None;
-            }
-            let before = match parameter {
-                ParameterId::Link { .. } => parameter.value(nominal),
-                // a transmission's nominal error is zero, whatever form it now has
-                _ => 0.0,
-            };
-            let moved = parameter.value(device) - before;
-            (moved.abs() > IMPLAUSIBLE * parameter.plausible_size(device)).then(|| {
-                format!(
-                    "{} by {moved:.3} {}",
-                    parameter.name(device),
-                    parameter.unit(device)
-                )
-            })
-        })
-        .collect()
+    let asked = free
+        .iter()
+        .filter_map(|&index| parameters.get(index).copied());
+    let found = implausible(nominal, device, asked);
+    let words = found.map(|(parameter, moved)| {
+        let (name, unit) = (parameter.name(device), parameter.unit(device));
+        format!("{name} by {moved:.3} {unit}")
+    });
+    words.collect()
 }

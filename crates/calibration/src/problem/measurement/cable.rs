@@ -2,10 +2,9 @@
 
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{Twist, distance_derivative, distance_m};
-use haptical_model::{CableReading, SurroundingParameter};
-use haptical_model::{Device, ModelError, ParameterId, Recording};
+use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
-use super::kind::{Measurement, Posture, is_known, is_of_chain, reading};
+use super::kind::{Measurement, Posture, is_known, reading};
 
 /// Baser & Konukseven eq. (5), with zero, scale and guide where the cable has them
 /// ([`haptical_model::Cable::reading`]).
@@ -18,17 +17,15 @@ pub(crate) struct Cable {
 pub(crate) struct Seen {
     /// Derivative by the handle's position.
     by_position: Vector3<f64>,
+    /// By the scale: the length without zero.
+    by_scale: f64,
+    by_exit_radius: f64,
+    /// By the zero.
     weight: f64,
-    read: Option<CableReading>,
 }
 
 impl Measurement for Cable {
-    const WIDTH: usize = 1;
     type Seen = Seen;
-
-    fn unit(&self, _: &Device) -> &'static str {
-        "m"
-    }
 
     fn has_reading(&self, recording: &Recording, row: usize) -> bool {
         is_known(
@@ -41,66 +38,58 @@ impl Measurement for Cable {
         device.cable_sd_m(self.index)
     }
 
-    fn sees(&self, parameter: ParameterId) -> bool {
-        if let ParameterId::Surrounding(
-            SurroundingParameter::CableAnchor { cable, .. }
-            | SurroundingParameter::CableZero { cable }
-            | SurroundingParameter::CableScale { cable }
-            | SurroundingParameter::CableExitRadius { cable },
-        ) = parameter
-        {
-            return cable == self.index;
+    fn owns(&self, parameter: SurroundingParameter) -> bool {
+        use SurroundingParameter::{CableAnchor, CableExitRadius, CableScale, CableZero};
+        match parameter {
+            CableAnchor { cable, .. }
+            | CableZero { cable }
+            | CableScale { cable }
+            | CableExitRadius { cable } => cable == self.index,
+            _ => false,
         }
-        is_of_chain(parameter)
     }
 
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
         let cable = at.device.cables.get(self.index);
         let measured = reading(at.recording.cable_m[self.index].as_ref(), at.row);
-        let pose = at.evaluation.pose()?;
-        if let Some(cable) = cable.filter(|cable| !cable.is_plain()) {
-            let read = cable.reading(&pose.position_m)?;
+        let position_m = at.evaluation.pose()?.position_m;
+        let (predicted, seen) = if let Some(cable) = cable.filter(|cable| !cable.is_plain()) {
+            let read = cable.reading(&position_m)?;
             let seen = Seen {
                 by_position: read.by_position * weight,
+                by_scale: weight * read.length_m,
+                by_exit_radius: weight * read.by_exit_radius,
                 weight,
-                read: Some(read),
             };
-            return Ok(([weight * (read.reading_m - measured), 0.0, 0.0], seen));
-        }
-        let anchor = Vector3::from(cable.map_or([0.0; 3], |cable| cable.anchor_m));
-        let distance = distance_m(&pose.position_m, &anchor)?;
-        let seen = Seen {
-            // docs/equations.md, "Distance derivative": the direction once for all parameters.
-            by_position: (pose.position_m - anchor) * (weight / distance),
-            weight,
-            read: None,
+            (read.reading_m, seen)
+        } else {
+            let anchor = Vector3::from(cable.map_or([0.0; 3], |cable| cable.anchor_m));
+            let distance = distance_m(&position_m, &anchor)?;
+            let seen = Seen {
+                // docs/equations.md, "Distance derivative": the direction once for all parameters.
+                by_position: (position_m - anchor) * (weight / distance),
+                by_scale: 0.0,
+                by_exit_radius: 0.0,
+                weight,
+            };
+            (distance, seen)
         };
-        Ok(([weight * (distance - measured), 0.0, 0.0], seen))
+        Ok(([weight * (predicted - measured), 0.0, 0.0], seen))
     }
 
     fn derivative(&self, seen: &Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
-        if let ParameterId::Surrounding(parameter) = parameter {
-            let length_m = seen.read.map_or(0.0, |read| read.length_m);
-            let by_radius = seen.read.map_or(0.0, |read| read.by_exit_radius);
-            let own = match parameter {
-                SurroundingParameter::CableAnchor { cable, axis } if cable == self.index => {
-                    -seen.by_position[axis]
-                }
-                SurroundingParameter::CableZero { cable } if cable == self.index => seen.weight,
-                SurroundingParameter::CableScale { cable } if cable == self.index => {
-                    seen.weight * length_m
-                }
-                SurroundingParameter::CableExitRadius { cable } if cable == self.index => {
-                    seen.weight * by_radius
-                }
-                _ => 0.0,
-            };
-            return [own, 0.0, 0.0];
-        }
-        let along = seen
-            .by_position
-            .dot(&at.evaluation.pose_derivative(parameter).linear);
-        [along, 0.0, 0.0]
+        use SurroundingParameter::{CableAnchor, CableExitRadius, CableScale};
+        let slope = match parameter {
+            ParameterId::Surrounding(CableAnchor { axis, .. }) => -seen.by_position[axis],
+            ParameterId::Surrounding(CableScale { .. }) => seen.by_scale,
+            ParameterId::Surrounding(CableExitRadius { .. }) => seen.by_exit_radius,
+            ParameterId::Surrounding(_) => seen.weight,
+            _ => {
+                let moved = at.evaluation.pose_derivative(parameter).linear;
+                seen.by_position.dot(&moved)
+            }
+        };
+        [slope, 0.0, 0.0]
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {

@@ -4,7 +4,7 @@ use haptical_model::kinematics::Twist;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
-use super::kind::{Measurement, Posture, is_of_chain, subject_of};
+use super::kind::{Measurement, Posture, subject_of};
 
 /// From the touched point c to the handle, seen from the robot's base, `R_0^T (P - c)`: zero where the handle is
 /// on it.
@@ -21,21 +21,9 @@ pub(crate) struct Seen {
     point: usize,
 }
 
-impl Contact {
-    fn gap(at: &Posture<'_>) -> Result<Vector3<f64>, ModelError> {
-        let point = at.device.surroundings.contacts.get(at.subject);
-        let point = Vector3::from(point.map_or([f64::NAN; 3], |point| point.position_m));
-        Ok(at.evaluation.pose()?.position_m - point)
-    }
-}
-
 impl Measurement for Contact {
     const WIDTH: usize = 3;
     type Seen = Seen;
-
-    fn unit(&self, _: &Device) -> &'static str {
-        "m"
-    }
 
     fn has_reading(&self, recording: &Recording, row: usize) -> bool {
         let ids = recording.contact.as_ref();
@@ -56,16 +44,14 @@ impl Measurement for Contact {
         device.surroundings.contact_sd_m
     }
 
-    fn sees(&self, parameter: ParameterId) -> bool {
-        let is_touched = matches!(
-            parameter,
-            ParameterId::Surrounding(SurroundingParameter::Contact { .. })
-        );
-        is_touched || is_of_chain(parameter)
+    fn owns(&self, parameter: SurroundingParameter) -> bool {
+        matches!(parameter, SurroundingParameter::Contact { .. })
     }
 
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
-        let gap_m = Self::gap(at)?;
+        let point = at.device.surroundings.contacts.get(at.subject);
+        let point = Vector3::from(point.map_or([f64::NAN; 3], |point| point.position_m));
+        let gap_m = at.evaluation.pose()?.position_m - point;
         let into_base = at.evaluation.base_pose()?.rotation.transpose() * weight;
         let seen = Seen {
             gap_m,

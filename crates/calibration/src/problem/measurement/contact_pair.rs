@@ -1,7 +1,7 @@
 //! The known distance between two touched points.
 
+use haptical_model::kinematics::distance_m;
 use haptical_model::kinematics::nalgebra::Vector3;
-use haptical_model::kinematics::{Twist, distance_m};
 use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
 use super::kind::{Measurement, Posture};
@@ -19,22 +19,27 @@ pub(crate) struct Seen {
     direction: Vector3<f64>,
 }
 
-impl Measurement for ContactPair {
-    const WIDTH: usize = 1;
-    type Seen = Seen;
-
-    fn unit(&self, _: &Device) -> &'static str {
-        "m"
+impl ContactPair {
+    /// Which of the device's points the pair is of.
+    fn points(&self, device: &Device) -> [Option<usize>; 2] {
+        let pair = device.contact_pairs.get(self.index);
+        let index = |id: &String| device.surroundings.contact_index(id);
+        [
+            pair.and_then(|pair| index(&pair.a)),
+            pair.and_then(|pair| index(&pair.b)),
+        ]
     }
+}
+
+impl Measurement for ContactPair {
+    type Seen = Seen;
 
     fn has_reading(&self, _: &Recording, row: usize) -> bool {
         row == 0
     }
 
     fn is_placed(&self, device: &Device) -> bool {
-        let has = |id: &str| device.surroundings.contact_index(id).is_some();
-        let pair = device.contact_pairs.get(self.index);
-        pair.is_some_and(|pair| has(&pair.a) && has(&pair.b))
+        self.points(device).iter().all(Option::is_some)
     }
 
     fn stated_sd(&self, device: &Device) -> Option<f64> {
@@ -49,12 +54,10 @@ impl Measurement for ContactPair {
     }
 
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
-        let surroundings = &at.device.surroundings;
         let pair = at.device.contact_pairs.get(self.index);
-        let points = [pair.map(|pair| &pair.a), pair.map(|pair| &pair.b)]
-            .map(|id| id.and_then(|id| surroundings.contact_index(id)));
+        let points = self.points(at.device);
         let [a, b] = points.map(|point| {
-            let point = point.and_then(|point| surroundings.contacts.get(point));
+            let point = point.and_then(|point| at.device.surroundings.contacts.get(point));
             Vector3::from(point.map_or([f64::NAN; 3], |point| point.position_m))
         });
         let distance = distance_m(&a, &b)?;
@@ -78,9 +81,5 @@ impl Measurement for ContactPair {
             0.0,
             0.0,
         ]
-    }
-
-    fn sensitivity_square(&self, _: &Posture<'_>, _: &Twist) -> Result<f64, ModelError> {
-        Ok(0.0)
     }
 }

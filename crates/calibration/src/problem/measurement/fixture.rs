@@ -1,12 +1,12 @@
 //! Known angles at which a homing fixture holds a joint's link.
 
-use haptical_model::kinematics::Twist;
 use haptical_model::{Device, JointType, ModelError, Parameter, ParameterId, Recording};
 
 use super::kind::{Measurement, Posture, is_known, reading};
 
 /// Reading + transmission error + joint offset, against the angle from home that a fixture holds the link at:
-/// the columns `fixture1_rad`, ... (`_m` for a prismatic joint). It fixes a joint's offset by itself.
+/// the columns `fixture1_rad`, ... (`_m` for a prismatic joint). It fixes a joint's offset by itself. The joint's reading
+/// enters as it is; [`crate::Weights`] adds its step.
 pub(crate) struct Fixture {
     /// Joint, from 0.
     pub(crate) joint: usize,
@@ -39,7 +39,6 @@ impl Fixture {
 }
 
 impl Measurement for Fixture {
-    const WIDTH: usize = 1;
     /// The weight, and the joint's offset.
     type Seen = (f64, Option<ParameterId>);
 
@@ -86,10 +85,5 @@ impl Measurement for Fixture {
             at.evaluation.output_derivative(self.joint, parameter)
         };
         [weight * slope, 0.0, 0.0]
-    }
-
-    /// The joint's own reading enters as it is; [`crate::Weights`] adds its step.
-    fn sensitivity_square(&self, _: &Posture<'_>, _: &Twist) -> Result<f64, ModelError> {
-        Ok(0.0)
     }
 }

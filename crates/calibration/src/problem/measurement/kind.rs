@@ -1,7 +1,9 @@
 //! The trait of a kind of measurement.
 
 use haptical_model::kinematics::Twist;
-use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};
+use haptical_model::{
+    Device, Evaluation, ModelError, ParameterId, Recording, SurroundingParameter,
+};
 
 /// One kind of measurement: what a row shows of it, and how that changes with every parameter.
 ///
@@ -9,13 +11,15 @@ use haptical_model::{Device, Evaluation, ModelError, ParameterId, Recording};
 /// has unknowns of its own a parameter in the model and a start value in [`crate::prepare_device`].
 pub(crate) trait Measurement {
     /// Residuals of one row, at most three.
-    const WIDTH: usize;
+    const WIDTH: usize = 1;
 
     /// What is worked out once at a row for all derivatives.
     type Seen;
 
     /// Unit of the residuals.
-    fn unit(&self, device: &Device) -> &'static str;
+    fn unit(&self, _: &Device) -> &'static str {
+        "m"
+    }
 
     /// Whether the chain's pose is needed.
     fn sees_chain(&self) -> bool {
@@ -38,17 +42,30 @@ pub(crate) trait Measurement {
     /// Standard deviation of a reading, as the device file states it.
     fn stated_sd(&self, device: &Device) -> Option<f64>;
 
-    /// Whether the residuals can depend on a parameter at all.
-    fn sees(&self, parameter: ParameterId) -> bool;
+    /// Whether the residuals can depend on a parameter at all: of a kind behind the handle on everything of the chain,
+    /// and on its own unknowns.
+    fn sees(&self, parameter: ParameterId) -> bool {
+        match parameter {
+            ParameterId::Surrounding(parameter) => self.owns(parameter),
+            _ => true,
+        }
+    }
+
+    /// Whether a number of the surroundings is one of the kind's own unknowns.
+    fn owns(&self, _: SurroundingParameter) -> bool {
+        false
+    }
 
     /// Model minus measurement, times `weight`.
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Self::Seen), ModelError>;
 
-    /// Derivatives of the residuals, times the weight that they were seen with.
+    /// Derivatives of the residuals by a parameter that the kind sees, times the weight that they were seen with.
     fn derivative(&self, seen: &Self::Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3];
 
     /// Square of the residual's derivative along a twist of the handle, the mean over the residuals.
-    fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError>;
+    fn sensitivity_square(&self, _: &Posture<'_>, _: &Twist) -> Result<f64, ModelError> {
+        Ok(0.0)
+    }
 }
 
 /// A device moved to a row of a recording.
@@ -69,15 +86,6 @@ pub(crate) fn is_known(column: Option<&Vec<f64>>, row: usize) -> bool {
 /// A reading; kinds are only asked for rows that have one.
 pub(crate) fn reading(column: Option<&Vec<f64>>, row: usize) -> f64 {
     column.map_or(f64::NAN, |column| column[row])
-}
-
-/// Whether a parameter is one of the chain: what every kind behind the handle sees.
-pub(crate) fn is_of_chain(parameter: ParameterId) -> bool {
-    match parameter {
-        ParameterId::Link { .. } | ParameterId::Transmission { .. } => true,
-        ParameterId::Compliance { .. } => true,
-        ParameterId::Surrounding(_) => false,
-    }
 }
 
 /// Index of the id of a row, or the id itself where the device does not have it.

@@ -2,10 +2,10 @@
 
 use haptical_model::kinematics::Twist;
 use haptical_model::kinematics::nalgebra::Matrix3;
-use haptical_model::{Device, ModelError, ParameterId, Recording};
+use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
-use super::kind::{Measurement, Posture, is_of_chain};
-use super::tracked::{Tracked, is_of_tracker};
+use super::kind::{Measurement, Posture};
+use super::tracked::{Sight, is_of_tracker};
 use crate::problem::measurement::rotation::{
     inverse_left_jacobian, measured_rotation, rotation_vector,
 };
@@ -14,11 +14,11 @@ use crate::problem::measurement::rotation::{
 /// in the tracker's frame.
 pub(crate) struct Orientation;
 
-/// The derivative of the rotation vector by a turn, and the weight.
+/// The derivative of the rotation vector by a turn, the weight, and what the tracker sees.
 pub(crate) struct Seen {
     inverse: Matrix3<f64>,
     weight: f64,
-    tracked: Option<Tracked>,
+    sight: Sight,
 }
 
 impl Measurement for Orientation {
@@ -38,38 +38,25 @@ impl Measurement for Orientation {
         device.tracker.and_then(|tracker| tracker.rotation_sd_rad)
     }
 
-    fn sees(&self, parameter: ParameterId) -> bool {
-        if is_of_tracker(parameter) {
-            return true;
-        }
-        is_of_chain(parameter)
+    fn owns(&self, parameter: SurroundingParameter) -> bool {
+        is_of_tracker(parameter)
     }
 
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
         let measured = measured_rotation(at.recording, at.row);
-        let pose = at.evaluation.pose()?;
-        let predicted = pose.rotation;
-        let tracked = Tracked::new(at.device, pose);
-        let predicted = tracked.map_or(predicted, |tracked| tracked.pose().rotation);
-        let rest = rotation_vector(&(predicted * measured.transpose()));
+        let sight = Sight::new(at)?;
+        let rest = rotation_vector(&(sight.pose.rotation * measured.transpose()));
         let seen = Seen {
             inverse: inverse_left_jacobian(&rest),
             weight,
-            tracked,
+            sight,
         };
         Ok(([weight * rest[0], weight * rest[1], weight * rest[2]], seen))
     }
 
     fn derivative(&self, seen: &Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
-        let weight = seen.weight;
-        if let Some(tracked) = &seen.tracked {
-            let own = tracked.derivative(parameter);
-            let twist =
-                own.unwrap_or_else(|| tracked.carried(&at.evaluation.pose_derivative(parameter)));
-            return (seen.inverse * twist.angular * weight).into();
-        }
-        let Twist { angular, .. } = at.evaluation.pose_derivative(parameter);
-        (seen.inverse * angular * weight).into()
+        let angular = seen.sight.derivative(at, parameter).angular;
+        (seen.inverse * angular * seen.weight).into()
     }
 
     fn sensitivity_square(&self, _: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {

@@ -1,6 +1,5 @@
 //! The external encoder of a joint's output axis.
 
-use haptical_model::kinematics::Twist;
 use haptical_model::{Device, ModelError, ParameterId, Recording};
 
 use super::kind::{Measurement, Posture, is_known, reading};
@@ -12,7 +11,6 @@ pub(crate) struct Output {
 }
 
 impl Measurement for Output {
-    const WIDTH: usize = 1;
     /// The weight.
     type Seen = f64;
 
@@ -48,9 +46,5 @@ impl Measurement for Output {
     fn derivative(&self, weight: &f64, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
         let slope = at.evaluation.output_derivative(self.joint, parameter);
         [weight * slope, 0.0, 0.0]
-    }
-
-    fn sensitivity_square(&self, _: &Posture<'_>, _: &Twist) -> Result<f64, ModelError> {
-        Ok(0.0)
     }
 }

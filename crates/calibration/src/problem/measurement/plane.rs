@@ -6,7 +6,7 @@ use haptical_model::{
     Device, ModelError, ParameterId, Recording, SurroundingParameter, TouchedPlane,
 };
 
-use super::kind::{Measurement, Posture, is_of_chain, subject_of};
+use super::kind::{Measurement, Posture, subject_of};
 
 /// Distance of the handle from the plane, `n . P - offset`.
 pub(crate) struct Plane;
@@ -27,12 +27,7 @@ impl Plane {
 }
 
 impl Measurement for Plane {
-    const WIDTH: usize = 1;
     type Seen = Seen;
-
-    fn unit(&self, _: &Device) -> &'static str {
-        "m"
-    }
 
     fn has_reading(&self, recording: &Recording, row: usize) -> bool {
         let ids = recording.plane.as_ref();
@@ -53,12 +48,8 @@ impl Measurement for Plane {
         device.surroundings.plane_sd_m
     }
 
-    fn sees(&self, parameter: ParameterId) -> bool {
-        let is_plane = matches!(
-            parameter,
-            ParameterId::Surrounding(SurroundingParameter::Plane { .. })
-        );
-        is_plane || is_of_chain(parameter)
+    fn owns(&self, parameter: SurroundingParameter) -> bool {
+        matches!(parameter, SurroundingParameter::Plane { .. })
     }
 
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {

@@ -1,6 +1,5 @@
 //! The known angle between two touched planes.
 
-use haptical_model::kinematics::Twist;
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{
     Device, ModelError, ParameterId, Recording, SurroundingParameter, TouchedPlane,
@@ -21,8 +20,19 @@ pub(crate) struct Seen {
     slopes: [[f64; 2]; 2],
 }
 
+impl PlanePair {
+    /// Which of the device's planes the pair is of.
+    fn planes(&self, device: &Device) -> [Option<usize>; 2] {
+        let pair = device.surroundings.plane_pairs.get(self.index);
+        let index = |id: &String| device.surroundings.plane_index(id);
+        [
+            pair.and_then(|pair| index(&pair.a)),
+            pair.and_then(|pair| index(&pair.b)),
+        ]
+    }
+}
+
 impl Measurement for PlanePair {
-    const WIDTH: usize = 1;
     type Seen = Seen;
 
     fn unit(&self, _: &Device) -> &'static str {
@@ -34,9 +44,7 @@ impl Measurement for PlanePair {
     }
 
     fn is_placed(&self, device: &Device) -> bool {
-        let has = |id: &str| device.surroundings.plane_index(id).is_some();
-        let pair = device.surroundings.plane_pairs.get(self.index);
-        pair.is_some_and(|pair| has(&pair.a) && has(&pair.b))
+        self.planes(device).iter().all(Option::is_some)
     }
 
     fn stated_sd(&self, device: &Device) -> Option<f64> {
@@ -55,8 +63,7 @@ impl Measurement for PlanePair {
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
         let surroundings = &at.device.surroundings;
         let pair = surroundings.plane_pairs.get(self.index);
-        let planes = [pair.map(|pair| &pair.a), pair.map(|pair| &pair.b)]
-            .map(|id| id.and_then(|id| surroundings.plane_index(id)));
+        let planes = self.planes(at.device);
         let nothing = Vector3::repeat(f64::NAN);
         let [a, b] = planes.map(|plane| {
             let plane = plane.and_then(|plane| surroundings.planes.get(plane));
@@ -92,9 +99,5 @@ impl Measurement for PlanePair {
             }
         }
         [slope, 0.0, 0.0]
-    }
-
-    fn sensitivity_square(&self, _: &Posture<'_>, _: &Twist) -> Result<f64, ModelError> {
-        Ok(0.0)
     }
 }

@@ -1,27 +1,18 @@
 //! The position that a tracker sees.
 
 use haptical_model::kinematics::Twist;
-use haptical_model::{Device, ModelError, ParameterId, Recording};
+use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
-use super::kind::{Measurement, Posture, is_of_chain};
-use super::tracked::{Tracked, is_of_tracker};
+use super::kind::{Measurement, Posture};
+use super::tracked::{Sight, Tracked, is_of_tracker};
 
 /// The handle's position in frame (-1), or that of what is tracked in the tracker's frame.
 pub(crate) struct Position;
 
-/// The weight, and the tracker's frames where they are not those of the chain.
-pub(crate) struct Seen {
-    weight: f64,
-    tracked: Option<Tracked>,
-}
-
 impl Measurement for Position {
     const WIDTH: usize = 3;
-    type Seen = Seen;
-
-    fn unit(&self, _: &Device) -> &'static str {
-        "m"
-    }
+    /// The weight, and what the tracker sees.
+    type Seen = (f64, Sight);
 
     fn has_reading(&self, recording: &Recording, row: usize) -> bool {
         let axes = recording.position_m.as_ref();
@@ -32,37 +23,28 @@ impl Measurement for Position {
         device.tracker.and_then(|tracker| tracker.position_sd_m)
     }
 
-    fn sees(&self, parameter: ParameterId) -> bool {
-        if is_of_tracker(parameter) {
-            return true;
-        }
-        is_of_chain(parameter)
+    fn owns(&self, parameter: SurroundingParameter) -> bool {
+        is_of_tracker(parameter)
     }
 
-    fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
-        let pose = at.evaluation.pose()?;
-        let predicted_m = pose.position_m;
-        let tracked = Tracked::new(at.device, pose);
-        let predicted_m = tracked.map_or(predicted_m, |tracked| tracked.pose().position_m);
+    fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Self::Seen), ModelError> {
+        let sight = Sight::new(at)?;
         let mut residuals = [0.0; 3];
         if let Some(axes) = &at.recording.position_m {
             for axis in 0..3 {
-                residuals[axis] = weight * (predicted_m[axis] - axes[axis][at.row]);
+                residuals[axis] = weight * (sight.pose.position_m[axis] - axes[axis][at.row]);
             }
         }
-        let seen = Seen { weight, tracked };
-        Ok((residuals, seen))
+        Ok((residuals, (weight, sight)))
     }
 
-    fn derivative(&self, seen: &Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
-        let weight = seen.weight;
-        if let Some(tracked) = &seen.tracked {
-            let own = tracked.derivative(parameter);
-            let twist =
-                own.unwrap_or_else(|| tracked.carried(&at.evaluation.pose_derivative(parameter)));
-            return (twist.linear * weight).into();
-        }
-        (at.evaluation.pose_derivative(parameter).linear * weight).into()
+    fn derivative(
+        &self,
+        (weight, sight): &Self::Seen,
+        at: &Posture<'_>,
+        parameter: ParameterId,
+    ) -> [f64; 3] {
+        (sight.derivative(at, parameter).linear * *weight).into()
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {

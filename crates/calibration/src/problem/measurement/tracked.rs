@@ -2,7 +2,9 @@
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Pose, Twist};
-use haptical_model::{Device, ParameterId, SurroundingParameter};
+use haptical_model::{Device, ModelError, ParameterId, SurroundingParameter};
+
+use super::kind::Posture;
 
 /// Pose of what is tracked in the tracker's frame, `B T X`: B frame (-1) seen from the tracker, T the
 /// handle's pose, X what is tracked seen from the handle.
@@ -116,12 +118,34 @@ impl Tracked {
     }
 }
 
-/// Whether a parameter is one of the tracker's own.
-pub(crate) fn is_of_tracker(parameter: ParameterId) -> bool {
-    matches!(
-        parameter,
-        ParameterId::Surrounding(
-            SurroundingParameter::TrackerBase { .. } | SurroundingParameter::TrackerTool { .. }
-        )
-    )
+/// What a tracker sees of the device at a row: the handle itself, or what is tracked.
+pub(crate) struct Sight {
+    pub(crate) pose: Pose,
+    tracked: Option<Tracked>,
+}
+
+impl Sight {
+    pub(crate) fn new(at: &Posture<'_>) -> Result<Self, ModelError> {
+        let handle = at.evaluation.pose()?;
+        let tracked = Tracked::new(at.device, handle);
+        Ok(Self {
+            pose: tracked.map_or(*handle, |tracked| tracked.pose()),
+            tracked,
+        })
+    }
+
+    /// How the pose changes with a parameter of the chain or the tracker.
+    pub(crate) fn derivative(&self, at: &Posture<'_>, parameter: ParameterId) -> Twist {
+        let of_handle = || at.evaluation.pose_derivative(parameter);
+        self.tracked.as_ref().map_or_else(of_handle, |tracked| {
+            let own = tracked.derivative(parameter);
+            own.unwrap_or_else(|| tracked.carried(&of_handle()))
+        })
+    }
+}
+
+/// Whether a number of the surroundings is one of the tracker's own.
+pub(crate) fn is_of_tracker(parameter: SurroundingParameter) -> bool {
+    use SurroundingParameter::{TrackerBase, TrackerTool};
+    matches!(parameter, TrackerBase { .. } | TrackerTool { .. })
 }
