@@ -66,8 +66,7 @@ impl Comparison<'_> {
             checked += 1;
             let unseen = recording.select(&fold.held_out);
             let range_free = without_ranges(&fitted.device);
-            let nominal = device.clone();
-            let nominal = crate::prepare_device(&nominal, &seen)?;
+            let nominal = crate::prepare_device(device, &seen)?;
             for (device, kept) in [(&nominal, &mut before), (&fitted.device, &mut after)] {
                 let device = &with_unseen_touches(device, &unseen)?;
                 let part =

@@ -6,7 +6,8 @@ use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
 use crate::problem::measurement::rotation::rotation_vector;
-use crate::start::hand_eye::{Frames, Sight, closed_form, missed, sights};
+use crate::start::hand_eye::{Frames, Rig, Sight, closed_form, missed, sights};
+use crate::start::points::spread_m;
 use crate::start::prepare::handle_poses;
 
 /// Rows that the conventions are tried on.
@@ -32,7 +33,7 @@ type Mirror = (Matrix3<f64>, &'static str);
 /// [`CalibrationError::Reading`] that names the convention.
 pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
     let is_tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
-    let Some(tracker) = device.tracker.as_ref().filter(|_| is_tracked) else {
+    let Some(rig) = Rig::new(device).filter(|_| is_tracked) else {
         return Ok(());
     };
     let rows = recording.len();
@@ -43,16 +44,6 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
         // the fit says which row
         return Ok(());
     };
-    let surroundings = &device.surroundings;
-    let known = Frames {
-        base: surroundings.tracker_base.unwrap_or_default().pose(),
-        tool: surroundings.tracker_tool.unwrap_or_default().pose(),
-    };
-    let open = [
-        !tracker.base_known && surroundings.tracker_base.is_none(),
-        !tracker.tool_known && surroundings.tracker_tool.is_none(),
-    ];
-    let rig = Rig { known, open };
     let found = orientations(&part, &poses, &rig).map(|message| ("qw, qx, qy, qz", message));
     let found = found.or_else(|| Some(("x_m, y_m, z_m", positions(&part, &poses, &rig)?)));
     found.map_or(Ok(()), |(column, message)| {
@@ -64,11 +55,6 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
     })
 }
 
-struct Rig {
-    known: Frames,
-    open: [bool; 2],
-}
-
 fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
     let mut alone = recording.clone();
     alone.orientation_wxyz = None;
@@ -77,11 +63,11 @@ fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String>
         return None;
     }
     let error = |sights: &[Sight]| {
-        let frames = closed_form(sights, rig.known, rig.open);
+        let frames = closed_form(sights, rig);
         (missed(sights, &frames) / sights.len() as f64).sqrt()
     };
     let own = error(&seen);
-    if own <= GROSS_SHARE * spread_m(&seen) {
+    if own <= GROSS_SHARE * seen_spread_m(&seen) {
         return None;
     }
     let mirrored = |mirror: &Matrix3<f64>| {
@@ -102,13 +88,10 @@ fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String>
     })
 }
 
-/// Root mean square distance from the middle.
-fn spread_m(sights: &[Sight]) -> f64 {
+/// Spread of the positions seen.
+fn seen_spread_m(sights: &[Sight]) -> f64 {
     let places: Vec<Vector3<f64>> = sights.iter().filter_map(|sight| sight.position_m).collect();
-    let count = places.len().max(1) as f64;
-    let middle = places.iter().sum::<Vector3<f64>>() / count;
-    let square: f64 = places.iter().map(|at| (at - middle).norm_squared()).sum();
-    (square / count).sqrt()
+    spread_m(&places)
 }
 
 /// Seen from an unknown place all mirrors are one, turned.
@@ -149,9 +132,10 @@ fn orientations(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<Stri
             ..Recording::default()
         };
         let seen = sights(&turned, poses);
-        let frames = closed_form(&seen, rig.known, rig.open);
+        let frames = closed_form(&seen, rig);
         // orientations alone may fit in two conventions, the base turned: positions tell
-        let slid = (missed(&seen, &frames) / seen.len().max(1) as f64).sqrt() / spread_m(&seen);
+        let slid =
+            (missed(&seen, &frames) / seen.len().max(1) as f64).sqrt() / seen_spread_m(&seen);
         let slid = if slid.is_finite() { slid } else { 0.0 };
         let angle = angle_rad(&seen, &frames);
         (seen.len() >= LEAST_ROWS).then(|| (angle, angle.hypot(slid)))

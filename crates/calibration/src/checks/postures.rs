@@ -6,6 +6,8 @@ use std::collections::BTreeSet;
 use haptical_model::Recording;
 use haptical_model::kinematics::nalgebra::DMatrix;
 
+use crate::checks::sufficiency::extremes;
+
 /// Part of a joint's range in the log within which two readings are at one posture.
 const SAME: f64 = 0.003;
 /// Most postures that are distinguished; a log of more hardly dwells. One joint's slow sweep has more, 1/[`SAME`].
@@ -22,8 +24,7 @@ pub(crate) fn postures(recording: &Recording) -> Option<Vec<usize>> {
         .joint
         .iter()
         .map(|column| {
-            let low = column.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let [low, high] = extremes(column);
             SAME * (high - low)
         })
         .collect();

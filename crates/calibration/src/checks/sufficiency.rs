@@ -8,6 +8,13 @@ use crate::{CalibrationError, Channel};
 /// motion, above the jitter of an encoder that rests between two counts.
 const MOTION: f64 = 5e-3;
 
+/// Smallest and largest reading.
+pub(crate) fn extremes(readings: &[f64]) -> [f64; 2] {
+    let low = readings.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = readings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    [low, high]
+}
+
 /// Joints (from 0) whose readings stay at one place.
 pub(crate) fn resting_joints(recording: &Recording) -> Vec<usize> {
     recording
@@ -15,8 +22,7 @@ pub(crate) fn resting_joints(recording: &Recording) -> Vec<usize> {
         .iter()
         .enumerate()
         .filter(|(_, column)| {
-            let low = column.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let [low, high] = extremes(column);
             high - low < MOTION
         })
         .map(|(joint, _)| joint)

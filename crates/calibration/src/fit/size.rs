@@ -9,6 +9,7 @@ use haptical_model::{Device, Evaluation, Parameter, ParameterId, Recording, Surr
 use crate::fit::request::judge;
 use crate::problem::form::Prepared;
 use crate::problem::gauge::{are_touches_without_length, is_pair};
+use crate::start::points;
 use crate::{Channel, DeviceProblem, Weights, candidate_parameters, parameter_infos};
 
 /// Shortest length that holds the others' scale \[m\].
@@ -199,10 +200,7 @@ fn at_sample(
 pub(crate) fn spread_m(device: &Device, recording: &Recording) -> f64 {
     let mut places = Vec::with_capacity(POSTURES);
     at_sample(device, recording, |_, position_m| places.push(position_m));
-    let count = places.len().max(1) as f64;
-    let middle = places.iter().sum::<Vector3<f64>>() / count;
-    let square: f64 = places.iter().map(|at| (at - middle).norm_squared()).sum();
-    (square / count).sqrt()
+    points::spread_m(&places)
 }
 
 /// The share of its former size that a fitted device has, where touches alone were measured and they drew it to

@@ -128,8 +128,8 @@ fn log_mobility(
     let step = touches.len().div_ceil(MOST_TOUCHES).max(1);
     for (row, plane) in touches.into_iter().step_by(step) {
         problem.move_to_row(&mut evaluation, &mut readings, row, true)?;
-        let plane = plane.and_then(|plane| device.surroundings.planes.get(plane));
-        let plane = plane.map(TouchedPlane::normal_and_slopes);
+        let touched = plane.and_then(|plane| device.surroundings.planes.get(plane));
+        let touched = touched.map(TouchedPlane::normal_and_slopes);
         let torques = problem.loads.as_ref().map(|loads| loads.of_row(row));
         let at = AtTouch {
             evaluation: &evaluation,
@@ -137,13 +137,18 @@ fn log_mobility(
             convention: device.convention,
             torques,
         };
-        let Some(pulls) = at.pulls(plane.as_ref().map(|(normal, _)| *normal), &mut sum) else {
+        let Some(pulls) = at.pulls(touched.map(|(normal, _)| normal), &mut sum) else {
             continue;
         };
         for (slope, parameter) in sum.slopes.iter_mut().zip(problem.parameters) {
             *slope += match *parameter {
-                ParameterId::Surrounding(parameter) => {
-                    tilt_slope(parameter, row, problem, &pulls, plane.as_ref())
+                ParameterId::Surrounding(SurroundingParameter::Plane { plane: own, index }) => {
+                    match touched {
+                        Some((normal, tilts)) if plane == Some(own) && index < 2 => {
+                            normal.dot(&(pulls.square * tilts[index])) / pulls.over
+                        }
+                        _ => 0.0,
+                    }
                 }
                 parameter => at.slope(parameter, &pulls.of_row),
             };
@@ -209,35 +214,27 @@ impl AtTouch<'_> {
             square += linear * linear.transpose();
         }
         let ridge = RIDGE * square.trace() / 3.0;
-        let of_joint: Vec<Vector3<f64>>;
-        let mut over = 0.0;
-        match normal {
-            None => {
-                let whole = square + Matrix3::identity() * ridge;
-                let inverse = whole.try_inverse()?;
-                let log = 0.5 * whole.determinant().ln();
-                if !log.is_finite() {
-                    return None;
-                }
-                sum.total += log;
-                sum.width += 3.0;
-                let along = inverse + Matrix3::identity() * (RIDGE * inverse.trace() / 3.0);
-                of_joint = by_joint.iter().map(|linear| along * linear).collect();
-            }
-            Some(normal) => {
-                over = normal.dot(&(square * normal)) + ridge;
-                let log = 0.5 * over.ln();
-                if !log.is_finite() {
-                    return None;
-                }
-                sum.total += log;
-                sum.width += 1.0;
-                let pull = |linear: &Vector3<f64>| {
-                    (normal * normal.dot(linear) + linear * (RIDGE / 3.0)) / over
-                };
-                of_joint = by_joint.iter().map(pull).collect();
-            }
+        let (of_joint, measure, width, over): (Vec<Vector3<f64>>, f64, f64, f64);
+        if let Some(normal) = normal {
+            over = normal.dot(&(square * normal)) + ridge;
+            (measure, width) = (over, 1.0);
+            let pull = |linear: &Vector3<f64>| {
+                (normal * normal.dot(linear) + linear * (RIDGE / 3.0)) / over
+            };
+            of_joint = by_joint.iter().map(pull).collect();
+        } else {
+            let whole = square + Matrix3::identity() * ridge;
+            let inverse = whole.try_inverse()?;
+            (measure, width, over) = (whole.determinant(), 3.0, 0.0);
+            let along = inverse + Matrix3::identity() * (RIDGE * inverse.trace() / 3.0);
+            of_joint = by_joint.iter().map(|linear| along * linear).collect();
         }
+        let log = 0.5 * measure.ln();
+        if !log.is_finite() {
+            return None;
+        }
+        sum.total += log;
+        sum.width += width;
         let of_row = self.drives.iter();
         Some(Pulls {
             of_row: of_row
@@ -290,28 +287,6 @@ impl AtTouch<'_> {
             slope += pull.dot(&change);
         }
         slope
-    }
-}
-
-/// Derivative of the logarithm by a plane's tilt, at a touch of that plane.
-fn tilt_slope(
-    parameter: SurroundingParameter,
-    row: usize,
-    problem: &DeviceProblem<'_>,
-    pulls: &Pulls,
-    plane: Option<&(Vector3<f64>, [Vector3<f64>; 2])>,
-) -> f64 {
-    let SurroundingParameter::Plane { plane: of, index } = parameter else {
-        return 0.0;
-    };
-    let ids = problem.recording.plane.as_ref();
-    let touched = ids.and_then(|ids| ids.get(row));
-    let touched = touched.and_then(|id| problem.device.surroundings.plane_index(id));
-    match plane {
-        Some((normal, slopes)) if touched == Some(of) && index < 2 => {
-            normal.dot(&(pulls.square * slopes[index])) / pulls.over
-        }
-        _ => 0.0,
     }
 }
 

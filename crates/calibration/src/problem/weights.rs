@@ -37,8 +37,7 @@ impl Weights {
             .collect();
         Self {
             channel_sd,
-            factor: BTreeMap::new(),
-            distrusted: BTreeMap::new(),
+            ..Self::default()
         }
     }
 

@@ -35,29 +35,44 @@ pub(crate) struct Frames {
     pub(crate) tool: Pose,
 }
 
+/// A tracker's frames as far as a device has them, and which of base and tool are open: unknown, and without a place.
+pub(crate) struct Rig {
+    known: Frames,
+    pub(crate) open: [bool; 2],
+}
+
+impl Rig {
+    /// None for a device without a tracker.
+    pub(crate) fn new(device: &Device) -> Option<Self> {
+        let tracker = device.tracker.as_ref()?;
+        let (base, tool) = (
+            device.surroundings.tracker_base,
+            device.surroundings.tracker_tool,
+        );
+        Some(Self {
+            known: Frames {
+                base: base.unwrap_or_default().pose(),
+                tool: tool.unwrap_or_default().pose(),
+            },
+            open: [
+                !tracker.base_known && base.is_none(),
+                !tracker.tool_known && tool.is_none(),
+            ],
+        })
+    }
+}
+
 /// Gives the tracker's unknown base and tool a place, unless the device has one.
 pub(crate) fn place_tracker(
     device: &mut Device,
     recording: &Recording,
     poses: &[Pose],
 ) -> Result<(), CalibrationError> {
-    let surroundings = &device.surroundings;
-    let Some(tracker) = &device.tracker else {
+    let Some(rig) = Rig::new(device).filter(|rig| rig.open != [false; 2]) else {
         return Ok(());
     };
-    let open = [
-        !tracker.base_known && surroundings.tracker_base.is_none(),
-        !tracker.tool_known && surroundings.tracker_tool.is_none(),
-    ];
-    if open == [false; 2] {
-        return Ok(());
-    }
-    let sights = sights(recording, poses);
-    let known = Frames {
-        base: surroundings.tracker_base.unwrap_or_default().pose(),
-        tool: surroundings.tracker_tool.unwrap_or_default().pose(),
-    };
-    let frames = closed_form(&sights, known, open);
+    let open = rig.open;
+    let frames = closed_form(&sights(recording, poses), &rig);
     if open[0] {
         device.surroundings.tracker_base = Some(Placement::from_pose(&frames.base));
     }
@@ -90,8 +105,8 @@ pub(crate) fn sights(recording: &Recording, poses: &[Pose]) -> Vec<Sight> {
         .collect()
 }
 
-pub(crate) fn closed_form(sights: &[Sight], known: Frames, open: [bool; 2]) -> Frames {
-    let mut frames = known;
+pub(crate) fn closed_form(sights: &[Sight], rig: &Rig) -> Frames {
+    let (mut frames, open) = (rig.known, rig.open);
     let is_turned = sights.iter().any(|sight| sight.rotation.is_some());
     if is_turned {
         turn(sights, &mut frames, open);

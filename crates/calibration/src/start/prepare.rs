@@ -10,6 +10,7 @@ use crate::CalibrationError;
 use crate::error::at_row;
 use crate::problem::loads::Loads;
 use crate::start::hand_eye::place_tracker;
+use crate::start::points::mean;
 
 /// The device with a start value for everything around the chain that a recording shows and the device file
 /// leaves open; what the file gives stays.
@@ -147,10 +148,6 @@ pub(crate) fn with_unseen_touches(
         place_touches(&mut placed, recording, &poses);
     }
     Ok(placed)
-}
-
-fn mean(points: &[Vector3<f64>]) -> Vector3<f64> {
-    points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
 }
 
 /// Plane of least squares: through the mean, its normal the direction of least spread.

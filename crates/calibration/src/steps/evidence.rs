@@ -5,6 +5,7 @@ use haptical_model::{Joint, TransmissionError};
 use serde::Serialize;
 
 use crate::CalibrationError;
+use crate::checks::sufficiency::extremes;
 use crate::error::wrap;
 
 /// A form of the transmission error.
@@ -170,8 +171,7 @@ pub(crate) fn form(terms: TransmissionTerms, range_rad: [f64; 2]) -> Transmissio
 
 /// Smallest and largest reading, a little apart even where they are equal.
 pub(crate) fn range_of(readings: &[f64]) -> [f64; 2] {
-    let low = readings.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = readings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = extremes(readings);
     if high > low {
         [low, high]
     } else {
