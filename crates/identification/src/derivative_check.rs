@@ -30,13 +30,8 @@ pub fn worst_derivative<P: Problem + ?Sized>(
     parameters: &[f64],
     step: f64,
 ) -> Result<DerivativeMismatch, IdentificationError> {
-    if !(step.is_finite() && step > 0.0) {
-        return Err(IdentificationError::Setting {
-            name: "step",
-            value: step,
-            allowed: "above 0",
-        });
-    }
+    let is_allowed = step.is_finite() && step > 0.0;
+    IdentificationError::unless(is_allowed, "step", step, "above 0")?;
     let free: Vec<usize> = (0..problem.parameter_count()).collect();
     let (jacobian, mut above) = evaluate_jacobian(problem, parameters, &free)?;
     let rows = above.len();

@@ -68,6 +68,35 @@ pub enum IdentificationError {
     Linalg(LinalgError),
 }
 
+impl IdentificationError {
+    /// Refuses a number outside its range.
+    pub(crate) fn unless(
+        is_allowed: bool,
+        name: &'static str,
+        value: f64,
+        allowed: &'static str,
+    ) -> Result<(), Self> {
+        match is_allowed {
+            true => Ok(()),
+            false => Err(Self::Setting {
+                name,
+                value,
+                allowed,
+            }),
+        }
+    }
+
+    /// Refuses a number that is no share: from 0 to below 1.
+    pub(crate) fn unless_share(name: &'static str, value: f64) -> Result<(), Self> {
+        Self::unless(
+            (0.0..1.0).contains(&value),
+            name,
+            value,
+            "from 0 to below 1",
+        )
+    }
+}
+
 impl From<LinalgError> for IdentificationError {
     fn from(error: LinalgError) -> Self {
         match error {

@@ -69,13 +69,8 @@ pub fn uncertainty(
     cost: f64,
     noise: NoiseScale,
 ) -> Result<Uncertainty, IdentificationError> {
-    if !(cost.is_finite() && cost >= 0.0) {
-        return Err(IdentificationError::Setting {
-            name: "cost",
-            value: cost,
-            allowed: "finite and at least 0",
-        });
-    }
+    let is_allowed = cost.is_finite() && cost >= 0.0;
+    IdentificationError::unless(is_allowed, "cost", cost, "finite and at least 0")?;
     let mut covariance = reduction.covariance(columns, ROUNDING_PIVOT)?;
     let deviations: Vec<f64> = (0..columns.len())
         .map(|position| covariance[(position, position)].sqrt())

@@ -6,6 +6,7 @@ mod derivative_check;
 mod error;
 mod estimate;
 mod identifiability;
+mod lanes;
 mod loss;
 mod problem;
 mod profile;

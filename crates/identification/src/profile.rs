@@ -1,5 +1,6 @@
 //! Profile-likelihood intervals where the sum of squares is no parabola over a linearised one.
 
+use crate::problem::sum_of_squares;
 use crate::{IdentificationError, Problem, Settings, Uncertainty, solve};
 
 /// Ends of a parameter's interval by its profile likelihood.
@@ -94,7 +95,7 @@ pub fn profiles<P: Problem + ?Sized>(
         let is_straight = [-end, end].into_iter().all(|offset| {
             let trial = search.moved(position, offset);
             let size = match problem.evaluate(&trial, &mut residuals, None) {
-                Ok(()) => search.size(residuals.iter().map(|rest| rest * rest).sum()),
+                Ok(()) => search.size(sum_of_squares(&residuals)),
                 Err(_) => f64::INFINITY,
             };
             (size - 1.0).abs() <= TOLERATED
@@ -185,7 +186,7 @@ impl<P: Problem + ?Sized> Searched<'_, P> {
         if others.is_empty() {
             let mut residuals = vec![0.0; self.problem.residual_count()];
             self.problem.evaluate(trial, &mut residuals, None).ok()?;
-            return Some(residuals.iter().map(|rest| rest * rest).sum());
+            return Some(sum_of_squares(&residuals));
         }
         let fit = solve(self.problem, trial, others, self.settings).ok()?;
         Some(fit.cost)

@@ -53,36 +53,14 @@ impl Settings {
     /// # Errors
     /// [`IdentificationError::Setting`].
     pub fn check(&self) -> Result<(), IdentificationError> {
-        let unit = |name, value: f64| {
-            if (0.0..1.0).contains(&value) {
-                Ok(())
-            } else {
-                Err(IdentificationError::Setting {
-                    name,
-                    value,
-                    allowed: "from 0 to below 1",
-                })
-            }
-        };
-        unit("cost_tolerance", self.cost_tolerance)?;
-        unit("step_tolerance", self.step_tolerance)?;
-        unit("rank_tolerance", self.rank_tolerance)?;
-        if self.max_iterations == 0 {
-            return Err(IdentificationError::Setting {
-                name: "max_iterations",
-                value: 0.0,
-                allowed: "at least 1",
-            });
-        }
-        if self.initial_damping.is_finite() && self.initial_damping > 0.0 {
-            Ok(())
-        } else {
-            Err(IdentificationError::Setting {
-                name: "initial_damping",
-                value: self.initial_damping,
-                allowed: "above 0",
-            })
-        }
+        use IdentificationError as Refusal;
+        Refusal::unless_share("cost_tolerance", self.cost_tolerance)?;
+        Refusal::unless_share("step_tolerance", self.step_tolerance)?;
+        Refusal::unless_share("rank_tolerance", self.rank_tolerance)?;
+        Refusal::unless(self.max_iterations > 0, "max_iterations", 0.0, "at least 1")?;
+        let damping = self.initial_damping;
+        let is_allowed = damping.is_finite() && damping > 0.0;
+        Refusal::unless(is_allowed, "initial_damping", damping, "above 0")
     }
 }
 

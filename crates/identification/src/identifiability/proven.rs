@@ -2,6 +2,8 @@
 
 use haptical_linalg::{LinalgError, Reduction};
 
+use crate::lanes::{product, subtract};
+
 /// What the inverse of a triangle says.
 #[derive(Debug)]
 pub(crate) struct Variances {
@@ -57,9 +59,6 @@ pub(crate) fn variances(
     Ok(Variances { variances, least })
 }
 
-/// Numbers that are worked on together.
-const LANES: usize = 4;
-
 /// Makes a matrix, column by column, upper triangular by Householder reflections from the left
 /// (Golub & Van Loan, *Matrix Computations*, section 5.2); what is below is not written.
 fn triangularise(entries: &mut [f64], rows: usize, columns: usize) {
@@ -102,25 +101,4 @@ fn inverse_row_squares(entries: &[f64], rows: usize, columns: usize) -> Vec<f64>
         }
     }
     squares
-}
-
-/// Sum of products; a single sum would wait for itself at every entry.
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let (a, a_rest) = a.as_chunks::<LANES>();
-    let (b, b_rest) = b.as_chunks::<LANES>();
-    for (a, b) in a.iter().zip(b) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
-}
-
-/// `into` less `factor` times `x`.
-fn subtract(into: &mut [f64], factor: f64, x: &[f64]) {
-    for (into, x) in into.iter_mut().zip(x) {
-        *into -= factor * x;
-    }
 }

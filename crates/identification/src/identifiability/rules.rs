@@ -39,29 +39,13 @@ impl IdentifiabilityRules {
     /// # Errors
     /// [`IdentificationError::Setting`].
     pub fn check(&self) -> Result<(), IdentificationError> {
-        for (name, value) in [
-            ("zero_tolerance", self.zero_tolerance),
-            ("rank_tolerance", self.rank_tolerance),
-        ] {
-            if !(0.0..1.0).contains(&value) {
-                return Err(IdentificationError::Setting {
-                    name,
-                    value,
-                    allowed: "from 0 to below 1",
-                });
-            }
-        }
+        IdentificationError::unless_share("zero_tolerance", self.zero_tolerance)?;
+        IdentificationError::unless_share("rank_tolerance", self.rank_tolerance)?;
         positive("weak_share", self.weak_share)
     }
 }
 
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), IdentificationError> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(IdentificationError::Setting {
-        name,
-        value,
-        allowed: "finite and above 0",
-    })
+    let is_allowed = value.is_finite() && value > 0.0;
+    IdentificationError::unless(is_allowed, name, value, "finite and above 0")
 }

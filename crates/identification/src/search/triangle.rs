@@ -2,6 +2,7 @@
 
 use haptical_linalg::{Reduction, Solution, Triangle};
 
+use crate::lanes::{LANES, product, subtract};
 use crate::problem::sum_of_squares;
 use crate::{IdentificationError, TriangleProblem};
 
@@ -55,12 +56,8 @@ impl UnitTriangle {
     pub(crate) fn is_finite(&self) -> bool {
         let numbers = self.norms.iter().chain(self.triangle.projected());
         numbers
-            .chain([&self.rest_square()])
+            .chain([&self.triangle.rest_square()])
             .all(|number| number.is_finite())
-    }
-
-    fn rest_square(&self) -> f64 {
-        self.triangle.rest_square()
     }
 
     /// The residuals of the triangle: q, the root of the rest, zeros.
@@ -159,14 +156,11 @@ impl UnitTriangle {
         is_sound.then_some(Solution {
             rank: self.norms.len(),
             values: step,
-            residual_square: self.rest_square() + misfit,
+            residual_square: self.triangle.rest_square() + misfit,
             explained_square,
         })
     }
 }
-
-/// Numbers that are worked on together.
-const LANES: usize = 4;
 
 /// The bounds are worked out in rounded arithmetic themselves.
 const PROOF_MARGIN: f64 = 2.0;
@@ -178,9 +172,7 @@ fn back_substitute(triangle: &[f64], values: &mut [f64]) {
         let entries = &triangle[column * count..][..=column];
         let solved = values[column] / entries[column];
         values[column] = solved;
-        for (value, entry) in values.iter_mut().zip(&entries[..column]) {
-            *value -= entry * solved;
-        }
+        subtract(values, solved, &entries[..column]);
     }
 }
 
@@ -217,33 +209,5 @@ fn fold(triangle: &mut [f64], rhs: &mut [f64], below: &mut [f64]) {
             reflect(&mut triangle[other * count + column], &mut bottom[..rows]);
         }
         reflect(&mut rhs[column], &mut rhs_below[..rows]);
-    }
-}
-
-/// Sum of products of slices of a multiple of [`LANES`]; a single sum would wait for itself at every
-/// entry.
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let (a, _) = a.as_chunks::<LANES>();
-    let (b, _) = b.as_chunks::<LANES>();
-    for (a, b) in a.iter().zip(b) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    (sums[0] + sums[2]) + (sums[1] + sums[3])
-}
-
-/// `into` less `factor` times `x`, of a multiple of [`LANES`].
-fn subtract(into: &mut [f64], factor: f64, x: &[f64]) {
-    let (into, _) = into.as_chunks_mut::<LANES>();
-    let (x, _) = x.as_chunks::<LANES>();
-    for (into, x) in into.iter_mut().zip(x) {
-        // by value, so that the compiler need not fear that the two overlap
-        let mut lanes = *into;
-        for lane in 0..LANES {
-            lanes[lane] -= factor * x[lane];
-        }
-        *into = lanes;
     }
 }
