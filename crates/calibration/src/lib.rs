@@ -44,7 +44,6 @@ pub use report::geometry_rank::GeometryRank;
 pub use report::intervals::Intervals;
 pub use report::prediction::{Prediction, predict_distances, predict_positions};
 pub use report::warnings::implausible_deviations;
-pub use robust::reweighted::far_out;
 pub use start::prepare::prepare_device;
 pub use steps::device::fit_kinematics;
 pub use steps::evidence::{EvidenceEntry, TransmissionTerms};

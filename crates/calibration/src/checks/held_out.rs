@@ -36,6 +36,23 @@ pub struct Split {
     pub description: String,
 }
 
+impl Split {
+    /// Splits so many rows, in words of how many of them are held out.
+    fn new(
+        rows: usize,
+        is_held_out: impl Fn(usize) -> bool,
+        words: impl FnOnce(usize) -> String,
+    ) -> Self {
+        let (held_out, fit): (Vec<usize>, Vec<usize>) =
+            (0..rows).partition(|&row| is_held_out(row));
+        Self {
+            description: words(held_out.len()),
+            fit,
+            held_out,
+        }
+    }
+}
+
 /// In words: a user wants no check.
 pub(crate) const NOTHING: &str = "nothing held out";
 
@@ -73,11 +90,7 @@ pub fn split(recording: &Recording, held_out: HeldOut) -> Result<Split, Calibrat
     let rows = recording.len();
     let share = check_share(held_out)?;
     if share == 0.0 {
-        return Ok(Split {
-            fit: (0..rows).collect(),
-            held_out: Vec::new(),
-            description: NOTHING.to_owned(),
-        });
+        return Ok(Split::new(rows, |_| false, |_| NOTHING.to_owned()));
     }
     if let Some(split) = by_runs(recording, share) {
         return Ok(split);
@@ -146,12 +159,9 @@ fn by_runs(recording: &Recording, share: f64) -> Option<Split> {
         return None;
     }
     chosen.sort_unstable();
-    let (held_out, fit) = (0..run.len()).partition(|&row| chosen.contains(&run[row]));
-    Some(Split {
-        fit,
-        held_out,
-        description: format!("whole runs held out: {chosen:?}"),
-    })
+    let is_held_out = |row: usize| chosen.contains(&run[row]);
+    let words = |_| format!("whole runs held out: {chosen:?}");
+    Some(Split::new(run.len(), is_held_out, words))
 }
 
 /// Holds out blocks spread evenly over the recording.
@@ -160,18 +170,12 @@ fn by_blocks(rows: usize, share: f64) -> Split {
     let blocks = BLOCKS.max(wanted).min(rows);
     let period = wanted.min(blocks);
     let is_held_out = |row: usize| (row * blocks / rows) % period == period / 2;
-    let (held_out, fit): (Vec<usize>, Vec<usize>) = (0..rows).partition(|&row| is_held_out(row));
     let count = (0..blocks)
         .filter(|block| block % period == period / 2)
         .count();
-    Split {
-        description: format!(
-            "{count} of {blocks} contiguous blocks held out ({} of {rows} rows)",
-            held_out.len()
-        ),
-        fit,
-        held_out,
-    }
+    Split::new(rows, is_held_out, |held_out| {
+        format!("{count} of {blocks} contiguous blocks held out ({held_out} of {rows} rows)")
+    })
 }
 
 /// Holds out whole postures, spread evenly over the log.
@@ -179,18 +183,13 @@ fn by_postures(own: &[usize], share: f64) -> Split {
     let all = count(own);
     let period = ((1.0 / share).round() as usize).clamp(2, all.max(2));
     let is_held_out = |posture: usize| all > 1 && posture % period == period / 2;
-    let (held_out, fit): (Vec<usize>, Vec<usize>) =
-        (0..own.len()).partition(|&row| is_held_out(own[row]));
     let held = (0..all).filter(|&posture| is_held_out(posture)).count();
-    Split {
-        description: format!(
-            "{held} of {all} postures held out ({} of {} rows)",
-            held_out.len(),
-            own.len()
-        ),
-        fit,
-        held_out,
-    }
+    let rows = own.len();
+    Split::new(
+        rows,
+        |row| is_held_out(own[row]),
+        |held_out| format!("{held} of {all} postures held out ({held_out} of {rows} rows)"),
+    )
 }
 
 /// Folds: fold k holds out the rows k, k + folds, ..., or the postures, where rows are numbered by them.
@@ -199,12 +198,8 @@ pub(crate) fn folds(rows: usize, count: usize, postures: Option<&[usize]>) -> Ve
     let count = count.min(postures.map_or(rows, self::count));
     (0..count)
         .map(|fold| {
-            let (held_out, fit) = (0..rows).partition(|row| number(*row) % count == fold);
-            Split {
-                fit,
-                held_out,
-                description: format!("fold {} of {count}", fold + 1),
-            }
+            let words = |_| format!("fold {} of {count}", fold + 1);
+            Split::new(rows, |row| number(row) % count == fold, words)
         })
         .collect()
 }

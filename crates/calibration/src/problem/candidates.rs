@@ -22,25 +22,16 @@ pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
         Convention::Standard => row < last,
         Convention::Modified => row > 0,
     };
-    device
-        .link_parameters(true)
-        .into_iter()
-        .filter(|parameter| match *parameter {
-            ParameterId::Link { row, parameter } => !device.is_held(row, parameter),
-            _ => true,
-        })
-        .filter(|parameter| match parameter {
-            ParameterId::Link {
-                row,
-                parameter: Parameter::Beta,
-            } => {
-                let is_parallel = || device.links[*row].alpha_rad.sin().abs() < PARALLEL_RAD.sin();
-                device.is_general_row(*row) || (has_axes(*row) && is_parallel())
-            }
-            _ => true,
-        })
-        .chain(device.further_parameters())
-        .collect()
+    let is_parallel = |row: usize| device.links[row].alpha_rad.sin().abs() < PARALLEL_RAD.sin();
+    let has_angle = |row: usize| device.is_general_row(row) || (has_axes(row) && is_parallel(row));
+    let links = device.link_parameters(true).into_iter();
+    let offered = links.filter(|parameter| match *parameter {
+        ParameterId::Link { row, parameter } => {
+            !device.is_held(row, parameter) && (parameter != Parameter::Beta || has_angle(row))
+        }
+        _ => true,
+    });
+    offered.chain(device.further_parameters()).collect()
 }
 
 /// Positions of `parameters` by preference, dearest first: of a dependent set the first are kept.

@@ -55,12 +55,7 @@ impl ChannelResiduals {
     #[must_use]
     pub fn by_row(&self, rows: usize) -> Vec<Option<f64>> {
         let mut errors = vec![None; rows];
-        let readings = self.residuals.chunks_exact(self.channel.width());
-        for (&row, reading) in self.rows.iter().zip(readings) {
-            let error = match reading {
-                [signed] => *signed,
-                axes => length(axes),
-            };
+        for (&row, error) in self.rows.iter().zip(lengths(self.channel, &self.residuals)) {
             if let Some(place) = errors.get_mut(row) {
                 *place = Some(error);
             }
@@ -164,7 +159,13 @@ fn is_known(device: &Device, recording: &Recording, channel: Channel, row: usize
     }
 }
 
-/// Euclidean length; `hypot`, because the squares of a wild reading are not representable.
-fn length(axes: &[f64]) -> f64 {
-    axes.iter().fold(0.0, |sum: f64, axis| sum.hypot(*axis))
+/// Each reading's residual: signed of one axis, the Euclidean length of three.
+pub(crate) fn lengths(channel: Channel, residuals: &[f64]) -> impl Iterator<Item = f64> {
+    residuals
+        .chunks_exact(channel.width())
+        .map(|reading| match reading {
+            [signed] => *signed,
+            // `hypot`, because the squares of a wild reading are not representable
+            axes => axes.iter().fold(0.0, |sum: f64, axis| sum.hypot(*axis)),
+        })
 }

@@ -58,6 +58,24 @@ impl Weights {
         }
     }
 
+    /// Largest change of a weight's root, and of the logarithm of a channel's factor, to other weights.
+    pub(crate) fn change_to(&self, after: &Self) -> f64 {
+        let mut largest: f64 = 0.0;
+        for (a, b) in [(self, after), (after, self)] {
+            for (&channel, lines) in &a.distrusted {
+                for (&line, weight) in lines {
+                    let moved = weight.sqrt() - b.trust(channel, line).sqrt();
+                    largest = largest.max(moved.abs());
+                }
+            }
+        }
+        for (channel, factor) in &after.factor {
+            let old = self.factor.get(channel).copied().unwrap_or(1.0);
+            largest = largest.max((factor / old).ln().abs());
+        }
+        largest
+    }
+
     /// The standard deviation that all residuals of a channel share; none where the step of a reading adds
     /// to it, which differs from row to row.
     pub(crate) fn common_sd(&self, device: &Device, channel: Channel) -> Option<f64> {

@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use haptical_identification::Loss;
 use haptical_model::{Device, Recording};
 
-use crate::robust::reweighted::{fit, judge, set_aside};
+use crate::robust::reweighted::{far_out, fit, judge, set_aside};
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelReport, FittedDevice, Options, Outlier,
-    RobustChannel, Robustness, far_out,
+    RobustChannel, Robustness,
 };
 
 /// Rows on which it is tried whether a robust loss is needed.

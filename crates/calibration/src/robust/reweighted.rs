@@ -7,6 +7,7 @@ use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use crate::problem::residuals::lengths;
 use crate::steps::device::fit_once;
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{
@@ -27,13 +28,10 @@ const THREE_AXES: f64 = 1.538_172_254_454_8 / 1.732_050_807_568_877_2 / 0.674_48
 
 /// Sizes of a channel's readings, row by row: signed for one axis.
 fn sizes(channel: Channel, residuals: &[f64]) -> Vec<f64> {
-    let width = channel.width();
-    let readings = residuals.chunks_exact(width);
-    let size = |axes: &[f64]| match axes {
-        [signed] => *signed,
-        axes => axes.iter().fold(0.0, |sum: f64, axis| sum.hypot(*axis)) / (width as f64).sqrt(),
-    };
-    readings.map(size).collect()
+    let axes = (channel.width() as f64).sqrt();
+    lengths(channel, residuals)
+        .map(|length| length / axes)
+        .collect()
 }
 
 fn scale_of(channel: Channel, sizes: &[f64], parameters: f64, floor: f64) -> f64 {
@@ -65,7 +63,7 @@ fn limit(readings: usize) -> f64 {
 ///
 /// # Errors
 /// [`CalibrationError`] where the device has no value.
-pub fn far_out(
+pub(crate) fn far_out(
     device: &Device,
     recording: &Recording,
     scales: &[RobustChannel],
@@ -239,7 +237,7 @@ pub(crate) fn fit(
             rounds += 1;
             let wanted;
             (scales, wanted) = judge(&fitted, recording, loss)?;
-            settled = change(&weights, &wanted) < SETTLED;
+            settled = weights.change_to(&wanted) < SETTLED;
             weights = wanted;
             if settled {
                 break;
@@ -263,22 +261,4 @@ pub(crate) fn fit(
         outliers,
     });
     Ok(fitted)
-}
-
-/// Largest change of a weight's root, and of a channel's size.
-fn change(before: &Weights, after: &Weights) -> f64 {
-    let mut largest: f64 = 0.0;
-    for (a, b) in [(before, after), (after, before)] {
-        for (&channel, lines) in &a.distrusted {
-            for (&line, weight) in lines {
-                let moved = weight.sqrt() - b.trust(channel, line).sqrt();
-                largest = largest.max(moved.abs());
-            }
-        }
-    }
-    for (channel, factor) in &after.factor {
-        let old = before.factor.get(channel).copied().unwrap_or(1.0);
-        largest = largest.max((factor / old).ln().abs());
-    }
-    largest
 }

@@ -31,18 +31,14 @@ pub(crate) fn fit_squares(
     let mut fitted = fit_once(device, recording, &channels, &weights, options)?;
     if options.weighting == Weighting::Estimated {
         for _ in 0..WEIGHTING_ROUNDS {
-            let estimated = estimate_noise(&fitted, recording, &channels, &weights)?;
-            let change = estimated
-                .iter()
-                .map(|(channel, factor)| {
-                    let before = weights.factor.get(channel).copied().unwrap_or(1.0);
-                    (factor / before).ln().abs()
-                })
-                .fold(0.0, f64::max);
-            if change < WEIGHTING_CHANGE {
+            let estimated = Weights {
+                factor: estimate_noise(&fitted, recording, &channels, &weights)?,
+                ..weights.clone()
+            };
+            if weights.change_to(&estimated) < WEIGHTING_CHANGE {
                 break;
             }
-            weights.factor = estimated;
+            weights = estimated;
             fitted = fit_once(device, recording, &channels, &weights, options)?;
         }
     }
