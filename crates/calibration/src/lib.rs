@@ -40,7 +40,6 @@ pub use problem::weights::Weights;
 pub use report::channel_report::ChannelReport;
 pub use report::force_direction::{ForceDirection, force_direction};
 pub use report::frame_origins::frame_origins_m;
-pub use report::geometry_rank::GeometryRank;
 pub use report::intervals::Intervals;
 pub use report::prediction::{Prediction, predict_distances, predict_positions};
 pub use report::warnings::implausible_deviations;

@@ -4,7 +4,6 @@ pub(crate) mod above_floor;
 pub(crate) mod channel_report;
 pub(crate) mod force_direction;
 pub(crate) mod frame_origins;
-pub(crate) mod geometry_rank;
 pub(crate) mod intervals;
 pub(crate) mod open_direction;
 pub(crate) mod prediction;
