@@ -17,6 +17,7 @@ mod nist;
 mod observability;
 mod profile;
 mod refusals;
+mod reweighted;
 mod robust;
 mod search;
 mod support;
