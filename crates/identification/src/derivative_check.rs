@@ -3,7 +3,7 @@
 use crate::{IdentificationError, Problem, evaluate_jacobian};
 
 /// The entry where analytic and numeric derivative differ most.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct DerivativeMismatch {
     /// Residual.
     pub row: usize,
@@ -36,13 +36,7 @@ pub fn worst_derivative<P: Problem + ?Sized>(
     let (jacobian, mut above) = evaluate_jacobian(problem, parameters, &free)?;
     let rows = above.len();
     let mut below = vec![0.0; rows];
-    let mut worst = DerivativeMismatch {
-        row: 0,
-        parameter: 0,
-        analytic: 0.0,
-        numeric: 0.0,
-        relative: 0.0,
-    };
+    let mut worst = DerivativeMismatch::default();
     let mut moved = parameters.to_vec();
     for parameter in free {
         let (right, left) = (parameters[parameter] + step, parameters[parameter] - step);

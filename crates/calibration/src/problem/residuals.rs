@@ -3,6 +3,7 @@
 use haptical_identification::Problem;
 use haptical_model::{Device, Recording};
 
+use crate::error::wrap;
 use crate::{CalibrationError, Channel, DeviceProblem, Weights};
 
 /// Residuals of one channel.
@@ -95,10 +96,7 @@ pub fn channel_residuals(
             let mut residuals = vec![0.0; problem.residual_count()];
             problem
                 .evaluate(&[], &mut residuals, None)
-                .map_err(|source| CalibrationError::Identification {
-                    what: channel.name(),
-                    source,
-                })?;
+                .map_err(|source| wrap(&channel.name(), source))?;
             // The problem divides by its own standard deviation; undo it exactly.
             let unit = unit_weights(channel).residual_sd(device, &part, channel)?;
             for (position, residual) in residuals.iter_mut().enumerate() {
@@ -132,8 +130,8 @@ pub fn channel_residuals(
 /// # Ok::<(), haptical_model::DeviceFileError>(())
 /// ```
 pub fn rows_with_known_errors(device: &Device, recording: &Recording) -> Vec<usize> {
-    (0..recording.len())
-        .filter(|&row| all_known(device, recording, row))
+    let rows = 0..recording.len();
+    rows.filter(|&row| all_known(device, recording, row))
         .collect()
 }
 

@@ -276,23 +276,21 @@ fn fit(
     let sees =
         |channel: Channel| (0..recording.len()).any(|row| channel.has_reading(recording, row));
     let (slides, turns) = (sees(Channel::Position), sees(Channel::Orientation));
-    let mut channels = Vec::new();
-    channels.extend(slides.then_some(Channel::Position));
-    channels.extend(turns.then_some(Channel::Orientation));
-    let mut parameters: Vec<SurroundingParameter> = Vec::new();
-    if open[0] {
-        let from = if slides { 0 } else { 3 };
-        parameters.extend((from..6).map(|index| TrackerBase { index }));
-    }
-    if open[1] {
-        let first = if slides { 0 } else { 3 };
-        let end = if turns { 6 } else { 3 };
-        parameters.extend((first..end).map(|index| TrackerTool { index }));
-    }
-    let parameters: Vec<ParameterId> = parameters
-        .into_iter()
-        .map(ParameterId::Surrounding)
-        .collect();
+    let seen = [
+        slides.then_some(Channel::Position),
+        turns.then_some(Channel::Orientation),
+    ];
+    let channels: Vec<Channel> = seen.into_iter().flatten().collect();
+    let first = if slides { 0 } else { 3 };
+    // positions tell the base's turn too; only orientations tell the tool's
+    let end = if turns { 6 } else { 3 };
+    let base = (first..6)
+        .filter(|_| open[0])
+        .map(|index| TrackerBase { index });
+    let tool = (first..end)
+        .filter(|_| open[1])
+        .map(|index| TrackerTool { index });
+    let parameters: Vec<ParameterId> = base.chain(tool).map(ParameterId::Surrounding).collect();
     let weights = Weights::stated(device, &channels);
     let problem = DeviceProblem::new(device, recording, &channels, &parameters, &weights)?;
     let free: Vec<usize> = (0..parameters.len()).collect();
