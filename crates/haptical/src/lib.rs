@@ -9,6 +9,7 @@ mod error;
 pub mod files;
 mod identify;
 mod log;
+mod page;
 mod plan;
 pub mod units;
 

@@ -92,7 +92,7 @@ fn log_axis() -> Figure {
         let cost = |k: i32| (f64::from(k), 10.0_f64.powf(-rate * f64::from(k)) + 3e-9);
         figure.series.push(Series::new(
             label,
-            Mark::Steps,
+            Mark::Line,
             colour,
             (0..=8).map(cost).collect(),
         ));

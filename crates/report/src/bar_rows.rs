@@ -2,9 +2,10 @@
 
 use crate::canvas::{Anchor, Canvas, Colour, Rectangle, Stroke};
 use crate::error::ReportError;
-use crate::figure::axis::{Axis, MOST_TICKS, Tick};
+use crate::figure::axis::Axis;
 use crate::figure::layout::{
     LINE_PX, MARGIN_PX, TEXT_PX, TICK_PX, TITLE_LINE_PX, TITLE_PX, draw_name, draw_title,
+    number_ticks,
 };
 use crate::text::{BOLD_FACTOR, widest_px, wrap};
 
@@ -112,7 +113,7 @@ impl BarRows {
         let layout = self.layout(f64::from(width_px))?;
         let mut canvas = Canvas::new(width_px, layout.height.ceil() as u32)?;
         self.draw(&mut canvas, &layout, &axis);
-        canvas.finish(&self.title)
+        Ok(canvas.finish(&self.title))
     }
 
     fn layout(&self, width: f64) -> Result<Layout, ReportError> {
@@ -160,7 +161,7 @@ impl BarRows {
         draw_title(canvas, &layout.title, (0.0, 0.0));
         let x_px = |value: f64| plot.left + axis.share(value) * plot.width();
         let line = |colour| Stroke::new(colour, 1.0);
-        let ticks = level_ticks(axis, &plot);
+        let ticks = number_ticks(&plot, axis).ticks;
         for tick in &ticks {
             let x = x_px(tick.value);
             canvas.path(&[(x, plot.top), (x, plot.bottom)], line(Colour::GRID));
@@ -200,18 +201,5 @@ impl BarRows {
         if !self.x_label.is_empty() {
             canvas.text(&self.x_label, at, TEXT_PX, Anchor::Middle);
         }
-    }
-}
-
-/// As many labelled ticks as fit side by side.
-fn level_ticks(axis: &Axis, plot: &Rectangle) -> Vec<Tick> {
-    let mut most = MOST_TICKS;
-    loop {
-        let ticks = axis.ticks(most);
-        let widest = widest_px(ticks.iter().map(|tick| &tick.label), TEXT_PX);
-        if most <= 2 || ticks.len() as f64 * (widest + 2.0 * GAP_PX) <= plot.width() {
-            return ticks;
-        }
-        most -= 1;
     }
 }

@@ -1,19 +1,12 @@
-//! Drawing primitives in px on the SVG backend of plotters.
-
-use plotters::backend::DrawingBackend;
-use plotters::prelude::{RGBAColor, SVGBackend, ShapeStyle};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontDesc, FontFamily, FontStyle, FontTransform, TextStyle};
+//! Drawing primitives in px, written as SVG.
 
 use crate::error::ReportError;
 use crate::text::clean;
 
-/// The backend knows whole units only; ten of them make a px, so that curves are not stepped.
+/// Coordinates are whole units; ten of them make a px, so that curves are not stepped.
 const UNITS_PER_PX: f64 = 10.0;
 /// Largest side of a picture, in px.
 const LARGEST_SIDE_PX: u32 = 20_000;
-/// The backend divides a font size by this factor before writing it.
-const BACKEND_FONT_FACTOR: f64 = 1.24;
 
 /// A point in px, from the upper left corner.
 pub(crate) type Point = (f64, f64);
@@ -57,8 +50,10 @@ impl Colour {
         Self { opacity, ..self }
     }
 
-    fn plotters(self) -> RGBAColor {
-        RGBAColor(self.rgb.0, self.rgb.1, self.rgb.2, self.opacity)
+    /// Opacity and colour as attributes of SVG, the colour under the name `paint`.
+    fn attributes(self, paint: &str) -> String {
+        let ((red, green, blue), opacity) = (self.rgb, self.opacity);
+        format!("opacity=\"{opacity}\" {paint}=\"#{red:02X}{green:02X}{blue:02X}\"")
     }
 }
 
@@ -111,31 +106,10 @@ impl Rectangle {
     }
 }
 
-/// One thing drawn.
-#[derive(Debug, Clone, PartialEq)]
-enum Element {
-    Path(Vec<Point>, Stroke),
-    Polygon(Vec<Point>, Colour),
-    Fill(Rectangle, Colour),
-    Circle(Point, f64, Colour),
-    Text(Lettering),
-}
-
-/// A text with its place and face.
-#[derive(Debug, Clone, PartialEq)]
-struct Lettering {
-    text: String,
-    at: Point,
-    size_px: f64,
-    anchor: Anchor,
-    bold: bool,
-    upward: bool,
-}
-
-/// A picture in the making: elements in drawing order.
+/// A picture in the making: the elements of SVG in drawing order.
 #[derive(Debug, Clone)]
 pub(crate) struct Canvas {
-    elements: Vec<Element>,
+    elements: String,
     size_px: (u32, u32),
 }
 
@@ -151,7 +125,7 @@ impl Canvas {
             });
         }
         let mut canvas = Self {
-            elements: Vec::new(),
+            elements: String::new(),
             size_px: (width_px, height_px),
         };
         let page = canvas.page();
@@ -167,153 +141,96 @@ impl Canvas {
 
     /// Straight segments through the points.
     pub(crate) fn path(&mut self, points: &[Point], stroke: Stroke) {
-        self.elements.push(Element::Path(points.to_vec(), stroke));
+        let colour = stroke.colour.attributes("stroke");
+        let (width, points) = (units(stroke.width_px).max(1), list(points));
+        self.elements += &format!(
+            "<polyline fill=\"none\" {colour} stroke-width=\"{width}\" points=\"{points}\"/>\n"
+        );
     }
 
     /// A filled polygon.
     pub(crate) fn polygon(&mut self, points: &[Point], colour: Colour) {
-        self.elements
-            .push(Element::Polygon(points.to_vec(), colour));
+        let (fill, points) = (colour.attributes("fill"), list(points));
+        self.elements += &format!("<polygon {fill} points=\"{points}\"/>\n");
     }
 
-    /// A filled rectangle.
+    /// A filled rectangle; none where it could not be seen.
     pub(crate) fn fill(&mut self, area: Rectangle, colour: Colour) {
-        self.elements.push(Element::Fill(area, colour));
+        if colour.opacity == 0.0 {
+            return;
+        }
+        let [x, y] = [area.left, area.top].map(units);
+        let (width, height) = (units(area.right) - x, units(area.bottom) - y);
+        let fill = colour.attributes("fill");
+        self.elements += &format!(
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" {fill} stroke=\"none\"/>\n"
+        );
     }
 
     /// A filled circle.
-    pub(crate) fn circle(&mut self, centre: Point, radius_px: f64, colour: Colour) {
-        self.elements
-            .push(Element::Circle(centre, radius_px, colour));
+    pub(crate) fn circle(&mut self, (x, y): Point, radius_px: f64, colour: Colour) {
+        let ([x, y], radius) = ([x, y].map(units), units(radius_px).max(1));
+        let fill = colour.attributes("fill");
+        self.elements += &format!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" {fill} stroke=\"none\" stroke-width=\"0\"/>\n"
+        );
     }
 
     /// A text whose vertical centre is at the point.
     pub(crate) fn text(&mut self, text: &str, at: Point, size_px: f64, anchor: Anchor) {
-        self.letter(text, at, size_px, anchor, (false, false));
+        self.letter(text, at, size_px, anchor, "");
     }
 
     /// A text that reads upwards; `anchor` refers to its reading direction.
     pub(crate) fn upward_text(&mut self, text: &str, at: Point, size_px: f64, anchor: Anchor) {
-        self.letter(text, at, size_px, anchor, (false, true));
+        let [x, y] = [at.0, at.1].map(units);
+        let turn = format!(" transform=\"rotate(270, {x}, {y})\"");
+        self.letter(text, at, size_px, anchor, &turn);
     }
 
     /// A bold text that starts at the point.
     pub(crate) fn heading(&mut self, text: &str, at: Point, size_px: f64) {
-        self.letter(text, at, size_px, Anchor::Start, (true, false));
+        self.letter(text, at, size_px, Anchor::Start, " font-weight=\"bold\"");
     }
 
-    fn letter(
-        &mut self,
-        text: &str,
-        at: Point,
-        size_px: f64,
-        anchor: Anchor,
-        (bold, upward): (bool, bool),
-    ) {
-        let text = clean(text);
-        self.elements.push(Element::Text(Lettering {
-            text,
-            at,
-            size_px,
-            anchor,
-            bold,
-            upward,
-        }));
+    fn letter(&mut self, text: &str, at: Point, size_px: f64, anchor: Anchor, more: &str) {
+        let [x, y] = [at.0, at.1].map(units);
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let (size, fill) = (size_px * UNITS_PER_PX, Colour::INK.attributes("fill"));
+        let text = escaped(text);
+        self.elements += &format!(
+            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{anchor}\" font-family=\"sans-serif\" \
+             font-size=\"{size}\" {fill}{more}>\n{text}\n</text>\n"
+        );
     }
 
     /// The SVG text, with `title` as the name that screen readers and tool tips give it.
-    pub(crate) fn finish(&self, title: &str) -> Result<String, ReportError> {
+    pub(crate) fn finish(&self, title: &str) -> String {
         let (width, height) = self.size_px;
-        let (wide, high) = (units(f64::from(width)), units(f64::from(height)));
-        let failure = |message: String| ReportError::Drawing { message };
-        let mut drawn = String::new();
-        let mut backend = SVGBackend::with_string(&mut drawn, (1, 1));
-        let mut elements = self.elements.iter();
-        let outcome = elements.try_for_each(|element| element.draw(&mut backend));
-        let present = |()| backend.present().map_err(|error| error.to_string());
-        outcome.and_then(present).map_err(failure)?;
-        drop(backend);
-        // The opening tag of the backend knows one size only; ours has px outside, units inside.
-        let (_, body) = drawn
-            .split_once(">\n")
-            .ok_or_else(|| failure("no opening tag".to_owned()))?;
-        Ok(format!(
+        let [wide, high] = [width, height].map(|px| units(f64::from(px)));
+        format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {wide} {high}\" role=\"img\">\n<title>{}</title>\n{body}",
-            maud::html! { (clean(title)) }.into_string(),
-        ))
+             viewBox=\"0 0 {wide} {high}\" role=\"img\">\n<title>{}</title>\n{}</svg>\n",
+            escaped(title),
+            self.elements,
+        )
     }
 }
 
-impl Element {
-    fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Result<(), String> {
-        let outcome = match self {
-            Self::Path(points, stroke) => {
-                let style = ShapeStyle {
-                    color: stroke.colour.plotters(),
-                    filled: false,
-                    stroke_width: units(stroke.width_px).max(1).unsigned_abs(),
-                };
-                backend.draw_path(points.iter().map(backend_point), &style)
-            }
-            Self::Polygon(points, colour) => {
-                backend.fill_polygon(points.iter().map(backend_point), &fill_style(*colour))
-            }
-            Self::Fill(area, colour) => {
-                let upper_left = backend_point(&(area.left, area.top));
-                let lower_right = backend_point(&(area.right, area.bottom));
-                backend.draw_rect(upper_left, lower_right, &fill_style(*colour), true)
-            }
-            Self::Circle(centre, radius_px, colour) => {
-                let radius = units(*radius_px).max(1).unsigned_abs();
-                backend.draw_circle(backend_point(centre), radius, &fill_style(*colour), true)
-            }
-            Self::Text(lettering) => return lettering.draw(backend),
-        };
-        outcome.map_err(|error| error.to_string())
-    }
+/// Text on one line, as SVG writes it.
+fn escaped(text: &str) -> String {
+    maud::html! { (clean(text)) }.into_string()
 }
 
-impl Lettering {
-    fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Result<(), String> {
-        let horizontal = match self.anchor {
-            Anchor::Start => HPos::Left,
-            Anchor::Middle => HPos::Center,
-            Anchor::End => HPos::Right,
-        };
-        let face = if self.bold {
-            FontStyle::Bold
-        } else {
-            FontStyle::Normal
-        };
-        let turn = if self.upward {
-            FontTransform::Rotate270
-        } else {
-            FontTransform::None
-        };
-        let size = self.size_px * UNITS_PER_PX * BACKEND_FONT_FACTOR;
-        let font = FontDesc::new(FontFamily::SansSerif, size, face).transform(turn);
-        let colour = Colour::INK.plotters();
-        let style = TextStyle::from(font)
-            .color(&colour)
-            .pos(Pos::new(horizontal, VPos::Center));
-        let outcome = backend.draw_text(&self.text, &style, backend_point(&self.at));
-        outcome.map_err(|error| error.to_string())
-    }
-}
-
-fn fill_style(colour: Colour) -> ShapeStyle {
-    ShapeStyle {
-        color: colour.plotters(),
-        filled: true,
-        stroke_width: 0,
-    }
+fn list(points: &[Point]) -> String {
+    let point = |&(x, y): &Point| format!("{},{} ", units(x), units(y));
+    points.iter().map(point).collect()
 }
 
 fn units(px: f64) -> i32 {
     (px * UNITS_PER_PX).round() as i32
-}
-
-fn backend_point(point: &Point) -> (i32, i32) {
-    (units(point.0), units(point.1))
 }

@@ -96,12 +96,6 @@ pub enum ReportError {
         /// Largest side, in px.
         largest_px: u32,
     },
-    /// The drawing library refused an element.
-    #[error("the drawing library: {message}")]
-    Drawing {
-        /// Its message.
-        message: String,
-    },
     /// The CSV library refused a record.
     #[error("table \"{table}\" as CSV: {message}")]
     Csv {

@@ -111,7 +111,7 @@ impl HeatMap {
             }
             upper = lower;
         }
-        canvas.finish(&self.title)
+        Ok(canvas.finish(&self.title))
     }
 
     fn check(&self) -> Result<(), ReportError> {

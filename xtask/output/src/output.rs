@@ -78,20 +78,7 @@ impl Output {
 
     /// Some columns of a table, for the terminal: all of them would be wider than it.
     pub fn terminal_table(&mut self, table: &Table, columns: &[usize]) {
-        let narrow = Table {
-            title: table.title.clone(),
-            columns: columns
-                .iter()
-                .map(|&column| table.columns[column].clone())
-                .collect(),
-            rows: table
-                .rows
-                .iter()
-                .map(|row| columns.iter().map(|&column| row[column].clone()).collect())
-                .collect(),
-            notes: Vec::new(),
-        };
-        self.terminal.push(narrow.to_terminal());
+        self.terminal.push(table.narrowed(columns).to_terminal());
     }
 
     /// A table under a file name without extension.

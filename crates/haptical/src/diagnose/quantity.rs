@@ -1,7 +1,6 @@
 //! Numbers of effects in units for people.
 
 use haptical_effects::{Role, Unit, parameter};
-use haptical_report::Cell;
 
 use crate::units::decimals;
 
@@ -18,7 +17,7 @@ const PLAIN: std::ops::Range<f64> = 1e-3..1e7;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Quantity {
     pub(crate) words: String,
-    pub(crate) unit: &'static str,
+    unit: &'static str,
     per_si: f64,
 }
 
@@ -38,29 +37,6 @@ impl Quantity {
             words: words(rest, name),
             unit,
             per_si,
-        }
-    }
-
-    /// A value as a cell, with the digits that its interval leaves.
-    pub(crate) fn cell(&self, value: f64, ci95: [f64; 2]) -> Cell {
-        let shown = value * self.per_si;
-        if is_plain(shown) {
-            Cell::number(shown, self.decimals(value, ci95))
-        } else {
-            Cell::scientific(shown, 3)
-        }
-    }
-
-    /// The interval as a cell; missing where it has no width.
-    pub(crate) fn interval(&self, value: f64, ci95: [f64; 2]) -> Cell {
-        if ci95[0] == ci95[1] {
-            return Cell::Missing;
-        }
-        let [low, high] = ci95.map(|end| end * self.per_si);
-        if is_plain(value * self.per_si) {
-            Cell::interval(low, high, self.decimals(value, ci95))
-        } else {
-            Cell::Text(format!("{low:.2e} to {high:.2e}"))
         }
     }
 

@@ -21,6 +21,14 @@ pub(crate) fn column(joint: Option<usize>) -> String {
     joint.map_or_else(|| "device".to_owned(), |joint| format!("joint {joint}"))
 }
 
+/// The joints that columns are for; the device as a whole comes last.
+pub(crate) fn joints(all: impl Iterator<Item = Option<usize>>) -> Vec<Option<usize>> {
+    let mut joints: Vec<Option<usize>> = all.collect();
+    joints.sort_unstable_by_key(|joint| joint.unwrap_or(usize::MAX));
+    joints.dedup();
+    joints
+}
+
 /// A probability in whole percent; none is certain.
 pub(crate) fn probability(probability: f64) -> String {
     percent(probability.clamp(0.0, 0.999))

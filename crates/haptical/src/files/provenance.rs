@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Fingerprint, InputFile, NewFile};
 use crate::error::Error;
+use crate::page::facts;
 
 /// Version of the library and of the command.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -158,9 +159,7 @@ impl Record {
     /// # Errors
     /// A fault of this library alone.
     pub fn table(&self) -> Result<Table, Error> {
-        let rows = self.lines()?.into_iter();
-        let rows = rows.map(|(what, value)| vec![what.into(), value.into()]);
-        Ok(Table::with_heads("", "what | value").with_rows(rows)?)
+        facts("", self.lines()?)
     }
 
     /// The record as comments at the head of a TOML file.

@@ -15,7 +15,7 @@ use haptical_calibration::{
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_model::{Device as Model, Recording, TransmissionKind};
 
-use self::result::{Described, identified};
+use self::result::identified;
 pub use self::result::{
     IdentifiabilityEntry, Identified, LossEntry, NoiseEntry, NotIdentified, ParameterEntry,
     RankEntry,
@@ -106,16 +106,13 @@ pub fn identify_as(
     inputs.splice(1..1, log.input("log"));
     let mut record = Record::new(version, "identify", options.flags(device, &inputs), inputs);
     record.thresholds = Some(Thresholds::from_options(&options.options));
-    let described = Described {
-        device: device.source().label.clone(),
-        log: log.source().label.clone(),
-        method: Calibration::method_name(options.options.method),
-        rows: recording.len(),
-        record,
-    };
     let force = force(&model, &calibration, &recording).map_err(refuse)?;
-    let nominal = &calibration.nominal;
-    let result = identified(&calibration, nominal, described, force, warnings.concat());
+    let labels = [device.source(), log.source()].map(|source| source.label.as_str());
+    let fit = (
+        Calibration::method_name(options.options.method),
+        recording.len(),
+    );
+    let result = identified(&calibration, labels, fit, force, warnings.concat(), record);
     let toml = calibration
         .device
         .to_toml(without_comments(device.to_toml()), &device.source().label)
@@ -230,7 +227,7 @@ impl Found {
     /// A fault of this library alone.
     pub fn files(&self) -> Result<Vec<NewFile<'static>>, Error> {
         let (result, calibration) = (&self.result, &self.calibration);
-        let page = page::page(result, calibration, &calibration.nominal, &self.recording)?;
+        let page = page::page(result, calibration, &self.recording)?;
         let [toml_name, json_name, page_name] = Self::FILES;
         let mut files = vec![
             (toml_name, self.device.to_toml().as_bytes().to_vec()),

@@ -191,24 +191,17 @@ impl LossEntry {
     }
 }
 
-/// What was calibrated, in names.
-pub(super) struct Described {
-    pub(super) device: String,
-    pub(super) log: String,
-    pub(super) method: &'static str,
-    pub(super) rows: usize,
-    pub(super) record: Record,
-}
-
-/// Collects everything for identified.json.
+/// Collects everything for identified.json; `labels` are those of the device file and of the log.
 pub(super) fn identified(
     calibration: &Calibration,
-    nominal: &Device,
-    described: Described,
+    labels: [&str; 2],
+    (method, rows): (&'static str, usize),
     force_direction: Option<ForceDirection>,
     warnings: Vec<String>,
+    provenance: Record,
 ) -> Identified {
     let fitted = &calibration.fitted;
+    let [device, log] = labels.map(str::to_owned);
     let steps = fitted.transmissions.iter();
     let steps = steps.filter_map(|transmission| transmission.fit.as_ref());
     let steps: Vec<&ParameterFit> = steps.collect();
@@ -219,7 +212,7 @@ pub(super) fn identified(
     let mut parameters: Vec<ParameterEntry> = Vec::new();
     // In two steps the whole fit has the kinematics alone; the transmissions come from step 1.
     for fit in fits.iter().chain(&steps) {
-        for entry in entries(fit, nominal, &calibration.device) {
+        for entry in entries(fit, &calibration.nominal, &calibration.device) {
             // not by key: the three turns of a frame share one
             if parameters.iter().all(|other| other.name != entry.name) {
                 parameters.push(entry);
@@ -235,11 +228,11 @@ pub(super) fn identified(
         (channel.name(), NoiseEntry { stated, factor })
     });
     Identified {
-        haptical_version: described.record.haptical_version.clone(),
-        device: described.device,
-        log: described.log,
-        method: described.method,
-        rows: described.rows,
+        haptical_version: provenance.haptical_version.clone(),
+        device,
+        log,
+        method,
+        rows,
         held_out: calibration.held_out.clone(),
         convergence: fits.first().map(|fit| fit.convergence),
         iterations: fits.iter().map(|fit| fit.iterations).sum(),
@@ -260,7 +253,7 @@ pub(super) fn identified(
         outliers: calibration.outliers.clone(),
         parameters,
         warnings,
-        provenance: described.record,
+        provenance,
     }
 }
 

@@ -66,7 +66,7 @@ pub(super) fn judged_table(title: &str, result: &Identified) -> Result<Table, Er
     let mut table = channel_table(title, &result.channels)?;
     for channel in result.unchecked() {
         let shown = Shown::fine(&channel.unit);
-        let mut row = vec![Cell::Missing; table.columns.len()];
+        let mut row = vec![Cell::Missing; table.columns().len()];
         row[0] = channel.channel.as_str().into();
         row[1] = shown.name.into();
         row[2] = Cell::number(0.0, 0);

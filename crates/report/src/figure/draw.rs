@@ -127,7 +127,6 @@ pub(crate) fn draw_series(canvas: &mut Canvas, plot: &Plot, series: &Series, slo
     let mut line = |points| draw_line(canvas, plot, points, stroke, dash);
     match series.mark {
         Mark::Line | Mark::DashedLine => line(plot.map(&series.points)),
-        Mark::Steps => line(plot.map(&steps(&series.points))),
         Mark::Reference => {
             for &(_, y) in series.points.iter().take(1) {
                 let y = plot.y_px(y);
@@ -163,13 +162,6 @@ fn draw_line(
             }
         }
     }
-}
-
-fn steps(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let corners = points
-        .windows(2)
-        .flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
-    corners.chain(points.last().copied()).collect()
 }
 
 fn draw_points(canvas: &mut Canvas, plot: &Plot, series: &Series, slot: Slot) {

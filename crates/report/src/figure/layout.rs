@@ -159,7 +159,7 @@ fn check_room(figure: &Figure, plot: &Rectangle) -> Result<(), ReportError> {
 }
 
 /// As many number labels as fit side by side without touching.
-fn number_ticks(plot: &Rectangle, x: &Axis) -> XTicks {
+pub(crate) fn number_ticks(plot: &Rectangle, x: &Axis) -> XTicks {
     let mut most = MOST_TICKS;
     loop {
         let mut ticks = x.ticks(most);

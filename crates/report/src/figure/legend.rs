@@ -97,14 +97,6 @@ impl Entry {
         let block = Rectangle::new(x + 4.0, y - 6.0, x + SAMPLE_PX - 4.0, y + 6.0);
         match self.mark {
             Mark::Line => canvas.path(&line, stroke),
-            Mark::Steps => {
-                let (low, high) = (y + 4.0, y - 4.0);
-                let end = x + SAMPLE_PX;
-                canvas.path(
-                    &[(x, low), (middle, low), (middle, high), (end, high)],
-                    stroke,
-                );
-            }
             Mark::DashedLine | Mark::Reference => {
                 let (dash_px, gap_px) = self.mark.dash_px().unwrap_or_default();
                 for dash in dashes(&line, dash_px, gap_px) {

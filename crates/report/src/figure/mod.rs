@@ -76,7 +76,7 @@ impl Figure {
         let mut canvas = Canvas::new(width_px, height_px)?;
         let page = canvas.page();
         draw_panel(&mut canvas, self, page)?;
-        canvas.finish(&self.title)
+        Ok(canvas.finish(&self.title))
     }
 }
 
@@ -131,6 +131,6 @@ impl FigureGrid {
             let area = Rectangle::new(x(column), y(row), x(column + 1.0), y(row + 1.0));
             draw_panel(&mut canvas, figure, area)?;
         }
-        canvas.finish(&self.title)
+        Ok(canvas.finish(&self.title))
     }
 }

@@ -13,8 +13,6 @@ pub enum Mark {
     /// One bar for each point, from 0 (or the foot of a logarithmic axis); bar series that share
     /// positions are drawn side by side.
     Bars,
-    /// A step line: each value holds until the next point.
-    Steps,
     /// A shaded band; see [`Series::band`].
     Band,
     /// Error bars; see [`Series::intervals`].

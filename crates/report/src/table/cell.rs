@@ -69,21 +69,9 @@ pub enum Cell {
     Missing,
 }
 
-impl From<&str> for Cell {
-    fn from(text: &str) -> Self {
-        Self::Text(text.to_owned())
-    }
-}
-
-impl From<&String> for Cell {
-    fn from(text: &String) -> Self {
-        Self::Text(text.clone())
-    }
-}
-
-impl From<String> for Cell {
-    fn from(text: String) -> Self {
-        Self::Text(text)
+impl<T: Into<String>> From<T> for Cell {
+    fn from(text: T) -> Self {
+        Self::Text(text.into())
     }
 }
 
@@ -153,9 +141,6 @@ impl Cell {
 
 /// Fixed decimals, without a minus before a number that rounds to zero.
 fn fixed(value: f64, decimals: usize) -> String {
-    if !value.is_finite() {
-        return "not finite".to_owned();
-    }
     if value.abs() >= LONGEST_FIXED {
         return scientific(value, decimals + 1);
     }
@@ -169,12 +154,8 @@ fn fixed(value: f64, decimals: usize) -> String {
 }
 
 fn scientific(value: f64, digits: usize) -> String {
-    if value.is_finite() {
-        let after_point = digits.saturating_sub(1);
-        format!("{value:.after_point$e}")
-    } else {
-        "not finite".to_owned()
-    }
+    let after_point = digits.saturating_sub(1);
+    format!("{value:.after_point$e}")
 }
 
 /// All digits of a number, for programs: the shortest text that reads back as the same number.

@@ -34,8 +34,8 @@ impl Table {
         let rules = (0..self.columns.len()).map(|index| rule(index).to_owned());
         text.push_str(&line(rules.collect()));
         for row in &self.rows {
-            let cell = |index: usize| markdown(&self.cell(row, index).display());
-            text.push_str(&line((0..self.columns.len()).map(cell).collect()));
+            let cells = row.iter().map(|cell| markdown(&cell.display()));
+            text.push_str(&line(cells.collect()));
         }
         for note in &self.notes {
             text.push_str(&format!("\n{}\n", markdown(note)));
@@ -49,10 +49,8 @@ impl Table {
     /// [unit]` and `name high [unit]`; other numbers in it fill both. A missing cell is empty.
     ///
     /// # Errors
-    /// [`ReportError::RowWidth`] and [`ReportError::NonFinite`] when `rows` was filled without
-    /// [`Table::push`], [`ReportError::Csv`] when the CSV library refuses.
+    /// [`ReportError::Csv`] when the CSV library refuses.
     pub fn to_csv(&self) -> Result<String, ReportError> {
-        self.check()?;
         let failure = |error: csv::Error| ReportError::Csv {
             table: self.title.clone(),
             message: error.to_string(),
@@ -80,7 +78,7 @@ impl Table {
 
     /// The table as JSON: `title`, `columns` with `name` and `unit`, `rows`, `notes`.
     ///
-    /// Numbers are raw, an interval is `[low, high]`, a missing or non-finite value is `null`.
+    /// Numbers are raw, an interval is `[low, high]`, a missing value is `null`.
     pub fn to_json(&self) -> Value {
         let columns = self.columns.iter();
         let columns = columns.map(|column| json!({ "name": column.name, "unit": column.unit }));
@@ -122,8 +120,8 @@ impl Table {
                         } }
                         tbody {
                             @for row in &self.rows { tr {
-                                @for index in 0..self.columns.len() {
-                                    td class=(class(index)) { (html_cell(self.cell(row, index))) }
+                                @for (index, cell) in row.iter().enumerate() {
+                                    td class=(class(index)) { (html_cell(cell)) }
                                 }
                             } }
                         }
@@ -134,22 +132,16 @@ impl Table {
         }
     }
 
-    pub(crate) fn cell<'a>(&self, row: &'a [Cell], index: usize) -> &'a Cell {
-        row.get(index).unwrap_or(&Cell::Missing)
-    }
-
     /// Whether every cell of the column is short enough to stay on one line.
     fn is_short_column(&self, index: usize) -> bool {
         const SHORT: usize = 32;
-        self.rows
-            .iter()
-            .all(|row| self.cell(row, index).display().chars().count() <= SHORT)
+        let mut cells = self.rows.iter().map(|row| &row[index]);
+        cells.all(|cell| cell.display().chars().count() <= SHORT)
     }
 
     fn has_intervals(&self, index: usize) -> bool {
-        self.rows
-            .iter()
-            .any(|row| matches!(row.get(index), Some(Cell::Interval { .. })))
+        let mut cells = self.rows.iter().map(|row| &row[index]);
+        cells.any(|cell| matches!(cell, Cell::Interval { .. }))
     }
 }
 

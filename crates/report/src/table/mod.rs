@@ -25,10 +25,9 @@ const LIGHT_BORDERS: TableStyle = TableStyle::new()
 pub struct Table {
     /// What the table shows.
     pub title: String,
-    /// Heads of the columns.
-    pub columns: Vec<Column>,
-    /// Rows, each as wide as `columns`.
-    pub rows: Vec<Vec<Cell>>,
+    columns: Vec<Column>,
+    /// Each as wide as `columns`, of finite numbers: [`Table::push`] sees to it.
+    rows: Vec<Vec<Cell>>,
     /// Remarks under the table.
     pub notes: Vec<String>,
 }
@@ -61,7 +60,7 @@ impl Table {
     /// ```
     /// use haptical_report::{Column, Table};
     /// let table = Table::with_heads("Joint offsets", "joint | offset [mrad]");
-    /// assert_eq!(table.columns, [Column::new("joint", ""), Column::new("offset", "mrad")]);
+    /// assert_eq!(table.columns(), [Column::new("joint", ""), Column::new("offset", "mrad")]);
     /// ```
     pub fn with_heads(title: impl Into<String>, heads: &str) -> Self {
         let column = |head: &str| match head.trim().strip_suffix(']') {
@@ -93,21 +92,60 @@ impl Table {
         self
     }
 
+    /// Some columns of the table, without its notes; columns that it has not are left out.
+    #[must_use]
+    pub fn narrowed(&self, columns: &[usize]) -> Self {
+        fn kept<T: Clone>(all: &[T], columns: &[usize]) -> Vec<T> {
+            let kept = columns.iter().filter_map(|&column| all.get(column));
+            kept.cloned().collect()
+        }
+        let rows = self.rows.iter().map(|row| kept(row, columns));
+        Self {
+            rows: rows.collect(),
+            ..Self::new(&self.title, kept(&self.columns, columns))
+        }
+    }
+
     /// Adds a row.
     ///
     /// # Errors
     /// [`ReportError::RowWidth`] when the row is not as wide as the table,
     /// [`ReportError::NonFinite`] when a number in it is NaN or infinite.
     pub fn push(&mut self, row: Vec<Cell>) -> Result<(), ReportError> {
-        self.check_row(self.rows.len(), &row)?;
+        if row.len() != self.columns.len() {
+            return Err(ReportError::RowWidth {
+                table: self.title.clone(),
+                expected: self.columns.len(),
+                got: row.len(),
+            });
+        }
+        for (cell, column) in row.iter().zip(&self.columns) {
+            if let Some(value) = cell.numbers().into_iter().find(|value| !value.is_finite()) {
+                let place = format!("table \"{}\", column \"{}\"", self.title, column.name);
+                return Err(ReportError::NonFinite {
+                    place,
+                    index: self.rows.len(),
+                    value,
+                });
+            }
+        }
         self.rows.push(row);
         Ok(())
     }
 
+    /// Heads of the columns.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> &[Vec<Cell>] {
+        &self.rows
+    }
+
     /// The table for a terminal: title, light borders, notes; numbers are at the right.
     ///
-    /// The lines are as long as the cells need. Cells that a row lacks read as missing. There is no
-    /// line end after the last line.
+    /// The lines are as long as the cells need. There is no line end after the last line.
     pub fn to_terminal(&self) -> String {
         let mut table = TerminalTable::new();
         table.load_style(LIGHT_BORDERS);
@@ -116,8 +154,7 @@ impl Table {
             TerminalCell::new(clean(&column.heading())).set_alignment(self.alignment(index))
         }));
         for row in &self.rows {
-            table.add_row((0..self.columns.len()).map(|index| {
-                let cell = self.cell(row, index);
+            table.add_row(row.iter().enumerate().map(|(index, cell)| {
                 let lines: Vec<String> = cell.display().lines().map(clean).collect();
                 TerminalCell::new(lines.join("\n")).set_alignment(self.alignment(index))
             }));
@@ -133,37 +170,10 @@ impl Table {
 
     /// True when the column holds numbers only, apart from missing cells.
     pub(crate) fn is_numeric_column(&self, index: usize) -> bool {
-        let cells = self.rows.iter().filter_map(|row| row.get(index));
+        let cells = self.rows.iter().map(|row| &row[index]);
         let mut cells = cells.filter(|cell| **cell != Cell::Missing);
         let first = cells.next();
         first.is_some_and(Cell::is_numeric) && cells.all(Cell::is_numeric)
-    }
-
-    /// Refuses rows that were not added through [`Table::push`] and do not fit.
-    pub(crate) fn check(&self) -> Result<(), ReportError> {
-        let mut rows = self.rows.iter().enumerate();
-        rows.try_for_each(|(index, row)| self.check_row(index, row))
-    }
-
-    fn check_row(&self, index: usize, row: &[Cell]) -> Result<(), ReportError> {
-        if row.len() != self.columns.len() {
-            return Err(ReportError::RowWidth {
-                table: self.title.clone(),
-                expected: self.columns.len(),
-                got: row.len(),
-            });
-        }
-        for (cell, column) in row.iter().zip(&self.columns) {
-            if let Some(value) = cell.numbers().into_iter().find(|value| !value.is_finite()) {
-                let place = format!("table \"{}\", column \"{}\"", self.title, column.name);
-                return Err(ReportError::NonFinite {
-                    place,
-                    index,
-                    value,
-                });
-            }
-        }
-        Ok(())
     }
 
     fn alignment(&self, index: usize) -> CellAlignment {

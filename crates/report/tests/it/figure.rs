@@ -146,7 +146,7 @@ fn grid_draws_all_panels_apart() {
         eight_series(),
         simple(Mark::Points, &[(0.0, 1.0), (2.0, 4.0)]),
     ];
-    panels.push(simple(Mark::Steps, &[(0.0, 1e-7), (2.0, 4e-7)]));
+    panels.push(simple(Mark::Line, &[(0.0, 1e-7), (2.0, 4e-7)]));
     for (index, panel) in panels.iter_mut().enumerate() {
         panel.title = format!("Panel {index}");
     }

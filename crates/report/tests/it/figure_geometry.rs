@@ -110,17 +110,6 @@ fn a_band_covers_the_space_between_its_curves() {
 }
 
 #[test]
-fn steps_hold_their_value_until_the_next_point() {
-    let (picture, plot) = read(&unit_figure(Mark::Steps, &[(0.0, 0.2), (5.0, 0.8)]));
-    let line = &picture.lines_of(BLUE)[0].points;
-    let expected = [(0.0, 0.2), (0.5, 0.2), (0.5, 0.8)];
-    assert_eq!(line.len(), 3);
-    for (found, (x, y)) in line.iter().zip(expected) {
-        assert_near(*found, place(&plot, x, y));
-    }
-}
-
-#[test]
 fn dashes_cover_a_share_of_the_line() {
     let (picture, plot) = read(&unit_figure(Mark::DashedLine, &[(0.0, 0.5), (10.0, 0.5)]));
     let dashes = picture.lines_of(BLUE);

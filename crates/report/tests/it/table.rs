@@ -160,13 +160,7 @@ fn rows_that_do_not_fit_are_refused() {
             .push(row(Cell::interval(0.0, f64::INFINITY, 2)))
             .is_err()
     );
-    assert_eq!(table.rows.len(), 3);
-    // Rows written past `push` are caught where numbers leave for other programs.
-    table.rows.push(row(Cell::number(f64::NAN, 2)));
-    assert!(table.to_csv().is_err());
-    assert!(table.to_json()["rows"][3][2].is_null());
-    table.rows.push(vec![]);
-    assert!(table.to_terminal().contains("not finite"));
+    assert_eq!(table.rows().len(), 3);
 }
 
 #[test]

@@ -156,8 +156,8 @@ fn recorded_section(output: &mut Output, nominal: &Device, paper: &Paper, seed: 
     ));
     let table = recorded_figures::table5(&recorded, &scenario, paper)?;
     let no = haptical_report::Cell::from("no");
-    let missed = table.rows.iter().filter(|row| row.last() == Some(&no));
-    let (missed, all) = (missed.count(), table.rows.len());
+    let missed = table.rows().iter().filter(|row| row.last() == Some(&no));
+    let (missed, all) = (missed.count(), table.rows().len());
     output.table("table5", table)?;
     output.words(format!(
         "{} of {all} intervals hold the truth. Those of the paper's second step take the angles of the first as exact \

@@ -230,7 +230,7 @@ pub(crate) fn write(
     let mut times = Vec::new();
     for work in WORKS {
         let table = pairs(work, &results.comparisons)?;
-        if !table.rows.is_empty() {
+        if !table.rows().is_empty() {
             terminal.push(table.to_terminal());
             times.push(Block::Table(table));
         }

@@ -128,12 +128,12 @@ fn a_missing_peer_is_in_the_table_without_numbers() {
     assert!(csv.contains("SciPy,here,\n"), "{csv}");
     assert!(table.to_terminal().contains("apt-get install libceres-dev"));
     let table = pairs("200 poses", &results.comparisons).unwrap();
-    assert_eq!(table.rows.len(), 1);
+    assert_eq!(table.rows().len(), 1);
     assert!(table.to_csv().unwrap().contains(",3000000,3,"));
     assert!(
         pairs("another work", &results.comparisons)
             .unwrap()
-            .rows
+            .rows()
             .is_empty()
     );
     let folder = tempfile::tempdir().unwrap();

@@ -241,14 +241,14 @@ fn wrong_ones(output: &mut Output, cases: &[Case]) -> Result<()> {
     let is_small =
         |case: &Case, fault: Fault| fault == Fault::Missed && SMALL.contains(&case.suite);
     let table = wrong::table("", cases, |case, fault| !is_small(case, fault))?;
-    if table.rows.is_empty() {
+    if table.rows().is_empty() {
         output.words("None.");
     } else {
         output.table("wrong", table)?;
     }
     let missed = wrong::table("", cases, is_small)?;
-    if !missed.rows.is_empty() {
-        let summary = format!("Small effects that were missed: {}", missed.rows.len());
+    if !missed.rows().is_empty() {
+        let summary = format!("Small effects that were missed: {}", missed.rows().len());
         output.folded_table("missed", &summary, missed)?;
     }
     Ok(())

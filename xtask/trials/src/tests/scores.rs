@@ -97,9 +97,9 @@ fn singles_withheld_and_errors_are_counted() {
     ];
     assert_eq!(faults, expected);
     let listed = table("", &cases, |_, fault| fault != Fault::Missed).unwrap();
-    assert_eq!(listed.rows.len(), 4);
+    assert_eq!(listed.rows().len(), 4);
     assert_eq!(
-        listed.rows[0][1],
+        listed.rows()[0][1],
         "--suite s1 --first 3 --count 1".into(),
         "worst first"
     );

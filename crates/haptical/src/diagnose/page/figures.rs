@@ -3,10 +3,10 @@
 use haptical_diagnosis::{ChannelGap, Diagnosis, Trace, Verdict};
 use haptical_report::{BarRow, BarRows, Block, Figure, HeatCell, HeatMap, Mark, Series};
 
-use super::FIGURE_PX;
 use crate::diagnose::quantity::axis_label;
-use crate::diagnose::words::{column, main_channel, named_at};
+use crate::diagnose::words::{column, joints, main_channel, named_at};
 use crate::error::Error;
+use crate::page::{FIGURE_PX, thinned};
 use crate::units::{Shown, decimals};
 
 /// Colours: before, after, causes in turn, left, noise.
@@ -15,8 +15,6 @@ const AFTER: usize = 0;
 const CAUSES: [usize; 4] = [0, 5, 3, 6];
 const LEFT: usize = 4;
 const NOISE: usize = 2;
-/// Most points of a series; of longer ones every k-th is drawn.
-const MOST_POINTS: usize = 800;
 /// Most rows of the picture of candidates.
 const MOST_ROWS: usize = 10;
 /// Odds of 100 to 1 in nats: candidates nearer than this are confusable.
@@ -172,12 +170,9 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
     let shown = Shown::fine(&trace.unit);
     let points = |residuals: &[f64]| -> Vec<(f64, f64)> {
         let pairs = trace.at.iter().zip(residuals);
-        let all: Vec<(f64, f64)> = pairs
-            .map(|(&at, &residual)| (at, residual * shown.per_si))
-            .filter(|(at, residual)| at.is_finite() && residual.is_finite())
-            .collect();
-        let step = all.len().div_ceil(MOST_POINTS).max(1);
-        all.into_iter().step_by(step).collect()
+        let all = pairs.map(|(&at, &residual)| (at, residual * shown.per_si));
+        let finite = all.filter(|(at, residual)| at.is_finite() && residual.is_finite());
+        thinned(finite.collect())
     };
     let column = axis_label(&trace.covariate);
     let words = column.split(" [").next().unwrap_or_default();
@@ -218,10 +213,7 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
 /// Which effects at which joints come near the best candidate.
 pub(super) fn candidates(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
     let all = &diagnosis.candidates;
-    let mut joints: Vec<Option<usize>> = all.iter().map(|candidate| candidate.joint).collect();
-    // The device as a whole comes last.
-    joints.sort_unstable_by_key(|joint| joint.unwrap_or(usize::MAX));
-    joints.dedup();
+    let joints = joints(all.iter().map(|candidate| candidate.joint));
     let mut effects: Vec<(&str, f64)> = Vec::new();
     for candidate in all {
         match effects

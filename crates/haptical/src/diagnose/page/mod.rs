@@ -9,9 +9,8 @@ use haptical_report::{Block, Document, Section, Table, Tone};
 use crate::diagnose::words::{next_step, percent, place_sentence, verdict_mark, verdict_sentence};
 use crate::error::Error;
 use crate::files::Record;
+use crate::page::facts;
 
-/// Width of a figure, and height of one with two axes \[px\].
-const FIGURE_PX: (u32, u32) = (860, 340);
 /// Figures of residuals that are not folded away.
 const OPEN_FIGURES: usize = 1;
 
@@ -138,32 +137,31 @@ fn unseen(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     if !diagnosis.plausibility.is_empty() {
         blocks.push(tables::plausibility(diagnosis)?.into());
     }
-    let mut fold = |count: usize, summary: &str, table: Table| {
+    let (detectable, invisible) = (diagnosis.detectable.len(), diagnosis.invisible.len());
+    for (summary, count, table) in [
+        (
+            "What would have been noticed, and from which size on",
+            detectable,
+            tables::detectable(diagnosis)?,
+        ),
+        (
+            "Invisible: the model takes them for its own parameters",
+            invisible,
+            tables::invisible(diagnosis)?,
+        ),
+        (
+            "Untestable: this log lacks what they need",
+            diagnosis.untestable.len(),
+            tables::untestable(diagnosis)?,
+        ),
+    ] {
         if count > 0 {
             blocks.push(Block::Folded {
                 summary: format!("{summary} ({count})"),
                 blocks: vec![table.into()],
             });
         }
-    };
-    let summary = "What would have been noticed, and from which size on";
-    fold(
-        diagnosis.detectable.len(),
-        summary,
-        tables::detectable(diagnosis)?,
-    );
-    let summary = "Invisible: the model takes them for its own parameters";
-    fold(
-        diagnosis.invisible.len(),
-        summary,
-        tables::invisible(diagnosis)?,
-    );
-    let summary = "Untestable: this log lacks what they need";
-    fold(
-        diagnosis.untestable.len(),
-        summary,
-        tables::untestable(diagnosis)?,
-    );
+    }
     if blocks.is_empty() {
         blocks.push(Block::Paragraph("Nothing is listed.".to_owned()));
     }
@@ -196,10 +194,7 @@ fn provenance(diagnosis: &Diagnosis) -> Result<Table, Error> {
         ),
     ];
     rows.retain(|(_, value)| !value.is_empty());
-    let rows = rows
-        .into_iter()
-        .map(|(what, value)| vec![what.into(), value.into()]);
-    Ok(Table::with_heads("What the answer rests on", "what | value").with_rows(rows)?)
+    facts("What the answer rests on", rows)
 }
 
 #[cfg(test)]
@@ -238,7 +233,7 @@ mod tests {
                 "Gap of out2",
                 "before and after",
                 "stretches with the torque",
-                "243 to 273",
+                "258 [243, 273] N m/rad",
                 "nats behind the best",
                 "What would have been noticed",
                 "Invisible: the model takes",

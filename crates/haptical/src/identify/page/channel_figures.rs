@@ -4,8 +4,8 @@ use haptical_calibration::{Calibration, ChannelReport};
 use haptical_model::Recording;
 use haptical_report::{Block, Figure, Mark, Series};
 
-use super::{FIGURE_PX, MOST_POINTS, thinned};
 use crate::error::Error;
+use crate::page::{FIGURE_PX, MOST_POINTS, thinned};
 use crate::units::Shown;
 
 /// Colours: before, after on the rows of the fit, after on held-out rows.

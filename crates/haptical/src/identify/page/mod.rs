@@ -6,24 +6,19 @@ mod parameter_tables;
 mod transmission_figures;
 
 use haptical_calibration::{Calibration, ChannelReport};
-use haptical_model::{Device, Recording};
+use haptical_model::Recording;
 use haptical_report::{Block, Cell, Document, Section, Table};
 
 use super::result::Identified;
 use super::summary::{channel_table, force_sentence, judged_table};
 use crate::error::Error;
+use crate::page::facts;
 use crate::units::Shown;
-
-/// Size of a figure \[px\].
-const FIGURE_PX: (u32, u32) = (860, 340);
-/// Most points of a series; of longer ones every k-th is drawn.
-const MOST_POINTS: usize = 800;
 
 /// The whole page.
 pub(super) fn page(
     result: &Identified,
     calibration: &Calibration,
-    nominal: &Device,
     recording: &Recording,
 ) -> Result<String, Error> {
     let figures = channel_figures::blocks(calibration, recording)?;
@@ -46,7 +41,7 @@ pub(super) fn page(
         sections.push(Section::new("Warnings", list));
     }
     sections.push(provenance(result)?);
-    let title = format!("Identification of {}", nominal.name);
+    let title = format!("Identification of {}", calibration.nominal.name);
     Ok(Document::new(title, lead(result), sections).to_html())
 }
 
@@ -110,8 +105,7 @@ fn provenance(result: &Identified) -> Result<Section, Error> {
         ("held out", result.held_out.clone()),
         ("search", search),
     ];
-    let fitted = fitted.map(|(what, value)| vec![what.into(), value.into()]);
-    let fitted = Table::with_heads("What was fitted", "what | value").with_rows(fitted)?;
+    let fitted = facts("What was fitted", fitted)?;
     let noise = result.noise.iter().map(|(name, entry)| {
         let shown = Shown::fine(result.unit(name));
         vec![
@@ -129,10 +123,4 @@ fn provenance(result: &Identified) -> Result<Section, Error> {
     );
     let tables = [result.provenance.table()?, fitted, noise];
     Ok(Section::new("Provenance", tables.map(Block::Table).into()))
-}
-
-/// At most [`MOST_POINTS`] points, evenly chosen.
-fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
-    points.into_iter().step_by(step).collect()
 }

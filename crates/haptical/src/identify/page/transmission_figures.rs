@@ -4,10 +4,10 @@ use haptical_calibration::{Calibration, EvidenceEntry};
 use haptical_model::Recording;
 use haptical_report::{Block, Cell, Figure, Mark, Series, Table};
 
-use super::{FIGURE_PX, thinned};
 use crate::error::Error;
 use crate::identify::result::Identified;
 use crate::identify::transmissions::{TransmissionEntry, form_in_words};
+use crate::page::{FIGURE_PX, thinned};
 use crate::units::Shown;
 
 /// Points of a model's curve.

@@ -45,7 +45,7 @@ pub(in crate::diagnose::page) fn causes(diagnosis: &Diagnosis) -> Result<Table, 
 
 /// Numbers of the causes.
 pub(in crate::diagnose::page) fn parameters(diagnosis: &Diagnosis) -> Result<Table, Error> {
-    let columns = "cause | parameter | value | 95 % interval | unit | in gap.json";
+    let columns = "cause | parameter | value and 95 % interval | in gap.json";
     let mut table = Table::with_heads("Their numbers", columns);
     for cause in &diagnosis.causes {
         let named = named_at(&cause.effect, cause.joint);
@@ -54,9 +54,7 @@ pub(in crate::diagnose::page) fn parameters(diagnosis: &Diagnosis) -> Result<Tab
             table.push(vec![
                 (&named).into(),
                 (&quantity.words).into(),
-                quantity.cell(parameter.value, parameter.ci95),
-                quantity.interval(parameter.value, parameter.ci95),
-                quantity.unit.into(),
+                quantity.text(parameter.value, parameter.ci95).into(),
                 name.into(),
             ])?;
         }
@@ -112,14 +110,14 @@ mod tests {
         let mut diagnosis = named();
         let (open, folded) = candidates(&diagnosis).unwrap();
         assert!(folded.is_none());
-        let rows = open.rows;
+        let rows = open.rows();
         assert_eq!(rows.len(), 5);
         assert_eq!(rows[4][0], "none of the catalogue".into());
         let last = diagnosis.candidates[3].clone();
         diagnosis.candidates.extend(vec![last; 10]);
         let (open, folded) = candidates(&diagnosis).unwrap();
-        assert_eq!(open.rows.len(), OPEN_CANDIDATES + 1);
-        assert_eq!(folded.unwrap().rows.len(), 14);
+        assert_eq!(open.rows().len(), OPEN_CANDIDATES + 1);
+        assert_eq!(folded.unwrap().rows().len(), 14);
     }
 
     #[test]

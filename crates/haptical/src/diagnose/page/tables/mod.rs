@@ -65,7 +65,7 @@ pub(super) fn dependence(diagnosis: &Diagnosis) -> Result<Option<Table>, Error> 
         "p: probability that chance gives as much, errors within one posture allowed to go together; all \
          together: by Holm's method.",
     );
-    Ok((!table.rows.is_empty()).then_some(table))
+    Ok((!table.rows().is_empty()).then_some(table))
 }
 
 /// Odd values of the model.

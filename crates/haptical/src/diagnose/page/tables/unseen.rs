@@ -4,16 +4,13 @@ use haptical_diagnosis::Diagnosis;
 use haptical_report::{Cell, Table};
 
 use crate::diagnose::quantity::Quantity;
-use crate::diagnose::words::{column, named_at};
+use crate::diagnose::words::{column, joints, named_at};
 use crate::error::Error;
 
 /// Smallest sizes that would have been noticed: effects by joints.
 pub(in crate::diagnose::page) fn detectable(diagnosis: &Diagnosis) -> Result<Table, Error> {
     let all = &diagnosis.detectable;
-    let mut joints: Vec<Option<usize>> = all.iter().map(|entry| entry.joint).collect();
-    // the device as a whole comes last
-    joints.sort_unstable_by_key(|joint| joint.unwrap_or(usize::MAX));
-    joints.dedup();
+    let joints = joints(all.iter().map(|entry| entry.joint));
     let mut columns = vec!["effect".to_owned(), "parameter".to_owned()];
     columns.extend(joints.iter().map(|joint| column(*joint)));
     let mut table = Table::with_heads("", &columns.join(" | "));
@@ -83,12 +80,12 @@ mod tests {
         device.value = 1.6e-5;
         diagnosis.detectable.push(device);
         let found = detectable(&diagnosis).unwrap();
-        let heads: Vec<&str> = found.columns.iter().map(|c| c.name.as_str()).collect();
+        let heads: Vec<&str> = found.columns().iter().map(|c| c.name.as_str()).collect();
         assert_eq!(
             heads,
             ["effect", "parameter", "joint 1", "joint 2", "device"]
         );
-        let texts = |row: usize| -> Vec<Cell> { found.rows[row].clone() };
+        let texts = |row: usize| -> Vec<Cell> { found.rows()[row].clone() };
         let cells = |all: [&str; 5]| {
             all.map(|text| {
                 if text.is_empty() {
