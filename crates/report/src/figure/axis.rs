@@ -167,8 +167,9 @@ impl Axis {
     }
 
     fn log_ticks(&self, most: usize) -> Vec<Tick> {
-        let inside =
-            |value: &f64| (self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9)).contains(value);
+        let ends = self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9);
+        // at the end of the number range the upper end and the next tick are infinite
+        let inside = |value: &f64| value.is_finite() && ends.contains(value);
         let (first, last) = (
             self.low.log10().floor() as i32,
             self.high.log10().ceil() as i32,

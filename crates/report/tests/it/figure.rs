@@ -367,6 +367,13 @@ fn histogram_counts_every_value_once() {
     assert!(histogram(&[], 3).is_empty() && histogram(&[1.0], 0).is_empty());
 }
 
+#[test]
+fn a_logarithmic_axis_at_the_end_of_the_number_range_has_no_infinite_tick() {
+    let mut figure = simple(Mark::Line, &[(0.0, 1.690_813e308)]);
+    figure.y_log = true;
+    Picture::read(&figure.to_svg(520, 360).unwrap()).assert_texts_apart();
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
