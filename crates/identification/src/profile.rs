@@ -1,6 +1,7 @@
 //! Profile-likelihood intervals where the sum of squares is no parabola over a linearised one.
 
 use crate::problem::sum_of_squares;
+use crate::search::state::{SMALLEST_SCALE, UNSEEN_STEP};
 use crate::{IdentificationError, Problem, Settings, Uncertainty, solve};
 
 /// Ends of a parameter's interval by its profile likelihood.
@@ -26,6 +27,8 @@ pub const FARTHEST: f64 = 30.0;
 const EXACT: f64 = 0.005;
 /// Most fits for one end.
 const MOST_FITS: usize = 25;
+/// [`Settings::cost_tolerance`] of these fits: beside the rise that is sought, what they leave is below a millionth.
+const FALL_LEFT: f64 = 1e-9;
 
 /// Compares the linearised interval of each column of `spread` with the sum of squares at its two ends, the other
 /// parameters moved along as the covariance says, and searches the profile of those where they differ by more
@@ -83,13 +86,17 @@ pub fn profiles<P: Problem + ?Sized>(
         cost,
         limit: half_width * spread.noise_factor,
         spread,
-        settings,
+        settings: Settings {
+            cost_tolerance: settings.cost_tolerance.max(FALL_LEFT),
+            ..*settings
+        },
     };
     let mut found = Vec::new();
     for position in 0..spread.columns.len() {
         let end = half_width * spread.standard_deviation(position);
-        // an exact fit leaves no interval to speak of
-        if !(end > 0.0 && search.limit > 0.0) {
+        // where a fit is exact, the sum of squares over the interval is rounding
+        let value = values[spread.columns[position]];
+        if !(end > UNSEEN_STEP * (value.abs() + SMALLEST_SCALE) && search.limit > 0.0) {
             continue;
         }
         let is_straight = [-end, end].into_iter().all(|offset| {
@@ -124,7 +131,7 @@ struct Searched<'a, P: ?Sized> {
     /// Square root of the limit on the rise of the sum of squares.
     limit: f64,
     spread: &'a Uncertainty,
-    settings: &'a Settings,
+    settings: Settings,
 }
 
 impl<P: Problem + ?Sized> Searched<'_, P> {
@@ -188,7 +195,7 @@ impl<P: Problem + ?Sized> Searched<'_, P> {
             self.problem.evaluate(trial, &mut residuals, None).ok()?;
             return Some(sum_of_squares(&residuals));
         }
-        let fit = solve(self.problem, trial, others, self.settings).ok()?;
+        let fit = solve(self.problem, trial, others, &self.settings).ok()?;
         Some(fit.cost)
     }
 }

@@ -11,10 +11,10 @@ use crate::{Convergence, IdentificationError, Problem, Settings};
 const UNSEEN_FALL: f64 = 1e-9;
 
 /// Share of the parameters below which a step cannot be distinguished from rounding in the residuals.
-const UNSEEN_STEP: f64 = 1e-8;
+pub(crate) const UNSEEN_STEP: f64 = 1e-8;
 
 /// A millimetre or a milliradian, so that parameters near zero can converge too.
-const SMALLEST_SCALE: f64 = 1e-3;
+pub(crate) const SMALLEST_SCALE: f64 = 1e-3;
 
 /// A step after which a parameter has lost all but this share of its effect is refused: on such a
 /// plateau no derivative leads back (NIST's BoxBOD, where a rate leaps to where all has decayed).
