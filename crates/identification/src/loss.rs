@@ -85,6 +85,12 @@ impl Loss {
         }
     }
 
+    /// Whether large residuals pull less than middling ones. Such a loss has minima of its own around
+    /// outliers, so its fit begins with Huber's.
+    pub fn is_redescending(self) -> bool {
+        matches!(self, Self::Cauchy | Self::Tukey | Self::StudentT)
+    }
+
     /// Variance of a robust estimate over that which weighted least squares would state, the noise of the
     /// weighted rows being 1: mean(w) mean(psi^2) / mean(psi')^2 (Huber & Ronchetti 2009, eq. (7.81), with
     /// the covariance (J^T W J)^-1 in place of (J^T J)^-1 / mean(w)). `sizes` are the u of all rows.

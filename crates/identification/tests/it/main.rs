@@ -17,7 +17,6 @@ mod nist;
 mod observability;
 mod profile;
 mod refusals;
-mod reweighted;
 mod robust;
 mod search;
 mod support;

@@ -1,24 +1,24 @@
-//! Reweighted least squares with the noise's size from the residuals, to judge the losses by.
+//! Fits that gross outliers do not move: reweighted least squares, with the noise's size from the residuals.
 
-use haptical_identification::{
-    Fit, IdentificationError, Loss, Matrix, Problem, Settings, robust_scale, solve,
-};
+use haptical_linalg::Matrix;
+
+use crate::{Fit, IdentificationError, Loss, Problem, Settings, robust_scale, solve};
 
 /// The outcome of a robust fit.
 #[derive(Debug, Clone)]
-pub(crate) struct RobustFit {
+pub struct RobustFit {
     /// The last reweighted fit: residuals and reduction are those of the weighted rows.
-    pub(crate) fit: Fit,
+    pub fit: Fit,
     /// Standard deviation of the good residuals, in the problem's own scale (1 if its weights are right).
-    pub(crate) scale: f64,
+    pub scale: f64,
     /// Weight of each residual, 0 to 1.
-    pub(crate) weights: Vec<f64>,
+    pub weights: Vec<f64>,
     /// Variances are those of the weighted rows at noise `scale`, times this ([`Loss::variance_factor`]).
-    pub(crate) variance_factor: f64,
+    pub variance_factor: f64,
     /// Reweightings until the weights stood still.
-    pub(crate) rounds: usize,
+    pub rounds: usize,
     /// Whether they did within the limit.
-    pub(crate) settled: bool,
+    pub settled: bool,
 }
 
 /// Reweightings of Huber's loss before a redescending one, and of the loss itself.
@@ -31,13 +31,42 @@ const SETTLED: f64 = 1e-3;
 ///
 /// Half of the residuals may be anything, as long as those rows do not carry the geometry alone (a row that
 /// fixes a parameter by itself is fitted, whatever it says).
-pub(crate) fn solve_robust<P: Problem + ?Sized>(
+///
+/// # Errors
+/// As [`solve`], and [`IdentificationError::Evaluation`] for a [`crate::TriangleProblem`].
+///
+/// # Examples
+/// ```
+/// use haptical_identification::{IdentificationError, Loss, Matrix, Problem, Settings, solve_robust};
+/// /// A constant and ten readings of it, two of them wild.
+/// struct Constant([f64; 10]);
+/// impl Problem for Constant {
+///     fn parameter_count(&self) -> usize { 1 }
+///     fn residual_count(&self) -> usize { 10 }
+///     fn evaluate(&self, p: &[f64], residuals: &mut [f64], jacobian: Option<(&[usize], &mut Matrix)>)
+///         -> Result<(), IdentificationError> {
+///         for (residual, reading) in residuals.iter_mut().zip(self.0) { *residual = p[0] - reading; }
+///         if let Some((_, matrix)) = jacobian { matrix.column_mut(0).fill(1.0); }
+///         Ok(())
+///     }
+/// }
+/// let readings = Constant([2.01, 1.99, 2.02, 1.98, 2.0, 2.01, 1.99, 2.0, 90.0, 70.0]);
+/// let robust = solve_robust(&readings, &[0.0], &[0], &Settings::default(), Loss::Tukey)?;
+/// assert!((robust.fit.parameters[0] - 2.0).abs() < 0.01);
+/// assert_eq!(robust.weights[8..], [0.0, 0.0]);
+/// # Ok::<(), IdentificationError>(())
+/// ```
+pub fn solve_robust<P: Problem + ?Sized>(
     problem: &P,
     start: &[f64],
     free: &[usize],
     settings: &Settings,
     loss: Loss,
 ) -> Result<RobustFit, IdentificationError> {
+    if problem.as_triangle().is_some() {
+        let reason = "a robust loss needs every residual by itself, not a triangle".to_owned();
+        return Err(IdentificationError::Evaluation { reason });
+    }
     let mut state = State {
         weighted: Weighted {
             problem,
@@ -47,8 +76,7 @@ pub(crate) fn solve_robust<P: Problem + ?Sized>(
         rounds: 0,
     };
     let mut residuals = vec![0.0; problem.residual_count()];
-    // where large residuals pull less than middling ones, there are minima around outliers
-    if matches!(loss, Loss::Cauchy | Loss::Tukey | Loss::StudentT) {
+    if loss.is_redescending() {
         state.settle(Loss::Huber, free, settings, &mut residuals)?;
     }
     let (fit, settled) = state.settle(loss, free, settings, &mut residuals)?;
