@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{MetricsError, check_level};
+use crate::error::{MetricsError, check_count, check_level, check_range};
 use crate::quantile::{Interval, percentile_interval};
 
 /// Smallest share of the resamples in which the statistic must have a value.
@@ -101,29 +101,12 @@ impl Bootstrap {
 
     fn check(&self, sample_size: usize) -> Result<(), MetricsError> {
         check_level(self.level)?;
-        if sample_size < 2 {
-            return Err(MetricsError::TooFew {
-                what: "the sample",
-                got: sample_size,
-                needed: 2,
-            });
-        }
-        if self.block_length == 0 || self.block_length > sample_size {
-            return Err(MetricsError::OutOfRange {
-                what: "block_length",
-                got: self.block_length as f64,
-                allowed: "from 1 to the sample size",
-            });
-        }
+        check_count("the sample", sample_size, 2)?;
+        let is_within = (1..=sample_size).contains(&self.block_length);
+        let allowed = "from 1 to the sample size";
+        check_range("block_length", self.block_length as f64, is_within, allowed)?;
         // The small allowance keeps 40 replicates at level 0.95 on the allowed side of rounding.
         let needed = (2.0 / (1.0 - self.level) - 1e-6).ceil() as usize;
-        if self.replicates < needed {
-            return Err(MetricsError::TooFew {
-                what: "the bootstrap (replicates)",
-                got: self.replicates,
-                needed,
-            });
-        }
-        Ok(())
+        check_count("the bootstrap (replicates)", self.replicates, needed)
     }
 }

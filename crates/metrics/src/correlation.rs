@@ -1,6 +1,6 @@
 //! Correlation of two series, of their values and of their ranks.
 
-use crate::error::{MetricsError, check_values};
+use crate::error::{MetricsError, check_same_length, check_values, largest_size};
 
 /// Pearson's correlation of paired values, from -1 to 1, no unit.
 ///
@@ -50,14 +50,7 @@ pub fn spearman(x: &[f64], y: &[f64]) -> Result<f64, MetricsError> {
 }
 
 fn check_pairs(x: &[f64], y: &[f64]) -> Result<(), MetricsError> {
-    if x.len() != y.len() {
-        return Err(MetricsError::LengthMismatch {
-            left: "x",
-            left_len: x.len(),
-            right: "y",
-            right_len: y.len(),
-        });
-    }
+    check_same_length(("x", x.len()), ("y", y.len()))?;
     check_values("x", x, 2)?;
     check_values("y", y, 2)
 }
@@ -72,18 +65,14 @@ fn unit_deviations(what: &'static str, values: &[f64]) -> Result<Vec<f64>, Metri
     if values.iter().all(|&value| value == values[0]) {
         return Err(constant);
     }
-    let largest = values
-        .iter()
-        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let largest = largest_size(values);
     let count = values.len() as f64;
     let mean = values
         .iter()
         .map(|value| value / largest / count)
         .sum::<f64>();
     let deviations: Vec<f64> = values.iter().map(|value| value / largest - mean).collect();
-    let spread = deviations
-        .iter()
-        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let spread = largest_size(&deviations);
     if spread == 0.0 {
         return Err(constant);
     }

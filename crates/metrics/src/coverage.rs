@@ -2,7 +2,7 @@
 
 use statrs::distribution::{Binomial, Discrete};
 
-use crate::error::{MetricsError, check_level, check_values};
+use crate::error::{MetricsError, check_count, check_level, check_range, check_values};
 
 /// Relative difference of two probabilities that counts as rounding, so that the mirror image of a
 /// count is as likely as the count (R's `binom.test` takes the same).
@@ -34,25 +34,8 @@ pub fn binomial_two_sided_p(
     probability: f64,
 ) -> Result<f64, MetricsError> {
     check_level(probability)?;
-    if n == 0 {
-        return Err(MetricsError::TooFew {
-            what: "the trials",
-            got: 0,
-            needed: 1,
-        });
-    }
-    for (what, got, most, allowed) in [
-        ("successes", successes, n, "at most the number of trials"),
-        ("trials", n, MOST_TRIALS, "at most 1000000"),
-    ] {
-        if got > most {
-            return Err(MetricsError::OutOfRange {
-                what,
-                got: got as f64,
-                allowed,
-            });
-        }
-    }
+    check_trials(successes, n)?;
+    check_range("trials", n as f64, n <= MOST_TRIALS, "at most 1000000")?;
     let distribution =
         Binomial::new(probability, n as u64).map_err(|_| MetricsError::OutOfRange {
             what: "probability",
@@ -65,6 +48,13 @@ pub fn binomial_two_sided_p(
         .filter(|mass| *mass <= limit)
         .sum();
     Ok(sum.clamp(0.0, 1.0))
+}
+
+/// Refuses counts of which no share can be taken.
+pub(crate) fn check_trials(successes: usize, n: usize) -> Result<(), MetricsError> {
+    check_count("the trials", n, 1)?;
+    let allowed = "at most the number of trials";
+    check_range("successes", successes as f64, successes <= n, allowed)
 }
 
 /// Holm's adjusted p-values: rejecting those below alpha rejects a true hypothesis among all of them with
@@ -86,12 +76,8 @@ pub fn binomial_two_sided_p(
 /// ```
 pub fn holm_adjusted(p_values: &[f64]) -> Result<Vec<f64>, MetricsError> {
     check_values("the p-values", p_values, 1)?;
-    if let Some(got) = p_values.iter().find(|p| !(0.0..=1.0).contains(*p)) {
-        return Err(MetricsError::OutOfRange {
-            what: "a p-value",
-            got: *got,
-            allowed: "from 0 to 1",
-        });
+    for &p in p_values {
+        check_range("a p-value", p, (0.0..=1.0).contains(&p), "from 0 to 1")?;
     }
     let mut order: Vec<usize> = (0..p_values.len()).collect();
     order.sort_by(|&a, &b| p_values[a].total_cmp(&p_values[b]));

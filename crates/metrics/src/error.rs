@@ -123,33 +123,67 @@ pub(crate) fn check_all_finite(what: &'static str, values: &[f64]) -> Result<(),
     }
 }
 
+/// Refuses fewer than `needed` of something.
+pub(crate) fn check_count(
+    what: &'static str,
+    got: usize,
+    needed: usize,
+) -> Result<(), MetricsError> {
+    if got < needed {
+        return Err(MetricsError::TooFew { what, got, needed });
+    }
+    Ok(())
+}
+
 /// Refuses a slice with fewer than `needed` numbers or with one that is not finite.
 pub(crate) fn check_values(
     what: &'static str,
     values: &[f64],
     needed: usize,
 ) -> Result<(), MetricsError> {
-    if values.len() < needed {
-        return Err(MetricsError::TooFew {
-            what,
-            got: values.len(),
-            needed,
-        });
-    }
+    check_count(what, values.len(), needed)?;
     check_all_finite(what, values)
+}
+
+/// Refuses two arguments of different lengths.
+pub(crate) fn check_same_length(
+    (left, left_len): (&'static str, usize),
+    (right, right_len): (&'static str, usize),
+) -> Result<(), MetricsError> {
+    if left_len == right_len {
+        return Ok(());
+    }
+    Err(MetricsError::LengthMismatch {
+        left,
+        left_len,
+        right,
+        right_len,
+    })
+}
+
+/// Refuses a number that is not within its range.
+pub(crate) fn check_range(
+    what: &'static str,
+    got: f64,
+    is_within: bool,
+    allowed: &'static str,
+) -> Result<(), MetricsError> {
+    if is_within {
+        return Ok(());
+    }
+    Err(MetricsError::OutOfRange { what, got, allowed })
 }
 
 /// Refuses a confidence level outside the open interval from 0 to 1.
 pub(crate) fn check_level(level: f64) -> Result<(), MetricsError> {
-    if level > 0.0 && level < 1.0 {
-        Ok(())
-    } else {
-        Err(MetricsError::OutOfRange {
-            what: "level",
-            got: level,
-            allowed: "between 0 and 1, both excluded",
-        })
-    }
+    let is_within = level > 0.0 && level < 1.0;
+    check_range("level", level, is_within, "between 0 and 1, both excluded")
+}
+
+/// Largest size of a number.
+pub(crate) fn largest_size(values: &[f64]) -> f64 {
+    let sizes = values.iter().map(|value| value.abs());
+    sizes.fold(0.0, f64::max)
 }
 
 /// Returns the result when it is finite, otherwise says which result overflowed.

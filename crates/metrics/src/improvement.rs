@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{MetricsError, check_finite, check_values, finite_result};
+use crate::error::{
+    MetricsError, check_finite, check_range, check_values, finite_result, largest_size,
+};
 
 /// Improvement of one identified parameter over its nominal value, in percent.
 ///
@@ -51,9 +53,7 @@ pub fn parameter_improvement_percent(
 /// ```
 pub fn rms(values: &[f64]) -> Result<f64, MetricsError> {
     check_values("values", values, 1)?;
-    let largest = values
-        .iter()
-        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let largest = largest_size(values);
     if largest == 0.0 {
         return Ok(0.0);
     }
@@ -99,22 +99,8 @@ pub fn rms_improvement_percent(
 ) -> Result<RmsImprovement, MetricsError> {
     check_finite("before_rms", before_rms)?;
     check_finite("after_rms", after_rms)?;
-    if before_rms <= 0.0 {
-        let allowed = "greater than 0";
-        return Err(MetricsError::OutOfRange {
-            what: "before_rms",
-            got: before_rms,
-            allowed,
-        });
-    }
-    if after_rms < 0.0 {
-        let allowed = "at least 0";
-        return Err(MetricsError::OutOfRange {
-            what: "after_rms",
-            got: after_rms,
-            allowed,
-        });
-    }
+    check_range("before_rms", before_rms, before_rms > 0.0, "greater than 0")?;
+    check_range("after_rms", after_rms, after_rms >= 0.0, "at least 0")?;
     let percent = 100.0 * ((after_rms - before_rms).abs() / before_rms);
     Ok(RmsImprovement {
         percent_as_printed: finite_result("the RMS improvement", percent)?,

@@ -3,7 +3,8 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 use statrs::function::erf::erfc;
 
-use crate::error::{MetricsError, check_finite, check_level, finite_result};
+use crate::coverage::check_trials;
+use crate::error::{MetricsError, check_finite, check_level, check_range, finite_result};
 use crate::quantile::Interval;
 
 /// Degrees of freedom from which the expansion of the Student quantile is exact to rounding.
@@ -28,45 +29,11 @@ const EXPANSION_DOF: f64 = 1000.0;
 /// ```
 pub fn chi_square_p_value(statistic: f64, degrees_of_freedom: f64) -> Result<f64, MetricsError> {
     check_finite("statistic", statistic)?;
-    if statistic < 0.0 {
-        let allowed = "at least 0";
-        return Err(MetricsError::OutOfRange {
-            what: "statistic",
-            got: statistic,
-            allowed,
-        });
-    }
+    check_range("statistic", statistic, statistic >= 0.0, "at least 0")?;
     check_degrees_of_freedom(degrees_of_freedom)?;
     let distribution = ChiSquared::new(degrees_of_freedom)
         .map_err(|_| degrees_out_of_range(degrees_of_freedom))?;
     Ok(finite_result("the chi-square probability", distribution.sf(statistic))?.clamp(0.0, 1.0))
-}
-
-/// The x with `P(X <= x) = probability` for a chi-square variable X.
-///
-/// `degrees_of_freedom` need not be whole. It is found to about 1e-9, so a quantile below 1e-6 (one or less degree
-/// of freedom, a probability below 1e-3) is not to be relied on. Source: Abramowitz & Stegun 26.4.
-///
-/// # Errors
-/// [`MetricsError::OutOfRange`] for a probability outside 0 to 1 (both excluded) or degrees of
-/// freedom that are not positive, [`MetricsError::Overflow`] when the quantile is not representable.
-///
-/// # Examples
-/// With two degrees of freedom it is `-2 ln(1 - probability)`:
-/// ```
-/// let x = haptical_metrics::chi_square_quantile(0.95, 2.0)?;
-/// assert!((x + 2.0 * 0.05_f64.ln()).abs() < 1e-9);
-/// # Ok::<(), haptical_metrics::MetricsError>(())
-/// ```
-pub fn chi_square_quantile(probability: f64, degrees_of_freedom: f64) -> Result<f64, MetricsError> {
-    check_level(probability)?;
-    check_degrees_of_freedom(degrees_of_freedom)?;
-    let distribution = ChiSquared::new(degrees_of_freedom)
-        .map_err(|_| degrees_out_of_range(degrees_of_freedom))?;
-    finite_result(
-        "the chi-square quantile",
-        distribution.inverse_cdf(probability),
-    )
 }
 
 /// Probability that a standard normal variable is at least as far from 0 as `z`:
@@ -153,20 +120,7 @@ fn student_t_expansion(p: f64, dof: f64) -> f64 {
 /// ```
 pub fn wilson_interval(successes: usize, n: usize, level: f64) -> Result<Interval, MetricsError> {
     check_level(level)?;
-    if n == 0 {
-        return Err(MetricsError::TooFew {
-            what: "the trials",
-            got: 0,
-            needed: 1,
-        });
-    }
-    if successes > n {
-        return Err(MetricsError::OutOfRange {
-            what: "successes",
-            got: successes as f64,
-            allowed: "at most the number of trials",
-        });
-    }
+    check_trials(successes, n)?;
     let trials = n as f64;
     let share = successes as f64 / trials;
     let z = Normal::standard().inverse_cdf(0.5 * (1.0 + level));

@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, Matrix3};
 
-use crate::error::{MetricsError, check_all_finite, check_values};
+use crate::error::{
+    MetricsError, check_all_finite, check_same_length, check_values, finite_result, largest_size,
+};
 
 /// Largest entry of `|A^T A - I|` accepted of a rotation: matrices read from files carry 7 digits.
 const ROTATION_TOLERANCE: f64 = 1e-6;
@@ -59,7 +61,7 @@ pub fn position_errors_m(a: &[[f64; 3]], b: &[[f64; 3]]) -> Result<Vec<f64>, Met
         .zip(b)
         .map(|(p, q)| {
             let distance = norm([q[0] - p[0], q[1] - p[1], q[2] - p[2]]);
-            crate::error::finite_result("a position error", distance)
+            finite_result("a position error", distance)
         })
         .collect()
 }
@@ -87,7 +89,8 @@ pub fn position_errors_m(a: &[[f64; 3]], b: &[[f64; 3]]) -> Result<Vec<f64>, Met
 /// ```
 pub fn best_rotation(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<[[f64; 3]; 3], MetricsError> {
     check_point_pairs(("from", from), ("to", to))?;
-    let (from_scale, to_scale) = (largest_entry(from), largest_entry(to));
+    let scale = |points: &[[f64; 3]]| largest_size(points.as_flattened());
+    let (from_scale, to_scale) = (scale(from), scale(to));
     if from_scale == 0.0 || to_scale == 0.0 {
         return Err(not_unique(0.0));
     }
@@ -166,31 +169,9 @@ fn check_point_pairs(
     (left, a): (&'static str, &[[f64; 3]]),
     (right, b): (&'static str, &[[f64; 3]]),
 ) -> Result<(), MetricsError> {
-    if a.len() != b.len() {
-        let (left_len, right_len) = (a.len(), b.len());
-        return Err(MetricsError::LengthMismatch {
-            left,
-            left_len,
-            right,
-            right_len,
-        });
-    }
-    if a.is_empty() {
-        return Err(MetricsError::TooFew {
-            what: left,
-            got: 0,
-            needed: 1,
-        });
-    }
-    check_all_finite(left, a.as_flattened())?;
+    check_same_length((left, a.len()), (right, b.len()))?;
+    check_values(left, a.as_flattened(), 1)?;
     check_all_finite(right, b.as_flattened())
-}
-
-fn largest_entry(points: &[[f64; 3]]) -> f64 {
-    points
-        .as_flattened()
-        .iter()
-        .fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
 /// Euclidean norm without overflow of the squares.

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::error::{MetricsError, check_all_finite, check_level};
+use crate::error::{MetricsError, check_all_finite, check_level, check_range, check_same_length};
 use crate::quantile::Interval;
 
 /// Share of the largest weight below which a weight is rounding.
@@ -51,14 +51,7 @@ pub fn quadratic_form_interval(
 /// Positive eigenvalues of C A, as those of F^T A F with C = F F^T.
 fn weights(covariance: &[f64], form: &[f64], size: usize) -> Result<Vec<f64>, MetricsError> {
     for (left, matrix) in [("the covariance", covariance), ("the form", form)] {
-        if matrix.len() != size * size {
-            return Err(MetricsError::LengthMismatch {
-                left,
-                left_len: matrix.len(),
-                right: "a square of this size",
-                right_len: size * size,
-            });
-        }
+        check_same_length((left, matrix.len()), ("a square of this size", size * size))?;
         check_all_finite(left, matrix)?;
     }
     // unit deviations first: metres and radians differ by orders of magnitude
@@ -81,19 +74,17 @@ fn weights(covariance: &[f64], form: &[f64], size: usize) -> Result<Vec<f64>, Me
     }
     let product = factor.eigenvectors.transpose() * middle * &factor.eigenvectors;
     let weights = SymmetricEigen::new((&product + product.transpose()) * 0.5).eigenvalues;
-    let largest = weights
-        .iter()
-        .fold(0.0_f64, |most, weight| most.max(*weight));
-    if !(largest > 0.0 && largest.is_finite()) {
-        return Err(MetricsError::OutOfRange {
-            what: "the largest weight of the quadratic form",
-            got: largest,
-            allowed: "greater than 0",
-        });
-    }
+    let largest = largest(weights.as_slice());
+    let is_within = largest > 0.0 && largest.is_finite();
+    let what = "the largest weight of the quadratic form";
+    check_range(what, largest, is_within, "greater than 0")?;
     let kept = weights.iter().map(|weight| weight / largest);
     let kept = kept.filter(|weight| *weight > SMALLEST_WEIGHT);
     Ok(kept.map(|weight| weight * largest).collect())
+}
+
+fn largest(weights: &[f64]) -> f64 {
+    weights.iter().copied().fold(0.0, f64::max)
 }
 
 /// The q with P(Q <= q) = `probability`, by bisection between 0 and an end that is above it.
@@ -122,9 +113,6 @@ fn quantile(weights: &[f64], probability: f64) -> f64 {
 fn below(weights: &[f64], q: f64) -> f64 {
     let mean: f64 = weights.iter().sum();
     let variance: f64 = 2.0 * weights.iter().map(|weight| weight * weight).sum::<f64>();
-    let largest = weights
-        .iter()
-        .fold(0.0_f64, |most, weight| most.max(*weight));
     let normal = Normal::standard();
     if (q - mean).abs() < NEAR_MEAN * variance.sqrt() {
         // the limit of the formula below at the mean: ln(v / w) / w goes to skewness / 6 (Kuonen 1999)
@@ -134,7 +122,7 @@ fn below(weights: &[f64], q: f64) -> f64 {
     }
     // K' grows from 0 (s to minus infinity) to infinity at s = 1 / (2 largest)
     let slope = |s: f64| -> f64 { weights.iter().map(|w| w / (1.0 - 2.0 * s * w)).sum() };
-    let mut high = 0.5 / largest;
+    let mut high = 0.5 / largest(weights);
     let mut low = -high;
     while slope(low) > q && low > -1e280 {
         low *= 4.0;

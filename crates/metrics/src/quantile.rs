@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{MetricsError, check_level, check_values};
+use crate::error::{MetricsError, check_level, check_range, check_values};
 
 /// A closed interval, in the unit of the quantity it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ impl Interval {
 /// ```
 pub fn quantile(values: &[f64], p: f64) -> Result<f64, MetricsError> {
     check_values("values", values, 1)?;
-    check_probability(p)?;
+    check_range("p", p, (0.0..=1.0).contains(&p), "from 0 to 1")?;
     Ok(sorted_quantile(&sorted(values), p))
 }
 
@@ -69,19 +69,6 @@ pub fn percentile_interval(values: &[f64], level: f64) -> Result<Interval, Metri
         low: sorted_quantile(&sorted, 0.5 * (1.0 - level)),
         high: sorted_quantile(&sorted, 0.5 * (1.0 + level)),
     })
-}
-
-/// Refuses a probability outside 0 to 1.
-pub(crate) fn check_probability(p: f64) -> Result<(), MetricsError> {
-    if (0.0..=1.0).contains(&p) {
-        Ok(())
-    } else {
-        Err(MetricsError::OutOfRange {
-            what: "p",
-            got: p,
-            allowed: "from 0 to 1",
-        })
-    }
 }
 
 /// The values in ascending order.
