@@ -83,13 +83,10 @@ impl PreparedCapstan {
                 allowed: "not the negative of transmission_ratio",
             });
         }
-        let homes_rad = match (
-            home_rad("output_drum_xy_m", &terms.output),
-            home_rad("input_drum_xy_m", &terms.input),
-        ) {
-            (Ok(output), Ok(input)) => [output, input],
-            (Err(refusal), _) | (_, Err(refusal)) => return Err(refusal),
-        };
+        let homes_rad = [
+            attempt!(home_rad("output_drum_xy_m", &terms.output)),
+            attempt!(home_rad("input_drum_xy_m", &terms.input)),
+        ];
         Ok(Self { terms, homes_rad })
     }
 

@@ -82,14 +82,11 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
             moves[row] = (drive.motion, home);
             row += 1;
         }
-        match prepared_chain(convention, &base, &rows, &handle, &moves) {
-            Ok(chain) => Ok(Self {
-                transmissions,
-                chain,
-                drives,
-            }),
-            Err(error) => Err(error),
-        }
+        Ok(Self {
+            transmissions,
+            chain: attempt!(prepared_chain(convention, &base, &rows, &handle, &moves)),
+            drives,
+        })
     }
 
     /// Readings within which the model holds, lowest and highest of each joint, \[rad\] or \[m\].

@@ -42,10 +42,7 @@ impl Joint {
     /// # Ok::<(), haptical_runtime::DeviceError>(())
     /// ```
     pub const fn range(&self, joint: usize) -> Result<[f64; 2], DeviceError> {
-        match self.prepared(joint) {
-            Ok(transmission) => Ok(transmission.range()),
-            Err(error) => Err(error),
-        }
+        Ok(attempt!(self.prepared(joint)).range())
     }
 
     /// The transmission as a step needs it.

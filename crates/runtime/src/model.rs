@@ -88,13 +88,10 @@ impl<const JOINTS: usize> Model<JOINTS> {
             index += 1;
         }
         let chain = attempt!(prepared_chain(convention, &base, &rows, &handle, &moves));
-        match Transmissions::new(&joints) {
-            Ok(transmissions) => Ok(Self {
-                transmissions,
-                chain,
-            }),
-            Err(error) => Err(error),
-        }
+        Ok(Self {
+            transmissions: attempt!(Transmissions::new(&joints)),
+            chain,
+        })
     }
 
     /// Readings within which the model holds, lowest and highest of each joint, \[rad\] or \[m\].

@@ -74,29 +74,25 @@ pub(crate) enum PreparedTransmission {
 
 impl PreparedTransmission {
     pub(crate) const fn new(transmission: &Transmission) -> Result<Self, Refusal> {
-        match transmission {
-            Transmission::Exact => Ok(Self::Exact),
-            Transmission::Capstan(capstan) => match PreparedCapstan::new(capstan) {
-                Ok(prepared) => Ok(Self::Capstan(prepared)),
-                Err(refusal) => Err(refusal),
-            },
+        Ok(match transmission {
+            Transmission::Exact => Self::Exact,
+            Transmission::Capstan(capstan) => {
+                Self::Capstan(attempt!(PreparedCapstan::new(capstan)))
+            }
             Transmission::Parallelogram(parallelogram) => {
-                match PreparedParallelogram::new(parallelogram) {
-                    Ok(prepared) => Ok(Self::Parallelogram(prepared)),
-                    Err(refusal) => Err(refusal),
-                }
+                Self::Parallelogram(attempt!(PreparedParallelogram::new(parallelogram)))
             }
             Transmission::Polynomial {
                 range,
                 coefficients,
-            } => match check_polynomial(*range, coefficients) {
-                Ok(()) => Ok(Self::Polynomial {
+            } => {
+                attempt!(check_polynomial(*range, coefficients));
+                Self::Polynomial {
                     range: *range,
                     coefficients: *coefficients,
-                }),
-                Err(refusal) => Err(refusal),
-            },
-        }
+                }
+            }
+        })
     }
 
     /// Readings that a step takes.

@@ -52,9 +52,6 @@ impl CapstanError {
         "input_drum_y",
     ];
 
-    /// Units of the parameters, in the order of [`Self::to_array`].
-    pub const PARAMETER_UNITS: [&'static str; 6] = ["rad", "1", "m", "m", "m", "m"];
-
     /// The parameters in the order of [`Self::PARAMETER_NAMES`].
     #[must_use]
     pub const fn to_array(&self) -> [f64; 6] {

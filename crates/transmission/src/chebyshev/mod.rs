@@ -2,7 +2,7 @@
 //!
 //! A series `sum_k c_k T_k(x)`, `x = (2 theta - lower - upper) / (upper - lower)`, is the same
 //! polynomials as powers of `theta`, but a degree-10 fit to it is well conditioned and its coefficients
-//! are sizes of error in rad. Powers are converted by [`to_monomials`] and [`from_monomials`].
+//! are sizes of error in rad. [`to_monomials`] converts it to powers.
 //!
 //! Outside the range each `T_k` goes on along its tangent at the end, so value and slope are
 //! continuous and grow linearly: a fitted polynomial says nothing outside the data, and a joint that
@@ -14,10 +14,9 @@
 
 mod monomials;
 
-pub use monomials::{from_monomials, to_monomials};
+pub use monomials::to_monomials;
 
 use crate::error::{LawError, ascending, finite};
-use crate::inverse::invert as invert_error;
 
 /// Whether the range is ascending and finite, and all coefficients (rad) are finite.
 ///
@@ -107,33 +106,6 @@ pub fn evaluate(range_rad: [f64; 2], coefficients: &[f64], theta_rad: f64) -> (f
     let slope_per_x = b1 + x * slope1 - slope2;
     let x_per_rad = 2.0 / (range_rad[1] - range_rad[0]);
     (value_rad + slope_per_x * beyond, slope_per_x * x_per_rad)
-}
-
-/// The encoder angle in rad within `bracket_rad` at which the output is at `output_rad`, for the
-/// error [`evaluate`] gives (tangents included).
-///
-/// Source: [`crate::invert`] with this series.
-///
-/// # Errors
-/// As [`crate::invert`] and [`check`].
-///
-/// ```
-/// use haptical_transmission::chebyshev::{evaluate, invert};
-/// let (range_rad, coefficients) = ([-0.8, 0.8], [0.002, -0.005, 0.003]);
-/// let theta_rad = invert(range_rad, &coefficients, 0.3, [-1.0, 1.0])?;
-/// let (error_rad, _) = evaluate(range_rad, &coefficients, theta_rad);
-/// assert!((theta_rad + error_rad - 0.3).abs() < 1e-12);
-/// # Ok::<(), haptical_transmission::LawError>(())
-/// ```
-pub fn invert(
-    range_rad: [f64; 2],
-    coefficients: &[f64],
-    output_rad: f64,
-    bracket_rad: [f64; 2],
-) -> Result<f64, LawError> {
-    check(range_rad, coefficients)?;
-    let error = |theta_rad| Ok(evaluate(range_rad, coefficients, theta_rad));
-    invert_error(error, output_rad, bracket_rad)
 }
 
 /// `x` in `[-1, 1]` over the range. The distances to both ends are used so that each end is met

@@ -56,3 +56,29 @@ pub(crate) fn assert_all_close(
 pub(crate) fn difference_quotient(function: impl Fn(f64) -> f64, at: f64, step: f64) -> f64 {
     (function(at + step) - function(at - step)) / (2.0 * step)
 }
+
+/// Chebyshev coefficients over a range of the polynomial with the powers `powers` (Mason & Handscomb,
+/// section 2.3, read backwards).
+pub(crate) fn from_monomials([lower, upper]: [f64; 2], powers: &[f64]) -> Vec<f64> {
+    let half_width = 0.5 * (upper - lower);
+    let centre = lower + half_width;
+    let mut series = powers.to_vec();
+    for start in 0..series.len() {
+        for k in (start + 1..series.len()).rev() {
+            series[k - 1] += centre * series[k];
+        }
+    }
+    let mut scale = 1.0;
+    for power in &mut series {
+        *power *= scale;
+        scale *= half_width;
+    }
+    for start in (0..series.len()).rev() {
+        let rest = &mut series[start..];
+        for k in 2..rest.len() {
+            rest[k] *= 0.5;
+            rest[k - 2] += rest[k];
+        }
+    }
+    series
+}
