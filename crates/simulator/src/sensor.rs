@@ -55,25 +55,34 @@ impl Sensor {
             let key = "external_encoder_counts_per_rev";
             required(joint.external_encoder_counts_per_rev, &part, key, purpose)
         };
-        let gaussian = if noise.has_gaussian() {
-            let purpose = "normal noise of the external encoder";
-            let key = "external_encoder_sd_rad";
-            let sd = match joint.external_encoder_sd_rad {
+        let sd = || {
+            let (key, purpose) = (
+                "external_encoder_sd_rad",
+                "normal noise of the external encoder",
+            );
+            match joint.external_encoder_sd_rad {
                 None if joint.external_encoder_counts_per_rev.is_some() => {
-                    TAU / counts(purpose)? / COUNTS_PER_SD
+                    Ok(TAU / counts(purpose)? / COUNTS_PER_SD)
                 }
-                stated => required(stated, &part, key, purpose)?,
-            };
-            Some((sd, generator))
-        } else {
-            None
+                stated => required(stated, &part, key, purpose),
+            }
         };
-        let count = if noise.has_counts() {
-            Some(TAU / counts("rounding of the external encoder")?)
-        } else {
-            None
-        };
-        Ok(Self { gaussian, count })
+        let count = || Ok(TAU / counts("rounding of the external encoder")?);
+        Self::with_noise(noise, sd, count, generator)
+    }
+
+    /// A sensor with one kind of noise; only what that needs is asked for.
+    fn with_noise(
+        noise: Noise,
+        sd: impl FnOnce() -> Result<f64, SimulatorError>,
+        count: impl FnOnce() -> Result<f64, SimulatorError>,
+        generator: ChaCha8Rng,
+    ) -> Result<Self, SimulatorError> {
+        let sd = noise.has_gaussian().then(sd).transpose()?;
+        Ok(Self {
+            gaussian: sd.map(|sd| (sd, generator)),
+            count: noise.has_counts().then(count).transpose()?,
+        })
     }
 
     /// A cable encoder (index from 0).
@@ -89,26 +98,19 @@ impl Sensor {
             let counts = required(cable.counts_per_rev, &part, "counts_per_rev", purpose)?;
             Ok::<f64, SimulatorError>(TAU * radius / counts)
         };
-        let gaussian = if settings.cable_noise.has_gaussian() {
+        let sd = || {
             let purpose = "normal noise of the cable encoder";
-            let sd = match settings.cable_sigma {
+            match settings.cable_sigma {
                 CableSigma::Stated => {
-                    required(cable.distance_sd_m, &part, "distance_sd_m", purpose)?
+                    required(cable.distance_sd_m, &part, "distance_sd_m", purpose)
                 }
                 // R_d sigma_e = R_d 2 pi / counts / 3 is a third of a count
-                CableSigma::Geometric => count(purpose)? / COUNTS_PER_SD,
-                CableSigma::Printed => TAU * (count(purpose)? / COUNTS_PER_SD),
-            };
-            Some((sd, generator))
-        } else {
-            None
+                CableSigma::Geometric => Ok(count(purpose)? / COUNTS_PER_SD),
+                CableSigma::Printed => Ok(TAU * (count(purpose)? / COUNTS_PER_SD)),
+            }
         };
-        let count = if settings.cable_noise.has_counts() {
-            Some(count("rounding of the cable encoder")?)
-        } else {
-            None
-        };
-        Ok(Self { gaussian, count })
+        let rounding = || count("rounding of the cable encoder");
+        Self::with_noise(settings.cable_noise, sd, rounding, generator)
     }
 
     /// A sensor that shows true values.

@@ -112,13 +112,21 @@ impl Settings {
         // each row owns a section of the pose stream, and there are 2^32 sections
         let is_counted = u32::try_from(rows).is_ok();
         allow("rows", rows as f64, is_counted, "below 2^32")?;
-        let share = self.uniform_share;
-        let good = share > 0.0 && share <= 1.0;
-        allow("uniform_share", share, good, "above 0, at most 1")?;
-        let distance_m = self.minimum_distance_m;
-        let good = distance_m >= 0.0 && distance_m.is_finite();
-        allow("minimum_distance_m", distance_m, good, "finite, 0 or more")
+        allow_share("uniform_share", self.uniform_share)?;
+        allow_size("minimum_distance_m", self.minimum_distance_m)
     }
+}
+
+/// Refuses a share that is not above 0 and at most 1.
+pub(crate) fn allow_share(setting: &'static str, value: f64) -> Result<(), SimulatorError> {
+    let good = value > 0.0 && value <= 1.0;
+    allow(setting, value, good, "above 0, at most 1")
+}
+
+/// Refuses a size that is negative or not finite.
+pub(crate) fn allow_size(setting: &'static str, value: f64) -> Result<(), SimulatorError> {
+    let good = value >= 0.0 && value.is_finite();
+    allow(setting, value, good, "finite, 0 or more")
 }
 
 /// Refuses a setting that is not good.

@@ -85,22 +85,19 @@ pub fn simulate(
         recording.line.push(FIRST_LINE + row as u64);
         for (joint, motor) in motors.iter_mut().enumerate() {
             let shown = motor.read(poses.readings[joint]);
-            let channel = || format!("theta{}", joint + 1);
-            recording.joint[joint].push(finite(shown, row, channel)?);
+            recording.joint[joint].push(finite(shown, row, "theta", joint)?);
         }
         for (joint, sensor) in outputs.iter_mut().enumerate() {
             if let Some(sensor) = sensor {
                 let shown = sensor.read(poses.evaluation.output_rad(joint));
-                let channel = || format!("out{}", joint + 1);
                 let column = recording.output[joint].get_or_insert_default();
-                column.push(finite(shown, row, channel)?);
+                column.push(finite(shown, row, "out", joint)?);
             }
         }
         for (cable, sensor) in cables.iter_mut().enumerate() {
             let shown = sensor.read(poses.distances_m[cable]);
-            let channel = || format!("cable {}", cable + 1);
             let column = recording.cable_m[cable].get_or_insert_default();
-            column.push(finite(shown, row, channel)?);
+            column.push(finite(shown, row, "cable ", cable)?);
         }
     }
     Ok(recording)
@@ -150,11 +147,9 @@ pub fn simulate_transmission(
             .move_joint(joint, reading)
             .map_err(|source| SimulatorError::Row { row, source })?;
         recording.line.push(FIRST_LINE + row as u64);
-        let channel = || format!("theta{}", joint + 1);
-        recording.joint[joint].push(finite(motor.read(reading), row, channel)?);
-        let channel = || format!("out{}", joint + 1);
+        recording.joint[joint].push(finite(motor.read(reading), row, "theta", joint)?);
         let output = sensor.read(evaluation.output_rad(joint));
-        outputs.push(finite(output, row, channel)?);
+        outputs.push(finite(output, row, "out", joint)?);
     }
     recording.output[joint] = Some(outputs);
     Ok(recording)
@@ -179,18 +174,20 @@ fn empty_recording(truth: &Device) -> Recording {
     }
 }
 
+/// Passes on a finite reading of the channel with a name and an index, from 0.
 pub(crate) fn finite(
     value: f64,
     row: usize,
-    channel: impl Fn() -> String,
+    name: &str,
+    index: usize,
 ) -> Result<f64, SimulatorError> {
     if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(SimulatorError::NonFinite {
-            row,
-            channel: channel(),
-            value,
-        })
+        return Ok(value);
     }
+    let channel = format!("{name}{}", index + 1);
+    Err(SimulatorError::NonFinite {
+        row,
+        channel,
+        value,
+    })
 }

@@ -2,7 +2,7 @@
 
 use haptical_model::{Device, TransmissionKind};
 
-use crate::settings::allow;
+use crate::settings::{allow, allow_share, allow_size};
 use crate::{Settings, SimulatorError};
 
 /// How a hand moves the device. The bounds hold for every joint at every instant.
@@ -209,15 +209,12 @@ impl MotionSettings {
             ("torque_sd_nm", self.torque_sd_nm),
             ("sd_k", warm.sd_k),
         ] {
-            let good = value >= 0.0 && value.is_finite();
-            allow(setting, value, good, "finite, 0 or more")?;
+            allow_size(setting, value)?;
         }
         for (setting, value) in [("start_degc", warm.start_degc), ("rise_k", warm.rise_k)] {
             allow(setting, value, value.is_finite(), "finite")?;
         }
-        let share = motion.range_share;
-        let good = share > 0.0 && share <= 1.0;
-        allow("range_share", share, good, "above 0, at most 1")?;
+        allow_share("range_share", motion.range_share)?;
         // a target is kept for every second or so of every joint
         let seconds = motion.seconds;
         let good = seconds > 0.0 && seconds <= MOST_SECONDS;
@@ -236,24 +233,21 @@ impl MotionSettings {
         let joints = device.joints.len();
         match &self.roughness {
             Roughness::None => Ok(vec![0.0; joints]),
-            Roughness::Assumed => Ok(device
-                .joints
-                .iter()
-                .enumerate()
-                .map(|(joint, of)| match of.transmission {
+            Roughness::Assumed => {
+                let assumed = |joint: usize| match device.joints[joint].transmission {
                     TransmissionKind::Direct => 0.0,
                     _ if ROUGH_JOINTS.contains(&joint) => ROUGH_RMS_RAD,
                     _ => SMOOTH_RMS_RAD,
-                })
-                .collect()),
+                };
+                Ok((0..joints).map(assumed).collect())
+            }
             Roughness::PerJoint(given) => {
                 let good = given.len() == joints;
                 let allowed = "one number for each joint of the device";
                 allow("roughness", given.len() as f64, good, allowed)?;
-                for &rms in given {
-                    let good = rms >= 0.0 && rms.is_finite();
-                    allow("roughness", rms, good, "finite, 0 or more")?;
-                }
+                given
+                    .iter()
+                    .try_for_each(|&rms| allow_size("roughness", rms))?;
                 Ok(given.clone())
             }
         }

@@ -34,10 +34,7 @@ pub struct MotionSimulation<'d> {
     torques: Vec<Sensor>,
     forces: [Sensor; 3],
     thermometer: Sensor,
-    has_links: bool,
-    joints: usize,
-    /// Cables of the device; without links none of them has readings.
-    cable_columns: usize,
+    truth: &'d Device,
     rows: u64,
     row: u64,
 }
@@ -113,7 +110,6 @@ pub fn simulate_motion<'d>(
         Sensor::noisy(settings.force_sd_n, generator)
     };
     let sd_k = settings.temperature.map_or(0.0, |warm| warm.sd_k);
-    let joints = truth.joints.len();
     Ok(MotionSimulation {
         settings: settings.clone(),
         motion,
@@ -121,12 +117,10 @@ pub fn simulate_motion<'d>(
         motors,
         outputs,
         cables,
-        torques: (0..joints).map(noisy_torque).collect(),
+        torques: (0..truth.joints.len()).map(noisy_torque).collect(),
         forces: [0, 1, 2].map(noisy_force),
         thermometer: Sensor::noisy(sd_k, Stream::Temperature.open(0, seed)),
-        has_links: truth.has_links(),
-        joints,
-        cable_columns: truth.cables.len(),
+        truth,
         scenes: scenes.made,
         rows,
         row: 0,
@@ -194,23 +188,25 @@ impl MotionSimulation<'_> {
                 column
             });
         }
+        let (joints, has_links) = (self.truth.joints.len(), self.truth.has_links());
         chunk.line.clear();
         cleared(&mut chunk.time_s, true);
-        chunk.joint.resize_with(self.joints, Vec::new);
+        chunk.joint.resize_with(joints, Vec::new);
         chunk.joint.iter_mut().for_each(Vec::clear);
-        chunk.output.resize_with(self.joints, || None);
+        chunk.output.resize_with(joints, || None);
         for (column, output) in chunk.output.iter_mut().zip(&self.outputs) {
             cleared(column, output.is_some());
         }
-        chunk.cable_m.resize_with(self.cable_columns, || None);
+        // without links no cable has readings
+        chunk.cable_m.resize_with(self.truth.cables.len(), || None);
         for (index, column) in chunk.cable_m.iter_mut().enumerate() {
             cleared(column, index < self.cables.len());
         }
-        chunk.torque_nm.resize_with(self.joints, || None);
+        chunk.torque_nm.resize_with(joints, || None);
         for column in &mut chunk.torque_nm {
-            cleared(column, self.has_links);
+            cleared(column, has_links);
         }
-        chunk.force_n = self.has_links.then(|| {
+        chunk.force_n = has_links.then(|| {
             let mut axes = chunk.force_n.take().unwrap_or_default();
             axes.iter_mut().for_each(Vec::clear);
             axes
@@ -238,34 +234,35 @@ impl MotionSimulation<'_> {
                     shown += step;
                 }
             }
-            let channel = || format!("theta{}", joint + 1);
             // a count of minus nothing is 0, not -0
-            chunk.joint[joint].push(finite(shown + 0.0, row, channel)?);
+            chunk.joint[joint].push(finite(shown + 0.0, row, "theta", joint)?);
         }
         for (joint, output) in self.outputs.iter_mut().enumerate() {
             let Some(output) = output else {
                 continue;
             };
             let angle = self.scenes[output.scene].arm.outputs[joint];
-            let jiggle = output
-                .roughness
-                .as_ref()
-                .map_or(0.0, |rough| rough.value(angle));
+            let rough = output.roughness.as_ref();
+            let jiggle = rough.map_or(0.0, |rough| rough.value(angle));
             let shown = output.sensor.read(angle + jiggle);
-            let channel = || format!("out{}", joint + 1);
-            push(&mut chunk.output[joint], finite(shown + 0.0, row, channel)?);
+            let shown = finite(shown + 0.0, row, "out", joint)?;
+            push(&mut chunk.output[joint], shown);
         }
         for (index, (scene, sensor)) in self.cables.iter_mut().enumerate() {
             let shown = sensor.read(self.scenes[*scene].cables_m[index]);
-            let channel = || format!("cable {}", index + 1);
-            push(&mut chunk.cable_m[index], finite(shown, row, channel)?);
+            push(
+                &mut chunk.cable_m[index],
+                finite(shown, row, "cable ", index)?,
+            );
         }
         let now = &self.scenes[0];
         if let Some(axes) = &mut chunk.force_n {
             for (joint, sensor) in self.torques.iter_mut().enumerate() {
                 let shown = sensor.read(now.arm.torques_nm[joint]);
-                let channel = || format!("torque{}", joint + 1);
-                push(&mut chunk.torque_nm[joint], finite(shown, row, channel)?);
+                push(
+                    &mut chunk.torque_nm[joint],
+                    finite(shown, row, "torque", joint)?,
+                );
             }
             for (axis, column) in axes.iter_mut().enumerate() {
                 column.push(self.forces[axis].read(now.force_n[axis]));

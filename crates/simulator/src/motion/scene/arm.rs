@@ -12,27 +12,6 @@ const MAX_STEPS: usize = 200;
 /// Relative change of the torques at which they balance.
 const BALANCE: f64 = 1e-13;
 
-/// Why the arm has no balance.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum ArmError {
-    /// The chain has no value.
-    Model(ModelError),
-    /// A spring is too weak for its load.
-    NoBalance,
-}
-
-impl From<ModelError> for ArmError {
-    fn from(error: ModelError) -> Self {
-        Self::Model(error)
-    }
-}
-
-impl From<haptical_model::kinematics::KinematicsError> for ArmError {
-    fn from(error: haptical_model::kinematics::KinematicsError) -> Self {
-        Self::Model(error.into())
-    }
-}
-
 /// A tilt of a joint's axis about the x axis of the link before.
 #[derive(Debug, Clone, Copy)]
 struct Wobble {
@@ -85,13 +64,13 @@ pub(crate) struct Arm {
 }
 
 impl Arm {
-    pub(crate) fn new(device: &Device, effects: &[Effect]) -> Result<Self, ArmError> {
+    pub(crate) fn new(device: &Device, effects: &[Effect]) -> Result<Self, ModelError> {
         let joints = device.joints.len();
         let links = device.chain_links();
         let motions = device.motions();
         if !device.drives_are_plain() {
             let device = device.name.clone();
-            return Err(ModelError::FollowingRows { device }.into());
+            return Err(ModelError::FollowingRows { device });
         }
         let bodies = bodies(device, &links);
         let mut arm = Self {
@@ -161,14 +140,15 @@ impl Arm {
     }
 
     /// Moves to outputs that the drives would give without load, and finds where springs, weights
-    /// and the hand's force (on the handle, in the handle's frame) balance.
+    /// and the hand's force (on the handle, in the handle's frame) balance; false where a spring is too
+    /// weak for its load.
     ///
     /// Drive torques by virtual work: tau_j = -sum_b m_b g . dr_b/dq_j - F . dP/dq_j.
     pub(crate) fn settle(
         &mut self,
         unloaded: &[f64],
         force_n: &Vector3<f64>,
-    ) -> Result<(), ArmError> {
+    ) -> Result<bool, ModelError> {
         let gives = self.drum_give.iter().chain(&self.joint_give);
         let is_rigid = gives.chain([&self.base_give]).all(|give| *give == 0.0);
         for _ in 0..MAX_STEPS {
@@ -178,21 +158,21 @@ impl Arm {
                 self.angles[joint] = self.outputs[joint] - torque_nm * self.joint_give[joint];
             }
             if !self.has_links {
-                return Ok(());
+                return Ok(true);
             }
             let change = self.load(force_n)?;
             if is_rigid || change <= BALANCE {
-                return Ok(());
+                return Ok(true);
             }
             if !change.is_finite() {
                 break;
             }
         }
-        Err(ArmError::NoBalance)
+        Ok(false)
     }
 
     /// Pose, torques and turn of the base at the angles; how much the two changed.
-    fn load(&mut self, force_n: &Vector3<f64>) -> Result<f64, ArmError> {
+    fn load(&mut self, force_n: &Vector3<f64>) -> Result<f64, ModelError> {
         self.tilt_axes();
         let back_rad = -self.base_turn_rad;
         let gravity_mps2 = turned(&self.gravity_mps2, &back_rad);

@@ -10,7 +10,7 @@ use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Evaluation, ModelError};
 
 use crate::effect::Effect;
-use crate::motion::scene::arm::{Arm, ArmError};
+use crate::motion::scene::arm::Arm;
 use crate::motion::scene::cable_path::CablePath;
 use crate::motion::scene::drive::{Drive, Instant};
 use crate::motion::settings::Temperature;
@@ -43,7 +43,8 @@ impl<'d> Scene<'d> {
         delay_s: f64,
     ) -> Result<Self, SimulatorError> {
         let drives = device.joints.iter().enumerate();
-        let arm = Arm::new(device, effects).map_err(|reason| refusal(0, reason))?;
+        let arm = Arm::new(device, effects);
+        let arm = arm.map_err(|source| SimulatorError::Row { row: 0, source })?;
         let cables: &[_] = if device.has_links() {
             &device.cables
         } else {
@@ -99,9 +100,10 @@ impl<'d> Scene<'d> {
             self.unloaded[joint] = drive.unloaded;
         }
         self.force_n = Vector3::from(hand.each_ref().map(|axis| axis.value(time_s)));
-        self.arm
-            .settle(&self.unloaded, &self.force_n)
-            .map_err(|reason| refusal(row, reason))?;
+        let settled = self.arm.settle(&self.unloaded, &self.force_n);
+        if !settled.map_err(model)? {
+            return Err(SimulatorError::NoBalance { row });
+        }
         let position_m = &self.arm.pose.position_m;
         for (index, path) in self.paths.iter().enumerate() {
             let anchor_m = Vector3::from(self.device.cables[index].anchor_m);
@@ -111,12 +113,5 @@ impl<'d> Scene<'d> {
                 reading.ok_or(SimulatorError::InsideGuide { row, distance_m })?;
         }
         Ok(())
-    }
-}
-
-fn refusal(row: usize, reason: ArmError) -> SimulatorError {
-    match reason {
-        ArmError::Model(source) => SimulatorError::Row { row, source },
-        ArmError::NoBalance => SimulatorError::NoBalance { row },
     }
 }
