@@ -98,13 +98,6 @@ fn lanes_mut<S: Simd>(from: &mut [f64], first: usize) -> &mut [S::f64s] {
     S::as_mut_simd_f64s(&mut from[first..][..SWEEP_ROWS]).0
 }
 
-/// The coordinates of slots before `to`, and the room from `to` on.
-#[inline(always)]
-fn before_and_at(slots: &mut [f64], to: usize) -> (&[f64], &mut [f64]) {
-    let (before, at) = slots.split_at_mut(to * SWEEP_ROWS);
-    (before, at)
-}
-
 #[inline(always)]
 fn towards_base<S: Simd>(simd: S, part: &Part<'_>, room: &mut SweepRoom) {
     let slots = room.slots.as_mut_slice();
@@ -113,7 +106,7 @@ fn towards_base<S: Simd>(simd: S, part: &Part<'_>, room: &mut SweepRoom) {
             Action::Constant => {}
             Action::Joint { joint, from, to } => {
                 let variable = part.column::<S>(part.tile.columns.joints[joint]);
-                let (before, at) = before_and_at(slots, to);
+                let (before, at) = slots.split_at_mut(to * SWEEP_ROWS);
                 let (source, offset) = source::<S>(simd, before, from);
                 let to = lanes_mut::<S>(at, 0);
                 for ((to, &from), &q) in to.iter_mut().zip(source).zip(variable) {
@@ -126,7 +119,7 @@ fn towards_base<S: Simd>(simd: S, part: &Part<'_>, room: &mut SweepRoom) {
                 angle,
                 to,
             } => {
-                let (before, at) = before_and_at(slots, to);
+                let (before, at) = slots.split_at_mut(to * SWEEP_ROWS);
                 let (first, first_offset) = source::<S>(simd, before, first);
                 let (second, second_offset) = source::<S>(simd, before, second);
                 let (to_first, to_second) = at.split_at_mut(SWEEP_ROWS);

@@ -1,7 +1,7 @@
 //! A decomposition that keeps its orthonormal basis: projections and many right-hand sides.
 
 use crate::error::check_rhs;
-use crate::pivoted::{ThinFactors, back_substitute, thin_factors};
+use crate::pivoted::{back_substitute, thin_factors};
 use crate::reduction::at_least_zero;
 use crate::{LinalgError, Matrix};
 
@@ -24,7 +24,11 @@ use crate::{LinalgError, Matrix};
 /// ```
 #[derive(Debug, Clone)]
 pub struct OrthonormalBasis {
-    factors: ThinFactors,
+    directions: Matrix,
+    /// The triangle R, rank x rank.
+    triangle: Matrix,
+    /// The matrix's column at each of the triangle's.
+    pivots: Vec<usize>,
     norms: Vec<f64>,
 }
 
@@ -39,15 +43,18 @@ impl OrthonormalBasis {
         at_least_zero("tolerance", tolerance)?;
         matrix.check()?;
         let (scaled, norms) = matrix.clone().into_unit_columns()?;
+        let (directions, triangle, pivots) = thin_factors(&scaled, tolerance);
         Ok(Self {
-            factors: thin_factors(&scaled, tolerance),
+            directions,
+            triangle,
+            pivots,
             norms,
         })
     }
 
     /// Orthonormal columns (m x rank) that span the matrix's.
     pub fn directions(&self) -> &Matrix {
-        &self.factors.basis
+        &self.directions
     }
 
     /// The x of least |A x - b|, zero for columns that the rank cut.
@@ -56,14 +63,14 @@ impl OrthonormalBasis {
     /// [`LinalgError::Shape`] for another length, [`LinalgError::NotFinite`] for an entry that is not
     /// finite, [`LinalgError::Overflow`] for a value beyond 1e308.
     pub fn solve(&self, rhs: &[f64]) -> Result<Vec<f64>, LinalgError> {
-        let basis = &self.factors.basis;
+        let basis = &self.directions;
         check_rhs(rhs, basis.rows(), self.norms.len())?;
         let projected: Vec<f64> = (0..basis.columns())
             .map(|k| basis.column(k).iter().zip(rhs).map(|(q, b)| q * b).sum())
             .collect();
-        let known = back_substitute(&self.factors.factor, &projected);
+        let known = back_substitute(&self.triangle, &projected);
         let mut solution = vec![0.0; self.norms.len()];
-        for (value, &column) in known.iter().zip(&self.factors.pivots) {
+        for (value, &column) in known.iter().zip(&self.pivots) {
             solution[column] = value / self.norms[column];
         }
         if solution.iter().any(|value| !value.is_finite()) {

@@ -45,11 +45,8 @@ impl PivotedQr {
             Par::Seq,
             MemStack::new(&mut MemBuffer::new(scratch)),
         );
-        let r = qr.R();
         Self {
-            factor: Matrix::from_fn(size, columns, |row, column| {
-                if row <= column { r[(row, column)] } else { 0.0 }
-            }),
+            factor: upper(qr.R(), size, columns),
             pivots: qr.P().arrays().0.to_vec(),
             projected: (0..rows).map(|row| projected[(row, 0)]).collect(),
         }
@@ -87,40 +84,29 @@ pub(crate) fn back_substitute(factor: &Matrix, rhs: &[f64]) -> Vec<f64> {
     solution
 }
 
-/// Leading columns of Q, the leading triangle of R and the pivots of a checked matrix, as many as its rank.
-#[derive(Debug, Clone)]
-pub(crate) struct ThinFactors {
-    /// rows x rank.
-    pub(crate) basis: Matrix,
-    /// rank x rank.
-    pub(crate) factor: Matrix,
-    /// Original column at each pivot position.
-    pub(crate) pivots: Vec<usize>,
-}
-
-pub(crate) fn thin_factors(matrix: &Matrix, tolerance: f64) -> ThinFactors {
+/// Leading columns of Q (rows x rank), the leading triangle of R (rank x rank) and the original column at each pivot
+/// position of a checked matrix.
+pub(crate) fn thin_factors(matrix: &Matrix, tolerance: f64) -> (Matrix, Matrix, Vec<usize>) {
     let (rows, columns) = (matrix.rows(), matrix.columns());
     if matrix.is_zero() {
-        return ThinFactors {
-            basis: Matrix::zeros(rows, 0),
-            factor: Matrix::zeros(0, 0),
-            pivots: Vec::new(),
-        };
+        return (Matrix::zeros(rows, 0), Matrix::zeros(0, 0), Vec::new());
     }
     let qr = matrix.as_faer().col_piv_qr();
-    let r = qr.R();
-    let rank = rank_of_diagonal(
-        (0..rows.min(columns)).map(|index| r[(index, index)]),
-        tolerance,
-    );
-    let q = qr.compute_thin_Q();
-    ThinFactors {
-        basis: Matrix::from_fn(rows, rank, |row, column| q[(row, column)]),
-        factor: Matrix::from_fn(rank, rank, |row, column| {
-            if row <= column { r[(row, column)] } else { 0.0 }
-        }),
-        pivots: qr.P().arrays().0.to_vec(),
-    }
+    let (q, r) = (qr.compute_thin_Q(), qr.R());
+    let diagonal = (0..rows.min(columns)).map(|index| r[(index, index)]);
+    let rank = rank_of_diagonal(diagonal, tolerance);
+    (
+        Matrix::from_fn(rows, rank, |row, column| q[(row, column)]),
+        upper(r, rank, rank),
+        qr.P().arrays().0.to_vec(),
+    )
+}
+
+/// What of R is above and on its diagonal, in its leading rows and columns.
+fn upper(r: faer::MatRef<'_, f64>, rows: usize, columns: usize) -> Matrix {
+    Matrix::from_fn(rows, columns, |row, column| {
+        if row <= column { r[(row, column)] } else { 0.0 }
+    })
 }
 
 /// Singular values, largest first, of a checked matrix.

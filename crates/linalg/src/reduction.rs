@@ -48,48 +48,36 @@ impl Reduction {
                 .column_mut(column)
                 .copy_from_slice(qr.factor.column(position));
         }
-        let square = |part: &[f64]| part.iter().map(|entry| entry * entry).sum::<f64>();
-        let residual_square = square(&qr.projected[size..]);
-        if !(square(&qr.projected[..size]) + residual_square).is_finite() {
-            return Err(LinalgError::Overflow {
-                what: "the square of the right-hand side",
-            });
-        }
-        Ok(Self {
-            rows: matrix.rows(),
-            factor,
-            projected: qr.projected[..size].to_vec(),
-            residual_square,
-            column_norms,
-        })
+        let (projected, rest) = qr.projected.split_at(size);
+        let rest_square = rest.iter().map(|entry| entry * entry).sum();
+        Self::of_factor(
+            (factor, column_norms),
+            projected,
+            rest_square,
+            matrix.rows(),
+        )
     }
 
     /// A problem that was reduced elsewhere by orthogonal transformations: the upper `triangle` (n x n), what
     /// became of the right-hand side in its rows, and the square of the rest; `rows` is what
     /// [`Reduction::rows`] will say.
-    ///
-    /// ```
-    /// use haptical_linalg::{Matrix, Reduction, RANK_TOLERANCE};
-    /// let triangle = Matrix::from_fn(2, 2, |row, column| if row <= column { 2.0 } else { 0.0 });
-    /// let reduction = Reduction::from_triangle(&triangle, &[4.0, 2.0], 0.5, 10)?;
-    /// let solution = reduction.solve(&[0, 1], 0.0, RANK_TOLERANCE)?;
-    /// assert!((solution.values[0] - 1.0).abs() < 1e-12 && (solution.residual_square - 0.5).abs() < 1e-12);
-    /// # Ok::<(), haptical_linalg::LinalgError>(())
-    /// ```
-    ///
-    /// # Errors
-    /// As [`Reduction::new`]; [`LinalgError::Shape`] where the triangle is not square.
-    pub fn from_triangle(
-        triangle: &Matrix,
+    pub(crate) fn from_triangle(
+        triangle: Matrix,
         projected: &[f64],
         rest_square: f64,
         rows: usize,
     ) -> Result<Self, LinalgError> {
         triangle.check()?;
-        let expected = triangle.columns();
-        check_length("right-hand side", expected, projected.len())?;
-        check_length("rows of a triangle", expected, triangle.rows())?;
-        let (factor, column_norms) = triangle.clone().into_unit_columns()?;
+        Self::of_factor(triangle.into_unit_columns()?, projected, rest_square, rows)
+    }
+
+    /// Refuses a right-hand side whose square overflows.
+    fn of_factor(
+        (factor, column_norms): (Matrix, Vec<f64>),
+        projected: &[f64],
+        rest_square: f64,
+        rows: usize,
+    ) -> Result<Self, LinalgError> {
         let square = projected.iter().map(|entry| entry * entry).sum::<f64>() + rest_square;
         if !square.is_finite() {
             return Err(LinalgError::Overflow {

@@ -192,13 +192,14 @@ impl Triangle {
     /// The least-squares problem of the triangle, said to have `rows` rows.
     ///
     /// # Errors
-    /// As [`Reduction::from_triangle`].
+    /// [`LinalgError`] for a triangle without columns, an entry that is not finite, or a column norm or a
+    /// right-hand side whose square overflows.
     pub fn reduction(&self, rows: usize) -> Result<Reduction, LinalgError> {
         let mut matrix = Matrix::zeros(self.columns, self.columns);
         for column in 0..self.columns {
             matrix.column_mut(column)[..=column].copy_from_slice(self.column(column));
         }
-        Reduction::from_triangle(&matrix, self.projected(), self.rest_square, rows)
+        Reduction::from_triangle(matrix, self.projected(), self.rest_square, rows)
     }
 
     /// Refuses entries that are not finite.
