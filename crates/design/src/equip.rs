@@ -5,7 +5,7 @@ use haptical_model::{
     Cable, Device, Joint, ParameterId, Tracker, TransmissionError, TransmissionKind,
 };
 
-use crate::{DesignError, Measure, Rig};
+use crate::{DesignError, Measure, Rig, Tracking};
 
 /// Terms of equation (1) that a joint without drums can have: offset, ratio, output eccentricity.
 const TERMS_WITHOUT_DRUMS: usize = 4;
@@ -122,11 +122,11 @@ impl Equipped {
                 anchor_m,
                 unknown,
             } => self.add_cable(index, anchor_m, unknown)?,
-            Measure::Tracker {
+            Measure::Tracker(Tracking {
                 orientation,
                 base_known,
                 tool_known,
-            } => {
+            }) => {
                 let stated = self.device.tracker;
                 self.device.tracker = Some(Tracker {
                     base_known,
@@ -232,18 +232,14 @@ impl Equipped {
 
     /// Names what a calibration could free: again where the device got further numbers.
     pub(crate) fn name_parameters(&mut self) {
-        self.parameters = self.free();
-    }
-
-    fn free(&mut self) -> Vec<ParameterId> {
         let sees_chain = self.sees_chain();
-        let mut parameters = if sees_chain {
+        self.parameters = if sees_chain {
             candidate_parameters(&self.device)
         } else {
             Vec::new()
         };
         let Terms::Degree(degree) = self.terms else {
-            return parameters;
+            return;
         };
         for joint in 0..self.device.joints.len() {
             let has_output = self.channels.contains(&Channel::Output { joint });
@@ -266,8 +262,7 @@ impl Equipped {
                 true => TERMS_WITHOUT_DRUMS,
                 false => all.len(),
             };
-            parameters.extend(all.into_iter().take(count));
+            self.parameters.extend(all.into_iter().take(count));
         }
-        parameters
     }
 }

@@ -104,6 +104,16 @@ pub enum DesignError {
     Identification(#[from] IdentificationError),
 }
 
+impl DesignError {
+    /// The refusal of a pose by its index, from 0.
+    pub(crate) fn of_pose(index: usize) -> impl Fn(ModelError) -> Self {
+        move |source| Self::Pose {
+            pose: index + 1,
+            source,
+        }
+    }
+}
+
 impl From<haptical_linalg::LinalgError> for DesignError {
     fn from(error: haptical_linalg::LinalgError) -> Self {
         Self::Identification(error.into())

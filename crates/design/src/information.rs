@@ -251,21 +251,15 @@ fn add_references(equipped: &Equipped, recording: &mut haptical_model::Recording
     };
     let columns = recording.output.iter_mut().chain(&mut recording.cable_m);
     columns.flatten().for_each(blank);
-    recording.position_m.iter_mut().flatten().for_each(blank);
-    recording
-        .orientation_wxyz
-        .iter_mut()
-        .flatten()
-        .for_each(blank);
+    let axes = recording.position_m.iter_mut().flatten();
+    let parts = recording.orientation_wxyz.iter_mut().flatten();
+    axes.chain(parts).for_each(blank);
     for channel in &equipped.channels {
         if let Channel::Fixture { joint } = *channel {
             let unit = equipped.device.joints[joint].unit();
-            let mut column = vec![f64::NAN; recording.len()];
-            if let Some(first) = column.first_mut() {
-                *first = 0.0;
-            }
+            let column = (0..recording.len()).map(|row| if row == 0 { 0.0 } else { f64::NAN });
             let name = format!("fixture{}_{unit}", joint + 1);
-            recording.covariates.push((name, column));
+            recording.covariates.push((name, column.collect()));
         }
     }
 }

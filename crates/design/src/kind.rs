@@ -23,14 +23,7 @@ pub enum Measure {
         unknown: bool,
     },
     /// A tracker of the handle.
-    Tracker {
-        /// Whether it sees the orientation too.
-        orientation: bool,
-        /// Whether it measures in frame (-1).
-        base_known: bool,
-        /// Whether it sees the handle frame itself.
-        tool_known: bool,
-    },
+    Tracker(Tracking),
     /// Sockets at unknown places that the handle is put into.
     Contact {
         /// How many.
@@ -48,6 +41,66 @@ pub enum Measure {
         /// Joint, from 0; none for all.
         joint: Option<usize>,
     },
+}
+
+/// What a tracker sees, and what is known of its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tracking {
+    /// Whether it sees the orientation too.
+    pub orientation: bool,
+    /// Whether it measures in frame (-1).
+    pub base_known: bool,
+    /// Whether it sees the handle frame itself.
+    pub tool_known: bool,
+}
+
+/// What follows the name of a tracker, and whether it knows its base and its tool then.
+const UNKNOWN: [(&[&str], bool, bool); 4] = [
+    (&[], true, true),
+    (&["unknown-base"], false, true),
+    (&["unknown-tool"], true, false),
+    (&["unknown"], false, false),
+];
+
+impl Tracking {
+    /// How it is written.
+    pub(crate) fn name(self) -> String {
+        let known = (self.base_known, self.tool_known);
+        let mut parts = vec![if self.orientation { "pose" } else { "position" }];
+        for (arguments, base, tool) in UNKNOWN {
+            if (base, tool) == known {
+                parts.extend(arguments);
+            }
+        }
+        parts.join(":")
+    }
+
+    /// Trackers that see or know one thing more.
+    pub(crate) fn better(self) -> impl Iterator<Item = Self> {
+        let better = [
+            Self {
+                orientation: true,
+                ..self
+            },
+            Self {
+                base_known: true,
+                ..self
+            },
+            Self {
+                tool_known: true,
+                ..self
+            },
+        ];
+        better.into_iter().filter(move |better| *better != self)
+    }
+}
+
+/// How a cable is written, by its index from 0.
+pub(crate) fn cable_name(index: usize) -> String {
+    match index {
+        0 => "cable".to_owned(),
+        _ => format!("cable{}", index + 1),
+    }
 }
 
 /// A kind of measurement in the table.
@@ -281,18 +334,15 @@ fn cable(item: Item<'_>) -> Result<Measure, String> {
 
 fn tracker(item: Item<'_>, orientation: bool) -> Result<Measure, String> {
     no_number(item)?;
-    let (base_known, tool_known) = match item.arguments {
-        [] => (true, true),
-        ["unknown-base"] => (false, true),
-        ["unknown-tool"] => (true, false),
-        ["unknown"] => (false, false),
-        [other, ..] => return Err(format!("`{other}` is not known")),
+    let known = UNKNOWN.iter().find(|known| known.0 == item.arguments);
+    let Some(&(_, base_known, tool_known)) = known else {
+        return Err(format!("`{}` is not known", item.arguments[0]));
     };
-    Ok(Measure::Tracker {
+    Ok(Measure::Tracker(Tracking {
         orientation,
         base_known,
         tool_known,
-    })
+    }))
 }
 
 fn contact(item: Item<'_>) -> Result<Measure, String> {

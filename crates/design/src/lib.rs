@@ -15,7 +15,7 @@ mod task;
 pub use equip::{DEGREE, Equipped, Terms, equip};
 pub use error::DesignError;
 pub use information::Information;
-pub use kind::{KINDS, Kind, Measure, Rig};
+pub use kind::{KINDS, Kind, Measure, Rig, Tracking};
 pub use plan::{ParameterStatus, Plan, Request, RigIdentifiability, Step, described_rigs, plan};
 pub use posture::candidates::{Limits, Spread, candidates};
 pub use posture::{Posture, postures};

@@ -4,6 +4,7 @@ use haptical_identification::{Identifiability, Status};
 use haptical_model::Device;
 use serde::{Serialize, Serializer};
 
+use crate::kind::cable_name;
 use crate::{
     Criterion, DEGREE, DesignError, Equipped, Information, Limits, NextPoses, Posture, Region, Rig,
     Suggestion, Terms, equip, postures, suggestions,
@@ -234,21 +235,19 @@ pub fn described_rigs(device: &Device) -> Result<Vec<Rig>, DesignError> {
     let mut joints = device.joints.iter();
     let has_encoder = joints.any(|joint| joint.output_sd_rad().is_some());
     let encoders = has_encoder.then(|| "out".to_owned());
-    let of = |measures: Vec<String>| Rig::parse(&measures.join(","));
+    let with = |measures: Vec<String>| {
+        let all: Vec<String> = encoders.clone().into_iter().chain(measures).collect();
+        Rig::parse(&all.join(","))
+    };
     if !device.has_links() {
-        return Ok(vec![of(encoders.into_iter().collect())?]);
+        return Ok(vec![with(Vec::new())?]);
     }
-    let beside = |measures: Vec<String>| of(encoders.clone().into_iter().chain(measures).collect());
-    let mut rigs = vec![
-        beside(vec!["position".to_owned()])?,
-        beside(vec!["pose".to_owned()])?,
-    ];
+    let mut rigs = Vec::new();
     if !device.cables.is_empty() {
-        let cables = (0..device.cables.len()).map(|index| match index {
-            0 => "cable".to_owned(),
-            _ => format!("cable{}", index + 1),
-        });
-        rigs.insert(0, beside(cables.collect())?);
+        rigs.push(with((0..device.cables.len()).map(cable_name).collect())?);
+    }
+    for tracker in ["position", "pose"] {
+        rigs.push(with(vec![tracker.to_owned()])?);
     }
     Ok(rigs)
 }

@@ -7,7 +7,8 @@ use haptical_model::kinematics::nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::{DesignError, Equipped, Information, Measure, Posture, Terms, equip};
+use crate::kind::cable_name;
+use crate::{DesignError, Equipped, Information, Measure, Posture, Terms, Tracking, equip};
 
 /// A further measurement that identifies a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,12 +56,16 @@ const PLACES: [[f64; 3]; 10] = [
 /// not be where the handle is \[m\].
 const LEAST_ROOM_M: f64 = 0.3;
 
+/// What may be added to a rig, or take the place of a tracker of it.
+struct Further {
+    name: String,
+    measure: Measure,
+    instead_of: Option<Tracking>,
+}
+
 /// One trial: what is added, and what is known then.
 struct Trial {
-    measure: String,
-    instead_of: Option<String>,
-    /// Whether it is one of the places of a further cable, of which only the best is reported.
-    is_cable: bool,
+    further: Further,
     judged: Identifiability,
     /// Parameters of the rig that are identified with it, and the sum of ln(sd / plausible size) over them.
     identified: usize,
@@ -94,13 +99,15 @@ pub fn suggestions(
         .map(|further| trial(equipped, terms, postures, judged, count, further))
         .collect();
     let mut trials: Vec<Trial> = trials.into_iter().collect::<Result<_, _>>()?;
-    let cables = trials.iter().filter(|trial| trial.is_cable);
+    // of the places of a further cable only the best is reported
+    let is_cable = |trial: &Trial| matches!(trial.further.measure, Measure::Cable { .. });
+    let cables = trials.iter().filter(|trial| is_cable(trial));
     let best = cables.reduce(|best, other| {
         let better = (other.identified, -other.log_sum) > (best.identified, -best.log_sum);
         if better { other } else { best }
     });
-    let best = best.map(|trial| trial.measure.clone());
-    trials.retain(|trial| !trial.is_cable || Some(&trial.measure) == best.as_ref());
+    let best = best.map(|trial| trial.further.name.clone());
+    trials.retain(|trial| !is_cable(trial) || Some(&trial.further.name) == best.as_ref());
     let suggestion = |&index: &usize| {
         let name = &judged.names[index];
         let mut remedies: Vec<Remedy> = trials
@@ -109,8 +116,8 @@ pub fn suggestions(
                 let place = trial.judged.names.iter().position(|other| other == name)?;
                 match trial.judged.statuses[place] {
                     Status::Identifiable { standard_deviation } => Some(Remedy {
-                        measure: trial.measure.clone(),
-                        instead_of: trial.instead_of.clone(),
+                        measure: trial.further.name.clone(),
+                        instead_of: trial.further.instead_of.map(Tracking::name),
                         standard_deviation,
                     }),
                     _ => None,
@@ -142,16 +149,10 @@ fn trial(
     count: usize,
     further: Further,
 ) -> Result<Trial, DesignError> {
-    let Further {
-        name: measure,
-        measure: more,
-        instead_of,
-    } = further;
-    let is_cable = matches!(more, Measure::Cable { .. });
-    let mut rig = equipped.rig.with(&measure, more);
-    if let Some(old) = &instead_of {
-        rig.measures
-            .retain(|measure| tracker_name(measure).as_ref() != Some(old));
+    let mut rig = equipped.rig.with(&further.name, further.measure.clone());
+    if let Some(old) = further.instead_of {
+        let old = Measure::Tracker(old);
+        rig.measures.retain(|measure| *measure != old);
     }
     let more = equip(&equipped.device, &rig, terms)?;
     let information = Information::new(&more, postures, &[])?;
@@ -167,79 +168,24 @@ fn trial(
         }
     }
     Ok(Trial {
-        measure,
-        instead_of,
-        is_cable,
+        further,
         judged: found,
         identified,
         log_sum,
     })
 }
 
-/// What may be added to a rig, or stand for a measurement of it.
-struct Further {
-    name: String,
-    measure: Measure,
-    instead_of: Option<String>,
-}
-
-/// Whether a tracker sees orientations, knows its base and its tool; none for another measurement.
-fn tracker_of(measure: &Measure) -> Option<(bool, bool, bool)> {
-    match *measure {
-        Measure::Tracker {
-            orientation,
-            base_known,
-            tool_known,
-        } => Some((orientation, base_known, tool_known)),
-        _ => None,
-    }
-}
-
-/// How a tracker is written; none for another measurement.
-fn tracker_name(measure: &Measure) -> Option<String> {
-    let (orientation, base_known, tool_known) = tracker_of(measure)?;
-    let kind = if orientation { "pose" } else { "position" };
-    let unknown = match (base_known, tool_known) {
-        (true, true) => "",
-        (false, true) => ":unknown-base",
-        (true, false) => ":unknown-tool",
-        (false, false) => ":unknown",
-    };
-    Some(format!("{kind}{unknown}"))
-}
-
-/// Trackers that see or know one thing more.
-fn better_trackers(measure: &Measure) -> Vec<Measure> {
-    let Some((orientation, base_known, tool_known)) = tracker_of(measure) else {
-        return Vec::new();
-    };
-    let better = [
-        (!orientation).then_some((true, base_known, tool_known)),
-        (!base_known).then_some((orientation, true, tool_known)),
-        (!tool_known).then_some((orientation, base_known, true)),
-    ];
-    let better = better.into_iter().flatten();
-    better
-        .map(|(orientation, base_known, tool_known)| Measure::Tracker {
-            orientation,
-            base_known,
-            tool_known,
-        })
-        .collect()
-}
-
 /// What may be tried.
 fn further(equipped: &Equipped, postures: &[Posture]) -> Result<Vec<Further>, DesignError> {
     let mut further = Vec::new();
     for own in &equipped.rig.measures {
-        let better = better_trackers(own).into_iter();
-        further.extend(better.filter_map(|measure| {
-            Some(Further {
-                name: tracker_name(&measure)?,
-                measure,
-                instead_of: tracker_name(own),
-            })
-        }));
+        if let Measure::Tracker(own) = *own {
+            further.extend(own.better().map(|better| Further {
+                name: better.name(),
+                measure: Measure::Tracker(better),
+                instead_of: Some(own),
+            }));
+        }
     }
     let mut add = |name: String, measure: Measure| {
         further.push(Further {
@@ -263,10 +209,7 @@ fn further(equipped: &Equipped, postures: &[Posture]) -> Result<Vec<Further>, De
         // to the centimetre: a lab does not place it better
         let anchor_m = anchor_m.map(|value| (value * 100.0).round() / 100.0);
         let [x, y, z] = anchor_m;
-        let name = match index {
-            0 => "cable".to_owned(),
-            _ => format!("cable{}", index + 1),
-        };
+        let name = cable_name(index);
         let measure = Measure::Cable {
             index,
             anchor_m: Some(anchor_m),
@@ -286,13 +229,13 @@ fn further(equipped: &Equipped, postures: &[Posture]) -> Result<Vec<Further>, De
         }
     }
     if !has(Channel::Position) && !has(Channel::Orientation) {
-        for (name, orientation) in [("position", false), ("pose", true)] {
-            let measure = Measure::Tracker {
+        for orientation in [false, true] {
+            let tracking = Tracking {
                 orientation,
                 base_known: true,
                 tool_known: true,
             };
-            add(name.to_owned(), measure);
+            add(tracking.name(), Measure::Tracker(tracking));
         }
     }
     Ok(further)
@@ -309,10 +252,7 @@ fn workspace_m(
     for (index, posture) in postures.iter().enumerate() {
         let moved = evaluation.move_pose_to(&posture.readings);
         let pose = moved.and_then(|()| evaluation.pose().copied());
-        let pose = pose.map_err(|source| DesignError::Pose {
-            pose: index + 1,
-            source,
-        })?;
+        let pose = pose.map_err(DesignError::of_pose(index))?;
         low = low.inf(&pose.position_m);
         high = high.sup(&pose.position_m);
     }

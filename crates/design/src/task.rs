@@ -61,13 +61,9 @@ pub fn task_rows(
         Criterion::D | Criterion::O1 => Ok(Vec::new()),
         Criterion::A => Ok(sizes(information, columns)),
         Criterion::TaskPosition => {
-            let postures = postures(information, region, limits, seed)?;
-            positions(information, &postures)
+            positions(information, &postures(information, region, limits, seed)?)
         }
-        Criterion::TaskForce => {
-            let postures = postures(information, region, limits, seed)?;
-            forces(information, &postures)
-        }
+        Criterion::TaskForce => forces(information, &postures(information, region, limits, seed)?),
     }
 }
 
@@ -186,13 +182,6 @@ impl Region {
     }
 }
 
-fn refuse(posture: usize) -> impl Fn(ModelError) -> DesignError {
-    move |source| DesignError::Pose {
-        pose: posture + 1,
-        source,
-    }
-}
-
 fn positions(
     information: &Information,
     postures: &[Vec<f64>],
@@ -202,7 +191,9 @@ fn positions(
     let share = 1.0 / (postures.len() as f64).sqrt();
     let mut rows = Vec::new();
     for (index, posture) in postures.iter().enumerate() {
-        evaluation.move_to(posture).map_err(refuse(index))?;
+        evaluation
+            .move_to(posture)
+            .map_err(DesignError::of_pose(index))?;
         for axis in 0..3 {
             let slope = |parameter: &ParameterId| {
                 share * evaluation.pose_derivative(*parameter).linear[axis]
@@ -235,7 +226,9 @@ fn forces(information: &Information, postures: &[Vec<f64>]) -> Result<Vec<Vec<f6
             posture[locked] = 0.0;
         }
         let mut truth = Evaluation::new(&equipped.device);
-        truth.move_to(&posture).map_err(refuse(index))?;
+        truth
+            .move_to(&posture)
+            .map_err(DesignError::of_pose(index))?;
         let known = ForceTransmission::new(&truth, &truth, free);
         if known.map_or(f64::INFINITY, |known| known.condition) > WORST_CONDITION {
             continue;
@@ -254,8 +247,8 @@ fn forces(information: &Information, postures: &[Vec<f64>]) -> Result<Vec<Vec<f6
                 Ok(force.unwrap_or_default())
             };
             let (after, before) = (
-                force(1.0).map_err(refuse(index))?,
-                force(-1.0).map_err(refuse(index))?,
+                force(1.0).map_err(DesignError::of_pose(index))?,
+                force(-1.0).map_err(DesignError::of_pose(index))?,
             );
             for (axis, row) in pair.iter_mut().enumerate() {
                 row.push((after[axis] - before[axis]) / (2.0 * step));

@@ -214,19 +214,31 @@ impl<'d> Draws<'d> {
         (clearance_m < 0.0).then_some(3)
     }
 
-    /// The error where too few of `wanted` were found.
-    pub(crate) fn shortage(&self, found: usize, wanted: usize) -> DesignError {
-        let most = (0..FILTERS.len()).max_by_key(|&filter| (self.refused[filter], 4 - filter));
-        DesignError::NoCandidates {
-            found,
-            wanted,
-            drawn: self.drawn,
-            filter: FILTERS[most.unwrap_or(0)],
+    /// Draws until `one`, which is given the number of those found, has made `wanted` of them.
+    ///
+    /// # Errors
+    /// [`DesignError::NoCandidates`] where too few are found.
+    pub(crate) fn find<T>(
+        &mut self,
+        wanted: usize,
+        mut one: impl FnMut(&mut Self, usize) -> Option<T>,
+    ) -> Result<Vec<T>, DesignError> {
+        let mut found = Vec::with_capacity(wanted.min(1 << 20));
+        while found.len() < wanted {
+            if self.drawn >= DRAWS_EACH * wanted.max(20) {
+                let most =
+                    (0..FILTERS.len()).max_by_key(|&filter| (self.refused[filter], 4 - filter));
+                return Err(DesignError::NoCandidates {
+                    found: found.len(),
+                    wanted,
+                    drawn: self.drawn,
+                    filter: FILTERS[most.unwrap_or(0)],
+                });
+            }
+            let next = one(self, found.len());
+            found.extend(next);
         }
-    }
-
-    pub(crate) fn is_tired(&self, wanted: usize) -> bool {
-        self.drawn >= DRAWS_EACH * wanted.max(20)
+        Ok(found)
     }
 }
 
@@ -260,15 +272,8 @@ pub fn candidates(
     seed: u64,
 ) -> Result<Vec<Vec<f64>>, DesignError> {
     let mut draws = Draws::new(device, limits, seed)?;
-    let mut found = Vec::with_capacity(count.min(1 << 20));
-    while found.len() < count {
-        if draws.is_tired(count) {
-            return Err(draws.shortage(found.len(), count));
-        }
+    draws.find(count, |draws, _| {
         let pose = draws.draw();
-        if draws.admits(&pose) {
-            found.push(pose);
-        }
-    }
-    Ok(found)
+        draws.admits(&pose).then_some(pose)
+    })
 }

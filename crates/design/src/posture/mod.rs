@@ -62,11 +62,8 @@ pub(crate) fn recording(
     let mut evaluation = Evaluation::new(device);
     let mut recording = empty(device, postures.len());
     for (row, posture) in postures.iter().enumerate() {
-        let refuse = |source| DesignError::Pose {
-            pose: row + 1,
-            source,
-        };
-        evaluation.move_to(&posture.readings).map_err(refuse)?;
+        let refuse = DesignError::of_pose(row);
+        evaluation.move_to(&posture.readings).map_err(&refuse)?;
         recording.line.push(row as u64 + 1);
         for (joint, reading) in posture.readings.iter().enumerate() {
             recording.joint[joint].push(*reading);
@@ -77,7 +74,7 @@ pub(crate) fn recording(
         if !device.has_links() {
             continue;
         }
-        let pose = evaluation.pose().map_err(refuse)?;
+        let pose = evaluation.pose().map_err(&refuse)?;
         for (cable, column) in device.cables.iter().zip(&mut recording.cable_m) {
             let read = cable.reading(&pose.position_m);
             let read = read.map_err(|source| refuse(source.into()))?;

@@ -34,26 +34,20 @@ pub(crate) fn postures(
     }
     let device = equipped.device.clone();
     let mut draws = Draws::new(&device, limits, seed)?;
-    let mut found = Vec::new();
-    while found.len() < count {
-        if draws.is_tired(count) {
-            return Err(draws.shortage(found.len(), count));
+    let found = draws.find(count, |draws, found| {
+        let touch = &touches[found % touches.len()];
+        let readings = project(&device, touch, draws.draw())?;
+        if !(draws.is_within(&readings) && draws.admits(&readings)) {
+            return None;
         }
-        let touch = &touches[found.len() % touches.len()];
-        let start = draws.draw();
-        let Some(readings) = project(&device, touch, start) else {
-            continue;
-        };
-        if draws.is_within(&readings) && draws.admits(&readings) {
-            let mut posture = Posture::free(readings);
-            match touch {
-                Touch::Point(id, _) => posture.contact.clone_from(id),
-                Touch::Plane(id, ..) => posture.plane.clone_from(id),
-            }
-            found.push(posture);
+        let mut posture = Posture::free(readings);
+        match touch {
+            Touch::Point(id, _) => posture.contact.clone_from(id),
+            Touch::Plane(id, ..) => posture.plane.clone_from(id),
         }
-    }
-    Ok(Some(found))
+        Some(posture)
+    });
+    found.map(Some)
 }
 
 /// Puts sockets and planes where the handle gets to, and names their unknowns among the parameters.

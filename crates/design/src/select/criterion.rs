@@ -72,7 +72,7 @@ impl Score {
         match self {
             Self::LogDet => state.log_det + state.log_det_gain(pose),
             Self::PerReading => {
-                let readings = state.readings + state.readings_of(pose);
+                let readings = state.readings + state.rows.readings(pose);
                 let log_det = state.log_det + state.log_det_gain(pose);
                 index(log_det, state.parameters(), readings)
             }

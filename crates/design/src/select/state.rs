@@ -1,6 +1,6 @@
 //! The information of a selection of poses, kept up to date while poses come and go.
 
-use nalgebra::{Cholesky, DMatrix, Dyn};
+use nalgebra::{Cholesky, DMatrix};
 
 use crate::select::gains::{dot, gains};
 use crate::select::whitened::Whitened;
@@ -18,7 +18,7 @@ use crate::select::whitened::Whitened;
 /// so that the gain of each candidate costs no more than its own readings' squares.
 #[derive(Debug, Clone)]
 pub(crate) struct State<'w> {
-    rows: &'w Whitened,
+    pub(crate) rows: &'w Whitened,
     weight: Option<&'w DMatrix<f64>>,
     /// Information that is there without any pose: readings that are always there, and a ridge.
     base: DMatrix<f64>,
@@ -125,22 +125,6 @@ impl<'w> State<'w> {
         self.covariance.nrows()
     }
 
-    /// Readings of a candidate.
-    pub(crate) fn readings_of(&self, pose: usize) -> usize {
-        self.rows.readings(pose)
-    }
-
-    /// L of I + sign G_j; none where it is not positive.
-    fn factor(&self, pose: usize, sign: f64) -> Option<Cholesky<f64, Dyn>> {
-        let count = self.rows.readings(pose);
-        let spread = &self.spread[self.place[pose]..self.place[pose + 1]];
-        let mut matrix = DMatrix::from_column_slice(count, count, spread) * sign;
-        for index in 0..count {
-            matrix[(index, index)] += 1.0;
-        }
-        Cholesky::new(matrix)
-    }
-
     /// By how much ln det M grows with a pose.
     pub(crate) fn log_det_gain(&self, pose: usize) -> f64 {
         match &self.spread[self.place[pose]..self.place[pose + 1]] {
@@ -172,26 +156,22 @@ impl<'w> State<'w> {
 
     /// Takes a pose in.
     pub(crate) fn add(&mut self, pose: usize) -> bool {
-        let done = self.update(pose, 1.0);
-        if done {
-            self.chosen[pose] = true;
-            self.readings += self.rows.readings(pose);
-        }
-        done
+        self.update(pose, true)
     }
 
     /// Takes a pose out; false, and nothing changed, where the others would not fix every parameter.
     pub(crate) fn remove(&mut self, pose: usize) -> bool {
-        let done = self.update(pose, -1.0);
-        if done {
-            self.chosen[pose] = false;
-            self.readings -= self.rows.readings(pose);
-        }
-        done
+        self.update(pose, false)
     }
 
-    fn update(&mut self, pose: usize, sign: f64) -> bool {
-        let Some(factor) = self.factor(pose, sign) else {
+    fn update(&mut self, pose: usize, is_in: bool) -> bool {
+        let (count, sign) = (self.rows.readings(pose), if is_in { 1.0 } else { -1.0 });
+        let spread = &self.spread[self.place[pose]..self.place[pose + 1]];
+        let mut matrix = DMatrix::from_column_slice(count, count, spread) * sign;
+        for index in 0..count {
+            matrix[(index, index)] += 1.0;
+        }
+        let Some(factor) = Cholesky::new(matrix) else {
             return false;
         };
         let lower = factor.l();
@@ -224,6 +204,11 @@ impl<'w> State<'w> {
             self.weighted += &update * inner * update.transpose();
         }
         self.update_candidates(&update, weighting.as_ref(), sign);
+        self.chosen[pose] = is_in;
+        self.readings = match is_in {
+            true => self.readings + count,
+            false => self.readings - count,
+        };
         true
     }
 
