@@ -8,11 +8,12 @@ use haptical_model::{Device, Recording};
 use crate::checks::held_out::{
     FOLDS, NOTHING, SHORT_LOG, check_share, dwelt, is_for_folds, is_of_postures,
 };
+use crate::checks::rejection::{self, Rejected};
 use crate::checks::{postures, sufficiency};
 use crate::comparison::Comparison;
 use crate::report::warnings;
 use crate::robust::{automatic, reweighted};
-use crate::steps::device::{add_step_one_noise, profile_whole};
+use crate::steps::device::{add_step_one_noise, straighten};
 use crate::{
     CalibrationError, CalibrationMethod, ChannelReport, FittedDevice, HeldOut, LossChoice, Options,
     Outlier, Robustness, Weights, channels, fit_device, split,
@@ -38,6 +39,9 @@ pub struct Calibration {
     pub outliers: Vec<Outlier>,
     /// Things that a user should know.
     pub warnings: Vec<String>,
+    /// The full fit, where it is worse than none on rows that it did not see; the rest of this record is then of what
+    /// was kept in its place.
+    pub rejected: Option<Rejected>,
 }
 
 /// Calibrates a device from a recording.
@@ -48,10 +52,78 @@ pub struct Calibration {
 /// rows and the held-out figures come from ten folds, each fitted without its own rows. Where the held-out rows
 /// touch a point or a plane that the fit did not see, it is placed as these rows have it best.
 ///
+/// Where the fit is worse on unseen rows than the device was, beyond the uncertainty of that figure, it is rejected:
+/// kept is the better of the device as it was and of new joint offsets alone.
+///
 /// # Errors
 /// [`CalibrationError`]; [`CalibrationError::is_unidentifiable`] tells data that fix nothing from
 /// data that are wrong.
 pub fn calibrate(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+) -> Result<Calibration, CalibrationError> {
+    let full = fit_and_check(device, recording, options)?;
+    let Some(growth) = rejection::growth(&full.held_out_channels) else {
+        return Ok(full);
+    };
+    let alone = rejection::with_offsets_alone(device);
+    let offsets = fit_and_check(&alone, recording, options).ok();
+    Ok(kept_instead(&full, &growth, offsets))
+}
+
+/// The better of the nominal device and one with joint offsets alone, with what was rejected for it.
+fn kept_instead(
+    full: &Calibration,
+    growth: &rejection::Growth,
+    offsets: Option<Calibration>,
+) -> Calibration {
+    let offsets = offsets.filter(|alone| {
+        !alone.held_out_channels.is_empty() && rejection::share_left(&alone.held_out_channels) < 1.0
+    });
+    let rejected = |kept: rejection::Kept| Rejected {
+        device: full.device.clone(),
+        held_out_channels: full.held_out_channels.clone(),
+        growth: growth.clone(),
+        kept,
+    };
+    let (kept, mut calibration) = match offsets {
+        Some(mut alone) => {
+            alone.device.deviations.clone_from(&full.device.deviations);
+            (rejection::Kept::JointOffsets, alone)
+        }
+        None => (rejection::Kept::Nominal, as_it_was(full)),
+    };
+    calibration
+        .warnings
+        .insert(0, rejection::sentence(growth, kept));
+    calibration.rejected = Some(rejected(kept));
+    calibration
+}
+
+/// A calibration that changed nothing.
+fn as_it_was(full: &Calibration) -> Calibration {
+    let mut same = full.clone();
+    same.device.clone_from(&full.nominal);
+    same.fitted.device.clone_from(&full.nominal);
+    same.fitted.transmissions.clear();
+    same.fitted.whole = None;
+    for report in same
+        .fit_channels
+        .iter_mut()
+        .chain(&mut same.held_out_channels)
+    {
+        report.after.clone_from(&report.before);
+        report.rms_after = report.rms_before;
+        report.sd_after = report.sd_before;
+        report.rms_after_good = report.rms_before_good;
+        report.reduction_percent = report.reduction_percent.map(|_| 0.0);
+        report.reduction_percent_good = report.reduction_percent_good.map(|_| 0.0);
+    }
+    same
+}
+
+fn fit_and_check(
     device: &Device,
     recording: &Recording,
     options: &Options,
@@ -78,7 +150,7 @@ pub fn calibrate(
     if options.method == CalibrationMethod::TwoStep {
         fitted = add_step_one_noise(fitted, &channels, &seen)?;
     }
-    profile_whole(&mut fitted, &seen, options)?;
+    let fitted = straighten(fitted, &seen, options)?;
     let nominal = crate::prepare_device(device, &seen)?;
     let comparison = Comparison {
         device,
@@ -134,6 +206,7 @@ pub fn calibrate(
         held_out,
         outliers,
         warnings,
+        rejected: None,
     })
 }
 

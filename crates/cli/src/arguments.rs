@@ -48,7 +48,9 @@ Example:
   haptical identify --device device.toml --log log.csv.gz --out result
 
 Writes result/identified.toml (a device file again), result/identified.json and
-result/report.html: all three or none.")]
+result/report.html: all or none of them. A fit that is worse than the device file on
+rows that it did not see is written to result/rejected.toml, and identified.toml holds
+the device with new joint offsets, or as it was, whichever is better.")]
     Identify(IdentifyArguments),
     /// Identify, then say which effect causes what is left between model and measurement
     #[command(after_help = diagnose_help())]

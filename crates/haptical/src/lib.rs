@@ -36,7 +36,7 @@ pub use diagnose::{Cause, Diagnose, Diagnosed, diagnose, diagnose_as};
 pub use error::{Error, ErrorKind, Place};
 pub use identify::{
     Found, IdentifiabilityEntry, Identified, Identify, LossEntry, NoiseEntry, NotIdentified,
-    ParameterEntry, RankEntry, TransmissionEntry, identify, identify_as,
+    ParameterEntry, RankEntry, RejectedEntry, TransmissionEntry, identify, identify_as,
 };
 pub use log::Log;
 pub use plan::{Planned, plan, plan_as};

@@ -35,6 +35,17 @@ pub struct Uncertainty {
 const ROUNDING_PIVOT: f64 = 1e-13;
 
 impl Uncertainty {
+    /// That of a fit without parameters, at the stated noise.
+    pub fn none(residuals: usize) -> Self {
+        Self {
+            columns: Vec::new(),
+            covariance: Matrix::zeros(0, 0),
+            degrees_of_freedom: residuals,
+            noise_factor: 1.0,
+            correlations: Matrix::zeros(0, 0),
+        }
+    }
+
     /// Standard deviation of the parameter at a position of [`Uncertainty::columns`].
     pub fn standard_deviation(&self, position: usize) -> f64 {
         self.covariance[(position, position)].sqrt()

@@ -108,6 +108,11 @@ impl Reduction {
         &self.column_norms
     }
 
+    /// The right-hand side in the rows of the small factor, which [`Reduction::scaled_factor`] gives.
+    pub fn projected(&self) -> &[f64] {
+        &self.projected
+    }
+
     /// Singular values (largest first) of the chosen columns scaled to unit norm, and the right
     /// singular vectors as columns of a `columns.len()` x min(m, `columns.len()`) matrix.
     ///

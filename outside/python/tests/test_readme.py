@@ -13,4 +13,4 @@ def test_the_program_of_the_readme_runs(capsys):
     verdict, *parameters = capsys.readouterr().out.splitlines()
     assert verdict in {"no-gap", "named", "ambiguous", "unknown"}
     statuses = {line.split()[1] for line in parameters}
-    assert "identifiable" in statuses and statuses <= {"identifiable", "weak", "dependent", "invisible"}
+    assert "identifiable" in statuses and statuses <= {"identifiable", "combination", "weak", "dependent", "invisible", "held"}

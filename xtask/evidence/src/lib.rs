@@ -13,6 +13,7 @@ mod basin;
 mod coverage_tables;
 mod document;
 mod force_truth;
+mod held;
 mod intervals;
 mod mgh;
 mod nist;

@@ -37,8 +37,6 @@ pub(super) const TRACKER_SD_M: f64 = 5e-5;
 pub(super) const DEGREE: usize = 4;
 /// Standard deviation of the true coefficients of joint 4's polynomial \[rad\].
 const COEFFICIENT_SD_RAD: f64 = 5e-3;
-/// Share of the plausible sizes that the other true deviations have for a standard deviation.
-const SHARE: f64 = 0.5;
 
 /// The nominal device as a rig's device file describes it.
 pub(super) fn nominal(rig: Rig, errors: Errors) -> Result<Device> {
@@ -72,9 +70,9 @@ pub(super) fn generator(seed: u64, purpose: u64) -> ChaCha8Rng {
     generator
 }
 
-/// A true device: normal deviations of `share` plausible sizes in every link parameter and every term of the
+/// A true device: normal deviations of the plausible sizes in every link parameter and every term of the
 /// capstans, a polynomial at joint 4. alpha7, which turns the handle about itself, stays.
-pub(super) fn true_device(nominal: &Device, share: f64, seed: u64) -> Device {
+pub(super) fn true_device(nominal: &Device, seed: u64) -> Device {
     let mut generator = generator(seed, 1);
     let mut normal = || -> f64 { StandardNormal.sample(&mut generator) };
     let mut truth = nominal.clone();
@@ -84,14 +82,14 @@ pub(super) fn true_device(nominal: &Device, share: f64, seed: u64) -> Device {
             parameter,
             ParameterId::Link { row, parameter: Parameter::Alpha } if row == last
         );
-        let deviation = share * SHARE * parameter.plausible_size(nominal) * normal();
+        let deviation = parameter.plausible_size(nominal) * normal();
         if !twists_the_handle {
             parameter.set(&mut truth, parameter.value(nominal) + deviation);
         }
     }
     for joint in 0..3 {
         for parameter in nominal.transmission_parameters(joint) {
-            let size = SHARE * parameter.plausible_size(nominal);
+            let size = parameter.plausible_size(nominal);
             parameter.set(&mut truth, size * normal());
         }
     }
@@ -104,19 +102,13 @@ pub(super) fn true_device(nominal: &Device, share: f64, seed: u64) -> Device {
     truth
 }
 
-/// The recording that a fit sees, and the same rows without any error of the readings.
-pub(super) struct Recorded {
-    pub(super) seen: Recording,
-    pub(super) exact: Recording,
-}
-
 /// Records random poses.
 pub(super) fn record(
     truth: &Device,
     (rig, errors): (Rig, Errors),
     rows: usize,
     seed: u64,
-) -> Result<Recorded> {
+) -> Result<Recording> {
     let mut noisy = truth.clone();
     let mut random = generator(seed, 2);
     let mut factor = || match errors {
@@ -142,19 +134,12 @@ pub(super) fn record(
         cable_sigma: CableSigma::Stated,
         ..Settings::paper()
     };
-    let exactly = Settings {
-        output_noise: Noise::None,
-        cable_noise: Noise::None,
-        motor_counts: false,
-        ..settings
-    };
     let mut seen = simulate(&noisy, &settings, rows, seed)?;
-    let mut exact = simulate(&noisy, &exactly, rows, seed)?;
     if errors == Errors::Tails {
         add_tails(&mut seen, truth, seed)?;
     }
     if rig == Rig::Tracker {
-        let poses = true_poses(truth, &exact)?;
+        let poses = true_poses(truth, &seen)?;
         let mut normal = generator(seed, 3);
         let mut axis = |axis: usize, sd: f64| -> Vec<f64> {
             let error = poses.iter().map(|pose| {
@@ -164,12 +149,9 @@ pub(super) fn record(
             error.collect()
         };
         seen.position_m = Some([0, 1, 2].map(|k| axis(k, tracker_sd_m)));
-        exact.position_m = Some([0, 1, 2].map(|k| axis(k, 0.0)));
-        for recording in [&mut seen, &mut exact] {
-            recording.cable_m = recording.cable_m.iter().map(|_| None).collect();
-        }
+        seen.cable_m = seen.cable_m.iter().map(|_| None).collect();
     }
-    Ok(Recorded { seen, exact })
+    Ok(seen)
 }
 
 /// Adds heavy-tailed errors to external encoders and cables.

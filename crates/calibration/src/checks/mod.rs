@@ -4,5 +4,6 @@ pub(crate) mod conventions;
 pub(crate) mod held_out;
 pub(crate) mod postures;
 pub(crate) mod reach;
+pub(crate) mod rejection;
 pub(crate) mod rig;
 pub(crate) mod sufficiency;

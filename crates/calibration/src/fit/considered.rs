@@ -8,21 +8,43 @@ use haptical_model::{Device, ParameterId};
 
 /// Parameters that a fit held and that are not known exactly: "consider" parameters.
 ///
-/// With d their errors of covariance S, the fitted ones err by G d besides the noise, G = -(J^T J)^-1 J^T J_d, so
-/// the covariance of their errors is C + G S G^T (Tapley, Schutz & Born, *Statistical Orbit Determination*, 2004,
-/// section 6.4). Held are parameters that the data fix worse than their plausible size, which S takes for their
-/// deviation, and in two steps the transmissions, with the covariance of step 1.
+/// With d their errors of second moment S, the fitted ones err by G d besides the noise, G = -(J^T J)^-1 J^T J_d, so
+/// the mean square of their errors is C + G S G^T (Tapley, Schutz & Born, *Statistical Orbit Determination*, 2004,
+/// section 6.4). What a fit holds is known to its plausible size P, and to what the residuals say of it: with
+/// A = J_d - J (J^T J)^-1 J^T J_d, M = (P^-2 + A^T A)^-1 and m = -M A^T r, S = M + m m^T. A dependent parameter has
+/// A = 0 and so S = P^2. In two steps the transmissions are held too, with the errors of step 1.
+/// Source: docs/equations.md, Covariance and intervals.
 #[derive(Debug, Clone)]
 pub struct Considered {
     /// The parameters.
     pub parameters: Vec<ParameterId>,
+    /// Why each is held.
+    pub held: Vec<Held>,
     /// S, in their units.
     pub covariance: Matrix,
     /// G: change of each fitted parameter (row) with a unit error of each considered one (column).
     pub sensitivity: Matrix,
+    /// Mean square of each fitted parameter's error beyond the first order in those of the held ones; empty until
+    /// [`crate::with_curvature`] has looked.
+    pub beyond_first_order: Vec<f64>,
     /// Fall of the sum of squared weighted residuals that the linearised problem promises if the weak parameters
     /// were fitted too: large where one of them deviates by far more than is plausible.
     pub promised_fall: f64,
+}
+
+/// The reason for which a fit holds a parameter that is not known exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Held {
+    /// The data fix it no better than it is plausibly large.
+    Weak,
+    /// Its effect is that of others, which are fitted in its place.
+    Dependent,
+    /// The samples support a form without it.
+    Unsupported,
+    /// It was judged fit to be free only after the last search.
+    Late,
+    /// An earlier step fitted it.
+    Fitted,
 }
 
 impl Considered {
@@ -30,39 +52,100 @@ impl Considered {
     pub(crate) fn none(fitted: usize) -> Self {
         Self {
             parameters: Vec::new(),
+            held: Vec::new(),
             covariance: Matrix::zeros(0, 0),
             sensitivity: Matrix::zeros(fitted, 0),
+            beyond_first_order: Vec::new(),
             promised_fall: 0.0,
         }
     }
 
-    /// The weak parameters of a fit, each with its plausible size for a standard deviation.
-    pub(crate) fn weak(
-        device: &Device,
-        parameters: &[ParameterId],
+    /// What a fit held of its candidates, those that no reading sees excepted. `unsupported` are positions within
+    /// the candidates, `noise_factor` the noise over the stated one.
+    pub(crate) fn of_fit(
+        (device, parameters): (&Device, &[ParameterId]),
         judged: &Identifiability,
         reduction: &Reduction,
-        fitted: &[usize],
+        (fitted, unsupported): (&[usize], &[usize]),
+        noise_factor: f64,
     ) -> Result<Self, IdentificationError> {
-        let weak: Vec<usize> = (0..parameters.len())
-            .filter(|index| matches!(judged.statuses[*index], Status::Weak { .. }))
-            .filter(|index| !fitted.contains(index))
-            .collect();
-        if weak.is_empty() {
+        let reason = |index: usize| match &judged.statuses[index] {
+            Status::Invisible => None,
+            _ if fitted.contains(&index) => None,
+            _ if unsupported.contains(&index) => Some((index, Held::Unsupported)),
+            Status::Dependent { .. } => Some((index, Held::Dependent)),
+            Status::Weak { .. } => Some((index, Held::Weak)),
+            Status::Identifiable { .. } => Some((index, Held::Late)),
+        };
+        let (columns, held): (Vec<usize>, Vec<Held>) =
+            (0..parameters.len()).filter_map(reason).unzip();
+        if columns.is_empty() {
             return Ok(Self::none(fitted.len()));
         }
-        let (sensitivity, _) = sensitivity(reduction, fitted, &weak)?;
-        let both = [fitted, &weak].concat();
-        let promised = reduction.solve(&both, 0.0, SMALLEST_PIVOT)?;
-        let size = |index: usize| parameters[index].plausible_size(device);
+        let sizes: Vec<f64> = columns
+            .iter()
+            .map(|&index| parameters[index].plausible_size(device))
+            .collect();
+        if let Some(sensitivity) = by_combinations(judged, fitted, &columns) {
+            let count = columns.len();
+            return Ok(Self {
+                parameters: columns.iter().map(|&index| parameters[index]).collect(),
+                held,
+                covariance: Matrix::from_fn(count, count, |a, b| {
+                    if a == b { sizes[a].powi(2) } else { 0.0 }
+                }),
+                sensitivity,
+                beyond_first_order: Vec::new(),
+                promised_fall: 0.0,
+            });
+        }
+        let (sensitivity, rests) = sensitivity(reduction, fitted, &columns)?;
+        let of_weak = columns.iter().zip(&held);
+        let weak = of_weak.filter_map(|(&index, held)| (*held == Held::Weak).then_some(index));
+        let both: Vec<usize> = fitted.iter().copied().chain(weak).collect();
+        let promised_fall = match both.len() > fitted.len() {
+            true => {
+                reduction
+                    .solve(&both, 0.0, SMALLEST_PIVOT)?
+                    .explained_square
+            }
+            false => 0.0,
+        };
         Ok(Self {
-            parameters: weak.iter().map(|&index| parameters[index]).collect(),
-            covariance: Matrix::from_fn(weak.len(), weak.len(), |a, b| {
-                if a == b { size(weak[a]).powi(2) } else { 0.0 }
-            }),
+            parameters: columns.iter().map(|&index| parameters[index]).collect(),
+            covariance: second_moment(&rests, reduction.projected(), &sizes, noise_factor)?,
+            held,
             sensitivity,
-            promised_fall: promised.explained_square,
+            beyond_first_order: Vec::new(),
+            promised_fall,
         })
+    }
+
+    /// The reason for which a parameter is held; none for one that is not.
+    pub fn reason(&self, parameter: ParameterId) -> Option<Held> {
+        let own = self.parameters.iter().position(|held| *held == parameter)?;
+        self.held.get(own).copied()
+    }
+
+    /// The held weak parameters.
+    pub fn weak(&self) -> impl Iterator<Item = ParameterId> {
+        let each = self.parameters.iter().zip(&self.held);
+        each.filter_map(|(parameter, held)| (*held == Held::Weak).then_some(*parameter))
+    }
+
+    /// Some of them.
+    pub(crate) fn select(&self, kept: &[usize]) -> Self {
+        let count = kept.len();
+        Self {
+            parameters: kept.iter().map(|&k| self.parameters[k]).collect(),
+            held: kept.iter().map(|&k| self.held[k]).collect(),
+            covariance: Matrix::from_fn(count, count, |a, b| self.covariance[(kept[a], kept[b])]),
+            sensitivity: Matrix::from_fn(self.sensitivity.rows(), count, |row, column| {
+                self.sensitivity[(row, kept[column])]
+            }),
+            beyond_first_order: Vec::new(),
+            promised_fall: self.promised_fall,
+        }
     }
 
     /// These and others.
@@ -85,8 +168,10 @@ impl Considered {
         );
         Self {
             parameters: [self.parameters.clone(), other.parameters.clone()].concat(),
+            held: [self.held.clone(), other.held.clone()].concat(),
             covariance,
             sensitivity,
+            beyond_first_order: self.beyond_first_order.clone(),
             promised_fall: self.promised_fall,
         }
     }
@@ -101,6 +186,17 @@ impl Considered {
                     .sum()
             })
             .collect()
+    }
+
+    /// Mean square of a fitted parameter's error by those of some considered ones.
+    pub(crate) fn leaked(&self, fitted: usize, of: &[bool]) -> f64 {
+        let some: Vec<usize> = (0..self.parameters.len()).filter(|&k| of[k]).collect();
+        let moved = |k: usize| self.sensitivity[(fitted, k)];
+        let each = some.iter().map(|&a| {
+            let row = some.iter().map(|&b| self.covariance[(a, b)] * moved(b));
+            moved(a) * row.sum::<f64>()
+        });
+        each.sum::<f64>().max(0.0)
     }
 
     /// Covariance of the errors of the fitted parameters and then the considered ones.
@@ -132,18 +228,29 @@ impl Considered {
     ) {
         let half_width = uncertainty.half_width_95(noise);
         for (row, &index) in fitted.iter().enumerate() {
-            let spread = self.spread(row);
-            let terms = spread.iter().enumerate();
-            let leaked: f64 = terms
-                .map(|(k, spread)| spread * self.sensitivity[(row, k)])
-                .sum();
+            let leaked = self.leaked(row, &vec![true; self.parameters.len()]);
             let estimate = &mut estimates[index];
             if let (Some(value), Some(sd)) = (estimate.value, &mut estimate.standard_deviation) {
-                *sd = (uncertainty.covariance[(row, row)] + leaked.max(0.0)).sqrt();
+                *sd = (uncertainty.covariance[(row, row)] + leaked).sqrt();
                 estimate.ci95 = Some([value - half_width * *sd, value + half_width * *sd]);
             }
         }
     }
+}
+
+/// G where all that is held depends on what is fitted: the judgement of the data has it already.
+fn by_combinations(judged: &Identifiability, fitted: &[usize], held: &[usize]) -> Option<Matrix> {
+    let mut sensitivity = Matrix::zeros(fitted.len(), held.len());
+    for (column, &index) in held.iter().enumerate() {
+        let Status::Dependent { combination } = &judged.statuses[index] else {
+            return None;
+        };
+        for term in combination {
+            let row = fitted.iter().position(|own| *own == term.parameter)?;
+            sensitivity[(row, column)] = -term.coefficient;
+        }
+    }
+    Some(sensitivity)
 }
 
 /// G for the columns `held`, and what the columns `fitted` cannot make up of each of them.
@@ -153,6 +260,12 @@ pub(crate) fn sensitivity(
     held: &[usize],
 ) -> Result<(Matrix, Vec<Vec<f64>>), IdentificationError> {
     let norms = reduction.column_norms();
+    if fitted.is_empty() {
+        let own: Vec<f64> = held.iter().map(|&column| norms[column]).collect();
+        let factor = reduction.scaled_factor(held, &own)?;
+        let rests = (0..held.len()).map(|column| factor.column(column).to_vec());
+        return Ok((Matrix::zeros(0, held.len()), rests.collect()));
+    }
     let of = |columns: &[usize]| {
         let own: Vec<f64> = columns.iter().map(|&column| norms[column]).collect();
         reduction.scaled_factor(columns, &own)
@@ -180,5 +293,34 @@ pub(crate) fn sensitivity(
     Ok((sensitivity, rests))
 }
 
+/// S of held parameters: what their plausible sizes and the residuals say of their errors.
+fn second_moment(
+    rests: &[Vec<f64>],
+    residuals: &[f64],
+    sizes: &[f64],
+    noise_factor: f64,
+) -> Result<Matrix, IdentificationError> {
+    let (rows, count) = (residuals.len(), sizes.len());
+    // in plausible sizes and standard deviations of the noise
+    let noise = noise_factor.max(LEAST_NOISE);
+    let stacked = Matrix::from_fn(rows + count, count, |row, column| {
+        match row.checked_sub(rows) {
+            None => rests[column][row] * sizes[column] / noise,
+            Some(own) => f64::from(u8::from(own == column)),
+        }
+    });
+    let zeros = std::iter::repeat_n(0.0, count);
+    let residuals: Vec<f64> = residuals.iter().map(|r| r / noise).chain(zeros).collect();
+    let reduction = Reduction::new(&stacked, &residuals)?;
+    let all: Vec<usize> = (0..count).collect();
+    let moment = reduction.covariance(&all, SMALLEST_PIVOT)?;
+    let mean = reduction.solve(&all, 0.0, SMALLEST_PIVOT)?.values;
+    Ok(Matrix::from_fn(count, count, |a, b| {
+        sizes[a] * sizes[b] * (moment[(a, b)] + mean[a] * mean[b])
+    }))
+}
+
+/// Least noise over the stated one that a fit's residuals can show: a fit that is exact is so by chance.
+const LEAST_NOISE: f64 = 1e-3;
 /// Relative pivot below which a direction of the fitted parameters is rounding.
 const SMALLEST_PIVOT: f64 = 1e-13;

@@ -57,12 +57,13 @@ pub(crate) fn enough(
     problem: &DeviceProblem<'_>,
     free: &[usize],
     judged: &Identifiability,
+    is_whole: bool,
 ) -> Result<(), CalibrationError> {
     let rows = problem.residual_count();
-    // A rank equal to the number of rows means too few rows, not a special geometry.
-    let parameters = free
-        .len()
-        .max(if judged.rank >= rows { rows + 1 } else { 0 });
+    // A rank equal to the number of rows means too few rows, not a special geometry; a part of the candidates may
+    // need fewer
+    let is_short = is_whole && judged.rank >= rows;
+    let parameters = free.len().max(if is_short { rows + 1 } else { 0 });
     if rows <= parameters {
         return Err(CalibrationError::TooFewRows {
             what: what.to_owned(),

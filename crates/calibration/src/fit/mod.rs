@@ -1,6 +1,7 @@
 //! One fit of chosen parameters, with the judgement of what the data can fix.
 
 pub(crate) mod considered;
+pub(crate) mod curvature;
 pub(crate) mod free_set;
 pub(crate) mod implausible;
 pub(crate) mod mistakes;

@@ -213,11 +213,11 @@ fn missed(fit: &ParameterFit) -> Option<String> {
     let freedom = fit.residuals.len() as f64 - fit.fitted.len() as f64;
     let noise = (fit.cost - considered.promised_fall).max(0.0) / freedom;
     let is_missed = considered.promised_fall > MISSED * noise.max(f64::MIN_POSITIVE);
-    (freedom >= 1.0 && is_missed && !considered.parameters.is_empty()).then(|| {
-        let held = considered.parameters.iter();
-        let names: Vec<String> = held.map(|parameter| parameter.name(&fit.device)).collect();
-        names.join(", ")
-    })
+    let names: Vec<String> = considered
+        .weak()
+        .map(|parameter| parameter.name(&fit.device))
+        .collect();
+    (freedom >= 1.0 && is_missed && !names.is_empty()).then(|| names.join(", "))
 }
 
 /// Whether all values are within so many plausible sizes of others.

@@ -9,7 +9,7 @@ use haptical_model::{Device, ParameterId};
 use serde::Serialize;
 
 use crate::Channel;
-use crate::fit::considered::Considered;
+use crate::fit::considered::{Considered, Held};
 
 /// The outcome of one fit.
 #[derive(Debug, Clone)]
@@ -51,12 +51,32 @@ pub struct ParameterFit {
 
 impl ParameterFit {
     /// The parameters that are uncertain, the fitted ones and then those considered, and the covariance of their
-    /// errors.
+    /// errors. Dependent ones are left out: what moves along the direction that the data leave open is not known by
+    /// a covariance.
     pub fn uncertain(&self) -> (Vec<ParameterId>, Matrix) {
+        let kept: Vec<usize> = (0..self.considered.parameters.len())
+            .filter(|&k| self.considered.held[k] != Held::Dependent)
+            .collect();
+        let considered = self.considered.select(&kept);
         let fitted = self.fitted.iter().map(|&index| self.parameters[index]);
-        let considered = self.considered.parameters.iter().copied();
-        let covariance = self.considered.whole(&self.uncertainty.covariance);
-        (fitted.chain(considered).collect(), covariance)
+        let covariance = considered.whole(&self.uncertainty.covariance);
+        (fitted.chain(considered.parameters).collect(), covariance)
+    }
+
+    /// The candidates without those that the samples do not support, and the positions of the fitted ones among them.
+    pub fn supported(&self) -> (Vec<ParameterId>, Vec<usize>) {
+        let is_supported = |index: &usize| {
+            let held = self.considered.reason(self.parameters[*index]);
+            held != Some(Held::Unsupported)
+        };
+        let kept: Vec<usize> = (0..self.parameters.len()).filter(is_supported).collect();
+        let fitted = self.fitted.iter();
+        let places = fitted.filter_map(|index| kept.iter().position(|own| own == index));
+        let places = places.collect();
+        (
+            kept.iter().map(|&index| self.parameters[index]).collect(),
+            places,
+        )
     }
 
     /// Names of two fitted parameters whose errors correlate by more than [`HIGH_CORRELATION`] in size, with the

@@ -1,7 +1,9 @@
 //! One fit: prune what the data cannot fix, search, and judge again at the solution.
 
+use std::collections::BTreeMap;
+
 use haptical_identification::{
-    Estimate, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
+    Convergence, Estimate, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
     ParameterInfo, Problem, Reduction, Uncertainty, analyse, estimates, solve, uncertainty,
 };
 use haptical_model::{Device, ParameterId, Recording};
@@ -34,6 +36,9 @@ pub struct FitRequest<'a> {
     pub channels: &'a [Channel],
     /// Candidates for the fit.
     pub parameters: &'a [ParameterId],
+    /// Positions within the candidates of those that the samples do not support: they keep the device's values, and
+    /// the intervals count what they may be.
+    pub unsupported: &'a [usize],
     /// Standard deviations of the residuals.
     pub weights: &'a Weights,
     /// Search, rules of identifiability, further starts.
@@ -86,20 +91,37 @@ impl FitRequest<'_> {
         let judge = |reduction: &Reduction, first: &[usize]| {
             judge(problem, &infos, reduction, first, &options.rules)
         };
-        let nominal_identifiability = judge(first, &[]).map_err(wrap)?;
-        let mut free = worth_fitting(&nominal_identifiability);
+        let supported = |judged: &Identifiability| {
+            let mut free = worth_fitting(judged);
+            free.retain(|index| !self.unsupported.contains(index));
+            free
+        };
+        // of a dependent set the member stays that the samples support
+        let preferred: Vec<usize> = match self.unsupported {
+            [] => Vec::new(),
+            unsupported => (0..parameters.len())
+                .filter(|index| !unsupported.contains(index))
+                .collect(),
+        };
+        let nominal_identifiability = judge(first, &preferred).map_err(wrap)?;
+        if self.unsupported.len() == parameters.len() {
+            let judged = (nominal_identifiability, infos.as_slice());
+            return self.nothing_fitted(prepared, first, judged);
+        }
+        let mut free = supported(&nominal_identifiability);
         let mut values = values_of(parameters, self.start.unwrap_or(self.device));
         hold(&mut values, &free, &start);
         let mut iterations = 0;
         let mut round = 0;
         let (fit, identifiability, reduction) = loop {
             round += 1;
-            enough(what, problem, &free, &nominal_identifiability)?;
+            let is_whole = self.unsupported.is_empty();
+            enough(what, problem, &free, &nominal_identifiability, is_whole)?;
             let fit = solve(searched, &values, &free, &options.search).map_err(wrap)?;
             iterations += fit.iterations;
             let reduction = reduce(searched, &fit.parameters).map_err(wrap)?;
             let judged = judge(&reduction, &free).map_err(wrap)?;
-            let wanted = worth_fitting(&judged);
+            let wanted = supported(&judged);
             // where no set is stable, the last one is kept with its statuses at the solution
             if wanted == free || round == MAX_ROUNDS {
                 break (fit, judged, reduction);
@@ -108,10 +130,7 @@ impl FitRequest<'_> {
             free = wanted;
             hold(&mut values, &free, &start);
         };
-        let noise = match options.weighting {
-            Weighting::Stated => NoiseScale::Stated,
-            Weighting::Estimated => NoiseScale::Estimated,
-        };
+        let noise = noise_scale(options);
         let columns: Vec<usize> = (0..free.len()).collect();
         let mut spread =
             uncertainty(&fit.reduction, &columns, fit.cost, NoiseScale::Stated).map_err(wrap)?;
@@ -122,7 +141,13 @@ impl FitRequest<'_> {
         }
         spread.columns.clone_from(&free);
         let device = problem.device_with(&fit.parameters);
-        let considered = Considered::weak(&device, parameters, &identifiability, &reduction, &free);
+        let considered = Considered::of_fit(
+            (&device, parameters),
+            &identifiability,
+            &reduction,
+            (&free, self.unsupported),
+            spread.noise_factor,
+        );
         let considered = considered.map_err(wrap)?;
         let mut estimates = estimates(&infos, &fit.parameters, &identifiability, &spread, noise);
         considered.widen(&mut estimates, &free, &spread, noise);
@@ -145,6 +170,52 @@ impl FitRequest<'_> {
             cost: fit.cost,
             residuals,
             channel_parameters: shares,
+        })
+    }
+
+    /// The device as it is, where the samples support none of the candidates.
+    fn nothing_fitted(
+        &self,
+        prepared: &Prepared<'_>,
+        first: &Reduction,
+        (identifiability, infos): (Identifiability, &[ParameterInfo]),
+    ) -> Result<ParameterFit, CalibrationError> {
+        let wrap = |source| wrap(self.what, source);
+        let problem = prepared.problem;
+        let start = problem.start();
+        let residuals = prepared.residuals(&start).map_err(wrap)?;
+        let cost: f64 = residuals.iter().map(|residual| residual * residual).sum();
+        let noise = noise_scale(self.options);
+        let mut spread = Uncertainty::none(residuals.len());
+        if noise == NoiseScale::Estimated {
+            scale_to_residuals(&mut spread, cost);
+        }
+        let device = problem.device_with(&start);
+        let all = (&[][..], self.unsupported);
+        let considered = Considered::of_fit(
+            (&device, self.parameters),
+            &identifiability,
+            first,
+            all,
+            spread.noise_factor,
+        );
+        Ok(ParameterFit {
+            device,
+            parameters: self.parameters.to_vec(),
+            fitted: Vec::new(),
+            estimates: estimates(infos, &start, &identifiability, &spread, noise),
+            considered: considered.map_err(wrap)?,
+            noise,
+            uncertainty: spread,
+            profiled: Profiled::default(),
+            starts: Starts::default(),
+            nominal_identifiability: identifiability.clone(),
+            identifiability,
+            convergence: Convergence::SmallStep,
+            iterations: 0,
+            cost,
+            residuals,
+            channel_parameters: BTreeMap::new(),
         })
     }
 
@@ -174,6 +245,13 @@ impl FitRequest<'_> {
                 estimate.ci95 = Some([value - half_width * *sd, value + half_width * *sd]);
             }
         }
+    }
+}
+
+fn noise_scale(options: &Options) -> NoiseScale {
+    match options.weighting {
+        Weighting::Stated => NoiseScale::Stated,
+        Weighting::Estimated => NoiseScale::Estimated,
     }
 }
 

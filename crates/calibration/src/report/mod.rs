@@ -2,6 +2,7 @@
 
 pub(crate) mod above_floor;
 pub(crate) mod channel_report;
+pub(crate) mod combinations;
 pub(crate) mod force_direction;
 pub(crate) mod frame_origins;
 pub(crate) mod intervals;

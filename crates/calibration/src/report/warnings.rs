@@ -244,9 +244,30 @@ pub(crate) fn of_result(
         .flat_map(|fit| implausible_words(nominal, &fit.device, &fit.parameters, &fit.fitted));
     warnings.extend(implausible_sentence(&found.collect::<Vec<String>>()));
     warnings.extend(of_pairs(seen));
+    warnings.extend(of_combinations(&fits));
     warnings.extend(above_floor::sentences(fitted, seen, channels));
     warnings.extend(above_floor::sentences_of_too_little(fitted, seen));
     warnings
+}
+
+/// Parameters that a warning names.
+const NAMED: usize = 6;
+
+/// A sentence of the parameters that are fixed only together with others; none where there are none.
+fn of_combinations(fits: &[&ParameterFit]) -> Option<String> {
+    let sums = fits.iter().flat_map(|fit| fit.combinations());
+    let names: Vec<String> = sums.map(|sum| sum.terms[0].name.clone()).collect();
+    (!names.is_empty()).then(|| {
+        let more = match names.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let named = names[..names.len().min(NAMED)].join(", ");
+        format!(
+            "fixed only in a combination with what the recording does not tell from it: {named}{more}. The intervals \
+             count the plausible errors of the others; identified.json lists the combinations, which are known better"
+        )
+    })
 }
 
 /// A sentence of the fitted parameters that lie so far from the device file's values that a unit, a sign or a

@@ -12,7 +12,7 @@ use crate::{
     CalibrationError, CalibrationMethod, Channel, FitRequest, FittedDevice, Options, ParameterFit,
     Starts, TransmissionFit, TransmissionTerms, Weighting, Weights, candidate_parameters,
     channel_residuals, channels, fit_parameters, fit_transmissions, rows_with_known_errors,
-    with_step_one_noise,
+    with_curvature, with_step_one_noise,
 };
 
 /// Rounds of re-estimating the channels' noise.
@@ -70,15 +70,20 @@ pub(crate) fn fit_once(
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {
             // what the fit of both holds stays at the device's own value, wherever step 2 had it
-            let mut parameters = joint_candidates(&fitted.device, &fitted.transmissions);
+            let (mut parameters, unsupported) =
+                joint_candidates(&fitted.device, &fitted.transmissions);
             let held = held_for_size(&kinematics, &fitted.device);
             parameters.retain(|parameter| !held.contains(parameter));
+            let first = parameters.len();
+            parameters.extend(unsupported);
+            let unsupported: Vec<usize> = (first..parameters.len()).collect();
             let mut fit = fit_parameters(&FitRequest {
                 what: "joint identification",
                 device: &fitted.device,
                 recording,
                 channels,
                 parameters: &parameters,
+                unsupported: &unsupported,
                 weights,
                 options,
                 start: Some(&kinematics.device),
@@ -138,24 +143,24 @@ pub(crate) fn add_step_one_noise(
     Ok(fitted)
 }
 
-/// Looks at the intervals of the last fit where they are no longer straight.
-pub(crate) fn profile_whole(
-    fitted: &mut FittedDevice,
+/// Looks at the intervals of the last fit where the problem is no longer straight: over what was held, and over what
+/// was fitted.
+pub(crate) fn straighten(
+    mut fitted: FittedDevice,
     recording: &Recording,
     options: &Options,
-) -> Result<(), CalibrationError> {
+) -> Result<FittedDevice, CalibrationError> {
     let channels = channels(&fitted.device, recording)?;
-    let Some(whole) = &mut fitted.whole else {
-        return Ok(());
+    let steps = match options.method {
+        CalibrationMethod::Joint => Some((channels, Cow::Borrowed(recording))),
+        CalibrationMethod::TwoStep => step_two(&fitted.device, recording, &channels),
     };
-    if options.method == CalibrationMethod::Joint {
-        profile(whole, recording, &channels, &fitted.weights, options);
-        return Ok(());
+    if let (Some(whole), Some((channels, rows))) = (fitted.whole.take(), steps) {
+        let mut whole = with_curvature(whole, &rows, &channels, &fitted.weights)?;
+        profile(&mut whole, &rows, &channels, &fitted.weights, options);
+        fitted.whole = Some(whole);
     }
-    if let Some((distant, rows)) = step_two(&fitted.device, recording, &channels) {
-        profile(whole, &rows, &distant, &fitted.weights, options);
-    }
-    Ok(())
+    Ok(fitted)
 }
 
 /// Step 2: the kinematic parameters from distances (or positions) at corrected joint angles.
@@ -178,6 +183,7 @@ pub fn fit_kinematics(
         recording,
         channels,
         parameters: &parameters,
+        unsupported: &[],
         weights,
         options,
         start: None,
@@ -186,26 +192,33 @@ pub fn fit_kinematics(
 }
 
 /// Kinematics and every transmission: the terms that step 1 chose, and equation (1) of capstans
-/// without an external encoder, as far as the distances show it.
-fn joint_candidates(device: &Device, transmissions: &[TransmissionFit]) -> Vec<ParameterId> {
+/// without an external encoder, as far as the distances show it. Besides, the terms that step 1 found unsupported.
+fn joint_candidates(
+    device: &Device,
+    transmissions: &[TransmissionFit],
+) -> (Vec<ParameterId>, Vec<ParameterId>) {
     let mut parameters = candidate_parameters(device);
+    let mut unsupported = Vec::new();
     for (joint, description) in device.joints.iter().enumerate() {
-        let terms = match transmissions.iter().find(|fit| fit.joint == joint) {
+        let step = transmissions.iter().find(|fit| fit.joint == joint);
+        let terms = match step {
             Some(fit) => fit.terms,
             None => match description.transmission {
                 haptical_model::TransmissionKind::Capstan => TransmissionTerms::Capstan,
                 _ => TransmissionTerms::None,
             },
         };
-        parameters.extend(
-            terms
-                .free_parameters()
-                .into_iter()
-                .filter(|&index| index < description.error_parameter_count())
-                .map(|index| ParameterId::Transmission { joint, index }),
-        );
+        let own = |indices: Vec<usize>| {
+            let there = |index: &usize| *index < description.error_parameter_count();
+            let indices = indices.into_iter().filter(there);
+            indices.map(move |index| ParameterId::Transmission { joint, index })
+        };
+        parameters.extend(own(terms.free_parameters()));
+        if step.is_some() {
+            unsupported.extend(own(terms.unsupported_parameters(description.transmission)));
+        }
     }
-    parameters
+    (parameters, unsupported)
 }
 
 /// Each channel's residual size over its stated noise: sqrt(RSS / (m - p)) over the stated rms, with

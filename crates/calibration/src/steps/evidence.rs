@@ -1,7 +1,7 @@
 //! Evidence for the terms of a transmission: few samples support few terms.
 
 use haptical_identification::{Matrix, Reduction};
-use haptical_model::{Joint, TransmissionError};
+use haptical_model::{Joint, TransmissionError, TransmissionKind};
 use serde::Serialize;
 
 use crate::CalibrationError;
@@ -60,6 +60,19 @@ impl TransmissionTerms {
             Self::ZeroedCapstan => vec![1, 2, 3, 4, 5],
             Self::Polynomial(degree) => (0..=degree).collect(),
         }
+    }
+
+    /// Parameters that a transmission of this kind may have besides those that the form frees: the samples do not
+    /// support them. An encoder that was zeroed at home has no offset.
+    pub fn unsupported_parameters(self, kind: TransmissionKind) -> Vec<usize> {
+        let all = match (self, kind) {
+            (Self::ZeroedCapstan | Self::Polynomial(_), _) => 0..0,
+            (_, TransmissionKind::Capstan) => 0..6,
+            (_, TransmissionKind::Direct) => 0..4,
+            (_, TransmissionKind::Parallelogram) => 0..0,
+        };
+        let free = self.free_parameters();
+        all.filter(|index| !free.contains(index)).collect()
     }
 }
 

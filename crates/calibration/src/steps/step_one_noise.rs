@@ -4,7 +4,7 @@ use haptical_identification::Matrix;
 use haptical_model::{ParameterId, Recording};
 
 use crate::error::wrap;
-use crate::fit::considered::{Considered, sensitivity};
+use crate::fit::considered::{Considered, Held, sensitivity};
 use crate::problem::form::{Prepared, reduce};
 use crate::{CalibrationError, Channel, DeviceProblem, ParameterFit, TransmissionFit, Weights};
 
@@ -36,7 +36,7 @@ pub fn with_step_one_noise(
         .iter()
         .filter_map(|step| step.fit.as_ref())
         .collect();
-    let (parameters, covariance) = together(&steps);
+    let (parameters, held, covariance) = together(&steps);
     if parameters.is_empty() || fit.fitted.is_empty() {
         return Ok(fit);
     }
@@ -63,8 +63,10 @@ pub fn with_step_one_noise(
     }
     let step_one = Considered {
         parameters,
+        held,
         covariance,
         sensitivity,
+        beyond_first_order: Vec::new(),
         promised_fall: 0.0,
     };
     fit.considered = fit.considered.with(&step_one);
@@ -73,25 +75,31 @@ pub fn with_step_one_noise(
     Ok(fit)
 }
 
-/// The fitted parameters of all transmissions and their covariance, block by block.
-fn together(steps: &[&ParameterFit]) -> (Vec<ParameterId>, Matrix) {
+/// The uncertain parameters of all transmissions and the covariance of their errors, block by block.
+fn together(steps: &[&ParameterFit]) -> (Vec<ParameterId>, Vec<Held>, Matrix) {
     let mut parameters = Vec::new();
+    let mut held = Vec::new();
     let mut places = Vec::new();
-    for (step, fit) in steps.iter().enumerate() {
-        for (position, &index) in fit.fitted.iter().enumerate() {
-            parameters.push(fit.parameters[index]);
-            places.push((step, position));
-        }
-    }
+    let blocks: Vec<Matrix> = (steps.iter().enumerate())
+        .map(|(step, fit)| {
+            let (own, covariance) = fit.uncertain();
+            places.extend((0..own.len()).map(|position| (step, position)));
+            parameters.extend(own);
+            held.extend(fit.fitted.iter().map(|_| Held::Fitted));
+            let considered = fit.considered.held.iter();
+            held.extend(considered.filter(|held| **held != Held::Dependent));
+            covariance
+        })
+        .collect();
     let covariance = Matrix::from_fn(places.len(), places.len(), |a, b| {
         let ((step, row), (other, column)) = (places[a], places[b]);
         if step == other {
-            steps[step].uncertainty.covariance[(row, column)]
+            blocks[step][(row, column)]
         } else {
             0.0
         }
     });
-    (parameters, covariance)
+    (parameters, held, covariance)
 }
 
 /// Takes what step 1 added to the residuals' sum of squares out of the noise that was estimated from it.

@@ -109,9 +109,11 @@ pub fn fit_transmission(
     )?;
     let mut start = device.clone();
     start.joints[joint].transmission_error = form(terms, range_rad);
-    let parameters: Vec<ParameterId> = terms
-        .free_parameters()
-        .into_iter()
+    let free = terms.free_parameters();
+    let held = terms.unsupported_parameters(device.joints[joint].transmission);
+    let unsupported: Vec<usize> = (free.len()..free.len() + held.len()).collect();
+    let all = free.into_iter().chain(held);
+    let parameters: Vec<ParameterId> = all
         .map(|index| ParameterId::Transmission { joint, index })
         .collect();
     // Terms that the evidence chose are supported, however large their scatter is against a
@@ -129,6 +131,7 @@ pub fn fit_transmission(
             recording: &part,
             channels: &[channel],
             parameters: &parameters,
+            unsupported: &unsupported,
             weights,
             options: &options,
             start: None,

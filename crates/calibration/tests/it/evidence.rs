@@ -1,7 +1,7 @@
 //! How much of a transmission's error few samples carry.
 
 use haptical_calibration::{
-    Channel, Degree, Options, TransmissionTerms, Weights, fit_transmission,
+    Channel, Degree, Held, Options, TransmissionTerms, Weights, fit_transmission,
 };
 use haptical_model::{Device, TransmissionKind};
 use haptical_simulator::{Settings, apply_deviations, simulate_transmission};
@@ -33,7 +33,16 @@ fn chosen(
                 .any(|entry| entry.terms == TransmissionTerms::None)
         );
     }
-    assert_eq!(fit.fit.is_none(), fit.terms == TransmissionTerms::None);
+    let found = fit.fit.unwrap();
+    assert_eq!(
+        found.fitted.is_empty(),
+        fit.terms == TransmissionTerms::None
+    );
+    let held = found.considered.held.iter();
+    assert_eq!(
+        held.filter(|held| **held == Held::Unsupported).count() + found.fitted.len(),
+        found.parameters.len()
+    );
     fit.terms
 }
 

@@ -18,6 +18,7 @@ mod force_direction;
 mod frame_origins;
 mod haptic;
 mod held_out;
+mod held_partners;
 mod in_bulk;
 mod incomplete;
 mod intervals;

@@ -237,6 +237,7 @@ fn a_sensor_put_in_moves_the_tool_alone() {
             recording: &changed,
             channels: &channels,
             parameters: &parameters,
+            unsupported: &[],
             weights: &weights,
             options: &options,
             start: None,

@@ -102,6 +102,7 @@ fn the_slide_along_parallel_axes_is_named_and_refused() {
             recording: &recording,
             channels: &channels,
             parameters: &parameters,
+            unsupported: &[],
             weights: &weights,
             options: &options,
             start: None,

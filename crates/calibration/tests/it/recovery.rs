@@ -78,14 +78,28 @@ pub(crate) fn errors_in_deviations(fitted: &FittedDevice, truth: &Device) -> Vec
         .filter_map(|step| step.fit.as_ref());
     let mut errors = Vec::new();
     for fit in steps.chain([whole]) {
+        let combinations = fit.combinations();
         for (parameter, estimate) in fit.parameters.iter().zip(&fit.estimates) {
             // The polynomial's coefficients belong to the recording's range, not to the truth's.
             if matches!(parameter, ParameterId::Transmission { joint: 3, .. }) {
                 continue;
             }
-            if let (Some(value), Some(sd)) = (estimate.value, estimate.standard_deviation) {
+            let is_alone = combinations
+                .iter()
+                .all(|sum| sum.terms[0].name != estimate.name);
+            if let (Some(value), Some(sd), true) =
+                (estimate.value, estimate.standard_deviation, is_alone)
+            {
                 errors.push((estimate.name.clone(), (value - parameter.value(truth)) / sd));
             }
+        }
+        for sum in combinations {
+            let terms = sum
+                .terms
+                .iter()
+                .map(|term| term.coefficient * truth.parameter(&term.name).unwrap().value(truth));
+            let error = (sum.value - terms.sum::<f64>()) / sum.standard_deviation;
+            errors.push((sum.terms[0].name.clone(), error));
         }
     }
     errors

@@ -180,6 +180,7 @@ fn a_device_that_shrinks_to_a_point_is_refused() {
             recording: &recording,
             channels,
             parameters: &parameters,
+            unsupported: &[],
             weights: &weights,
             options: &options,
             start: None,

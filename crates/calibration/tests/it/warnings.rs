@@ -31,7 +31,9 @@ fn a_clean_recording_has_no_warning() {
     let Some(clean) = result(CalibrationMethod::Joint, |_| {}) else {
         return;
     };
-    assert_eq!(clean.warnings, Vec::<String>::new());
+    // on this device a turn about the cable's exit is never seen
+    assert_eq!(clean.warnings.len(), 1, "{:?}", clean.warnings);
+    assert!(clean.warnings[0].starts_with("fixed only in a combination"));
 }
 
 #[test]

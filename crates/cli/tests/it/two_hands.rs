@@ -62,7 +62,8 @@ fn touching_hands_tell_the_elbows() {
             };
             assert!((value - expected).abs() < 1e-8, "{out}: {name} is {value}");
             assert!(
-                expected == 0.0 || status == "identifiable",
+                // rows of six numbers each have more than a chain needs
+                expected == 0.0 || status == "combination",
                 "{name} is {status}"
             );
         }

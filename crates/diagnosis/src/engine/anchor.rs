@@ -74,7 +74,11 @@ pub(crate) fn anchored(
 ) -> Result<Option<Anchored>, DiagnosisError> {
     let weak = |index: &usize| {
         let is_fitted = fit.fitted.contains(index);
-        is_fitted || fit.considered.parameters.contains(&fit.parameters[*index])
+        is_fitted
+            || fit
+                .considered
+                .weak()
+                .any(|weak| weak == fit.parameters[*index])
     };
     let free: Vec<usize> = (0..fit.parameters.len()).filter(weak).collect();
     let anchor = Anchor::new(from, &fit.parameters, &free);

@@ -68,8 +68,7 @@ impl Base {
         match &fitted.whole {
             Some(whole) => {
                 note(whole);
-                parameters.clone_from(&whole.parameters);
-                free.clone_from(&whole.fitted);
+                (parameters, free) = whole.supported();
             }
             None => {
                 for fit in fitted
@@ -79,8 +78,9 @@ impl Base {
                 {
                     note(fit);
                     let first = parameters.len();
-                    parameters.extend(&fit.parameters);
-                    free.extend(fit.fitted.iter().map(|index| first + index));
+                    let (own, fitted) = fit.supported();
+                    parameters.extend(own);
+                    free.extend(fitted.iter().map(|index| first + index));
                 }
             }
         }

@@ -39,6 +39,7 @@ pub(crate) fn placed(
             recording,
             channels,
             parameters: &places,
+            unsupported: &[],
             weights: &weights,
             options: &options,
             start: None,

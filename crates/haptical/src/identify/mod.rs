@@ -18,7 +18,7 @@ use haptical_model::{Device as Model, Recording, TransmissionKind};
 use self::result::identified;
 pub use self::result::{
     IdentifiabilityEntry, Identified, LossEntry, NoiseEntry, NotIdentified, ParameterEntry,
-    RankEntry,
+    RankEntry, RejectedEntry,
 };
 pub use self::transmissions::TransmissionEntry;
 use crate::device::{Device, InputDrumDenominators};
@@ -68,6 +68,8 @@ pub struct Found {
     pub result: Identified,
     recording: Recording,
     toml: String,
+    /// The text of rejected.toml.
+    rejected: Option<String>,
 }
 
 /// Identifies the parameters of a device from a log.
@@ -113,10 +115,20 @@ pub fn identify_as(
         recording.len(),
     );
     let result = identified(&calibration, labels, fit, force, warnings.concat(), record);
-    let toml = calibration
-        .device
-        .to_toml(without_comments(device.to_toml()), &device.source().label)
-        .map_err(|error| Error::device_file(&error, device_path))?;
+    let written = |model: &Model| {
+        model
+            .to_toml(without_comments(device.to_toml()), &device.source().label)
+            .map_err(|error| Error::device_file(&error, device_path))
+    };
+    let toml = written(&calibration.device)?;
+    let rejected = match &calibration.rejected {
+        Some(rejected) => {
+            let comments = result.provenance.toml_comments()?;
+            let why = "# Rejected: worse than the given device on rows that the fit did not see; identified.json says how.\n";
+            Some(comments + why + &written(&rejected.device)?)
+        }
+        None => None,
+    };
     let text = result.provenance.toml_comments()? + &toml;
     let source = Source::text(text, Found::FILES[0]);
     Ok(Found {
@@ -125,6 +137,7 @@ pub fn identify_as(
         result,
         recording,
         toml,
+        rejected,
     })
 }
 
@@ -208,8 +221,13 @@ impl Identify {
 }
 
 impl Found {
-    /// Names of the files that are written.
-    pub const FILES: [&str; 3] = ["identified.toml", "identified.json", "report.html"];
+    /// Names of the files that are written, the last one only where a fit is rejected.
+    pub const FILES: [&str; 4] = [
+        "identified.toml",
+        "identified.json",
+        "report.html",
+        "rejected.toml",
+    ];
 
     /// What is odd about the device, the log and the result.
     pub fn warnings(&self) -> &[String] {
@@ -221,25 +239,29 @@ impl Found {
         &self.toml
     }
 
-    /// The three files, as they are written.
+    /// The files, as they are written.
     ///
     /// # Errors
     /// A fault of this library alone.
     pub fn files(&self) -> Result<Vec<NewFile<'static>>, Error> {
         let (result, calibration) = (&self.result, &self.calibration);
         let page = page::page(result, calibration, &self.recording)?;
-        let [toml_name, json_name, page_name] = Self::FILES;
+        let [toml_name, json_name, page_name, rejected_name] = Self::FILES;
         let mut files = vec![
             (toml_name, self.device.to_toml().as_bytes().to_vec()),
             (page_name, page.into_bytes()),
         ];
+        if let Some(rejected) = &self.rejected {
+            files.push((rejected_name, rejected.as_bytes().to_vec()));
+        }
         let mut result = result.clone();
         result.provenance = result.provenance.with_outputs(&files);
         files.insert(1, (json_name, sealed_json(&result)?.into_bytes()));
         Ok(files)
     }
 
-    /// Writes identified.toml, identified.json and report.html into a folder: all of them or none.
+    /// Writes identified.toml, identified.json, report.html and, where a fit is rejected, rejected.toml into a folder:
+    /// all of them or none.
     ///
     /// # Errors
     /// The folder cannot be written to.

@@ -1,10 +1,10 @@
 //! The content of identified.json: what was identified, how well, and what was not.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use haptical_calibration::{
-    Calibration, ChannelReport, ForceDirection, Intervals, Outlier, ParameterFit, RobustChannel,
-    Robustness, Starts,
+    Calibration, ChannelReport, Combination, ForceDirection, Growth, Held, Intervals, Kept,
+    Outlier, ParameterFit, RobustChannel, Robustness, Starts,
 };
 use haptical_identification::{Convergence, Identifiability, Loss, Observability, Status, Term};
 use haptical_model::{Device, ParameterId, TransmissionError};
@@ -41,6 +41,8 @@ pub struct Identified {
     pub transmissions: Vec<TransmissionEntry>,
     /// All candidates.
     pub parameters: Vec<ParameterEntry>,
+    /// What the data fix of parameters that they do not fix alone.
+    pub combinations: Vec<Combination>,
     /// Those that kept their nominal values.
     pub not_identified: Vec<NotIdentified>,
     /// How the intervals were made; none where nothing but transmissions was fitted.
@@ -62,8 +64,22 @@ pub struct Identified {
     pub outliers: Vec<Outlier>,
     /// What is odd.
     pub warnings: Vec<String>,
+    /// What became of the full fit, where it is worse than none on rows that it did not see.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rejected: Option<RejectedEntry>,
     /// How the result came about.
     pub provenance: Record,
+}
+
+/// A fit that was not kept: its device is in rejected.toml.
+#[derive(Debug, Clone, Serialize)]
+pub struct RejectedEntry {
+    /// What was kept in its place: `nominal` or `joint-offsets`.
+    pub kept: Kept,
+    /// The channel that is worse.
+    pub growth: Growth,
+    /// Before and after the rejected fit, on rows that it did not see.
+    pub channels: Vec<ChannelReport>,
 }
 
 impl Identified {
@@ -101,7 +117,9 @@ pub struct ParameterEntry {
     pub standard_deviation: Option<f64>,
     /// 95 % interval.
     pub ci95: Option<[f64; 2]>,
-    /// Whether the data fix it.
+    /// `identifiable`: fixed by the data alone. `combination`: fixed only together with others ([`Identified`] lists the
+    /// sums); the interval counts what these may be. Not fixed: `weak`, `dependent`, `invisible`, or `held`, which the
+    /// samples do not support.
     pub status: &'static str,
     /// For a dependent parameter: changes of others that act like a unit change of it.
     pub combination: Option<Vec<Term>>,
@@ -219,6 +237,11 @@ pub(super) fn identified(
             }
         }
     }
+    let combinations = fits.iter().chain(&steps);
+    let mut combinations: Vec<Combination> =
+        combinations.flat_map(|fit| fit.combinations()).collect();
+    let mut listed = BTreeSet::new();
+    combinations.retain(|sum| listed.insert(sum.terms[0].name.clone()));
     let not_identified = parameters.iter().filter_map(refusal).collect();
     let correlations = fits.iter().flat_map(|fit| fit.high_correlations());
     let at_nominal = fits.iter().map(|fit| &fit.nominal_identifiability);
@@ -239,6 +262,7 @@ pub(super) fn identified(
         channels: calibration.judged_channels().to_vec(),
         channels_fit: calibration.fit_channels.clone(),
         transmissions: transmissions(calibration, &parameters),
+        combinations,
         not_identified,
         intervals: fits.first().map(|fit| fit.intervals()),
         search: fitted.whole.as_ref().map(|whole| whole.starts.clone()),
@@ -253,12 +277,18 @@ pub(super) fn identified(
         outliers: calibration.outliers.clone(),
         parameters,
         warnings,
+        rejected: calibration.rejected.as_ref().map(|rejected| RejectedEntry {
+            kept: rejected.kept,
+            growth: rejected.growth.clone(),
+            channels: rejected.held_out_channels.clone(),
+        }),
         provenance,
     }
 }
 
 /// The candidates of one fit.
 fn entries(fit: &ParameterFit, nominal: &Device, device: &Device) -> Vec<ParameterEntry> {
+    let combinations = fit.combinations();
     fit.parameters
         .iter()
         .zip(&fit.estimates)
@@ -271,8 +301,19 @@ fn entries(fit: &ParameterFit, nominal: &Device, device: &Device) -> Vec<Paramet
             };
             let name = &estimate.name;
             let held = || format!("{name} was held: it could not be fitted at the nominal device");
-            let reason = fit.identifiability.reason(index);
-            let reason = reason.or_else(|| estimate.value.is_none().then(held));
+            let sum = combinations.iter().find(|sum| sum.parameter == index);
+            let (status, reason) = match (sum, fit.considered.reason(parameter)) {
+                (Some(sum), _) => ("combination", Some(in_a_sum(sum))),
+                (None, Some(Held::Unsupported)) => {
+                    let why = format!("{name} is held: the samples support a form without it");
+                    ("held", Some(why))
+                }
+                _ => {
+                    let reason = fit.identifiability.reason(index);
+                    let reason = reason.or_else(|| estimate.value.is_none().then(held));
+                    (estimate.status.name(), reason)
+                }
+            };
             ParameterEntry {
                 name: estimate.name.clone(),
                 key: parameter.key(device),
@@ -282,12 +323,25 @@ fn entries(fit: &ParameterFit, nominal: &Device, device: &Device) -> Vec<Paramet
                 deviation: estimate.value.zip(nominal).map(|(value, was)| value - was),
                 standard_deviation: estimate.standard_deviation,
                 ci95: estimate.ci95,
-                status: estimate.status.name(),
+                status,
                 combination,
                 reason,
             }
         })
         .collect()
+}
+
+/// The reason for which a parameter is not fixed alone.
+fn in_a_sum(sum: &Combination) -> String {
+    let (own, others) = (&sum.terms[0].name, &sum.terms[1..]);
+    let others: Vec<&str> = others.iter().map(|term| term.name.as_str()).collect();
+    let others = match others.is_empty() {
+        true => "what no reading shows".to_owned(),
+        false => others.join(", "),
+    };
+    format!(
+        "{own} is fixed only together with {others}: its interval counts their plausible errors"
+    )
 }
 
 /// Value in the given device. A transmission error of zero is zero in every form; one of another
@@ -313,7 +367,7 @@ fn nominal_value(parameter: ParameterId, nominal: &Device, device: &Device) -> O
 }
 
 fn refusal(entry: &ParameterEntry) -> Option<NotIdentified> {
-    if entry.status == "identifiable" && entry.value.is_some() {
+    if matches!(entry.status, "identifiable" | "combination") && entry.value.is_some() {
         return None;
     }
     Some(NotIdentified {

@@ -1,6 +1,6 @@
 //! An identification in a few lines for a terminal.
 
-use haptical_calibration::ChannelReport;
+use haptical_calibration::{ChannelReport, Combination};
 use haptical_report::{Cell, Table};
 
 use super::result::Identified;
@@ -15,9 +15,13 @@ const LONGEST_REASON: usize = 110;
 /// The summary: channels and what was not identified.
 pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std::fmt::Result {
     let fixed = result.parameters.len() - result.not_identified.len();
+    let combined = match result.combinations.len() {
+        0 => String::new(),
+        count => format!(", {count} of them only in a combination"),
+    };
     writeln!(
         text,
-        "{} rows, {} method: {fixed} of {} parameters identified",
+        "{} rows, {} method: {fixed} of {} parameters identified{combined}",
         result.rows,
         result.method,
         result.parameters.len()
@@ -28,6 +32,19 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
     writeln!(text, "{}", table.to_terminal())?;
     if let Some(force) = force_sentence(result) {
         writeln!(text, "\n{force}")?;
+    }
+    if !result.combinations.is_empty() {
+        writeln!(
+            text,
+            "\nFixed only in a combination; a single one's interval counts what the others may be:"
+        )?;
+        for sum in result.combinations.iter().take(LISTED) {
+            writeln!(text, "  {}", in_words(sum))?;
+        }
+        let more = result.combinations.len().saturating_sub(LISTED);
+        if more > 0 {
+            writeln!(text, "  and {more} more, see identified.json")?;
+        }
     }
     if !result.not_identified.is_empty() {
         writeln!(text, "\nNot identified, kept at the nominal value:")?;
@@ -105,6 +122,35 @@ pub(super) fn channel_table(title: &str, channels: &[ChannelReport]) -> Result<T
         Table::with_heads(title, columns)
     };
     Ok(table.with_rows(channels.iter().map(row))?)
+}
+
+/// A combination as an equation, with half the width of its 95 % interval.
+pub(super) fn in_words(sum: &Combination) -> String {
+    let shown = Shown::coarse(&sum.unit);
+    let terms = sum.terms.iter().enumerate().map(|(position, term)| {
+        let sign = match (position, term.coefficient < 0.0) {
+            (0, _) => "",
+            (_, true) => " - ",
+            (_, false) => " + ",
+        };
+        let factor = match (term.coefficient.abs() - 1.0).abs() < 5e-7 {
+            true => String::new(),
+            false => format!("{:.4} ", term.coefficient.abs()),
+        };
+        format!("{sign}{factor}{}", term.name)
+    });
+    let half = (sum.ci95[1] - sum.ci95[0]) / 2.0 * shown.per_si;
+    let decimals = if half > 0.0 {
+        (1.0 - half.log10().floor()).clamp(1.0, 9.0) as usize
+    } else {
+        6
+    };
+    format!(
+        "{} = {:.decimals$} ± {half:.decimals$} {}",
+        terms.collect::<String>(),
+        sum.value * shown.per_si,
+        shown.name
+    )
 }
 
 fn shorten(reason: &str) -> String {

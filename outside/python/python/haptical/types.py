@@ -24,7 +24,7 @@ Loss = Literal["auto", "squares", "huber", "cauchy", "tukey", "student-t"]
 Effect = Literal["joint-compliance"]
 Criterion = Literal["d", "a", "o1", "task-position", "task-force"]
 Spread = Literal["uniform", "normal"]
-Status = Literal["identifiable", "weak", "invisible", "dependent"]
+Status = Literal["identifiable", "combination", "weak", "invisible", "dependent", "held"]
 Convergence = Literal[
     "small-cost-change", "small-step", "exact-fit", "no-further-descent", "iteration-limit", "rank-lost"
 ]
@@ -274,6 +274,24 @@ class Outliers(TypedDict):
     """The same in standard deviations of the good readings, [K]."""
 
 
+class Summand(TypedDict):
+    """One parameter of a combination."""
+
+    name: str
+    coefficient: float
+    """In the unit of the sum over the parameter's own."""
+
+
+class Combination(TypedDict):
+    """A sum that the data fix, where they do not fix its first parameter alone."""
+
+    terms: List[Summand]
+    unit: str
+    value: float
+    standard_deviation: float
+    ci95: Tuple[float, float]
+
+
 class Identification(TypedDict):
     """What `identify` gives: the fields of identified.json, the device file, and no record of files."""
 
@@ -288,6 +306,7 @@ class Identification(TypedDict):
     channels_fit: dict[str, Channel]
     transmissions: List[Transmission]
     parameters: Parameters
+    combinations: List[Combination]
     not_identified: List[NotIdentified]
     intervals: Optional[Intervals]
     """None where nothing was fitted."""

@@ -118,6 +118,7 @@ impl Kind {
                     recording: &recording,
                     channels: &channel,
                     parameters: &offsets,
+                    unsupported: &[],
                     weights: &weights,
                     options: &scenario.options(),
                     start: None,

@@ -30,7 +30,8 @@ pub(super) fn page(
     if !transmissions.is_empty() {
         sections.push(Section::new("Transmissions", transmissions));
     }
-    let parameters = vec![parameter_tables::identified(result)?.into()];
+    let mut parameters = vec![parameter_tables::identified(result)?.into()];
+    parameters.extend(parameter_tables::combinations(result)?);
     sections.push(Section::new("Parameters", parameters));
     let refused = parameter_tables::not_identified(result)?;
     sections.push(Section::new("What was not identified", refused));

@@ -5,6 +5,7 @@ use haptical_report::{Block, Cell, Table};
 use crate::error::Error;
 use crate::identify::intervals;
 use crate::identify::result::{Identified, ParameterEntry};
+use crate::identify::summary::in_words;
 use crate::units::Shown;
 
 /// Values of all identified parameters with their intervals.
@@ -47,6 +48,23 @@ fn row(entry: &ParameterEntry) -> Vec<Cell> {
     ]
 }
 
+/// What the data fix of parameters that they do not fix alone; none where they fix all alone.
+pub(super) fn combinations(result: &Identified) -> Result<Option<Block>, Error> {
+    if result.combinations.is_empty() {
+        return Ok(None);
+    }
+    let rows = result
+        .combinations
+        .iter()
+        .map(|sum| vec![in_words(sum).into()]);
+    let table = Table::with_heads("Fixed only in a combination", "combination").with_rows(rows)?;
+    let table = table.with_note(
+        "Half widths of 95 % intervals by the noise. The interval of a single parameter of these counts the plausible \
+         errors of the others, which the data do not tell from it; lengths in mm, angles in mrad, factors in SI units.",
+    );
+    Ok(Some(table.into()))
+}
+
 /// What kept its nominal value, and why.
 pub(super) fn not_identified(result: &Identified) -> Result<Vec<Block>, Error> {
     let judged = &result.identifiability;
@@ -69,7 +87,7 @@ pub(super) fn not_identified(result: &Identified) -> Result<Vec<Block>, Error> {
     let table = Table::with_heads("Kept at the nominal value", columns).with_rows(rows)?;
     let table = table.with_note(
         "invisible: without effect on any measurement; dependent: its effect is a combination of \
-         others'; weak: fixed no better than it is plausibly large.",
+         others'; weak: fixed no better than it is plausibly large; held: the samples support a form without it.",
     );
     blocks.push(table.into());
     Ok(blocks)

@@ -1,0 +1,131 @@
+//! What plausible errors of held parameters do to the fitted ones beyond the first order.
+
+use haptical_identification::{Matrix, Status};
+use haptical_model::Recording;
+
+use crate::error::wrap;
+use crate::fit::considered::{Held, sensitivity};
+use crate::problem::device_problem::values_of;
+use crate::problem::form::{Prepared, reduce};
+use crate::problem::loads::Loads;
+use crate::{CalibrationError, Channel, DeviceProblem, ParameterFit, Weights};
+
+/// Counts the second order of what a fit held: with errors d of the held parameters a fitted one errs by
+/// G d + d^T H d / 2.
+///
+/// A device that may turn about a cable's exit has parameters that no small turn moves and a large one does. H comes
+/// from G at the device moved by one deviation of each held parameter to either side, the fitted ones moved with it; with d normal
+/// and of covariance S, E (d^T H d / 2)^2 = ((tr HS)^2 + 2 tr (HS)^2) / 4 (Mathai & Provost, *Quadratic Forms in
+/// Random Variables*, 1992, section 3.2b). The third order along each
+/// single parameter, T d^3 / 6 with E d^6 = 15, is added. What an earlier step fitted is known too well to matter.
+///
+/// `recording`, `channels` and `weights` are those of the fit; the noise of step 1 is added before
+/// ([`crate::with_step_one_noise`]).
+///
+/// # Errors
+/// [`CalibrationError`] where the device has no value at a row.
+pub fn with_curvature(
+    mut fit: ParameterFit,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+) -> Result<ParameterFit, CalibrationError> {
+    let considered = &fit.considered;
+    let held = (0..considered.parameters.len())
+        .filter(|&k| !matches!(considered.held[k], Held::Fitted | Held::Unsupported))
+        .map(|k| {
+            (
+                considered.parameters[k],
+                considered.covariance[(k, k)].sqrt(),
+            )
+        });
+    // what no reading sees here one may see at another value of what is held
+    let statuses = fit.parameters.iter().zip(&fit.identifiability.statuses);
+    let unseen = statuses
+        .filter(|(_, status)| **status == Status::Invisible)
+        .map(|(&parameter, _)| (parameter, parameter.plausible_size(&fit.device)));
+    let (columns, deviations): (Vec<usize>, Vec<f64>) = held
+        .chain(unseen)
+        .filter_map(|(parameter, deviation)| {
+            let column = fit.parameters.iter().position(|own| *own == parameter)?;
+            Some((column, deviation))
+        })
+        .unzip();
+    if fit.considered.parameters.is_empty() || fit.fitted.is_empty() || columns.is_empty() {
+        return Ok(fit);
+    }
+    let failed = |source| wrap("second order of what is held", source);
+    let mut problem =
+        DeviceProblem::new(&fit.device, recording, channels, &fit.parameters, weights)?;
+    problem.loads = Loads::new(&fit.device, recording)?;
+    let prepared = Prepared::new(&problem)?;
+    let at = |values: &[f64]| {
+        let reduction = reduce(prepared.searched(), values)?;
+        let (own, _) = sensitivity(&reduction, &fit.fitted, &columns)?;
+        Ok(own)
+    };
+    let here = values_of(&fit.parameters, &fit.device);
+    let first = at(&here).map_err(failed)?;
+    let count = columns.len();
+    let mut curvature = vec![Matrix::zeros(count, count); fit.fitted.len()];
+    let mut third = vec![0.0; fit.fitted.len()];
+    for (position, (&column, deviation)) in columns.iter().zip(&deviations).enumerate() {
+        // to a side of the held parameter, the fitted ones following to the first order or the second
+        let moved_by = |step: f64, bends: &[f64]| {
+            let mut moved = here.clone();
+            moved[column] += step;
+            for (row, &index) in fit.fitted.iter().enumerate() {
+                let bend = bends.get(row).copied().unwrap_or(0.0);
+                moved[index] += (first[(row, position)] + bend * step / 2.0) * step;
+            }
+            at(&moved)
+        };
+        // a device that has no value there has no second order that could be worked out
+        let (Ok(above), Ok(below)) = (moved_by(*deviation, &[]), moved_by(-deviation, &[])) else {
+            continue;
+        };
+        let slope = |row: usize, other: usize| (above[(row, other)] - below[(row, other)]) / 2.0;
+        for (row, own) in curvature.iter_mut().enumerate() {
+            for (other, size) in deviations.iter().enumerate() {
+                own[(position, other)] = slope(row, other) * size;
+            }
+        }
+        let bends = (0..fit.fitted.len()).map(|row| slope(row, position) / deviation);
+        let bends: Vec<f64> = bends.collect();
+        let (Ok(above), Ok(below)) = (moved_by(*deviation, &bends), moved_by(-deviation, &bends))
+        else {
+            continue;
+        };
+        for (row, third) in third.iter_mut().enumerate() {
+            let here = first[(row, position)];
+            let change = above[(row, position)] - 2.0 * here + below[(row, position)];
+            *third += FIFTEEN_OVER_36 * (change * deviation).powi(2);
+        }
+    }
+    let beyond = curvature.iter().zip(&third);
+    let beyond: Vec<f64> = beyond
+        .map(|(own, third)| second_order(own) + third)
+        .collect();
+    let half_width = fit.uncertainty.half_width_95(fit.noise);
+    for (square, &index) in beyond.iter().zip(&fit.fitted) {
+        let estimate = &mut fit.estimates[index];
+        if let (Some(value), Some(sd)) = (estimate.value, &mut estimate.standard_deviation) {
+            *sd = sd.hypot(square.sqrt());
+            estimate.ci95 = Some([value - half_width * *sd, value + half_width * *sd]);
+        }
+    }
+    fit.considered.beyond_first_order = beyond;
+    Ok(fit)
+}
+
+/// E d^6 / 36 of a unit normal d.
+const FIFTEEN_OVER_36: f64 = 15.0 / 36.0;
+
+/// E (d^T H d / 2)^2 for d of unit covariance; H is the symmetric part of `curvature`.
+fn second_order(curvature: &Matrix) -> f64 {
+    let count = curvature.rows();
+    let trace: f64 = (0..count).map(|k| curvature[(k, k)]).sum();
+    let square = |a: usize, b: usize| ((curvature[(a, b)] + curvature[(b, a)]) / 2.0).powi(2);
+    let rows = (0..count).map(|a| (0..count).map(|b| square(a, b)).sum::<f64>());
+    (trace * trace + 2.0 * rows.sum::<f64>()) / 4.0
+}

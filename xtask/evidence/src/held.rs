@@ -1,0 +1,119 @@
+//! Where the truth lies in the intervals of a fit.
+
+use anyhow::Result;
+use haptical_calibration::ParameterFit;
+use haptical_model::{Device, TransmissionError};
+
+/// What an interval is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Kind {
+    /// A parameter that the data fix alone.
+    Alone,
+    /// A parameter that they fix only in a combination.
+    Member,
+    /// A combination.
+    Combination,
+}
+
+impl Kind {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Alone => "parameter fixed alone",
+            Self::Member => "parameter fixed only in a combination",
+            Self::Combination => "combination",
+        }
+    }
+}
+
+/// One interval of a fit.
+pub(super) struct Interval {
+    /// Name of the parameter, or of the first of a combination.
+    pub(super) name: String,
+    pub(super) kind: Kind,
+    /// Middle less truth over half the width.
+    pub(super) error_over_half_width: f64,
+}
+
+impl Interval {
+    pub(super) fn label(&self) -> String {
+        match self.kind {
+            Kind::Alone => self.name.clone(),
+            Kind::Member => format!("{} in a combination", self.name),
+            Kind::Combination => format!("combination of {}", self.name),
+        }
+    }
+}
+
+/// Every interval of a fit, parameters first.
+pub(super) fn intervals(fit: &ParameterFit, truth: &Device) -> Result<Vec<Interval>> {
+    let truth = &in_the_form_of(truth, &fit.device)?;
+    let miss =
+        |[low, high]: [f64; 2], actual: f64| ((low + high) / 2.0 - actual) / ((high - low) / 2.0);
+    let combinations = fit.combinations();
+    let mut found = Vec::new();
+    for (index, (parameter, estimate)) in fit.parameters.iter().zip(&fit.estimates).enumerate() {
+        if let Some(ci95) = estimate.ci95 {
+            let is_member = combinations.iter().any(|sum| sum.parameter == index);
+            found.push(Interval {
+                name: estimate.name.clone(),
+                kind: if is_member { Kind::Member } else { Kind::Alone },
+                error_over_half_width: miss(ci95, parameter.value(truth)),
+            });
+        }
+    }
+    for sum in combinations {
+        let mut actual = 0.0;
+        for term in &sum.terms {
+            actual += term.coefficient * truth.parameter(&term.name)?.value(truth);
+        }
+        found.push(Interval {
+            name: sum.terms[0].name.clone(),
+            kind: Kind::Combination,
+            error_over_half_width: miss(sum.ci95, actual),
+        });
+    }
+    Ok(found)
+}
+
+/// The truth with its polynomials on the ranges of the fit's, of which they are other coefficients.
+fn in_the_form_of(truth: &Device, fitted: &Device) -> Result<Device> {
+    let mut truth = truth.clone();
+    for (joint, own) in fitted.joints.iter().enumerate() {
+        let TransmissionError::Chebyshev {
+            range_rad,
+            coefficients,
+        } = &own.transmission_error
+        else {
+            continue;
+        };
+        let count = coefficients.len();
+        let (middle, half) = (
+            (range_rad[0] + range_rad[1]) / 2.0,
+            (range_rad[1] - range_rad[0]) / 2.0,
+        );
+        let angle = |k: usize| std::f64::consts::PI * (k as f64 + 0.5) / count as f64;
+        let mut at_nodes = Vec::with_capacity(count);
+        for k in 0..count {
+            let reading = middle + half * angle(k).cos();
+            let count = truth.joints[joint].error_parameter_count();
+            at_nodes.push(
+                truth.joints[joint]
+                    .evaluate_error(reading, &mut vec![0.0; count])?
+                    .0,
+            );
+        }
+        // Press et al., Numerical Recipes (2007), equation 5.8.7
+        let coefficient = |order: usize| {
+            let sum: f64 = (0..count)
+                .map(|k| at_nodes[k] * (order as f64 * angle(k)).cos())
+                .sum();
+            let share = if order == 0 { 1.0 } else { 2.0 };
+            share * sum / count as f64
+        };
+        truth.joints[joint].transmission_error = TransmissionError::Chebyshev {
+            range_rad: *range_rad,
+            coefficients: (0..count).map(coefficient).collect(),
+        };
+    }
+    Ok(truth)
+}
