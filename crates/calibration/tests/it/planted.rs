@@ -1,7 +1,7 @@
 //! Dependences that are planted must be found, named, and have the planted coefficient.
 
 use haptical_calibration::{Channel, Weights, candidate_parameters, identifiability_at};
-use haptical_identification::IdentifiabilityRules;
+use haptical_identification::{IdentifiabilityRules, Status};
 use haptical_model::{Parameter, ParameterId};
 use proptest::prelude::*;
 
@@ -25,7 +25,11 @@ proptest! {
         let recording = measure(&device, Rig::Cable, ROWS, seed);
         let judged = judge(&device, &recording);
         prop_assert_eq!(judged.rank, 4 * n, "with beta{}", row);
-        let found = combination(&judged, &format!("d{}", row + 1));
+        let slide = format!("d{}", row + 1);
+        // short links leave both slides as large as the noise: then they are weak, and nothing is said of their sum
+        let own = judged.names.iter().position(|name| *name == slide);
+        prop_assume!(own.is_some_and(|own| !matches!(judged.statuses[own], Status::Weak { .. })));
+        let found = combination(&judged, &slide);
         prop_assert_eq!(found.len(), 1, "{:?}", &found);
         prop_assert_eq!(found[0].0, format!("d{row}"));
         let sign = if opposed { -1.0 } else { 1.0 };
