@@ -64,7 +64,7 @@ pub use effect::names::{simulated_effects, simulated_keys};
 pub use effect::{Driver, Effect, Effects};
 pub use error::{Part, SimulatorError};
 pub use motion::hand_path::{JointMotion, Motion};
-pub use motion::settings::{Encoders, HandMotion, MotionSettings, Roughness, Temperature};
+pub use motion::settings::{Encoders, HandMotion, MotionSettings, Temperature};
 pub use motion::simulate::{MotionSimulation, record_motion, simulate_motion};
 pub use settings::{CableSigma, Noise, Sampling, Settings};
 pub use simulate::{simulate, simulate_transmission};

@@ -5,7 +5,7 @@ pub(crate) mod file;
 pub(crate) mod names;
 mod size;
 
-use haptical_model::Device;
+use haptical_model::{Device, TransmissionKind};
 use serde::{Deserialize, Serialize};
 
 use crate::effect::error::EffectError;
@@ -164,6 +164,9 @@ effects! {
     "base-compliance" Links BaseCompliance { rad_per_nm: f64 => NotNegative }
     /// The handle moves against the last link by this times the hand's force.
     "tool-compliance" Links ToolCompliance { m_per_n: f64 => NotNegative }
+    /// The drums of a joint are rough: its external encoder sees waves of 6 to 60 mrad of its angle, the same in every
+    /// recording of a device.
+    "drum-roughness" Joints DrumRoughness { joint: usize => Joint, rms_rad: f64 => NotNegative }
 }
 
 fn first_order() -> f64 {
@@ -200,6 +203,29 @@ impl Effects {
     /// counts may be).
     pub fn new(effects: Vec<Effect>) -> Result<Self, EffectError> {
         Self::checked(effects, "effects")
+    }
+
+    /// These, and the roughness that the paper's device is assumed to have where nothing is said of it: 0.3 mrad on
+    /// joints 3 and 4, 0.03 mrad on other joints with drums, none on direct ones (assumption A47 of
+    /// docs/assumptions.md).
+    ///
+    /// # Errors
+    /// [`EffectError`] where a joint's roughness is there already.
+    pub fn with_assumed_roughness(mut self, device: &Device) -> Result<Self, EffectError> {
+        const ROUGH_JOINTS: [usize; 2] = [2, 3];
+        const ROUGH_RMS_RAD: f64 = 3e-4;
+        const SMOOTH_RMS_RAD: f64 = 3e-5;
+        let joints = device.joints.iter().enumerate();
+        let driven = joints.filter(|(_, joint)| joint.transmission != TransmissionKind::Direct);
+        self.0
+            .extend(driven.map(|(joint, _)| Effect::DrumRoughness {
+                joint: joint + 1,
+                rms_rad: match ROUGH_JOINTS.contains(&joint) {
+                    true => ROUGH_RMS_RAD,
+                    false => SMOOTH_RMS_RAD,
+                },
+            }));
+        Self::checked(self.0, "effects")
     }
 
     /// Reads `effects.toml`: a table `[[effect]]` for each, with its `name` and parameters.

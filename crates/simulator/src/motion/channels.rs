@@ -117,7 +117,6 @@ pub(crate) fn outputs(
     scenes: &mut Scenes<'_, '_>,
     seed: u64,
 ) -> Result<Vec<Option<Output>>, SimulatorError> {
-    let roughness = settings.roughness_of(truth)?;
     let make = |(index, joint): (usize, &Joint)| {
         if !has_output(joint) {
             return Ok(None);
@@ -137,7 +136,11 @@ pub(crate) fn outputs(
             _ => None,
         });
         let drums = Stream::Roughness.open(index, settings.device_seed);
-        let rms = roughness[index];
+        let rough = scenes.effects.iter().find_map(|effect| match *effect {
+            Effect::DrumRoughness { joint, rms_rad } => (joint == index + 1).then_some(rms_rad),
+            _ => None,
+        });
+        let rms = rough.unwrap_or(0.0);
         Ok(Some(Output {
             scene: scenes.with(late_s)?,
             sensor: Sensor::output(joint, index, noise, generator)?,

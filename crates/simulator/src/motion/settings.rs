@@ -66,18 +66,6 @@ pub enum Encoders {
     Same(Settings),
 }
 
-/// Root mean square of what the roughness of a joint's drums adds to its external encoder.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Roughness {
-    /// None.
-    None,
-    /// Assumption A47 of docs/assumptions.md: 0.3 mrad on joints 3 and 4, 0.03 mrad on other joints
-    /// with drums, none on direct ones.
-    Assumed,
-    /// One number for each joint \[rad\], \[m\] for a prismatic joint.
-    PerJoint(Vec<f64>),
-}
-
 /// Warming up of the device: start + rise (1 - exp(-t / time constant)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Temperature {
@@ -126,8 +114,6 @@ pub struct MotionSettings {
     pub motion: HandMotion,
     /// What the encoders add.
     pub encoders: Encoders,
-    /// What the drums' roughness adds to the external encoders.
-    pub roughness: Roughness,
     /// Seed of what belongs to the device and not to a recording: its drums' roughness.
     pub device_seed: u64,
     /// Root mean square of the hand's force along each axis of the handle \[N\]; 0: the hand only
@@ -146,7 +132,6 @@ impl Default for MotionSettings {
         Self {
             motion: HandMotion::default(),
             encoders: Encoders::Described,
-            roughness: Roughness::Assumed,
             device_seed: 1,
             force_rms_n: 2.0,
             force_sd_n: 0.02,
@@ -165,7 +150,6 @@ impl MotionSettings {
         };
         Self {
             encoders: Encoders::Exact,
-            roughness: Roughness::None,
             force_sd_n: 0.0,
             torque_sd_nm: 0.0,
             temperature: Some(temperature),
@@ -227,38 +211,9 @@ impl MotionSettings {
         }
         Ok(())
     }
-
-    /// Roughness of each joint.
-    pub(crate) fn roughness_of(&self, device: &Device) -> Result<Vec<f64>, SimulatorError> {
-        let joints = device.joints.len();
-        match &self.roughness {
-            Roughness::None => Ok(vec![0.0; joints]),
-            Roughness::Assumed => {
-                let assumed = |joint: usize| match device.joints[joint].transmission {
-                    TransmissionKind::Direct => 0.0,
-                    _ if ROUGH_JOINTS.contains(&joint) => ROUGH_RMS_RAD,
-                    _ => SMOOTH_RMS_RAD,
-                };
-                Ok((0..joints).map(assumed).collect())
-            }
-            Roughness::PerJoint(given) => {
-                let good = given.len() == joints;
-                let allowed = "one number for each joint of the device";
-                allow("roughness", given.len() as f64, good, allowed)?;
-                given
-                    .iter()
-                    .try_for_each(|&rms| allow_size("roughness", rms))?;
-                Ok(given.clone())
-            }
-        }
-    }
 }
 
 /// Longest recording.
 const MOST_SECONDS: f64 = 1e7;
 /// Rows below which each has a number that a `u32` holds.
 const MOST_ROWS: f64 = 4_294_967_296.0;
-/// Joints on which the paper reports much more noise (3 and 4), and what is assumed of it.
-const ROUGH_JOINTS: [usize; 2] = [2, 3];
-const ROUGH_RMS_RAD: f64 = 3e-4;
-const SMOOTH_RMS_RAD: f64 = 3e-5;

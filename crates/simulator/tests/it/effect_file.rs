@@ -6,7 +6,7 @@ use crate::device::transmissions_only;
 use crate::hand::{heavy_arm, quiet};
 
 /// One of each, of the sizes that a real device may have.
-const ALL: [&str; 19] = [
+const ALL: [&str; 20] = [
     "name = 'capstan-compliance'\njoint = 2\nstiffness_nm_per_rad = 260",
     "name = 'backlash'\njoint = 1\nwidth_rad = 1e-3\ndriven_by = 'motor'",
     "name = 'hysteresis'\njoint = 1\namplitude_rad = 5e-4\ntransition_rad = 0.05",
@@ -26,6 +26,7 @@ const ALL: [&str; 19] = [
     "name = 'axis-wobble'\njoint = 2\namplitude_rad = 5e-4\nphase_rad = 1.0",
     "name = 'base-compliance'\nrad_per_nm = 1e-4",
     "name = 'tool-compliance'\nm_per_n = 2e-5",
+    "name = 'drum-roughness'\njoint = 1\nrms_rad = 3e-4",
 ];
 
 fn file(effects: &[&str]) -> String {

@@ -4,7 +4,7 @@ use haptical_simulator::model::kinematics::nalgebra::{Rotation3, Vector3};
 use haptical_simulator::model::kinematics::{Chain, distance_m};
 use haptical_simulator::model::{Device, Evaluation, Recording};
 use haptical_simulator::{
-    Effects, Encoders, MotionSettings, Noise, Roughness, Settings, SimulatorError, record_motion,
+    Effect, Effects, Encoders, MotionSettings, Noise, Settings, SimulatorError, record_motion,
     simulate_motion,
 };
 
@@ -136,8 +136,8 @@ fn described_encoders_show_whole_counts_and_roughness_is_larger_on_joints_3_and_
     }
     // roughness alone
     settings.encoders = Encoders::Exact;
-    let jiggle_rms = |settings: &MotionSettings| -> Vec<f64> {
-        let recording = record_motion(&device, &Effects::none(), settings, 3).expect("rows");
+    let jiggle_rms = |effects: &Effects| -> Vec<f64> {
+        let recording = record_motion(&device, effects, &settings, 3).expect("rows");
         let rows = recording.len() as f64;
         let square = |joint: usize| -> f64 {
             (0..recording.len())
@@ -151,12 +151,24 @@ fn described_encoders_show_whole_counts_and_roughness_is_larger_on_joints_3_and_
         (0..4).map(|joint| (square(joint) / rows).sqrt()).collect()
     };
     // the slide is joint 3 here, and has no drums: it is smooth
-    let rms = jiggle_rms(&settings);
+    assert_eq!(
+        jiggle_rms(&Effects::none()),
+        [0.0; 4],
+        "clean unless asked for"
+    );
+    let rms = jiggle_rms(
+        &Effects::none()
+            .with_assumed_roughness(&device)
+            .expect("effects"),
+    );
     for (got, want) in rms.iter().zip([3e-5, 3e-5, 0.0, 3e-4]) {
         assert!((got - want).abs() <= 0.4 * want, "{rms:?}");
     }
-    settings.roughness = Roughness::PerJoint(vec![0.0, 1e-3, 0.0, 0.0]);
-    let rms = jiggle_rms(&settings);
+    let rough = Effect::DrumRoughness {
+        joint: 2,
+        rms_rad: 1e-3,
+    };
+    let rms = jiggle_rms(&Effects::new(vec![rough]).expect("effects"));
     assert!(
         rms[0] == 0.0 && rms[3] == 0.0 && (rms[1] - 1e-3).abs() < 4e-4,
         "{rms:?}"
@@ -166,14 +178,16 @@ fn described_encoders_show_whole_counts_and_roughness_is_larger_on_joints_3_and_
 #[test]
 fn roughness_belongs_to_the_device_and_noise_to_the_recording() {
     let device = arm();
-    let mut settings = MotionSettings {
-        roughness: Roughness::PerJoint(vec![1e-3; 4]),
-        ..quiet()
+    let mut settings = quiet();
+    let rough = Effect::DrumRoughness {
+        joint: 1,
+        rms_rad: 1e-3,
     };
+    let effects = Effects::new(vec![rough]).expect("effects");
     // at rest at home the jiggle is that of one angle
     let home = |settings: &MotionSettings, seed| {
         output(
-            &record_motion(&device, &Effects::none(), settings, seed).expect("rows"),
+            &record_motion(&device, &effects, settings, seed).expect("rows"),
             0,
         )[0]
     };
@@ -306,16 +320,13 @@ fn the_handle_keeps_clear_of_the_cables_exits() {
 fn settings_outside_their_domain_are_refused() {
     let device = arm();
     type Change = fn(&mut MotionSettings);
-    let changes: [(&str, Change); 8] = [
+    let changes: [(&str, Change); 7] = [
         ("rate_hz", |s| s.motion.rate_hz = f64::NAN),
         ("seconds", |s| s.motion.seconds = -1.0),
         ("seconds x rate_hz", |s| s.motion.rate_hz = 1e12),
         ("range_share", |s| s.motion.range_share = 1.1),
         ("force_rms_n", |s| s.force_rms_n = f64::INFINITY),
         ("torque_sd_nm", |s| s.torque_sd_nm = -1.0),
-        ("roughness", |s| {
-            s.roughness = Roughness::PerJoint(vec![0.0]);
-        }),
         ("time_constant_s", |s| {
             s.temperature
                 .as_mut()

@@ -72,7 +72,7 @@ pub(crate) fn errors(scenario: &Scenario, kind: &Kind, size: f64, seed: u64) -> 
         },
         ..MotionSettings::default()
     };
-    let effects = Effects::new(kind.effects(size))?;
+    let effects = Effects::new(kind.effects(size))?.with_assumed_roughness(&scenario.truth)?;
     let mut recording = record_motion(&scenario.truth, &effects, &settings, seed)?;
     kind.disturb(&mut recording, size, seed);
     let device = calibrated(scenario, &recording, seed)?;

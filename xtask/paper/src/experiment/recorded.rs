@@ -36,7 +36,8 @@ impl Recorded {
     /// Records about 100 s at 1 kHz and calibrates on the paper's numbers of random samples.
     pub(crate) fn new(scenario: &Scenario, seed: u64) -> Result<Self> {
         let settings = MotionSettings::default();
-        let recording = record_motion(&scenario.truth, &Effects::none(), &settings, seed)?;
+        let effects = Effects::none().with_assumed_roughness(&scenario.truth)?;
+        let recording = record_motion(&scenario.truth, &effects, &settings, seed)?;
         let mut random = Random::new(seed, 2);
         let mut sample = |count: usize| {
             let rows: Vec<usize> = (0..count).map(|_| random.index(recording.len())).collect();

@@ -50,7 +50,7 @@ pub(crate) fn log(rows: usize, effects: &[Effect]) -> Result<(Device, Recording)
         },
         ..MotionSettings::default()
     };
-    let effects = Effects::new(effects.to_vec())?;
+    let effects = Effects::new(effects.to_vec())?.with_assumed_roughness(&truth)?;
     let recording = record_motion(&truth, &effects, &settings, SEED)?;
     Ok((nominal, recording))
 }
