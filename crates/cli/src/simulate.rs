@@ -343,9 +343,15 @@ mod tests {
     /// Which side drives a loop is the recording's, not the effect's.
     const OF_THE_RECORDING: [&str; 2] = ["joint", "driven_by"];
 
+    /// What `simulate` alone knows: drums without a law that a diagnosis could name.
+    const WITHOUT_A_LAW: &str = "drum-roughness";
+
     #[test]
     fn names_and_keys_of_effects_are_those_of_the_catalogue() {
-        for name in simulated_effects() {
+        let named = simulated_effects()
+            .into_iter()
+            .filter(|&name| name != WITHOUT_A_LAW);
+        for name in named {
             let specs = haptical_effects::specs().filter(|spec| spec.name == name);
             let mut known: Vec<&str> = specs
                 .flat_map(|spec| spec.parameters)
