@@ -1,7 +1,5 @@
 //! Settings of a hand-guided recording: the motion and load of the hand, the noise of sensors.
 
-use haptical_model::{Device, TransmissionKind};
-
 use crate::settings::{allow, allow_share, allow_size};
 use crate::{Settings, SimulatorError};
 
