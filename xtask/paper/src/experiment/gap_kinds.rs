@@ -288,6 +288,8 @@ mod tests {
         names.retain(|name| *name != "noise of the cable");
         names.sort_unstable();
         let mut known = haptical_simulator::simulated_effects();
+        // of every recording of this experiment, with the size that is assumed
+        known.retain(|name| *name != "drum-roughness");
         known.sort_unstable();
         assert_eq!(names, known);
     }
