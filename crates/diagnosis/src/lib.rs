@@ -18,10 +18,11 @@ mod thresholds;
 pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{
     Asked, CandidateAnswer, CauseAnswer, ChannelGap, Dependence, Detectable, Diagnosis, Gap,
-    HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, NoiseAnswer, ParameterAnswer, Place,
-    Prediction, Provenance, Trace, Untestable, Verdict,
+    HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, NoReduction, NoiseAnswer, Over,
+    ParameterAnswer, Place, Prediction, Provenance, Trace, Untestable, Verdict, Whiteness,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
+pub use noise::NoiseSource;
 pub use options::{Catalogue, Options};

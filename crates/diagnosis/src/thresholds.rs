@@ -50,6 +50,12 @@ pub(crate) mod noise {
     pub(crate) const STATED_UNCERTAINTY: f64 = 0.3;
     /// Share of rounding from which it is a large part of the noise. Choice.
     pub(crate) const MUCH_ROUNDING: f64 = 0.1;
+    /// Degrees of freedom of repeats that are enough for an estimate. Choice: its deviation is known to a quarter.
+    pub(crate) const ENOUGH_REPEATS: usize = 8;
+    /// Share of a joint's range within which two rows are one posture. Choice.
+    pub(crate) const SAME_POSTURE: f64 = 1e-3;
+    /// Standard deviations by which one noise is larger than another beyond chance. Chance: one in 700.
+    pub(crate) const BEYOND: f64 = 3.0;
     /// Segments that are enough for an estimate. Choice.
     pub(crate) const ENOUGH_SEGMENTS: usize = 8;
     /// Smallest correlation of successive rows that is looked for. Choice.
@@ -100,6 +106,11 @@ pub(crate) mod lines {
     /// Probability, over all frequencies and streams, below which a peak is more than chance. Choice: far below that of an
     /// effect, as a line changes the noise that everything is compared with.
     pub(crate) const LINE_P: f64 = 1e-6;
+    /// Segments from which a spectrum is tested for a peak that is no single oscillation. Choice.
+    pub(crate) const ENOUGH_SPECTRA: usize = 6;
+    /// Factor of a peak's probability for the level beside it, which is estimated too. Calculated: white and coloured noise
+    /// of 300 to 6000 rows, a test of `noise::lines`.
+    pub(crate) const ROUGH_LEVEL: f64 = 30.0;
     /// Lines of a channel at most. Choice.
     pub(crate) const MOST_LINES: usize = 2;
     /// Rows of a segment at least. Choice.
@@ -286,6 +297,8 @@ pub(crate) mod dependence {
     pub(crate) const ASKED_SHARE: f64 = 1e-2;
     /// Share of the largest direction's square below which one is left out. Choice.
     pub(crate) const DEPENDENT: f64 = 1e-6;
+    /// Stretches of a motion within which errors may go together. Choice.
+    pub(crate) const STRETCHES: usize = 200;
     /// Intervals of the free functions of an angle. Choice.
     pub(crate) const KNOTS: usize = 6;
     /// Intervals of the free functions of time and temperature, which change slowly. Choice.

@@ -8,13 +8,17 @@ use crate::answer::advice::next_experiment;
 use crate::answer::causes::{noise_findings, position_causes};
 use crate::answer::place::{Located, in_torques, locate};
 use crate::answer::place_touched::{by_dependence, of_base_term};
-use crate::answer::tables::{candidates, gaps, noise, traces, untestable};
+use crate::answer::tables::{candidates, channels, noise, traces, untestable};
 use crate::answer::unseen::{hints, unseen};
 use crate::answer::{CauseAnswer, Diagnosis, Gap, NoiseAnswer, Provenance, Verdict};
 use crate::judge::findings::Findings;
 use crate::judge::touched::Touched;
 use crate::judge::unlisted::hedge;
 use crate::judge::verdict::{self, verdict};
+use crate::judge::whiteness::Tested;
+use crate::noise::NoiseSource;
+use crate::noise::stated::is_stated;
+use crate::thresholds::noise::LOUD;
 
 /// Puts what was found into words.
 ///
@@ -25,7 +29,16 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
     let mut causes = position_causes(&findings);
     let by_causes = verdict(&findings, &causes);
     let mut touches = Touched::new(engine, by_causes)?;
-    let in_positions = touches.verdict(&findings, by_causes, !causes.is_empty());
+    let mut in_positions = touches.verdict(&findings, by_causes, !causes.is_empty());
+    let mut tested = Tested::default();
+    if in_positions == Verdict::NoGap && causes.is_empty() {
+        tested = Tested::new(engine)?;
+    }
+    let is_structured = tested.is_structured();
+    let whiteness = tested.answer.clone();
+    if is_structured {
+        in_positions = Verdict::Unknown;
+    }
     hedge(&findings, in_positions, &mut causes);
     causes.extend(findings.force.findings.iter().cloned());
     let has_position_gap = in_positions != Verdict::NoGap;
@@ -35,6 +48,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
     };
     let unstated = touches.unstated.take();
     let located = match has_position_gap {
+        true if is_structured => tested.located(&findings.selection),
         true => located(&findings, verdict, touches),
         false => None,
     };
@@ -44,16 +58,27 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
     }
     let (detectable, invisible) = unseen(&findings);
     let adequacy = &findings.adequacy;
+    let place = match &located {
+        Some(located) => Some(located.answer.clone()),
+        None => in_torques(&findings.force).filter(|_| verdict != Verdict::NoGap),
+    };
+    let located_in = place.as_ref().map(|place| place.channel.as_str());
+    let gap = Gap::new(verdict, located_in, channels(&findings));
+    for cause in &mut causes {
+        cause.held_out = cause
+            .held_out
+            .take()
+            .map(|held_out| held_out.agreeing(&gap));
+    }
     Ok(Diagnosis {
         verdict,
-        gap: Gap {
-            channels: gaps(&findings),
-        },
+        gap,
         next_experiment: next_experiment(&findings, verdict, &causes, located.as_ref()),
         traces: traces(&findings, located.as_ref()),
         unexplained_share: match verdict {
             _ if !has_position_gap => findings.force.unexplained_share,
             // of touches whose noise is what is left, the excess over noise says nothing
+            Verdict::Unknown if is_structured => 1.0,
             Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
             _ => adequacy.unexplained,
         },
@@ -62,13 +87,11 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         invisible,
         detectable,
         noise,
+        whiteness,
         candidates: candidates(&findings),
         plausibility: hints(engine, findings.inputs.nominal),
         warnings: warnings(&findings, verdict, &causes, unstated),
-        place: match located {
-            Some(located) => Some(located.answer),
-            None => in_torques(&findings.force).filter(|_| verdict != Verdict::NoGap),
-        },
+        place,
         provenance: provenance(&findings),
         device: engine.problem.device_with(&engine.start.model.values),
         causes,
@@ -121,6 +144,7 @@ fn warnings(
             cause.joint.map_or("the device".to_owned(), |joint| format!("joint {joint}"))
         )
     }));
+    warnings.extend(overruled(findings));
     warnings.extend(unstated);
     warnings.extend(on_torques(findings, verdict));
     let fitted = engine.problem.device_with(&engine.start.model.values);
@@ -128,6 +152,30 @@ fn warnings(
     let nominal = findings.inputs.nominal;
     warnings.extend(implausible_deviations(nominal, &fitted, parameters, free));
     warnings
+}
+
+/// A warning for each channel whose stated noise repeats overrule, with the evidence.
+fn overruled(findings: &Findings<'_>) -> Vec<String> {
+    let context = &findings.engine().context;
+    let of_repeats = findings.floors.iter().filter(|floor| {
+        floor.source == NoiseSource::Repeats && is_stated(context.device, floor.channel)
+    });
+    of_repeats
+        .filter_map(|floor| {
+            let ratios = context.streams_of(floor.channel).map(|stream| findings.engine().noise[stream].ratio);
+            let (squares, axes) = ratios.fold((0.0, 0.0), |(sum, axes), ratio| (sum + ratio * ratio, axes + 1.0));
+            let ratio = f64::sqrt(squares / f64::max(axes, 1.0));
+            let [low, high] = floor.ci95();
+            (!(1.0 / LOUD..=LOUD).contains(&ratio)).then(|| {
+                let unit = floor.channel.unit(context.device);
+                format!(
+                    "{}: repeats of postures scatter by {:.3e} [{low:.3e}, {high:.3e}] {unit} ({:.0} degrees of freedom), \
+                     {ratio:.2} times the stated noise: the diagnosis goes by the repeats",
+                    floor.channel.name(), floor.rms, floor.freedom
+                )
+            })
+        })
+        .collect()
 }
 
 /// A warning where the torques show a gap that the verdict does not speak of, or were not tested.

@@ -16,6 +16,7 @@ use crate::judge::earlier::BaseTerm;
 use crate::judge::findings::Findings;
 use crate::judge::rivals::{Rival, warms_with_time};
 use crate::judge::verdict::is_reported;
+use crate::noise::NoiseSource;
 use crate::select::{Selection, Selector, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::earlier_model::{SURE, TOOL_ODDS};
@@ -146,7 +147,9 @@ pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) ->
     let mut found = Vec::new();
     let mut told: Vec<&str> = Vec::new();
     for (channel, &joint) in noise.iter().zip(joints) {
-        if channel.from_motion && (channel.ratio > LOUD || channel.speed_ratio > GROWS_WITH_SPEED) {
+        if channel.source == NoiseSource::Motion
+            && (channel.ratio > LOUD || channel.speed_ratio > GROWS_WITH_SPEED)
+        {
             let sd = LEVEL_SD * channel.ratio;
             found.push(noise_level(joint, channel.ratio, sd));
         }

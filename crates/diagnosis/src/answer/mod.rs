@@ -4,6 +4,8 @@ pub(crate) mod advice;
 pub(crate) mod assemble;
 pub(crate) mod causes;
 pub(crate) mod delta;
+pub(crate) mod floor;
+pub(crate) mod gap;
 pub(crate) mod place;
 pub(crate) mod place_touched;
 pub(crate) mod shrink;
@@ -12,9 +14,12 @@ pub(crate) mod unseen;
 
 use std::collections::BTreeMap;
 
-use haptical_metrics::gap_reduction_percent;
 use haptical_model::Device;
 use serde::Serialize;
+
+pub use self::floor::NoReduction;
+pub use self::gap::{ChannelGap, Gap};
+use crate::noise::NoiseSource;
 
 /// What is said of the gap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -66,6 +71,8 @@ pub struct Diagnosis {
     pub detectable: Vec<Detectable>,
     /// Noise of each channel, and its outliers.
     pub noise: Vec<NoiseAnswer>,
+    /// Tests of what the causes leave against what noise does not depend on.
+    pub whiteness: Whiteness,
     /// Candidates for the first cause with how far the data tell them apart.
     pub candidates: Vec<CandidateAnswer>,
     /// Fitted values of the base model that a sound device hardly has: an effect may hide in them.
@@ -88,58 +95,6 @@ pub struct Diagnosis {
     /// Predictions on the validation recording (or the held-out rows).
     #[serde(skip)]
     pub predictions: Vec<Prediction>,
-}
-
-/// The gap.
-#[derive(Debug, Clone, Serialize)]
-pub struct Gap {
-    /// One entry per channel, a position's axes together.
-    pub channels: Vec<ChannelGap>,
-}
-
-/// One channel's gap.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ChannelGap {
-    /// `out2`, `cable`.
-    pub channel: String,
-    /// Joint (from 1) of an external encoder.
-    pub joint: Option<usize>,
-    /// Root mean square of the base model's residuals.
-    pub rms_before: f64,
-    /// The same with the causes in the model.
-    pub rms_after: f64,
-    /// Root mean square of the noise.
-    pub noise_floor: f64,
-    /// Unit of the three.
-    pub unit: String,
-    /// Share of all channels' structured energy.
-    pub share_of_gap: f64,
-    /// Share of the gap that was closed, noise taken out; none without a gap.
-    pub reduction_percent: Option<f64>,
-    /// 95 % interval of it.
-    pub reduction_ci95: Option<[f64; 2]>,
-}
-
-impl ChannelGap {
-    /// A gap on the rows that were fitted; its share is its squared size over that of the noise, before shares are taken.
-    pub(crate) fn fitted(
-        channel: String,
-        joint: Option<usize>,
-        [rms_before, rms_after, noise_floor]: [f64; 3],
-        unit: &str,
-    ) -> Self {
-        Self {
-            channel,
-            joint: joint.map(|joint| joint + 1),
-            rms_before,
-            rms_after,
-            noise_floor,
-            unit: unit.to_owned(),
-            share_of_gap: ((rms_before / noise_floor).powi(2) - 1.0).max(0.0),
-            reduction_percent: gap_reduction_percent(rms_before, rms_after, noise_floor),
-            reduction_ci95: None,
-        }
-    }
 }
 
 /// Where the gap lies.
@@ -185,6 +140,9 @@ pub struct Dependence {
     pub joint: Option<usize>,
     /// What of the column it is.
     pub asked: Asked,
+    /// Channel that it was asked of alone; none where all that see the chain were.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
     /// The same in words.
     pub on: String,
     /// Probability that chance gives as much.
@@ -193,6 +151,33 @@ pub struct Dependence {
     pub p_adjusted: f64,
     /// Share of the squared residual that it explains.
     pub share: f64,
+}
+
+/// What noise does not depend on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Over {
+    /// No frequency stands out.
+    Frequency,
+    /// Time, temperature and other logged columns.
+    Time,
+    /// Angles and torques of the joints.
+    Posture,
+    /// The side that a joint came from, and the direction of a touch.
+    Approach,
+}
+
+/// Tests of a residual that passes for noise: asked only where no cause is named.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Whiteness {
+    /// Number of tests; 0 where a cause is named.
+    pub tests: usize,
+    /// What was tested; what is missing could not be.
+    pub over: Vec<Over>,
+    /// Smallest probability by chance, all tests together (Holm 1979).
+    pub least_p_adjusted: Option<f64>,
+    /// What that is of, in words.
+    pub on: Option<String>,
 }
 
 /// Among what a cause may be taken for: an effect that is in no catalogue.
@@ -278,6 +263,27 @@ pub struct HeldOutAnswer {
     pub reduction_percent: Option<f64>,
     /// 95 % interval.
     pub reduction_ci95: Option<[f64; 2]>,
+    /// Why there is no share of the gap.
+    pub no_reduction: Option<NoReduction>,
+}
+
+impl HeldOutAnswer {
+    /// Without a share where there is a reason for none.
+    pub(crate) fn settled(mut self) -> Self {
+        if self.no_reduction.is_some() {
+            self.reduction_percent = None;
+            self.reduction_ci95 = None;
+        }
+        self
+    }
+
+    /// As the gap's record has it: no share where that has none.
+    pub(crate) fn agreeing(mut self, gap: &Gap) -> Self {
+        let mut channels = gap.channels.iter();
+        let own = channels.find(|channel| channel.channel == self.channel);
+        self.no_reduction = own.and_then(|own| own.no_reduction).or(self.no_reduction);
+        self.settled()
+    }
 }
 
 /// An effect that the recording cannot test.
@@ -332,8 +338,10 @@ pub struct NoiseAnswer {
     pub outlier_share: f64,
     /// Usable readings.
     pub readings: usize,
-    /// Estimated from successive rows of a motion.
-    pub from_motion: bool,
+    /// Degrees of freedom that the size was estimated with.
+    pub degrees_of_freedom: f64,
+    /// What the size was estimated from.
+    pub source: NoiseSource,
     /// Where the figures come from, in words.
     pub from: String,
 }

@@ -69,7 +69,6 @@ pub(crate) fn by_dependence(
     dependence: Vec<Dependence>,
 ) -> Option<Located> {
     let context = &selection.engine().context;
-    let stream = stream_of(selection, Hook::Joint, None)?;
     let told = || {
         dependence
             .iter()
@@ -77,6 +76,14 @@ pub(crate) fn by_dependence(
     };
     let surest = told().next();
     let joint = surest.and_then(|found| found.joint);
+    let alone = surest.and_then(|found| found.channel.as_ref());
+    let alone = alone.and_then(|name| {
+        context
+            .streams
+            .iter()
+            .position(|s| s.channel.name() == *name)
+    });
+    let stream = alone.or_else(|| stream_of(selection, Hook::Joint, None))?;
     let region = match surest {
         None if context.streams.iter().any(Stream::is_touch) => {
             "no joint's angle or torque, no direction of approach and no drift explains it: no place can be told"

@@ -3,86 +3,45 @@
 use haptical_calibration::Channel;
 use haptical_effects::Effect;
 
+use crate::answer::floor::{Floor, channel_rms};
 use crate::answer::place::Located;
-use crate::answer::shrink::Unseen;
 use crate::answer::{CandidateAnswer, ChannelGap, NoiseAnswer, Trace, Untestable};
 use crate::judge::findings::Findings;
 
-/// The channels of positions and torques, with shares that add up to 1, of energies over noise; all 0 where there is
-/// no energy.
-pub(crate) fn gaps(findings: &Findings<'_>) -> Vec<ChannelGap> {
+/// The channels of positions and torques, with their energies over noise.
+pub(crate) fn channels(findings: &Findings<'_>) -> Vec<ChannelGap> {
     let mut gaps = position_gaps(findings);
     let force = &findings.force;
     if force.significant || !force.findings.is_empty() {
         gaps.extend_from_slice(&force.channels);
-    }
-    let total: f64 = gaps.iter().map(|gap| gap.share_of_gap).sum();
-    for gap in &mut gaps {
-        gap.share_of_gap = if total > 0.0 {
-            gap.share_of_gap / total
-        } else {
-            0.0
-        };
     }
     gaps
 }
 
 fn position_gaps(findings: &Findings<'_>) -> Vec<ChannelGap> {
     let engine = findings.engine();
-    let before = findings.before();
-    let context = &engine.context;
-    let mut channels: Vec<Channel> = context.streams.iter().map(|s| s.channel).collect();
-    channels.dedup();
-    channels
-        .into_iter()
-        .map(|channel| {
-            let streams: Vec<usize> = (0..context.streams.len())
-                .filter(|&stream| context.streams[stream].channel == channel)
-                .collect();
-            let rms = |residual: &[Vec<f64>]| {
-                let values = streams.iter().flat_map(|&stream| {
-                    let usable = &engine.usable[stream];
-                    let pairs = residual[stream].iter().zip(usable);
-                    pairs
-                        .filter(|(_, usable)| **usable)
-                        .map(|(value, _)| *value)
-                });
-                let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| {
-                    (sum + value * value, count + 1.0)
-                });
-                if count > 0.0 {
-                    f64::sqrt(sum / count)
-                } else {
-                    0.0
-                }
-            };
-            let noise_floor = (streams
-                .iter()
-                .map(|&s| engine.floor[s].powi(2))
-                .sum::<f64>()
-                / streams.len().max(1) as f64)
-                .sqrt();
-            let (rms_before, rms_after) = (rms(before), rms(&findings.selection.refit.residual));
-            let seen = findings
-                .shrink
-                .channels
-                .iter()
-                .find(|unseen| unseen.channel == channel);
-            let seen = seen.map(Unseen::answer);
-            let joint = match channel {
-                Channel::Output { joint } => Some(joint),
-                _ => None,
-            };
-            let unit = channel.unit(context.device);
-            let sizes = [rms_before, rms_after, noise_floor];
-            let mut gap = ChannelGap::fitted(channel.name(), joint, sizes, unit);
-            if let Some(seen) = seen {
-                gap.reduction_percent = seen.reduction_percent;
-                gap.reduction_ci95 = seen.reduction_ci95;
-            }
-            gap
-        })
-        .collect()
+    let gap = |floor: &Floor| {
+        let rms = |residual: &[Vec<f64>]| channel_rms(engine, floor.channel, residual).0;
+        let sizes = [
+            rms(findings.before()),
+            rms(&findings.selection.refit.residual),
+        ];
+        let joint = match floor.channel {
+            Channel::Output { joint } => Some(joint),
+            _ => None,
+        };
+        let unit = floor.channel.unit(engine.context.device);
+        let mut gap = ChannelGap::fitted(floor.channel.name(), joint, sizes, floor, unit);
+        let mut unseen = findings.shrink.channels.iter();
+        if let Some(seen) = unseen.find(|unseen| unseen.channel == floor.channel) {
+            let seen = seen.answer().settled();
+            gap.reduction_percent = seen.reduction_percent;
+            gap.reduction_ci95 = seen.reduction_ci95;
+            gap.no_reduction = seen.no_reduction;
+        }
+        gap
+    };
+    findings.floors.iter().map(gap).collect()
 }
 
 /// Rows of a picture at most.
@@ -174,16 +133,11 @@ pub(crate) fn noise(findings: &Findings<'_>) -> Vec<NoiseAnswer> {
                 ratio: noise.ratio,
                 speed_ratio: noise.speed_ratio,
                 readings: kept,
-                from_motion: noise.from_motion,
+                degrees_of_freedom: noise.freedom,
+                source: noise.source,
                 colour: noise.colour * noise.coloured_share,
                 outlier_share: left_out as f64 / (kept + left_out).max(1) as f64,
-                from: if !noise.from_motion && noise.ratio == 1.0 {
-                    "the device file".to_owned()
-                } else if noise.from_motion {
-                    "differences of successive rows".to_owned()
-                } else {
-                    "all that the model leaves".to_owned()
-                },
+                from: noise.source.words().to_owned(),
             }
         })
         .collect()

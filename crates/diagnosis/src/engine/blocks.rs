@@ -272,7 +272,8 @@ mod tests {
             colour,
             coloured_share: 1.0,
             uncertainty: 0.0,
-            from_motion: true,
+            freedom: 100.0,
+            source: crate::noise::NoiseSource::Motion,
             speed_ratio: 1.0,
         };
         let (inflation, correlation) = block_colour(&noise, size);

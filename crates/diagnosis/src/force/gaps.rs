@@ -5,6 +5,8 @@ use super::effects::{Effects, is_scale};
 use super::rows::fast;
 use super::select::Selection;
 use crate::answer::ChannelGap;
+use crate::answer::floor::Floor;
+use crate::noise::NoiseSource;
 
 /// Gaps of every channel. `added`: mean squares of torques that the base model's freedom took, which were there before.
 pub(super) fn channels(
@@ -37,9 +39,21 @@ pub(super) fn channels(
         let sizes = [
             (mean_square(&selection.rest_before[range.clone()]) + before + added[channel]).sqrt(),
             (mean_square(&selection.rest_after[range]) + after).sqrt(),
-            noise.sqrt().min(row_sd),
         ];
-        ChannelGap::fitted(format!("torque{}", joint + 1), Some(joint), sizes, "N m")
+        let floor = Floor {
+            channel: haptical_calibration::Channel::Output { joint },
+            rms: noise.sqrt().min(row_sd),
+            freedom: (fast_after.len().max(blocks) as f64).max(1.0),
+            source: if fast_after.is_empty() {
+                NoiseSource::Stated
+            } else {
+                NoiseSource::Motion
+            },
+            is_another: false,
+            is_contradicted: false,
+        };
+        let name = format!("torque{}", joint + 1);
+        ChannelGap::fitted(name, Some(joint), sizes, &floor, "N m")
     };
     recorded.channels.iter().enumerate().map(gap).collect()
 }

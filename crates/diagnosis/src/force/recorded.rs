@@ -8,7 +8,8 @@ use haptical_effects::{Context, Signal};
 use nalgebra::{DMatrix, Vector3};
 
 use super::rows::harmonics::{harmonics, without_harmonics};
-use crate::noise;
+use crate::noise::repeats::Repeats;
+use crate::noise::{self, Known, NoiseSource};
 use crate::thresholds::torque::{
     BLOCK_S, LONGEST_BLOCK_ROWS, MODEL_SD, READINGS_PER_PARAMETER, UNKNOWN_FORCE_SD_N,
     UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
@@ -279,9 +280,17 @@ impl<'a> Recorded<'a> {
 /// Standard deviation of a column's noise, and what its colour adds to the variance of a mean of
 /// `size` rows; none where no rows follow each other.
 fn noise_of(context: &Context<'_>, values: &[f64], size: f64) -> Option<(f64, f64)> {
-    let noise = noise::estimate(values, &context.runs, true, 0.0, false, 0.0);
+    let known = Known {
+        runs: &context.runs,
+        ordered: true,
+        repeats: &Repeats::default(),
+        lost: 0.0,
+        stated: false,
+        rounding: 0.0,
+    };
+    let noise = noise::estimate(values, &known);
     let colour = 1.0 + noise.coloured_share * (inflation(noise.colour, size) - 1.0);
-    noise.from_motion.then_some((noise.ratio, colour))
+    (noise.source == NoiseSource::Motion).then_some((noise.ratio, colour))
 }
 
 /// What nothing can be said without.

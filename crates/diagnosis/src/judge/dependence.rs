@@ -12,7 +12,7 @@ use crate::answer::Dependence;
 use crate::engine::system::{System, dot, take_off};
 
 use self::questions::questions;
-use crate::thresholds::dependence::{ASKED_SHARE, DEPENDENCE_P, DEPENDENT};
+use crate::thresholds::dependence::{ASKED_SHARE, DEPENDENCE_P, DEPENDENT, STRETCHES};
 
 /// Every question with its answer by the residual of `system`: first the significant ones, by what they explain,
 /// then the others by probability. Adjusted probabilities are by Holm's method over all questions.
@@ -42,7 +42,7 @@ pub(crate) fn largest_dependence(
 fn asked(context: &Context<'_>, system: &System) -> Result<Vec<(Dependence, f64)>, DiagnosisError> {
     let mut asked = Vec::new();
     for question in questions(context) {
-        if let Some(answer) = ask(system, &question.signals)? {
+        if let Some(answer) = ask(context, system, &question.signals)? {
             asked.push((question, answer));
         }
     }
@@ -57,6 +57,9 @@ fn asked(context: &Context<'_>, system: &System) -> Result<Vec<(Dependence, f64)
             column: question.column,
             joint: question.joint.map(|joint| joint + 1),
             asked: question.asked,
+            channel: question
+                .stream
+                .map(|stream| context.streams[stream].channel.name()),
             on: question.on,
             p_value: answer.p_value,
             p_adjusted,
@@ -89,7 +92,11 @@ struct Answer {
 
 /// What columns explain; none where the base model takes them up. A score test that sums within postures first (Liang & Zeger 1986): one disturbed joint
 /// moves all three coordinates of a touch.
-fn ask(system: &System, signals: &[Signal]) -> Result<Option<Answer>, DiagnosisError> {
+fn ask(
+    context: &Context<'_>,
+    system: &System,
+    signals: &[Signal],
+) -> Result<Option<Answer>, DiagnosisError> {
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for signal in signals {
         let mut column = system.dense(&system.column(signal));
@@ -105,7 +112,7 @@ fn ask(system: &System, signals: &[Signal]) -> Result<Option<Answer>, DiagnosisE
             columns.push(column);
         }
     }
-    let postures = system.postures();
+    let postures = together(context, system);
     let rows = postures.iter().max().map_or(0, |row| row + 1);
     let count = columns.len();
     if count == 0 || rows <= count {
@@ -132,6 +139,16 @@ fn ask(system: &System, signals: &[Signal]) -> Result<Option<Answer>, DiagnosisE
         share,
         beyond_chance: share - columns as f64 / freedom,
     }))
+}
+
+/// What errors may go together in, for each block: a posture; of a motion a stretch of it.
+fn together(context: &Context<'_>, system: &System) -> Vec<usize> {
+    let mut postures = system.postures();
+    if context.ordered {
+        let rows = context.rows().div_ceil(STRETCHES).max(1);
+        postures.iter_mut().for_each(|row| *row /= rows);
+    }
+    postures
 }
 
 /// u^T V^+ u and the rank of V.

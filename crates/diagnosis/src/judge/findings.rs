@@ -4,6 +4,7 @@ use haptical_calibration::Channel;
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording};
 
+use crate::answer::floor::{Floor, floors};
 use crate::answer::shrink::{Shrink, model_residual, on_held_back, on_second};
 use crate::engine::Engine;
 use crate::engine::base::Base;
@@ -42,6 +43,8 @@ pub(crate) struct Findings<'f> {
     /// Terms of the base model that the earlier model lacks or has wrong.
     pub(crate) base_terms: Difference,
     pub(crate) shrink: Shrink,
+    /// Noise of the channels, checked against all that is left.
+    pub(crate) floors: Vec<Floor>,
     pub(crate) force: ForceAnswer,
 }
 
@@ -72,6 +75,7 @@ impl<'f> Findings<'f> {
             earlier,
             base_terms,
             shrink: Shrink::default(),
+            floors: Vec::new(),
             force: ForceAnswer::default(),
         };
         let (shrink, force) = rayon::join(
@@ -79,6 +83,13 @@ impl<'f> Findings<'f> {
             || crate::force::examine(&engine.context, &inputs.options.without),
         );
         (findings.shrink, findings.force) = (shrink?, force?);
+        findings.floors = floors(&findings);
+        for unseen in &mut findings.shrink.channels {
+            let mut floors = findings.floors.iter();
+            if let Some(floor) = floors.find(|floor| floor.channel == unseen.channel) {
+                unseen.correct(floor);
+            }
+        }
         if !findings.selection.causes().is_empty() || !findings.is_quiet() {
             let wrong_nm = torque_nm(&findings.selection);
             findings.force = findings.force.beside_wrong_angles(wrong_nm);

@@ -11,4 +11,5 @@ pub(crate) mod tool;
 pub(crate) mod touched;
 pub(crate) mod unlisted;
 pub(crate) mod verdict;
+pub(crate) mod whiteness;
 pub(crate) mod wrong_angles;

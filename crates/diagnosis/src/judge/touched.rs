@@ -41,7 +41,8 @@ impl Touched {
         let dependences = || dependences(context, &engine.system);
         if !context.streams.iter().any(Stream::is_touch) {
             let dependence = match verdict {
-                Verdict::Unknown => dependences()?,
+                // external encoders alone: free functions find the place
+                Verdict::Unknown if context.device.has_links() => dependences()?,
                 _ => Vec::new(),
             };
             let first = dependence

@@ -1,7 +1,7 @@
 //! Size and colour of a noise by the moments of its segments.
 
-use super::Noise;
 use super::segments::{expected_moments, leave_undisturbed, segment_basis};
+use super::{Noise, NoiseSource};
 use crate::thresholds::noise::{LAGS, LEAST_COLOUR, MOST_COLOUR, SEGMENT_ROWS};
 
 /// The colour up to which the correlation of successive rows grows: a cubic takes most of a strongly
@@ -66,12 +66,22 @@ pub(super) fn from_segments(mut moments: Vec<[f64; LAGS]>, rounding: f64) -> Noi
     } else {
         4.0 * scatter / (1.0 - colour * colour)
     };
+    // and so does the size; at the limit of what is looked for the colour is no estimate
+    let slope_of_size = if colour == 0.0 || colour > MOST_COLOUR - COLOUR_STEP {
+        0.0
+    } else {
+        let [low, high] = [-COLOUR_STEP, COLOUR_STEP].map(|step| mixed(colour + step)[0]);
+        (low / high).ln().abs() / (2.0 * COLOUR_STEP)
+    };
+    let of_size = (2.0 / (count as f64 * freedom)).sqrt();
+    let of_size = of_size.hypot(2.0 * scatter * slope_of_size);
     Noise {
         ratio: variance.sqrt(),
         colour,
         coloured_share: if colour == 0.0 { 0.0 } else { share },
         uncertainty: (2.0 / (count as f64 * freedom)).sqrt().hypot(slope),
-        from_motion: true,
+        freedom: 2.0 / of_size.powi(2),
+        source: NoiseSource::Motion,
         speed_ratio: 1.0,
     }
 }

@@ -2,48 +2,85 @@
 
 use std::ops::Range;
 
-use super::Noise;
 use super::colour::from_segments;
+use super::repeats::Repeats;
 use super::segments::{segment_basis, segment_moments};
+use super::{Noise, NoiseSource};
 use crate::thresholds::noise::{ENOUGH_SEGMENTS, LAGS, SEGMENT_ROWS, STATED_UNCERTAINTY};
 
-/// Estimates one stream's noise from its residuals over the stated standard deviation (NaN where
-/// there is none), `lost` of which the model's parameters have taken.
-pub(crate) fn estimate(
-    scaled: &[f64],
-    runs: &[Range<usize>],
-    ordered: bool,
-    lost: f64,
-    stated: bool,
-    rounding: f64,
-) -> Noise {
-    let series: Vec<Vec<f64>> = runs
+/// What is known of a stream before its noise is estimated.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Known<'k> {
+    pub(crate) runs: &'k [Range<usize>],
+    /// Rows follow a motion.
+    pub(crate) ordered: bool,
+    pub(crate) repeats: &'k Repeats,
+    /// Degrees of freedom that the model's parameters have taken.
+    pub(crate) lost: f64,
+    /// The device file says how noisy it is.
+    pub(crate) stated: bool,
+    /// Share of the stated variance that the rounding of the motor encoders has.
+    pub(crate) rounding: f64,
+}
+
+/// Estimates one stream's noise from its residuals over the stated standard deviation (NaN where there is none): by repeats
+/// of postures, by neighbours in a motion, by what is stated, by all that the model leaves; the first that is no larger
+/// than all that is left, beyond chance.
+pub(crate) fn estimate(scaled: &[f64], known: &Known<'_>) -> Noise {
+    let series: Vec<Vec<f64>> = known
+        .runs
         .iter()
         .map(|run| {
             let values = scaled[run.clone()].iter();
             values.copied().filter(|value| value.is_finite()).collect()
         })
         .collect();
-    if ordered {
-        let mut moments: Vec<[f64; LAGS]> = Vec::new();
-        let basis = segment_basis();
-        for run in &series {
-            moments.extend(
-                run.chunks_exact(SEGMENT_ROWS)
-                    .map(|part| segment_moments(part, &basis)),
-            );
+    let left = all_that_is_left(&series.concat(), known.lost);
+    let stated = Noise::of_postures(1.0, 2.0 / STATED_UNCERTAINTY.powi(2), NoiseSource::Stated);
+    let repeats = known.repeats.noise(scaled, known.rounding);
+    let repeats = repeats.filter(|noise| !known.stated || overrules(noise, &stated, known.repeats));
+    let stated = known.stated.then_some(stated);
+    let sources = [repeats, by_neighbours(&series, known), stated];
+    let mut sources = sources.into_iter().flatten();
+    let is_possible = |noise: &Noise| {
+        let freedom = left.freedom * noise.independent();
+        !noise.is_above(left.ratio, freedom)
+    };
+    let found = sources.find(is_possible).unwrap_or(left);
+    match found.source {
+        NoiseSource::Motion | NoiseSource::Stated if known.stated => {
+            found.with_rounding(known.rounding)
         }
-        if moments.len() >= ENOUGH_SEGMENTS {
-            return from_segments(moments, rounding);
-        }
+        _ => found,
     }
-    let values: Vec<f64> = series.concat();
-    if stated {
-        // single postures cannot tell noise from a gap: the device file's figure is what there is
-        return Noise::of_postures(1.0, STATED_UNCERTAINTY);
+}
+
+/// Whether repeats say more than the device file: they are enough of them to know better, or differ from it beyond
+/// chance. What repeats from several sides scatter by holds any play: it does not raise a stated noise.
+fn overrules(noise: &Noise, stated: &Noise, repeats: &Repeats) -> bool {
+    if !repeats.are_of_one_side && noise.ratio > stated.ratio {
+        return false;
     }
+    let differs =
+        noise.is_above(stated.ratio, stated.freedom) || stated.is_above(noise.ratio, noise.freedom);
+    noise.freedom >= stated.freedom || differs
+}
+
+fn by_neighbours(series: &[Vec<f64>], known: &Known<'_>) -> Option<Noise> {
+    if !known.ordered {
+        return None;
+    }
+    let basis = segment_basis();
+    let parts = series.iter().flat_map(|run| run.chunks_exact(SEGMENT_ROWS));
+    let moments: Vec<[f64; LAGS]> = parts.map(|part| segment_moments(part, &basis)).collect();
+    let rounding = if known.stated { known.rounding } else { 0.0 };
+    (moments.len() >= ENOUGH_SEGMENTS).then(|| from_segments(moments, rounding))
+}
+
+/// The root mean square of everything: noise and gap, which cannot be told apart.
+fn all_that_is_left(values: &[f64], lost: f64) -> Noise {
     let freedom = (values.len() as f64 - lost).max(1.0);
     let sum: f64 = values.iter().map(|value| value * value).sum();
     let ratio = (sum / freedom).sqrt().max(1e-6);
-    Noise::of_postures(ratio, (2.0 / freedom).sqrt())
+    Noise::of_postures(ratio, freedom, NoiseSource::Rest)
 }

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 
 use super::spectrum::Spectrum;
 use crate::thresholds::lines::{
-    COHERENT, FAR, FASTER_THAN_MOTION, FINENESS, LINE_P, MOST_LINES, NEAR_BINS, SLOW_BINS,
-    TOUCHED_BINS,
+    COHERENT, ENOUGH_SPECTRA, FAR, FASTER_THAN_MOTION, FINENESS, LINE_P, MOST_LINES, NEAR_BINS,
+    ROUGH_LEVEL, SLOW_BINS, TOUCHED_BINS,
 };
 
 /// The lines of every channel, strongest first.
@@ -169,37 +169,71 @@ fn motion_hz(context: &Context<'_>, time_s: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A peak of a spectrum that is more than chance.
+/// A peak of a spectrum.
 #[derive(Debug, Clone)]
-struct Peak {
-    hz: f64,
+pub(crate) struct Peak {
+    pub(crate) hz: f64,
     bin_hz: f64,
-    amplitude: f64,
+    pub(crate) amplitude: f64,
+    /// Probability that noise has as high a peak anywhere.
+    pub(crate) p_value: f64,
+}
+
+/// The peak of a stream's residuals that is least likely in noise of any smooth spectrum, however slow, and whether or not
+/// one oscillation holds it; none without times, or of a few rows.
+pub(crate) fn surest_peak(context: &Context<'_>, values: &[f64]) -> Option<Peak> {
+    let time_s = context.recording.time_s.as_ref();
+    let time_s = time_s.filter(|_| context.ordered)?;
+    let runs = series(values, time_s, &context.runs);
+    surest(&spectrum(&runs)?)
+}
+
+fn surest(spectrum: &Spectrum) -> Option<Peak> {
+    if spectrum.segments < ENOUGH_SPECTRA {
+        return None;
+    }
+    let peaks = (SLOW_BINS..spectrum.power.len()).filter_map(|bin| peak(spectrum, bin));
+    peaks
+        .map(|peak| Peak {
+            p_value: (ROUGH_LEVEL * spectrum.power.len() as f64 * peak.p_value).min(1.0),
+            ..peak
+        })
+        .min_by(|a, b| a.p_value.total_cmp(&b.p_value))
 }
 
 fn peaks(runs: &[Series], slowest_hz: f64, streams: usize) -> Vec<Peak> {
+    let Some(spectrum) = spectrum(runs) else {
+        return Vec::new();
+    };
+    let bins = spectrum.power.len();
+    let first = SLOW_BINS.max((slowest_hz / spectrum.bin_hz).ceil() as usize);
+    let tries = (bins * streams) as f64;
+    (first..bins)
+        .filter_map(|bin| peak(&spectrum, bin))
+        .filter(|peak| tries * peak.p_value < LINE_P)
+        .collect()
+}
+
+fn spectrum(runs: &[Series]) -> Option<Spectrum> {
     let runs: Vec<(Vec<f64>, Vec<f64>)> = runs
         .iter()
         .map(|run| (run.time_s.clone(), run.value.clone()))
         .collect();
-    let Some(spectrum) = Spectrum::new(&runs) else {
-        return Vec::new();
-    };
+    Spectrum::new(&runs)
+}
+
+/// A peak at a bin with its probability there; none where a neighbour is higher.
+fn peak(spectrum: &Spectrum, bin: usize) -> Option<Peak> {
     let power = &spectrum.power;
-    let first = SLOW_BINS.max((slowest_hz / spectrum.bin_hz).ceil() as usize);
-    let tries = (power.len() * streams) as f64;
-    let peak = |bin: usize| {
-        let around = bin - TOUCHED_BINS..(bin + TOUCHED_BINS + 1).min(power.len());
-        let is_highest = power[around].iter().all(|other| *other <= power[bin]);
-        let level = level(power, bin).filter(|level| *level > 0.0 && is_highest)?;
-        let p = tries * chance(power[bin] / level, spectrum.segments);
-        (p < LINE_P).then(|| Peak {
-            hz: bin as f64 * spectrum.bin_hz,
-            bin_hz: spectrum.bin_hz,
-            amplitude: ((power[bin] - level) / spectrum.of_unit).max(0.0).sqrt(),
-        })
-    };
-    (first..power.len()).filter_map(peak).collect()
+    let around = bin - TOUCHED_BINS..(bin + TOUCHED_BINS + 1).min(power.len());
+    let is_highest = power[around].iter().all(|other| *other <= power[bin]);
+    let level = level(power, bin).filter(|level| *level > 0.0 && is_highest)?;
+    Some(Peak {
+        hz: bin as f64 * spectrum.bin_hz,
+        bin_hz: spectrum.bin_hz,
+        amplitude: ((power[bin] - level) / spectrum.of_unit).max(0.0).sqrt(),
+        p_value: chance(power[bin] / level, spectrum.segments),
+    })
 }
 
 /// Mean power of the noise at a bin, by the louder of its two sides: a spectrum falls or rises smoothly.
@@ -301,4 +335,82 @@ fn phases(amplitudes: &[Vec<[f64; 2]>]) -> Vec<f64> {
         start + im.atan2(re)
     };
     (0..runs).map(turned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Normal deviates by the sum of twelve uniforms, coloured.
+    fn coloured(count: usize, colour: f64, seed: u64) -> Vec<f64> {
+        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+        let mut uniform = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut value = 0.0;
+        let mut next = || {
+            let normal = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+            value = colour * value + (1.0 - colour * colour).sqrt() * normal;
+            value
+        };
+        (0..200).for_each(|_| {
+            next();
+        });
+        (0..count).map(|_| next()).collect()
+    }
+
+    fn surest_of(values: Vec<f64>) -> Option<Peak> {
+        let time_s = (0..values.len()).map(|row| 0.01 * row as f64).collect();
+        surest(&Spectrum::new(&[(time_s, values)])?)
+    }
+
+    /// Control of false alarms: of noise alone one in a hundred streams may have a probability below one in a hundred.
+    #[test]
+    fn noise_of_a_smooth_spectrum_has_no_sure_peak() {
+        for (rows, colour) in [
+            (300, 0.0),
+            (300, 0.9),
+            (2400, 0.0),
+            (2400, 0.5),
+            (2400, 0.95),
+        ] {
+            let p =
+                (0..400).filter_map(|seed| Some(surest_of(coloured(rows, colour, seed))?.p_value));
+            let p: Vec<f64> = p.collect();
+            let below = |limit: f64| p.iter().filter(|p| **p < limit).count();
+            eprintln!(
+                "{rows} {colour}: {} {} {} of {}",
+                below(1e-3),
+                below(1e-2),
+                below(0.05),
+                p.len()
+            );
+            // binomial: 400 at 0.01 exceed 12 once in 1000
+            assert!(
+                below(0.01) <= 12,
+                "{rows} rows, colour {colour}: {} of {}",
+                below(0.01),
+                p.len()
+            );
+        }
+    }
+
+    /// A line whose phase wanders is no single oscillation, and no noise.
+    #[test]
+    fn a_line_of_wandering_phase_is_a_sure_peak() {
+        let noise = coloured(2400, 0.0, 5);
+        let wander = coloured(2400, 0.999, 6);
+        let value = |row: usize| {
+            let phase = TAU * 12.5 * 0.01 * row as f64 + wander[row];
+            noise[row] + 0.8 * phase.cos()
+        };
+        let peak = surest_of((0..2400).map(value).collect()).unwrap();
+        assert!(
+            (peak.hz - 12.5).abs() < 0.5 && peak.p_value < 1e-4,
+            "{peak:?}"
+        );
+    }
 }

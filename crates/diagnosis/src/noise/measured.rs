@@ -5,8 +5,9 @@ use haptical_effects::Context;
 use rayon::prelude::*;
 
 use crate::engine::base::BaseProblem;
+use crate::noise::repeats::Repeats;
 use crate::noise::stated::is_stated;
-use crate::noise::{self, Noise};
+use crate::noise::{self, Known, Noise};
 
 /// Noise that is known from an earlier look.
 #[derive(Debug, Clone)]
@@ -24,6 +25,7 @@ pub(crate) fn estimate_noise(
     parameters: usize,
 ) -> (Vec<Noise>, Vec<Option<Vec<f64>>>) {
     let lost = parameters as f64 / context.streams.len().max(1) as f64;
+    let repeats = Repeats::new(context);
     (0..context.streams.len())
         .into_par_iter()
         .map(|stream| {
@@ -45,20 +47,15 @@ pub(crate) fn estimate_noise(
                 }
             }
             let stated = is_stated(context.device, context.streams[stream].channel);
-            let rounding = if stated {
-                rounding_share(&problem.sd[stream], own[stream], &usable[stream])
-            } else {
-                0.0
-            };
-            let mut found = noise::estimate(
-                &scaled,
-                &context.runs,
-                context.ordered,
+            let known = Known {
+                runs: &context.runs,
+                ordered: context.ordered,
+                repeats: &repeats,
                 lost,
                 stated,
-                rounding,
-            )
-            .with_rounding(rounding);
+                rounding: rounding_share(&problem.sd[stream], own[stream], &usable[stream]),
+            };
+            let mut found = noise::estimate(&scaled, &known);
             found.speed_ratio = by_speed.as_ref().map_or(1.0, |(_, ratio)| *ratio);
             (found, by_speed.map(|(scale, _)| scale))
         })

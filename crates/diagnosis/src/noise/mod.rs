@@ -1,10 +1,12 @@
-//! The noise of each stream, before anything is called a gap: its size and colour from what successive
-//! rows do not share, and the rows that are outliers.
+//! The noise of each stream, before anything is called a gap: its size and colour from what repeats of a posture or
+//! successive rows of a motion do not share, and the rows that are outliers.
 //!
 //! docs/diagnosis.md, "Noise", derives the formulas.
 
 pub(crate) mod cleaning;
 pub(crate) mod measured;
+pub(crate) mod repeats;
+pub(crate) mod source;
 pub(crate) mod stated;
 
 mod colour;
@@ -15,11 +17,12 @@ mod segments;
 mod spectrum;
 mod speed;
 
-use crate::thresholds::noise::MUCH_ROUNDING;
+use crate::thresholds::noise::{BEYOND, MUCH_ROUNDING};
 
-pub(crate) use self::estimate::estimate;
-pub(crate) use self::lines::{lines, without_lines};
+pub(crate) use self::estimate::{Known, estimate};
+pub(crate) use self::lines::{Peak, lines, surest_peak, without_lines};
 pub(crate) use self::outliers::{difference_sd, outliers};
+pub use self::source::NoiseSource;
 pub(crate) use self::speed::speed_scale;
 
 /// Noise of one stream.
@@ -33,21 +36,24 @@ pub(crate) struct Noise {
     pub(crate) coloured_share: f64,
     /// Relative standard deviation of the estimated variance.
     pub(crate) uncertainty: f64,
-    /// Estimated from differences within a motion; otherwise from all that the model leaves.
-    pub(crate) from_motion: bool,
+    /// Degrees of freedom that its size was estimated with.
+    pub(crate) freedom: f64,
+    /// What it was estimated from.
+    pub(crate) source: NoiseSource,
     /// Increase of the standard deviation at the highest tenth of speeds over that at the lowest.
     pub(crate) speed_ratio: f64,
 }
 
 impl Noise {
     /// White, of single postures.
-    fn of_postures(ratio: f64, uncertainty: f64) -> Self {
+    fn of_postures(ratio: f64, freedom: f64, source: NoiseSource) -> Self {
         Self {
             ratio,
             colour: 0.0,
             coloured_share: 0.0,
-            uncertainty,
-            from_motion: false,
+            uncertainty: (2.0 / freedom).sqrt(),
+            freedom,
+            source,
             speed_ratio: 1.0,
         }
     }
@@ -56,11 +62,33 @@ impl Noise {
     /// they are much of the noise, its size is at least the stated one.
     pub(crate) fn with_rounding(mut self, share: f64) -> Self {
         if share > MUCH_ROUNDING {
+            if self.ratio < 1.0 {
+                // how much of the rounding there is in the residual is not known
+                self.freedom = 2.0 / (2.0 / self.freedom + share * share);
+            }
             self.ratio = self.ratio.max(1.0);
             self.uncertainty = self.uncertainty.hypot(0.2 * share);
         }
         self
     }
+
+    /// Independent rows in one row of noise of this colour.
+    pub(crate) fn independent(&self) -> f64 {
+        let colour = self.colour * self.coloured_share;
+        (1.0 - colour * colour) / (1.0 + colour * colour)
+    }
+
+    /// Whether it is larger than a root mean square of as many degrees of freedom, beyond what both may err.
+    pub(crate) fn is_above(&self, rms: f64, freedom: f64) -> bool {
+        is_above((self.ratio, self.freedom), (rms, freedom))
+    }
+}
+
+/// Whether one standard deviation is larger than another, each with its degrees of freedom, beyond what both may err: the
+/// logarithm of a chi-square variance has the standard deviation sqrt(2 / freedom).
+pub(crate) fn is_above(one: (f64, f64), other: (f64, f64)) -> bool {
+    let spread = (2.0 / one.1.max(1.0) + 2.0 / other.1.max(1.0)).sqrt();
+    2.0 * (one.0 / other.0.max(1e-300)).ln() > BEYOND * spread
 }
 
 #[cfg(test)]

@@ -2,13 +2,27 @@
 
 use std::ops::Range;
 
-use super::{estimate, outliers, speed_scale};
+use super::repeats::Repeats;
+use super::{Known, Noise, NoiseSource, estimate, outliers, speed_scale};
 
 fn one_run(rows: usize) -> [Range<usize>; 1] {
     [Range {
         start: 0,
         end: rows,
     }]
+}
+
+/// The noise of a moving recording's values, `rounding` of whose stated variance is rounding.
+fn moving(values: &[f64], rounding: f64) -> Noise {
+    let known = Known {
+        runs: &one_run(values.len()),
+        ordered: true,
+        repeats: &Repeats::default(),
+        lost: 0.0,
+        stated: true,
+        rounding,
+    };
+    estimate(values, &known)
 }
 
 /// A linear congruential sequence made normal by the sum of twelve uniforms.
@@ -32,7 +46,7 @@ fn white_noise_on_a_slow_signal_is_measured() {
         .enumerate()
         .map(|(k, e)| 1.3 * e + 20.0 * (k as f64 * 0.01).sin())
         .collect();
-    let noise = estimate(&values, &one_run(6000), true, 0.0, true, 0.0);
+    let noise = moving(&values, 0.0);
     assert!((noise.ratio - 1.3).abs() < 0.06, "{noise:?}");
     assert!(noise.colour.abs() < 0.05);
 }
@@ -47,7 +61,7 @@ fn coloured_noise_is_measured() {
             value
         })
         .collect();
-    let noise = estimate(&values, &one_run(6000), true, 0.0, true, 0.0);
+    let noise = moving(&values, 0.0);
     assert!((noise.colour - 0.5).abs() < 0.03, "{noise:?}");
     assert!((noise.ratio - 1.0).abs() < 0.08, "{noise:?}");
 }
@@ -65,7 +79,7 @@ fn a_white_part_of_known_share_leaves_the_colour() {
                 value + 0.7 * pair[1]
             })
             .collect();
-        let noise = estimate(&values, &one_run(6000), true, 0.0, true, 0.49 / 1.49);
+        let noise = moving(&values, 0.49 / 1.49);
         let low = noise.ratio.powi(2)
             * (1.0 + noise.coloured_share * 2.0 * noise.colour / (1.0 - noise.colour));
         // level at low frequency: (1 + c) / (1 - c) of the coloured part, 0.49 of the white one
@@ -103,4 +117,32 @@ fn single_disturbed_rows_are_outliers_and_a_jump_is_not() {
         outliers(&values, &one_run(1000), true, 1.0, 6.0),
         vec![100, 700]
     );
+}
+
+/// A smooth signal passes for noise of long memory: its floor came out far above all that was left.
+#[test]
+fn a_floor_above_all_that_is_left_is_estimated_again() {
+    // second differences of a slow wave with a tremor that fades within a few rows
+    let mut value = 0.0;
+    let values: Vec<f64> = normal(4000, 11)
+        .into_iter()
+        .map(|e| {
+            value = 0.999 * value + 1e-3 * e;
+            0.02 * value
+        })
+        .collect();
+    let rms = (values.iter().map(|v| v * v).sum::<f64>() / 4000.0).sqrt();
+    let noise = moving(&values, 0.0);
+    assert!(
+        !noise.is_above(rms, 4000.0 * noise.independent()),
+        "{noise:?} {rms}"
+    );
+}
+
+#[test]
+fn noise_of_other_size_is_above_beyond_chance_alone() {
+    let noise = Noise::of_postures(2.0, 386.0, NoiseSource::Repeats);
+    assert!(noise.is_above(1.0, 30.0) && !noise.is_above(1.95, 1000.0));
+    // eight repeats know a deviation to a quarter
+    assert!(!Noise::of_postures(2.0, 8.0, NoiseSource::Repeats).is_above(1.0, 1000.0));
 }

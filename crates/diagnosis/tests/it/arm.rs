@@ -122,6 +122,15 @@ pub(crate) fn torque_nm(joint: usize, time_s: f64) -> f64 {
 
 /// Records the arm with errors.
 pub(crate) fn record(session: &Session, errors: impl Fn(&Instant) -> Errors) -> Recording {
+    record_with_noise(session, 1.0, errors)
+}
+
+/// The same with noise of another size than stated.
+pub(crate) fn record_with_noise(
+    session: &Session,
+    size: f64,
+    errors: impl Fn(&Instant) -> Errors,
+) -> Recording {
     let built = built();
     let step_rad = std::f64::consts::TAU / 20_000.0 / 8.0;
     let rows = session.runs * session.rows_of_a_run;
@@ -157,7 +166,8 @@ pub(crate) fn record(session: &Session, errors: impl Fn(&Instant) -> Errors) -> 
         let mut outputs = [0, 1, 2].map(|joint| evaluation.output_rad(joint));
         for joint in 0..3 {
             outputs[joint] += extra.transmission_rad[joint];
-            let seen = outputs[joint] + extra.encoder_rad[joint] + OUTPUT_SD_RAD * noise.next();
+            let seen =
+                outputs[joint] + extra.encoder_rad[joint] + size * OUTPUT_SD_RAD * noise.next();
             push(&mut recording.output[joint], seen);
             outputs[joint] += extra.joint_rad[joint];
             let counts = (instant.reading_rad[joint] / step_rad).round();
@@ -166,7 +176,7 @@ pub(crate) fn record(session: &Session, errors: impl Fn(&Instant) -> Errors) -> 
         }
         evaluation.move_outputs(&outputs).unwrap();
         let handle: Vector3<f64> = evaluation.pose().unwrap().position_m;
-        let distance_m = handle.norm() + extra.cable_m + CABLE_SD_M * noise.next();
+        let distance_m = handle.norm() + extra.cable_m + size * CABLE_SD_M * noise.next();
         push(&mut recording.cable_m[0], distance_m);
         push(&mut recording.time_s, time_s);
         recording.run.as_mut().unwrap().push(run as i64);

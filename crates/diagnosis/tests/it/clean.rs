@@ -231,3 +231,36 @@ fn a_stated_deviation_that_is_far_too_large_is_named() {
     let others = quiet.warnings.iter().filter(|warning| !of_torques(warning));
     assert_eq!(others.count(), 0, "{:?}", quiet.warnings);
 }
+
+/// Control of false alarms: noise with memory depends on nothing.
+#[test]
+fn noise_with_memory_has_no_gap() {
+    let mut flagged = Vec::new();
+    for seed in 0..30 {
+        let session = Session {
+            seed: 100 + seed,
+            runs: 2,
+            rows_of_a_run: 3000,
+            ..Session::default()
+        };
+        let mut recording = record(&session, |_| Errors::default());
+        let exact = crate::arm::record_with_noise(&session, 0.0, |_| Errors::default());
+        // the recorded noise, through a filter of correlation 0.5
+        let colour = |noisy: &mut Option<Vec<f64>>, exact: &Option<Vec<f64>>| {
+            let mut state = 0.0;
+            for (value, exact) in noisy.iter_mut().flatten().zip(exact.iter().flatten()) {
+                state = 0.5 * state + 0.75_f64.sqrt() * (*value - exact);
+                *value = exact + state;
+            }
+        };
+        for (noisy, exact) in recording.output.iter_mut().zip(&exact.output) {
+            colour(noisy, exact);
+        }
+        colour(&mut recording.cable_m[0], &exact.cable_m[0]);
+        let diagnosis = diagnosed(&recording);
+        if diagnosis.verdict != Verdict::NoGap {
+            flagged.push((seed, summary(&diagnosis), diagnosis.whiteness));
+        }
+    }
+    assert!(flagged.is_empty(), "{flagged:#?}");
+}

@@ -1,11 +1,11 @@
 //! Readings that oscillate at one frequency, however fast against what is averaged.
 
-use haptical_diagnosis::{Diagnosis, Options, Verdict, diagnose};
+use haptical_diagnosis::{Diagnosis, Options, Over, Verdict, diagnose};
 use haptical_model::{Device, Evaluation, Recording};
 
 use crate::arm::{
-    Errors, STEP_S, Session, assert_named, assert_near, device, diagnosed, record, record_yielding,
-    summary,
+    CABLE_SD_M, Errors, STEP_S, Session, assert_named, assert_near, device, diagnosed, record,
+    record_yielding, summary,
 };
 use crate::normal::Normal;
 
@@ -166,4 +166,39 @@ fn an_oscillation_at_a_steady_pace_is_told_from_the_harmonics() {
     let diagnosis = diagnose(&device, &recording, &Options::default()).unwrap();
     let found = assert_named(&diagnosis, "periodic-disturbance", Some(1), "amplitude_rad");
     assert_near(found, 1e-3);
+}
+
+/// A line whose phase wanders is no single oscillation, so no effect of the catalogue; it is no noise either.
+#[test]
+fn a_line_of_wandering_phase_is_no_noise() {
+    for seed in [1, 2, 3] {
+        let session = Session {
+            seed,
+            ..Session::default()
+        };
+        let recording = record(&session, |at| {
+            let wander = 3.0 * (0.9 * at.time_s).sin() + 2.0 * (2.3 * at.time_s + 1.0).sin();
+            Errors {
+                cable_m: 1.2 * CABLE_SD_M * (TAU * 20.3 * at.time_s + wander).cos(),
+                ..Errors::default()
+            }
+        });
+        let diagnosis = diagnosed(&recording);
+        let summary = summary(&diagnosis);
+        assert_ne!(diagnosis.verdict, Verdict::NoGap, "{summary}");
+        let mut channels = diagnosis.gap.channels.iter();
+        let cable = channels.find(|gap| gap.channel == "cable");
+        assert!(cable.unwrap().has_gap);
+    }
+}
+
+#[test]
+fn noise_is_tested_over_frequency_time_posture_and_approach() {
+    let tested = diagnosed(&record(&Session::default(), |_| Errors::default())).whiteness;
+    let all = [Over::Frequency, Over::Time, Over::Posture, Over::Approach];
+    assert_eq!(tested.over, all, "{tested:?}");
+    assert!(
+        tested.tests > 20 && tested.least_p_adjusted.unwrap() > 3e-3,
+        "{tested:?}"
+    );
 }

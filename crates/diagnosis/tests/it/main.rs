@@ -11,6 +11,7 @@ mod clean;
 mod columns;
 mod dependencies;
 mod determinism;
+mod floors;
 mod gap_sets;
 mod lines;
 mod moved;

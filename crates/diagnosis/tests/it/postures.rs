@@ -9,14 +9,14 @@ use haptical_model::{Device, Evaluation, Placement, Recording, Tracker};
 use crate::normal::Normal;
 use crate::touching;
 
-const POSITION_SD_M: f64 = 3e-5;
+pub(crate) const POSITION_SD_M: f64 = 3e-5;
 const JOINTS: usize = 6;
 const POSTURES: usize = 200;
 /// The joint that yields, and by how much.
 const JOINT: usize = 1;
-const STIFFNESS_NM_PER_RAD: f64 = 2e4;
+pub(crate) const STIFFNESS_NM_PER_RAD: f64 = 2e4;
 
-fn device() -> Device {
+pub(crate) fn device() -> Device {
     let mut device = touching::device();
     device.tracker = Some(Tracker {
         base_known: false,
@@ -38,16 +38,16 @@ fn base() -> Isometry3<f64> {
 const MARKER_M: Vector3<f64> = Vector3::new(0.09, -0.06, 0.14);
 
 /// What is true of a posture.
-struct Posture<'p> {
-    row: usize,
-    reading: &'p [f64],
+pub(crate) struct Posture<'p> {
+    pub(crate) row: usize,
+    pub(crate) reading: &'p [f64],
     /// Of the posture before; of the first its own.
-    before: &'p [f64],
-    torque: &'p [f64],
+    pub(crate) before: &'p [f64],
+    pub(crate) torque: &'p [f64],
 }
 
 /// Postures under a load that is recorded; `noise_sd_m` of each coordinate.
-fn recorded(seed: u64, stiffness_nm_per_rad: f64, noise_sd_m: f64) -> Recording {
+pub(crate) fn recorded(seed: u64, stiffness_nm_per_rad: f64, noise_sd_m: f64) -> Recording {
     recorded_with(seed, noise_sd_m, |posture, link| {
         link[JOINT] -= posture.torque[JOINT] / stiffness_nm_per_rad;
         Vector3::zeros()
@@ -55,7 +55,7 @@ fn recorded(seed: u64, stiffness_nm_per_rad: f64, noise_sd_m: f64) -> Recording 
 }
 
 /// Postures whose links are elsewhere than the model says; the tracker drifts by what `error` returns.
-fn recorded_with(
+pub(crate) fn recorded_with(
     seed: u64,
     noise_sd_m: f64,
     error: impl Fn(&Posture<'_>, &mut [f64]) -> Vector3<f64>,

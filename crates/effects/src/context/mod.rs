@@ -24,7 +24,7 @@ use crate::ContextError;
 use crate::signal::{LocalMotion, local_motion, smooth};
 
 use self::cable::cable_geometry;
-use self::rows::{STEP_OF_A_MOTION, load_reach, runs_of, step_of_range};
+use self::rows::{STEP_OF_A_MOTION, is_path, load_reach, runs_of, step_of_range};
 use self::stream::stream_of;
 
 pub use self::cable::CableGeometry;
@@ -94,6 +94,7 @@ impl<'a> Context<'a> {
         let step = step_of_range(recording, &runs);
         // so closely that noise differs from row to row and effects do not
         let ordered = step.is_some_and(|step| step <= STEP_OF_A_MOTION)
+            && is_path(recording, &runs)
             && (recording.time_s.is_some() || !streams.iter().any(Stream::is_touch));
         let load_reach = step.map_or(0, load_reach);
         let streams = streams.to_vec();

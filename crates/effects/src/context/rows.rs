@@ -32,6 +32,14 @@ pub(super) const STEP_OF_A_MOTION: f64 = 0.05;
 /// Fewer rows are taken as single postures.
 const ROWS_OF_A_MOTION: usize = 64;
 
+/// Share of the joints' ranges that a step of a motion takes at most, over half of its way. Steps vary about their median by
+/// their speed: twice as much as above is a motion still.
+const LONG_STEP: f64 = 0.1;
+/// Steps over which a path without times must lead somewhere.
+const LEADING_STEPS: usize = 8;
+/// Share of the way of so many steps that a path gains; of postures in any order it is 1 / sqrt(8).
+const GAINED: f64 = 0.5;
+
 /// Samples on each side over which torques and forces are averaged at most, ...
 const LOAD_REACH: usize = 4;
 /// ... and how far the joints may move meanwhile, as a share of their range.
@@ -44,6 +52,45 @@ pub(super) fn load_reach(step: f64) -> usize {
     } else {
         (LOAD_IS_STEADY / step) as usize
     }
+}
+
+/// Whether rows follow a path: half of its way is made in short steps, and without times it leads somewhere. Of postures
+/// that are recorded several times each the median step is zero, but their way is made in long steps.
+pub(super) fn is_path(recording: &Recording, runs: &[Range<usize>]) -> bool {
+    let mut ranges = 0.0;
+    for column in &recording.joint {
+        let low = column.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        ranges += (high - low).max(0.0).powi(2);
+    }
+    let way = |from: usize, to: usize| -> f64 {
+        let joints = recording.joint.iter();
+        let squares = joints.map(|column| (column[to] - column[from]).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let rows = || runs.iter().flat_map(|run| run.start + 1..run.end);
+    let mut steps: Vec<f64> = rows().map(|row| way(row - 1, row)).collect();
+    let whole: f64 = steps.iter().sum();
+    steps.sort_by(|a, b| b.total_cmp(a));
+    let mut made = 0.0;
+    let half = steps.iter().find(|step| {
+        made += **step;
+        made >= 0.5 * whole
+    });
+    let is_short = half.is_some_and(|step| *step <= LONG_STEP * ranges.sqrt());
+    if recording.time_s.is_some() || !is_short {
+        return is_short;
+    }
+    let (mut gained, mut walked) = (0.0, 0.0);
+    for run in runs {
+        for end in run.start + LEADING_STEPS..run.end {
+            gained += way(end - LEADING_STEPS, end);
+            walked += (end - LEADING_STEPS..end)
+                .map(|row| way(row, row + 1))
+                .sum::<f64>();
+        }
+    }
+    walked > 0.0 && gained >= GAINED * walked
 }
 
 /// Motion between successive rows: the median step of the joint that moves most, over its range; none for
@@ -68,4 +115,56 @@ pub(super) fn step_of_range(recording: &Recording, runs: &[Range<usize>]) -> Opt
         largest = largest.max(haptical_metrics::median(&steps).ok()? / (high - low));
     }
     Some(largest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recorded(column: Vec<f64>, timed: bool) -> Recording {
+        Recording {
+            time_s: timed.then(|| (0..column.len()).map(|row| 0.01 * row as f64).collect()),
+            line: (2..).take(column.len()).collect(),
+            joint: vec![column],
+            ..Recording::default()
+        }
+    }
+
+    fn is_path_of(column: Vec<f64>, timed: bool) -> bool {
+        let recording = recorded(column, timed);
+        is_path(&recording, &runs_of(&recording))
+    }
+
+    #[test]
+    fn repeated_postures_are_no_path_although_most_steps_are_zero() {
+        let posture = |row: usize| (7.3 * (row / 3) as f64).sin();
+        let repeated: Vec<f64> = (0..600).map(posture).collect();
+        let recording = recorded(repeated.clone(), false);
+        assert_eq!(step_of_range(&recording, &runs_of(&recording)), Some(0.0));
+        assert!(!is_path_of(repeated.clone(), false) && !is_path_of(repeated, true));
+    }
+
+    #[test]
+    fn a_motion_with_rests_is_a_path_with_and_without_times() {
+        let moving = |row: usize| (0.02 * (row.clamp(100, 500)) as f64).sin();
+        let rounded = |row: usize| (moving(row) * 1e3).round() * 1e-3;
+        for timed in [true, false] {
+            assert!(is_path_of((0..600).map(moving).collect(), timed));
+            assert!(is_path_of((0..600).map(rounded).collect(), timed));
+        }
+    }
+
+    #[test]
+    fn small_steps_to_and_fro_are_a_path_with_times_alone() {
+        // a walk that turns at random
+        let mut at = 0.0;
+        let walk: Vec<f64> = (0..600)
+            .map(|row| {
+                at += 0.02 * (97.7 * f64::from(row) * f64::from(row)).sin().signum();
+                at
+            })
+            .collect();
+        assert!(is_path_of(walk.clone(), true));
+        assert!(!is_path_of(walk, false));
+    }
 }

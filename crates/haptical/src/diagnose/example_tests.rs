@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use haptical_diagnosis::{
     CandidateAnswer, CauseAnswer, ChannelGap, Detectable, Diagnosis, Gap, HeldOutAnswer, Invisible,
-    NoiseAnswer, ParameterAnswer, Place, Provenance, Trace, Untestable, Verdict,
+    NoReduction, NoiseAnswer, NoiseSource, Over, ParameterAnswer, Place, Provenance, Trace,
+    Untestable, Verdict, Whiteness,
 };
 use haptical_model::Device;
 
@@ -15,13 +16,17 @@ pub(crate) fn no_gap() -> Diagnosis {
     let channel = |name: &str, joint, unit: &str, floor: f64| ChannelGap {
         channel: name.to_owned(),
         joint,
+        has_gap: false,
         rms_before: 1.01 * floor,
         rms_after: 1.01 * floor,
         noise_floor: floor,
+        noise_floor_ci95: [0.98 * floor, 1.02 * floor],
+        noise_source: NoiseSource::Motion,
         unit: unit.to_owned(),
         share_of_gap: 0.0,
         reduction_percent: None,
         reduction_ci95: None,
+        no_reduction: Some(NoReduction::NoGap),
     };
     let noise = |name: &str| NoiseAnswer {
         channel: name.to_owned(),
@@ -31,7 +36,8 @@ pub(crate) fn no_gap() -> Diagnosis {
         from: "differences of successive rows".to_owned(),
         speed_ratio: 1.0,
         readings: 6000,
-        from_motion: true,
+        degrees_of_freedom: 4400.0,
+        source: NoiseSource::Motion,
     };
     Diagnosis {
         verdict: Verdict::NoGap,
@@ -66,6 +72,12 @@ pub(crate) fn no_gap() -> Diagnosis {
             })
             .to_vec(),
         noise: ["out1", "out2", "cable"].map(noise).to_vec(),
+        whiteness: Whiteness {
+            tests: 19,
+            over: vec![Over::Frequency, Over::Time, Over::Posture],
+            least_p_adjusted: Some(0.4),
+            on: Some("the angle of joint 2".to_owned()),
+        },
         candidates: vec![],
         plausibility: vec![],
         next_experiment: None,
@@ -93,6 +105,10 @@ fn with_gap(after: f64) -> Diagnosis {
     out2.rms_before = 1.2e-3;
     out2.rms_after = after;
     out2.share_of_gap = 0.83;
+    out2.has_gap = true;
+    out2.no_reduction = Some(NoReduction::WithinNoise);
+    diagnosis.gap.channels[2].has_gap = true;
+    diagnosis.gap.channels[2].no_reduction = None;
     diagnosis.gap.channels[2].rms_before = 9e-5;
     diagnosis.gap.channels[2].share_of_gap = 0.17;
     diagnosis.gap.channels[2].reduction_percent = Some(99.0);
@@ -117,6 +133,7 @@ pub(crate) fn named() -> Diagnosis {
     diagnosis.verdict = Verdict::Named;
     diagnosis.gap.channels[1].reduction_percent = Some(97.3);
     diagnosis.gap.channels[1].reduction_ci95 = Some([96.1, 98.0]);
+    diagnosis.gap.channels[1].no_reduction = None;
     diagnosis.place = Some(Place {
         channel: "out2".to_owned(),
         joint: Some(2),
@@ -149,6 +166,7 @@ pub(crate) fn named() -> Diagnosis {
             unit: "rad".to_owned(),
             reduction_percent: Some(97.3),
             reduction_ci95: Some([96.1, 98.0]),
+            no_reduction: None,
         }),
     }];
     let candidate = |effect: &str, joint, nats_behind, probability| CandidateAnswer {

@@ -1,6 +1,8 @@
 //! Diagnosis: what a calibration leaves, which effect causes it, and how much of it that effect closes.
 
 #[cfg(test)]
+mod agreement_tests;
+#[cfg(test)]
 mod example_tests;
 mod page;
 mod quantity;

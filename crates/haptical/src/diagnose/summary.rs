@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis, Verdict};
+use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis};
 
 use crate::diagnose::words::{
-    held_out_answer, held_out_sizes, listed, named_at, next_step, parameters, percent,
-    place_sentence, probability, reduction, rivals, verdict_mark, verdict_sentence,
+    closed, held_out_answer, held_out_sizes, listed, named_at, next_step, parameters, percent,
+    place_sentence, probability, record, rivals, verdict_mark, verdict_sentence,
 };
 use crate::units::Shown;
 
@@ -53,8 +53,6 @@ fn channels(text: &mut String, diagnosis: &Diagnosis) {
     );
     for channel in order.iter().take(kept) {
         let shown = Shown::fine(&channel.unit);
-        let closed = reduction(channel.reduction_percent, channel.reduction_ci95)
-            .filter(|_| diagnosis.verdict != Verdict::NoGap);
         let _ = writeln!(
             text,
             "{:<12}{:>15}{:>15}{:>15}   {}",
@@ -62,7 +60,7 @@ fn channels(text: &mut String, diagnosis: &Diagnosis) {
             shown.text(channel.rms_before),
             shown.text(channel.rms_after),
             shown.text(channel.noise_floor),
-            closed.as_deref().unwrap_or("no gap")
+            closed(channel)
         );
     }
     let others = order.iter().skip(kept);
@@ -115,11 +113,13 @@ fn held_out(text: &mut String, diagnosis: &Diagnosis) {
     let Some(held_out) = held_out_answer(diagnosis) else {
         return;
     };
-    let closed = reduction(held_out.reduction_percent, held_out.reduction_ci95);
-    let closed = closed.map_or_else(
-        || "no gap there".to_owned(),
-        |closed| format!("{closed} of the gap closed"),
-    );
+    let closed = match record(diagnosis, &held_out.channel) {
+        Some(channel) if channel.reduction_percent.is_some() => {
+            format!("{} of the gap closed", closed(channel))
+        }
+        Some(channel) if channel.has_gap => format!("share of the gap {}", closed(channel)),
+        _ => "no gap there".to_owned(),
+    };
     let said = format!(
         "{closed} ({}); on {}",
         held_out_sizes(held_out),

@@ -1,7 +1,7 @@
 //! A diagnosis in sentences: verdict, place, causes, what to do next.
 
 use haptical_diagnosis::{
-    CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer, IN_NO_CATALOGUE, Verdict,
+    CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer, IN_NO_CATALOGUE, NoReduction, Over, Verdict,
 };
 use haptical_report::Tone;
 
@@ -57,24 +57,28 @@ pub(crate) fn verdict_mark(verdict: Verdict) -> (Tone, &'static str) {
 
 /// The channel that shows most of the gap.
 pub(crate) fn main_channel(diagnosis: &Diagnosis) -> Option<&ChannelGap> {
-    let channels = &diagnosis.gap.channels;
-    let by_share = |a: &&ChannelGap, b: &&ChannelGap| a.share_of_gap.total_cmp(&b.share_of_gap);
-    let place = diagnosis.place.as_ref().map(|place| place.channel.as_str());
-    channels
-        .iter()
-        .find(|channel| place == Some(channel.channel.as_str()))
-        .or_else(|| channels.iter().max_by(by_share))
+    let place = diagnosis.place.as_ref();
+    diagnosis
+        .gap
+        .main(place.map(|place| place.channel.as_str()))
+}
+
+/// How much of a channel's gap closes, or why that is not known.
+pub(crate) fn closed(channel: &ChannelGap) -> String {
+    let share = reduction(channel.reduction_percent, channel.reduction_ci95);
+    share.unwrap_or_else(|| {
+        channel
+            .no_reduction
+            .map_or("not known", NoReduction::words)
+            .to_owned()
+    })
 }
 
 /// The verdict in a sentence or two.
 pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     let causes = &diagnosis.causes;
     let mut sentence = match (diagnosis.verdict, causes.first()) {
-        (Verdict::NoGap, _) => format!(
-            "What the model leaves is noise in every channel ({} effects at their places were \
-             tested).",
-            diagnosis.provenance.tested
-        ),
+        (Verdict::NoGap, _) => no_gap(diagnosis),
         (Verdict::Named, Some(_)) => {
             let (of_data, of_device): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
                 causes.iter().partition(|cause| is_of_data(cause));
@@ -99,6 +103,35 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         sentence = format!("{sentence} Left out of the catalogue on request: {names}.");
     }
     sentence
+}
+
+/// What the model leaves passes for noise, by which tests.
+fn no_gap(diagnosis: &Diagnosis) -> String {
+    let tested = &diagnosis.whiteness.over;
+    let names = |are_tested: bool| -> Vec<String> {
+        let all = [
+            (Over::Frequency, "frequency"),
+            (Over::Time, "time"),
+            (Over::Posture, "posture"),
+            (Over::Approach, "direction of approach"),
+        ];
+        let names = all
+            .into_iter()
+            .filter(|(over, _)| tested.contains(over) == are_tested);
+        names.map(|(_, name)| name.to_owned()).collect()
+    };
+    let (tested, untested) = (names(true), names(false));
+    let mut said = "What the model leaves is no larger than noise in every channel".to_owned();
+    if !tested.is_empty() {
+        said.push_str(&format!(" and depends on no {}", joined(&tested, "or")));
+    }
+    if !untested.is_empty() {
+        said.push_str(&format!("; not tested: {}", listed(&untested)));
+    }
+    format!(
+        "{said} ({} effects at their places were tested).",
+        diagnosis.provenance.tested
+    )
 }
 
 /// Whether a finding is one on the data: it explains no gap.
@@ -196,8 +229,11 @@ pub(crate) fn held_out_answer(diagnosis: &Diagnosis) -> Option<&HeldOutAnswer> {
 
 /// How much of the gap closes: on unseen data, else on the rows of the fit.
 fn closing(diagnosis: &Diagnosis) -> Option<String> {
+    let share = |channel: &ChannelGap| {
+        reduction(channel.reduction_percent, channel.reduction_ci95).filter(|_| channel.has_gap)
+    };
     if let Some(held_out) = held_out_answer(diagnosis)
-        && let Some(text) = reduction(held_out.reduction_percent, held_out.reduction_ci95)
+        && let Some(text) = record(diagnosis, &held_out.channel).and_then(share)
     {
         return Some(format!(
             "On data that the fit did not see, {text} of the gap of {} closes.",
@@ -205,11 +241,17 @@ fn closing(diagnosis: &Diagnosis) -> Option<String> {
         ));
     }
     let channel = main_channel(diagnosis)?;
-    let text = reduction(channel.reduction_percent, channel.reduction_ci95)?;
+    let text = share(channel)?;
     Some(format!(
         "On the log itself, {text} of the gap of {} closes.",
         channel.channel
     ))
+}
+
+/// The gap's record of a channel.
+pub(crate) fn record<'d>(diagnosis: &'d Diagnosis, name: &str) -> Option<&'d ChannelGap> {
+    let mut channels = diagnosis.gap.channels.iter();
+    channels.find(|channel| channel.channel == name)
 }
 
 /// `97.3 % (95 % interval 96.1 to 98.0 %)`.
@@ -405,7 +447,8 @@ mod tests {
     #[test]
     fn without_a_gap_nothing_is_to_be_done() {
         let diagnosis = no_gap();
-        assert!(verdict_sentence(&diagnosis).contains("noise in every channel (87 effects"));
+        assert!(verdict_sentence(&diagnosis).contains("than noise in every channel and depends on no frequency, time or posture; not tested: direction of \
+                       approach (87 effects"));
         assert_eq!(place_sentence(&diagnosis), None);
         assert!(next_step(&diagnosis).starts_with("nothing"));
     }

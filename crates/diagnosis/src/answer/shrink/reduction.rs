@@ -3,12 +3,16 @@
 use haptical_calibration::Channel;
 use haptical_metrics::{Bootstrap, gap_reduction_percent};
 
-use crate::answer::HeldOutAnswer;
+use crate::answer::floor::Floor;
+use crate::answer::{HeldOutAnswer, NoReduction};
 use crate::engine::Engine;
 use crate::thresholds::recording::BOOTSTRAP_BLOCK_ROWS;
 
 /// Seed of the moving-block bootstrap behind the intervals of a reduction.
 pub const BOOTSTRAP_SEED: u64 = 1;
+
+/// Share of a gap that is all of it \[%\], but for rounding.
+const ALL: f64 = 99.95;
 
 /// Residuals of one channel on unseen rows, without and with the causes.
 #[derive(Debug, Clone)]
@@ -17,9 +21,9 @@ pub(crate) struct Unseen {
     unit: &'static str,
     before: Vec<f64>,
     after: Vec<f64>,
-    floor: f64,
-    /// Relative standard deviation of the floor's square.
-    floor_uncertainty: f64,
+    floor: Floor,
+    /// Independent readings in one, the noise's colour allowed for.
+    independent: f64,
 }
 
 /// Residuals on the `wanted` rows (of a stream), channel by channel.
@@ -41,8 +45,15 @@ pub(super) fn collect(
             unit: stream.unit,
             before: pick(&before[index]),
             after: pick(&after[index]),
-            floor: engine.floor[index],
-            floor_uncertainty: engine.noise[index].uncertainty,
+            floor: Floor {
+                channel: stream.channel,
+                rms: engine.floor[index],
+                freedom: 2.0 / engine.noise[index].uncertainty.powi(2),
+                source: engine.noise[index].source,
+                is_another: false,
+                is_contradicted: false,
+            },
+            independent: engine.noise[index].independent(),
         };
         match channels
             .iter_mut()
@@ -51,7 +62,8 @@ pub(super) fn collect(
             Some(other) => {
                 let (have, more) = (other.before.len() as f64, entry.before.len() as f64);
                 if have + more > 0.0 {
-                    other.floor = ((other.floor.powi(2) * have + entry.floor.powi(2) * more)
+                    other.floor.rms = ((other.floor.rms.powi(2) * have
+                        + entry.floor.rms.powi(2) * more)
                         / (have + more))
                         .sqrt();
                 }
@@ -66,35 +78,67 @@ pub(super) fn collect(
 }
 
 impl Unseen {
+    /// Root mean square of what the causes leave, and the number of readings.
+    pub(crate) fn left(&self) -> (f64, f64) {
+        (rms(&self.after), self.after.len() as f64)
+    }
+
+    /// Takes the floor that all that is left allows, where its own is above it beyond chance.
+    pub(crate) fn correct(&mut self, floor: &Floor) {
+        let (left, count) = self.left();
+        let freedom = count * self.independent;
+        if self.floor.is_above(left, freedom) || floor.is_another {
+            self.floor = floor.clone();
+            self.floor.is_contradicted |= floor.is_above(left, freedom);
+        }
+    }
+
     /// Root mean squares, closed share and its 95 % interval: moving blocks of rows and the
-    /// uncertainty of the noise floor.
+    /// uncertainty of the noise floor. No share where less is left than the floor beyond chance, and none that may be
+    /// nothing and all: the numbers are there still, for [`HeldOutAnswer::settled`] to take out.
     pub(crate) fn answer(&self) -> HeldOutAnswer {
         let rms_before = rms(&self.before);
         let rms_after = rms(&self.after);
+        let reduction = gap_reduction_percent(rms_before, rms_after, self.floor.rms);
+        let interval = self.interval(rms_before);
+        // a floor that may be as large as all that there was leaves no gap to close
+        let most = self.floor.rms.powi(2) * (1.0 + self.spread());
+        let says_nothing = most >= rms_before.powi(2)
+            || interval.is_some_and(|[low, high]| low <= 0.0 && high >= ALL);
+        let no_reduction = match self.floor.why_unknown() {
+            None if reduction.is_none() || says_nothing => Some(NoReduction::WithinNoise),
+            why_unknown => why_unknown,
+        };
         HeldOutAnswer {
             channel: self.channel.name(),
             rms_before,
             rms_after,
-            noise_floor: self.floor,
+            noise_floor: self.floor.rms,
             unit: self.unit.to_owned(),
-            reduction_percent: gap_reduction_percent(rms_before, rms_after, self.floor),
-            reduction_ci95: self.interval(rms_before),
+            reduction_percent: reduction,
+            reduction_ci95: interval,
+            no_reduction,
         }
     }
 
     /// Whitened gap before: where a cause shows most.
     pub(crate) fn gap(&self) -> f64 {
-        rms(&self.before) / self.floor.max(1e-300)
+        rms(&self.before) / self.floor.rms.max(1e-300)
     }
 
     /// What the causes take off the whitened residual.
     pub(crate) fn gained(&self) -> f64 {
         let square = rms(&self.before).powi(2) - rms(&self.after).powi(2);
-        square / self.floor.max(1e-300).powi(2)
+        square / self.floor.rms.max(1e-300).powi(2)
+    }
+
+    /// Half of the 95 % interval of the floor's square, relative.
+    fn spread(&self) -> f64 {
+        1.96 * (2.0 / self.floor.freedom).sqrt()
     }
 
     fn interval(&self, rms_before: f64) -> Option<[f64; 2]> {
-        if rms_before <= self.floor {
+        if rms_before <= self.floor.rms {
             return None;
         }
         let bootstrap = Bootstrap {
@@ -109,8 +153,8 @@ impl Unseen {
             let after = rms_on(&self.after, rows).powi(2) - floor_square;
             (before > 0.0).then(|| after / before)
         };
-        let floor = self.floor.powi(2);
-        let spread = 1.96 * self.floor_uncertainty;
+        let floor = self.floor.rms.powi(2);
+        let spread = self.spread();
         let ends = |floor_square: f64| {
             bootstrap
                 .interval(self.before.len(), |rows| left(rows, floor_square))
@@ -143,4 +187,66 @@ fn rms_on(values: &[f64], rows: &[usize]) -> f64 {
 fn root_mean(squares: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = squares.len().max(1) as f64;
     (squares.sum::<f64>() / count).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::NoiseSource;
+
+    fn unseen(before: f64, after: f64, rms: f64, freedom: f64) -> Unseen {
+        let wave = |size: f64| {
+            let row = |row: u32| 2.0_f64.sqrt() * size * (1.7 * f64::from(row)).sin();
+            (0..400).map(row).collect::<Vec<f64>>()
+        };
+        Unseen {
+            channel: Channel::Position,
+            unit: "m",
+            before: wave(before),
+            after: wave(after),
+            floor: Floor {
+                channel: Channel::Position,
+                rms,
+                freedom,
+                source: NoiseSource::Motion,
+                is_another: false,
+                is_contradicted: false,
+            },
+            independent: 1.0,
+        }
+    }
+
+    fn corrected(mut unseen: Unseen) -> HeldOutAnswer {
+        let (left, count) = unseen.left();
+        let mut floor = unseen.floor.clone();
+        floor.is_another = floor.is_above(left, count);
+        floor.is_contradicted = floor.is_another;
+        unseen.correct(&floor);
+        unseen.answer().settled()
+    }
+
+    /// Real: 38 mm before, 7.7 mm after, a floor of 28.7 mm, and "100 % of the gap closes".
+    #[test]
+    fn a_rest_below_the_floor_closes_no_share() {
+        let answer = corrected(unseen(38.0, 7.7, 28.7, 100.0));
+        assert_eq!(answer.reduction_percent, None);
+        assert_eq!(answer.no_reduction, Some(NoReduction::FloorContradicted));
+    }
+
+    /// Real: "100 % [-41, 100]".
+    #[test]
+    fn a_share_that_may_be_nothing_and_all_is_none() {
+        let answer = corrected(unseen(1.05, 0.98, 1.0, 60.0));
+        assert_eq!(answer.reduction_ci95, None);
+        assert_eq!(answer.no_reduction, Some(NoReduction::WithinNoise));
+    }
+
+    #[test]
+    fn a_rest_a_little_below_the_floor_is_noise() {
+        let answer = corrected(unseen(5.0, 0.98, 1.0, 400.0));
+        assert_eq!(
+            (answer.reduction_percent, answer.no_reduction),
+            (Some(100.0), None)
+        );
+    }
 }

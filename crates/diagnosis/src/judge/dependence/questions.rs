@@ -12,6 +12,8 @@ use crate::thresholds::dependence::{KNOTS, SLOW_KNOTS};
 pub(super) struct Question {
     pub(super) column: String,
     pub(super) joint: Option<usize>,
+    /// Stream that is asked alone.
+    pub(super) stream: Option<usize>,
     pub(super) asked: Asked,
     pub(super) on: String,
     pub(super) signals: Vec<Signal>,
@@ -23,6 +25,7 @@ pub(super) fn questions(context: &Context<'_>) -> Vec<Question> {
     for joint in 0..context.device.joints.len() {
         questions.extend(angle(context, joint));
         questions.extend(torque(context, joint));
+        questions.extend(of_encoder(context, joint));
         // touches come in any order where no time says otherwise
         if !touches || context.recording.time_s.is_some() {
             questions.extend(side(context, joint));
@@ -40,6 +43,7 @@ fn angle(context: &Context<'_>, joint: usize) -> Option<Question> {
     Some(Question {
         column: angle.column(context),
         joint: Some(joint),
+        stream: None,
         asked: Asked::Angle,
         on: angle.words(context),
         signals: free_function(context, at_joint(joint), angle, KNOTS)?,
@@ -62,6 +66,7 @@ fn torque(context: &Context<'_>, joint: usize) -> Option<Question> {
     Some(Question {
         column: covariate.column(context),
         joint: Some(joint),
+        stream: None,
         asked: Asked::Torque,
         on: format!("{} and its side{source}", covariate.words(context)),
         signals: vec![
@@ -74,6 +79,61 @@ fn torque(context: &Context<'_>, joint: usize) -> Option<Question> {
 /// A play or a friction loop leaves a joint on the side that it came from: the sign of its step from the row
 /// before. A joint that did not move is where it was.
 fn side(context: &Context<'_>, joint: usize) -> Option<Question> {
+    Some(Question {
+        column: Covariate::Angle(joint).column(context),
+        joint: Some(joint),
+        stream: None,
+        asked: Asked::Side,
+        on: format!("the side that joint {} came from", joint + 1),
+        signals: vec![context.downstream(joint, &sides(context, joint)?)],
+    })
+}
+
+/// An external encoder of its own: by angle, side and time. What the encoder alone sees, the chain need not.
+fn of_encoder(context: &Context<'_>, joint: usize) -> Vec<Question> {
+    // of single postures with a chain few rows would be asked twice as much
+    let is_asked = context.ordered || !context.device.has_links();
+    let Some(stream) = context.output_stream(joint).filter(|_| is_asked) else {
+        return Vec::new();
+    };
+    let name = context.streams[stream].name();
+    let angle = Covariate::Angle(joint);
+    let encoder = Place {
+        hook: Hook::ExternalEncoder,
+        joint: Some(joint),
+    };
+    let question = |column: String, asked, words: String, signals| Question {
+        column,
+        joint: Some(joint),
+        stream: Some(stream),
+        asked,
+        on: format!("{words}, in {name} alone"),
+        signals,
+    };
+    let mut questions = Vec::new();
+    if let Some(signals) = free_function(context, encoder, angle, KNOTS) {
+        let words = angle.words(context);
+        questions.push(question(
+            angle.column(context),
+            Asked::Angle,
+            words,
+            signals,
+        ));
+    }
+    if let Some(side) = sides(context, joint) {
+        let words = format!("the side that joint {} came from", joint + 1);
+        let signals = vec![context.encoder(joint, &side)];
+        questions.push(question(angle.column(context), Asked::Side, words, signals));
+    }
+    if let Some(signals) = free_function(context, encoder, Covariate::Time, SLOW_KNOTS) {
+        let column = Covariate::Time.column(context);
+        questions.push(question(column, Asked::Course, "time".to_owned(), signals));
+    }
+    questions
+}
+
+/// The sign of a joint's last step at every row, 0 before the first of a run.
+fn sides(context: &Context<'_>, joint: usize) -> Option<Vec<f64>> {
     let reading = context.recording.joint.get(joint)?;
     let mut side = vec![0.0; reading.len()];
     for run in &context.runs {
@@ -86,13 +146,7 @@ fn side(context: &Context<'_>, joint: usize) -> Option<Question> {
             };
         }
     }
-    Some(Question {
-        column: Covariate::Angle(joint).column(context),
-        joint: Some(joint),
-        asked: Asked::Side,
-        on: format!("the side that joint {} came from", joint + 1),
-        signals: vec![context.downstream(joint, &side)],
-    })
+    Some(side)
 }
 
 /// The handle's own axes as the base sees them: a shift that turns with them is another tool's, and so in the
@@ -108,6 +162,7 @@ fn approach(context: &Context<'_>) -> Question {
     Question {
         column: "contact".to_owned(),
         joint: None,
+        stream: None,
         asked: Asked::Approach,
         on: "the direction of approach (the handle's z axis)".to_owned(),
         signals: signals.collect(),
@@ -131,6 +186,7 @@ fn courses(context: &Context<'_>) -> Vec<Question> {
             questions.push(Question {
                 column: column.clone(),
                 joint: Some(joint),
+                stream: None,
                 asked: Asked::Course,
                 on: format!("{words}, as a drift of joint {}", joint + 1),
                 signals: signals.collect(),
@@ -176,6 +232,7 @@ fn of_structure(
     Some(Question {
         column,
         joint: None,
+        stream: None,
         asked: Asked::Course,
         on: format!("{words}, as a drift of the base, the tracker or the links' lengths"),
         signals,

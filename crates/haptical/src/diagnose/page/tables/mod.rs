@@ -23,27 +23,38 @@ pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Table, Error> {
             shown.name.into(),
             shown.cell(channel.rms_before),
             shown.cell(channel.noise_floor),
+            interval(channel, shown),
+            channel.noise_source.words().into(),
         ];
         if has_gap {
             row.insert(3, shown.cell(channel.rms_after));
             row.push(Cell::number(100.0 * channel.share_of_gap, 1));
-            row.push(Cell::number_or_missing(channel.reduction_percent, 1));
+            row.push(match channel.no_reduction {
+                Some(why) => why.words().into(),
+                None => Cell::number_or_missing(channel.reduction_percent, 1),
+            });
             row.push(Cell::interval_or_missing(channel.reduction_ci95, 1));
         }
         row
     };
     let rows = diagnosis.gap.channels.iter().map(row);
     if !has_gap {
-        let columns = "channel | unit | residual | noise floor";
+        let columns = "channel | unit | residual | noise floor | 95 % interval | by";
         return Ok(Table::with_heads(title, columns).with_rows(rows)?);
     }
-    let columns = "channel | unit | before | after | noise floor | share of the gap [%] | gap closed [%] | 95 % \
+    let columns = "channel | unit | before | after | noise floor | 95 % interval | by | share of the gap [%] | gap closed [%] | 95 % \
              interval [%]";
     let table = Table::with_heads(title, columns).with_rows(rows)?;
     Ok(table.with_note(
         "Before: the model alone. After: with the causes in it. Gap closed: of what lies above the \
-         noise floor; a dash where nothing does.",
+         noise floor, or why that is not known. By: what the noise floor is estimated from.",
     ))
+}
+
+/// The interval of a channel's noise floor.
+fn interval(channel: &ChannelGap, shown: Shown) -> Cell {
+    let [low, high] = channel.noise_floor_ci95;
+    format!("{} to {}", shown.text(low), shown.text(high)).into()
 }
 
 /// Of touches: every dependence of the residuals that was tested; none for other recordings.

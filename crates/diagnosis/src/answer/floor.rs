@@ -1,0 +1,196 @@
+//! Noise floors of the channels, checked against everything that is left of them.
+
+use haptical_calibration::Channel;
+use serde::Serialize;
+
+use crate::engine::Engine;
+use crate::judge::findings::Findings;
+use crate::noise::measured::floors as of_streams;
+use crate::noise::{Noise, NoiseSource, is_above};
+
+/// The noise floor of a channel, with its source and its uncertainty.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Floor {
+    pub(crate) channel: Channel,
+    /// Root mean square, in the channel's unit.
+    pub(crate) rms: f64,
+    /// Degrees of freedom.
+    pub(crate) freedom: f64,
+    pub(crate) source: NoiseSource,
+    /// It is not the one that residuals were weighted by, which is above all that the causes leave.
+    pub(crate) is_another: bool,
+    /// What is left of the channel is less, beyond chance, and no other source says how much of it is noise.
+    pub(crate) is_contradicted: bool,
+}
+
+/// Why no share of a gap is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoReduction {
+    /// The channel shows no gap.
+    NoGap,
+    /// The gap is no larger than the noise, within what both are known to.
+    WithinNoise,
+    /// Less is left than the noise floor, beyond chance: the floor is none.
+    FloorContradicted,
+    /// Nothing but what the model leaves says how large the noise is.
+    NoiseUnknown,
+}
+
+impl NoReduction {
+    /// In a few words.
+    ///
+    /// # Examples
+    /// ```
+    /// assert_eq!(haptical_diagnosis::NoReduction::NoGap.words(), "no gap");
+    /// ```
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::NoGap => "no gap",
+            Self::WithinNoise => "not known: within the noise",
+            Self::FloorContradicted => "not known: less is left than the noise floor",
+            Self::NoiseUnknown => "not known: nothing says how large the noise is",
+        }
+    }
+}
+
+impl Floor {
+    /// 95 % interval of a root mean square with degrees of freedom (Wilson & Hilferty 1931 on chi-square).
+    pub(crate) fn ci95(&self) -> [f64; 2] {
+        let part = 2.0 / (9.0 * self.freedom.max(1.0));
+        let quantile = |z: f64| (1.0 - part + z * part.sqrt()).max(1e-3).powi(3);
+        [1.96, -1.96].map(|z| self.rms / quantile(z).sqrt())
+    }
+
+    /// Whether it is larger than what is left on some readings, beyond chance.
+    pub(crate) fn is_above(&self, rms: f64, freedom: f64) -> bool {
+        is_above((self.rms, self.freedom), (rms, freedom))
+    }
+
+    /// Whether it says nothing of how much of a rest is noise.
+    pub(crate) fn why_unknown(&self) -> Option<NoReduction> {
+        match (self.is_contradicted, self.source) {
+            (false, _) => None,
+            (true, NoiseSource::Rest) => Some(NoReduction::NoiseUnknown),
+            (true, _) => Some(NoReduction::FloorContradicted),
+        }
+    }
+}
+
+/// Every channel's floor. One that is above what the causes leave, on the rows of the fit or on unseen ones, is estimated
+/// again from that; where all other sources are gone it stays, contradicted.
+pub(crate) fn floors(findings: &Findings<'_>) -> Vec<Floor> {
+    let engine = findings.engine();
+    let rest = &findings.selection.refit.residual;
+    let mut again: Option<Vec<Noise>> = None;
+    let mut channels: Vec<Channel> = engine.context.streams.iter().map(|s| s.channel).collect();
+    channels.dedup();
+    channels
+        .into_iter()
+        .map(|channel| {
+            let floor = floor(engine, channel, &engine.noise);
+            let independent = independent(engine, channel);
+            let left = channel_rms(engine, channel, rest);
+            let unseen = findings.shrink.channels.iter();
+            let unseen = unseen.filter(|unseen| unseen.channel == channel);
+            let unseen: Vec<(f64, f64)> = unseen.map(|unseen| unseen.left()).collect();
+            let is_above = |floor: &Floor| {
+                let mut lefts = unseen.iter().chain([&left]);
+                lefts.any(|(rms, count)| *count > 0.0 && floor.is_above(*rms, count * independent))
+            };
+            if !is_above(&floor) {
+                return floor;
+            }
+            let noise = again.get_or_insert_with(|| engine.noise_of(rest).noise);
+            let other = self::floor(engine, channel, noise);
+            Floor {
+                is_another: true,
+                is_contradicted: other.source == NoiseSource::Rest || is_above(&other),
+                ..other
+            }
+        })
+        .collect()
+}
+
+fn floor(engine: &Engine<'_>, channel: Channel, noise: &[Noise]) -> Floor {
+    let by_stream = of_streams(&engine.problem, noise, &engine.usable);
+    let (mut squares, mut count, mut freedom) = (0.0, 0.0, 0.0);
+    let mut shared = f64::INFINITY;
+    let mut source = NoiseSource::Repeats;
+    for stream in engine.context.streams_of(channel) {
+        squares += by_stream[stream].powi(2);
+        count += 1.0;
+        freedom += noise[stream].freedom;
+        shared = noise[stream].freedom.min(shared);
+        source = noise[stream].source.max(source);
+    }
+    Floor {
+        channel,
+        rms: f64::sqrt(squares / f64::max(count, 1.0)),
+        // the device file states one number for all axes
+        freedom: if source == NoiseSource::Stated {
+            shared
+        } else {
+            freedom
+        },
+        source,
+        is_another: false,
+        is_contradicted: false,
+    }
+}
+
+/// Independent readings in one reading of a channel, its noise's colour allowed for.
+fn independent(engine: &Engine<'_>, channel: Channel) -> f64 {
+    let streams = engine.context.streams_of(channel);
+    streams
+        .map(|stream| engine.noise[stream].independent())
+        .fold(1.0, f64::min)
+}
+
+/// Root mean square of a channel's usable residuals, and their number.
+pub(crate) fn channel_rms(
+    engine: &Engine<'_>,
+    channel: Channel,
+    residual: &[Vec<f64>],
+) -> (f64, f64) {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for stream in engine.context.streams_of(channel) {
+        let rows = residual[stream].iter().zip(&engine.usable[stream]);
+        for (value, _) in rows.filter(|(_, usable)| **usable) {
+            squares += value * value;
+            count += 1.0;
+        }
+    }
+    (f64::sqrt(squares / f64::max(count, 1.0)), count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of_repeats(rms: f64, freedom: f64) -> Floor {
+        Floor {
+            channel: Channel::Position,
+            rms,
+            freedom,
+            source: NoiseSource::Repeats,
+            is_another: false,
+            is_contradicted: false,
+        }
+    }
+
+    #[test]
+    fn a_floor_has_the_interval_of_its_freedom() {
+        // chi-square of 10: 3.247 and 20.483
+        let [low, high] = of_repeats(1.0, 10.0).ci95();
+        assert!((low - (10.0_f64 / 20.483).sqrt()).abs() < 2e-3, "{low}");
+        assert!((high - (10.0_f64 / 3.247).sqrt()).abs() < 2e-2, "{high}");
+    }
+
+    /// 97 % of a gap were said to close below a floor of twice what was left.
+    #[test]
+    fn a_floor_of_twice_the_rest_is_contradicted() {
+        assert!(of_repeats(1.023e-3, 413.0).is_above(4.84e-4, 444.0));
+        assert!(!of_repeats(1.023e-3, 413.0).is_above(1.0e-3, 444.0));
+    }
+}

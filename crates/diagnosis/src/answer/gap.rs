@@ -1,0 +1,154 @@
+//! The gap, channel by channel: one record from which verdict, sentence and table are made.
+
+use serde::Serialize;
+
+use super::Verdict;
+use super::floor::{Floor, NoReduction};
+use crate::noise::NoiseSource;
+use haptical_metrics::gap_reduction_percent;
+
+/// The gap: [`Gap::new`] makes its channels agree with the verdict.
+#[derive(Debug, Clone, Serialize)]
+pub struct Gap {
+    /// One entry per channel, a position's axes together.
+    pub channels: Vec<ChannelGap>,
+}
+
+/// One channel's gap.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelGap {
+    /// `out2`, `cable`.
+    pub channel: String,
+    /// Joint (from 1) of an external encoder.
+    pub joint: Option<usize>,
+    /// Whether the verdict finds a gap in it.
+    pub has_gap: bool,
+    /// Root mean square of the base model's residuals.
+    pub rms_before: f64,
+    /// The same with the causes in the model.
+    pub rms_after: f64,
+    /// Root mean square of the noise.
+    pub noise_floor: f64,
+    /// 95 % interval of it.
+    pub noise_floor_ci95: [f64; 2],
+    /// What it was estimated from.
+    pub noise_source: NoiseSource,
+    /// Unit of the three.
+    pub unit: String,
+    /// Share of all channels' structured energy.
+    pub share_of_gap: f64,
+    /// Share of the gap that was closed, noise taken out; none without a gap, or where the floor is none.
+    pub reduction_percent: Option<f64>,
+    /// 95 % interval of it.
+    pub reduction_ci95: Option<[f64; 2]>,
+    /// Why there is no share.
+    pub no_reduction: Option<NoReduction>,
+}
+
+impl ChannelGap {
+    /// A gap on the rows that were fitted; its share is its squared size over that of the noise, before shares are taken.
+    pub(crate) fn fitted(
+        channel: String,
+        joint: Option<usize>,
+        [rms_before, rms_after]: [f64; 2],
+        floor: &Floor,
+        unit: &str,
+    ) -> Self {
+        let why_unknown = floor.why_unknown();
+        let reduction = gap_reduction_percent(rms_before, rms_after, floor.rms);
+        let has_gap = rms_before > floor.ci95()[1];
+        let reduction_percent = reduction.filter(|_| has_gap && why_unknown.is_none());
+        let no_reduction = why_unknown.unwrap_or(NoReduction::WithinNoise);
+        Self {
+            channel,
+            joint: joint.map(|joint| joint + 1),
+            has_gap,
+            rms_before,
+            rms_after,
+            noise_floor: floor.rms,
+            noise_floor_ci95: floor.ci95(),
+            noise_source: floor.source,
+            unit: unit.to_owned(),
+            share_of_gap: ((rms_before / floor.rms).powi(2) - 1.0).max(0.0),
+            no_reduction: reduction_percent.is_none().then_some(no_reduction),
+            reduction_percent,
+            reduction_ci95: None,
+        }
+    }
+
+    /// Nothing is said of a gap in it.
+    fn without_gap(mut self) -> Self {
+        self.has_gap = false;
+        self.reduction_percent = None;
+        self.reduction_ci95 = None;
+        self.no_reduction = Some(NoReduction::NoGap);
+        self
+    }
+}
+
+impl Gap {
+    /// The channels as the verdict has them: without a gap none shows one, with a gap at least one does, the one where it
+    /// was located. Shares add up to 1, or are all 0.
+    ///
+    /// # Examples
+    /// ```
+    /// use haptical_diagnosis::{Gap, Verdict};
+    /// assert!(Gap::new(Verdict::NoGap, None, Vec::new()).channels.is_empty());
+    /// ```
+    pub fn new(verdict: Verdict, located: Option<&str>, channels: Vec<ChannelGap>) -> Self {
+        let mut channels = channels;
+        let total: f64 = channels.iter().map(|gap| gap.share_of_gap).sum();
+        for gap in &mut channels {
+            gap.share_of_gap = if total > 0.0 {
+                gap.share_of_gap / total
+            } else {
+                0.0
+            };
+        }
+        if verdict == Verdict::NoGap {
+            let channels = channels.into_iter().map(ChannelGap::without_gap).collect();
+            return Self { channels };
+        }
+        for gap in &mut channels {
+            // the share may be of unseen rows, whose gap is larger than that of the rows shown
+            if gap.rms_before <= gap.noise_floor && gap.reduction_percent.is_some() {
+                gap.no_reduction = Some(NoReduction::WithinNoise);
+            }
+            if gap.no_reduction.is_some() || gap.reduction_percent.is_none() {
+                gap.reduction_percent = None;
+                gap.reduction_ci95 = None;
+                gap.no_reduction.get_or_insert(NoReduction::WithinNoise);
+            }
+        }
+        let main = main_of(located, &channels);
+        for (index, gap) in channels.iter_mut().enumerate() {
+            gap.has_gap |= Some(index) == main || gap.reduction_percent.is_some();
+            if gap.has_gap && gap.no_reduction == Some(NoReduction::NoGap) {
+                gap.no_reduction = Some(NoReduction::WithinNoise);
+            }
+        }
+        let channels = channels.into_iter().map(|gap| match gap.has_gap {
+            true => gap,
+            false => gap.without_gap(),
+        });
+        Self {
+            channels: channels.collect(),
+        }
+    }
+
+    /// The channel in which the gap lies: where it was located, else the one that shows most of it.
+    pub fn main(&self, located: Option<&str>) -> Option<&ChannelGap> {
+        self.channels.get(main_of(located, &self.channels)?)
+    }
+}
+
+fn main_of(located: Option<&str>, channels: &[ChannelGap]) -> Option<usize> {
+    let located = located.and_then(|name| channels.iter().position(|gap| gap.channel == name));
+    located.or_else(|| {
+        let by_share = |a: &usize, b: &usize| {
+            let share = |index: usize| channels[index].share_of_gap;
+            share(*a).total_cmp(&share(*b))
+        };
+        (0..channels.len()).max_by(by_share)
+    })
+}
