@@ -238,7 +238,7 @@ mod tests {
                 "What would have been noticed",
                 "Invisible: the model takes",
                 "Untestable: this log lacks",
-                "differences of successive rows",
+                "correlation of successive rows",
                 "log2.csv",
             ],
         );
