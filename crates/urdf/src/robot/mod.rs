@@ -1,5 +1,6 @@
 //! A URDF as it is read: links and joints with their places in the text.
 
+mod limits;
 pub(crate) mod parse;
 
 use std::ops::Range;

@@ -10,6 +10,7 @@ use roxmltree::{Document, Node, ParsingOptions, TextPos};
 use crate::UrdfError;
 use crate::numbers::{ONE_NUMBER, THREE_NUMBERS, number, three};
 use crate::rigid::from_rpy;
+use crate::robot::limits::{place_of, too_many};
 use crate::robot::{Mimic, Robot, RobotJoint, RobotJointType, RobotLink};
 
 type Result<T> = std::result::Result<T, UrdfError>;
@@ -29,6 +30,12 @@ type Element<'d, 'input> = Node<'d, 'input>;
 
 /// Reads a URDF; `file` names it in errors.
 pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
+    if let Some((byte, message)) = too_many(text) {
+        return Err(UrdfError::Xml {
+            at: place_of(text, file, byte),
+            message,
+        });
+    }
     let options = ParsingOptions {
         allow_dtd: false,
         nodes_limit: MOST_NODES,

@@ -213,6 +213,42 @@ fn deep_nesting_is_survived() {
     );
 }
 
+/// The parser compares attributes and namespaces pair by pair: a megabyte of either took half a minute.
+#[test]
+fn attributes_and_namespaces_are_bounded() {
+    let list = |count: usize, prefix: &str| {
+        (0..count).fold(String::new(), |mut text, number| {
+            let _ = write!(text, " {prefix}{number:06}=\"\"");
+            text
+        })
+    };
+    let begun = std::time::Instant::now();
+    let many = list(100_000, "a");
+    let text = robot("<link name=\"b\"", &format!("<link name=\"b\"{many}"));
+    let message = refusal(&text);
+    assert!(
+        message.contains("robot.urdf:3:1") && message.contains("more than 256 attributes"),
+        "{message}"
+    );
+    let nested = (0..30_000).fold(String::new(), |mut text, number| {
+        let _ = write!(text, "<a xmlns:n{number}=\"u{number}\">");
+        text
+    });
+    let text = robot("<link name=\"b\"", &format!("{nested}<link name=\"b\""));
+    assert!(
+        refusal(&text).contains("more than 256 namespaces"),
+        "{}",
+        refusal(&text)
+    );
+    // sixty times less than the pairs of 100 000
+    assert!(begun.elapsed().as_secs() < 5, "{:?}", begun.elapsed());
+    let few = format!("<link name=\"b\"{}", list(200, "a"));
+    let commented = format!("<!-- <a {many}> --><![CDATA[<a {many}>]]>{few}");
+    let text = robot("<link name=\"b\"", &commented);
+    let read = device_from_urdf(&text, "robot.urdf", BaseAndTip::default());
+    assert!(read.is_ok(), "{:?}", read.err());
+}
+
 #[test]
 fn a_file_that_is_too_large_or_no_text_is_refused() {
     let folder = tempfile::tempdir().unwrap();
