@@ -34,6 +34,9 @@ const MAX_HALVINGS: usize = 30;
 /// Brown & Dennis' function from far is such a case (docs/evidence/solver.md).
 const FORGETTING: [f64; 2] = [0.8, 1.0];
 
+/// Damping beyond which a step is too short to halve the promise of the undamped one.
+const HOPELESS_DAMPING: f64 = 1e3;
+
 /// Above zero, so that the damping can grow again.
 const WEAKEST_DAMPING: f64 = 1e-30;
 
@@ -178,6 +181,11 @@ impl<P: Problem + ?Sized> Search<'_, P> {
                 damping.value = damping.value.max(WEAKEST_DAMPING);
                 damping.growth = 2.0;
                 return Ok(true);
+            }
+            // of the promise, a step damped so much keeps at most 2 n / damping: here less than the cost's rounding
+            let kept = newton.explained_square * weights.len() as f64 / damping.value;
+            if damping.value > HOPELESS_DAMPING && kept <= f64::EPSILON * self.cost {
+                break;
             }
             damping.value *= damping.growth;
             damping.growth *= 2.0;
