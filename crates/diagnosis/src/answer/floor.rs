@@ -3,6 +3,7 @@
 use haptical_calibration::Channel;
 use serde::Serialize;
 
+use crate::answer::shrink::Unseen;
 use crate::engine::Engine;
 use crate::judge::findings::Findings;
 use crate::noise::measured::floors as of_streams;
@@ -93,7 +94,7 @@ pub(crate) fn floors(findings: &Findings<'_>) -> Vec<Floor> {
             let left = channel_rms(engine, channel, rest);
             let unseen = findings.shrink.channels.iter();
             let unseen = unseen.filter(|unseen| unseen.channel == channel);
-            let unseen: Vec<(f64, f64)> = unseen.map(|unseen| unseen.left()).collect();
+            let unseen: Vec<(f64, f64)> = unseen.map(Unseen::left).collect();
             let is_above = |floor: &Floor| {
                 let mut lefts = unseen.iter().chain([&left]);
                 lefts.any(|(rms, count)| *count > 0.0 && floor.is_above(*rms, count * independent))
