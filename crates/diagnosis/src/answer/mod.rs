@@ -5,6 +5,7 @@ pub(crate) mod assemble;
 pub(crate) mod causes;
 pub(crate) mod delta;
 pub(crate) mod floor;
+pub(crate) mod floors;
 pub(crate) mod gap;
 pub(crate) mod place;
 pub(crate) mod place_touched;

@@ -3,7 +3,8 @@
 use haptical_calibration::Channel;
 use haptical_effects::Effect;
 
-use crate::answer::floor::{Floor, channel_rms};
+use crate::answer::floor::Floor;
+use crate::answer::floors::channel_rms;
 use crate::answer::place::Located;
 use crate::answer::{CandidateAnswer, ChannelGap, NoiseAnswer, Trace, Untestable};
 use crate::judge::findings::Findings;

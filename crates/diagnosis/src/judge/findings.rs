@@ -4,7 +4,8 @@ use haptical_calibration::Channel;
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording};
 
-use crate::answer::floor::{Floor, floors};
+use crate::answer::floor::Floor;
+use crate::answer::floors::floors;
 use crate::answer::shrink::{Shrink, model_residual, on_held_back, on_second};
 use crate::engine::Engine;
 use crate::engine::base::Base;
@@ -83,7 +84,7 @@ impl<'f> Findings<'f> {
             || crate::force::examine(&engine.context, &inputs.options.without),
         );
         (findings.shrink, findings.force) = (shrink?, force?);
-        findings.floors = floors(&findings);
+        findings.floors = floors(&findings.selection, &findings.shrink.channels);
         for unseen in &mut findings.shrink.channels {
             let mut floors = findings.floors.iter();
             if let Some(floor) = floors.find(|floor| floor.channel == unseen.channel) {
