@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod correlated;
 mod derivative_check;
 mod error;
 mod estimate;
@@ -15,6 +16,10 @@ mod search;
 mod settings;
 mod solver;
 
+pub use correlated::{
+    Component, CorrelatedNoise, FEWEST_ROWS, OrderedProblem, Signal, Uneven, correlated_noise,
+    pooled,
+};
 pub use derivative_check::{DerivativeMismatch, worst_derivative};
 pub use error::IdentificationError;
 pub use estimate::{Estimate, NoiseScale, Uncertainty, estimates, uncertainty};

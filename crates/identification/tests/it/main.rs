@@ -7,6 +7,7 @@
     reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
 )]
 
+mod correlated;
 mod cramer_rao;
 mod derivative_check;
 mod identifiability;

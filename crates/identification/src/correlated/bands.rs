@@ -1,0 +1,75 @@
+//! A signal's rows by frequency: the discrete cosine transform in a few bands.
+
+use nalgebra::{DMatrix, DVector};
+use rustdct::DctPlanner;
+
+use super::Signal;
+use super::rows::{Rows, along};
+
+/// Products of a signal's columns in bands of frequency. Columns: those of the basis, a line in time, the readings; all over
+/// the local size of the noise.
+pub(super) struct SignalBands {
+    pub(super) grams: Vec<DMatrix<f64>>,
+    /// Modes of each band.
+    pub(super) modes: Vec<f64>,
+    /// Whether the signal is long enough for a line and for a spectrum.
+    pub(super) is_long: bool,
+}
+
+/// Modes of the first band, and the ratio of the ends of the others.
+const FIRST: usize = 4;
+const RATIO: f64 = 1.8;
+
+impl SignalBands {
+    pub(super) fn new(signal: &Signal, rows: &Rows, sizes: &[f64], is_long: bool) -> Self {
+        let (count, columns) = (signal.rows.len(), rows.basis.ncols());
+        let mut table = DMatrix::zeros(count, columns + 2);
+        for column in 0..columns {
+            let own = rows.basis.column(column);
+            for (entry, &row) in table.column_mut(column).iter_mut().zip(&signal.rows) {
+                *entry = own[row] / sizes[row];
+            }
+        }
+        for (place, &row) in signal.rows.iter().enumerate() {
+            table[(place, columns)] = along(place, count) / sizes[row];
+            table[(place, columns + 1)] = rows.readings[row] / sizes[row];
+        }
+        let bounds = match is_long {
+            true => bounds(count),
+            false => vec![0, count],
+        };
+        if is_long {
+            let transform = DctPlanner::new().plan_dct2(count);
+            let scale = (2.0 / count as f64).sqrt();
+            for mut column in table.column_iter_mut() {
+                let mut values: Vec<f64> = column.iter().copied().collect();
+                transform.process_dct2(&mut values);
+                column.copy_from(&(DVector::from_vec(values) * scale));
+                column[0] *= std::f64::consts::FRAC_1_SQRT_2;
+            }
+        }
+        let of_band = |pair: &[usize]| {
+            let own = table.rows(pair[0], pair[1] - pair[0]);
+            own.transpose() * own
+        };
+        Self {
+            grams: bounds.windows(2).map(of_band).collect(),
+            modes: bounds
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]) as f64)
+                .collect(),
+            is_long,
+        }
+    }
+}
+
+/// Ends of the bands of modes 0 to `count`.
+fn bounds(count: usize) -> Vec<usize> {
+    let mut bounds = vec![0, FIRST.min(count)];
+    let mut last = FIRST;
+    while last < count {
+        last = ((last as f64 * RATIO) as usize + 1).min(count);
+        bounds.push(last);
+    }
+    bounds
+}

@@ -1,0 +1,147 @@
+//! The rows of a problem with orthonormal columns, and weighted least squares over them.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::OrderedProblem;
+use super::fitted::Fitted;
+
+/// Columns that span the derivatives, what the fit may still change, and the way back to the parameters.
+pub(super) struct Rows {
+    /// Orthonormal columns, rows x parameters.
+    pub(super) basis: DMatrix<f64>,
+    /// Parameters by coordinates of the basis.
+    pub(super) to_parameters: DMatrix<f64>,
+    /// Measurement minus model.
+    pub(super) readings: DVector<f64>,
+}
+
+/// Least room that a row leaves its residual: one that the fit follows exactly says nothing of the noise.
+pub(super) const LEAST_ROOM: f64 = 0.05;
+/// Pivot of unit columns below which a direction is rounding.
+const SMALLEST_PIVOT: f64 = 1e-12;
+
+impl Rows {
+    pub(super) fn new(problem: &OrderedProblem<'_>) -> Option<Self> {
+        let (rows, count) = (problem.residuals.len(), problem.derivatives.columns());
+        if rows <= count || count == 0 || problem.derivatives.rows() != rows {
+            return None;
+        }
+        let mut unit = DMatrix::zeros(rows, count);
+        let mut norms = Vec::with_capacity(count);
+        for column in 0..count {
+            let entries = problem.derivatives.column(column);
+            let norm = entries
+                .iter()
+                .map(|entry| entry * entry)
+                .sum::<f64>()
+                .sqrt();
+            if !(norm > 0.0 && norm.is_finite()) {
+                return None;
+            }
+            norms.push(norm);
+            for (own, entry) in unit.column_mut(column).iter_mut().zip(entries) {
+                *own = entry / norm;
+            }
+        }
+        let mut triangle: DMatrix<f64> = DMatrix::identity(count, count);
+        // Gram-Schmidt by Cholesky, twice: the second makes the columns orthogonal to rounding (Yamamoto et al. 2015)
+        for _ in 0..2 {
+            let gram = unit.transpose() * &unit;
+            let inverse = inverse_factor(gram)?.transpose();
+            unit *= &inverse;
+            triangle *= inverse;
+        }
+        let by_norm = |row: usize, column: usize| triangle[(row, column)] / norms[row];
+        Some(Self {
+            basis: unit,
+            to_parameters: DMatrix::from_fn(count, count, by_norm),
+            readings: DVector::from_iterator(rows, problem.residuals.iter().map(|r| -r)),
+        })
+    }
+
+    /// Weighted least squares with a standard deviation for every row: scaled residuals, and the room 1 - h of each.
+    pub(super) fn scaled_residuals(&self, sizes: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let weighted = self.weighted(sizes);
+        let inverse = inverse_factor(weighted.transpose() * &weighted)?;
+        let readings = DVector::from_fn(sizes.len(), |row, _| self.readings[row] / sizes[row]);
+        let spanned = weighted * inverse.transpose();
+        let rest = &readings - &spanned * spanned.tr_mul(&readings);
+        Some((rest.iter().copied().collect(), rooms(&spanned)))
+    }
+
+    fn weighted(&self, sizes: &[f64]) -> DMatrix<f64> {
+        let mut weighted = self.basis.clone();
+        for mut column in weighted.column_iter_mut() {
+            for (entry, size) in column.iter_mut().zip(sizes) {
+                *entry /= size;
+            }
+        }
+        weighted
+    }
+
+    /// Variances of the parameters by the usual formula, and by one that lets every row have its own size (HC2).
+    pub(super) fn variances(
+        &self,
+        problem: &OrderedProblem<'_>,
+        sizes: &[f64],
+        fitted: &Fitted,
+    ) -> Option<(DVector<f64>, DVector<f64>)> {
+        let count = self.basis.ncols();
+        let lines = fitted.unknowns() - count;
+        let mut columns = self.weighted(sizes).resize_horizontally(count + lines, 0.0);
+        for (signal, &line) in problem.signals.iter().zip(&fitted.line_of_signal) {
+            let Some(line) = line else { continue };
+            for (place, &row) in signal.rows.iter().enumerate() {
+                columns[(row, line)] = along(place, signal.rows.len()) / sizes[row];
+            }
+        }
+        let readings = DVector::from_fn(sizes.len(), |row, _| self.readings[row] / sizes[row]);
+        let rest = &readings - &columns * &fitted.values;
+        let mut spanned = columns * fitted.inverse_factor.transpose();
+        let rooms = rooms(&spanned);
+        for mut column in spanned.column_iter_mut() {
+            for ((entry, rest), room) in column.iter_mut().zip(rest.iter()).zip(&rooms) {
+                *entry *= rest / room.sqrt();
+            }
+        }
+        let meat = spanned.transpose() * &spanned;
+        let way = fitted.to_parameters(self);
+        let usual = fitted.rest / fitted.degrees_of_freedom();
+        let usual = DVector::from_fn(count, |k, _| usual * way.row(k).norm_squared());
+        let moved = &way * meat;
+        let each = DVector::from_fn(count, |k, _| moved.row(k).dot(&way.row(k)));
+        let is_sound =
+            |variances: &DVector<f64>| variances.iter().all(|v| v.is_finite() && *v > 0.0);
+        (is_sound(&usual) && is_sound(&each)).then_some((usual, each))
+    }
+}
+
+/// A line in time, from -1/2 to 1/2 over the signal.
+pub(super) fn along(place: usize, count: usize) -> f64 {
+    (place as f64 + 0.5) / count as f64 - 0.5
+}
+
+fn rooms(spanned: &DMatrix<f64>) -> Vec<f64> {
+    let mut rooms = vec![1.0; spanned.nrows()];
+    for column in spanned.column_iter() {
+        for (room, entry) in rooms.iter_mut().zip(column.iter()) {
+            *room -= entry * entry;
+        }
+    }
+    rooms
+        .iter_mut()
+        .for_each(|room| *room = room.max(LEAST_ROOM));
+    rooms
+}
+
+/// The inverse of the lower Cholesky factor; none for a matrix that is not of full rank.
+pub(super) fn inverse_factor(gram: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let count = gram.nrows();
+    let diagonal: Vec<f64> = (0..count).map(|k| gram[(k, k)]).collect();
+    let factor = Cholesky::new(gram)?.unpack();
+    let is_sound = |k: usize| factor[(k, k)].powi(2) > SMALLEST_PIVOT * diagonal[k];
+    if !(0..count).all(is_sound) {
+        return None;
+    }
+    factor.solve_lower_triangular(&DMatrix::identity(count, count))
+}
