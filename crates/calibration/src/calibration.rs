@@ -16,7 +16,7 @@ use crate::robust::{automatic, reweighted};
 use crate::steps::device::{add_step_one_noise, straighten};
 use crate::{
     CalibrationError, CalibrationMethod, ChannelReport, FittedDevice, HeldOut, LossChoice, Options,
-    Outlier, Robustness, Weights, channels, fit_device, split,
+    Outlier, Robustness, Weights, channels, fit_device, split, with_ordered_noise,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -146,7 +146,8 @@ fn fit_and_check(
     let count = fold_count(device, recording, options, dwelt.is_some());
     let split = split(recording, count.map_or(options.held_out, |_| HeldOut::None))?;
     let seen = recording.select(&split.fit);
-    let mut fitted = fit_device(device, &seen, options)?;
+    let fitted = fit_device(device, &seen, options)?;
+    let mut fitted = with_ordered_noise(fitted, &seen, options.method)?;
     if options.method == CalibrationMethod::TwoStep {
         fitted = add_step_one_noise(fitted, &channels, &seen)?;
     }

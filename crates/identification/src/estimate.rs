@@ -2,8 +2,8 @@
 
 use haptical_linalg::{Matrix, Reduction};
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use crate::correlated::{Component, pooled, quantile};
 use crate::{Identifiability, IdentificationError, ParameterInfo, Status};
 
 /// How large the noise is taken to be.
@@ -26,6 +26,9 @@ pub struct Uncertainty {
     pub degrees_of_freedom: usize,
     /// Factor that the stated noise was multiplied by.
     pub noise_factor: f64,
+    /// Parts of the covariance, each in proportion to one level of noise that was estimated by itself; empty where the
+    /// whole is in proportion to one.
+    pub components: Vec<Component>,
     /// Correlations, which exist even where the estimated noise is zero.
     correlations: Matrix,
 }
@@ -42,6 +45,7 @@ impl Uncertainty {
             covariance: Matrix::zeros(0, 0),
             degrees_of_freedom: residuals,
             noise_factor: 1.0,
+            components: Vec::new(),
             correlations: Matrix::zeros(0, 0),
         }
     }
@@ -56,16 +60,74 @@ impl Uncertainty {
         self.correlations[(a, b)]
     }
 
+    /// The same with a covariance that is the sum of some parts, in the order of [`Uncertainty::columns`].
+    #[must_use]
+    pub fn with_components(mut self, components: Vec<Component>) -> Self {
+        let count = self.columns.len();
+        let sum = |a: usize, b: usize| components.iter().map(|part| part.covariance[(a, b)]).sum();
+        self.covariance = Matrix::from_fn(count, count, sum);
+        self.correlations = correlations(&self.covariance);
+        self.components = components;
+        self
+    }
+
     /// Half width of the 95 % interval in standard deviations: Student's t with the fit's degrees
     /// of freedom where the noise was estimated from the residuals, the normal value otherwise.
     pub fn half_width_95(&self, noise: NoiseScale) -> f64 {
-        const NORMAL_95: f64 = 1.959_963_984_540_054;
         match noise {
-            NoiseScale::Stated => NORMAL_95,
-            NoiseScale::Estimated => StudentsT::new(0.0, 1.0, self.degrees_of_freedom as f64)
-                .map_or(NORMAL_95, |distribution| distribution.inverse_cdf(0.975)),
+            NoiseScale::Stated => quantile(f64::INFINITY),
+            NoiseScale::Estimated => quantile(self.degrees_of_freedom as f64),
         }
     }
+
+    /// The same for linear functions of the parameters.
+    pub fn half_widths(&self, noise: NoiseScale) -> HalfWidths<'_> {
+        HalfWidths {
+            components: &self.components,
+            usual: self.half_width_95(noise),
+        }
+    }
+}
+
+/// Half widths of 95 % intervals in standard deviations ([`Uncertainty::half_widths`]).
+#[derive(Debug, Clone, Copy)]
+pub struct HalfWidths<'u> {
+    components: &'u [Component],
+    usual: f64,
+}
+
+impl HalfWidths<'_> {
+    /// That of a linear function of the parameters, whose variance `part` works out from a covariance of theirs, and to
+    /// which `beyond` is added that is no matter of the noise. Where the covariance has parts, the degrees of freedom are
+    /// Satterthwaite's.
+    pub fn of_function(&self, part: &dyn Fn(&Matrix) -> f64, beyond: f64) -> f64 {
+        if self.components.is_empty() {
+            return self.usual;
+        }
+        let (variance, freedom) = pooled(self.components, part);
+        let share = match variance > 0.0 {
+            true => 1.0 + beyond.max(0.0) / variance,
+            false => f64::INFINITY,
+        };
+        quantile(freedom * share * share)
+    }
+
+    /// That of the parameter at a position.
+    pub fn of_parameter(&self, position: usize, beyond: f64) -> f64 {
+        self.of_function(&|covariance| covariance[(position, position)], beyond)
+    }
+}
+
+fn correlations(covariance: &Matrix) -> Matrix {
+    let count = covariance.columns();
+    let deviations: Vec<f64> = (0..count).map(|k| covariance[(k, k)].sqrt()).collect();
+    Matrix::from_fn(count, count, |a, b| {
+        if a == b {
+            1.0
+        } else {
+            (covariance[(a, b)] / deviations[a] / deviations[b]).clamp(-1.0, 1.0)
+        }
+    })
 }
 
 /// Covariance of the chosen columns at a solution of cost `cost`.
@@ -83,16 +145,7 @@ pub fn uncertainty(
     let is_allowed = cost.is_finite() && cost >= 0.0;
     IdentificationError::unless(is_allowed, "cost", cost, "finite and at least 0")?;
     let mut covariance = reduction.covariance(columns, ROUNDING_PIVOT)?;
-    let deviations: Vec<f64> = (0..columns.len())
-        .map(|position| covariance[(position, position)].sqrt())
-        .collect();
-    let correlations = Matrix::from_fn(columns.len(), columns.len(), |a, b| {
-        if a == b {
-            1.0
-        } else {
-            (covariance[(a, b)] / deviations[a] / deviations[b]).clamp(-1.0, 1.0)
-        }
-    });
+    let correlations = correlations(&covariance);
     let degrees_of_freedom = reduction.rows().saturating_sub(columns.len());
     let noise_factor = match noise {
         NoiseScale::Stated => 1.0,
@@ -116,6 +169,7 @@ pub fn uncertainty(
         covariance,
         degrees_of_freedom,
         noise_factor,
+        components: Vec::new(),
         correlations,
     })
 }

@@ -19,7 +19,7 @@ pub(super) struct Part {
 }
 
 /// All parts, in the order of the page of claims.
-pub(super) const PARTS: [Part; 11] = [
+pub(super) const PARTS: [Part; 12] = [
     part(
         "solver",
         &[
@@ -28,6 +28,7 @@ pub(super) const PARTS: [Part; 11] = [
         ],
     ),
     part("intervals", &["Intervals"]),
+    part("noise-memory", &["Noise with memory"]),
     part("basin", &["Convergence basin"]),
     part("parallel-joints", &["Parallel joints"]),
     part("poses", &["Chosen poses"]),

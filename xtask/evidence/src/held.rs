@@ -32,6 +32,8 @@ pub(super) struct Interval {
     pub(super) kind: Kind,
     /// Middle less truth over half the width.
     pub(super) error_over_half_width: f64,
+    /// In the parameter's unit.
+    pub(super) half_width: f64,
 }
 
 impl Interval {
@@ -58,6 +60,7 @@ pub(super) fn intervals(fit: &ParameterFit, truth: &Device) -> Result<Vec<Interv
                 name: estimate.name.clone(),
                 kind: if is_member { Kind::Member } else { Kind::Alone },
                 error_over_half_width: miss(ci95, parameter.value(truth)),
+                half_width: (ci95[1] - ci95[0]) / 2.0,
             });
         }
     }
@@ -70,6 +73,7 @@ pub(super) fn intervals(fit: &ParameterFit, truth: &Device) -> Result<Vec<Interv
             name: sum.terms[0].name.clone(),
             kind: Kind::Combination,
             error_over_half_width: miss(sum.ci95, actual),
+            half_width: (sum.ci95[1] - sum.ci95[0]) / 2.0,
         });
     }
     Ok(found)

@@ -17,6 +17,7 @@ mod held;
 mod intervals;
 mod mgh;
 mod nist;
+mod noise_memory;
 mod parallel_joints;
 mod poses;
 mod project;
@@ -92,6 +93,9 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
     };
     if runs("intervals") {
         intervals::section(many, devices)?;
+    }
+    if runs("noise-memory") {
+        noise_memory::section(many, devices.min(200))?;
     }
     if runs("basin") {
         basin::section(many, devices)?;

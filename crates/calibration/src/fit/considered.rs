@@ -226,15 +226,24 @@ impl Considered {
         uncertainty: &Uncertainty,
         noise: NoiseScale,
     ) {
-        let half_width = uncertainty.half_width_95(noise);
+        let half_widths = uncertainty.half_widths(noise);
         for (row, &index) in fitted.iter().enumerate() {
-            let leaked = self.leaked(row, &vec![true; self.parameters.len()]);
-            let estimate = &mut estimates[index];
-            if let (Some(value), Some(sd)) = (estimate.value, &mut estimate.standard_deviation) {
-                *sd = (uncertainty.covariance[(row, row)] + leaked).sqrt();
-                estimate.ci95 = Some([value - half_width * *sd, value + half_width * *sd]);
-            }
+            let beyond = self.leaked(row, &vec![true; self.parameters.len()]);
+            let variance = uncertainty.covariance[(row, row)] + beyond;
+            set_variance(
+                &mut estimates[index],
+                variance,
+                half_widths.of_parameter(row, beyond),
+            );
         }
+    }
+}
+
+/// Gives an estimate a variance, with the half width of its interval in standard deviations.
+pub(crate) fn set_variance(estimate: &mut Estimate, variance: f64, half_width: f64) {
+    if let (Some(value), Some(sd)) = (estimate.value, &mut estimate.standard_deviation) {
+        *sd = variance.sqrt();
+        estimate.ci95 = Some([value - half_width * *sd, value + half_width * *sd]);
     }
 }
 

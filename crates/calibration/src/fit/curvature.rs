@@ -4,7 +4,7 @@ use haptical_identification::{Matrix, Status};
 use haptical_model::Recording;
 
 use crate::error::wrap;
-use crate::fit::considered::{Held, sensitivity};
+use crate::fit::considered::{Held, sensitivity, set_variance};
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
 use crate::problem::loads::Loads;
@@ -106,12 +106,14 @@ pub fn with_curvature(
     let beyond: Vec<f64> = beyond
         .map(|(own, third)| second_order(own) + third)
         .collect();
-    let half_width = fit.uncertainty.half_width_95(fit.noise);
-    for (square, &index) in beyond.iter().zip(&fit.fitted) {
+    let half_widths = fit.uncertainty.half_widths(fit.noise);
+    for (position, (square, &index)) in beyond.iter().zip(&fit.fitted).enumerate() {
         let estimate = &mut fit.estimates[index];
-        if let (Some(value), Some(sd)) = (estimate.value, &mut estimate.standard_deviation) {
-            *sd = sd.hypot(square.sqrt());
-            estimate.ci95 = Some([value - half_width * *sd, value + half_width * *sd]);
+        if let Some(sd) = estimate.standard_deviation {
+            let variance = sd * sd + square;
+            let by_noise = fit.uncertainty.covariance[(position, position)];
+            let half_width = half_widths.of_parameter(position, variance - by_noise);
+            set_variance(estimate, variance, half_width);
         }
     }
     fit.considered.beyond_first_order = beyond;

@@ -8,8 +8,8 @@ use haptical_identification::{
 use haptical_model::{Device, ParameterId};
 use serde::Serialize;
 
-use crate::Channel;
 use crate::fit::considered::{Considered, Held};
+use crate::{Channel, ChannelNoise};
 
 /// The outcome of one fit.
 #[derive(Debug, Clone)]
@@ -28,6 +28,8 @@ pub struct ParameterFit {
     pub considered: Considered,
     /// Where the size of the noise came from.
     pub noise: NoiseScale,
+    /// The channels' noise, where it is not independent and of one size ([`crate::with_ordered_noise`] looks).
+    pub channel_noise: Vec<ChannelNoise>,
     /// Intervals that are not linearised ones ([`crate::calibrate`] looks for them).
     pub profiled: Profiled,
     /// What searches from other places said, where the first was doubted.

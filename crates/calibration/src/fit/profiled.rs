@@ -23,7 +23,9 @@ pub(crate) fn profile(
     weights: &Weights,
     options: &Options,
 ) {
-    if fit.residuals.len() * fit.fitted.len() > MOST_ROWS {
+    // the sum of squares says nothing of noise with memory
+    let is_usual = fit.channel_noise.is_empty();
+    if !is_usual || fit.residuals.len() * fit.fitted.len() > MOST_ROWS {
         return;
     }
     let (device, parameters) = (fit.device.clone(), fit.parameters.clone());

@@ -38,6 +38,15 @@ impl<'p> Prepared<'p> {
         }
     }
 
+    /// The form with a row for every residual.
+    pub(crate) fn row_by_row(&self) -> &dyn Problem {
+        if self.gauged.is_scaled() {
+            &self.gauged
+        } else {
+            self.problem
+        }
+    }
+
     fn is_reduced(&self) -> bool {
         self.problem.residual_count() >= REDUCED_FROM || self.is_in_lanes()
     }

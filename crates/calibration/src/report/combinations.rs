@@ -43,7 +43,7 @@ impl ParameterFit {
     /// The combinations that are fixed where a single parameter is not: those whose held parameters may move the
     /// fitted one by more than the noise does.
     pub fn combinations(&self) -> Vec<Combination> {
-        let half_width = self.uncertainty.half_width_95(self.noise);
+        let half_widths = self.uncertainty.half_widths(self.noise);
         let considered = &self.considered;
         let is_held: Vec<bool> = considered.held.iter().map(|h| *h != Held::Fitted).collect();
         let rows = self.fitted.iter().enumerate();
@@ -79,7 +79,8 @@ impl ParameterFit {
             let rest: Vec<bool> = named.iter().map(|named| !named).collect();
             let variance = by_noise + beyond.unwrap_or(0.0) + considered.leaked(row, &rest);
             let deviation = variance.min(sd * sd).sqrt();
-            let reach = half_width * deviation;
+            let beyond = deviation * deviation - by_noise;
+            let reach = half_widths.of_parameter(row, beyond) * deviation;
             Some(Combination {
                 parameter: index,
                 terms,

@@ -1,9 +1,9 @@
 //! The method behind the intervals of a fit, for those who cite them.
 
-use haptical_identification::NoiseScale;
+use haptical_identification::{Matrix, NoiseScale, pooled};
 use serde::Serialize;
 
-use crate::ParameterFit;
+use crate::{ChannelNoise, ParameterFit};
 
 /// How the intervals of a fit were made.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -14,10 +14,15 @@ pub struct Intervals {
     pub kind: String,
     /// Residuals less parameters.
     pub degrees_of_freedom: usize,
+    /// The fewest degrees of freedom of a parameter, where the noise has memory; none otherwise.
+    pub least_degrees_of_freedom: Option<f64>,
+    /// The noise of the fit's channels, where it is not independent and of one size.
+    pub channel_noise: Vec<ChannelNoise>,
     /// Parameters that were not fitted (weak, or those of step 1) and whose plausible errors widen the intervals.
     pub considered: Vec<String>,
     /// Whether the ends of the linearised intervals were compared with the sum of squares there; not where so many
-    /// readings leave intervals over which everything is straight.
+    /// readings leave intervals over which everything is straight, nor where the noise is not independent and of one
+    /// size.
     pub checked: bool,
     /// Parameters whose interval is by profile likelihood instead, because the two differ.
     pub profile_likelihood: Vec<String>,
@@ -28,12 +33,22 @@ pub struct Intervals {
 impl ParameterFit {
     /// How the intervals of this fit were made.
     pub fn intervals(&self) -> Intervals {
+        let has_memory = self.channel_noise.iter().any(|own| own.has_memory);
         let kind = match self.noise {
+            _ if has_memory => {
+                "linearised at the solution, with the spectrum of the noise that the residuals show (sandwich over bands of \
+                 frequency), Student's t with Satterthwaite's degrees of freedom"
+            }
             NoiseScale::Stated => "linearised at the solution, normal, with the stated noise",
             NoiseScale::Estimated => {
                 "linearised at the solution, Student's t, with the noise that the residuals show"
             }
         };
+        let freedom = |position: usize| {
+            let own = |covariance: &Matrix| covariance[(position, position)];
+            pooled(&self.uncertainty.components, &own).1
+        };
+        let least = (0..self.fitted.len()).map(freedom).reduce(f64::min);
         let considered = self.considered.parameters.iter();
         let names = |indices: &[usize]| {
             let names = indices.iter().map(|&index| &self.estimates[index].name);
@@ -46,6 +61,8 @@ impl ParameterFit {
             level: 0.95,
             kind: kind.to_owned(),
             degrees_of_freedom: self.uncertainty.degrees_of_freedom,
+            least_degrees_of_freedom: least.filter(|_| has_memory),
+            channel_noise: self.channel_noise.clone(),
             considered: considered
                 .map(|parameter| parameter.name(&self.device))
                 .collect(),

@@ -1,6 +1,7 @@
 //! Figures and warnings of a finished calibration.
 
 pub(crate) mod above_floor;
+pub(crate) mod channel_noise;
 pub(crate) mod channel_report;
 pub(crate) mod combinations;
 pub(crate) mod force_direction;

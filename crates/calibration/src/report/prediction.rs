@@ -1,6 +1,6 @@
 //! Predictions of a fitted device at postures, with intervals, or the reason why the recording fixes none.
 
-use haptical_identification::Matrix;
+use haptical_identification::{HalfWidths, Matrix};
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{Twist, distance_m};
 use haptical_model::{Evaluation, ModelError, ParameterId, Recording};
@@ -132,7 +132,7 @@ struct Uncertain<'f> {
     fit: &'f ParameterFit,
     parameters: Vec<ParameterId>,
     covariance: Matrix,
-    half_width: f64,
+    half_widths: HalfWidths<'f>,
     directions: Vec<OpenDirection>,
 }
 
@@ -141,7 +141,7 @@ impl<'f> Uncertain<'f> {
         let (parameters, covariance) = fit.uncertain();
         Self {
             directions: open_directions(fit),
-            half_width: fit.uncertainty.half_width_95(fit.noise),
+            half_widths: fit.uncertainty.half_widths(fit.noise),
             fit,
             parameters,
             covariance,
@@ -157,13 +157,8 @@ impl<'f> Uncertain<'f> {
     ) -> Prediction {
         let derivative = |parameter: ParameterId| along(&evaluation.pose_derivative(parameter));
         let slopes: Vec<f64> = self.parameters.iter().map(|&p| derivative(p)).collect();
-        let mut variance = 0.0;
-        for (a, left) in slopes.iter().enumerate() {
-            for (b, right) in slopes.iter().enumerate() {
-                variance += left * self.covariance[(a, b)] * right;
-            }
-        }
-        let deviation = variance.max(0.0).sqrt();
+        let variance = square_form(&slopes, &self.covariance).max(0.0);
+        let deviation = variance.sqrt();
         let is_open = |direction: &&OpenDirection| {
             let (mut sum, mut size) = (0.0, 0.0);
             for &(parameter, change) in &direction.terms {
@@ -177,7 +172,10 @@ impl<'f> Uncertain<'f> {
         let open = self.directions.iter().filter(is_open);
         let open_through: Vec<String> = open.map(|direction| direction.name.clone()).collect();
         let is_fixed = open_through.is_empty() && !self.fit.fitted.is_empty();
-        let half = self.half_width * deviation;
+        let fitted = &slopes[..self.fit.fitted.len()];
+        let part = |covariance: &Matrix| square_form(fitted, covariance);
+        let beyond = variance - part(&self.fit.uncertainty.covariance);
+        let half = self.half_widths.of_function(&part, beyond) * deviation;
         Prediction {
             value,
             standard_deviation: is_fixed.then_some(deviation),
@@ -185,4 +183,14 @@ impl<'f> Uncertain<'f> {
             open_through,
         }
     }
+}
+
+fn square_form(slopes: &[f64], covariance: &Matrix) -> f64 {
+    let mut sum = 0.0;
+    for (a, left) in slopes.iter().enumerate() {
+        for (b, right) in slopes.iter().enumerate() {
+            sum += left * covariance[(a, b)] * right;
+        }
+    }
+    sum
 }

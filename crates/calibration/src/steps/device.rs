@@ -109,7 +109,7 @@ pub(crate) fn fit_once(
 
 /// Channels and rows of step 2: what sees the chain, none where nothing does, and the rows whose transmission errors
 /// are known, unless they are less than half.
-fn step_two<'r>(
+pub(crate) fn step_two<'r>(
     device: &Device,
     recording: &'r Recording,
     channels: &[Channel],

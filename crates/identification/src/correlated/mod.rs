@@ -228,7 +228,7 @@ pub fn pooled(components: &[Component], part: &dyn Fn(&Matrix) -> f64) -> (f64, 
 pub(crate) fn quantile(freedom: f64) -> f64 {
     const NORMAL_95: f64 = 1.959_963_984_540_054;
     match StudentsT::new(0.0, 1.0, freedom) {
-        Ok(spread) if freedom < 1e6 => spread.inverse_cdf(0.975),
+        Ok(spread) if freedom.is_finite() => spread.inverse_cdf(0.975),
         _ => NORMAL_95,
     }
 }

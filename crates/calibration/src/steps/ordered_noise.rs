@@ -1,0 +1,212 @@
+//! Memory, drift and uneven size of the noise in the fits of a device.
+
+use std::borrow::Cow;
+
+use haptical_identification::{
+    CorrelatedNoise, OrderedProblem, Signal, correlated_noise, evaluate_jacobian,
+};
+use haptical_model::{Device, ParameterId, Recording};
+
+use crate::error::wrap;
+use crate::fit::considered::sensitivity;
+use crate::problem::form::{Prepared, reduce};
+use crate::report::channel_noise::ChannelNoise;
+use crate::steps::device::step_two;
+use crate::{
+    CalibrationError, CalibrationMethod, Channel, DeviceProblem, FittedDevice, ParameterFit,
+    Weights, channels,
+};
+
+/// Most residuals times parameters of a fit whose noise is looked at row by row.
+const MOST_ROWS: usize = 6_000_000;
+
+/// Gives every fit of a device the covariance that its noise calls for, where that is not independent and of one size:
+/// [`correlated_noise`]. Values move by a part of their uncertainty where rows are weighted by a local size of the
+/// noise, or where a drift is fitted besides.
+///
+/// `recording` is that of the fits.
+///
+/// # Errors
+/// [`CalibrationError`] where the device has no value at a row.
+pub fn with_ordered_noise(
+    mut fitted: FittedDevice,
+    recording: &Recording,
+    method: CalibrationMethod,
+) -> Result<FittedDevice, CalibrationError> {
+    let all = channels(&fitted.device, recording)?;
+    let weights = fitted.weights.clone();
+    if method == CalibrationMethod::Joint {
+        if let Some(whole) = fitted.whole.take() {
+            let whole = look(whole, recording, &all, &weights)?;
+            fitted.device.clone_from(&whole.device);
+            fitted.whole = Some(whole);
+        }
+        return Ok(fitted);
+    }
+    let mut moved = Vec::new();
+    for step in &mut fitted.transmissions {
+        let Some(before) = step.fit.take() else {
+            continue;
+        };
+        let old = values(&before);
+        let own = [Channel::Output { joint: step.joint }];
+        let after = look(before, recording, &own, &weights)?;
+        let changes = values(&after).into_iter().zip(old);
+        moved.extend(changes.filter_map(|((parameter, now), (_, was))| {
+            (now != was).then_some((parameter, now - was))
+        }));
+        step.fit = Some(after);
+    }
+    let rows = step_two(&fitted.device, recording, &all);
+    let whole = match (fitted.whole.take(), rows) {
+        (Some(whole), Some((distant, rows))) => {
+            let whole = follow(whole, &moved, (&rows, &distant), &weights)?;
+            Some(look(whole, &rows, &distant, &weights)?)
+        }
+        (whole, _) => whole,
+    };
+    move_device(&mut fitted.device, &moved);
+    if let Some(whole) = &whole {
+        fitted.device.clone_from(&whole.device);
+    }
+    fitted.whole = whole;
+    Ok(fitted)
+}
+
+/// Fitted parameters and their values.
+fn values(fit: &ParameterFit) -> Vec<(ParameterId, f64)> {
+    let own = fit.fitted.iter().map(|&index| fit.parameters[index]);
+    own.map(|parameter| (parameter, parameter.value(&fit.device)))
+        .collect()
+}
+
+fn move_device(device: &mut Device, moved: &[(ParameterId, f64)]) {
+    for (parameter, change) in moved {
+        let value = parameter.value(device) + change;
+        parameter.set(device, value);
+    }
+}
+
+/// A fit whose noise has been looked at.
+fn look(
+    mut fit: ParameterFit,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+) -> Result<ParameterFit, CalibrationError> {
+    let failed = |source| wrap("noise of a fit", source);
+    if fit.fitted.is_empty() || fit.residuals.len() * fit.fitted.len() > MOST_ROWS {
+        return Ok(fit);
+    }
+    let own: Vec<ParameterId> = fit
+        .fitted
+        .iter()
+        .map(|&index| fit.parameters[index])
+        .collect();
+    let device = fit.device.clone();
+    let problem = DeviceProblem::new(&device, recording, channels, &own, weights)?;
+    let prepared = Prepared::new(&problem)?;
+    let free: Vec<usize> = (0..own.len()).collect();
+    let (derivatives, residuals) =
+        evaluate_jacobian(prepared.row_by_row(), &problem.start(), &free).map_err(failed)?;
+    let signals = signals(&problem);
+    let found = correlated_noise(&OrderedProblem {
+        derivatives: &derivatives,
+        residuals: &residuals,
+        signals: &signals,
+        covariates: &recording.joint,
+        noise: fit.noise,
+    });
+    let Some(found) = found else {
+        return Ok(fit);
+    };
+    fit.channel_noise = ChannelNoise::list(&found, &signals, channels);
+    let CorrelatedNoise {
+        step, components, ..
+    } = found;
+    let changes: Vec<(ParameterId, f64)> = own.into_iter().zip(step).collect();
+    fit.uncertainty = fit.uncertainty.with_components(components);
+    take_step(&mut fit, &changes, &[]);
+    let problem = DeviceProblem::new(&fit.device, recording, channels, &[], weights)?;
+    let prepared = Prepared::new(&problem)?;
+    fit.residuals = prepared.residuals(&[]).map_err(failed)?;
+    fit.cost = fit
+        .residuals
+        .iter()
+        .map(|residual| residual * residual)
+        .sum();
+    Ok(fit)
+}
+
+/// Moves a fit's device, its own parameters and others, and puts its intervals around the new values.
+fn take_step(fit: &mut ParameterFit, own: &[(ParameterId, f64)], others: &[(ParameterId, f64)]) {
+    move_device(&mut fit.device, own);
+    move_device(&mut fit.device, others);
+    for &index in &fit.fitted {
+        let estimate = &mut fit.estimates[index];
+        if let Some(value) = &mut estimate.value {
+            *value = fit.parameters[index].value(&fit.device);
+        }
+    }
+    fit.considered
+        .widen(&mut fit.estimates, &fit.fitted, &fit.uncertainty, fit.noise);
+}
+
+/// The readings of each axis of each channel, in the order of the log.
+fn signals(problem: &DeviceProblem<'_>) -> Vec<Signal> {
+    let of_block = problem
+        .blocks
+        .iter()
+        .enumerate()
+        .flat_map(|(group, block)| {
+            let width = block.channel.width();
+            let of_axis = move |axis: usize| Signal {
+                group,
+                rows: (0..block.rows.len())
+                    .map(|reading| block.first + reading * width + axis)
+                    .collect(),
+                at: block.rows.clone(),
+            };
+            (0..width).map(of_axis)
+        });
+    of_block.collect()
+}
+
+/// The fit of step 2 where step 1 has moved: to the first order.
+fn follow(
+    mut fit: ParameterFit,
+    moved: &[(ParameterId, f64)],
+    (recording, channels): (&Cow<'_, Recording>, &[Channel]),
+    weights: &Weights,
+) -> Result<ParameterFit, CalibrationError> {
+    if moved.is_empty() || fit.fitted.is_empty() {
+        move_device(&mut fit.device, moved);
+        return Ok(fit);
+    }
+    let failed = |source| wrap("noise of step 1", source);
+    let own: Vec<ParameterId> = fit
+        .fitted
+        .iter()
+        .map(|&index| fit.parameters[index])
+        .collect();
+    let others = moved.iter().map(|(parameter, _)| *parameter);
+    let all: Vec<ParameterId> = own.iter().copied().chain(others).collect();
+    let problem = DeviceProblem::new(&fit.device, recording, channels, &all, weights)?;
+    let prepared = Prepared::new(&problem)?;
+    let reduction = reduce(prepared.searched(), &problem.start()).map_err(failed)?;
+    let columns: Vec<usize> = (0..all.len()).collect();
+    let (first, second) = columns.split_at(own.len());
+    let (follows, _) = sensitivity(&reduction, first, second).map_err(failed)?;
+    let change = |row: usize| {
+        let each = moved.iter().enumerate();
+        each.map(|(column, (_, change))| follows[(row, column)] * change)
+            .sum::<f64>()
+    };
+    let changes: Vec<(ParameterId, f64)> = own
+        .iter()
+        .enumerate()
+        .map(|(row, &parameter)| (parameter, change(row)))
+        .collect();
+    take_step(&mut fit, &changes, moved);
+    Ok(fit)
+}
