@@ -13,7 +13,7 @@ use crate::checks::{postures, sufficiency};
 use crate::comparison::Comparison;
 use crate::report::warnings;
 use crate::robust::{automatic, reweighted};
-use crate::steps::device::{add_step_one_noise, straighten};
+use crate::steps::device::straighten;
 use crate::{
     CalibrationError, CalibrationMethod, ChannelReport, FittedDevice, HeldOut, LossChoice, Options,
     Outlier, Robustness, Weights, channels, fit_device, split, with_ordered_noise,
@@ -147,10 +147,7 @@ fn fit_and_check(
     let split = split(recording, count.map_or(options.held_out, |_| HeldOut::None))?;
     let seen = recording.select(&split.fit);
     let fitted = fit_device(device, &seen, options)?;
-    let mut fitted = with_ordered_noise(fitted, &seen, options.method)?;
-    if options.method == CalibrationMethod::TwoStep {
-        fitted = add_step_one_noise(fitted, &channels, &seen)?;
-    }
+    let fitted = with_ordered_noise(fitted, &seen, options.method)?;
     let fitted = straighten(fitted, &seen, options)?;
     let nominal = crate::prepare_device(device, &seen)?;
     let comparison = Comparison {

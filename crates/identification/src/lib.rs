@@ -17,8 +17,8 @@ mod settings;
 mod solver;
 
 pub use correlated::{
-    Component, CorrelatedNoise, FEWEST_ROWS, OrderedProblem, Signal, Uneven, correlated_noise,
-    pooled,
+    Component, CorrelatedNoise, FEWEST_ROWS, HeldEffect, HeldParameters, OrderedProblem, Signal,
+    Uneven, correlated_noise, pooled,
 };
 pub use derivative_check::{DerivativeMismatch, worst_derivative};
 pub use error::IdentificationError;

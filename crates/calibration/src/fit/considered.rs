@@ -1,8 +1,8 @@
 //! Parameters that a fit took as given although they are uncertain, and what that does to the fitted ones.
 
 use haptical_identification::{
-    Estimate, Identifiability, IdentificationError, Matrix, NoiseScale, Reduction, Status,
-    Uncertainty,
+    Estimate, HeldEffect, Identifiability, IdentificationError, Matrix, NoiseScale, Reduction,
+    Status, Uncertainty,
 };
 use haptical_model::{Device, ParameterId};
 
@@ -118,6 +118,41 @@ impl Considered {
             sensitivity,
             beyond_first_order: Vec::new(),
             promised_fall,
+        })
+    }
+
+    /// The same for a fit whose rows are weighted otherwise, or whose noise has memory.
+    pub(crate) fn reweighed(&self, device: &Device, effect: &HeldEffect) -> Self {
+        let count = self.parameters.len();
+        let open: Vec<usize> = (0..count)
+            .filter(|&k| self.held[k] != Held::Fitted)
+            .collect();
+        let sizes: Vec<f64> = open
+            .iter()
+            .map(|&k| self.parameters[k].plausible_size(device))
+            .collect();
+        let mut covariance = self.covariance.clone();
+        if let Some(moment) = effect.second_moment(&open, &sizes) {
+            for (row, &a) in open.iter().enumerate() {
+                for (column, &b) in open.iter().enumerate() {
+                    covariance[(a, b)] = moment[(row, column)];
+                }
+            }
+        }
+        Self {
+            covariance,
+            sensitivity: effect.sensitivity.clone(),
+            ..self.clone()
+        }
+    }
+
+    /// Covariance of what an earlier step fitted; zero for the others.
+    pub(crate) fn known(&self) -> Matrix {
+        let count = self.parameters.len();
+        let is_known = |k: usize| self.held[k] == Held::Fitted;
+        Matrix::from_fn(count, count, |a, b| match is_known(a) && is_known(b) {
+            true => self.covariance[(a, b)],
+            false => 0.0,
         })
     }
 

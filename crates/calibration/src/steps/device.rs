@@ -12,7 +12,7 @@ use crate::{
     CalibrationError, CalibrationMethod, Channel, FitRequest, FittedDevice, Options, ParameterFit,
     Starts, TransmissionFit, TransmissionTerms, Weighting, Weights, candidate_parameters,
     channel_residuals, channels, fit_parameters, fit_transmissions, rows_with_known_errors,
-    with_curvature, with_step_one_noise,
+    with_curvature,
 };
 
 /// Rounds of re-estimating the channels' noise.
@@ -126,21 +126,6 @@ pub(crate) fn step_two<'r>(
         false => Cow::Borrowed(recording),
     };
     Some((distant, rows))
-}
-
-/// Gives the kinematic fit of two steps the noise of the first.
-pub(crate) fn add_step_one_noise(
-    mut fitted: FittedDevice,
-    channels: &[Channel],
-    recording: &Recording,
-) -> Result<FittedDevice, CalibrationError> {
-    let step_two = step_two(&fitted.device, recording, channels);
-    let (Some(whole), Some((distant, rows))) = (fitted.whole.take(), step_two) else {
-        return Ok(fitted);
-    };
-    let (steps, weights) = (&fitted.transmissions, &fitted.weights);
-    fitted.whole = Some(with_step_one_noise(whole, steps, &rows, &distant, weights)?);
-    Ok(fitted)
 }
 
 /// Looks at the intervals of the last fit where the problem is no longer straight: over what was held, and over what

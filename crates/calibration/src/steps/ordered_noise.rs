@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 
 use haptical_identification::{
-    CorrelatedNoise, OrderedProblem, Signal, correlated_noise, evaluate_jacobian,
+    CorrelatedNoise, HeldParameters, Matrix, OrderedProblem, Signal, correlated_noise,
+    evaluate_jacobian,
 };
 use haptical_model::{Device, ParameterId, Recording};
 
@@ -14,14 +15,14 @@ use crate::report::channel_noise::ChannelNoise;
 use crate::steps::device::step_two;
 use crate::{
     CalibrationError, CalibrationMethod, Channel, DeviceProblem, FittedDevice, ParameterFit,
-    Weights, channels,
+    Weights, channels, with_step_one_noise,
 };
 
 /// Most residuals times parameters of a fit whose noise is looked at row by row.
 const MOST_ROWS: usize = 6_000_000;
 
-/// Gives every fit of a device the covariance that its noise calls for, where that is not independent and of one size:
-/// [`correlated_noise`]. Values move by a part of their uncertainty where rows are weighted by a local size of the
+/// Gives every fit of a device the covariance that its noise calls for: that of step 2 counts the noise of step 1
+/// ([`with_step_one_noise`]), and noise that is not independent and of one size has its own ([`correlated_noise`]). Values move by a part of their uncertainty where rows are weighted by a local size of the
 /// noise, or where a drift is fitted besides.
 ///
 /// `recording` is that of the fits.
@@ -61,6 +62,8 @@ pub fn with_ordered_noise(
     let whole = match (fitted.whole.take(), rows) {
         (Some(whole), Some((distant, rows))) => {
             let whole = follow(whole, &moved, (&rows, &distant), &weights)?;
+            let steps = &fitted.transmissions;
+            let whole = with_step_one_noise(whole, steps, &rows, &distant, &weights)?;
             Some(look(whole, &rows, &distant, &weights)?)
         }
         (whole, _) => whole,
@@ -104,11 +107,20 @@ fn look(
         .map(|&index| fit.parameters[index])
         .collect();
     let device = fit.device.clone();
-    let problem = DeviceProblem::new(&device, recording, channels, &own, weights)?;
+    let held = &fit.considered.parameters;
+    let all: Vec<ParameterId> = own.iter().chain(held).copied().collect();
+    let problem = DeviceProblem::new(&device, recording, channels, &all, weights)?;
     let prepared = Prepared::new(&problem)?;
-    let free: Vec<usize> = (0..own.len()).collect();
-    let (derivatives, residuals) =
+    let free: Vec<usize> = (0..all.len()).collect();
+    let (all, residuals) =
         evaluate_jacobian(prepared.row_by_row(), &problem.start(), &free).map_err(failed)?;
+    let columns = |from: usize, count: usize| {
+        Matrix::from_fn(residuals.len(), count, |row, column| {
+            all[(row, from + column)]
+        })
+    };
+    let (derivatives, held) = (columns(0, own.len()), columns(own.len(), held.len()));
+    let known = fit.considered.known();
     let signals = signals(&problem);
     let found = correlated_noise(&OrderedProblem {
         derivatives: &derivatives,
@@ -116,14 +128,24 @@ fn look(
         signals: &signals,
         covariates: &recording.joint,
         noise: fit.noise,
+        held: (held.columns() > 0).then_some(HeldParameters {
+            derivatives: &held,
+            known: &known,
+        }),
     });
     let Some(found) = found else {
         return Ok(fit);
     };
     fit.channel_noise = ChannelNoise::list(&found, &signals, channels);
     let CorrelatedNoise {
-        step, components, ..
+        step,
+        components,
+        held,
+        ..
     } = found;
+    if let Some(effect) = held {
+        fit.considered = fit.considered.reweighed(&device, &effect);
+    }
     let changes: Vec<(ParameterId, f64)> = own.into_iter().zip(step).collect();
     fit.uncertainty = fit.uncertainty.with_components(components);
     take_step(&mut fit, &changes, &[]);

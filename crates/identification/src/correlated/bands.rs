@@ -6,8 +6,8 @@ use rustdct::DctPlanner;
 use super::Signal;
 use super::rows::{Rows, along};
 
-/// Products of a signal's columns in bands of frequency. Columns: those of the basis, a line in time, the readings; all over
-/// the local size of the noise.
+/// Products of a signal's columns in bands of frequency. Columns: those of the basis, a line in time, the readings, held
+/// parameters; all over the local size of the noise.
 pub(super) struct SignalBands {
     pub(super) grams: Vec<DMatrix<f64>>,
     /// Modes of each band.
@@ -23,7 +23,8 @@ const RATIO: f64 = 1.8;
 impl SignalBands {
     pub(super) fn new(signal: &Signal, rows: &Rows, sizes: &[f64], is_long: bool) -> Self {
         let (count, columns) = (signal.rows.len(), rows.basis.ncols());
-        let mut table = DMatrix::zeros(count, columns + 2);
+        let held = rows.held.ncols();
+        let mut table = DMatrix::zeros(count, columns + 2 + held);
         for column in 0..columns {
             let own = rows.basis.column(column);
             for (entry, &row) in table.column_mut(column).iter_mut().zip(&signal.rows) {
@@ -33,6 +34,9 @@ impl SignalBands {
         for (place, &row) in signal.rows.iter().enumerate() {
             table[(place, columns)] = along(place, count) / sizes[row];
             table[(place, columns + 1)] = rows.readings[row] / sizes[row];
+            for column in 0..held {
+                table[(place, columns + 2 + column)] = rows.held[(row, column)] / sizes[row];
+            }
         }
         let bounds = match is_long {
             true => bounds(count),

@@ -10,10 +10,14 @@ use super::unmixed::Unmixed;
 pub(super) struct Fitted {
     /// Coordinates of the basis, then the lines.
     pub(super) values: DVector<f64>,
+    /// The same of what held parameters add to the readings, a column each.
+    held: DMatrix<f64>,
     /// Inverse of the lower Cholesky factor of the normal matrix.
     pub(super) inverse_factor: DMatrix<f64>,
     /// Sum of squares that is left.
     pub(super) rest: f64,
+    /// The part of it that errors of earlier steps are expected to have.
+    leaked: f64,
     /// Unknown of each signal's line.
     pub(super) line_of_signal: Vec<Option<usize>>,
     rows: f64,
@@ -31,8 +35,9 @@ impl Fitted {
             })
         };
         let line_of_signal: Vec<Option<usize>> = bands.iter().map(&mut line).collect();
+        let held = rows.held.ncols();
         let mut normal = DMatrix::zeros(unknowns, unknowns);
-        let mut rhs = DVector::zeros(unknowns);
+        let mut rhs = DMatrix::zeros(unknowns, 1 + held);
         let mut square = 0.0;
         for (signal, &line) in bands.iter().zip(&line_of_signal) {
             let places = places(parameters, line);
@@ -41,24 +46,41 @@ impl Fitted {
                     for &(other, column) in &places {
                         normal[(at, column)] += gram[(own, other)];
                     }
-                    rhs[at] += gram[(own, parameters + 1)];
+                    for column in 0..=held {
+                        rhs[(at, column)] += gram[(own, parameters + 1 + column)];
+                    }
                 }
                 square += gram[(parameters + 1, parameters + 1)];
             }
         }
         let inverse_factor = inverse_factor(normal)?;
         let turned = &inverse_factor * rhs;
-        let values = inverse_factor.tr_mul(&turned);
-        let rest = square - turned.norm_squared();
-        let fitted = Self {
-            values,
+        let solved = inverse_factor.tr_mul(&turned);
+        let rest = square - turned.column(0).norm_squared();
+        let mut fitted = Self {
+            values: solved.column(0).into_owned(),
+            held: solved.columns(1, held).into_owned(),
             inverse_factor,
             rest,
+            leaked: 0.0,
             line_of_signal,
             rows: bands.iter().flat_map(|signal| &signal.modes).sum(),
             parameters,
         };
+        for (signal, &line) in bands.iter().zip(&fitted.line_of_signal) {
+            let of_bands = signal.grams.iter().map(|gram| {
+                let left = fitted.left(gram, line);
+                rows.leaked(&left.view((1, 1), (held, held)).into_owned())
+            });
+            fitted.leaked += of_bands.sum::<f64>();
+        }
         (rest > 0.0 && fitted.degrees_of_freedom() >= 1.0).then_some(fitted)
+    }
+
+    /// Variance of the noise, of one size and without memory.
+    pub(super) fn variance(&self) -> f64 {
+        let own = (self.rest - self.leaked).max(LEAST_SHARE * self.rest);
+        own / self.degrees_of_freedom()
     }
 
     pub(super) fn unknowns(&self) -> usize {
@@ -97,26 +119,47 @@ impl Fitted {
             .collect()
     }
 
-    /// The products of one band with orthonormal unknowns, and the power that the fit leaves in it.
-    pub(super) fn band(&self, gram: &DMatrix<f64>, line: Option<usize>) -> (DMatrix<f64>, f64) {
+    /// The change of the parameters with held ones.
+    pub(super) fn follows(&self, rows: &Rows) -> DMatrix<f64> {
+        -(&rows.to_parameters * self.held.rows(0, self.parameters))
+    }
+
+    /// The products of one band with orthonormal unknowns, and those of what the fit leaves in it: of the readings, then of
+    /// what held parameters add.
+    pub(super) fn band(&self, gram: &DMatrix<f64>, line: Option<usize>) -> [DMatrix<f64>; 2] {
         let places = places(self.parameters, line);
         let count = places.len();
         let own = DMatrix::from_fn(count, count, |a, b| gram[(places[a].0, places[b].0)]);
         let way = DMatrix::from_fn(self.unknowns(), count, |row, k| {
             self.inverse_factor[(row, places[k].1)]
         });
-        let values = DVector::from_fn(count, |k, _| self.values[places[k].1]);
-        let readings = self.parameters + 1;
-        let with_readings = DVector::from_fn(count, |k, _| gram[(places[k].0, readings)]);
-        let power = gram[(readings, readings)] - 2.0 * values.dot(&with_readings)
-            + values.dot(&(&own * &values));
-        (&way * own * way.transpose(), power.max(0.0))
+        [&way * own * way.transpose(), self.left(gram, line)]
     }
 
-    pub(super) fn unmixed(&self, bands: &[SignalBands]) -> Unmixed {
-        Unmixed::new(self, bands)
+    fn left(&self, gram: &DMatrix<f64>, line: Option<usize>) -> DMatrix<f64> {
+        let places = places(self.parameters, line);
+        let (count, held) = (places.len(), self.held.ncols());
+        let own = DMatrix::from_fn(count, count, |a, b| gram[(places[a].0, places[b].0)]);
+        let values = DMatrix::from_fn(count, 1 + held, |k, column| match column.checked_sub(1) {
+            None => self.values[places[k].1],
+            Some(column) => self.held[(places[k].1, column)],
+        });
+        let first = self.parameters + 1;
+        let mixed = DMatrix::from_fn(count, 1 + held, |k, column| {
+            gram[(places[k].0, first + column)]
+        });
+        let apart = gram.view((first, first), (1 + held, 1 + held));
+        let crossed = values.tr_mul(&mixed);
+        apart - &crossed - crossed.transpose() + values.tr_mul(&(own * &values))
+    }
+
+    pub(super) fn unmixed(&self, bands: &[SignalBands], rows: &Rows) -> Unmixed {
+        Unmixed::new(self, bands, rows)
     }
 }
+
+/// Least share of what is left that is the noise's own: the difference of two estimates may come out at zero.
+pub(super) const LEAST_SHARE: f64 = 0.05;
 
 /// Columns of a band's products and the unknowns that they belong to.
 fn places(parameters: usize, line: Option<usize>) -> Vec<(usize, usize)> {

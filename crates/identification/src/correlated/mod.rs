@@ -4,6 +4,7 @@
 
 mod bands;
 mod fitted;
+mod held;
 mod nnls;
 mod partition;
 mod rows;
@@ -17,6 +18,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use crate::NoiseScale;
 use bands::SignalBands;
 use fitted::Fitted;
+pub use held::HeldEffect;
 use rows::Rows;
 use sizes::Sizes;
 
@@ -44,6 +46,18 @@ pub struct OrderedProblem<'a> {
     pub covariates: &'a [Vec<f64>],
     /// Where the size of even noise without memory comes from.
     pub noise: NoiseScale,
+    /// Parameters that the fit held although they are uncertain.
+    pub held: Option<HeldParameters<'a>>,
+}
+
+/// Parameters that a fit held although they are uncertain.
+#[derive(Debug, Clone, Copy)]
+pub struct HeldParameters<'a> {
+    /// Derivatives of the weighted residuals, rows x parameters.
+    pub derivatives: &'a Matrix,
+    /// Covariance of those that an earlier step fitted, zero for the others: what their errors are expected to add to the
+    /// residuals is no noise.
+    pub known: &'a Matrix,
 }
 
 /// A part of a covariance that is in proportion to one estimated level of noise.
@@ -82,6 +96,8 @@ pub struct CorrelatedNoise {
     pub drift: Vec<f64>,
     /// Chance of lines as steep as these without a drift.
     pub drift_p_value: f64,
+    /// Of the held parameters, if there are any.
+    pub held: Option<HeldEffect>,
 }
 
 /// Fewest rows of a signal in which memory is looked for.
@@ -119,17 +135,17 @@ pub fn correlated_noise(problem: &OrderedProblem<'_>) -> Option<CorrelatedNoise>
     let drift_p_value = lined
         .as_ref()
         .map_or(1.0, |lined| p_value_of_lines(&plain, lined));
-    let has_memory = plain.unmixed(&bands).memory;
+    let has_memory = plain.unmixed(&bands, &rows).memory;
     let (fitted, has_lines) = match lined {
         Some(lined) if has_memory || drift_p_value < DRIFT_LEVEL => (lined, true),
         _ => (plain, false),
     };
-    let unmixed = fitted.unmixed(&bands);
+    let unmixed = fitted.unmixed(&bands, &rows);
     let (usual, heteroscedastic) = rows.variances(problem, &sizes.of_row, &fitted)?;
     let usual = match problem.noise {
         NoiseScale::Estimated => usual,
         NoiseScale::Stated if sizes.uneven.is_empty() && !unmixed.memory => {
-            let factor = fitted.degrees_of_freedom() / fitted.rest;
+            let factor = 1.0 / fitted.variance();
             usual.map(|variance| variance * factor)
         }
         NoiseScale::Stated => usual,
@@ -161,7 +177,21 @@ pub fn correlated_noise(problem: &OrderedProblem<'_>) -> Option<CorrelatedNoise>
             degrees_of_freedom: rest,
         }]
     };
+    let held = problem.held.map(|_| {
+        let [plain, scattered] = unmixed.of_held(fitted.variance());
+        let count = rows.held.ncols();
+        let of_held =
+            |sum: &DMatrix<f64>| as_matrix(&sum.view((1, 1), (count, count)).into_owned());
+        HeldEffect {
+            sensitivity: as_matrix(&fitted.follows(&rows)),
+            information: of_held(&plain),
+            scatter: of_held(&scattered),
+            // the residuals are the other way round than what the readings leave
+            gradient: (0..count).map(|column| -plain[(0, 1 + column)]).collect(),
+        }
+    });
     Some(CorrelatedNoise {
+        held,
         step: fitted.step(&rows).iter().copied().collect(),
         components: inflated(components, sizes.inflation),
         correlated: unmixed.correlated(problem.signals),
@@ -227,10 +257,18 @@ pub fn pooled(components: &[Component], part: &dyn Fn(&Matrix) -> f64) -> (f64, 
 /// Half width of the 95 % interval in standard deviations, Student's t.
 pub(crate) fn quantile(freedom: f64) -> f64 {
     const NORMAL_95: f64 = 1.959_963_984_540_054;
-    match StudentsT::new(0.0, 1.0, freedom) {
-        Ok(spread) if freedom.is_finite() => spread.inverse_cdf(0.975),
-        _ => NORMAL_95,
+    // the expansion in 1 / freedom (Abramowitz & Stegun 26.7.5): the search for the inverse is inexact there, or never ends
+    const EXPANDED_FROM: f64 = 1e3;
+    if freedom < EXPANDED_FROM
+        && let Ok(spread) = StudentsT::new(0.0, 1.0, freedom)
+    {
+        return spread.inverse_cdf(0.975);
     }
+    let z = NORMAL_95;
+    let first = (z.powi(3) + z) / 4.0;
+    let second = (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0;
+    let third = (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0;
+    z + (first + (second + third / freedom) / freedom) / freedom
 }
 
 fn inflated(mut components: Vec<Component>, factor: f64) -> Vec<Component> {
@@ -248,4 +286,39 @@ fn as_matrix(dense: &DMatrix<f64>) -> Matrix {
     Matrix::from_fn(dense.nrows(), dense.ncols(), |row, column| {
         dense[(row, column)]
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quantile;
+
+    /// Values of scipy.stats.t.ppf(0.975, freedom).
+    #[test]
+    fn quantiles_of_any_freedom_are_those_of_tables() {
+        let table = [
+            (0.5, 164.557_673_480_488),
+            (1.0, 12.706_204_736_174_7),
+            (2.37, 3.718_920_839_797),
+            (30.0, 2.042_272_456_301_24),
+            (999.5, 1.962_340_270_384),
+            (1000.5, 1.962_337_892_459),
+            (99_999.5, 1.959_987_707_653),
+            (100_000.5, 1.959_987_707_416),
+            (1e12, 1.959_963_984_542),
+        ];
+        for (freedom, expected) in table {
+            let found = quantile(freedom);
+            assert!((found / expected - 1.0).abs() < 1e-9, "{freedom}: {found}");
+        }
+        let mut before = f64::INFINITY;
+        for step in 0..4000 {
+            let found = quantile(0.5 * 1.005_f64.powi(step));
+            assert!(
+                found <= before * (1.0 + 1e-9),
+                "{step}: {found} after {before}"
+            );
+            before = found;
+        }
+        assert_eq!(quantile(f64::INFINITY), 1.959_963_984_540_054);
+    }
 }

@@ -13,6 +13,10 @@ pub(super) struct Rows {
     pub(super) to_parameters: DMatrix<f64>,
     /// Measurement minus model.
     pub(super) readings: DVector<f64>,
+    /// Derivatives by parameters that the fit held.
+    pub(super) held: DMatrix<f64>,
+    /// Covariance of those of them that an earlier step fitted; zero for the others.
+    known: DMatrix<f64>,
 }
 
 /// Least room that a row leaves its residual: one that the fit follows exactly says nothing of the noise.
@@ -51,11 +55,23 @@ impl Rows {
             unit *= &inverse;
             triangle *= inverse;
         }
+        let held = match problem.held {
+            None => DMatrix::zeros(rows, 0),
+            Some(held) if held.derivatives.rows() != rows => return None,
+            Some(held) => DMatrix::from_fn(rows, held.derivatives.columns(), |row, column| {
+                held.derivatives[(row, column)]
+            }),
+        };
+        let known = DMatrix::from_fn(held.ncols(), held.ncols(), |a, b| {
+            problem.held.map_or(0.0, |held| held.known[(a, b)])
+        });
         let by_norm = |row: usize, column: usize| triangle[(row, column)] / norms[row];
         Some(Self {
             basis: unit,
             to_parameters: DMatrix::from_fn(count, count, by_norm),
             readings: DVector::from_iterator(rows, problem.residuals.iter().map(|r| -r)),
+            held,
+            known,
         })
     }
 
@@ -67,6 +83,11 @@ impl Rows {
         let spanned = weighted * inverse.transpose();
         let rest = &readings - &spanned * spanned.tr_mul(&readings);
         Some((rest.iter().copied().collect(), rooms(&spanned)))
+    }
+
+    /// Expected power of what earlier steps' errors add, by the products of held parameters' parts.
+    pub(super) fn leaked(&self, held: &DMatrix<f64>) -> f64 {
+        self.known.dot(held)
     }
 
     fn weighted(&self, sizes: &[f64]) -> DMatrix<f64> {
@@ -106,7 +127,7 @@ impl Rows {
         }
         let meat = spanned.transpose() * &spanned;
         let way = fitted.to_parameters(self);
-        let usual = fitted.rest / fitted.degrees_of_freedom();
+        let usual = fitted.variance();
         let usual = DVector::from_fn(count, |k, _| usual * way.row(k).norm_squared());
         let moved = &way * meat;
         let each = DVector::from_fn(count, |k, _| moved.row(k).dot(&way.row(k)));

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::bands::SignalBands;
-use super::fitted::Fitted;
+use super::fitted::{Fitted, LEAST_SHARE};
 use super::nnls::nnls;
 use super::rows::Rows;
 use super::{Component, Signal, as_matrix};
@@ -13,6 +13,8 @@ use super::{Component, Signal, as_matrix};
 pub(super) struct Unmixed {
     /// Products of each band with orthonormal unknowns.
     products: Vec<DMatrix<f64>>,
+    /// Those of what the fit leaves: readings, then held parameters.
+    left: Vec<DMatrix<f64>>,
     /// Power by band.
     power: Vec<f64>,
     /// Level of each band: bands of equal power share one.
@@ -37,14 +39,19 @@ const NO_STEP: f64 = 1e-9;
 const LEAST_POWER: f64 = 1e-3;
 
 impl Unmixed {
-    pub(super) fn new(fitted: &Fitted, bands: &[SignalBands]) -> Self {
-        let (mut products, mut powers, mut modes) = (Vec::new(), Vec::new(), Vec::new());
+    pub(super) fn new(fitted: &Fitted, bands: &[SignalBands], rows: &Rows) -> Self {
+        let (mut products, mut lefts) = (Vec::new(), Vec::new());
+        let (mut powers, mut modes) = (Vec::new(), Vec::new());
+        let held = rows.held.ncols();
         let mut ends = Vec::new();
         for (signal, &line) in bands.iter().zip(&fitted.line_of_signal) {
             for (gram, count) in signal.grams.iter().zip(&signal.modes) {
-                let (product, power) = fitted.band(gram, line);
+                let [product, left] = fitted.band(gram, line);
+                let power = left[(0, 0)].max(0.0);
+                let leaked = rows.leaked(&left.view((1, 1), (held, held)).into_owned());
                 products.push(product);
-                powers.push(power);
+                powers.push((power - leaked).max(LEAST_SHARE * power));
+                lefts.push(left);
                 modes.push(*count);
             }
             ends.push(products.len());
@@ -81,6 +88,7 @@ impl Unmixed {
             .for_each(|freedom| *freedom = freedom.max(LEAST_OF_LEVEL));
         Self {
             products,
+            left: lefts,
             power,
             level,
             freedom,
@@ -105,6 +113,18 @@ impl Unmixed {
             }
         });
         levels.collect()
+    }
+
+    /// Products of what the fit leaves, over the held parameters: their sum, and the sum by the noise's power.
+    pub(super) fn of_held(&self, variance: f64) -> [DMatrix<f64>; 2] {
+        let count = self.left.first().map_or(0, DMatrix::nrows);
+        let mut sums = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
+        for (left, power) in self.left.iter().zip(&self.power) {
+            let power = if self.memory { *power } else { variance };
+            sums[1] += left * power;
+            sums[0] += left;
+        }
+        sums
     }
 
     /// Groups with a signal that shows memory; all of them where only the sum shows it.

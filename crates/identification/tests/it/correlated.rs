@@ -75,6 +75,7 @@ fn an_independent_program_says_the_same() {
             signals: &signals,
             covariates: &covariates,
             noise: NoiseScale::Estimated,
+            held: None,
         });
         let is_plain =
             ["memory", "drift"].iter().all(|key| case[*key] == false) && case["used"] == 0;
@@ -153,6 +154,7 @@ fn intervals_hold_the_truth_where_the_noise_has_memory() {
             signals: &signals(&[0], ROWS),
             covariates: &[],
             noise: NoiseScale::Estimated,
+            held: None,
         });
         let answer = answer.unwrap();
         let sd = (2.0 / ROWS as f64).sqrt();
@@ -192,6 +194,7 @@ fn even_noise_without_memory_keeps_the_usual_covariance() {
             signals: &signals(&[0], ROWS),
             covariates: &[ramp.clone()],
             noise: NoiseScale::Estimated,
+            held: None,
         });
         kept += usize::from(answer.is_none());
     }

@@ -15,7 +15,7 @@ use haptical_report::{Cell, Table};
 use rayon::prelude::*;
 use xtask_output::{Output, Progress};
 
-use super::held::{Interval, intervals};
+use super::held::{Interval, Kind, intervals};
 use super::rigs::{DEGREE, Errors, Rig, nominal, true_device};
 use noise::{Condition, Motion, record};
 
@@ -56,8 +56,12 @@ struct Trial {
 
 /// What became of one device.
 struct Outcome {
-    /// Name, whether the usual interval held the truth, whether ours did, and our width over the usual one.
-    each: Vec<(String, bool, bool, f64)>,
+    /// Whether the intervals of independent noise held the truth.
+    usual: Vec<bool>,
+    /// Names of the others, and whether they did.
+    each: Vec<(String, bool)>,
+    /// Half widths of parameters over those of independent noise.
+    widths: Vec<f64>,
     said: bool,
 }
 
@@ -135,17 +139,18 @@ impl Row {
     fn new(outcomes: &[Result<Outcome>]) -> Result<Self> {
         let good: Vec<&Outcome> = outcomes.iter().flatten().collect();
         let mut by_name: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
-        let (mut before, mut after, mut all) = (0, 0, 0);
-        let mut widths = Vec::new();
-        for (name, usual, own, width) in good.iter().flat_map(|outcome| &outcome.each) {
-            before += usize::from(*usual);
-            after += usize::from(*own);
-            all += 1;
+        for (name, holds) in good.iter().flat_map(|outcome| &outcome.each) {
             let count = by_name.entry(name).or_default();
-            count[0] += usize::from(*own);
+            count[0] += usize::from(*holds);
             count[1] += 1;
-            widths.push(*width);
         }
+        let percent = |holds: &[bool]| {
+            100.0 * holds.iter().filter(|holds| **holds).count() as f64 / holds.len() as f64
+        };
+        let usual: Vec<bool> = good.iter().flat_map(|own| own.usual.clone()).collect();
+        let own = good.iter().flat_map(|own| &own.each);
+        let own: Vec<bool> = own.map(|(_, holds)| *holds).collect();
+        let widths: Vec<f64> = good.iter().flat_map(|own| own.widths.clone()).collect();
         // a parameter of a handful of devices proves nothing
         let share = |count: &[usize; 2]| 100.0 * count[0] as f64 / count[1] as f64;
         let often = by_name
@@ -154,8 +159,8 @@ impl Row {
         let worst = often.min_by(|a, b| share(a.1).total_cmp(&share(b.1)));
         let (name, count) = worst.context("no interval at all")?;
         Ok(Self {
-            before: 100.0 * f64::from(before as u32) / all as f64,
-            covered: 100.0 * f64::from(after as u32) / all as f64,
+            before: percent(&usual),
+            covered: percent(&own),
             worst: ((*name).to_owned(), share(count)),
             growth: median(&widths)?,
             said: 100.0 * good.iter().filter(|outcome| outcome.said).count() as f64
@@ -223,24 +228,35 @@ impl Trial {
         };
         options.rules.singular_values = false;
         let fitted = fit_device(nominal, &seen, &options)?;
-        let usual = self.finish(fitted.clone(), &seen)?;
-        let own = self.finish(with_ordered_noise(fitted, &seen, self.method)?, &seen)?;
+        let usual = self.finish(fitted.clone(), &seen, true)?;
+        let own = with_ordered_noise(fitted, &seen, self.method)?;
+        let own = self.finish(own, &seen, false)?;
         let (before, after) = (of_fits(&usual, &truth)?, of_fits(&own, &truth)?);
-        let each = before.into_iter().zip(after);
+        let holds = |interval: &Interval| interval.error_over_half_width.abs() <= 1.0;
+        // what is a combination may be another by another covariance
+        let by_name: BTreeMap<&str, &Interval> = (before.iter())
+            .filter(|interval| interval.kind != Kind::Combination)
+            .map(|interval| (interval.name.as_str(), interval))
+            .collect();
+        let width = |own: &Interval| {
+            let usual = by_name.get(own.name.as_str())?;
+            (own.kind != Kind::Combination).then(|| own.half_width / usual.half_width)
+        };
         Ok(Outcome {
-            each: each
-                .map(|(usual, own)| {
-                    let holds = |interval: &Interval| interval.error_over_half_width.abs() <= 1.0;
-                    let width = own.half_width / usual.half_width;
-                    (own.label(), holds(&usual), holds(&own), width)
-                })
-                .collect(),
+            usual: before.iter().map(holds).collect(),
+            widths: after.iter().filter_map(width).collect(),
+            each: after.iter().map(|own| (own.label(), holds(own))).collect(),
             said: own.iter().any(|fit| !fit.channel_noise.is_empty()),
         })
     }
 
     /// The fits whose parameters a user reads, with all that widens their intervals.
-    fn finish(&self, fitted: FittedDevice, seen: &Recording) -> Result<Vec<ParameterFit>> {
+    fn finish(
+        &self,
+        fitted: FittedDevice,
+        seen: &Recording,
+        is_usual: bool,
+    ) -> Result<Vec<ParameterFit>> {
         let whole = fitted.whole.context("no kinematic fit")?;
         let (steps, weights) = (&fitted.transmissions, &fitted.weights);
         let channels = haptical_calibration::channels(&fitted.device, seen)?;
@@ -251,7 +267,10 @@ impl Trial {
             .into_iter()
             .filter(|channel| !matches!(channel, Channel::Output { .. }))
             .collect();
-        let fit = with_step_one_noise(whole, steps, seen, &distant, weights)?;
+        let fit = match is_usual {
+            true => with_step_one_noise(whole, steps, seen, &distant, weights)?,
+            false => whole,
+        };
         let fit = with_curvature(fit, seen, &distant, weights)?;
         let steps = fitted.transmissions.into_iter().filter_map(|step| step.fit);
         Ok(std::iter::once(fit).chain(steps).collect())
