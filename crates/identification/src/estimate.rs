@@ -83,38 +83,60 @@ impl Uncertainty {
     /// The same for linear functions of the parameters.
     pub fn half_widths(&self, noise: NoiseScale) -> HalfWidths<'_> {
         HalfWidths {
-            components: &self.components,
+            spread: self,
+            noise,
             usual: self.half_width_95(noise),
         }
     }
 }
 
+/// Variance that is added to a linear function's own.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Added {
+    /// Variance.
+    pub variance: f64,
+    /// Sum of the squares of its parts over their degrees of freedom; zero where they are known.
+    pub scatter: f64,
+}
+
 /// Half widths of 95 % intervals in standard deviations ([`Uncertainty::half_widths`]).
 #[derive(Debug, Clone, Copy)]
 pub struct HalfWidths<'u> {
-    components: &'u [Component],
+    spread: &'u Uncertainty,
+    noise: NoiseScale,
     usual: f64,
 }
 
 impl HalfWidths<'_> {
-    /// That of a linear function of the parameters, whose variance `part` works out from a covariance of theirs, and to
-    /// which `beyond` is added that is no matter of the noise. Where the covariance has parts, the degrees of freedom are
-    /// Satterthwaite's.
-    pub fn of_function(&self, part: &dyn Fn(&Matrix) -> f64, beyond: f64) -> f64 {
-        if self.components.is_empty() {
+    /// That of a linear function of the parameters, whose variance `part` works out from a covariance of theirs, with what
+    /// is added to it. Where a variance has parts, the degrees of freedom are Satterthwaite's.
+    pub fn of_function(&self, part: &dyn Fn(&Matrix) -> f64, added: Added) -> f64 {
+        let has_parts = !self.spread.components.is_empty();
+        if !has_parts && added.scatter == 0.0 {
             return self.usual;
         }
-        let (variance, freedom) = pooled(self.components, part);
-        let share = match variance > 0.0 {
-            true => 1.0 + beyond.max(0.0) / variance,
-            false => f64::INFINITY,
+        let (own, freedom) = match has_parts {
+            true => pooled(&self.spread.components, part),
+            false => (part(&self.spread.covariance), self.usual_freedom()),
         };
-        quantile(freedom * share * share)
+        let variance = own + added.variance.max(0.0);
+        let scatter = own * own / freedom + added.scatter;
+        match scatter > 0.0 {
+            true => quantile(variance * variance / scatter),
+            false => quantile(f64::INFINITY),
+        }
     }
 
     /// That of the parameter at a position.
-    pub fn of_parameter(&self, position: usize, beyond: f64) -> f64 {
-        self.of_function(&|covariance| covariance[(position, position)], beyond)
+    pub fn of_parameter(&self, position: usize, added: Added) -> f64 {
+        self.of_function(&|covariance| covariance[(position, position)], added)
+    }
+
+    fn usual_freedom(&self) -> f64 {
+        match self.noise {
+            NoiseScale::Stated => f64::INFINITY,
+            NoiseScale::Estimated => self.spread.degrees_of_freedom as f64,
+        }
     }
 }
 

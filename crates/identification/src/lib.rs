@@ -22,7 +22,7 @@ pub use correlated::{
 };
 pub use derivative_check::{DerivativeMismatch, worst_derivative};
 pub use error::IdentificationError;
-pub use estimate::{Estimate, HalfWidths, NoiseScale, Uncertainty, estimates, uncertainty};
+pub use estimate::{Added, Estimate, HalfWidths, NoiseScale, Uncertainty, estimates, uncertainty};
 pub use haptical_linalg::{Matrix, Reduction, Triangle};
 pub use identifiability::observability::Observability;
 pub use identifiability::rules::IdentifiabilityRules;

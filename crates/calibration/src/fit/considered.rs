@@ -1,8 +1,8 @@
 //! Parameters that a fit took as given although they are uncertain, and what that does to the fitted ones.
 
 use haptical_identification::{
-    Estimate, HeldEffect, Identifiability, IdentificationError, Matrix, NoiseScale, Reduction,
-    Status, Uncertainty,
+    Added, Component, Estimate, HeldEffect, Identifiability, IdentificationError, Matrix,
+    NoiseScale, Reduction, Status, Uncertainty,
 };
 use haptical_model::{Device, ParameterId};
 
@@ -27,6 +27,8 @@ pub struct Considered {
     /// Mean square of each fitted parameter's error beyond the first order in those of the held ones; empty until
     /// [`crate::with_curvature`] has looked.
     pub beyond_first_order: Vec<f64>,
+    /// Parts of the covariance of what an earlier step fitted, with their degrees of freedom; empty where they are many.
+    pub known_parts: Vec<Component>,
     /// Fall of the sum of squared weighted residuals that the linearised problem promises if the weak parameters
     /// were fitted too: large where one of them deviates by far more than is plausible.
     pub promised_fall: f64,
@@ -56,6 +58,7 @@ impl Considered {
             covariance: Matrix::zeros(0, 0),
             sensitivity: Matrix::zeros(fitted, 0),
             beyond_first_order: Vec::new(),
+            known_parts: Vec::new(),
             promised_fall: 0.0,
         }
     }
@@ -96,6 +99,7 @@ impl Considered {
                 }),
                 sensitivity,
                 beyond_first_order: Vec::new(),
+                known_parts: Vec::new(),
                 promised_fall: 0.0,
             });
         }
@@ -117,6 +121,7 @@ impl Considered {
             held,
             sensitivity,
             beyond_first_order: Vec::new(),
+            known_parts: Vec::new(),
             promised_fall,
         })
     }
@@ -179,6 +184,7 @@ impl Considered {
                 self.sensitivity[(row, kept[column])]
             }),
             beyond_first_order: Vec::new(),
+            known_parts: Vec::new(),
             promised_fall: self.promised_fall,
         }
     }
@@ -207,6 +213,11 @@ impl Considered {
             covariance,
             sensitivity,
             beyond_first_order: self.beyond_first_order.clone(),
+            known_parts: other
+                .known_parts
+                .iter()
+                .map(|part| part.placed(first, first + second))
+                .collect(),
             promised_fall: self.promised_fall,
         }
     }
@@ -232,6 +243,25 @@ impl Considered {
             moved(a) * row.sum::<f64>()
         });
         each.sum::<f64>().max(0.0)
+    }
+
+    /// Some variance beyond the noise of a fitted parameter, with the scatter that what an earlier step fitted has in it.
+    pub(crate) fn added(&self, fitted: usize, variance: f64) -> Added {
+        let along: Vec<f64> = (0..self.parameters.len())
+            .map(|k| self.sensitivity[(fitted, k)])
+            .collect();
+        Added {
+            variance,
+            scatter: self.scatter(&along),
+        }
+    }
+
+    /// Scatter of the variance of a linear function of the held parameters, as far as an earlier step fitted them.
+    pub(crate) fn scatter(&self, along: &[f64]) -> f64 {
+        let of_part = |part: &Component| {
+            square_form(along, &part.covariance).powi(2) / part.degrees_of_freedom
+        };
+        self.known_parts.iter().map(of_part).sum()
     }
 
     /// Covariance of the errors of the fitted parameters and then the considered ones.
@@ -263,15 +293,21 @@ impl Considered {
     ) {
         let half_widths = uncertainty.half_widths(noise);
         for (row, &index) in fitted.iter().enumerate() {
-            let beyond = self.leaked(row, &vec![true; self.parameters.len()]);
-            let variance = uncertainty.covariance[(row, row)] + beyond;
-            set_variance(
-                &mut estimates[index],
-                variance,
-                half_widths.of_parameter(row, beyond),
-            );
+            let leaked = self.leaked(row, &vec![true; self.parameters.len()]);
+            let half_width = half_widths.of_parameter(row, self.added(row, leaked));
+            let variance = uncertainty.covariance[(row, row)] + leaked;
+            set_variance(&mut estimates[index], variance, half_width);
         }
     }
+}
+
+/// x^T A x, of a matrix as large as x or larger.
+pub(crate) fn square_form(x: &[f64], matrix: &Matrix) -> f64 {
+    let row = |(a, left): (usize, &f64)| {
+        let each = x.iter().enumerate();
+        left * each.map(|(b, right)| matrix[(a, b)] * right).sum::<f64>()
+    };
+    x.iter().enumerate().map(row).sum()
 }
 
 /// Gives an estimate a variance, with the half width of its interval in standard deviations.

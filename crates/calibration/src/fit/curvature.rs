@@ -112,7 +112,8 @@ pub fn with_curvature(
         if let Some(sd) = estimate.standard_deviation {
             let variance = sd * sd + square;
             let by_noise = fit.uncertainty.covariance[(position, position)];
-            let half_width = half_widths.of_parameter(position, variance - by_noise);
+            let added = fit.considered.added(position, variance - by_noise);
+            let half_width = half_widths.of_parameter(position, added);
             set_variance(estimate, variance, half_width);
         }
     }

@@ -20,6 +20,8 @@ pub struct Weights {
     pub factor: BTreeMap<Channel, f64>,
     /// Weights below 1 of single readings, by line of the log: those that a robust loss distrusts.
     pub distrusted: BTreeMap<Channel, BTreeMap<u64, f64>>,
+    /// Local size of a channel's noise over its mean one, by line of the log, where it is uneven.
+    pub local_size: BTreeMap<Channel, BTreeMap<u64, f64>>,
 }
 
 /// Least weight of a reading: none would leave its standard deviation without a number.
@@ -54,6 +56,7 @@ impl Weights {
     pub fn trusting(&self) -> Self {
         Self {
             distrusted: BTreeMap::new(),
+            local_size: BTreeMap::new(),
             ..self.clone()
         }
     }
@@ -85,7 +88,10 @@ impl Weights {
             _ => device.joints.iter().any(has_steps),
         };
         let (own, factor) = self.own_sd(channel);
-        let is_common = !is_stepped && !self.distrusted.contains_key(&channel);
+        let is_even = [&self.distrusted, &self.local_size]
+            .iter()
+            .all(|lines| !lines.contains_key(&channel));
+        let is_common = !is_stepped && is_even;
         is_common.then(|| factor * (own * own).sqrt())
     }
 
@@ -97,8 +103,8 @@ impl Weights {
     }
 
     /// Standard deviation of a channel's residual at each row of the recording (rows without a
-    /// reading included): var = factor^2 (sd^2 + sum_i (d residual / d reading_i)^2 q_i^2 / 12),
-    /// q_i the step of joint i's reading (docs/equations.md, "Propagated quantization"). For
+    /// reading included): var = factor^2 (sd^2 + sum_i (d residual / d reading_i)^2 q_i^2 / 12)
+    /// over the row's trust, times the square of its local size, q_i the step of joint i's reading (docs/equations.md, "Propagated quantization"). For
     /// positions and orientations the mean over the three axes.
     ///
     /// # Errors
@@ -110,11 +116,13 @@ impl Weights {
         channel: Channel,
     ) -> Result<Vec<f64>, CalibrationError> {
         let (own, factor) = self.own_sd(channel);
+        let sizes = self.local_size.get(&channel);
         let mut deviations = propagated_variances(device, recording, channel)?;
         for (row, value) in deviations.iter_mut().enumerate() {
             let line = recording.line.get(row).copied().unwrap_or(0);
             let trust = self.trust(channel, line).max(LEAST_WEIGHT);
-            *value = factor * (own * own + *value).sqrt() / trust.sqrt();
+            let size = sizes.and_then(|sizes| sizes.get(&line)).copied();
+            *value = factor * (own * own + *value).sqrt() / trust.sqrt() * size.unwrap_or(1.0);
         }
         Ok(deviations)
     }

@@ -79,8 +79,8 @@ impl ParameterFit {
             let rest: Vec<bool> = named.iter().map(|named| !named).collect();
             let variance = by_noise + beyond.unwrap_or(0.0) + considered.leaked(row, &rest);
             let deviation = variance.min(sd * sd).sqrt();
-            let beyond = deviation * deviation - by_noise;
-            let reach = half_widths.of_parameter(row, beyond) * deviation;
+            let added = considered.added(row, deviation * deviation - by_noise);
+            let reach = half_widths.of_parameter(row, added) * deviation;
             Some(Combination {
                 parameter: index,
                 terms,

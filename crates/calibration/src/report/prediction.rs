@@ -1,11 +1,12 @@
 //! Predictions of a fitted device at postures, with intervals, or the reason why the recording fixes none.
 
-use haptical_identification::{HalfWidths, Matrix};
+use haptical_identification::{Added, HalfWidths, Matrix};
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{Twist, distance_m};
 use haptical_model::{Evaluation, ModelError, ParameterId, Recording};
 
 use crate::error::at_row;
+use crate::fit::considered::square_form;
 use crate::report::open_direction::{OpenDirection, open_directions};
 use crate::{CalibrationError, ParameterFit};
 
@@ -148,6 +149,26 @@ impl<'f> Uncertain<'f> {
         }
     }
 
+    /// Scatter of the variance of a function with these slopes, as far as an earlier step's parameters are in it.
+    fn scatter(&self, slopes: &[f64]) -> f64 {
+        let considered = &self.fit.considered;
+        if considered.known_parts.is_empty() {
+            return 0.0;
+        }
+        let own = slopes.iter().take(self.fit.fitted.len()).enumerate();
+        let along = |k: usize| {
+            let through = own.clone();
+            let through = through.map(|(row, slope)| slope * considered.sensitivity[(row, k)]);
+            let place = self
+                .parameters
+                .iter()
+                .position(|own| *own == considered.parameters[k]);
+            through.sum::<f64>() + place.map_or(0.0, |place| slopes[place])
+        };
+        let along: Vec<f64> = (0..considered.parameters.len()).map(along).collect();
+        considered.scatter(&along)
+    }
+
     /// A quantity whose derivative is `along` of a parameter's twist.
     fn predict(
         &self,
@@ -174,8 +195,11 @@ impl<'f> Uncertain<'f> {
         let is_fixed = open_through.is_empty() && !self.fit.fitted.is_empty();
         let fitted = &slopes[..self.fit.fitted.len()];
         let part = |covariance: &Matrix| square_form(fitted, covariance);
-        let beyond = variance - part(&self.fit.uncertainty.covariance);
-        let half = self.half_widths.of_function(&part, beyond) * deviation;
+        let added = Added {
+            variance: variance - part(&self.fit.uncertainty.covariance),
+            scatter: self.scatter(&slopes),
+        };
+        let half = self.half_widths.of_function(&part, added) * deviation;
         Prediction {
             value,
             standard_deviation: is_fixed.then_some(deviation),
@@ -183,14 +207,4 @@ impl<'f> Uncertain<'f> {
             open_through,
         }
     }
-}
-
-fn square_form(slopes: &[f64], covariance: &Matrix) -> f64 {
-    let mut sum = 0.0;
-    for (a, left) in slopes.iter().enumerate() {
-        for (b, right) in slopes.iter().enumerate() {
-            sum += left * covariance[(a, b)] * right;
-        }
-    }
-    sum
 }

@@ -1,6 +1,7 @@
 //! Memory, drift and uneven size of the noise in the fits of a device.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use haptical_identification::{
     CorrelatedNoise, HeldParameters, Matrix, OrderedProblem, Signal, correlated_noise,
@@ -17,6 +18,9 @@ use crate::{
     CalibrationError, CalibrationMethod, Channel, DeviceProblem, FittedDevice, ParameterFit,
     Weights, channels, with_step_one_noise,
 };
+
+/// Local sizes of the noise by channel and line of the log.
+type Sizes = BTreeMap<Channel, BTreeMap<u64, f64>>;
 
 /// Most residuals times parameters of a fit whose noise is looked at row by row.
 const MOST_ROWS: usize = 6_000_000;
@@ -36,12 +40,14 @@ pub fn with_ordered_noise(
 ) -> Result<FittedDevice, CalibrationError> {
     let all = channels(&fitted.device, recording)?;
     let weights = fitted.weights.clone();
+    let mut sizes = Sizes::new();
     if method == CalibrationMethod::Joint {
         if let Some(whole) = fitted.whole.take() {
-            let whole = look(whole, recording, &all, &weights)?;
+            let whole = look(whole, recording, &all, &weights, &mut sizes)?;
             fitted.device.clone_from(&whole.device);
             fitted.whole = Some(whole);
         }
+        fitted.weights.local_size = sizes;
         return Ok(fitted);
     }
     let mut moved = Vec::new();
@@ -51,7 +57,7 @@ pub fn with_ordered_noise(
         };
         let old = values(&before);
         let own = [Channel::Output { joint: step.joint }];
-        let after = look(before, recording, &own, &weights)?;
+        let after = look(before, recording, &own, &weights, &mut sizes)?;
         let changes = values(&after).into_iter().zip(old);
         moved.extend(changes.filter_map(|((parameter, now), (_, was))| {
             (now != was).then_some((parameter, now - was))
@@ -64,7 +70,7 @@ pub fn with_ordered_noise(
             let whole = follow(whole, &moved, (&rows, &distant), &weights)?;
             let steps = &fitted.transmissions;
             let whole = with_step_one_noise(whole, steps, &rows, &distant, &weights)?;
-            Some(look(whole, &rows, &distant, &weights)?)
+            Some(look(whole, &rows, &distant, &weights, &mut sizes)?)
         }
         (whole, _) => whole,
     };
@@ -73,6 +79,7 @@ pub fn with_ordered_noise(
         fitted.device.clone_from(&whole.device);
     }
     fitted.whole = whole;
+    fitted.weights.local_size = sizes;
     Ok(fitted)
 }
 
@@ -96,6 +103,7 @@ fn look(
     recording: &Recording,
     channels: &[Channel],
     weights: &Weights,
+    sizes: &mut Sizes,
 ) -> Result<ParameterFit, CalibrationError> {
     let failed = |source| wrap("noise of a fit", source);
     if fit.fitted.is_empty() || fit.residuals.len() * fit.fitted.len() > MOST_ROWS {
@@ -137,6 +145,19 @@ fn look(
         return Ok(fit);
     };
     fit.channel_noise = ChannelNoise::list(&found, &signals, channels);
+    for block in &problem.blocks {
+        let own = (block.rows.iter().enumerate()).map(|(reading, &row)| {
+            (
+                row,
+                found.sizes[block.first + reading * block.channel.width()],
+            )
+        });
+        let own = own.filter_map(|(row, size)| Some((*recording.line.get(row)?, size)));
+        let own: BTreeMap<u64, f64> = own.collect();
+        if own.values().any(|size| *size != 1.0) {
+            sizes.insert(block.channel, own);
+        }
+    }
     let CorrelatedNoise {
         step,
         components,

@@ -1,6 +1,6 @@
 //! The noise of step 1 in step 2: the transmissions' covariance carried through the distances.
 
-use haptical_identification::Matrix;
+use haptical_identification::{Component, Matrix};
 use haptical_model::{ParameterId, Recording};
 
 use crate::error::wrap;
@@ -67,6 +67,7 @@ pub fn with_step_one_noise(
         covariance,
         sensitivity,
         beyond_first_order: Vec::new(),
+        known_parts: parts(&steps),
         promised_fall: 0.0,
     };
     fit.considered = fit.considered.with(&step_one);
@@ -100,6 +101,20 @@ fn together(steps: &[&ParameterFit]) -> (Vec<ParameterId>, Vec<Held>, Matrix) {
         }
     });
     (parameters, held, covariance)
+}
+
+/// The parts of that covariance, where the noise of a step has memory.
+fn parts(steps: &[&ParameterFit]) -> Vec<Component> {
+    let sizes: Vec<usize> = steps.iter().map(|fit| fit.uncertain().0.len()).collect();
+    let all = sizes.iter().sum();
+    let mut first = 0;
+    let mut parts = Vec::new();
+    for (fit, size) in steps.iter().zip(sizes) {
+        let own = fit.uncertainty.components.iter();
+        parts.extend(own.map(|part| part.placed(first, all)));
+        first += size;
+    }
+    parts
 }
 
 /// Takes what step 1 added to the residuals' sum of squares out of the noise that was estimated from it.

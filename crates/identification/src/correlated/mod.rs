@@ -69,6 +69,22 @@ pub struct Component {
     pub degrees_of_freedom: f64,
 }
 
+impl Component {
+    /// The same among `count` parameters, its own from `first` on.
+    #[must_use]
+    pub fn placed(&self, first: usize, count: usize) -> Self {
+        let own = self.covariance.columns();
+        let entry = |a: usize, b: usize| match (a.checked_sub(first), b.checked_sub(first)) {
+            (Some(a), Some(b)) if a < own && b < own => self.covariance[(a, b)],
+            _ => 0.0,
+        };
+        Self {
+            covariance: Matrix::from_fn(count, count, entry),
+            ..*self
+        }
+    }
+}
+
 /// Noise that is larger in a part of the range of a covariate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uneven {
@@ -92,6 +108,8 @@ pub struct CorrelatedNoise {
     pub correlated: Vec<usize>,
     /// Where the noise is uneven.
     pub uneven: Vec<Uneven>,
+    /// Local size of the noise at every row, with geometric mean 1 over a group.
+    pub sizes: Vec<f64>,
     /// Change of every signal over the log by the fitted line \[stated standard deviations\]; empty without lines.
     pub drift: Vec<f64>,
     /// Chance of lines as steep as these without a drift.
@@ -197,6 +215,7 @@ pub fn correlated_noise(problem: &OrderedProblem<'_>) -> Option<CorrelatedNoise>
         correlated: unmixed.correlated(problem.signals),
         drift: fitted.lines(),
         uneven: sizes.uneven,
+        sizes: sizes.of_row,
         drift_p_value,
     })
 }

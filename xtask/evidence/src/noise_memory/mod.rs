@@ -58,6 +58,7 @@ struct Trial {
 struct Outcome {
     /// Whether the intervals of independent noise held the truth.
     usual: Vec<bool>,
+    kinds: Vec<Kind>,
     /// Names of the others, and whether they did.
     each: Vec<(String, bool)>,
     /// Half widths of parameters over those of independent noise.
@@ -78,7 +79,7 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
          the noise. `said` is the share of devices whose result says that the noise is not independent and of one size. \
          White noise is said to be so where a line in time is fitted besides, which a quarter of the channels gets."
     ));
-    let columns = "noise | motion | poses | rig | devices | failed | covered before [%] | covered [%] | worst parameter \
+    let columns = "noise | motion | poses | rig | devices | failed | covered before [%] | covered [%] | fixed alone [%] | in a combination [%] | combinations [%] | worst parameter \
                    [%] | of | median half width over before | said [%] | within the bar";
     let mut table = Table::with_heads(
         "Coverage of 95 % intervals where the noise has memory",
@@ -129,6 +130,8 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
 struct Row {
     before: f64,
     covered: f64,
+    /// Of parameters fixed alone, of those fixed in a combination, of combinations.
+    by_kind: [f64; 3],
     worst: (String, f64),
     growth: f64,
     said: f64,
@@ -150,6 +153,13 @@ impl Row {
         let usual: Vec<bool> = good.iter().flat_map(|own| own.usual.clone()).collect();
         let own = good.iter().flat_map(|own| &own.each);
         let own: Vec<bool> = own.map(|(_, holds)| *holds).collect();
+        let kinds = good.iter().flat_map(|own| &own.kinds);
+        let of_kind = |wanted: Kind| {
+            let own = kinds.clone().zip(&own).filter(|(kind, _)| **kind == wanted);
+            own.map(|(_, holds)| *holds).collect::<Vec<bool>>()
+        };
+        let by_kind =
+            [Kind::Alone, Kind::Member, Kind::Combination].map(|kind| percent(&of_kind(kind)));
         let widths: Vec<f64> = good.iter().flat_map(|own| own.widths.clone()).collect();
         // a parameter of a handful of devices proves nothing
         let share = |count: &[usize; 2]| 100.0 * count[0] as f64 / count[1] as f64;
@@ -159,6 +169,7 @@ impl Row {
         let worst = often.min_by(|a, b| share(a.1).total_cmp(&share(b.1)));
         let (name, count) = worst.context("no interval at all")?;
         Ok(Self {
+            by_kind,
             before: percent(&usual),
             covered: percent(&own),
             worst: ((*name).to_owned(), share(count)),
@@ -188,6 +199,9 @@ impl Row {
             Cell::number(self.failed as f64, 0),
             Cell::number(self.before, 1),
             Cell::number(self.covered, 1),
+            Cell::number(self.by_kind[0], 1),
+            Cell::number(self.by_kind[1], 1),
+            Cell::number(self.by_kind[2], 1),
             Cell::number(self.worst.1, 1),
             self.worst.0.clone().into(),
             Cell::number(self.growth, 2),
@@ -244,6 +258,7 @@ impl Trial {
         };
         Ok(Outcome {
             usual: before.iter().map(holds).collect(),
+            kinds: after.iter().map(|own| own.kind).collect(),
             widths: after.iter().filter_map(width).collect(),
             each: after.iter().map(|own| (own.label(), holds(own))).collect(),
             said: own.iter().any(|fit| !fit.channel_noise.is_empty()),
