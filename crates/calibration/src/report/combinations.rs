@@ -45,7 +45,12 @@ impl ParameterFit {
     pub fn combinations(&self) -> Vec<Combination> {
         let half_widths = self.uncertainty.half_widths(self.noise);
         let considered = &self.considered;
-        let is_held: Vec<bool> = considered.held.iter().map(|h| *h != Held::Fitted).collect();
+        // what an earlier step held moves what it fitted, by about as much the other way: they are not taken apart
+        let is_own = |parameter| self.parameters.contains(parameter);
+        let each = considered.held.iter().zip(&considered.parameters);
+        let is_held: Vec<bool> = each
+            .map(|(held, parameter)| *held != Held::Fitted && is_own(parameter))
+            .collect();
         let rows = self.fitted.iter().enumerate();
         let combined = rows.filter_map(|(row, &index)| {
             let estimate = &self.estimates[index];

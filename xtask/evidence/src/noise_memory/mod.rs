@@ -190,6 +190,10 @@ impl Row {
             (Rig::Cable, CalibrationMethod::Joint) => "cable, joint",
             (Rig::Tracker, _) => "tracker, two steps",
         };
+        let of_kind = |share: f64| match share.is_finite() {
+            true => format!("{share:.1}").into(),
+            false => "none".into(),
+        };
         vec![
             trial.condition.name.into(),
             motion.into(),
@@ -199,9 +203,9 @@ impl Row {
             Cell::number(self.failed as f64, 0),
             Cell::number(self.before, 1),
             Cell::number(self.covered, 1),
-            Cell::number(self.by_kind[0], 1),
-            Cell::number(self.by_kind[1], 1),
-            Cell::number(self.by_kind[2], 1),
+            of_kind(self.by_kind[0]),
+            of_kind(self.by_kind[1]),
+            of_kind(self.by_kind[2]),
             Cell::number(self.worst.1, 1),
             self.worst.0.clone().into(),
             Cell::number(self.growth, 2),
