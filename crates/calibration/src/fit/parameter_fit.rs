@@ -28,6 +28,9 @@ pub struct ParameterFit {
     pub considered: Considered,
     /// Where the size of the noise came from.
     pub noise: NoiseScale,
+    /// Whether it was looked at for memory, drifts and uneven size: not in logs of more than 6 million residuals times
+    /// parameters, nor in such of fewer than 24 rows.
+    pub noise_is_checked: bool,
     /// The channels' noise, where it is not independent and of one size ([`crate::with_ordered_noise`] looks).
     pub channel_noise: Vec<ChannelNoise>,
     /// Intervals that are not linearised ones ([`crate::calibrate`] looks for them).

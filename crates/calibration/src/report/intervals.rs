@@ -16,6 +16,8 @@ pub struct Intervals {
     pub degrees_of_freedom: usize,
     /// The fewest degrees of freedom of a parameter, where the noise has memory; none otherwise.
     pub least_degrees_of_freedom: Option<f64>,
+    /// Whether memory, drifts and uneven size of the noise were looked for: not in very long logs, nor in very short ones.
+    pub noise_checked: bool,
     /// The noise of the fit's channels, where it is not independent and of one size.
     pub channel_noise: Vec<ChannelNoise>,
     /// Parameters that were not fitted (weak, or those of step 1) and whose plausible errors widen the intervals.
@@ -62,6 +64,7 @@ impl ParameterFit {
             kind: kind.to_owned(),
             degrees_of_freedom: self.uncertainty.degrees_of_freedom,
             least_degrees_of_freedom: least.filter(|_| has_memory),
+            noise_checked: self.noise_is_checked,
             channel_noise: self.channel_noise.clone(),
             considered: considered
                 .map(|parameter| parameter.name(&self.device))

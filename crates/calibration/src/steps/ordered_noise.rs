@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use haptical_identification::{
-    CorrelatedNoise, HeldParameters, Matrix, OrderedProblem, Signal, correlated_noise,
+    CorrelatedNoise, FEWEST_ROWS, HeldParameters, Matrix, OrderedProblem, Signal, correlated_noise,
     evaluate_jacobian,
 };
 use haptical_model::{Device, ParameterId, Recording};
@@ -130,6 +130,9 @@ fn look(
     let (derivatives, held) = (columns(0, own.len()), columns(own.len(), held.len()));
     let known = fit.considered.known();
     let signals = signals(&problem);
+    fit.noise_is_checked = signals
+        .iter()
+        .any(|signal| signal.rows.len() >= FEWEST_ROWS);
     let found = correlated_noise(&OrderedProblem {
         derivatives: &derivatives,
         residuals: &residuals,

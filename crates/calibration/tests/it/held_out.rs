@@ -2,7 +2,7 @@
 
 use haptical_calibration::{
     CalibrationError, CalibrationMethod, Channel, HeldOut, Options, Weighting, Weights, calibrate,
-    channel_residuals, channels, fit_device, split,
+    channel_residuals, channels, fit_device, split, with_ordered_noise,
 };
 use haptical_model::{Recording, TransmissionError};
 use haptical_simulator::{Noise, true_poses};
@@ -187,6 +187,7 @@ fn a_short_log_is_checked_by_folds() {
     }
     let all = haptic::fixed(CalibrationMethod::TwoStep, Weighting::Stated);
     let fitted = fit_device(&nominal, &recording, &all).unwrap();
+    let fitted = with_ordered_noise(fitted, &recording, all.method).unwrap();
     assert_eq!(
         calibration.device, fitted.device,
         "the reported device saw every row"

@@ -1,6 +1,6 @@
 //! The kind of an identification's intervals, in a sentence.
 
-use haptical_calibration::Intervals;
+use haptical_calibration::{ChannelNoise, Intervals};
 
 /// The same as a sentence.
 pub(super) fn sentence(intervals: &Intervals) -> String {
@@ -26,9 +26,48 @@ pub(super) fn sentence(intervals: &Intervals) -> String {
             names.join(", ")
         ),
     };
+    let noise = of_noise(intervals);
     format!(
-        "95 % intervals: {}, {} degrees of freedom.{checked}{open}{considered} No interval is given for what is not \
+        "95 % intervals: {}, {} degrees of freedom.{noise}{checked}{open}{considered} No interval is given for what is not \
          identified.",
         intervals.kind, intervals.degrees_of_freedom
     )
+}
+
+/// What the residuals say of noise that is not independent and of one size.
+fn of_noise(intervals: &Intervals) -> String {
+    if !intervals.noise_checked {
+        return " The noise is taken as independent from row to row: the log is too long or too short to look."
+            .to_owned();
+    }
+    let channels = &intervals.channel_noise;
+    let names = |has: &dyn Fn(&ChannelNoise) -> bool| -> Option<String> {
+        let own: Vec<&str> = (channels.iter().filter(|own| has(own)))
+            .map(|own| own.channel.as_str())
+            .collect();
+        (!own.is_empty()).then(|| own.join(", "))
+    };
+    let mut sentences = Vec::new();
+    if let Some(names) = names(&|own| own.has_memory) {
+        let least = intervals
+            .least_degrees_of_freedom
+            .map_or_else(String::new, |least| format!(" of at least {least:.1} degrees of freedom"));
+        sentences.push(format!(
+            " The noise has memory along the log in {names}: intervals follow from its spectrum{least}."
+        ));
+    }
+    for own in channels {
+        for uneven in &own.uneven {
+            sentences.push(format!(
+                " The noise of {} is up to {:.1} times larger in a part of joint {}'s range: rows are weighted by that.",
+                own.channel, uneven.ratio, uneven.joint
+            ));
+        }
+    }
+    if let Some(names) = names(&|own| !own.drift_sd.is_empty()) {
+        sentences.push(format!(
+            " A line in time was fitted besides, as a drift is not excluded: {names}."
+        ));
+    }
+    sentences.concat()
 }

@@ -264,7 +264,10 @@ pub(super) fn identified(
         transmissions: transmissions(calibration, &parameters),
         combinations,
         not_identified,
-        intervals: fits.first().map(|fit| fit.intervals()),
+        intervals: fits.first().map(|first| Intervals {
+            channel_noise: fits.iter().flat_map(|fit| fit.channel_noise.clone()).collect(),
+            ..first.intervals()
+        }),
         search: fitted.whole.as_ref().map(|whole| whole.starts.clone()),
         identifiability: IdentifiabilityEntry {
             solution: RankEntry::from_judgements(fits.iter().map(|fit| &fit.identifiability)),

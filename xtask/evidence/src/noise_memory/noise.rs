@@ -57,7 +57,8 @@ pub(super) fn record(
     for (index, joint) in truth.joints.iter().enumerate() {
         let sd = joint.output_sd_rad();
         if let (Some(column), Some(sd)) = (&mut seen.output[index], sd) {
-            let noise = condition.noise(&joints, Some(index), &mut random);
+            let sizes = condition.sizes(&joints, Some(index), &mut random);
+            let noise = condition.noise(&sizes, &mut random);
             for ((out, &reading), error) in column.iter_mut().zip(&joints[index]).zip(noise) {
                 *out = reading + joint.error_rad(reading)? + sd * error;
             }
@@ -66,14 +67,16 @@ pub(super) fn record(
     match rig {
         Rig::Cable => {
             let sd = truth.cable_sd_m(0).unwrap_or(0.0);
-            let noise = condition.noise(&joints, None, &mut random);
+            let sizes = condition.sizes(&joints, None, &mut random);
+            let noise = condition.noise(&sizes, &mut random);
             let distances = poses.iter().zip(noise);
             let distances = distances.map(|(pose, error)| pose.position_m.norm() + sd * error);
             seen.cable_m[0] = Some(distances.collect());
         }
         Rig::Tracker => {
+            let sizes = condition.sizes(&joints, None, &mut random);
             let mut axis = |axis: usize| -> Vec<f64> {
-                let noise = condition.noise(&joints, None, &mut random);
+                let noise = condition.noise(&sizes, &mut random);
                 let each = poses.iter().zip(noise);
                 each.map(|(pose, error)| pose.position_m[axis] + TRACKER_SD_M * error)
                     .collect()
@@ -109,44 +112,40 @@ fn smooth(rows: usize, lower: f64, upper: f64, random: &mut ChaCha8Rng) -> Vec<f
 }
 
 impl Condition {
-    /// One channel's errors in standard deviations; `own` is the joint that the channel's errors may depend on.
-    fn noise(self, joints: &[Vec<f64>], own: Option<usize>, random: &mut ChaCha8Rng) -> Vec<f64> {
+    /// Size of a channel's noise at every row; `own` is the joint that it may depend on.
+    fn sizes(self, joints: &[Vec<f64>], own: Option<usize>, random: &mut ChaCha8Rng) -> Vec<f64> {
         let rows = joints.first().map_or(0, Vec::len);
+        if self.uneven <= 1.0 {
+            return vec![1.0; rows];
+        }
+        let joint = own.unwrap_or_else(|| random.random_range(0..joints.len()));
+        let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
+        let angle = |row: usize| sign * joints[joint][row];
+        let least = (0..rows).map(angle).fold(f64::INFINITY, f64::min);
+        let most = (0..rows).map(angle).fold(f64::NEG_INFINITY, f64::max);
+        let from = least + random.random_range(0.5..0.7) * (most - least);
+        let size = |row: usize| {
+            // an edge of 2 % of the range
+            let above = (angle(row) - from) / (0.02 * (most - least));
+            self.uneven
+                .powf(1.0 / (1.0 + (-above).clamp(-50.0, 50.0).exp()))
+        };
+        (0..rows).map(size).collect()
+    }
+
+    /// Errors of one axis in standard deviations.
+    fn noise(self, sizes: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
         let normal = |random: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(random) };
         let mut last = normal(random);
         let fresh = (1.0 - self.correlation * self.correlation).sqrt();
-        let mut errors: Vec<f64> = (0..rows)
-            .map(|_| {
-                last = self.correlation * last + fresh * normal(random);
-                last
-            })
-            .collect();
-        let mut size = 1.0;
-        if self.uneven > 1.0 {
-            let joint = own.unwrap_or_else(|| random.random_range(0..joints.len()));
-            let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
-            let angle = |row: usize| sign * joints[joint][row];
-            let least = (0..rows).map(angle).fold(f64::INFINITY, f64::min);
-            let most = (0..rows).map(angle).fold(f64::NEG_INFINITY, f64::max);
-            let from = least + random.random_range(0.5..0.7) * (most - least);
-            let mut squares = 0.0;
-            for (row, error) in errors.iter_mut().enumerate() {
-                // an edge of 2 % of the range
-                let above = (angle(row) - from) / (0.02 * (most - least));
-                let own = self
-                    .uneven
-                    .powf(1.0 / (1.0 + (-above).clamp(-50.0, 50.0).exp()));
-                *error *= own;
-                squares += own * own;
-            }
-            size = (squares / rows as f64).sqrt();
-        }
-        if self.drift_sd > 0.0 {
-            let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
-            for (row, error) in errors.iter_mut().enumerate() {
-                let time = (row as f64 + 0.5) / rows as f64 - 0.5;
-                *error += sign * self.drift_sd * size * time;
-            }
+        let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
+        let mean_square = sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len() as f64;
+        let drift = sign * self.drift_sd * mean_square.sqrt();
+        let mut errors = Vec::with_capacity(sizes.len());
+        for (row, size) in sizes.iter().enumerate() {
+            last = self.correlation * last + fresh * normal(random);
+            let time = (row as f64 + 0.5) / sizes.len() as f64 - 0.5;
+            errors.push(size * last + drift * time);
         }
         errors
     }
