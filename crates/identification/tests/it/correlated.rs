@@ -192,7 +192,7 @@ fn even_noise_without_memory_keeps_the_usual_covariance() {
             derivatives: &matrix,
             residuals: &residuals,
             signals: &signals(&[0], ROWS),
-            covariates: &[ramp.clone()],
+            covariates: std::slice::from_ref(&ramp),
             noise: NoiseScale::Estimated,
             held: None,
         });
