@@ -3,7 +3,7 @@
 use haptical_linalg::{Matrix, Reduction};
 use serde::Serialize;
 
-use crate::correlated::{Component, pooled, quantile};
+use crate::component::{Component, pooled, quantile};
 use crate::{Identifiability, IdentificationError, ParameterInfo, Status};
 
 /// How large the noise is taken to be.

@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod component;
 mod correlated;
 mod derivative_check;
 mod error;
@@ -16,9 +17,10 @@ mod search;
 mod settings;
 mod solver;
 
+pub use component::{Component, pooled};
 pub use correlated::{
-    Component, CorrelatedNoise, FEWEST_ROWS, HeldEffect, HeldParameters, OrderedProblem, Signal,
-    Uneven, correlated_noise, pooled,
+    CorrelatedNoise, FEWEST_ROWS, HeldEffect, HeldParameters, OrderedProblem, Signal, Uneven,
+    correlated_noise,
 };
 pub use derivative_check::{DerivativeMismatch, worst_derivative};
 pub use error::IdentificationError;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rustdct::DctPlanner;
 
-use super::Signal;
+use super::problem::Signal;
 use super::rows::{Rows, along};
 
 /// Products of a signal's columns in bands of frequency. Columns: those of the basis, a line in time, the readings, held

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::bands::SignalBands;
-use super::rows::{Rows, inverse_factor};
-use super::unmixed::Unmixed;
+use super::problem::OrderedProblem;
+use super::rows::{Rows, along, inverse_factor, rooms};
 
 /// A fit of all signals together.
 pub(super) struct Fitted {
@@ -153,8 +153,40 @@ impl Fitted {
         apart - &crossed - crossed.transpose() + values.tr_mul(&(own * &values))
     }
 
-    pub(super) fn unmixed(&self, bands: &[SignalBands], rows: &Rows) -> Unmixed {
-        Unmixed::new(self, bands, rows)
+    /// Variances of the parameters by the usual formula, and by one that lets every row have its own size (HC2).
+    pub(super) fn variances(
+        &self,
+        rows: &Rows,
+        problem: &OrderedProblem<'_>,
+        sizes: &[f64],
+    ) -> Option<(DVector<f64>, DVector<f64>)> {
+        let count = rows.basis.ncols();
+        let lines = self.unknowns() - count;
+        let mut columns = rows.weighted(sizes).resize_horizontally(count + lines, 0.0);
+        for (signal, &line) in problem.signals.iter().zip(&self.line_of_signal) {
+            let Some(line) = line else { continue };
+            for (place, &row) in signal.rows.iter().enumerate() {
+                columns[(row, line)] = along(place, signal.rows.len()) / sizes[row];
+            }
+        }
+        let readings = DVector::from_fn(sizes.len(), |row, _| rows.readings[row] / sizes[row]);
+        let rest = &readings - &columns * &self.values;
+        let mut spanned = columns * self.inverse_factor.transpose();
+        let rooms = rooms(&spanned);
+        for mut column in spanned.column_iter_mut() {
+            for ((entry, rest), room) in column.iter_mut().zip(rest.iter()).zip(&rooms) {
+                *entry *= rest / room.sqrt();
+            }
+        }
+        let meat = spanned.transpose() * &spanned;
+        let way = self.to_parameters(rows);
+        let usual = self.variance();
+        let usual = DVector::from_fn(count, |k, _| usual * way.row(k).norm_squared());
+        let moved = &way * meat;
+        let each = DVector::from_fn(count, |k, _| moved.row(k).dot(&way.row(k)));
+        let is_sound =
+            |variances: &DVector<f64>| variances.iter().all(|v| v.is_finite() && *v > 0.0);
+        (is_sound(&usual) && is_sound(&each)).then_some((usual, each))
     }
 }
 

@@ -3,7 +3,7 @@
 use haptical_linalg::Matrix;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::as_matrix;
+use super::rows::as_matrix;
 
 /// What a fit says of parameters that it held.
 #[derive(Debug, Clone, PartialEq)]

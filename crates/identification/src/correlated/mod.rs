@@ -7,94 +7,24 @@ mod fitted;
 mod held;
 mod nnls;
 mod partition;
+mod problem;
 mod rows;
 mod sizes;
 mod unmixed;
 
 use haptical_linalg::Matrix;
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::NoiseScale;
+use crate::component::{Component, pooled, quantile};
 use bands::SignalBands;
 use fitted::Fitted;
 pub use held::HeldEffect;
-use rows::Rows;
+pub use problem::{HeldParameters, OrderedProblem, Signal, Uneven};
+use rows::{Rows, as_matrix};
 use sizes::Sizes;
-
-/// Residuals of one sensor axis in the order of time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Signal {
-    /// Signals of one group are axes of one sensor: their noise is larger at the same places.
-    pub group: usize,
-    /// Rows of the derivative matrix, first to last.
-    pub rows: Vec<usize>,
-    /// Row of each of them in the covariates; the same for all signals of a group.
-    pub at: Vec<usize>,
-}
-
-/// A linearised least-squares problem at its minimum, with the order of its rows.
-#[derive(Debug, Clone, Copy)]
-pub struct OrderedProblem<'a> {
-    /// Derivatives of the weighted residuals, rows x parameters.
-    pub derivatives: &'a Matrix,
-    /// Weighted residuals, model minus measurement over the stated standard deviation.
-    pub residuals: &'a [f64],
-    /// Which rows follow each other in time.
-    pub signals: &'a [Signal],
-    /// Numbers that the size of the noise may depend on, such as joint angles: a column each.
-    pub covariates: &'a [Vec<f64>],
-    /// Where the size of even noise without memory comes from.
-    pub noise: NoiseScale,
-    /// Parameters that the fit held although they are uncertain.
-    pub held: Option<HeldParameters<'a>>,
-}
-
-/// Parameters that a fit held although they are uncertain.
-#[derive(Debug, Clone, Copy)]
-pub struct HeldParameters<'a> {
-    /// Derivatives of the weighted residuals, rows x parameters.
-    pub derivatives: &'a Matrix,
-    /// Covariance of those that an earlier step fitted, zero for the others: what their errors are expected to add to the
-    /// residuals is no noise.
-    pub known: &'a Matrix,
-}
-
-/// A part of a covariance that is in proportion to one estimated level of noise.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Component {
-    /// Covariance of the parameters.
-    pub covariance: Matrix,
-    /// Degrees of freedom of the level.
-    pub degrees_of_freedom: f64,
-}
-
-impl Component {
-    /// The same among `count` parameters, its own from `first` on.
-    #[must_use]
-    pub fn placed(&self, first: usize, count: usize) -> Self {
-        let own = self.covariance.columns();
-        let entry = |a: usize, b: usize| match (a.checked_sub(first), b.checked_sub(first)) {
-            (Some(a), Some(b)) if a < own && b < own => self.covariance[(a, b)],
-            _ => 0.0,
-        };
-        Self {
-            covariance: Matrix::from_fn(count, count, entry),
-            ..*self
-        }
-    }
-}
-
-/// Noise that is larger in a part of the range of a covariate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Uneven {
-    /// Group of signals.
-    pub group: usize,
-    /// Covariate.
-    pub covariate: usize,
-    /// Largest standard deviation over the smallest.
-    pub ratio: f64,
-}
+use unmixed::Unmixed;
 
 /// Noise that is not independent and of one size, and the fit as it follows from that.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,13 +83,13 @@ pub fn correlated_noise(problem: &OrderedProblem<'_>) -> Option<CorrelatedNoise>
     let drift_p_value = lined
         .as_ref()
         .map_or(1.0, |lined| p_value_of_lines(&plain, lined));
-    let has_memory = plain.unmixed(&bands, &rows).memory;
+    let has_memory = Unmixed::new(&plain, &bands, &rows).memory;
     let (fitted, has_lines) = match lined {
         Some(lined) if has_memory || drift_p_value < DRIFT_LEVEL => (lined, true),
         _ => (plain, false),
     };
-    let unmixed = fitted.unmixed(&bands, &rows);
-    let (usual, heteroscedastic) = rows.variances(problem, &sizes.of_row, &fitted)?;
+    let unmixed = Unmixed::new(&fitted, &bands, &rows);
+    let (usual, heteroscedastic) = fitted.variances(&rows, problem, &sizes.of_row)?;
     let usual = match problem.noise {
         NoiseScale::Estimated => usual,
         NoiseScale::Stated if sizes.uneven.is_empty() && !unmixed.memory => {
@@ -255,41 +185,6 @@ fn scaled_to(components: Vec<Component>, floor: Option<&DVector<f64>>) -> Vec<Co
     components.iter().map(scale).collect()
 }
 
-/// Variance of a linear function of the parameters and its degrees of freedom (Satterthwaite 1946): `part` gives its
-/// variance by the covariance of one component.
-#[must_use]
-pub fn pooled(components: &[Component], part: &dyn Fn(&Matrix) -> f64) -> (f64, f64) {
-    let (mut variance, mut scatter) = (0.0, 0.0);
-    for component in components {
-        let own = part(&component.covariance);
-        variance += own;
-        scatter += own * own / component.degrees_of_freedom;
-    }
-    let freedom = if scatter > 0.0 {
-        variance * variance / scatter
-    } else {
-        f64::INFINITY
-    };
-    (variance, freedom)
-}
-
-/// Half width of the 95 % interval in standard deviations, Student's t.
-pub(crate) fn quantile(freedom: f64) -> f64 {
-    const NORMAL_95: f64 = 1.959_963_984_540_054;
-    // the expansion in 1 / freedom (Abramowitz & Stegun 26.7.5): the search for the inverse is inexact there, or never ends
-    const EXPANDED_FROM: f64 = 1e3;
-    if freedom < EXPANDED_FROM
-        && let Ok(spread) = StudentsT::new(0.0, 1.0, freedom)
-    {
-        return spread.inverse_cdf(0.975);
-    }
-    let z = NORMAL_95;
-    let first = (z.powi(3) + z) / 4.0;
-    let second = (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0;
-    let third = (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0;
-    z + (first + (second + third / freedom) / freedom) / freedom
-}
-
 fn inflated(mut components: Vec<Component>, factor: f64) -> Vec<Component> {
     for component in &mut components {
         for column in 0..component.covariance.columns() {
@@ -298,46 +193,4 @@ fn inflated(mut components: Vec<Component>, factor: f64) -> Vec<Component> {
         }
     }
     components
-}
-
-/// A dense matrix of the other kind.
-fn as_matrix(dense: &DMatrix<f64>) -> Matrix {
-    Matrix::from_fn(dense.nrows(), dense.ncols(), |row, column| {
-        dense[(row, column)]
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::quantile;
-
-    /// Values of scipy.stats.t.ppf(0.975, freedom).
-    #[test]
-    fn quantiles_of_any_freedom_are_those_of_tables() {
-        let table = [
-            (0.5, 164.557_673_480_488),
-            (1.0, 12.706_204_736_174_7),
-            (2.37, 3.718_920_839_797),
-            (30.0, 2.042_272_456_301_24),
-            (999.5, 1.962_340_270_384),
-            (1000.5, 1.962_337_892_459),
-            (99_999.5, 1.959_987_707_653),
-            (100_000.5, 1.959_987_707_416),
-            (1e12, 1.959_963_984_542),
-        ];
-        for (freedom, expected) in table {
-            let found = quantile(freedom);
-            assert!((found / expected - 1.0).abs() < 1e-9, "{freedom}: {found}");
-        }
-        let mut before = f64::INFINITY;
-        for step in 0..4000 {
-            let found = quantile(0.5 * 1.005_f64.powi(step));
-            assert!(
-                found <= before * (1.0 + 1e-9),
-                "{step}: {found} after {before}"
-            );
-            before = found;
-        }
-        assert_eq!(quantile(f64::INFINITY), 1.959_963_984_540_054);
-    }
 }

@@ -1,9 +1,9 @@
 //! The rows of a problem with orthonormal columns, and weighted least squares over them.
 
+use haptical_linalg::Matrix;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::OrderedProblem;
-use super::fitted::Fitted;
+use super::problem::OrderedProblem;
 
 /// Columns that span the derivatives, what the fit may still change, and the way back to the parameters.
 pub(super) struct Rows {
@@ -90,7 +90,7 @@ impl Rows {
         self.known.dot(held)
     }
 
-    fn weighted(&self, sizes: &[f64]) -> DMatrix<f64> {
+    pub(super) fn weighted(&self, sizes: &[f64]) -> DMatrix<f64> {
         let mut weighted = self.basis.clone();
         for mut column in weighted.column_iter_mut() {
             for (entry, size) in column.iter_mut().zip(sizes) {
@@ -99,42 +99,6 @@ impl Rows {
         }
         weighted
     }
-
-    /// Variances of the parameters by the usual formula, and by one that lets every row have its own size (HC2).
-    pub(super) fn variances(
-        &self,
-        problem: &OrderedProblem<'_>,
-        sizes: &[f64],
-        fitted: &Fitted,
-    ) -> Option<(DVector<f64>, DVector<f64>)> {
-        let count = self.basis.ncols();
-        let lines = fitted.unknowns() - count;
-        let mut columns = self.weighted(sizes).resize_horizontally(count + lines, 0.0);
-        for (signal, &line) in problem.signals.iter().zip(&fitted.line_of_signal) {
-            let Some(line) = line else { continue };
-            for (place, &row) in signal.rows.iter().enumerate() {
-                columns[(row, line)] = along(place, signal.rows.len()) / sizes[row];
-            }
-        }
-        let readings = DVector::from_fn(sizes.len(), |row, _| self.readings[row] / sizes[row]);
-        let rest = &readings - &columns * &fitted.values;
-        let mut spanned = columns * fitted.inverse_factor.transpose();
-        let rooms = rooms(&spanned);
-        for mut column in spanned.column_iter_mut() {
-            for ((entry, rest), room) in column.iter_mut().zip(rest.iter()).zip(&rooms) {
-                *entry *= rest / room.sqrt();
-            }
-        }
-        let meat = spanned.transpose() * &spanned;
-        let way = fitted.to_parameters(self);
-        let usual = fitted.variance();
-        let usual = DVector::from_fn(count, |k, _| usual * way.row(k).norm_squared());
-        let moved = &way * meat;
-        let each = DVector::from_fn(count, |k, _| moved.row(k).dot(&way.row(k)));
-        let is_sound =
-            |variances: &DVector<f64>| variances.iter().all(|v| v.is_finite() && *v > 0.0);
-        (is_sound(&usual) && is_sound(&each)).then_some((usual, each))
-    }
 }
 
 /// A line in time, from -1/2 to 1/2 over the signal.
@@ -142,7 +106,8 @@ pub(super) fn along(place: usize, count: usize) -> f64 {
     (place as f64 + 0.5) / count as f64 - 0.5
 }
 
-fn rooms(spanned: &DMatrix<f64>) -> Vec<f64> {
+/// The room 1 - h of every row, h its share of orthonormal columns.
+pub(super) fn rooms(spanned: &DMatrix<f64>) -> Vec<f64> {
     let mut rooms = vec![1.0; spanned.nrows()];
     for column in spanned.column_iter() {
         for (room, entry) in rooms.iter_mut().zip(column.iter()) {
@@ -165,4 +130,11 @@ pub(super) fn inverse_factor(gram: DMatrix<f64>) -> Option<DMatrix<f64>> {
         return None;
     }
     factor.solve_lower_triangular(&DMatrix::identity(count, count))
+}
+
+/// A dense matrix of the other kind.
+pub(super) fn as_matrix(dense: &DMatrix<f64>) -> Matrix {
+    Matrix::from_fn(dense.nrows(), dense.ncols(), |row, column| {
+        dense[(row, column)]
+    })
 }

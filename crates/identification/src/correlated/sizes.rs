@@ -1,8 +1,8 @@
 //! Local size of the noise: a step function of covariates, where it is uneven.
 
 use super::partition::{Runs, runs};
+use super::problem::{OrderedProblem, Signal, Uneven};
 use super::rows::Rows;
-use super::{OrderedProblem, Signal, Uneven};
 
 /// Standard deviation of every row, with geometric mean 1 over a group.
 pub(super) struct Sizes {

@@ -6,8 +6,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::bands::SignalBands;
 use super::fitted::{Fitted, LEAST_SHARE};
 use super::nnls::nnls;
-use super::rows::Rows;
-use super::{Component, Signal, as_matrix};
+use super::problem::Signal;
+use super::rows::{Rows, as_matrix};
+use crate::component::Component;
 
 /// Power of the noise in the bands of all signals.
 pub(super) struct Unmixed {
