@@ -85,3 +85,33 @@ pub(super) fn from_segments(mut moments: Vec<[f64; LAGS]>, rounding: f64) -> Noi
         speed_ratio: 1.0,
     }
 }
+
+/// Noise of a size that another source gives, with the colour by which segments of that size leave what `segments` were
+/// estimated from. A smooth signal makes segments larger than white noise of that size: it gives no colour.
+pub(super) fn with_colour_of(given: Noise, segments: &Noise) -> Noise {
+    if segments.colour <= 0.0 || segments.coloured_share <= 0.0 {
+        return given;
+    }
+    let basis = segment_basis();
+    let share = segments.coloured_share;
+    let [white, _] = expected_moments(0.0, &basis);
+    let square = |colour: f64| share * expected_moments(colour, &basis)[0] + (1.0 - share) * white;
+    let seen = (segments.ratio / given.ratio).powi(2) * square(segments.colour);
+    if seen >= white {
+        return given;
+    }
+    let (mut low, mut high) = (0.0, segments.colour);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if square(middle) > seen {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Noise {
+        colour: 0.5 * (low + high),
+        coloured_share: share,
+        ..given
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::colour::from_segments;
+use super::colour::{from_segments, with_colour_of};
 use super::repeats::Repeats;
 use super::segments::{segment_basis, segment_moments};
 use super::{Noise, NoiseSource};
@@ -40,13 +40,20 @@ pub(crate) fn estimate(scaled: &[f64], known: &Known<'_>) -> Noise {
     let repeats = known.repeats.noise(scaled, known.rounding);
     let repeats = repeats.filter(|noise| !known.stated || overrules(noise, &stated, known.repeats));
     let stated = known.stated.then_some(stated);
-    let sources = [repeats, by_neighbours(&series, known), stated];
+    let neighbours = by_neighbours(&series, known);
+    let coloured = |noise: Noise| match &neighbours {
+        Some(neighbours) => with_colour_of(noise, neighbours),
+        None => noise,
+    };
+    let stated = stated.map(coloured);
+    let rest = coloured(left.clone());
+    let sources = [repeats, neighbours, stated];
     let mut sources = sources.into_iter().flatten();
     let is_possible = |noise: &Noise| {
         let freedom = left.freedom * noise.independent();
         !noise.is_above(left.ratio, freedom)
     };
-    let found = sources.find(is_possible).unwrap_or(left);
+    let found = sources.find(is_possible).unwrap_or(rest);
     match found.source {
         NoiseSource::Motion | NoiseSource::Stated if known.stated => {
             found.with_rounding(known.rounding)

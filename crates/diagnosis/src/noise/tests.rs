@@ -119,6 +119,34 @@ fn single_disturbed_rows_are_outliers_and_a_jump_is_not() {
     );
 }
 
+/// Where chance puts the size by neighbours above all that is left, the stated size must not make the noise white: a
+/// wave of chance passed for a gap.
+#[test]
+fn noise_of_a_stated_size_keeps_its_colour() {
+    let mut value = 0.0;
+    let values: Vec<f64> = normal(6000, 12)
+        .into_iter()
+        .map(|e| {
+            value = 0.5 * value + 0.75_f64.sqrt() * e;
+            value
+        })
+        .collect();
+    let segments = moving(&values, 0.0);
+    let stated = Noise::of_postures(1.0, 22.0, NoiseSource::Stated);
+    let found = super::colour::with_colour_of(stated.clone(), &segments);
+    assert!((found.colour - 0.5).abs() < 0.05, "{found:?}");
+    assert_eq!((found.ratio, found.source), (1.0, NoiseSource::Stated));
+    // segments of a signal ten times as large say nothing of the colour
+    let large = Noise {
+        ratio: 10.0,
+        ..segments
+    };
+    assert_eq!(
+        super::colour::with_colour_of(stated.clone(), &large),
+        stated
+    );
+}
+
 /// A smooth signal passes for noise of long memory: its floor came out far above all that was left.
 #[test]
 fn a_floor_above_all_that_is_left_is_estimated_again() {
