@@ -44,7 +44,7 @@ pub use report::channel_report::ChannelReport;
 pub use report::combinations::{Combination, Summand};
 pub use report::force_direction::{ForceDirection, force_direction};
 pub use report::frame_origins::frame_origins_m;
-pub use report::intervals::Intervals;
+pub use report::intervals::{Intervals, ScaleOfLengths};
 pub use report::prediction::{Prediction, predict_distances, predict_positions};
 pub use report::warnings::implausible_deviations;
 pub use start::prepare::prepare_device;

@@ -32,11 +32,12 @@ pub enum Weighting {
 }
 
 /// What large residuals cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LossChoice {
     /// Always this one; [`Loss::Squares`] is least squares.
     Fixed(Loss),
     /// Least squares, unless readings lie so far out that noise does not explain them: then Tukey's.
+    #[default]
     Auto,
 }
 

@@ -13,13 +13,14 @@
 #define HAPTICAL_LARGEST_VALUE 1e6
 #define HAPTICAL_SINGULAR_MARGIN 1e-9
 
-/* What haptical_step and the torques return; haptical_state.joint names the joint, from 1. */
+/* What haptical_step, haptical_check_limits and the torques return; haptical_state.joint names the joint, from 1. */
 enum haptical_status {
     HAPTICAL_OK = 0,
     HAPTICAL_NOT_FINITE = 1,     /* a reading, a force or a moment is not finite */
     HAPTICAL_OUT_OF_RANGE = 2,   /* a reading is not between lower and upper */
     HAPTICAL_OPEN_LOOP = 3,      /* a parallelogram is open or stretched */
-    HAPTICAL_VALUE_TOO_LARGE = 4 /* a corrected joint value or a torque is too large */
+    HAPTICAL_VALUE_TOO_LARGE = 4, /* a corrected joint value or a torque is too large */
+    HAPTICAL_BEYOND_LIMIT = 5    /* a reading is beyond the joint limits of the device */
 };
 
 enum haptical_transmission {
@@ -179,6 +180,24 @@ static inline int haptical_output(const haptical_joint *joint, double reading, d
     *output = reading + error;
     *slope = 1.0 + error_slope;
     return fabs(*output) <= HAPTICAL_LARGEST_VALUE ? HAPTICAL_OK : HAPTICAL_VALUE_TOO_LARGE;
+}
+
+/* Whether all readings lie within the joint limits of the device; `joint` is the first that does not, from 1,
+ * or 0. haptical_step does not ask: beyond a limit the model may hold, and a controller needs the pose there
+ * to come back. */
+static inline int haptical_check_limits(const double readings[HAPTICAL_JOINTS], int *joint)
+{
+    for (int index = 0; index < HAPTICAL_JOINTS; ++index) {
+        *joint = index + 1;
+        if (!isfinite(readings[index])) {
+            return HAPTICAL_NOT_FINITE;
+        }
+        if (readings[index] < haptical_limits[index][0] || readings[index] > haptical_limits[index][1]) {
+            return HAPTICAL_BEYOND_LIMIT;
+        }
+    }
+    *joint = 0;
+    return HAPTICAL_OK;
 }
 
 /* Where the device stands at `readings`: motor-side encoder angles over the nominal ratios. On an

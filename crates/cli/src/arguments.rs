@@ -16,7 +16,7 @@ use haptical_effects::structure::JOINT_COMPLIANCE;
 
 use crate::export::ExportArguments;
 use crate::failure::{self, Failure};
-use crate::flags::{DeviceOptions, HoldOptions};
+use crate::flags::{DeviceOptions, HoldOptions, OverwriteOptions};
 use crate::result::ResultCommand;
 use crate::{STATUS_BAD_INPUT, terminal};
 
@@ -47,10 +47,15 @@ pub(crate) enum Command {
 Example:
   haptical identify --device device.toml --log log.csv.gz --out result
 
-Writes result/identified.toml (a device file again), result/identified.json and
-result/report.html: all or none of them. A fit that is worse than the device file on
+Writes result/identified.toml (a device file again), result/identified.json,
+result/identify.html (tables and figures) and result/report.html, an index of the
+results in the folder: all or none of them. A fit that is worse than the device file on
 rows that it did not see is written to result/rejected.toml, and identified.toml holds
-the device with new joint offsets, or as it was, whichever is better.")]
+the device with new joint offsets, or as it was, whichever is better.
+
+Files of an earlier `haptical identify` are overwritten, and one that is not written again is
+removed; a file of these names that none wrote, or that was changed since, is refused before
+any work unless --force is given.")]
     Identify(IdentifyArguments),
     /// Identify, then say which effect causes what is left between model and measurement
     #[command(after_help = diagnose_help())]
@@ -123,9 +128,11 @@ pub(crate) struct IdentifyArguments {
     /// Log (CSV, plain or gzip)
     #[arg(long, value_name = "FILE")]
     pub(crate) log: PathBuf,
-    /// Folder for the three result files; made if it is missing
+    /// Folder for the result files; made if it is missing
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) overwrite: OverwriteOptions,
     /// Print identified.json instead of the summary
     #[arg(long)]
     pub(crate) json: bool,
@@ -193,6 +200,8 @@ pub(crate) struct DiagnoseArguments {
         default_value_if("list", "true", "-")
     )]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) overwrite: OverwriteOptions,
     /// Diagnose against a model identified earlier: what the device deviates from it is part of
     /// the gap
     #[arg(long, value_name = "FILE")]
@@ -210,6 +219,14 @@ pub(crate) struct DiagnoseArguments {
         hide_possible_values = true
     )]
     pub(crate) without: Vec<String>,
+    /// Let the base model have this too: what joints yield to their torque
+    #[arg(long, value_name = "EFFECT", value_parser = [JOINT_COMPLIANCE.name])]
+    pub(crate) with: Vec<String>,
+    #[command(flatten)]
+    pub(crate) hold: HoldOptions,
+    /// What large residuals cost in the fit of the base model
+    #[arg(long, value_enum, default_value_t = LossName::Auto)]
+    pub(crate) loss: LossName,
     /// Print the effects that can be named, with their numbers; needs no device and no log
     #[arg(long)]
     pub(crate) list: bool,
@@ -416,7 +433,9 @@ fn diagnose_help() -> String {
 Example:
   haptical diagnose --device device.toml --log log.csv.gz --validate log2.csv.gz --out gap
 
-Writes gap/gap.json and gap/report.html, with --validate gap/predictions.csv too: all or none.
+Writes gap/gap.json, gap/gap.html (a page) and gap/report.html, an index of the results in the folder,
+with --validate gap/predictions.csv too: all or none. Files of an earlier `haptical diagnose` are
+overwritten, and one that is not written again is removed; others need --force.
 
 Names of effects:
 "

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use haptical::{Diagnose, Diagnosed, diagnose_as};
+use haptical::files::{Overwrite, ResultKind};
+use haptical::{Diagnose, diagnose_as};
 
 use crate::arguments::DiagnoseArguments;
 use crate::failure::Failure;
@@ -17,16 +18,12 @@ pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
 }
 
 impl ResultCommand for DiagnoseArguments {
-    fn name(&self) -> &'static str {
-        "diagnose"
+    fn kind(&self) -> ResultKind {
+        ResultKind::DIAGNOSIS
     }
 
-    fn files(&self) -> &'static [&'static str] {
-        &Diagnosed::FILES
-    }
-
-    fn result_file(&self) -> &'static str {
-        Diagnosed::FILES[0]
+    fn overwrite(&self) -> Overwrite {
+        self.overwrite.overwrite()
     }
 
     fn inputs(&self) -> Vec<(&'static str, &Path)> {
@@ -55,6 +52,10 @@ impl ResultCommand for DiagnoseArguments {
             without: self.without.clone(),
             model: model.as_ref(),
             validate: second.as_ref(),
+            loss: self.loss.choice(),
+            joint_compliance: !self.with.is_empty(),
+            hold: self.hold.hold.clone(),
+            deviations: self.hold.deviation.clone(),
             ..Diagnose::default()
         };
         let gap = diagnose_as(version, &device, &log, &request)?;

@@ -10,15 +10,18 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use haptical::files::{Source, VERSION, check_folder, check_outputs, file_name};
+use haptical::files::{Source, VERSION, check_folder, check_outputs, file_name, sealed_text};
 use haptical_model::Device;
 use serde_json::json;
 
 use self::described::Described;
 use crate::failure::Failure;
-use crate::flags::{DeviceOptions, folder_and_name};
+use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
 use crate::interrupt::write_all;
 use crate::terminal;
+
+/// Its name.
+const COMMAND: &str = "export";
 
 /// Flags of `haptical export`.
 #[derive(Debug, Args)]
@@ -34,6 +37,8 @@ pub(crate) struct ExportArguments {
     /// File to write; its folder is made if it is missing
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: OverwriteOptions,
     /// URDF that the device came from, with --format urdf: its text with corrected origins is written;
     /// --base and --tip name the links between which the chain ran
     #[arg(long, value_name = "FILE")]
@@ -60,6 +65,19 @@ enum FormatName {
     Mjcf,
 }
 
+impl FormatName {
+    /// Beginning and end of a comment; none for JSON, which holds its own hash.
+    fn comment(self) -> Option<[&'static str; 2]> {
+        match self {
+            Self::Rust => Some(["// ", ""]),
+            Self::CHeader => Some(["/* ", " */"]),
+            Self::Json => None,
+            Self::Toml => Some(["# ", ""]),
+            Self::Urdf | Self::Mjcf => Some(["<!-- ", " -->"]),
+        }
+    }
+}
+
 /// The origin of an export.
 #[derive(Debug, Clone, PartialEq)]
 struct Provenance {
@@ -79,6 +97,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     inputs.extend(arguments.urdf.as_deref());
     inputs.extend(arguments.device_options.rig.as_deref());
     check_outputs(std::slice::from_ref(&arguments.out), &inputs)?;
+    arguments.overwrite.check_file(&arguments.out, COMMAND)?;
     let mut input = description::read(arguments)?;
     let provenance = Provenance {
         device: input.model.name.clone(),
@@ -102,6 +121,10 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     if arguments.format != FormatName::Toml {
         input.warnings.extend(compliance_warning(&input.model));
     }
+    let content = match arguments.format.comment() {
+        Some(comment) => sealed_text(&content, &format!("haptical {COMMAND}"), comment),
+        None => content,
+    };
     write_all(folder, &[(name, content.into_bytes())])?;
     terminal::warn(&input.warnings);
     let (written, joints) = (arguments.out.display(), input.model.joints.len());

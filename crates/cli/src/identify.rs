@@ -1,8 +1,9 @@
-//! `haptical identify`: values, intervals and reasons of a device's parameters, as three files.
+//! `haptical identify`: values, intervals and reasons of a device's parameters, as files.
 
 use std::path::Path;
 
-use haptical::{Found, identify_as};
+use haptical::files::{Overwrite, ResultKind};
+use haptical::identify_as;
 
 use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
@@ -18,16 +19,12 @@ pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
 }
 
 impl ResultCommand for IdentifyArguments {
-    fn name(&self) -> &'static str {
-        "identify"
+    fn kind(&self) -> ResultKind {
+        ResultKind::IDENTIFICATION
     }
 
-    fn files(&self) -> &'static [&'static str] {
-        &Found::FILES
-    }
-
-    fn result_file(&self) -> &'static str {
-        Found::FILES[1]
+    fn overwrite(&self) -> Overwrite {
+        self.overwrite.overwrite()
     }
 
     fn inputs(&self) -> Vec<(&'static str, &Path)> {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::exit;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use haptical::files::NewFile;
+use haptical::files::{NewFile, Overwrite, ResultKind, WrittenResult};
 
 use crate::failure::Failure;
 
@@ -71,4 +71,15 @@ impl Drop for Writing {
 pub(crate) fn write_all(folder: &Path, files: &[NewFile<'_>]) -> Result<Vec<PathBuf>, Failure> {
     let _writing = Writing::begin();
     haptical::files::write_all(folder, files, &|| state().requested)
+}
+
+/// Writes the files of a result into a folder, or after Ctrl-C none.
+pub(crate) fn write_result(
+    folder: &Path,
+    kind: &ResultKind,
+    files: &[NewFile<'static>],
+    overwrite: Overwrite,
+) -> Result<WrittenResult, Failure> {
+    let _writing = Writing::begin();
+    haptical::files::write_result(folder, kind, files, overwrite, &|| state().requested)
 }

@@ -9,14 +9,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptical::files::{
-    InputFile, Record, Source, VERSION, check_folder, check_outputs, file_name, make_folder, reason,
+    InputFile, Record, Source, VERSION, check_folder, check_outputs, file_name, make_folder,
+    reason, sealed_text,
 };
 use haptical::{Device, Equipment, Log, refuse_other_device};
 use haptical_report::{ReportError, write_atomically};
 
 use crate::arguments::one_or_more;
 use crate::failure::Failure;
-use crate::flags::DeviceOptions;
+use crate::flags::{DeviceOptions, OverwriteOptions};
 use crate::interrupt::Writing;
 use crate::play::recorded::Recorded;
 use crate::terminal::{self, Progress};
@@ -24,6 +25,9 @@ use crate::terminal::{self, Progress};
 /// Size above which a page is slow to open, in bytes; thinning that is left to the command stays
 /// below it.
 const LARGE_PAGE_BYTES: usize = 3_000_000;
+
+/// Its name.
+const COMMAND: &str = "play";
 
 #[derive(Debug, Args)]
 pub(crate) struct PlayArguments {
@@ -42,6 +46,8 @@ pub(crate) struct PlayArguments {
     /// Page to write (HTML)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: OverwriteOptions,
     /// Keep every N-th row; without it as many rows as a page of 3 MB holds
     #[arg(long, value_name = "N", value_parser = one_or_more, allow_negative_numbers = true)]
     every: Option<NonZeroUsize>,
@@ -102,8 +108,9 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
     flags.extend(equipment.chain_flags());
     flags.push(format!("--every={}", recorded.every));
-    let record = Record::new(VERSION, "play", flags, files);
+    let record = Record::new(VERSION, COMMAND, flags, files);
     let page = page::page(&recorded, &file_name(&arguments.log), &record)?;
+    let page = sealed_text(&page, &format!("haptical {COMMAND}"), ["<!-- ", " -->"]);
     if page.len() > LARGE_PAGE_BYTES {
         warnings.push(format!(
             "the page has {:.1} MB and may be slow to open: a larger --every makes it smaller",
@@ -135,7 +142,8 @@ fn check_place(arguments: &PlayArguments) -> Result<(), Failure> {
     check_folder(out.parent().unwrap_or(Path::new("")))?;
     let mut inputs: Vec<&Path> = vec![&arguments.device, &arguments.log];
     inputs.extend(arguments.model.as_deref());
-    check_outputs(std::slice::from_ref(out), &inputs)
+    check_outputs(std::slice::from_ref(out), &inputs)?;
+    arguments.overwrite.check_file(out, COMMAND)
 }
 
 fn unwritable(out: &Path, error: &ReportError) -> Failure {
@@ -156,6 +164,6 @@ fn refuse_no_links(device: &Device) -> Result<(), Failure> {
         "the device has no [[link]] rows, so there is no arm to draw",
         &device.source().path,
         "add the Denavit-Hartenberg rows as [[link]] tables; errors of transmissions alone are in \
-         the report.html of `haptical identify`",
+         the identify.html of `haptical identify`",
     ))
 }

@@ -2,23 +2,23 @@
 
 use std::path::{Path, PathBuf};
 
-use haptical::files::{NewFile, Source, VERSION, check_folder, check_outputs};
+use haptical::files::{
+    NewFile, Overwrite, ResultKind, Source, VERSION, WrittenResult, check_folder, check_outputs,
+    check_own,
+};
 use haptical::{Device, Equipment, Log};
 
 use crate::failure::Failure;
-use crate::interrupt::write_all;
+use crate::interrupt::write_result;
 use crate::terminal::{self, Progress};
 
 /// A command line that makes a result from files.
 pub(crate) trait ResultCommand {
-    /// Its name.
-    fn name(&self) -> &'static str;
+    /// Its name and its files.
+    fn kind(&self) -> ResultKind;
 
-    /// Names of the files that it can write.
-    fn files(&self) -> &'static [&'static str];
-
-    /// Name of the one that holds the provenance.
-    fn result_file(&self) -> &'static str;
+    /// Which files of its folder it may overwrite.
+    fn overwrite(&self) -> Overwrite;
 
     /// The files that it reads, by flag.
     fn inputs(&self) -> Vec<(&'static str, &Path)>;
@@ -87,12 +87,15 @@ pub(crate) fn run(
     json: bool,
     written: fn(&[String]) -> String,
 ) -> Result<(), Failure> {
-    let inputs = command.inputs();
+    let (kind, inputs) = (command.kind(), command.inputs());
     if let Some(out) = out {
         check_folder(out)?;
-        let outputs: Vec<PathBuf> = command.files().iter().map(|name| out.join(name)).collect();
+        let outputs: Vec<PathBuf> = kind.outputs().map(|name| out.join(name)).collect();
         let paths: Vec<&Path> = inputs.iter().map(|(_, path)| *path).collect();
         check_outputs(&outputs, &paths)?;
+        if command.overwrite() == Overwrite::Own {
+            check_own(out, &kind)?;
+        }
     }
     let progress = Progress::start("reading");
     let given = inputs
@@ -100,17 +103,29 @@ pub(crate) fn run(
         .map(|(flag, path)| (*flag, Source::given(path)));
     let made = command.make(VERSION, &Inputs(given.collect()), &progress)?;
     progress.say("writing");
-    let paths = match out {
-        Some(out) => write_all(out, &made.files)?,
-        None => Vec::new(),
+    let WrittenResult {
+        written: paths,
+        removed,
+        foreign,
+    } = match out {
+        Some(out) => write_result(out, &kind, &made.files, command.overwrite())?,
+        None => WrittenResult::default(),
     };
     drop(progress);
+    for path in removed {
+        let (path, command) = (path.display(), kind.command);
+        terminal::write_message(&format!(
+            "removed: {path}, which an earlier `haptical {command}` wrote and this one does not"
+        ));
+    }
+    for path in foreign {
+        let path = path.display();
+        terminal::write_message(&format!("warning: {path} is not of this result"));
+    }
     terminal::warn(&made.warnings);
     if json {
-        let result = made
-            .files
-            .iter()
-            .find(|(name, _)| *name == command.result_file());
+        let mut files = made.files.iter();
+        let result = files.find(|(name, _)| *name == kind.result);
         return terminal::write_output(result.map_or(&[], |(_, content)| content));
     }
     let paths: Vec<String> = paths

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptical::files::{
-    Fingerprint, InputFile, Record, Source, VERSION, check_outputs, file_name, make_folder,
-    sealed_json,
+    Fingerprint, InputFile, Overwrite, Record, Source, VERSION, check_outputs, check_own_record,
+    file_name, make_folder, sealed_json,
 };
 use haptical::{Device, Equipment};
 use haptical_data::{LogFile, LogShape};
@@ -18,12 +18,15 @@ use serde::Serialize;
 
 use crate::arguments::{above_zero, whole_number};
 use crate::failure::Failure;
-use crate::flags::{DeviceOptions, folder_and_name};
+use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
 use crate::interrupt::{Writing, write_all};
 use crate::terminal::{self, Progress};
 
 /// Rows made at a time: enough that progress costs nothing, few enough to take no memory.
 const ROWS_AT_A_TIME: usize = 1000;
+
+/// Its name.
+const COMMAND: &str = "simulate";
 
 /// Largest size of an effect in SI units; a stiffness comes nearest to it.
 const LARGEST_SIZE: f64 = 1e12;
@@ -54,6 +57,8 @@ pub(crate) struct SimulateArguments {
     /// Log to be written (CSV; gzip if the name ends in .gz)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: OverwriteOptions,
     /// Print what was written as JSON
     #[arg(long)]
     json: bool,
@@ -101,6 +106,9 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let beside = format!("{name}.provenance.json");
     let place = folder.join(&beside);
     check_outputs(std::slice::from_ref(&place), &arguments.inputs())?;
+    if arguments.overwrite.overwrite() == Overwrite::Own {
+        check_own_record(&arguments.out, &place, COMMAND)?;
+    }
     let source = Source::given(&arguments.device);
     let equipment = arguments.device_options.equipment();
     let mut device = Device::open(&source, &equipment)?;
@@ -207,7 +215,7 @@ impl SimulateArguments {
             format!("--rate-hz={}", self.rate_hz),
             format!("--seed={}", self.seed),
         ]);
-        let mut record = Record::new(VERSION, "simulate", flags, files);
+        let mut record = Record::new(VERSION, COMMAND, flags, files);
         record.seeds.insert("simulation", self.seed);
         record.outputs.push(hashed.output(&file_name(&log.path)));
         record

@@ -1,4 +1,4 @@
-//! `haptical verify`: recomputes a result from its inputs and compares every number.
+//! `haptical verify`: recomputes results from their inputs and compares every number.
 
 mod compare;
 mod recorded;
@@ -9,15 +9,16 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use haptical::files::NewFile;
+use haptical::files::{INDEX, NewFile, index, is_index};
 
+use crate::STATUS_BAD_INPUT;
 use crate::failure::Failure;
 use crate::result::Inputs;
 use crate::terminal::{self, Progress};
 
 use self::compare::{Agreement, FileVerdict, Written, compare};
-use self::recorded::Recorded;
-use self::said::{CheckedResult, Verification};
+use self::recorded::{Candidate, MOST_FURTHER_BYTES, Recorded, read_bytes};
+use self::said::{CheckedResult, Finding, Verification};
 
 /// Exit status where a result is not what its inputs give.
 const STATUS_DIFFERS: u8 = 1;
@@ -27,19 +28,19 @@ pub(crate) const HELP: &str = "\
 Example:
   haptical verify result
 
-Reads the provenance in result/identified.json, gap.json or plan.json, finds the inputs, checks their
-SHA-256, computes the result again in memory, and compares every file of it: the same bytes, or the
-same numbers within 1e-9 of each (another machine), or what differs, with both values. Inputs are
-looked for by their recorded names from the current folder, the result's folder and the one above it.
-Nothing is written.
+Reads the provenance in every identified.json, gap.json and plan.json in the folder and in the folders in
+it, finds the inputs, checks their SHA-256, computes the result again in memory, and compares every file
+of it: the same bytes, or the same numbers within 1e-9 of each (another machine), or what differs, with
+both values. Inputs are looked for by their recorded names from the current folder, the result's folder
+and the one above it. The index, report.html, is compared with the results. Nothing is written.
 
-Exit status: 0 the result is what its inputs give; 1 it is not; 2 that cannot be decided: bad arguments,
-no provenance, an input that is missing or not the recorded one; 3 nothing can be identified.";
+Exit status: 0 every result is what its inputs give; 1 one is not; 2 that cannot be decided for one: bad
+arguments, no provenance, an input that is missing or not the recorded one; 3 nothing can be identified.";
 
 /// Flags of `haptical verify`.
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArguments {
-    /// Folder that `identify`, `diagnose` or `plan` wrote, or identified.json, gap.json or plan.json in it
+    /// Folder with results of `identify`, `diagnose` or `plan`, or an identified.json, gap.json or plan.json
     result: PathBuf,
     /// Where the device file is now
     #[arg(long, value_name = "FILE")]
@@ -66,21 +67,33 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     let results = recorded::read(&arguments.result)?;
     refuse_needless(arguments, &results)?;
     let progress = Progress::start("computing again");
-    let mut checked = Vec::new();
-    for result in &results {
-        checked.push(check(result, &results, arguments, &progress)?);
+    let is_only = results.len() == 1;
+    let (mut findings, mut held) = (Vec::new(), Vec::new());
+    for (path, result) in results {
+        progress.say(format!("computing {} again", path.display()));
+        let checked = match &result {
+            Ok(result) => check(result, arguments, &progress),
+            Err(failure) => Err(failure.clone()),
+        };
+        findings.push(match checked {
+            Err(failure) if is_only => return Err(failure),
+            Err(failure) => Finding::refused(&path, &failure),
+            Ok(checked) => Finding::Checked(checked),
+        });
+        let holds = findings.last().is_some_and(Finding::holds);
+        held.extend(result.ok().map(|result| (result, holds)));
     }
+    let verification = Verification::new(findings, indexes(&held)?);
     drop(progress);
-    let verification = Verification::new(checked);
     if arguments.json {
         terminal::write_json(&verification)?;
     } else {
         terminal::write_output(verification.text().as_bytes())?;
     }
-    Ok(if verification.holds() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(STATUS_DIFFERS)
+    Ok(match verification.verdict {
+        Agreement::Differs => ExitCode::from(STATUS_DIFFERS),
+        Agreement::Undecided => ExitCode::from(STATUS_BAD_INPUT),
+        _ => ExitCode::SUCCESS,
     })
 }
 
@@ -99,9 +112,17 @@ impl VerifyArguments {
 }
 
 /// A flag for an input that no result had is a mistake.
-fn refuse_needless(arguments: &VerifyArguments, results: &[Recorded]) -> Result<(), Failure> {
+fn refuse_needless(arguments: &VerifyArguments, results: &[Candidate]) -> Result<(), Failure> {
+    let read = || {
+        results
+            .iter()
+            .filter_map(|(_, result)| result.as_ref().ok())
+    };
+    if read().next().is_none() {
+        return Ok(());
+    }
     let is_input = |flag: &str| {
-        let mut inputs = results.iter().flat_map(|result| &result.provenance.inputs);
+        let mut inputs = read().flat_map(|result| &result.provenance.inputs);
         inputs.any(|input| input.flag == flag)
     };
     let is_needless = |flag: &&&str| arguments.given(flag).is_some() && !is_input(flag);
@@ -118,7 +139,6 @@ fn refuse_needless(arguments: &VerifyArguments, results: &[Recorded]) -> Result<
 /// Makes a result again, under the names and the version that it recorded, and compares its files.
 fn check(
     result: &Recorded,
-    results: &[Recorded],
     arguments: &VerifyArguments,
     progress: &Progress,
 ) -> Result<CheckedResult, Failure> {
@@ -131,10 +151,10 @@ fn check(
     let version = &result.provenance.haptical_version;
     let made = result.command.make(version, &Inputs(sources), progress)?;
     let files = made.files.iter();
-    let files = files.map(|file| verdict(result, results, file));
+    let files = files.map(|file| verdict(result, file));
     Ok(CheckedResult {
         result: result.path.display().to_string(),
-        command: result.command.name(),
+        command: result.command.kind().command,
         recorded_version: version.clone(),
         inputs,
         files: files.collect::<Result<_, _>>()?,
@@ -144,23 +164,44 @@ fn check(
 /// Compares one file of a result.
 fn verdict(
     result: &Recorded,
-    results: &[Recorded],
     (name, recomputed): &NewFile<'static>,
 ) -> Result<FileVerdict, Failure> {
-    if *name == result.command.result_file() {
+    if *name == result.command.kind().result {
         return Ok(compare(name, Some(result.written()), recomputed));
     }
     let written = result.other_file(name, recomputed.len())?;
-    let is_not_kept = match &written {
-        None => result.is_alone,
-        // The report of the other command has the same name.
-        Some(Written { bytes, is_changed }) => {
-            *is_changed && results.iter().any(|other| other.lists(name, bytes))
-        }
-    };
-    Ok(if is_not_kept {
+    // another version may have written fewer files
+    let may_be_gone = result.is_alone || !result.names(name);
+    Ok(if written.is_none() && may_be_gone {
         FileVerdict::new(name, Agreement::NotKept)
     } else {
         compare(name, written, recomputed)
     })
+}
+
+/// Compares the index of each folder with its results, where all of them are what they should be.
+fn indexes(results: &[(Recorded, bool)]) -> Result<Vec<FileVerdict>, Failure> {
+    let mut verdicts = Vec::new();
+    let folders = results.chunk_by(|(a, _), (b, _)| a.folder() == b.folder());
+    for results in folders {
+        let [(first, _), ..] = results else { continue };
+        let path = first.folder().join(INDEX);
+        // in versions before the index it was the page of a result
+        let is_page = results.iter().any(|(result, _)| result.names(INDEX));
+        let is_asked = results
+            .iter()
+            .all(|(result, holds)| *holds && !result.is_alone);
+        let Some(expected) = index(first.folder())? else {
+            continue;
+        };
+        if is_asked && !is_page && path.is_file() {
+            let most = expected.len() as u64 + MOST_FURTHER_BYTES;
+            let bytes = read_bytes(&path, most, "check its permissions")?;
+            let is_changed = !is_index(&path);
+            let written = Written { bytes, is_changed };
+            let name = path.display().to_string();
+            verdicts.push(compare(&name, Some(written), expected.as_bytes()));
+        }
+    }
+    Ok(verdicts)
 }

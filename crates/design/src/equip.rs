@@ -131,6 +131,7 @@ impl Equipped {
                 self.device.tracker = Some(Tracker {
                     base_known,
                     tool_known,
+                    scale_sd: stated.and_then(|tracker| tracker.scale_sd),
                     position_sd_m: stated.and_then(|tracker| tracker.position_sd_m),
                     rotation_sd_rad: stated.and_then(|tracker| tracker.rotation_sd_rad),
                 });

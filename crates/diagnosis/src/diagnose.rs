@@ -39,7 +39,7 @@ pub fn diagnose(
     let effects = effects_of(device, options)?;
     check_recording(device, recording, &channels(device, recording)?)?;
     check_rig(device, recording)?;
-    let base = Base::fit(device, recording)?;
+    let base = Base::fit(device, recording, options.loss)?;
     let diagnosed = |device: &Device, base: &Base| {
         let case = Case {
             device,
@@ -58,7 +58,7 @@ pub fn diagnose(
     };
     // a gap may hide below a noise that is stated too large: judged by what the recording shows of it
     let mut found = if corrected.is_other_than(device) {
-        let base = Base::fit(&corrected.device, recording)?;
+        let base = Base::fit(&corrected.device, recording, options.loss)?;
         diagnosed(&corrected.device, &base)?
     } else {
         diagnosed(device, &base)?

@@ -1,5 +1,6 @@
 //! Options of a diagnosis.
 
+use haptical_calibration::LossChoice;
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording};
 
@@ -17,4 +18,6 @@ pub struct Options<'a> {
     pub model: Option<&'a Device>,
     /// A second recording of the same device, on which the shrink is measured.
     pub validation: Option<&'a Recording>,
+    /// What large residuals cost in the fit of the base model.
+    pub loss: LossChoice,
 }

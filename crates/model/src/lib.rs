@@ -30,6 +30,6 @@ pub use haptical_kinematics::Parameter;
 pub use haptical_transmission as transmission;
 pub use holding::{Load, Statics, holding_torques_nm};
 pub use parameter::ParameterId;
-pub use parameter::surrounding::SurroundingParameter;
+pub use parameter::surrounding::{LengthScale, SurroundingParameter, UNSTATED_SCALE_SD};
 pub use parameter::unknown::UnknownNumbers;
 pub use recording::Recording;

@@ -50,6 +50,8 @@ pub enum Block {
     },
     /// A list of points.
     List(Vec<String>),
+    /// Files in the folder of the page, a line each.
+    Links(Vec<Link>),
     /// A sentence that answers a question, marked as met or not met.
     Verdict {
         /// True for met.
@@ -74,6 +76,15 @@ pub enum Block {
         /// What is folded away.
         blocks: Vec<Block>,
     },
+}
+
+/// A file in the folder of the page.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Link {
+    /// Its name; one with other characters than ASCII letters, digits, `.`, `-` and `_` is shown without a link.
+    pub file: String,
+    /// What it is.
+    pub text: String,
 }
 
 /// Colour of a [`Block::Notice`].
@@ -185,6 +196,7 @@ impl Block {
                 }
             },
             Self::List(items) => html! { ul { @for item in items { li { (clean(item)) } } } },
+            Self::Links(links) => html! { ul { @for link in links { li { (link.to_html()) } } } },
             Self::Verdict { good: true, text } => notice(Tone::Good, "✓ met", text),
             Self::Verdict { good: false, text } => notice(Tone::Bad, "✗ not met", text),
             Self::Notice { tone, label, text } => notice(*tone, label, text),
@@ -198,10 +210,24 @@ impl Block {
     }
 }
 
+impl Link {
+    fn to_html(&self) -> Markup {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        html! {
+            @if self.file.chars().all(is_plain) {
+                a href=(self.file) { (self.file) }
+            } @else {
+                (clean(&self.file))
+            }
+            @if !self.text.is_empty() { ": " (clean(&self.text)) }
+        }
+    }
+}
+
 fn notice(tone: Tone, label: &str, text: &str) -> Markup {
     html! {
         p.verdict.good[tone == Tone::Good].bad[tone == Tone::Bad] {
-            b { (clean(label)) }
+            @if !label.is_empty() { b { (clean(label)) } }
             (clean(text))
         }
     }

@@ -15,7 +15,7 @@ mod table;
 mod text;
 
 pub use bar_rows::{BarRow, BarRows};
-pub use document::{Block, Document, Section, Tone};
+pub use document::{Block, Document, Link, Section, Tone};
 pub use error::ReportError;
 pub use figure::series::{Mark, Series, histogram};
 pub use figure::{Figure, FigureGrid};

@@ -4,6 +4,7 @@ use haptical_kinematics::{Convention, Pose, PreparedChain, Twist};
 
 use crate::device::prepared_chain;
 use crate::error::{DeviceError, attempt, bounded, is_bounded};
+use crate::limits::Limits;
 use crate::transmission::Transmissions;
 use crate::{GeneralRow, Joint, Motion, RuntimeError, State};
 
@@ -29,6 +30,7 @@ pub struct CoupledModel<const JOINTS: usize, const ROWS: usize> {
     transmissions: Transmissions<JOINTS>,
     chain: PreparedChain<ROWS>,
     drives: [RowDrive; ROWS],
+    limits: Limits<JOINTS>,
 }
 
 impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
@@ -86,6 +88,7 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
             transmissions,
             chain: attempt!(prepared_chain(convention, &base, &rows, &handle, &moves)),
             drives,
+            limits: Limits::NONE,
         })
     }
 
@@ -93,6 +96,33 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
     #[must_use]
     pub const fn ranges(&self) -> [[f64; 2]; JOINTS] {
         self.transmissions.ranges
+    }
+
+    /// The same device with joint limits, lowest and highest reading of each joint, \[rad\] or \[m\]; an infinite one is
+    /// none. They are those of the device file, and change no step: see [`check_limits`](Self::check_limits). Usable in
+    /// a constant.
+    ///
+    /// # Errors
+    /// [`DeviceError::Joint`] where a lower limit is not below the upper one.
+    pub const fn with_limits(mut self, limits: [[f64; 2]; JOINTS]) -> Result<Self, DeviceError> {
+        self.limits = attempt!(Limits::new(limits));
+        Ok(self)
+    }
+
+    /// Joint limits, lowest and highest reading of each joint, \[rad\] or \[m\]; infinite where there is none.
+    #[must_use]
+    pub const fn limits(&self) -> [[f64; 2]; JOINTS] {
+        self.limits.0
+    }
+
+    /// Whether all readings lie within the joint limits. A step does not ask: beyond a limit the model may hold, and a
+    /// controller needs the pose there to come back.
+    ///
+    /// # Errors
+    /// [`RuntimeError::BeyondLimit`] or [`RuntimeError::NonFiniteReading`] for the first joint.
+    #[inline]
+    pub fn check_limits(&self, readings: &[f64; JOINTS]) -> Result<(), RuntimeError> {
+        self.limits.check(readings)
     }
 
     /// The device's state at `readings`: see [`Model::step`](crate::Model::step).

@@ -74,6 +74,21 @@ pub enum RuntimeError {
         /// Highest reading allowed.
         upper: f64,
     },
+    /// A reading lies beyond the device's joint limits; a step may still have an answer there.
+    #[error(
+        "joint {joint}: the reading {reading} is beyond the joint's limits, {lower} to {upper}; move the joint back, or \
+         check its encoder and its home"
+    )]
+    BeyondLimit {
+        /// Joint, from 1.
+        joint: usize,
+        /// The reading \[rad\] or \[m\].
+        reading: f64,
+        /// Lower limit; infinite where there is none.
+        lower: f64,
+        /// Upper limit; infinite where there is none.
+        upper: f64,
+    },
     /// The bars of a parallelogram do not close, or lie in a line.
     #[error("joint {joint}: the parallelogram is open or stretched at the reading {reading}")]
     OpenLoop {

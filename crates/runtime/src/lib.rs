@@ -8,6 +8,7 @@ mod capstan;
 mod coupled;
 mod device;
 mod error;
+mod limits;
 mod model;
 mod parallelogram;
 mod state;

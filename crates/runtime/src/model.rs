@@ -4,6 +4,7 @@ use haptical_kinematics::{Convention, Link, Pose, PreparedChain, Twist};
 
 use crate::device::prepared_chain;
 use crate::error::{DeviceError, attempt};
+use crate::limits::Limits;
 use crate::transmission::Transmissions;
 use crate::{GeneralRow, Joint, Motion, RuntimeError, State};
 
@@ -15,6 +16,7 @@ use crate::{GeneralRow, Joint, Motion, RuntimeError, State};
 pub struct Model<const JOINTS: usize> {
     transmissions: Transmissions<JOINTS>,
     chain: PreparedChain<JOINTS>,
+    limits: Limits<JOINTS>,
 }
 
 impl<const JOINTS: usize> Model<JOINTS> {
@@ -91,6 +93,7 @@ impl<const JOINTS: usize> Model<JOINTS> {
         Ok(Self {
             transmissions: attempt!(Transmissions::new(&joints)),
             chain,
+            limits: Limits::NONE,
         })
     }
 
@@ -101,6 +104,46 @@ impl<const JOINTS: usize> Model<JOINTS> {
     #[must_use]
     pub const fn ranges(&self) -> [[f64; 2]; JOINTS] {
         self.transmissions.ranges
+    }
+
+    /// The same device with joint limits, lowest and highest reading of each joint, \[rad\] or \[m\]; an infinite one is
+    /// none. They are those of the device file, and change no step: see [`check_limits`](Self::check_limits). Usable in
+    /// a constant.
+    ///
+    /// # Errors
+    /// [`DeviceError::Joint`] where a lower limit is not below the upper one.
+    pub const fn with_limits(mut self, limits: [[f64; 2]; JOINTS]) -> Result<Self, DeviceError> {
+        self.limits = attempt!(Limits::new(limits));
+        Ok(self)
+    }
+
+    /// Joint limits, lowest and highest reading of each joint, \[rad\] or \[m\]; infinite where there is none.
+    #[must_use]
+    pub const fn limits(&self) -> [[f64; 2]; JOINTS] {
+        self.limits.0
+    }
+
+    /// Whether all readings lie within the joint limits. A step does not ask: beyond a limit the model may hold, and a
+    /// controller needs the pose there to come back.
+    ///
+    /// # Errors
+    /// [`RuntimeError::BeyondLimit`] or [`RuntimeError::NonFiniteReading`] for the first joint.
+    ///
+    /// ```
+    /// use haptical_runtime::{Convention, Joint, Link, Model, Motion, RuntimeError, Transmission};
+    /// let arm = Link { a_m: 0.3, ..Link::IDENTITY };
+    /// let joint = Joint { motion: Motion::Revolute, home: 0.0, transmission: Transmission::Exact };
+    /// let model = Model::new(Convention::Standard, Link::IDENTITY, [arm], [joint])?;
+    /// let model = model.with_limits([[-1.0, 1.5]])?;
+    /// assert!(model.check_limits(&[1.5]).is_ok());
+    /// let beyond = RuntimeError::BeyondLimit { joint: 1, reading: 1.6, lower: -1.0, upper: 1.5 };
+    /// assert_eq!(model.check_limits(&[1.6]), Err(beyond));
+    /// assert!(model.step(&[1.6]).is_ok());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[inline]
+    pub fn check_limits(&self, readings: &[f64; JOINTS]) -> Result<(), RuntimeError> {
+        self.limits.check(readings)
     }
 
     /// The device's state at `readings`: motor-side encoder angles over the nominal ratios,

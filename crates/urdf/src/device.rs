@@ -151,6 +151,7 @@ pub fn device_from_urdf(
             tool_known: false,
             position_sd_m: None,
             rotation_sd_rad: None,
+            scale_sd: None,
         }),
         gravity_mps2,
         ..Device::new(Convention::Standard, links, joints)

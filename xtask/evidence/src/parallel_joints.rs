@@ -389,7 +389,8 @@ fn arm(parallel: usize) -> Result<Device> {
     }
     link([TOOL_M[0], 0.0, 0.0, TOOL_M[1]]);
     text += &"[[joint]]\ntransmission = \"direct\"\ntransmission_ratio = 1.0\n".repeat(7);
-    text +=
-        &format!("[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = {TRACKER_SD_M}\n");
+    text += &format!(
+        "[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = {TRACKER_SD_M}\nscale_sd = 0.0\n"
+    );
     Ok(Device::from_toml(&text, "six joints")?.device)
 }

@@ -50,13 +50,15 @@ pub(super) fn nominal(rig: Rig, errors: Errors) -> Result<Device> {
         }
     }
     for cable in &mut device.cables {
+        // drums and trackers are exact here: what the noise does is counted
+        cable.scale_sd = Some(0.0);
         if errors == Errors::Counts {
             cable.distance_sd_m = None;
         }
     }
     if rig == Rig::Tracker {
         let text = format!(
-            "[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = {TRACKER_SD_M}\n[[joint]]\n"
+            "[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = {TRACKER_SD_M}\nscale_sd = 0.0\n[[joint]]\n"
         );
         device.tracker = Device::from_toml(&text, "tracker.toml")?.device.tracker;
     }

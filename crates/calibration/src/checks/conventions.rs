@@ -1,4 +1,5 @@
-//! Columns of a tracker in another convention than the log's: left-handed axes, quaternions in another order.
+//! Columns of a tracker in another convention than the log's: left-handed axes, quaternions in another order, poses the
+//! other way round, rows that belong to another posture, another frame.
 
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
@@ -33,9 +34,10 @@ type Mirror = (Matrix3<f64>, &'static str);
 /// [`CalibrationError::Reading`] that names the convention.
 pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
     let is_tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
-    let Some(rig) = Rig::new(device).filter(|_| is_tracked) else {
+    if !is_tracked {
         return Ok(());
-    };
+    }
+    let rig = Rig::new(device).unwrap_or_default();
     let rows = recording.len();
     let count = rows.min(MOST_ROWS);
     let some: Vec<usize> = (0..count).map(|index| index * rows / count).collect();
@@ -46,6 +48,10 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
     };
     let found = orientations(&part, &poses, &rig).map(|message| ("qw, qx, qy, qz", message));
     let found = found.or_else(|| Some(("x_m, y_m, z_m", positions(&part, &poses, &rig)?)));
+    let found = found.or_else(|| Some(("x_m, y_m, z_m", inverted(&part, &poses, &rig)?)));
+    let found =
+        found.or_else(|| Some(("x_m, y_m, z_m", rows_off(device, recording, &some, &rig)?)));
+    let found = found.or_else(|| Some(("x_m, y_m, z_m", elsewhere(device, &part, &poses)?)));
     found.map_or(Ok(()), |(column, message)| {
         Err(CalibrationError::Reading {
             line: recording.line.first().copied().unwrap_or(0),
@@ -59,23 +65,13 @@ fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String>
     let mut alone = recording.clone();
     alone.orientation_wxyz = None;
     let seen = sights(&alone, poses);
-    if seen.len() < LEAST_ROWS {
-        return None;
-    }
-    let error = |sights: &[Sight]| {
-        let frames = closed_form(sights, rig);
-        (missed(sights, &frames) / sights.len() as f64).sqrt()
-    };
-    let own = error(&seen);
-    if own <= GROSS_SHARE * seen_spread_m(&seen) {
-        return None;
-    }
+    let own = gross_m(&seen, rig)?;
     let mirrored = |mirror: &Matrix3<f64>| {
         let turned = seen.iter().map(|sight| Sight {
             position_m: sight.position_m.map(|position_m| mirror * position_m),
             ..*sight
         });
-        error(&turned.collect::<Vec<Sight>>())
+        error_m(&turned.collect::<Vec<Sight>>(), rig)
     };
     let tried = mirrors(rig.open[0]).into_iter();
     let tried = tried.map(|(mirror, words)| (mirrored(&mirror), words));
@@ -84,6 +80,95 @@ fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String>
         format!(
             "{words}: the positions miss the device by {own:.3} m as they are, and by {best:.1e} m mirrored; give them \
              in right-handed axes (or correct the device file, if it describes the mirror image of the device)"
+        )
+    })
+}
+
+/// Root mean square error of positions by the frames that fit them best.
+fn error_m(sights: &[Sight], rig: &Rig) -> f64 {
+    let frames = closed_form(sights, rig);
+    (missed(sights, &frames) / sights.len().max(1) as f64).sqrt()
+}
+
+/// The error of positions as they are, where it is gross.
+fn gross_m(sights: &[Sight], rig: &Rig) -> Option<f64> {
+    let own = error_m(sights, rig);
+    let is_gross = sights.len() >= LEAST_ROWS && own > GROSS_SHARE * seen_spread_m(sights);
+    is_gross.then_some(own)
+}
+
+/// The tracker's frame seen from the marker, in the place of the marker seen from the tracker.
+fn inverted(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
+    let seen = sights(recording, poses);
+    let own = gross_m(&seen, rig)?;
+    let turned = seen.iter().map(|sight| {
+        let back = sight.rotation?.transpose();
+        Some(Sight {
+            position_m: sight.position_m.map(|position_m| -(back * position_m)),
+            rotation: Some(back),
+            ..*sight
+        })
+    });
+    let other = error_m(&turned.collect::<Option<Vec<Sight>>>()?, rig);
+    (other * BETTER < own).then(|| {
+        format!(
+            "the poses are the inverse of those wanted (the tracker's frame seen from the marker): they miss the device by \
+             {own:.3} m as they are, and by {other:.1e} m inverted; give the marker seen from the tracker"
+        )
+    })
+}
+
+/// Positions a row before or after their joint angles.
+fn rows_off(device: &Device, recording: &Recording, some: &[usize], rig: &Rig) -> Option<String> {
+    let last = recording.len().checked_sub(1)?;
+    let inner: Vec<usize> = (some.iter().copied().filter(|&row| row > 0 && row < last)).collect();
+    let poses = handle_poses(device, &recording.select(&inner)).ok()?;
+    let seen_at = |shift: &dyn Fn(usize) -> usize| {
+        let rows: Vec<usize> = inner.iter().map(|&row| shift(row)).collect();
+        sights(&recording.select(&rows), &poses)
+    };
+    let own = gross_m(&seen_at(&|row| row), rig)?;
+    let shifts: [(&dyn Fn(usize) -> usize, &str); 2] =
+        [(&|row| row - 1, "next"), (&|row| row + 1, "previous")];
+    let tried = shifts.map(|(shift, words)| (error_m(&seen_at(shift), rig), words));
+    let (best, words) = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best * BETTER < own).then(|| {
+        format!(
+            "each position belongs to the joint angles of the {words} row: it misses the device by {own:.3} m with those of its own \
+             row, and by {best:.1e} m with those; pair the rows anew"
+        )
+    })
+}
+
+/// Positions in a frame of the tracker's own, or of a marker that is not the handle, where both are said to be known.
+fn elsewhere(device: &Device, recording: &Recording, poses: &[Pose]) -> Option<String> {
+    let around = &device.surroundings;
+    let are_known = device
+        .tracker
+        .is_none_or(|tracker| tracker.base_known && tracker.tool_known);
+    if !are_known || around.tracker_base.is_some() || around.tracker_tool.is_some() {
+        return None;
+    }
+    let seen = sights(recording, poses);
+    let own = gross_m(&seen, &Rig::default())?;
+    let unknown = |open: [bool; 2]| error_m(&seen, &Rig::from_open(open));
+    let tried = [
+        ([true, false], "base = \"unknown\" in [tracker]"),
+        ([false, true], "tool = \"unknown\" in [tracker]"),
+        (
+            [true, true],
+            "base = \"unknown\" and tool = \"unknown\" in [tracker]",
+        ),
+    ];
+    let tried = tried.map(|(open, words)| (unknown(open), words));
+    let best = tried.iter().map(|(error, _)| *error).fold(own, f64::min);
+    // of those that fit alike the one with the fewest unknowns
+    let mut tried = tried.into_iter();
+    let found = tried.find(|(error, _)| error * BETTER < own && *error <= AS_GOOD * best);
+    found.map(|(error, words)| {
+        format!(
+            "the positions are not those of the handle in frame (-1): they miss the device by {own:.3} m, and by \
+             {error:.1e} m with the tracker or its marker elsewhere; give {words}, in the device file or with --rig"
         )
     })
 }

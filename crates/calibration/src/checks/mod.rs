@@ -1,6 +1,7 @@
 //! Checks of a recording before a fit, and the rows that are held out.
 
 pub(crate) mod conventions;
+pub(crate) mod encoders;
 pub(crate) mod held_out;
 pub(crate) mod postures;
 pub(crate) mod reach;

@@ -3,7 +3,7 @@
 use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
-use crate::checks::conventions;
+use crate::checks::{conventions, encoders};
 use crate::start::prepare::listed;
 
 /// Fewest touches that make a plane and leave one to check it.
@@ -64,5 +64,6 @@ pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), Calibrati
             }
         }
     }
+    encoders::check(device, recording)?;
     conventions::check(device, recording)
 }

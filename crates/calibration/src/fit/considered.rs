@@ -27,6 +27,9 @@ pub struct Considered {
     /// Mean square of each fitted parameter's error beyond the first order in those of the held ones; empty until
     /// [`crate::with_curvature`] has looked.
     pub beyond_first_order: Vec<f64>,
+    /// Variance of each fitted parameter by the scale of logged torques, to which compliances are in proportion; empty where
+    /// there is none.
+    pub by_torque_scale: Vec<f64>,
     /// Parts of the covariance of what an earlier step fitted, with their degrees of freedom; empty where they are many.
     pub known_parts: Vec<Component>,
     /// Fall of the sum of squared weighted residuals that the linearised problem promises if the weak parameters
@@ -47,6 +50,8 @@ pub enum Held {
     Late,
     /// An earlier step fitted it.
     Fitted,
+    /// It is the scale of an instrument, which no residual shows.
+    Scale,
 }
 
 impl Considered {
@@ -58,6 +63,7 @@ impl Considered {
             covariance: Matrix::zeros(0, 0),
             sensitivity: Matrix::zeros(fitted, 0),
             beyond_first_order: Vec::new(),
+            by_torque_scale: Vec::new(),
             known_parts: Vec::new(),
             promised_fall: 0.0,
         }
@@ -99,6 +105,7 @@ impl Considered {
                 }),
                 sensitivity,
                 beyond_first_order: Vec::new(),
+                by_torque_scale: Vec::new(),
                 known_parts: Vec::new(),
                 promised_fall: 0.0,
             });
@@ -121,6 +128,7 @@ impl Considered {
             held,
             sensitivity,
             beyond_first_order: Vec::new(),
+            by_torque_scale: Vec::new(),
             known_parts: Vec::new(),
             promised_fall,
         })
@@ -134,7 +142,10 @@ impl Considered {
             .collect();
         let sizes: Vec<f64> = open
             .iter()
-            .map(|&k| self.parameters[k].plausible_size(device))
+            .map(|&k| match self.held[k] {
+                Held::Scale => scale_sd(device, self.parameters[k]),
+                _ => self.parameters[k].plausible_size(device),
+            })
             .collect();
         let mut covariance = self.covariance.clone();
         if let Some(moment) = effect.second_moment(&open, &sizes) {
@@ -184,6 +195,7 @@ impl Considered {
                 self.sensitivity[(row, kept[column])]
             }),
             beyond_first_order: Vec::new(),
+            by_torque_scale: Vec::new(),
             known_parts: Vec::new(),
             promised_fall: self.promised_fall,
         }
@@ -213,10 +225,11 @@ impl Considered {
             covariance,
             sensitivity,
             beyond_first_order: self.beyond_first_order.clone(),
-            known_parts: other
-                .known_parts
-                .iter()
-                .map(|part| part.placed(first, first + second))
+            by_torque_scale: self.by_torque_scale.clone(),
+            known_parts: [(0, &self.known_parts), (first, &other.known_parts)]
+                .into_iter()
+                .flat_map(|(place, parts)| parts.iter().map(move |part| (place, part)))
+                .map(|(place, part)| part.placed(place, first + second))
                 .collect(),
             promised_fall: self.promised_fall,
         }
@@ -293,12 +306,20 @@ impl Considered {
     ) {
         let half_widths = uncertainty.half_widths(noise);
         for (row, &index) in fitted.iter().enumerate() {
-            let leaked = self.leaked(row, &vec![true; self.parameters.len()]);
+            let by_torques = self.by_torque_scale.get(row).copied().unwrap_or(0.0);
+            let leaked = by_torques + self.leaked(row, &vec![true; self.parameters.len()]);
             let half_width = half_widths.of_parameter(row, self.added(row, leaked));
             let variance = uncertainty.covariance[(row, row)] + leaked;
             set_variance(&mut estimates[index], variance, half_width);
         }
     }
+}
+
+/// Standard deviation of the scale of an instrument.
+fn scale_sd(device: &Device, parameter: ParameterId) -> f64 {
+    let mut scales = device.length_scales().into_iter();
+    let own = scales.find(|scale| ParameterId::Surrounding(scale.parameter) == parameter);
+    own.map_or(0.0, |own| own.sd)
 }
 
 /// x^T A x, of a matrix as large as x or larger.
@@ -373,8 +394,8 @@ pub(crate) fn sensitivity(
     Ok((sensitivity, rests))
 }
 
-/// S of held parameters: what their plausible sizes and the residuals say of their errors.
-fn second_moment(
+/// S of held parameters, `sizes` their deviations before the recording: what their plausible sizes and the residuals say of their errors.
+pub(crate) fn second_moment(
     rests: &[Vec<f64>],
     residuals: &[f64],
     sizes: &[f64],

@@ -4,6 +4,7 @@ pub(crate) mod considered;
 pub(crate) mod curvature;
 pub(crate) mod free_set;
 pub(crate) mod implausible;
+pub(crate) mod length_scale;
 pub(crate) mod mistakes;
 pub(crate) mod multi_start;
 pub(crate) mod parameter_fit;

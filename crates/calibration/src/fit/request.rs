@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{
-    Convergence, Estimate, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
+    Convergence, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
     ParameterInfo, Problem, Reduction, Uncertainty, analyse, estimates, solve, uncertainty,
 };
 use haptical_model::{Device, ParameterId, Recording};
@@ -148,10 +148,10 @@ impl FitRequest<'_> {
             (&free, self.unsupported),
             spread.noise_factor,
         );
-        let considered = considered.map_err(wrap)?;
+        let mut considered = considered.map_err(wrap)?;
+        considered.by_torque_scale = self.by_torque_scale(&free, &device);
         let mut estimates = estimates(&infos, &fit.parameters, &identifiability, &spread, noise);
         considered.widen(&mut estimates, &free, &spread, noise);
-        self.add_torque_scale(&mut estimates, &spread, noise);
         let residuals = prepared.residuals(&fit.parameters).map_err(wrap)?;
         Ok(ParameterFit {
             device,
@@ -225,30 +225,18 @@ impl FitRequest<'_> {
 
     /// A compliance is in proportion to the torque that it was fitted to: the scale error of a logged torque,
     /// which no reading shows, is its own.
-    fn add_torque_scale(
-        &self,
-        estimates: &mut [Estimate],
-        spread: &Uncertainty,
-        noise: NoiseScale,
-    ) {
-        let half_width = spread.half_width_95(noise);
-        for (parameter, estimate) in self.parameters.iter().zip(estimates) {
-            let ParameterId::Compliance { joint } = *parameter else {
-                continue;
+    fn by_torque_scale(&self, fitted: &[usize], device: &Device) -> Vec<f64> {
+        let of_parameter = |&index: &usize| {
+            let ParameterId::Compliance { joint } = self.parameters[index] else {
+                return 0.0;
             };
-            let is_logged = self
-                .recording
-                .torque_nm
-                .get(joint)
-                .is_some_and(Option::is_some);
-            let described = self.device.joints.get(joint).filter(|_| is_logged);
-            if let (Some(described), Some(value), Some(sd)) =
-                (described, estimate.value, &mut estimate.standard_deviation)
-            {
-                *sd = sd.hypot(described.torque_scale_sd * value);
-                estimate.ci95 = Some([value - half_width * *sd, value + half_width * *sd]);
-            }
-        }
+            let torques = self.recording.torque_nm.get(joint);
+            let described = device.joints.get(joint);
+            let described = described.filter(|_| torques.is_some_and(Option::is_some));
+            let value = self.parameters[index].value(device);
+            described.map_or(0.0, |joint| (joint.torque_scale_sd * value).powi(2))
+        };
+        fitted.iter().map(of_parameter).collect()
     }
 }
 

@@ -1,8 +1,10 @@
 //! The method behind the intervals of a fit, for those who cite them.
 
 use haptical_identification::{Matrix, NoiseScale, pooled};
+use haptical_model::ParameterId;
 use serde::Serialize;
 
+use crate::fit::considered::Held;
 use crate::{ChannelNoise, ParameterFit};
 
 /// How the intervals of a fit were made.
@@ -20,6 +22,8 @@ pub struct Intervals {
     pub noise_checked: bool,
     /// The noise of the fit's channels, where it is not independent and of one size.
     pub channel_noise: Vec<ChannelNoise>,
+    /// Scales of instruments that lengths rest on, counted in the intervals.
+    pub length_scales: Vec<ScaleOfLengths>,
     /// Parameters that were not fitted (weak, or those of step 1) and whose plausible errors widen the intervals.
     pub considered: Vec<String>,
     /// Whether the ends of the linearised intervals were compared with the sum of squares there; not where so many
@@ -30,6 +34,17 @@ pub struct Intervals {
     pub profile_likelihood: Vec<String>,
     /// Those of them without an end on one side or both, and so without an interval.
     pub open: Vec<String>,
+}
+
+/// The scale of an instrument, which every length has that was measured with it alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ScaleOfLengths {
+    /// Name of the instrument's reading per length.
+    pub name: String,
+    /// Standard deviation of its error, 1 being the whole length.
+    pub sd: f64,
+    /// Whether the device file states it (`scale_sd`); else it is assumed.
+    pub is_stated: bool,
 }
 
 impl ParameterFit {
@@ -51,7 +66,17 @@ impl ParameterFit {
             pooled(&self.uncertainty.components, &own).1
         };
         let least = (0..self.fitted.len()).map(freedom).reduce(f64::min);
-        let considered = self.considered.parameters.iter();
+        let considered = self.considered.parameters.iter().zip(&self.considered.held);
+        let considered = considered.filter(|(_, held)| **held != Held::Scale);
+        let scales = self.device.length_scales().into_iter().map(|scale| {
+            let parameter = ParameterId::Surrounding(scale.parameter);
+            let own = self.considered.reason(parameter) == Some(Held::Scale);
+            own.then(|| ScaleOfLengths {
+                name: parameter.name(&self.device),
+                sd: scale.sd,
+                is_stated: scale.is_stated,
+            })
+        });
         let names = |indices: &[usize]| {
             let names = indices.iter().map(|&index| &self.estimates[index].name);
             names.cloned().collect()
@@ -66,8 +91,9 @@ impl ParameterFit {
             least_degrees_of_freedom: least.filter(|_| has_memory),
             noise_checked: self.noise_is_checked,
             channel_noise: self.channel_noise.clone(),
+            length_scales: scales.flatten().collect(),
             considered: considered
-                .map(|parameter| parameter.name(&self.device))
+                .map(|(parameter, _)| parameter.name(&self.device))
                 .collect(),
         }
     }

@@ -21,8 +21,16 @@ const DAMPING: [f64; 2] = [1e-9, 1e-13];
 /// Steps of the fit with the geometry held.
 const STEPS: usize = 100;
 
+/// How often wild sights are looked for, and from how many medians of what the sights miss by one is wild: a device as
+/// built leaves none at half of that.
+const TRIMMINGS: usize = 8;
+const WILD: f64 = 8.0;
+
 /// One row: the handle in frame (-1), and what the tracker saw.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Sight {
+    /// Row of the recording.
+    pub(crate) row: usize,
     pub(crate) handle: Pose,
     pub(crate) position_m: Option<Vector3<f64>>,
     pub(crate) rotation: Option<Matrix3<f64>>,
@@ -36,12 +44,21 @@ pub(crate) struct Frames {
 }
 
 /// A tracker's frames as far as a device has them, and which of base and tool are open: unknown, and without a place.
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Rig {
     known: Frames,
     pub(crate) open: [bool; 2],
 }
 
 impl Rig {
+    /// A tracker of which nothing is known but what is not open.
+    pub(crate) fn from_open(open: [bool; 2]) -> Self {
+        Self {
+            open,
+            ..Self::default()
+        }
+    }
+
     /// None for a device without a tracker.
     pub(crate) fn new(device: &Device) -> Option<Self> {
         let tracker = device.tracker.as_ref()?;
@@ -72,7 +89,9 @@ pub(crate) fn place_tracker(
         return Ok(());
     };
     let open = rig.open;
-    let frames = closed_form(&sights(recording, poses), &rig);
+    let (frames, tame) = trimmed(&sights(recording, poses), &rig);
+    let tame = tame.map(|rows| recording.select(&rows));
+    let recording = tame.as_ref().unwrap_or(recording);
     if open[0] {
         device.surroundings.tracker_base = Some(Placement::from_pose(&frames.base));
     }
@@ -85,6 +104,33 @@ pub(crate) fn place_tracker(
     Ok(())
 }
 
+/// Base and tool by the sights that are no wild readings, and the rows of those; none where all are. What is left of
+/// the sights by the frames of the others is compared, as wild ones draw the frames to themselves.
+fn trimmed(sights: &[Sight], rig: &Rig) -> (Frames, Option<Vec<usize>>) {
+    let mut frames = closed_form(sights, rig);
+    let mut kept: Option<Vec<usize>> = None;
+    for _ in 0..TRIMMINGS {
+        let misses: Vec<f64> = sights.iter().map(|sight| miss(sight, &frames)).collect();
+        let mut sorted: Vec<f64> = misses.iter().copied().filter(|miss| *miss > 0.0).collect();
+        sorted.sort_by(f64::total_cmp);
+        let Some(median) = sorted.get(sorted.len() / 2) else {
+            break;
+        };
+        let tame: Vec<usize> = (0..sights.len())
+            .filter(|&own| misses[own] <= WILD * median)
+            .collect();
+        let are_all = tame.len() == sights.len();
+        if kept.as_ref() == Some(&tame) || (kept.is_none() && are_all) {
+            break;
+        }
+        let own: Vec<Sight> = tame.iter().map(|&own| sights[own]).collect();
+        frames = closed_form(&own, rig);
+        kept = Some(tame);
+    }
+    let kept = kept.map(|kept| kept.into_iter().map(|own| sights[own].row).collect());
+    (frames, kept)
+}
+
 pub(crate) fn sights(recording: &Recording, poses: &[Pose]) -> Vec<Sight> {
     let rows = poses.iter().enumerate();
     let sights = rows.map(|(row, handle)| {
@@ -92,6 +138,7 @@ pub(crate) fn sights(recording: &Recording, poses: &[Pose]) -> Vec<Sight> {
         let position = position.map(|axes| Vector3::from(axes.each_ref().map(|axis| axis[row])));
         let rotation = measured_rotation(recording, row);
         Sight {
+            row,
             handle: *handle,
             position_m: position.filter(|position| position.iter().all(|part| part.is_finite())),
             rotation: rotation
@@ -242,13 +289,15 @@ fn slide(sights: &[Sight], frames: &mut Frames, open: [bool; 2]) {
 
 /// Sum of squares of the positions' errors.
 pub(crate) fn missed(sights: &[Sight], frames: &Frames) -> f64 {
-    let errors = sights.iter().filter_map(|sight| {
-        let handle = &sight.handle;
-        let point = handle.position_m + handle.rotation * frames.tool.position_m;
-        let seen = frames.base.rotation * point + frames.base.position_m;
-        Some((seen - sight.position_m?).norm_squared())
-    });
-    errors.sum()
+    sights.iter().map(|sight| miss(sight, frames).powi(2)).sum()
+}
+
+/// A position's error \[m\]; 0 without one.
+fn miss(sight: &Sight, frames: &Frames) -> f64 {
+    let handle = &sight.handle;
+    let point = handle.position_m + handle.rotation * frames.tool.position_m;
+    let seen = frames.base.rotation * point + frames.base.position_m;
+    sight.position_m.map_or(0.0, |own| (seen - own).norm())
 }
 
 /// The rotation R with the largest trace of R^T M: that nearest to M.

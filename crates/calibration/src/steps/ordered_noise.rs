@@ -11,6 +11,7 @@ use haptical_model::{Device, ParameterId, Recording};
 
 use crate::error::wrap;
 use crate::fit::considered::sensitivity;
+use crate::fit::length_scale::with_length_scales;
 use crate::problem::form::{Prepared, reduce};
 use crate::report::channel_noise::ChannelNoise;
 use crate::steps::device::step_two;
@@ -26,7 +27,7 @@ type Sizes = BTreeMap<Channel, BTreeMap<u64, f64>>;
 const MOST_ROWS: usize = 6_000_000;
 
 /// Gives every fit of a device the covariance that its noise calls for: that of step 2 counts the noise of step 1
-/// ([`with_step_one_noise`]), and noise that is not independent and of one size has its own ([`correlated_noise`]). Values move by a part of their uncertainty where rows are weighted by a local size of the
+/// ([`with_step_one_noise`]), lengths count the scale of the instruments that they rest on, and noise that is not independent and of one size has its own ([`correlated_noise`]). Values move by a part of their uncertainty where rows are weighted by a local size of the
 /// noise, or where a drift is fitted besides.
 ///
 /// `recording` is that of the fits.
@@ -43,6 +44,7 @@ pub fn with_ordered_noise(
     let mut sizes = Sizes::new();
     if method == CalibrationMethod::Joint {
         if let Some(whole) = fitted.whole.take() {
+            let whole = with_length_scales(whole, recording, &all, &weights)?;
             let whole = look(whole, recording, &all, &weights, &mut sizes)?;
             fitted.device.clone_from(&whole.device);
             fitted.whole = Some(whole);
@@ -70,6 +72,7 @@ pub fn with_ordered_noise(
             let whole = follow(whole, &moved, (&rows, &distant), &weights)?;
             let steps = &fitted.transmissions;
             let whole = with_step_one_noise(whole, steps, &rows, &distant, &weights)?;
+            let whole = with_length_scales(whole, &rows, &distant, &weights)?;
             Some(look(whole, &rows, &distant, &weights, &mut sizes)?)
         }
         (whole, _) => whole,

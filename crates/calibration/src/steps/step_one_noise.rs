@@ -67,6 +67,7 @@ pub fn with_step_one_noise(
         covariance,
         sensitivity,
         beyond_first_order: Vec::new(),
+        by_torque_scale: Vec::new(),
         known_parts: parts(&steps),
         promised_fall: 0.0,
     };

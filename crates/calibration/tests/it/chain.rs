@@ -68,6 +68,7 @@ pub(crate) fn device_of(links: Vec<Link>) -> Device {
             tool_known: true,
             position_sd_m: Some(1e-4),
             rotation_sd_rad: Some(1e-4),
+            scale_sd: Some(0.0),
         }),
         contact_pairs: Vec::new(),
         gravity_mps2: None,
@@ -81,6 +82,7 @@ pub(crate) fn cable_at(anchor_m: [f64; 3]) -> Cable {
     Cable {
         anchor_m,
         distance_sd_m: Some(1e-5),
+        scale_sd: Some(0.0),
         ..Cable::default()
     }
 }

@@ -1,6 +1,7 @@
 //! Trackers whose columns are in another convention, and compliances without a load: named, not fitted.
 
 use haptical_calibration::{Calibration, CalibrationError, HeldOut, Options, calibrate, check_rig};
+use haptical_model::kinematics::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use haptical_model::{Body, Device, JointCompliance, Placement, Recording};
 
 use crate::rig_scene::{placement, plain, readings, table, tracked, unknown_tracker};
@@ -165,5 +166,105 @@ fn compliances_without_a_load_and_against_it_are_told() {
         let warnings = compliant(rad_per_nm, has_masses).warnings.join("\n");
         let have = [nothing, against].map(|words| warnings.contains(words));
         assert_eq!(have, expected, "{rad_per_nm} {has_masses}: {warnings}");
+    }
+}
+
+/// Of a device without `[tracker]` positions are the handle's, in frame (-1). The same arm before an instrument with a frame
+/// of its own ended at the iteration limit, or in a wobble of 175 mrad.
+#[test]
+fn positions_in_another_frame_are_named() {
+    let unknown = device(false);
+    let right = seen(&unknown, false);
+    let mut bare = unknown.clone();
+    bare.tracker = None;
+    let words = said(&bare, &right);
+    assert!(
+        words.contains("base = \"unknown\" and tool = \"unknown\" in [tracker]"),
+        "{words}"
+    );
+    // where it is elsewhere by the marker alone, the base stays
+    let mut tool_alone = device(true);
+    let mut truth = tool_alone.clone();
+    truth.surroundings.tracker_base = Some(Placement::default());
+    truth.surroundings.tracker_tool = Some(placement(6, 0.3, 0.0));
+    let mut recording = plain_readings(&truth);
+    tracked(&truth, &mut recording, 1.0, 9);
+    recording.orientation_wxyz = None;
+    let words = said(&tool_alone, &recording);
+    assert!(
+        words.contains("give tool = \"unknown\" in [tracker]"),
+        "{words}"
+    );
+    tool_alone.tracker.as_mut().unwrap().tool_known = false;
+    check_rig(&tool_alone, &recording).unwrap();
+}
+
+fn plain_readings(device: &Device) -> Recording {
+    plain(readings(device, 60, 1.5, 3))
+}
+
+#[test]
+fn poses_the_other_way_round_are_named() {
+    let device = device(false);
+    let right = seen(&device, true);
+    let (positions, turns) = (
+        right.position_m.clone().unwrap(),
+        right.orientation_wxyz.clone().unwrap(),
+    );
+    let mut wrong = right.clone();
+    for row in 0..right.len() {
+        let turn = UnitQuaternion::from_quaternion(Quaternion::new(
+            turns[0][row],
+            turns[1][row],
+            turns[2][row],
+            turns[3][row],
+        ));
+        let seen = Isometry3::from_parts(
+            Translation3::new(positions[0][row], positions[1][row], positions[2][row]),
+            turn,
+        );
+        let back = seen.inverse();
+        for axis in 0..3 {
+            wrong.position_m.as_mut().unwrap()[axis][row] = back.translation.vector[axis];
+        }
+        let parts = [
+            back.rotation.w,
+            back.rotation.i,
+            back.rotation.j,
+            back.rotation.k,
+        ];
+        for (column, part) in wrong
+            .orientation_wxyz
+            .as_mut()
+            .unwrap()
+            .iter_mut()
+            .zip(parts)
+        {
+            column[row] = part;
+        }
+    }
+    let words = said(&device, &wrong);
+    assert!(
+        words.contains("the poses are the inverse of those wanted"),
+        "{words}"
+    );
+}
+
+#[test]
+fn positions_of_the_row_before_are_named() {
+    for has_orientations in [false, true] {
+        let device = device(false);
+        let right = seen(&device, has_orientations);
+        let rows = right.len();
+        let rotated =
+            |from: usize| -> Vec<usize> { (0..rows).map(|row| (row + from) % rows).collect() };
+        for (by, words) in [(1, "of the previous row"), (rows - 1, "of the next row")] {
+            let moved = right.select(&rotated(rows - by));
+            let mut wrong = right.clone();
+            wrong.position_m.clone_from(&moved.position_m);
+            wrong.orientation_wxyz.clone_from(&moved.orientation_wxyz);
+            let said = said(&device, &wrong);
+            assert!(said.contains(words), "{by}: {said}");
+        }
     }
 }

@@ -25,6 +25,7 @@ mod intervals;
 mod invariance;
 mod joint_lanes;
 mod known_distance;
+mod length_scale;
 mod measured;
 mod mistaken_columns;
 mod multi_start;

@@ -1,6 +1,6 @@
 //! Logs in which a joint runs backwards, or two joints are in each other's column.
 
-use haptical_calibration::{CalibrationError, HeldOut, Options, Weighting, calibrate};
+use haptical_calibration::{CalibrationError, HeldOut, Options, Weighting, calibrate, check_rig};
 use haptical_model::{Device, Recording};
 
 use crate::rig_scene::{placement, plain, readings, table, tracked, unknown_tracker};
@@ -75,4 +75,60 @@ fn a_device_far_from_its_file_has_no_mistaken_column() {
     device.links[2].a_m += 0.05;
     device.links[3].theta_rad += 0.2;
     assert_eq!(refusal(&device, &recording), None);
+}
+
+/// With external encoders each `out` is compared with each `theta` first: no fit is tried on what is swapped.
+#[test]
+fn external_encoders_of_other_joints_are_named() {
+    let Some(nominal) = crate::haptic::haptic7() else {
+        return;
+    };
+    let truth = crate::haptic::truth_of(&nominal, 1.0);
+    let right = crate::haptic::record(&truth, 200, 3, haptical_simulator::Noise::Gaussian);
+    check_rig(&nominal, &right).unwrap();
+    let said = |change: &dyn Fn(&mut Recording)| {
+        let mut wrong = right.clone();
+        change(&mut wrong);
+        match check_rig(&nominal, &wrong).unwrap_err() {
+            CalibrationError::Reading {
+                column, message, ..
+            } => format!("{column}: {message}"),
+            other => other.to_string(),
+        }
+    };
+    let times = |column: &mut Option<Vec<f64>>, factor: f64| {
+        column
+            .iter_mut()
+            .flatten()
+            .for_each(|reading| *reading *= factor);
+    };
+    let words = said(&|log| log.output.swap(0, 1));
+    assert!(
+        words.starts_with("out1_rad: it follows theta2_rad, not theta1_rad"),
+        "{words}"
+    );
+    let words = said(&|log| log.joint.swap(1, 4));
+    assert!(
+        words.starts_with("out2_rad: it follows theta5_rad, not theta2_rad"),
+        "{words}"
+    );
+    let words = said(&|log| times(&mut log.output[2], -1.0));
+    assert!(
+        words.starts_with("out3_rad: it runs against theta3_rad"),
+        "{words}"
+    );
+    let words = said(&|log| times(&mut log.output[0], 57.295_779_5));
+    assert!(
+        words.contains("out1_rad: it is 56.") && words.contains("57.3 are degrees"),
+        "{words}"
+    );
+    let words = said(&|log| {
+        for reading in &mut log.joint[1] {
+            *reading = (*reading * 1304.0).round();
+        }
+    });
+    assert!(
+        words.starts_with("out2_rad: it is 0.001 times theta2_rad"),
+        "{words}"
+    );
 }

@@ -170,6 +170,7 @@ fn tracked_arm(convention: Convention) -> Device {
         tool_known: true,
         position_sd_m: Some(SD_M),
         rotation_sd_rad: None,
+        scale_sd: Some(0.0),
     });
     arm
 }

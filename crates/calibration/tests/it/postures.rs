@@ -15,6 +15,7 @@ fn devices() -> (Device, Device) {
         tool_known: true,
         position_sd_m: Some(1e-4),
         rotation_sd_rad: Some(2e-4),
+        scale_sd: Some(0.0),
     });
     let mut truth = nominal.clone();
     for (row, link) in truth.links.iter_mut().enumerate() {

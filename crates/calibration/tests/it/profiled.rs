@@ -17,7 +17,7 @@ fn planar() -> Device {
     };
     let text = [0.0, 0.3, 0.25].map(row).concat()
         + "[[joint]]\n[[joint]]\n[cable_encoder]\ndistance_sd_m = 1.0\n\
-           [[cable]]\nanchor_m = [-0.19, 0.49, 0.02]\ndistance_sd_m = 2e-4\nfit = [\"anchor\"]\n";
+           [[cable]]\nanchor_m = [-0.19, 0.49, 0.02]\ndistance_sd_m = 2e-4\nscale_sd = 0.0\nfit = [\"anchor\"]\n";
     Device::from_toml(&text, "planar.toml").unwrap().device
 }
 

@@ -47,6 +47,7 @@ pub(crate) fn unknown_tracker(device: &mut Device) {
         tool_known: false,
         position_sd_m: Some(1e-4),
         rotation_sd_rad: Some(2e-4),
+        scale_sd: Some(0.0),
     });
 }
 

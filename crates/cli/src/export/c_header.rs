@@ -115,6 +115,14 @@ fn data(described: &Described, constants: &ChainConstants<ROOM>) -> String {
     for (joint, range) in described.joints.iter().zip(&described.ranges) {
         push_joint(&mut text, joint, *range);
     }
+    text.push_str(
+        "};\n\n/* Joint limits of the device file: lowest and highest reading; the largest number where there is none. */\n\
+         static const double haptical_limits[HAPTICAL_JOINTS][2] = {\n",
+    );
+    for ends in &described.limits {
+        let ends = ends.map(|end| end.clamp(-f64::MAX, f64::MAX));
+        let _ = writeln!(text, "    {},", list(&ends));
+    }
     text.push_str("};\n\n");
     text
 }

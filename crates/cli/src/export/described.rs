@@ -31,6 +31,8 @@ pub(super) struct Described {
     pub(super) names: Vec<String>,
     /// Readings within which each joint's transmission is known.
     pub(super) ranges: Vec<[f64; 2]>,
+    /// Lowest and highest reading of each joint by the device file; infinite where it gives none.
+    pub(super) limits: Vec<[f64; 2]>,
 }
 
 impl Described {
@@ -62,6 +64,7 @@ impl Described {
             joints: Vec::new(),
             names: Vec::new(),
             ranges: Vec::new(),
+            limits: Vec::new(),
         };
         let advice = "correct this number in the device file, or identify the device again";
         let rows = std::iter::once(&described.base).chain(&described.rows);
@@ -94,6 +97,7 @@ impl Described {
             described.joints.push(exported);
             described.names.push(joint.name.clone());
             described.ranges.push(range);
+            described.limits.push([joint.lower_rad, joint.upper_rad]);
         }
         Ok(described)
     }

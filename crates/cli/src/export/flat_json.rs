@@ -1,10 +1,11 @@
 //! Writes a device as JSON: one flat array per quantity, with names and units.
 
+use haptical::files::{UNSEALED, sealed_json};
 use haptical_runtime::{Capstan, Convention, GeneralRow, Joint, Motion, Pose, Transmission};
 use serde_json::{Value, json};
 
 use super::described::{Described, row_by_row};
-use super::{Provenance, VERSION};
+use super::{COMMAND, Provenance, VERSION};
 use crate::failure::Failure;
 
 /// The text of the file.
@@ -28,19 +29,29 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
         let column = described.ranges.iter().map(|range| range[end]);
         column.collect::<Vec<_>>()
     };
+    let limits = |end: usize| {
+        let column = described.limits.iter().map(|limits| limits[end]);
+        column
+            .map(|limit| limit.is_finite().then_some(limit))
+            .collect::<Vec<_>>()
+    };
     let export = json!({
         "format": "haptical-runtime",
         "format_version": 1,
+        "command": COMMAND,
         "haptical_version": VERSION,
         "device": provenance.device,
         "device_file": provenance.file,
         "device_sha256": provenance.sha256,
+        "result_sha256": UNSEALED,
         "convention": match described.convention {
             Convention::Standard => "standard",
             Convention::Modified => "modified",
         },
         "units": {
             "home": "rad, m for a prismatic joint",
+            "lower_limit": "rad, m for a prismatic joint",
+            "upper_limit": "rad, m for a prismatic joint",
             "lowest_reading": "rad, m for a prismatic joint",
             "highest_reading": "rad, m for a prismatic joint",
             "offset": "rad, m for a prismatic joint",
@@ -72,6 +83,9 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
             "name": described.names,
             "type": joint_column(|joint| json!(motion(joint.motion))),
             "home": joint_column(|joint| json!(joint.home)),
+            // of the reading, by the device file; null: none
+            "lower_limit": limits(0),
+            "upper_limit": limits(1),
             "lowest_reading": ends(0),
             "highest_reading": ends(1),
             "transmission_error": joint_column(|joint| json!(match joint.transmission {
@@ -97,9 +111,7 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
             }),
         },
     });
-    let mut text = serde_json::to_string_pretty(&export).map_err(Failure::internal)?;
-    text.push('\n');
-    Ok(text)
+    sealed_json(&export)
 }
 
 fn motion(motion: Motion) -> &'static str {

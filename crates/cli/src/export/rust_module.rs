@@ -29,12 +29,20 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
         );
         ("CoupledModel<JOINTS, ROWS>", "CoupledModel::new", rows)
     };
+    let limits = described.limits.iter();
+    let limits: Vec<String> = limits
+        .map(|ends| format!("[{}]", ends.map(limit).join(", ")))
+        .collect();
+    let limits = limits.join(", ");
     // `write!` to a String cannot fail.
     let _ = write!(
         text,
         "/// Name of the device.\npub const DEVICE: &str = {:?};\n\
          /// SHA-256 of the device file.\npub const DEVICE_SHA256: &str = {:?};\n\
-         /// Number of joints.\npub const JOINTS: usize = {};\n{rows}\n\
+         /// Number of joints.\npub const JOINTS: usize = {};\n{rows}\
+         /// Joint limits of the device file: lowest and highest reading of each joint.\n\
+         #[allow(clippy::approx_constant, reason = \"numbers of a device\")]\n\
+         pub const LIMITS: [[f64; 2]; JOINTS] = [{limits}];\n\n\
          /// The device, worked out by the compiler.\n\
          #[allow(\n    clippy::approx_constant,\n    clippy::panic,\n    \
          reason = \"numbers of a device; the compiler alone meets the panic\"\n)]\n\
@@ -84,11 +92,21 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
         text.push_str("    ],\n");
     }
     text.push_str(
-        ") {\n    Ok(model) => model,\n    \
-         // met by the compiler alone, where the numbers above were changed\n    \
+        ") {\n    Ok(model) => match model.with_limits(LIMITS) {\n        Ok(model) => model,\n        \
+         // both are met by the compiler alone, where the numbers above were changed\n        \
+         Err(_) => panic!(\"a lower limit is not below the upper one\"),\n    },\n    \
          Err(_) => panic!(\"this is not a device that the runtime can hold\"),\n};\n",
     );
     text
+}
+
+/// A joint limit as Rust writes it.
+fn limit(limit: f64) -> String {
+    match limit {
+        f64::INFINITY => "f64::INFINITY".to_owned(),
+        f64::NEG_INFINITY => "f64::NEG_INFINITY".to_owned(),
+        finite => format!("{finite:?}"),
+    }
 }
 
 fn link(link: &Link) -> String {

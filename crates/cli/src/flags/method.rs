@@ -52,7 +52,7 @@ impl IdentifyArguments {
 }
 
 impl LossName {
-    fn choice(self) -> LossChoice {
+    pub(crate) fn choice(self) -> LossChoice {
         LossChoice::Fixed(match self {
             Self::Auto => return LossChoice::Auto,
             Self::Squares => Loss::Squares,

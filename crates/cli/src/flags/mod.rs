@@ -3,6 +3,7 @@
 mod device;
 mod hold;
 mod method;
+mod overwrite;
 
 use std::path::Path;
 
@@ -10,6 +11,7 @@ use crate::failure::Failure;
 
 pub(crate) use device::DeviceOptions;
 pub(crate) use hold::HoldOptions;
+pub(crate) use overwrite::OverwriteOptions;
 
 /// Folder and name of the file that `--out` names.
 pub(crate) fn folder_and_name(out: &Path) -> Result<(&Path, &str), Failure> {

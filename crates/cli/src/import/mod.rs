@@ -10,7 +10,7 @@ mod sockets;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use haptical::files::{check_folder, check_outputs};
+use haptical::files::{NewFile, check_folder, check_outputs};
 use haptical_data::{JointShape, LogShape};
 use serde_json::json;
 
@@ -63,6 +63,9 @@ struct Target {
     /// Log to write (CSV); its folder is made if it is missing
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Overwrite files at --out with other content; a log does not say who wrote it
+    #[arg(long)]
+    force: bool,
     /// Print what was written as JSON
     #[arg(long)]
     json: bool,
@@ -106,6 +109,28 @@ impl Target {
         check_outputs(&outputs, inputs)
     }
 
+    /// Refuses to replace a file by another content unless that is asked for.
+    fn refuse_others(&self, folder: &Path, files: &[NewFile<'_>]) -> Result<(), Failure> {
+        let is_other = |(name, content): &&NewFile<'_>| {
+            let place = folder.join(name);
+            let is_there = place.symlink_metadata().is_ok();
+            is_there && !std::fs::read(place).is_ok_and(|there| there == *content)
+        };
+        match files.iter().find(is_other) {
+            Some((name, _)) if !self.force => {
+                let what = "the file is there with another content";
+                let next = "give another --out, or --force to overwrite it";
+                Err(Failure::in_file(
+                    "exists",
+                    what,
+                    &self.out.with_file_name(name),
+                    next,
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Writes the log and the further file: both or none.
     fn write(&self, imported: Imported) -> Result<(), Failure> {
         let (folder, name) = self.place()?;
@@ -122,6 +147,7 @@ impl Target {
         if let (Some(name), Some((_, content))) = (further_name, beside) {
             files.push((name, content));
         }
+        self.refuse_others(folder, &files)?;
         write_all(folder, &files)?;
         terminal::warn(&warnings);
         let written = std::iter::once(&self.out).chain(&further);

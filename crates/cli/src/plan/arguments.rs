@@ -9,7 +9,7 @@ use haptical_design::{Criterion, DEGREE, KINDS, Limits, Region, Request, Rig, Sp
 
 use crate::arguments::{above_zero, one_or_more, whole_number};
 use crate::failure::Failure;
-use crate::flags::DeviceOptions;
+use crate::flags::{DeviceOptions, OverwriteOptions};
 
 /// The arguments of the command.
 #[derive(Debug, Args)]
@@ -23,9 +23,11 @@ pub(crate) struct PlanArguments {
     /// --poses plans for. Without it: what the device file describes, with a position and a pose
     #[arg(long, value_name = "RIG")]
     pub(crate) measure: Vec<String>,
-    /// Folder for plan.json, report.html, rigs.svg and poses.csv; made if it is missing
+    /// Folder for plan.json, plan.html, rigs.svg, poses.csv and report.html; made if it is missing
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) overwrite: OverwriteOptions,
     /// Number of poses to choose, written to poses.csv
     #[arg(long, value_name = "N", value_parser = one_or_more, allow_negative_numbers = true)]
     pub(crate) poses: Option<NonZeroUsize>,
@@ -180,7 +182,9 @@ Example:
   haptical plan --device device.toml --measure out,cable --measure out,cable,cable2:0.4,0,0.3 --out plan
   haptical plan --device device.toml --measure out,cable --poses 100 --out plan
 
-Writes plan/plan.json, plan/report.html and plan/rigs.svg, with --poses plan/poses.csv too: all or none.
+Writes plan/plan.json, plan/plan.html (a page), plan/rigs.svg and plan/report.html, an index of the results
+in the folder, with --poses plan/poses.csv too: all or none. Files of an earlier `haptical plan` are
+overwritten, and one that is not written again is removed; others need --force.
 
 Measurements of a rig:
 "

@@ -4,7 +4,8 @@ mod arguments;
 
 use std::path::Path;
 
-use haptical::{Planned, plan_as};
+use haptical::files::{Overwrite, ResultKind};
+use haptical::plan_as;
 use haptical_design::Step;
 
 pub(crate) use arguments::{PlanArguments, help};
@@ -27,16 +28,12 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<(), Failure> {
 }
 
 impl ResultCommand for PlanArguments {
-    fn name(&self) -> &'static str {
-        "plan"
+    fn kind(&self) -> ResultKind {
+        ResultKind::PLAN
     }
 
-    fn files(&self) -> &'static [&'static str] {
-        &Planned::FILES
-    }
-
-    fn result_file(&self) -> &'static str {
-        Planned::FILES[0]
+    fn overwrite(&self) -> Overwrite {
+        self.overwrite.overwrite()
     }
 
     fn inputs(&self) -> Vec<(&'static str, &Path)> {

@@ -12,6 +12,9 @@ const SHOWN: usize = 60;
 /// Hashes of a result's own files: on another machine they are others.
 const HASHES: [&str; 2] = ["provenance.outputs", "provenance.result_sha256"];
 
+/// The result in a line.
+const ANSWER: &str = "answer";
+
 /// How a file agrees with what its inputs give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -21,8 +24,10 @@ pub(super) enum Agreement {
     SameNumbers,
     Differs,
     Missing,
-    /// It is not there, or it is the other command's, and it need not be there.
+    /// It is not there and need not be.
     NotKept,
+    /// Of a folder: a result in it could not be checked.
+    Undecided,
 }
 
 /// The findings on one file.
@@ -145,6 +150,9 @@ impl FileVerdict {
                     self.walk(&format!("{place}[{index}]"), was.get(index), is.get(index));
                 }
             }
+            // rounded numbers in a sentence
+            (Some(Value::String(was)), Some(Value::String(is)))
+                if place == ANSWER && self.texts_agree(was, is) => {}
             _ if was == is || numbers.is_some_and(|(was, is)| self.agree(was, is)) => {}
             _ => self.push(place, &shown(was), &shown(is)),
         }
@@ -154,18 +162,21 @@ impl FileVerdict {
     /// within one unit of their last digit, where another machine may have rounded the other way.
     fn compare_texts(&mut self, was: &[u8], is: &[u8]) {
         let (was_text, is_text) = (String::from_utf8_lossy(was), String::from_utf8_lossy(is));
-        let (was_parts, is_parts) = (parts(&was_text), parts(&is_text));
-        let agrees = !self.changed_since_written
-            && was_parts.len() == is_parts.len()
-            && was_parts.iter().zip(&is_parts).all(|(was, is)| {
+        if !self.texts_agree(&was_text, &is_text) {
+            self.push_first_line(was, is);
+        }
+    }
+
+    fn texts_agree(&mut self, was: &str, is: &str) -> bool {
+        let (was, is) = (parts(was), parts(is));
+        !self.changed_since_written
+            && was.len() == is.len()
+            && was.iter().zip(&is).all(|(was, is)| {
                 let numbers = was.parse::<f64>().ok().zip(is.parse::<f64>().ok());
                 let agree =
                     |(a, b): (f64, f64)| self.agree(a, b) || (a - b).abs() <= 1.01 * last_digit(is);
                 was == is || numbers.is_some_and(agree)
-            });
-        if !agrees {
-            self.push_first_line(was, is);
-        }
+            })
     }
 
     /// Puts down the first line that differs, from shortly before the first character that does.
@@ -285,6 +296,18 @@ mod tests {
         let changed = verdict("gap.json", was, is, true);
         assert_eq!(changed.difference_count, 2);
         assert!(!changed.holds() && close.holds());
+    }
+
+    #[test]
+    fn an_answer_may_round_the_other_way_and_another_text_may_not() {
+        let json = |key: &str, value: &str| format!(r#"{{"{key}": "after {value} mm"}}"#);
+        let agrees = |key: &str, was: &str, is_changed| {
+            verdict("gap.json", &json(key, was), &json(key, "0.124"), is_changed).holds()
+        };
+        assert!(agrees("answer", "0.125", false));
+        assert!(!agrees("answer", "0.126", false));
+        assert!(!agrees("answer", "0.125", true));
+        assert!(!agrees("device", "0.125", false));
     }
 
     #[test]

@@ -5,8 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use haptical::files::{Fingerprint, InputFile, OutputFile, is_seal_whole};
-use haptical::{Diagnosed, Found, Planned};
+use haptical::files::{Fingerprint, InputFile, OutputFile, ResultKind, is_seal_whole};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -18,7 +17,9 @@ use crate::result::ResultCommand;
 /// Largest result that is read; a result takes some hundred kilobytes.
 const LARGEST_RESULT_BYTES: u64 = 64 << 20;
 /// Another file of the result may be this much longer than what is computed before it counts as unknown.
-const MOST_FURTHER_BYTES: u64 = 1 << 20;
+pub(super) const MOST_FURTHER_BYTES: u64 = 1 << 20;
+/// Folders that are looked through.
+const MOST_FOLDERS: usize = 10_000;
 /// What to do where the result says too little.
 const AGAIN: &str = "run `haptical identify`, `diagnose` or `plan` again";
 /// What to do where it is none.
@@ -73,36 +74,71 @@ impl Recorded {
         }
         let most = expected as u64 + MOST_FURTHER_BYTES;
         let bytes = read_bytes(&path, most, "check its permissions")?;
-        let is_changed = !self.lists(name, &bytes);
+        let listed = self.listed(name);
+        let is_listed =
+            |listed: &OutputFile| listed.sha256 == Fingerprint::from_bytes(&bytes).sha256;
+        let is_changed = !listed.is_some_and(is_listed);
         Ok(Some(Written { bytes, is_changed }))
     }
 
-    /// Whether the result says that it wrote this file.
-    pub(super) fn lists(&self, name: &str, bytes: &[u8]) -> bool {
-        let mut listed = self.provenance.outputs.iter();
-        let listed = listed.find(|output| output.file == name);
-        listed.is_some_and(|output| output.sha256 == Fingerprint::from_bytes(bytes).sha256)
+    /// Whether the result says that it wrote a file of this name.
+    pub(super) fn names(&self, name: &str) -> bool {
+        self.listed(name).is_some()
+    }
+
+    fn listed(&self, name: &str) -> Option<&OutputFile> {
+        let mut outputs = self.provenance.outputs.iter();
+        outputs.find(|output| output.file == name)
     }
 }
 
-/// Reads the results in a folder, or the one that is given.
-pub(super) fn read(given: &Path) -> Result<Vec<Recorded>, Failure> {
+/// A result that was found, or why it cannot be checked.
+pub(super) type Candidate = (PathBuf, Result<Recorded, Failure>);
+
+/// Reads the results in a folder and in the folders in it, or the one that is given; none is an error.
+pub(super) fn read(given: &Path) -> Result<Vec<Candidate>, Failure> {
     let there = std::fs::metadata(given)
         .map_err(|error| Failure::unreadable(&error, given, GIVE_FOLDER).with_name("no-result"))?;
     if !there.is_dir() {
-        return Ok(vec![read_one(given, true)?]);
+        return Ok(vec![(given.to_owned(), read_one(given, true))]);
     }
-    let names = [Found::FILES[1], Diagnosed::FILES[0], Planned::FILES[0]];
-    let paths = names.map(|name| given.join(name)).into_iter();
-    let results = paths
-        .filter(|path| path.exists())
-        .map(|path| read_one(&path, false))
-        .collect::<Result<Vec<Recorded>, Failure>>()?;
+    let mut results = Vec::new();
+    for folder in folders(given)? {
+        let paths = ResultKind::ALL.map(|kind| folder.join(kind.result));
+        let there = paths.into_iter().filter(|path| path.exists());
+        results.extend(there.map(|path| (path.clone(), read_one(&path, false))));
+    }
     if results.is_empty() {
-        let what = format!("there is none of {}", names.join(", "));
+        let names = ResultKind::ALL.map(|kind| kind.result).join(", ");
+        let what = format!("there is none of {names} in it or in a folder in it");
         return Err(Failure::in_file("no-result", what, given, GIVE_FOLDER));
     }
     Ok(results)
+}
+
+/// A folder and those in it, in order of their names; links are not followed, and hidden ones are left out.
+fn folders(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let (mut found, mut open) = (Vec::new(), vec![folder.to_owned()]);
+    while let Some(folder) = open.pop() {
+        let refuse = |error| Failure::unreadable(&error, &folder, "check its permissions");
+        let mut inner = Vec::new();
+        for entry in std::fs::read_dir(&folder).map_err(refuse)? {
+            let entry = entry.map_err(refuse)?;
+            let is_hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
+            if !is_hidden && entry.file_type().map_err(refuse)?.is_dir() {
+                inner.push(entry.path());
+            }
+        }
+        inner.sort_unstable_by(|a, b| b.cmp(a));
+        open.extend(inner);
+        found.push(folder);
+        if found.len() > MOST_FOLDERS {
+            let what = format!("it has more than {MOST_FOLDERS} folders in it");
+            let first = found.swap_remove(0);
+            return Err(Failure::in_file("no-result", what, &first, GIVE_FOLDER));
+        }
+    }
+    Ok(found)
 }
 
 fn read_one(path: &Path, is_alone: bool) -> Result<Recorded, Failure> {
@@ -167,7 +203,7 @@ fn replay(provenance: &Provenance) -> Result<Box<dyn ResultCommand>, String> {
 }
 
 /// The first bytes of a file.
-fn read_bytes(path: &Path, most: u64, next: &str) -> Result<Vec<u8>, Failure> {
+pub(super) fn read_bytes(path: &Path, most: u64, next: &str) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(most).read_to_end(&mut bytes))

@@ -1,12 +1,15 @@
 //! The findings of `haptical verify`, for people and for programs.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use haptical::files::VERSION;
 use serde::Serialize;
+use serde_json::Value;
 
 use super::compare::{Agreement, Difference, FileVerdict};
 use super::sought::FoundInput;
+use crate::failure::{self, Failure};
 
 /// Differences of a file that the terminal lists; `--json` has more.
 const LISTED: usize = 10;
@@ -14,10 +17,26 @@ const LISTED: usize = 10;
 /// All results of a folder.
 #[derive(Debug, Serialize)]
 pub(super) struct Verification {
-    /// The weakest agreement of all files: `same-bytes`, `same-numbers` or `differs`.
-    verdict: Agreement,
+    /// `differs` where a file does, else `undecided` where a result could not be checked, else `same-numbers` or
+    /// `same-bytes`.
+    pub(super) verdict: Agreement,
     haptical_version: &'static str,
-    results: Vec<CheckedResult>,
+    results: Vec<Finding>,
+    /// The index of each folder.
+    indexes: Vec<FileVerdict>,
+}
+
+/// A result, or why it could not be checked.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum Finding {
+    Checked(CheckedResult),
+    Refused {
+        result: String,
+        error: Value,
+        #[serde(skip)]
+        said: String,
+    },
 }
 
 /// One result.
@@ -31,11 +50,36 @@ pub(super) struct CheckedResult {
     pub(super) files: Vec<FileVerdict>,
 }
 
+impl Finding {
+    pub(super) fn refused(path: &Path, failure: &Failure) -> Self {
+        Self::Refused {
+            result: path.display().to_string(),
+            error: failure::as_json(failure),
+            said: failure::lines(failure),
+        }
+    }
+
+    fn files(&self) -> &[FileVerdict] {
+        match self {
+            Self::Checked(checked) => &checked.files,
+            Self::Refused { .. } => &[],
+        }
+    }
+
+    /// Whether the result could be checked and is what its inputs give.
+    pub(super) fn holds(&self) -> bool {
+        matches!(self, Self::Checked(_)) && self.files().iter().all(FileVerdict::holds)
+    }
+}
+
 impl Verification {
-    pub(super) fn new(results: Vec<CheckedResult>) -> Self {
-        let files = || results.iter().flat_map(|result| &result.files);
+    pub(super) fn new(results: Vec<Finding>, indexes: Vec<FileVerdict>) -> Self {
+        let files = || results.iter().flat_map(Finding::files).chain(&indexes);
+        let is_refused = |finding: &Finding| matches!(finding, Finding::Refused { .. });
         let verdict = if files().any(|file| !file.holds()) {
             Agreement::Differs
+        } else if results.iter().any(is_refused) {
+            Agreement::Undecided
         } else if files().any(|file| file.agreement == Agreement::SameNumbers) {
             Agreement::SameNumbers
         } else {
@@ -45,26 +89,34 @@ impl Verification {
             verdict,
             haptical_version: VERSION,
             results,
+            indexes,
         }
-    }
-
-    pub(super) fn holds(&self) -> bool {
-        self.verdict != Agreement::Differs
     }
 
     /// Whether each file that differs was changed after it was written.
     fn was_changed(&self) -> bool {
-        let files = self.results.iter().flat_map(|result| &result.files);
-        let mut failing = files.filter(|file| !file.holds());
+        let files = self.results.iter().flat_map(Finding::files);
+        let mut failing = files.chain(&self.indexes).filter(|file| !file.holds());
         failing.all(|file| file.changed_since_written)
     }
 
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         for result in &self.results {
-            result.write(&mut text);
+            match result {
+                Finding::Checked(checked) => checked.write(&mut text),
+                Finding::Refused { result, said, .. } => {
+                    let _ = writeln!(text, "{result}: not checked\n{said}");
+                }
+            }
+        }
+        for index in &self.indexes {
+            let _ = writeln!(text, "Index of the results");
+            index.write(&mut text, index.file.len());
+            text.push('\n');
         }
         let last = match self.verdict {
+            Agreement::Undecided => "Not verified: a result could not be checked.",
             Agreement::SameBytes => "Verified: these inputs give the same bytes.",
             Agreement::SameNumbers => {
                 "Verified: these inputs give the same numbers within 1e-9 of each, not the same bytes, as on \
@@ -101,28 +153,33 @@ impl CheckedResult {
         }
         let width = self.files.iter().map(|file| file.file.len()).max();
         for file in &self.files {
-            let name = format!("{:<1$}", file.file, width.unwrap_or_default());
-            let _ = writeln!(text, "  {name}  {}", file.sentence());
-            for Difference {
-                place,
-                recorded,
-                recomputed,
-            } in file.differences.iter().take(LISTED)
-            {
-                let _ = writeln!(
-                    text,
-                    "    {place}: recorded {recorded}, recomputed {recomputed}"
-                );
-            }
-            if file.difference_count > LISTED {
-                let _ = writeln!(text, "    and {} more", file.difference_count - LISTED);
-            }
+            file.write(text, width.unwrap_or_default());
         }
         text.push('\n');
     }
 }
 
 impl FileVerdict {
+    /// Name and finding, then what differs.
+    fn write(&self, text: &mut String, width: usize) {
+        let name = format!("{:<width$}", self.file);
+        let _ = writeln!(text, "  {name}  {}", self.sentence());
+        for Difference {
+            place,
+            recorded,
+            recomputed,
+        } in self.differences.iter().take(LISTED)
+        {
+            let _ = writeln!(
+                text,
+                "    {place}: recorded {recorded}, recomputed {recomputed}"
+            );
+        }
+        if self.difference_count > LISTED {
+            let _ = writeln!(text, "    and {} more", self.difference_count - LISTED);
+        }
+    }
+
     fn sentence(&self) -> String {
         let changed = if self.changed_since_written {
             ", changed after it was written"
@@ -140,6 +197,7 @@ impl FileVerdict {
                 format!("differs in {} values{changed}", self.difference_count)
             }
             Agreement::Missing => "missing".to_owned(),
+            Agreement::Undecided => "not checked".to_owned(),
             Agreement::NotKept => "not kept with this result".to_owned(),
         }
     }

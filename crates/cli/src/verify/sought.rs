@@ -53,7 +53,7 @@ pub(super) fn find(
         sha256,
         ..
     } = recorded;
-    let command = result.command.name();
+    let command = result.command.kind().command;
     Err(match other {
         Some(path) => Failure::in_file(
             "changed-input",

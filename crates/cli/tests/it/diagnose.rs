@@ -47,7 +47,7 @@ fn a_sound_device_has_no_gap() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert_eq!(
         names_in(&sandbox.path("result")),
-        ["gap.json", "report.html"]
+        ["gap.html", "gap.json", "report.html"]
     );
     assert!(summary.lines().count() < 25, "{summary}");
     for wanted in [
@@ -114,7 +114,7 @@ fn a_gap_is_named_and_shown_where_it_was_put() {
     ] {
         assert!(summary.contains(wanted), "{wanted}: {summary}");
     }
-    let page = std::fs::read_to_string(sandbox.path("result/report.html")).unwrap();
+    let page = std::fs::read_to_string(sandbox.path("result/gap.html")).unwrap();
     for wanted in [
         "Gap of ",
         "residual over torque2",
@@ -136,7 +136,7 @@ fn an_effect_that_is_left_out_is_not_named() {
             .iter()
             .all(|cause| cause["effect"] != "capstan-compliance")
     );
-    let page = std::fs::read_to_string(sandbox.path("result/report.html")).unwrap();
+    let page = std::fs::read_to_string(sandbox.path("result/gap.html")).unwrap();
     assert!(page.contains("Left out of the catalogue on request: capstan-compliance."));
 }
 
@@ -213,7 +213,7 @@ fn json_is_alone_on_standard_output_and_equals_the_file() {
 #[test]
 fn the_same_command_writes_the_same_bytes() {
     let sandbox = without_a_gap();
-    let names = ["gap.json", "predictions.csv", "report.html"];
+    let names = ["gap.json", "gap.html", "predictions.csv", "report.html"];
     let read = || names.map(|name| std::fs::read(sandbox.path("result").join(name)).unwrap());
     diagnosed(&sandbox, &["--validate", "log2.csv"]);
     let first = read();
@@ -225,7 +225,7 @@ fn the_same_command_writes_the_same_bytes() {
 fn predictions_are_of_the_second_log() {
     let sandbox = without_a_gap();
     let gap = diagnosed(&sandbox, &["--validate", "log2.csv"]);
-    let files = ["gap.json", "predictions.csv", "report.html"];
+    let files = ["gap.html", "gap.json", "predictions.csv", "report.html"];
     assert_eq!(names_in(&sandbox.path("result")), files);
     assert_eq!(gap["validate"], "log2.csv");
     let log = std::fs::read_to_string(sandbox.path("log2.csv")).unwrap();

@@ -109,6 +109,8 @@ fn the_flat_arrays_hold_the_file_s_numbers() {
     let joints = &json["joints"];
     assert_eq!(joints["home"].as_array().unwrap().len(), 7);
     assert_eq!(joints["home"][1], device.joints[1].home_rad);
+    assert_eq!(joints["lower_limit"][2], device.joints[2].lower_rad);
+    assert_eq!(joints["upper_limit"][3], device.joints[3].upper_rad);
     assert_eq!(joints["transmission_error"][0], "capstan");
     assert_eq!(joints["transmission_ratio"][0], 8.0);
     assert_eq!(joints["transmission_error"][3], "chebyshev");

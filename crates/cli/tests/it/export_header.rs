@@ -17,6 +17,8 @@ const PROGRAM: &str = r#"
 #include <stdio.h>
 #include "model.h"
 
+#define LIMITS_ALONE 12345.0 /* as a force: print what the limits say, and nothing else */
+
 static void print(const double *numbers, int count)
 {
     for (int i = 0; i < count; ++i) {
@@ -31,7 +33,7 @@ int main(void)
     for (;;) {
         haptical_state state;
         double torques_nm[HAPTICAL_JOINTS];
-        int status;
+        int status, joint;
         for (int i = 0; i < HAPTICAL_JOINTS; ++i) {
             if (scanf("%lf", &readings[i]) != 1) {
                 return 0;
@@ -41,6 +43,11 @@ int main(void)
             if (scanf("%lf", &force_n[i]) != 1) {
                 return 1;
             }
+        }
+        status = haptical_check_limits(readings, &joint);
+        if (force_n[0] == LIMITS_ALONE) {
+            printf("limits %d %d\n", status, joint);
+            continue;
         }
         status = haptical_step(readings, &state);
         if (status != HAPTICAL_OK) {
@@ -301,5 +308,41 @@ fn the_header_refuses_what_the_runtime_refuses() {
         !lines[5].contains("inf") && !lines[5].contains("nan"),
         "{}",
         lines[5]
+    );
+}
+
+#[test]
+fn the_header_knows_the_joint_limits_of_the_file() {
+    let Some(path) = fixture("identified.toml") else {
+        return;
+    };
+    let device = Device::load(&path).unwrap().device;
+    let folder = tempfile::tempdir().unwrap();
+    let Some(program) = compiled(&path, folder.path()) else {
+        return;
+    };
+    let (lower, upper) = (device.joints[2].lower_rad, device.joints[2].upper_rad);
+    let lines: Vec<String> = [lower, upper, lower.next_down(), upper.next_up(), f64::NAN]
+        .iter()
+        .map(|reading| format!("0 0 {reading:?} 0 0 0 0 12345 0 0\n"))
+        .collect();
+    let expected = [
+        "limits 0 0",
+        "limits 0 0",
+        "limits 5 3",
+        "limits 5 3",
+        "limits 1 3",
+    ];
+    assert_eq!(
+        printed(&program, &lines.concat().replace("NaN", "nan")),
+        expected
+    );
+    // and a device without limits has none
+    let path = folder.path().join("other.toml");
+    std::fs::write(&path, OTHER_DEVICE).unwrap();
+    let program = compiled(&path, folder.path()).unwrap();
+    assert_eq!(
+        printed(&program, "1e300 -1e300 1 12345 0 0\n"),
+        ["limits 0 0"]
     );
 }

@@ -6,7 +6,12 @@ use haptical_model::Device;
 
 use crate::{Sandbox, names_in, text};
 
-const FILES: [&str; 3] = ["identified.json", "identified.toml", "report.html"];
+const FILES: [&str; 4] = [
+    "identified.json",
+    "identified.toml",
+    "identify.html",
+    "report.html",
+];
 
 fn json_of(sandbox: &Sandbox) -> serde_json::Value {
     let text = std::fs::read_to_string(sandbox.path("result/identified.json")).unwrap();
@@ -130,7 +135,7 @@ fn the_report_shows_the_numbers_of_the_json_file() {
     let sandbox = Sandbox::new();
     assert!(sandbox.identify(&[]).status.success());
     let result = json_of(&sandbox);
-    let page = std::fs::read_to_string(sandbox.path("result/report.html")).unwrap();
+    let page = std::fs::read_to_string(sandbox.path("result/identify.html")).unwrap();
     let cable = find(&result, "channels", "channel", "cable");
     let out3 = find(&result, "channels", "channel", "out3");
     let shown = [

@@ -79,6 +79,7 @@ fn ctrl_c_while_a_log_is_written_leaves_what_was_there() {
             "10000",
             "--out",
             out,
+            "--force",
         ];
         let mut child = start(&sandbox, &long);
         wait_for("a temporary file", || {
@@ -211,7 +212,12 @@ fn a_full_disk_is_said_and_leaves_nothing() {
 fn a_full_disk_leaves_the_older_files() {
     let sandbox = Sandbox::new();
     std::fs::create_dir(sandbox.path("result")).unwrap();
-    for name in ["identified.toml", "identified.json", "report.html"] {
+    for name in [
+        "identified.toml",
+        "identified.json",
+        "identify.html",
+        "report.html",
+    ] {
         sandbox.write(&format!("result/{name}"), "older");
     }
     let arguments = [
@@ -222,11 +228,22 @@ fn a_full_disk_leaves_the_older_files() {
         "log.csv",
         "--out",
         "result",
+        "--force",
     ];
     let output = on_a_full_disk(&sandbox.path("."), &arguments);
     assert_eq!(output.status.code(), Some(2));
+    let said = text(&output.stderr);
+    assert!(said.contains("File too large"), "{said}");
     let names = names_in(&sandbox.path("result"));
-    assert_eq!(names, ["identified.json", "identified.toml", "report.html"]);
+    assert_eq!(
+        names,
+        [
+            "identified.json",
+            "identified.toml",
+            "identify.html",
+            "report.html"
+        ]
+    );
     for name in names {
         let content = std::fs::read_to_string(sandbox.path("result").join(name)).unwrap();
         assert_eq!(content, "older");

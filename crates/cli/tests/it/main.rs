@@ -22,6 +22,7 @@ mod import_poses;
 mod millimetres;
 mod moving_log;
 mod other_commands;
+mod overwriting;
 mod plan;
 mod play_log;
 mod play_page;

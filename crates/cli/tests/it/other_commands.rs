@@ -64,7 +64,7 @@ fn the_command_that_init_prints_runs() {
     let words: Vec<&str> = line.split_whitespace().collect();
     assert_eq!(words[0], "haptical");
     haptical().args(&words[1..]).assert().success();
-    assert_eq!(names_in(&folder.path().join("result")).len(), 3);
+    assert_eq!(names_in(&folder.path().join("result")).len(), 4);
 }
 
 #[test]

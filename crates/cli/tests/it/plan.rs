@@ -90,7 +90,13 @@ fn chosen_poses_are_a_log_within_the_limits_and_the_same_again() {
     };
     let (found, again) = (run("one", "1"), run("two", "4"));
     assert_eq!(found, again);
-    let files = ["plan.json", "poses.csv", "report.html", "rigs.svg"];
+    let files = [
+        "plan.html",
+        "plan.json",
+        "poses.csv",
+        "report.html",
+        "rigs.svg",
+    ];
     assert_eq!(names_in(&sandbox.path("one")), files);
     for file in files {
         let read = |folder: &str| std::fs::read(sandbox.path(folder).join(file)).unwrap();
@@ -233,7 +239,7 @@ fn a_plan_is_verified_and_a_changed_digit_is_found() {
         "{said}{}",
         text(&output.stderr)
     );
-    assert_eq!(said.matches("the same bytes\n").count(), 4, "{said}");
+    assert_eq!(said.matches("the same bytes\n").count(), 5, "{said}");
     let poses = sandbox.path("plan").join("poses.csv");
     let written = std::fs::read_to_string(&poses).unwrap();
     let changed = match written.replacen("0.1", "0.2", 1) {

@@ -79,7 +79,7 @@ fn the_log_is_what_the_library_records_plain_and_compressed() {
                 "100",
             ]
             .into_iter()
-            .chain(["--seed", "9", "--out", name])
+            .chain(["--seed", "9", "--force", "--out", name])
             .collect::<Vec<&str>>(),
         );
         assert!(output.status.success(), "{}", text(&output.stderr));
@@ -195,6 +195,7 @@ fn identify_recovers_the_true_device_from_a_simulated_log() {
             "50",
             "--out",
             "log.csv",
+            "--force",
         ],
     );
     assert!(output.status.success(), "{}", text(&output.stderr));

@@ -66,7 +66,7 @@ fn an_identification_gives_the_same_bytes_again() {
         let output = verify(&sandbox.path("."), &["result"]);
         let said = text(&output.stdout);
         assert_eq!(output.status.code(), Some(0), "{options:?}: {said}");
-        assert_eq!(said.matches("the same bytes\n").count(), 3, "{said}");
+        assert_eq!(said.matches("the same bytes\n").count(), 4, "{said}");
         assert!(
             said.contains("Verified: these inputs give the same bytes."),
             "{said}"
@@ -91,7 +91,7 @@ fn a_diagnosis_gives_the_same_bytes_again_and_its_predictions_too() {
     );
     let result = &said["results"][0];
     assert_eq!(result["command"], "diagnose");
-    for name in ["gap.json", "report.html", "predictions.csv"] {
+    for name in ["gap.json", "gap.html", "predictions.csv"] {
         assert_eq!(file(&said, name)["agreement"], "same-bytes");
     }
     let flags: Vec<&str> = result["inputs"]
@@ -118,7 +118,7 @@ fn a_result_says_what_it_was_made_from() {
         assert_eq!(input["file"], *name);
         assert_eq!(input["sha256"], sha256_of(&sandbox.path(name)));
     }
-    let page = std::fs::read_to_string(sandbox.path("result/report.html")).unwrap();
+    let page = std::fs::read_to_string(sandbox.path("result/gap.html")).unwrap();
     for wanted in [sha256_of(&sandbox.path("log2.csv")).as_str(), "bootstrap 1"] {
         assert!(page.contains(wanted), "{wanted}");
     }
@@ -174,7 +174,7 @@ fn every_changed_digit_is_found(sandbox: &Sandbox, name: &str, places: usize) {
 #[test]
 fn a_changed_digit_of_an_identification_is_found() {
     let sandbox = identified();
-    for name in ["identified.json", "identified.toml", "report.html"] {
+    for name in ["identified.json", "identified.toml", "identify.html"] {
         every_changed_digit_is_found(&sandbox, name, 6);
     }
 }
@@ -182,7 +182,7 @@ fn a_changed_digit_of_an_identification_is_found() {
 #[test]
 fn a_changed_digit_of_a_diagnosis_is_found() {
     let sandbox = diagnosed();
-    for name in ["gap.json", "predictions.csv", "report.html"] {
+    for name in ["gap.json", "predictions.csv", "gap.html"] {
         every_changed_digit_is_found(&sandbox, name, 3);
     }
 }
@@ -263,6 +263,8 @@ fn another_machine_may_differ_by_a_billionth_and_no_more() {
 fn another_version_is_said_and_recomputed() {
     let sandbox = identified();
     let version = env!("CARGO_PKG_VERSION");
+    // its hash is its own
+    std::fs::remove_file(sandbox.path("result/report.html")).unwrap();
     for name in names_in(&sandbox.path("result")) {
         let path = sandbox.path("result").join(name);
         let whole = std::fs::read_to_string(&path).unwrap();
@@ -327,8 +329,93 @@ fn two_results_in_one_folder_are_both_verified() {
     let (status, said) = found(&sandbox);
     assert_eq!(status, 0, "{said:#}");
     assert_eq!(said["results"].as_array().unwrap().len(), 2);
-    // The diagnosis wrote its report over the other.
-    assert_eq!(file(&said, "report.html")["agreement"], "not-kept");
+    assert_eq!(file(&said, "identify.html")["agreement"], "same-bytes");
+    assert_eq!(said["indexes"][0]["agreement"], "same-bytes");
+}
+
+#[test]
+fn a_changed_digit_of_the_index_is_found() {
+    let sandbox = identified();
+    let path = sandbox.path("result/report.html");
+    let page = std::fs::read_to_string(&path).unwrap();
+    let digit = page.find(" parameters identified").unwrap() - 1;
+    let mut changed = page.into_bytes();
+    other_digit(&mut changed, digit);
+    std::fs::write(&path, changed).unwrap();
+    let (status, said) = found(&sandbox);
+    assert_eq!((status, &said["verdict"]), (1, &"differs".into()));
+    assert_eq!(said["indexes"][0]["changed_since_written"], true);
+}
+
+/// An identification and a diagnosis in a folder, a plan in a folder of it, an identification of another log.
+fn four_results() -> Sandbox {
+    let sandbox = identified();
+    assert!(sandbox.diagnose(&[]).status.success());
+    let device = sandbox.device_text();
+    sandbox.write("moving.csv", moving_log(&device, 1e-3, 1));
+    for words in [
+        "plan --device device.toml --measure out,cable --out result/inner/plan",
+        "identify --device device.toml --log moving.csv --out second --held-out 0",
+    ] {
+        let output = haptical()
+            .current_dir(sandbox.folder.path())
+            .args(words.split(' '))
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    sandbox
+}
+
+#[test]
+fn every_result_in_a_folder_and_in_its_folders_is_checked() {
+    let sandbox = four_results();
+    let run = || {
+        let output = verify(&sandbox.path("."), &[".", "--json"]);
+        let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (output.status.code().unwrap(), value)
+    };
+    let (status, said) = run();
+    assert_eq!(
+        (status, &said["verdict"]),
+        (0, &"same-bytes".into()),
+        "{said:#}"
+    );
+    let results: Vec<&str> = said["results"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|result| result["result"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        results,
+        [
+            "./result/identified.json",
+            "./result/gap.json",
+            "./result/inner/plan/plan.json",
+            "./second/identified.json"
+        ]
+    );
+    assert_eq!(said["indexes"].as_array().unwrap().len(), 3);
+    // one cannot be checked: the others are
+    std::fs::remove_file(sandbox.path("moving.csv")).unwrap();
+    let (status, said) = run();
+    assert_eq!((status, &said["verdict"]), (2, &"undecided".into()));
+    assert_eq!(said["results"][3]["error"]["kind"], "missing-input");
+    assert_eq!(said["results"][2]["files"][0]["agreement"], "same-bytes");
+    let plain = text(&verify(&sandbox.path("."), &["."]).stdout);
+    for wanted in [
+        "./second/identified.json: not checked\nerror: ",
+        "Not verified: a result could not be checked.",
+    ] {
+        assert!(plain.contains(wanted), "{wanted}: {plain}");
+    }
+    // and what differs is said whatever else cannot be checked
+    let path = sandbox.path("result/inner/plan/plan.json");
+    let plan = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, plan.replacen("\"rank\": ", "\"rank\": 1", 1)).unwrap();
+    let (status, said) = run();
+    assert_eq!((status, &said["verdict"]), (1, &"differs".into()));
 }
 
 #[test]

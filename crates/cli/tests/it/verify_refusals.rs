@@ -133,9 +133,10 @@ fn a_folder_or_file_that_is_no_result_is_refused() {
         &["nothing"],
         &["where: nothing", "give the folder"],
     );
+    std::fs::create_dir_all(sandbox.path("empty/inner")).unwrap();
     refused(
         &sandbox,
-        &["."],
+        &["empty"],
         &["none of identified.json, gap.json, plan.json"],
     );
     for name in ["identified.toml", "report.html"] {

@@ -85,7 +85,7 @@ fn wild_readings_are_named_row_by_row_and_move_nothing() {
             assert!(moved.abs() < 3.0 * deviation, "{}: {moved}", before["name"]);
         }
     }
-    let page = std::fs::read_to_string(sandbox.path("result/report.html")).unwrap();
+    let page = std::fs::read_to_string(sandbox.path("result/identify.html")).unwrap();
     assert!(page.contains("Outliers") && page.contains(&format!(">{}<", wild[0])));
     // the loss is recorded, so the result can be computed again
     let verify = haptical()

@@ -1,8 +1,8 @@
 //! The calibrated model without any effect: its fit, and its residuals and derivatives at every row.
 
 use haptical_calibration::{
-    Channel, Degree, DeviceProblem, HeldOut, Options, ParameterFit, Weighting, Weights, channels,
-    fit_device, fit_transmissions, prepare_device,
+    Channel, Degree, DeviceProblem, HeldOut, LossChoice, Options, ParameterFit, Weighting, Weights,
+    channels, fit_device, fit_transmissions, prepare_device,
 };
 use haptical_effects::Stream;
 use haptical_identification::{Matrix, Problem, Settings};
@@ -37,7 +37,11 @@ pub(crate) struct Unfinished {
 
 impl Base {
     /// Fits the device jointly to evenly spread rows.
-    pub(crate) fn fit(device: &Device, recording: &Recording) -> Result<Self, DiagnosisError> {
+    pub(crate) fn fit(
+        device: &Device,
+        recording: &Recording,
+        loss: LossChoice,
+    ) -> Result<Self, DiagnosisError> {
         let channels = channels(device, recording)?;
         let part = recording.select(&spread_rows(recording, &channels));
         let rows = part.len();
@@ -48,6 +52,7 @@ impl Base {
                 Options::default().degree
             },
             held_out: HeldOut::None,
+            loss,
             weighting: weighting(device, &channels),
             search: Settings {
                 max_iterations: MOST_STEPS,

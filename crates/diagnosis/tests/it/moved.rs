@@ -21,6 +21,7 @@ fn device() -> Device {
         tool_known: false,
         position_sd_m: Some(POSITION_SD_M),
         rotation_sd_rad: Some(ROTATION_SD_RAD),
+        scale_sd: None,
     });
     device.surroundings.tracker_base = Some(Placement::default());
     device.surroundings.tracker_tool = Some(Placement::default());

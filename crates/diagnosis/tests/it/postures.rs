@@ -1,6 +1,8 @@
 //! A heavy arm in single postures, seen by a tracker that is fixed anywhere.
 
+use haptical_calibration::LossChoice;
 use haptical_diagnosis::{Asked, Diagnosis, Options, Verdict, diagnose};
+use haptical_identification::Loss;
 use haptical_model::kinematics::nalgebra::{
     Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector3,
 };
@@ -23,6 +25,7 @@ pub(crate) fn device() -> Device {
         tool_known: false,
         position_sd_m: Some(POSITION_SD_M),
         rotation_sd_rad: None,
+        scale_sd: None,
     });
     device.surroundings.tracker_base = Some(Placement::default());
     device.surroundings.tracker_tool = Some(Placement::default());
@@ -317,4 +320,35 @@ fn what_is_ambiguous_says_what_it_is_confused_with() {
         Verdict::Ambiguous => assert!(!first.confusable_with.is_empty()),
         other => panic!("{other:?}"),
     }
+}
+
+/// Three readings of 37 that are half a metre off bent the base model, and all postures seemed to miss it.
+#[test]
+fn three_wild_readings_do_not_bend_the_base_model() {
+    let first: Vec<usize> = (0..37).collect();
+    let still = |_: &Posture<'_>, _: &mut [f64]| Vector3::zeros();
+    let mut recording = recorded_with(31, POSITION_SD_M, still).select(&first);
+    for (row, wild_m) in [(5, 0.6), (17, -0.9), (30, 0.4)] {
+        for axis in recording.position_m.as_mut().unwrap() {
+            axis[row] += wild_m;
+        }
+    }
+    let mut device = device();
+    device.surroundings.tracker_base = None;
+    device.surroundings.tracker_tool = None;
+    let answer = |loss: LossChoice| {
+        let options = Options {
+            loss,
+            ..Options::default()
+        };
+        diagnose(&device, &recording, &options)
+    };
+    let robust = answer(LossChoice::Auto).unwrap();
+    assert_eq!(robust.verdict, Verdict::NoGap, "{:?}", robust.gap);
+    let left = robust.gap.channels[0].rms_before;
+    assert!(left < 1.3 * POSITION_SD_M, "{left}");
+    // least squares are bent by them
+    let bent = answer(LossChoice::Fixed(Loss::Squares));
+    let is_bent = |bent: &Diagnosis| bent.gap.channels[0].rms_before > 10.0 * POSITION_SD_M;
+    assert!(bent.is_err() || bent.as_ref().is_ok_and(is_bent));
 }

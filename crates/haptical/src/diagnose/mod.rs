@@ -11,6 +11,7 @@ mod words;
 
 use std::path::{Path, PathBuf};
 
+use haptical_calibration::LossChoice;
 use haptical_diagnosis::{
     BOOTSTRAP_SEED, Catalogue, CauseAnswer, ChannelGap, Diagnosis, Options, Prediction, Provenance,
     Verdict, diagnose as diagnose_recording,
@@ -20,7 +21,11 @@ use serde::Serialize;
 
 use crate::device::{Device, refuse_other_device};
 use crate::error::Error;
-use crate::files::{InputFile, NewFile, Record, VERSION, sealed_json, write_all};
+use crate::files::{
+    DIAGNOSIS_FILES, InputFile, NewFile, Overwrite, Record, ResultKind, VERSION, sealed_json,
+    write_result,
+};
+use crate::identify::{flag_of_loss, flags_of_fit, hold};
 use crate::log::Log;
 
 /// Header of predictions.csv, in the order of [`Prediction`].
@@ -37,6 +42,14 @@ pub struct Diagnose<'a> {
     pub model: Option<&'a Device>,
     /// Another log of the device, on which the shrink is measured; without it blocks of the log are held out.
     pub validate: Option<&'a Log>,
+    /// What large residuals cost in the fit of the base model.
+    pub loss: LossChoice,
+    /// Whether the base model has what joints yield to their torque.
+    pub joint_compliance: bool,
+    /// Numbers of the links that are kept, as [`Identify::hold`](crate::Identify).
+    pub hold: Vec<String>,
+    /// How far such numbers may plausibly be off \[m\] or \[rad\].
+    pub deviations: Vec<(String, f64)>,
 }
 
 /// A diagnosis with the names and hashes of what it was made from. It prints as the command's answer.
@@ -47,6 +60,8 @@ pub struct Diagnosed {
     /// The answer.
     #[serde(flatten)]
     pub diagnosis: Diagnosis,
+    /// The verdict in a sentence or two.
+    pub answer: String,
     provenance: GapProvenance,
     haptical_version: String,
     device: String,
@@ -91,6 +106,10 @@ pub fn diagnose_as(
         own_effects,
         model,
         validate,
+        loss,
+        joint_compliance,
+        hold: kept,
+        deviations,
     } = options;
     if let Some(model) = model {
         refuse_other_device(&device.model, &model.model, &model.source().path)?;
@@ -98,14 +117,20 @@ pub fn diagnose_as(
     if let Some(second) = validate {
         refuse_same_log(log, second)?;
     }
+    let mut described = device.model.clone();
+    if *joint_compliance {
+        described.fit_compliance();
+    }
+    hold(&mut described, kept, deviations)?;
     let request = Options {
+        loss: *loss,
         without: without.clone(),
         own_effects: *own_effects,
         model: model.map(|model| &model.model),
         validation: validate.map(|log| &log.recording),
     };
     let (device_path, log_path) = (&device.source().path, &log.source().path);
-    let mut diagnosis = diagnose_recording(&device.model, &log.recording, &request)
+    let mut diagnosis = diagnose_recording(&described, &log.recording, &request)
         .map_err(|error| Error::diagnosis(&error, device_path, log_path).with_equipment(device))?;
     refuse_overflow(&diagnosis, log_path)?;
     let own = std::mem::take(&mut diagnosis.warnings);
@@ -125,6 +150,8 @@ pub fn diagnose_as(
     arguments.extend(device.equipment().chain_flags());
     let flag = || format!("--without={}", without.join(","));
     arguments.extend((!without.is_empty()).then(flag));
+    arguments.extend((*loss != LossChoice::Auto).then(|| flag_of_loss(*loss)));
+    arguments.extend(flags_of_fit(*joint_compliance, kept, deviations));
     let mut record = Record::new(version, "diagnose", arguments, files);
     record.seeds.insert("bootstrap", BOOTSTRAP_SEED);
     Ok(Diagnosed {
@@ -132,6 +159,7 @@ pub fn diagnose_as(
             answer: diagnosis.provenance.clone(),
             record,
         },
+        answer: summary::answer(&diagnosis),
         diagnosis,
         haptical_version: version.to_owned(),
         device: device.source().label.clone(),
@@ -143,7 +171,7 @@ pub fn diagnose_as(
 
 impl Diagnosed {
     /// Names of the files that are written; the last with a second log only.
-    pub const FILES: [&str; 3] = ["gap.json", "report.html", "predictions.csv"];
+    pub const FILES: [&str; 3] = DIAGNOSIS_FILES;
 
     /// What is odd about the device, the logs and the result.
     pub fn warnings(&self) -> &[String] {
@@ -176,12 +204,16 @@ impl Diagnosed {
         Ok(files)
     }
 
-    /// Writes gap.json, report.html and, with a second log, predictions.csv into a folder: all of them or none.
+    /// Writes gap.json, gap.html, with a second log predictions.csv, and report.html, an index of the results in the
+    /// folder: all of them or none. A predictions.csv of an earlier run is removed.
     ///
     /// # Errors
-    /// The folder cannot be written to.
+    /// The folder cannot be written to, or a file of these names in it is none that an earlier run wrote:
+    /// [`write_result`] can overwrite it.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        write_all(folder.as_ref(), &self.files()?, &|| false)
+        let (kind, files) = (ResultKind::DIAGNOSIS, self.files()?);
+        let written = write_result(folder.as_ref(), &kind, &files, Overwrite::Own, &|| false)?;
+        Ok(written.written)
     }
 }
 

@@ -20,9 +20,7 @@ const INDENT: usize = 9;
 /// The summary: verdict, gap, place, causes, what cannot be seen, next step.
 pub(super) fn text(diagnosis: &Diagnosis) -> String {
     let mut text = String::new();
-    let (_, mark) = verdict_mark(diagnosis.verdict);
-    let verdict = format!("{mark} {}", verdict_sentence(diagnosis));
-    push(&mut text, "", &verdict, 4);
+    push(&mut text, "", &answer(diagnosis), 4);
     text.push('\n');
     channels(&mut text, diagnosis);
     if let Some(place) = place_sentence(diagnosis) {
@@ -33,6 +31,12 @@ pub(super) fn text(diagnosis: &Diagnosis) -> String {
     push(&mut text, "unseen", &unseen(diagnosis), 1);
     push(&mut text, "next", &next_step(diagnosis), 2);
     text
+}
+
+/// The verdict in a sentence or two.
+pub(super) fn answer(diagnosis: &Diagnosis) -> String {
+    let (_, mark) = verdict_mark(diagnosis.verdict);
+    format!("{mark} {}", verdict_sentence(diagnosis))
 }
 
 /// Before, after and floor of the channels that show most of the gap.

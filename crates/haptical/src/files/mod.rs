@@ -1,15 +1,25 @@
 //! Files that results are made from and files of results: names, hashes, provenance, writing all or none.
 
+mod index;
+mod kind;
 mod output;
+mod own;
 mod provenance;
+mod results;
 mod source;
 
+pub use index::{index, is_one as is_index};
+pub(crate) use kind::{DIAGNOSIS_FILES, IDENTIFICATION_FILES, PLAN_FILES};
+pub use kind::{INDEX, ResultKind};
 pub use output::{
     MadeFolders, NewFile, check_folder, check_outputs, make_folder, reason, write_all,
 };
+pub use own::{check_own_file, check_own_record, not_own};
 pub(crate) use provenance::without_comments;
 pub use provenance::{
-    OutputFile, Record, Thresholds, VERSION, is_seal_whole, sealed_json, shell_word,
+    OutputFile, Record, Thresholds, UNSEALED, VERSION, is_seal_whole, is_sealed_by, sealed_json,
+    sealed_text, shell_word,
 };
+pub use results::{Overwrite, WrittenResult, check_own, write_result};
 pub(crate) use source::HashingReader;
 pub use source::{Fingerprint, InputFile, Source, file_name};

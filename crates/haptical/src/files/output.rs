@@ -100,6 +100,20 @@ pub fn write_all(
     files: &[NewFile<'_>],
     stop: &dyn Fn() -> bool,
 ) -> Result<Vec<PathBuf>, Error> {
+    replace_all(folder, files, &[], stop)
+}
+
+/// The same, and takes `stale` files away. Where a file cannot be put into its place, those before it are
+/// put back as they were.
+///
+/// # Errors
+/// As [`write_all`].
+pub(super) fn replace_all(
+    folder: &Path,
+    files: &[NewFile<'_>],
+    stale: &[&str],
+    stop: &dyn Fn() -> bool,
+) -> Result<Vec<PathBuf>, Error> {
     let go_on = || match stop() {
         true => Err(Error::interrupted(folder)),
         false => Ok(()),
@@ -115,21 +129,72 @@ pub fn write_all(
         .prefix(".haptical-")
         .tempdir_in(folder)
         .map_err(refuse)?;
+    let [new, before] = ["new", "before"].map(|name| stage.path().join(name));
+    for inner in [&new, &before] {
+        std::fs::create_dir(inner).map_err(refuse)?;
+    }
     for (name, content) in files {
         go_on()?;
-        let mut file = std::fs::File::create(stage.path().join(name)).map_err(refuse)?;
+        let mut file = std::fs::File::create(new.join(name)).map_err(refuse)?;
         file.write_all(content).map_err(refuse)?;
         file.sync_all().map_err(refuse)?;
     }
     go_on()?;
-    let mut written = Vec::new();
+    let mut moved = Moved {
+        folder,
+        before: &before,
+        names: Vec::new(),
+    };
     for (name, _) in files {
-        let place = folder.join(name);
-        std::fs::rename(stage.path().join(name), &place).map_err(refuse)?;
-        written.push(place);
+        moved.replace(name, &new).map_err(refuse)?;
     }
+    for name in stale {
+        moved.take_away(name).map_err(refuse)?;
+    }
+    // from here on nothing is put back
+    moved.names.clear();
     stage.close().map_err(refuse)?;
-    Ok(written)
+    Ok(files.iter().map(|(name, _)| folder.join(name)).collect())
+}
+
+/// Files of a folder that were replaced or taken away; they are put back when it is dropped.
+struct Moved<'a> {
+    folder: &'a Path,
+    /// Where what was there is kept.
+    before: &'a Path,
+    names: Vec<&'a str>,
+}
+
+impl<'a> Moved<'a> {
+    fn replace(&mut self, name: &'a str, new: &Path) -> std::io::Result<()> {
+        let place = self.folder.join(name);
+        let kept = self.before.join(name);
+        if place.symlink_metadata().is_ok() && std::fs::hard_link(&place, &kept).is_err() {
+            // some file systems know no second name
+            std::fs::copy(&place, &kept)?;
+        }
+        std::fs::rename(new.join(name), place)?;
+        self.names.push(name);
+        Ok(())
+    }
+
+    fn take_away(&mut self, name: &'a str) -> std::io::Result<()> {
+        std::fs::rename(self.folder.join(name), self.before.join(name))?;
+        self.names.push(name);
+        Ok(())
+    }
+}
+
+impl Drop for Moved<'_> {
+    fn drop(&mut self) {
+        for name in &self.names {
+            let (place, kept) = (self.folder.join(name), self.before.join(name));
+            let _ = match kept.symlink_metadata() {
+                Ok(_) => std::fs::rename(kept, place),
+                Err(_) => std::fs::remove_file(place),
+            };
+        }
+    }
 }
 
 /// What the system says, without the name of a temporary file that nobody has heard of.
@@ -146,4 +211,46 @@ fn unwritable(folder: &Path, why: &str) -> Error {
         folder.display().to_string(),
         "give a folder that can be written to and has room",
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+
+    /// `stop` is asked once for each file and once more before any is in its place.
+    #[test]
+    fn what_cannot_be_put_into_its_place_brings_the_others_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("old"), "before").unwrap();
+        let asked = Cell::new(0);
+        let block_the_last = || {
+            asked.set(asked.get() + 1);
+            if asked.get() == 4 {
+                std::fs::create_dir(path("blocked")).unwrap();
+            }
+            false
+        };
+        let files = ["old", "new", "blocked"].map(|name| (name, b"after".to_vec()));
+        let refused = replace_all(folder.path(), &files, &[], &block_the_last).unwrap_err();
+        assert_eq!(refused.name(), "unwritable");
+        assert_eq!(std::fs::read_to_string(path("old")).unwrap(), "before");
+        assert!(!path("new").exists());
+        let left = std::fs::read_dir(folder.path()).unwrap();
+        assert_eq!(left.count(), 2, "the file and the folder in the way");
+    }
+
+    #[test]
+    fn a_stale_file_goes_with_the_others_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let stale = folder.path().join("stale");
+        std::fs::write(&stale, "before").unwrap();
+        let files = [("new", b"after".to_vec())];
+        assert!(replace_all(folder.path(), &files, &["stale", "gone"], &|| false).is_err());
+        assert!(stale.exists() && !folder.path().join("new").exists());
+        replace_all(folder.path(), &files, &["stale"], &|| false).unwrap();
+        assert!(!stale.exists() && folder.path().join("new").exists());
+    }
 }

@@ -18,8 +18,11 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// they do not know.
 const COMMENT: &str = "# provenance: ";
 
-/// Placeholder of the SHA-256 of a result while it is worked out.
-const UNSEALED: &str = "0000000000000000000000000000000000000000000000000000000000000000";
+/// Behind the writer of a sealed text, before its SHA-256.
+const SEAL: &str = "`; SHA-256 of this file with 64 zeros here: ";
+
+/// Placeholder of the SHA-256 of a result while it is worked out: the value of `result_sha256` before [`sealed_json`].
+pub const UNSEALED: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
 /// How a result came about. The number of threads is not in it: it changes nothing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -174,9 +177,9 @@ impl Record {
     }
 }
 
-/// A TOML text without the comments of an earlier result at its head.
+/// A TOML text without the comments of an earlier result at its head, or of an export at its end.
 pub(crate) fn without_comments(text: &str) -> &str {
-    let mut rest = text;
+    let mut rest = without_seal(text);
     while rest.starts_with(COMMENT) {
         rest = rest.split_once('\n').map_or("", |(_, after)| after);
     }
@@ -209,6 +212,41 @@ pub fn sealed_json(result: &impl Serialize) -> Result<String, Error> {
 pub fn is_seal_whole(json: &str, sha256: &str) -> bool {
     let unsealed = json.replacen(&seal(sha256), &seal(UNSEALED), 1);
     Fingerprint::from_bytes(unsealed.as_bytes()).sha256 == sha256
+}
+
+/// A text with the SHA-256 of itself in a comment at its end, in the place of an earlier one; `by` wrote it.
+pub fn sealed_text(text: &str, by: &str, [open, close]: [&str; 2]) -> String {
+    let text = without_seal(text);
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    let text = format!("{text}{end}{open}{}{UNSEALED}{close}\n", seal_head(by));
+    let sha256 = Fingerprint::from_bytes(text.as_bytes()).sha256;
+    let (head, tail) = text.rsplit_once(UNSEALED).unwrap_or((&text, ""));
+    format!("{head}{sha256}{tail}")
+}
+
+/// Whether a text is as `by` wrote it with [`sealed_text`].
+pub fn is_sealed_by(text: &str, by: &str) -> bool {
+    let sealed = || {
+        let (head, tail) = text.rsplit_once(&seal_head(by))?;
+        let (sha256, tail) = tail.split_at_checked(UNSEALED.len())?;
+        let unsealed = format!("{head}{}{UNSEALED}{tail}", seal_head(by));
+        Some(Fingerprint::from_bytes(unsealed.as_bytes()).sha256 == sha256)
+    };
+    sealed().unwrap_or(false)
+}
+
+fn seal_head(by: &str) -> String {
+    format!("Written by `{by}{SEAL}")
+}
+
+/// A text without the last line, where that is the comment of [`sealed_text`].
+fn without_seal(text: &str) -> &str {
+    let lines = text.strip_suffix('\n').unwrap_or(text);
+    let last = lines.rfind('\n').map_or(0, |end| end + 1);
+    match lines[last..].contains(SEAL) {
+        true => &text[..last],
+        false => text,
+    }
 }
 
 fn seal(sha256: &str) -> String {
@@ -263,5 +301,27 @@ mod tests {
         assert!(is_seal_whole(&json, sha256));
         assert!(!is_seal_whole(&json.replacen("0.5", "0.6", 1), sha256));
         assert!(!is_seal_whole(&json, UNSEALED));
+    }
+
+    #[test]
+    fn a_sealed_text_is_known_by_its_writer_until_it_is_changed() {
+        let text = sealed_text("a = 1\n", "haptical export", ["# ", ""]);
+        assert_eq!(text.lines().count(), 2);
+        assert!(text.starts_with("a = 1\n# Written by `haptical export`; SHA-256 "));
+        assert!(is_sealed_by(&text, "haptical export"));
+        assert!(!is_sealed_by(&text, "haptical play"));
+        for changed in [
+            text.replacen('1', "2", 1),
+            format!("{text}\n"),
+            String::new(),
+        ] {
+            assert!(!is_sealed_by(&changed, "haptical export"), "{changed}");
+        }
+        let head = "Written by `x`; SHA-256 of this file with 64 zeros here: é";
+        assert!(!is_sealed_by(head, "x"));
+        let again = sealed_text(&text, "haptical play", ["# ", ""]);
+        assert_eq!(again.lines().count(), 2, "one seal");
+        assert!(is_sealed_by(&again, "haptical play"));
+        assert_eq!(without_comments(&again), "a = 1\n");
     }
 }

@@ -27,11 +27,30 @@ pub(super) fn sentence(intervals: &Intervals) -> String {
         ),
     };
     let noise = of_noise(intervals);
+    let scales = of_scales(intervals);
     format!(
-        "95 % intervals: {}, {} degrees of freedom.{noise}{checked}{open}{considered} No interval is given for what is not \
+        "95 % intervals: {}, {} degrees of freedom.{noise}{scales}{checked}{open}{considered} No interval is given for what is not \
          identified.",
         intervals.kind, intervals.degrees_of_freedom
     )
+}
+
+/// Which instruments' scales the lengths rest on, and how well those are known.
+fn of_scales(intervals: &Intervals) -> String {
+    let scales = intervals.length_scales.iter();
+    let sentences = scales.map(|scale| {
+        let instrument = scale.name.trim_end_matches("_scale");
+        let percent = 100.0 * scale.sd;
+        let source = match scale.is_stated {
+            true => "stated",
+            false => "assumed: state it as scale_sd in the device file",
+        };
+        format!(
+            " Lengths rest on the scale of the {instrument}, whose standard deviation of {percent:.2} % ({source}) no \
+             reading shows and every length's interval counts."
+        )
+    });
+    sentences.collect()
 }
 
 /// What the residuals say of noise that is not independent and of one size.

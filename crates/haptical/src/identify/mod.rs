@@ -24,8 +24,8 @@ pub use self::transmissions::TransmissionEntry;
 use crate::device::{Device, InputDrumDenominators};
 use crate::error::Error;
 use crate::files::{
-    InputFile, NewFile, Record, Source, Thresholds, VERSION, sealed_json, without_comments,
-    write_all,
+    IDENTIFICATION_FILES, InputFile, NewFile, Overwrite, Record, ResultKind, Source, Thresholds,
+    VERSION, sealed_json, without_comments, write_result,
 };
 use crate::log::Log;
 
@@ -169,14 +169,7 @@ impl Identify {
     /// # Errors
     /// A word that names no numbers of a link.
     pub fn hold(&self, model: &mut Model) -> Result<(), Error> {
-        let deviations = self.deviations.iter().map(|(word, size)| (word, *size));
-        for (word, size) in deviations.chain(self.hold.iter().map(|word| (word, 0.0))) {
-            model.expect_deviation(word, size).map_err(|error| {
-                let next = "give such words, separated by commas";
-                Error::command_line("arguments", error.to_string(), next)
-            })?;
-        }
-        Ok(())
+        hold(model, &self.hold, &self.deviations)
     }
 
     /// The flags of the command that decide the result, defaults included.
@@ -198,16 +191,13 @@ impl Identify {
                 Weighting::Stated => "--noise=stated".to_owned(),
                 Weighting::Estimated => "--noise=estimated".to_owned(),
             },
-            match options.loss {
-                LossChoice::Auto => "--loss=auto".to_owned(),
-                LossChoice::Fixed(loss) => format!("--loss={loss}"),
-            },
+            flag_of_loss(options.loss),
         ]);
-        let compliance = || format!("--with={}", JOINT_COMPLIANCE.name);
-        flags.extend(self.joint_compliance.then(compliance));
-        let deviations = self.deviations.iter();
-        flags.extend(deviations.map(|(word, size)| format!("--deviation={word}={size}")));
-        flags.extend(self.hold.iter().map(|word| format!("--hold={word}")));
+        flags.extend(flags_of_fit(
+            self.joint_compliance,
+            &self.hold,
+            &self.deviations,
+        ));
         let equipment = device.equipment();
         if let InputDrumDenominators::Same(length_m) = equipment.denominators {
             flags.push(format!("--input-drum-denominator-m={length_m}"));
@@ -220,14 +210,47 @@ impl Identify {
     }
 }
 
+/// Keeps numbers of a model, and notes how far others may be off.
+pub(crate) fn hold(
+    model: &mut Model,
+    kept: &[String],
+    deviations: &[(String, f64)],
+) -> Result<(), Error> {
+    let deviations = deviations.iter().map(|(word, size)| (word, *size));
+    for (word, size) in deviations.chain(kept.iter().map(|word| (word, 0.0))) {
+        model.expect_deviation(word, size).map_err(|error| {
+            let next = "give such words, separated by commas";
+            Error::command_line("arguments", error.to_string(), next)
+        })?;
+    }
+    Ok(())
+}
+
+/// The flags of what a model's fit starts from, where they are given.
+pub(crate) fn flags_of_fit(
+    joint_compliance: bool,
+    kept: &[String],
+    deviations: &[(String, f64)],
+) -> Vec<String> {
+    let mut flags = Vec::new();
+    flags.extend(joint_compliance.then(|| format!("--with={}", JOINT_COMPLIANCE.name)));
+    let deviations = deviations.iter();
+    flags.extend(deviations.map(|(word, size)| format!("--deviation={word}={size}")));
+    flags.extend(kept.iter().map(|word| format!("--hold={word}")));
+    flags
+}
+
+/// The flag of a loss.
+pub(crate) fn flag_of_loss(loss: LossChoice) -> String {
+    match loss {
+        LossChoice::Auto => "--loss=auto".to_owned(),
+        LossChoice::Fixed(loss) => format!("--loss={loss}"),
+    }
+}
+
 impl Found {
     /// Names of the files that are written, the last one only where a fit is rejected.
-    pub const FILES: [&str; 4] = [
-        "identified.toml",
-        "identified.json",
-        "report.html",
-        "rejected.toml",
-    ];
+    pub const FILES: [&str; 4] = IDENTIFICATION_FILES;
 
     /// What is odd about the device, the log and the result.
     pub fn warnings(&self) -> &[String] {
@@ -260,13 +283,16 @@ impl Found {
         Ok(files)
     }
 
-    /// Writes identified.toml, identified.json, report.html and, where a fit is rejected, rejected.toml into a folder:
-    /// all of them or none.
+    /// Writes identified.toml, identified.json, identify.html, where a fit is rejected rejected.toml, and report.html,
+    /// an index of the results in the folder: all of them or none. A rejected.toml of an earlier run is removed.
     ///
     /// # Errors
-    /// The folder cannot be written to.
+    /// The folder cannot be written to, or a file of these names in it is none that an earlier run wrote:
+    /// [`write_result`] can overwrite it.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        write_all(folder.as_ref(), &self.files()?, &|| false)
+        let (kind, files) = (ResultKind::IDENTIFICATION, self.files()?);
+        let written = write_result(folder.as_ref(), &kind, &files, Overwrite::Own, &|| false)?;
+        Ok(written.written)
     }
 }
 

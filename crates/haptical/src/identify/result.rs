@@ -10,6 +10,7 @@ use haptical_identification::{Convergence, Identifiability, Loss, Observability,
 use haptical_model::{Device, ParameterId, TransmissionError};
 use serde::Serialize;
 
+use super::summary::answer;
 use super::transmissions::{TransmissionEntry, transmissions};
 use crate::files::Record;
 
@@ -18,6 +19,8 @@ use crate::files::Record;
 pub struct Identified {
     /// Version that made it.
     pub haptical_version: String,
+    /// The result in a line.
+    pub answer: String,
     /// Device file.
     pub device: String,
     /// Log.
@@ -250,8 +253,9 @@ pub(super) fn identified(
         let factor = weights.factor.get(channel).copied().unwrap_or(1.0);
         (channel.name(), NoiseEntry { stated, factor })
     });
-    Identified {
+    let mut result = Identified {
         haptical_version: provenance.haptical_version.clone(),
+        answer: String::new(),
         device,
         log,
         method,
@@ -289,7 +293,9 @@ pub(super) fn identified(
             channels: rejected.held_out_channels.clone(),
         }),
         provenance,
-    }
+    };
+    result.answer = answer(&result);
+    result
 }
 
 /// The candidates of one fit.

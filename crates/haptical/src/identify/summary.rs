@@ -1,6 +1,6 @@
 //! An identification in a few lines for a terminal.
 
-use haptical_calibration::{ChannelReport, Combination};
+use haptical_calibration::{ChannelReport, Combination, Kept};
 use haptical_report::{Cell, Table};
 
 use super::result::Identified;
@@ -58,6 +58,37 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
         }
     }
     Ok(())
+}
+
+/// The channel that matters most: one that sees the whole chain, else the external encoder with the largest residual.
+pub(super) fn main_channel(result: &Identified) -> Option<&ChannelReport> {
+    let by_size = |a: &&ChannelReport, b: &&ChannelReport| a.rms_before.total_cmp(&b.rms_before);
+    let mut channels = result.channels.iter();
+    let chain = channels.find(|channel| channel.joint.is_none());
+    chain.or_else(|| result.channels.iter().max_by(by_size))
+}
+
+/// The result in a line.
+pub(super) fn answer(result: &Identified) -> String {
+    let kept = match result.rejected.as_ref().map(|rejected| rejected.kept) {
+        None => "",
+        Some(Kept::Nominal) => "The fit is rejected, the given device is kept. ",
+        Some(Kept::JointOffsets) => "The fit is rejected, new joint offsets alone are kept. ",
+    };
+    let count = result.parameters.len();
+    let fixed = count - result.not_identified.len();
+    let residual = main_channel(result).map_or_else(String::new, |channel| {
+        let shown = Shown::fine(&channel.unit);
+        format!(
+            "; residual of {}: {} before, {} after, noise floor {}",
+            channel.channel,
+            shown.text(channel.rms_before_good),
+            shown.text(channel.rms_after_good),
+            shown.text(channel.noise_floor)
+        )
+    });
+    let rows = &result.held_out;
+    format!("{kept}{fixed} of {count} parameters identified{residual}; {rows}.")
 }
 
 /// How far the force still leans from the wanted direction, in words.

@@ -11,7 +11,10 @@ use serde::Serialize;
 
 use crate::device::Device;
 use crate::error::Error;
-use crate::files::{InputFile, NewFile, Record, VERSION, sealed_json, write_all};
+use crate::files::{
+    InputFile, NewFile, Overwrite, PLAN_FILES, Record, ResultKind, VERSION, sealed_json,
+    write_result,
+};
 use crate::log::Log;
 
 /// A plan with how it came about: the content of plan.json. It prints as the command's tables.
@@ -19,6 +22,8 @@ use crate::log::Log;
 pub struct Planned {
     /// Device file.
     pub device: String,
+    /// The plan in a line.
+    pub answer: String,
     /// What each rig identifies, and the poses.
     #[serde(flatten)]
     pub plan: haptical_design::Plan,
@@ -65,6 +70,7 @@ pub fn plan_as(
     let joints = device.model.joints.iter().enumerate();
     Ok(Planned {
         device: device.source().label.clone(),
+        answer: text::answer(&plan),
         plan,
         warnings,
         provenance,
@@ -86,7 +92,7 @@ fn postures(log: &Log) -> Vec<Posture> {
 
 impl Planned {
     /// Names of the files that are written; the last where poses were asked for only.
-    pub const FILES: [&str; 4] = ["plan.json", "report.html", "rigs.svg", "poses.csv"];
+    pub const FILES: [&str; 4] = PLAN_FILES;
 
     fn rigs(&self) -> &[RigIdentifiability] {
         &self.plan.rigs
@@ -123,13 +129,16 @@ impl Planned {
         Ok(files)
     }
 
-    /// Writes plan.json, report.html, rigs.svg and, where poses were asked for, poses.csv into a folder: all of
-    /// them or none.
+    /// Writes plan.json, plan.html, rigs.svg, where poses were asked for poses.csv, and report.html, an index of the
+    /// results in the folder: all of them or none. A poses.csv of an earlier run is removed.
     ///
     /// # Errors
-    /// The folder cannot be written to.
+    /// The folder cannot be written to, or a file of these names in it is none that an earlier run wrote:
+    /// [`write_result`] can overwrite it.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        write_all(folder.as_ref(), &self.files()?, &|| false)
+        let (kind, files) = (ResultKind::PLAN, self.files()?);
+        let written = write_result(folder.as_ref(), &kind, &files, Overwrite::Own, &|| false)?;
+        Ok(written.written)
     }
 
     /// The joints' columns of a log, to drive to and then to measure at.

@@ -50,7 +50,7 @@ fn shade(entry: &ParameterStatus) -> f64 {
     }
 }
 
-/// report.html.
+/// plan.html.
 pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
     let caption = "A standard deviation: the parameter is identified. Weak: fixed no better than half its \
                    plausible size. Dependent: it acts like a combination of others. Invisible: it moves no reading.";

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use haptical_design::{Criterion, NextPoses, ParameterStatus, RigIdentifiability, Suggestion};
+use haptical_design::{
+    Criterion, NextPoses, ParameterStatus, Plan, RigIdentifiability, Suggestion,
+};
 use haptical_identification::Status;
 use haptical_report::{Cell, Column, Table};
 
@@ -32,6 +34,22 @@ pub(super) fn write(text: &mut impl std::fmt::Write, plan: &Planned) -> std::fmt
         Some(next) => writeln!(text, "{}", said(next, plan.plan.measured_poses)),
         None => Ok(()),
     }
+}
+
+/// The plan in a line.
+pub(super) fn answer(plan: &Plan) -> String {
+    let rigs = plan.rigs.iter().map(|rig| {
+        let (measure, count) = (&rig.measure, rig.parameters.len());
+        format!("{measure} tells {} of {count} parameters", rig.rank)
+    });
+    let poses = plan.next_poses.iter().map(|next| {
+        format!(
+            "{} poses are chosen of {} for {}",
+            next.count, next.candidates, next.measure
+        )
+    });
+    let parts: Vec<String> = rigs.chain(poses).collect();
+    parts.join("; ") + "."
 }
 
 /// Parameters against rigs.

@@ -16,6 +16,8 @@ pub struct Cable {
     pub counts_per_rev: Option<f64>,
     /// Standard deviation of a distance \[m\].
     pub distance_sd_m: Option<f64>,
+    /// Standard deviation of the reading per length: how well the drum's circumference is known.
+    pub scale_sd: Option<f64>,
     /// Direction in which the cable leaves its guide straight.
     pub exit_axis: Option<[f64; 3]>,
     /// Reading at no length \[m\].
@@ -49,6 +51,7 @@ impl Default for Cable {
             drum_radius_m: None,
             counts_per_rev: None,
             distance_sd_m: None,
+            scale_sd: None,
             exit_axis: None,
             zero_m: 0.0,
             scale: 1.0,

@@ -70,6 +70,8 @@ pub struct Tracker {
     pub position_sd_m: Option<f64>,
     /// Standard deviation of a rotation component \[rad\].
     pub rotation_sd_rad: Option<f64>,
+    /// Standard deviation of its reading per length: one number for all positions.
+    pub scale_sd: Option<f64>,
 }
 
 /// Two contact points at a known distance.

@@ -34,6 +34,7 @@ pub(crate) fn read_cables(
                 drum_radius_m: section.positive("drum_radius_m")?,
                 counts_per_rev: section.positive("counts_per_rev")?,
                 distance_sd_m: section.positive("distance_sd_m")?,
+                scale_sd: section.not_negative("scale_sd", "a standard deviation")?,
                 exit_axis: section.vector("exit_axis")?,
                 zero_m: section.number("zero_m")?.unwrap_or(0.0),
                 scale: section.positive("scale")?.unwrap_or(1.0),
@@ -93,6 +94,7 @@ pub(crate) fn read_tracker(
             tool_known: section.word("tool", PLACES)?.unwrap_or(true),
             position_sd_m: section.positive("position_sd_m")?,
             rotation_sd_rad: section.positive("rotation_sd_rad")?,
+            scale_sd: section.not_negative("scale_sd", "a standard deviation")?,
         })
     })
 }

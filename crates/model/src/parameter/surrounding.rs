@@ -40,6 +40,8 @@ pub enum SurroundingParameter {
         /// Which number.
         index: usize,
     },
+    /// The tracker's reading per length. No device file has its value, which is 1: only its uncertainty is known.
+    TrackerScale,
     /// A coordinate of a touched point.
     Contact {
         /// Position in [`crate::Surroundings::contacts`].
@@ -91,6 +93,8 @@ macro_rules! number {
                     Some(turn) => placement.turn_rad.$get(turn),
                 })
             }
+            // no number of the device
+            Self::TrackerScale => None,
             Self::Contact { point, axis } => {
                 around.contacts.$get(point).and_then(|point| point.position_m.$get(axis))
             }
@@ -106,7 +110,7 @@ impl SurroundingParameter {
     /// Unit.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::CableScale { .. } | Self::Plane { index: 0 | 1, .. } => "1",
+            Self::CableScale { .. } | Self::TrackerScale | Self::Plane { index: 0 | 1, .. } => "1",
             Self::TrackerBase { index: 3.. } | Self::TrackerTool { index: 3.. } => "rad",
             _ => "m",
         }
@@ -128,6 +132,7 @@ impl SurroundingParameter {
             Self::CableExitRadius { cable: of } => format!("{}_exit_radius", cable(of)),
             Self::TrackerBase { index } => format!("tracker_base_{}", part(&PLACEMENT, index)),
             Self::TrackerTool { index } => format!("tracker_tool_{}", part(&PLACEMENT, index)),
+            Self::TrackerScale => "tracker_scale".to_owned(),
             Self::Contact { point, axis } => {
                 let id = contact_id(device, point);
                 format!("contact.{id}.{}", part(&AXES, axis))
@@ -156,6 +161,7 @@ impl SurroundingParameter {
             Self::CableExitRadius { cable: of } => format!("{}.exit_radius_m", cable(of)),
             Self::TrackerBase { index } => placed("base", index),
             Self::TrackerTool { index } => placed("tool", index),
+            Self::TrackerScale => "tracker.scale_sd".to_owned(),
             Self::Contact { point, axis } => {
                 let id = contact_id(device, point);
                 format!("contact_point[{id}].position_m[{axis}]")
@@ -174,25 +180,44 @@ impl SurroundingParameter {
             Self::CableAnchor { .. } | Self::CableZero { .. } | Self::CableExitRadius { .. } => {
                 PLAUSIBLE_CABLE_M
             }
-            Self::CableScale { .. } => PLAUSIBLE_SCALE,
+            Self::CableScale { .. } | Self::TrackerScale => PLAUSIBLE_SCALE,
             _ => PLAUSIBLE_PLACE,
         }
     }
 
-    /// Value in a device; NaN where the device does not have the parameter.
+    /// Value in a device; NaN where the device does not have the parameter; 1 of the tracker's scale.
     pub fn value(self, device: &Device) -> f64 {
+        if self == Self::TrackerScale {
+            return 1.0;
+        }
         number!(self, device, get, as_ref)
             .copied()
             .unwrap_or(f64::NAN)
     }
 
-    /// Sets the value in a device.
+    /// Sets the value in a device; the tracker's scale stays as it is.
     pub fn set(self, device: &mut Device, value: f64) {
         if let Some(number) = number!(self, device, get_mut, as_mut, mut) {
             *number = value;
         }
     }
 }
+
+/// The reading per length of an instrument, which no reading of its own shows: every length that it measures, and so
+/// every length that a fit gets from it, is wrong by the same share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LengthScale {
+    /// The instrument's reading per length.
+    pub parameter: SurroundingParameter,
+    /// Standard deviation of its error, 1 being the whole length.
+    pub sd: f64,
+    /// Whether the device file states it; else it is [`UNSTATED_SCALE_SD`].
+    pub is_stated: bool,
+}
+
+/// What the scale of an instrument is taken to be known to where the device file does not say: a millimetre in a metre
+/// (docs/assumptions.md, A88).
+pub const UNSTATED_SCALE_SD: f64 = 1e-3;
 
 fn contact_id(device: &Device, point: usize) -> &str {
     let point = device.surroundings.contacts.get(point);
@@ -205,6 +230,32 @@ fn plane_id(device: &Device, plane: usize) -> &str {
 }
 
 impl Device {
+    /// The scales of the instruments that measure lengths: the cables, and the tracker.
+    ///
+    /// ```
+    /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+    /// let mut device = haptical_model::Device::load(path.as_ref())?.device;
+    /// device.cables[0].scale_sd = Some(2e-4);
+    /// assert_eq!(device.length_scales()[0].sd, 2e-4);
+    /// # Ok::<(), haptical_model::DeviceFileError>(())
+    /// ```
+    pub fn length_scales(&self) -> Vec<LengthScale> {
+        let scale = |parameter, stated: Option<f64>| LengthScale {
+            parameter,
+            sd: stated.unwrap_or(UNSTATED_SCALE_SD),
+            is_stated: stated.is_some(),
+        };
+        let cables = self.cables.iter().enumerate().map(|(cable, described)| {
+            scale(
+                SurroundingParameter::CableScale { cable },
+                described.scale_sd,
+            )
+        });
+        let tracker = self.tracker.map(|tracker| tracker.scale_sd);
+        let tracker = tracker.map(|stated| scale(SurroundingParameter::TrackerScale, stated));
+        cables.chain(tracker).collect()
+    }
+
     /// All parameters of cables, tracker, touched points and planes that are unknown: a cable's where its
     /// `fit` says so, the tracker's where its base or tool is unknown and has been given a place.
     pub fn surrounding_parameters(&self) -> Vec<SurroundingParameter> {

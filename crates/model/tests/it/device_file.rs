@@ -101,6 +101,7 @@ base = "unknown"
 tool = "known"
 position_sd_m = 5e-5
 rotation_sd_rad = 1e-3
+scale_sd = 2e-4
 
 [[contact_pair]]
 a = "north"
@@ -290,6 +291,7 @@ fn sensors() {
         tool_known: true,
         position_sd_m: Some(5e-5),
         rotation_sd_rad: Some(1e-3),
+        scale_sd: Some(2e-4),
     };
     assert_eq!(device.tracker, Some(tracker));
     let pair = ContactPair {

@@ -1,6 +1,8 @@
 //! Documents: self-contained, escaped, with a table of contents.
 
-use haptical_report::{Block, Cell, Column, Document, Figure, Mark, Section, Series, Table, Tone};
+use haptical_report::{
+    Block, Cell, Column, Document, Figure, Link, Mark, Section, Series, Table, Tone,
+};
 
 fn svg() -> String {
     let mut figure = Figure::new("Error on <joint> = 1", "x [m]", "y [m]");
@@ -161,4 +163,26 @@ fn a_notice_has_the_colour_of_its_tone_and_a_fold_is_closed() {
         blocks: vec![Block::List(vec!["inside".to_owned()])],
     }]);
     assert!(folded.contains("<details><summary>more</summary><ul><li>inside</li></ul></details>"));
+}
+
+#[test]
+fn a_link_leads_to_a_file_of_the_folder_and_nowhere_else() {
+    let link = |file: &str| {
+        let text = "<what>".to_owned();
+        let file = file.to_owned();
+        page(vec![Block::Links(vec![Link { file, text }])])
+    };
+    let good = link("gap-2.html");
+    assert!(good.contains("<a href=\"gap-2.html\">gap-2.html</a>: &lt;what&gt;"));
+    for file in [
+        "javascript:alert(1)",
+        "https://x.org/a",
+        "../a",
+        "a/b",
+        "\"><b>",
+    ] {
+        let html = link(file);
+        assert_eq!(html.matches("<a href=\"#").count(), 2, "the contents");
+        assert_eq!(html.matches("<a href").count(), 2, "{file}");
+    }
 }

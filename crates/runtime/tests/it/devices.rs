@@ -28,10 +28,12 @@ pub(crate) fn model<const JOINTS: usize>(device: &Device) -> Model<JOINTS> {
     let joints = std::array::from_fn(|index| joint(&device.joints[index]));
     if device.is_plain_table() {
         let rows = rows.map(|row: GeneralRow| row.link);
-        return Model::new(convention, device.links[0], rows, joints).unwrap();
+        let model = Model::new(convention, device.links[0], rows, joints).unwrap();
+        return model.with_limits(limits(device)).unwrap();
     }
     let handle = frame(device, device.links.len());
-    Model::general(convention, row(device, 0), rows, handle, joints).unwrap()
+    let model = Model::general(convention, row(device, 0), rows, handle, joints).unwrap();
+    model.with_limits(limits(device)).unwrap()
 }
 
 /// A device with rows that follow, as a device file with it would give the runtime.
@@ -51,7 +53,16 @@ pub(crate) fn coupled<const JOINTS: usize, const ROWS: usize>(
         }
     });
     let handle = frame(device, device.links.len());
-    CoupledModel::new(convention, row(device, 0), rows, handle, joints, drives).unwrap()
+    let model =
+        CoupledModel::new(convention, row(device, 0), rows, handle, joints, drives).unwrap();
+    model.with_limits(limits(device)).unwrap()
+}
+
+fn limits<const JOINTS: usize>(device: &Device) -> [[f64; 2]; JOINTS] {
+    std::array::from_fn(|index| {
+        let joint = &device.joints[index];
+        [joint.lower_rad, joint.upper_rad]
+    })
 }
 
 fn motion(joint_type: JointType) -> Motion {

@@ -68,6 +68,35 @@ fn a_reading_beyond_the_polynomial_is_refused_with_its_joint() {
     assert_eq!(identified::MODEL.step(&readings), Err(expected));
 }
 
+#[test]
+fn the_exported_limits_are_those_of_the_file() {
+    let device = fixture("identified.toml");
+    let there: Vec<[f64; 2]> = device
+        .joints
+        .iter()
+        .map(|joint| [joint.lower_rad, joint.upper_rad])
+        .collect();
+    assert_eq!(identified::LIMITS.to_vec(), there);
+    assert_eq!(identified::MODEL.limits(), identified::LIMITS);
+    let [lower, upper] = identified::LIMITS[2];
+    let mut readings = [0.0; 7];
+    for inside in [lower, upper] {
+        readings[2] = inside;
+        assert_eq!(identified::MODEL.check_limits(&readings), Ok(()));
+    }
+    for outside in [lower.next_down(), upper.next_up()] {
+        readings[2] = outside;
+        let expected = RuntimeError::BeyondLimit {
+            joint: 3,
+            reading: outside,
+            lower,
+            upper,
+        };
+        assert_eq!(identified::MODEL.check_limits(&readings), Err(expected));
+        assert!(identified::MODEL.step(&readings).is_ok(), "a step goes on");
+    }
+}
+
 proptest! {
     #[test]
     fn the_paper_s_device_in_its_whole_workspace(

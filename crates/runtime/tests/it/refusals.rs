@@ -42,6 +42,25 @@ fn refused_key(transmission: Transmission) -> &'static str {
 }
 
 #[test]
+fn limits_that_are_none_are_refused_and_readings_are_held_against_the_others() {
+    let model = with(Transmission::Exact).unwrap();
+    assert_eq!(model.limits(), [[f64::NEG_INFINITY, f64::INFINITY]]);
+    assert_eq!(model.check_limits(&[1e300]), Ok(()));
+    for bad in [[1.0, 1.0], [2.0, 1.0], [f64::NAN, 1.0], [0.0, f64::NAN]] {
+        let refused = model.with_limits([bad]).unwrap_err();
+        assert!(refused.to_string().contains("joint 1: lower limit"));
+    }
+    let limited = model.with_limits([[f64::NEG_INFINITY, 1.0]]).unwrap();
+    assert_eq!(limited.check_limits(&[-1e300]), Ok(()));
+    for reading in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert!(matches!(
+            limited.check_limits(&[reading]),
+            Err(RuntimeError::NonFiniteReading { joint: 1, .. })
+        ));
+    }
+}
+
+#[test]
 fn origins_that_are_no_rigid_transforms_are_refused_with_their_row() {
     let joint = Joint {
         motion: Motion::Revolute,

@@ -295,6 +295,8 @@ class Combination(TypedDict):
 class Identification(TypedDict):
     """What `identify` gives: the fields of identified.json, the device file, and no record of files."""
 
+    answer: str
+    """The result in a line."""
     method: Method
     rows: int
     held_out: str

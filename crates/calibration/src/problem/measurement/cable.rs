@@ -68,7 +68,7 @@ impl Measurement for Cable {
             let seen = Seen {
                 // docs/equations.md, "Distance derivative": the direction once for all parameters.
                 by_position: (position_m - anchor) * (weight / distance),
-                by_scale: 0.0,
+                by_scale: weight * distance,
                 by_exit_radius: 0.0,
                 weight,
             };

@@ -136,6 +136,12 @@ impl Sight {
 
     /// How the pose changes with a parameter of the chain or the tracker.
     pub(crate) fn derivative(&self, at: &Posture<'_>, parameter: ParameterId) -> Twist {
+        if parameter == ParameterId::Surrounding(SurroundingParameter::TrackerScale) {
+            return Twist {
+                linear: self.pose.position_m,
+                angular: Vector3::zeros(),
+            };
+        }
         let of_handle = || at.evaluation.pose_derivative(parameter);
         self.tracked.as_ref().map_or_else(of_handle, |tracked| {
             let own = tracked.derivative(parameter);
@@ -146,6 +152,9 @@ impl Sight {
 
 /// Whether a number of the surroundings is one of the tracker's own.
 pub(crate) fn is_of_tracker(parameter: SurroundingParameter) -> bool {
-    use SurroundingParameter::{TrackerBase, TrackerTool};
-    matches!(parameter, TrackerBase { .. } | TrackerTool { .. })
+    use SurroundingParameter::{TrackerBase, TrackerScale, TrackerTool};
+    matches!(
+        parameter,
+        TrackerBase { .. } | TrackerTool { .. } | TrackerScale
+    )
 }

@@ -1,4 +1,4 @@
-//! report.html of a diagnosis: a page that a lab engineer reads in two minutes.
+//! gap.html: a page that a lab engineer reads in two minutes.
 
 mod figures;
 mod tables;

@@ -1,16 +1,16 @@
-//! report.html: the result in words, tables and figures.
+//! identify.html: the result in words, tables and figures.
 
 mod channel_figures;
 mod outliers;
 mod parameter_tables;
 mod transmission_figures;
 
-use haptical_calibration::{Calibration, ChannelReport};
+use haptical_calibration::Calibration;
 use haptical_model::Recording;
 use haptical_report::{Block, Cell, Document, Section, Table};
 
 use super::result::Identified;
-use super::summary::{channel_table, force_sentence, judged_table};
+use super::summary::{channel_table, force_sentence, judged_table, main_channel};
 use crate::error::Error;
 use crate::page::facts;
 use crate::units::Shown;
@@ -46,14 +46,9 @@ pub(super) fn page(
     Ok(Document::new(title, lead(result), sections).to_html())
 }
 
-/// The result in words, by the channel that matters most: one that sees the whole chain, else the
-/// external encoder with the largest residual.
+/// The result in words, by the channel that matters most.
 fn lead(result: &Identified) -> String {
-    let by_size = |a: &&ChannelReport, b: &&ChannelReport| a.rms_before.total_cmp(&b.rms_before);
-    let mut channels = result.channels.iter();
-    let chain = channels.find(|channel| channel.joint.is_none());
-    let outputs = result.channels.iter().max_by(by_size);
-    let Some(channel) = chain.or(outputs) else {
+    let Some(channel) = main_channel(result) else {
         return format!("The result is {}.", result.held_out);
     };
     let shown = Shown::fine(&channel.unit);

@@ -212,6 +212,7 @@ fn cable_table(cable: &Cable) -> Table {
         ("drum_radius_m", number(cable.drum_radius_m)),
         ("counts_per_rev", number(cable.counts_per_rev)),
         ("distance_sd_m", number(cable.distance_sd_m)),
+        ("scale_sd", number(cable.scale_sd)),
         ("exit_axis", exit_axis.and_then(|axis| list(axis))),
         ("zero_m", number(unusual(cable.zero_m, plain.zero_m))),
         ("scale", number(unusual(cable.scale, plain.scale))),
@@ -229,5 +230,6 @@ fn tracker_table(tracker: &Tracker) -> Table {
         ("tool", text(word_for(PLACES, &tracker.tool_known))),
         ("position_sd_m", number(tracker.position_sd_m)),
         ("rotation_sd_rad", number(tracker.rotation_sd_rad)),
+        ("scale_sd", number(tracker.scale_sd)),
     ])
 }

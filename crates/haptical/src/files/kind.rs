@@ -1,0 +1,64 @@
+//! The commands that leave a result in a folder, and the names of their files.
+
+/// Name of the index of the results in a folder.
+pub const INDEX: &str = "report.html";
+/// The last one is written only where a fit is rejected.
+pub(crate) const IDENTIFICATION_FILES: [&str; 4] = [
+    "identified.toml",
+    "identified.json",
+    "identify.html",
+    "rejected.toml",
+];
+/// The last one is written with a second log only.
+pub(crate) const DIAGNOSIS_FILES: [&str; 3] = ["gap.json", "gap.html", "predictions.csv"];
+/// The last one is written where poses are asked for only.
+pub(crate) const PLAN_FILES: [&str; 4] = ["plan.json", "plan.html", "rigs.svg", "poses.csv"];
+
+/// A command that leaves a result in a folder, and the names of its files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ResultKind {
+    /// Subcommand.
+    pub command: &'static str,
+    /// What its result is called in the index.
+    pub title: &'static str,
+    /// The file with the provenance.
+    pub result: &'static str,
+    /// The page for people.
+    pub page: &'static str,
+    /// All files that it may write, these two among them; the index is shared.
+    pub files: &'static [&'static str],
+}
+
+impl ResultKind {
+    /// Of `haptical identify`.
+    pub const IDENTIFICATION: Self = Self {
+        command: "identify",
+        title: "Identification",
+        result: IDENTIFICATION_FILES[1],
+        page: IDENTIFICATION_FILES[2],
+        files: &IDENTIFICATION_FILES,
+    };
+    /// Of `haptical diagnose`.
+    pub const DIAGNOSIS: Self = Self {
+        command: "diagnose",
+        title: "Diagnosis",
+        result: DIAGNOSIS_FILES[0],
+        page: DIAGNOSIS_FILES[1],
+        files: &DIAGNOSIS_FILES,
+    };
+    /// Of `haptical plan`.
+    pub const PLAN: Self = Self {
+        command: "plan",
+        title: "Plan",
+        result: PLAN_FILES[0],
+        page: PLAN_FILES[1],
+        files: &PLAN_FILES,
+    };
+    /// All kinds, in the order of the index.
+    pub const ALL: [Self; 3] = [Self::IDENTIFICATION, Self::DIAGNOSIS, Self::PLAN];
+
+    /// Names of the files that are written, that of the index among them.
+    pub fn outputs(&self) -> impl Iterator<Item = &'static str> {
+        self.files.iter().copied().chain([INDEX])
+    }
+}
