@@ -44,7 +44,7 @@ impl ResultCommand for DiagnoseArguments {
     ) -> Result<MadeResult, Failure> {
         let device = inputs.device(self.device_options.equipment())?;
         let log = inputs.log(&device)?;
-        let model = inputs.model()?;
+        let model = inputs.model(&device)?;
         let second = inputs.optional_log("validate", &device)?;
         let (joints, rows) = (device.model.joints.len(), log.recording.len());
         progress.say(format!("diagnosing {joints} joints from {rows} rows"));

@@ -60,10 +60,9 @@ impl Inputs {
         Device::open(self.required("device")?, &Equipment { rig, ..equipment })
     }
 
-    /// The model identified earlier.
-    pub(crate) fn model(&self) -> Result<Option<Device>, Failure> {
-        let plain = Equipment::default();
-        let open = |source| Device::open(source, &plain);
+    /// The model of the device identified earlier.
+    pub(crate) fn model(&self, device: &Device) -> Result<Option<Device>, Failure> {
+        let open = |source| device.open_model(source);
         self.find("model").map(open).transpose()
     }
 

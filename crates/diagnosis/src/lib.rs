@@ -17,9 +17,10 @@ mod thresholds;
 
 pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{
-    Asked, CandidateAnswer, CauseAnswer, ChannelGap, Dependence, Detectable, Diagnosis, Gap,
-    HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, NoReduction, NoiseAnswer, Over,
-    ParameterAnswer, Place, Prediction, Provenance, Trace, Untestable, Verdict, Whiteness,
+    AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, Dependence, Detectable,
+    Diagnosis, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, MovedNumber, NoReduction,
+    NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance, Trace, Untestable, Verdict,
+    Whiteness,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;

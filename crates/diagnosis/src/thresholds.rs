@@ -335,6 +335,16 @@ pub(crate) mod earlier_model {
     pub(crate) const AS_WELL: f64 = 9.21;
     /// Prior odds of another tool against another link: tools are made to be exchanged. Choice.
     pub(crate) const TOOL_ODDS: f64 = 10.0;
+    /// Contiguous parts of the recording that count more or less often, to see what a cause does to a calibration at other
+    /// postures. Choice.
+    pub(crate) const SEGMENTS: usize = 8;
+    /// How much more, or less, often. Choice.
+    pub(crate) const OFTEN: f64 = 10.0;
+    /// Standard deviations of that within which a number of an earlier model was bent. Choice: what it stands for is not known
+    /// well.
+    pub(crate) const BEND_SCATTERS: f64 = 4.0;
+    /// Standard deviations from which a number has moved. Chance: one in 370, two fits' errors.
+    pub(crate) const MOVED_SD: f64 = 4.2;
     /// Probability of a term that an earlier model has wrong. Choice.
     pub(crate) const SURE: f64 = 0.98;
 }

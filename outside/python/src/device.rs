@@ -108,6 +108,16 @@ pub(crate) fn device_of(
     read(read_source(source, "the device")?, ends, rig)
 }
 
+/// A model of a device from whatever was given; the chain of a URDF runs between the same links as the device's.
+pub(crate) fn model_of(source: &Bound<'_, PyAny>, device: &Device) -> PyResult<Device> {
+    if let Ok(model) = source.cast::<Device>() {
+        return Ok(model.get().clone());
+    }
+    let source = read_source(source, "the model")?;
+    let read = device.read.open_model(&source).map_err(Failure::from)?;
+    Ok(Device { read })
+}
+
 /// A path, the text of a TOML file (recognised by a line break or a bracket), or a dictionary.
 fn read_source(source: &Bound<'_, PyAny>, what: &str) -> PyResult<Source> {
     if let Ok(dictionary) = source.cast::<PyDict>() {

@@ -1,16 +1,19 @@
 //! `haptical.diagnose`: what a calibration leaves, and which effect causes it, as the fields of gap.json.
 
+use std::collections::BTreeMap;
+
 use haptical::urdf::BaseAndTip;
 use haptical::{Diagnose, diagnose as diagnose_device};
 use pyo3::prelude::*;
 
-use crate::device::device_of;
+use crate::device::{device_of, model_of};
 use crate::failure::Failure;
 use crate::log::log_of;
+use crate::options::{deviations_of, fits_compliance, loss_of};
 
 /// Diagnoses a device from a log; returns gap.json's fields as a JSON text, which the package reads.
 #[pyfunction]
-#[pyo3(signature = (device, log, *, model=None, validate=None, without=Vec::new(), base=None, tip=None, rig=None))]
+#[pyo3(signature = (device, log, *, model=None, validate=None, without=Vec::new(), with_=Vec::new(), hold=Vec::new(), deviation=BTreeMap::new(), loss="auto", base=None, tip=None, rig=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn diagnose(
     py: Python<'_>,
@@ -19,14 +22,18 @@ pub(crate) fn diagnose(
     model: Option<&Bound<'_, PyAny>>,
     validate: Option<&Bound<'_, PyAny>>,
     without: Vec<String>,
+    with_: Vec<String>,
+    hold: Vec<String>,
+    deviation: BTreeMap<String, f64>,
+    loss: &str,
     base: Option<&str>,
     tip: Option<&str>,
     rig: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
+    let (joint_compliance, loss) = (fits_compliance(&with_)?, loss_of(loss)?);
+    let deviations = deviations_of(&deviation)?;
     let device = device_of(device, BaseAndTip { base, tip }, rig)?;
-    let model = model
-        .map(|model| device_of(model, BaseAndTip::default(), None))
-        .transpose()?;
+    let model = model.map(|model| model_of(model, &device)).transpose()?;
     let log = log_of(log)?;
     let validate = validate.map(log_of).transpose()?;
     let text = py.detach(|| -> Result<String, Failure> {
@@ -36,6 +43,10 @@ pub(crate) fn diagnose(
             without,
             model: model.as_ref().map(|model| &model.read),
             validate: second.as_ref(),
+            loss,
+            joint_compliance,
+            hold,
+            deviations,
             ..Diagnose::default()
         };
         let gap = diagnose_device(&device.read, &read, &request)?;

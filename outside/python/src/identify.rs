@@ -1,5 +1,7 @@
 //! `haptical.identify`: what identified.json has, as dictionaries and arrays.
 
+use std::collections::BTreeMap;
+
 use haptical::calibration::ChannelReport;
 use haptical::urdf::BaseAndTip;
 use haptical::{Found, TransmissionEntry, identify as identify_device};
@@ -28,7 +30,7 @@ const OF_FILES: [&str; 4] = ["haptical_version", "device", "log", "provenance"];
 
 /// Identifies the parameters of a device from a log; see the stub for arguments and result.
 #[pyfunction]
-#[pyo3(signature = (device, log, *, method="joint", held_out=0.2, folds=None, with_=Vec::new(), hold=Vec::new(), degree=None, noise="estimated", loss="auto", base=None, tip=None, rig=None))]
+#[pyo3(signature = (device, log, *, method="joint", held_out=0.2, folds=None, with_=Vec::new(), hold=Vec::new(), deviation=BTreeMap::new(), degree=None, noise="estimated", loss="auto", base=None, tip=None, rig=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn identify<'py>(
     py: Python<'py>,
@@ -39,6 +41,7 @@ pub(crate) fn identify<'py>(
     folds: Option<&Bound<'py, PyAny>>,
     with_: Vec<String>,
     hold: Vec<String>,
+    deviation: BTreeMap<String, f64>,
     degree: Option<&Bound<'py, PyAny>>,
     noise: &str,
     loss: &str,
@@ -52,6 +55,7 @@ pub(crate) fn identify<'py>(
         folds,
         with: &with_,
         hold: &hold,
+        deviation: &deviation,
         degree,
         noise,
         loss,

@@ -1,5 +1,7 @@
 //! Keyword arguments of `identify` as options of a calibration; names and defaults are the command's.
 
+use std::collections::BTreeMap;
+
 use haptical::Identify;
 use haptical::calibration::{CalibrationMethod, Degree, HeldOut, LossChoice, Options, Weighting};
 use haptical::identification::Loss;
@@ -25,6 +27,7 @@ pub(crate) struct Keywords<'k, 'py> {
     pub(crate) folds: Option<&'k Bound<'py, PyAny>>,
     pub(crate) with: &'k [String],
     pub(crate) hold: &'k [String],
+    pub(crate) deviation: &'k BTreeMap<String, f64>,
     pub(crate) degree: Option<&'k Bound<'py, PyAny>>,
     pub(crate) noise: &'k str,
     pub(crate) loss: &'k str,
@@ -42,21 +45,6 @@ impl Keywords<'_, '_> {
             "stated" => Weighting::Stated,
             other => return Err(unknown("noise", other, "estimated, stated")),
         };
-        let loss = match self.loss {
-            "auto" => LossChoice::Auto,
-            "squares" => LossChoice::Fixed(Loss::Squares),
-            "huber" => LossChoice::Fixed(Loss::Huber),
-            "cauchy" => LossChoice::Fixed(Loss::Cauchy),
-            "tukey" => LossChoice::Fixed(Loss::Tukey),
-            "student-t" => LossChoice::Fixed(Loss::StudentT),
-            other => {
-                return Err(unknown(
-                    "loss",
-                    other,
-                    "auto, squares, huber, cauchy, tukey, student-t",
-                ));
-            }
-        };
         if !(0.0..=0.5).contains(&self.held_out) {
             let text = format!(
                 "held_out is {}; a share from 0 to 0.5 is expected",
@@ -68,7 +56,7 @@ impl Keywords<'_, '_> {
             method,
             degree: self.degree()?,
             weighting,
-            loss,
+            loss: loss_of(self.loss)?,
             held_out: match self.folds()? {
                 Some(folds) => HeldOut::Folds(folds),
                 None if self.held_out > 0.0 => HeldOut::Share(self.held_out),
@@ -78,18 +66,10 @@ impl Keywords<'_, '_> {
         };
         Ok(Identify {
             options,
-            joint_compliance: self.fits_compliance()?,
+            joint_compliance: fits_compliance(self.with)?,
             hold: self.hold.to_vec(),
-            deviations: Vec::new(),
+            deviations: deviations_of(self.deviation)?,
         })
-    }
-
-    /// Whether what joints yield to their torque is fitted too.
-    fn fits_compliance(&self) -> Result<bool, Failure> {
-        match self.with.iter().find(|effect| *effect != COMPLIANCE) {
-            Some(other) => Err(unknown("with_", other, COMPLIANCE)),
-            None => Ok(!self.with.is_empty()),
-        }
     }
 
     fn folds(&self) -> Result<Option<usize>, Failure> {
@@ -123,6 +103,44 @@ impl Keywords<'_, '_> {
             ))),
         }
     }
+}
+
+/// Whether what joints yield to their torque is fitted too.
+pub(crate) fn fits_compliance(with: &[String]) -> Result<bool, Failure> {
+    match with.iter().find(|effect| *effect != COMPLIANCE) {
+        Some(other) => Err(unknown("with_", other, COMPLIANCE)),
+        None => Ok(!with.is_empty()),
+    }
+}
+
+/// What large residuals cost.
+pub(crate) fn loss_of(word: &str) -> Result<LossChoice, Failure> {
+    Ok(match word {
+        "auto" => LossChoice::Auto,
+        "squares" => LossChoice::Fixed(Loss::Squares),
+        "huber" => LossChoice::Fixed(Loss::Huber),
+        "cauchy" => LossChoice::Fixed(Loss::Cauchy),
+        "tukey" => LossChoice::Fixed(Loss::Tukey),
+        "student-t" => LossChoice::Fixed(Loss::StudentT),
+        other => {
+            let known = "auto, squares, huber, cauchy, tukey, student-t";
+            return Err(unknown("loss", other, known));
+        }
+    })
+}
+
+/// How far numbers of links may plausibly be off \[m\] or \[rad\].
+pub(crate) fn deviations_of(sizes: &BTreeMap<String, f64>) -> Result<Vec<(String, f64)>, Failure> {
+    let size = |(word, &size): (&String, &f64)| {
+        if size > 0.0 && size.is_finite() {
+            Ok((word.clone(), size))
+        } else {
+            Err(Failure::value(format!(
+                "deviation[\"{word}\"] is {size}; a size above 0 in m or rad is expected"
+            )))
+        }
+    };
+    sizes.iter().map(size).collect()
 }
 
 /// A word that a keyword does not know.

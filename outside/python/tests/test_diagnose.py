@@ -28,9 +28,26 @@ def test_a_model_and_a_second_log_are_taken(device):
     assert answer["verdict"] == "no-gap"
 
 
+def test_the_model_that_a_gap_is_measured_from_has_options(device, command):
+    log = recording(0.3012, 0.1991)
+    free = haptical.diagnose(device, log)
+    held = haptical.diagnose(device, log, hold=["lengths"], loss="squares")
+    theirs, _ = command("diagnose", haptical.Device(device).to_toml(), log, "--hold=lengths", "--loss=squares")
+    assert held["gap"] == theirs["gap"]
+    # links of 301.2 and 199.1 mm stay at 300 and 200 mm
+    assert held["gap"]["channels"][0]["rms"] > 10 * free["gap"]["channels"][0]["rms"]
+    narrow = haptical.identify(device, log, deviation={"lengths": 1e-9})
+    wide = haptical.identify(device, log, deviation={"lengths": 0.05})
+    assert narrow["identified_toml"] != wide["identified_toml"]
+
+
 def test_bad_arguments_are_value_errors(device):
     log = recording(0.3, 0.2)
     with pytest.raises(ValueError, match="backlsh"):
         haptical.diagnose(device, log, without=["backlsh"])
+    with pytest.raises(ValueError, match=r'deviation\["offsets"\] is -0.1'):
+        haptical.diagnose(device, log, deviation={"offsets": -0.1})
+    with pytest.raises(ValueError, match="loss is"):
+        haptical.diagnose(device, log, loss="least")
     with pytest.raises(ValueError, match="the model has 1 joints"):
         haptical.diagnose(device, log, model="[device]\ndof = 1\n[[joint]]\n")

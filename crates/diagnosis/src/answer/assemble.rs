@@ -89,6 +89,10 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         noise,
         whiteness,
         candidates: candidates(&findings),
+        absorbed: match verdict {
+            Verdict::Named | Verdict::Ambiguous => findings.absorbed.clone(),
+            Verdict::NoGap | Verdict::Unknown => None,
+        },
         plausibility: hints(engine, findings.inputs.nominal),
         warnings: warnings(&findings, verdict, &causes, unstated),
         place,

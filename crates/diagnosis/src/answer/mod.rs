@@ -60,6 +60,9 @@ pub struct Diagnosis {
     pub place: Option<Place>,
     /// Strongest first.
     pub causes: Vec<CauseAnswer>,
+    /// What a model identified earlier had taken up of the causes; none without such a model, and where its numbers
+    /// hold.
+    pub absorbed: Option<AbsorbedAnswer>,
     /// Share of the structured energy that the causes leave.
     pub unexplained_share: f64,
     /// Probability that the cause is none of the catalogue's.
@@ -207,6 +210,29 @@ pub struct CauseAnswer {
     pub share: f64,
     /// Gap before and after on data that the fit did not see.
     pub held_out: Option<HeldOutAnswer>,
+}
+
+/// What a calibration without the causes had taken up of them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AbsorbedAnswer {
+    /// Share of the first cause's squared signal that the base model imitates.
+    pub share: Option<f64>,
+    /// Numbers of the base model that move with the causes, farthest first in standard deviations.
+    pub moved: Vec<MovedNumber>,
+}
+
+/// A number of the base model that moves once the causes are in the model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MovedNumber {
+    /// Name, as in identified.json.
+    pub parameter: String,
+    /// Unit of the numbers.
+    pub unit: String,
+    /// Value of the earlier model.
+    pub earlier: f64,
+    /// Value with the causes in the model.
+    #[serde(flatten)]
+    pub value: ParameterAnswer,
 }
 
 /// A parameter of a cause.

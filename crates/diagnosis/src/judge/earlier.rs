@@ -34,6 +34,8 @@ pub(crate) struct BaseTerm {
     pub(crate) confusable_with: Vec<String>,
     /// It explains the difference alone.
     pub(crate) is_all: bool,
+    /// Its free columns; none where it is no number of the base model.
+    pub(crate) columns: Vec<usize>,
 }
 
 /// What a model differs in.
@@ -44,6 +46,8 @@ pub(crate) struct Difference {
     pub(crate) total: f64,
     /// Whether a term was left out on request: there is a difference that bears no name.
     pub(crate) is_unnamed: bool,
+    /// Standard deviation of each free column's number.
+    pub(crate) deviations: Vec<f64>,
 }
 
 impl Difference {
@@ -141,6 +145,7 @@ impl Earlier<'_, '_> {
                 terms: vec![only],
                 total,
                 is_unnamed: false,
+                deviations: self.deviations.clone(),
             };
         }
         let links: Vec<usize> = self
@@ -178,6 +183,7 @@ impl Earlier<'_, '_> {
             terms,
             total,
             is_unnamed: false,
+            deviations: self.deviations.clone(),
         }
     }
 
@@ -199,6 +205,7 @@ impl Earlier<'_, '_> {
             in_drive: false,
             confusable_with: self.as_good(explained, is_other),
             is_all: true,
+            columns: Vec::new(),
         })
     }
 
@@ -223,6 +230,7 @@ impl Earlier<'_, '_> {
             in_drive: false,
             confusable_with: self.as_good(explained, |_| true),
             is_all: true,
+            columns: Vec::new(),
         })
     }
 
@@ -291,6 +299,7 @@ impl Earlier<'_, '_> {
             in_drive: group.in_drive,
             confusable_with: Vec::new(),
             is_all: false,
+            columns: group.columns.clone(),
         }
     }
 

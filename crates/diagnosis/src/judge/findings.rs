@@ -4,12 +4,14 @@ use haptical_calibration::Channel;
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording};
 
+use crate::answer::AbsorbedAnswer;
 use crate::answer::floor::Floor;
 use crate::answer::floors::floors;
 use crate::answer::shrink::{Shrink, model_residual, on_held_back, on_second};
 use crate::engine::Engine;
 use crate::engine::base::Base;
 use crate::force::answer::ForceAnswer;
+use crate::judge::absorbed::take_absorbed;
 use crate::judge::adequacy::{Adequacy, adequacy};
 use crate::judge::earlier::{Difference, difference};
 use crate::judge::rivals::{Rival, settle};
@@ -43,6 +45,8 @@ pub(crate) struct Findings<'f> {
     pub(crate) earlier: Option<Vec<Vec<f64>>>,
     /// Terms of the base model that the earlier model lacks or has wrong.
     pub(crate) base_terms: Difference,
+    /// What the earlier model had taken up of the causes.
+    pub(crate) absorbed: Option<AbsorbedAnswer>,
     pub(crate) shrink: Shrink,
     /// Noise of the channels, checked against all that is left.
     pub(crate) floors: Vec<Floor>,
@@ -62,10 +66,12 @@ impl<'f> Findings<'f> {
         let engine = selection.engine();
         let mut earlier = None;
         let mut base_terms = Difference::default();
+        let mut absorbed = None;
         if let Some(model) = inputs.earlier {
             let residual = model_residual(model, inputs.recording, engine)?;
             base_terms = difference(engine, &model.device, &residual);
             base_terms = base_terms.without(&inputs.options.without);
+            absorbed = take_absorbed(&selection, &model.device, &mut base_terms);
             earlier = Some(residual);
         }
         let mut findings = Self {
@@ -75,6 +81,7 @@ impl<'f> Findings<'f> {
             rivals,
             earlier,
             base_terms,
+            absorbed,
             shrink: Shrink::default(),
             floors: Vec::new(),
             force: ForceAnswer::default(),

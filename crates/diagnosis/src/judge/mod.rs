@@ -1,5 +1,6 @@
 //! Judgements on a selection: its adequacy, its rivals, what the residuals depend on, earlier models.
 
+pub(crate) mod absorbed;
 pub(crate) mod adequacy;
 pub(crate) mod dependence;
 pub(crate) mod displaced;

@@ -6,6 +6,7 @@
     reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
 )]
 
+mod absorbed;
 mod arm;
 mod clean;
 mod columns;

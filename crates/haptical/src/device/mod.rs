@@ -141,6 +141,19 @@ impl Device {
         })
     }
 
+    /// Reads another model of this device: the chain of a URDF runs between the same links as this device's.
+    ///
+    /// # Errors
+    /// As [`Device::load`].
+    pub fn open_model(&self, source: &Source) -> Result<Self, Error> {
+        let mut equipment = Equipment::default();
+        if source.text.is_none() && is_urdf(&source.path) {
+            equipment.base.clone_from(&self.equipment.base);
+            equipment.tip.clone_from(&self.equipment.tip);
+        }
+        Self::open(source, &equipment)
+    }
+
     /// The text of its device file, TOML; a URDF's is written anew.
     pub fn to_toml(&self) -> &str {
         &self.text

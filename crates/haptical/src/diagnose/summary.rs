@@ -5,8 +5,9 @@ use std::fmt::Write as _;
 use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis};
 
 use crate::diagnose::words::{
-    closed, held_out_answer, held_out_sizes, listed, named_at, next_step, parameters, percent,
-    place_sentence, probability, record, rivals, verdict_mark, verdict_sentence,
+    absorbed_sentence, closed, held_out_answer, held_out_sizes, listed, named_at, next_step,
+    parameters, percent, place_sentence, probability, record, rivals, verdict_mark,
+    verdict_sentence,
 };
 use crate::units::Shown;
 
@@ -14,6 +15,8 @@ use crate::units::Shown;
 const WIDTH: usize = 100;
 /// Lines that channels and causes have together; gap.json has all of both.
 const LISTED: usize = 9;
+/// Numbers listed of those that move with a cause.
+const MOVED: usize = 2;
 /// Width of the word before a text.
 const INDENT: usize = 9;
 
@@ -27,6 +30,9 @@ pub(super) fn text(diagnosis: &Diagnosis) -> String {
         push(&mut text, "where", &place, 2);
     }
     causes(&mut text, &diagnosis.causes);
+    if let Some(absorbed) = absorbed_sentence(diagnosis, MOVED) {
+        push(&mut text, "absorbed", &absorbed, 3);
+    }
     held_out(&mut text, diagnosis);
     push(&mut text, "unseen", &unseen(diagnosis), 1);
     push(&mut text, "next", &next_step(diagnosis), 2);
@@ -42,7 +48,7 @@ pub(super) fn answer(diagnosis: &Diagnosis) -> String {
 /// Before, after and floor of the channels that show most of the gap.
 fn channels(text: &mut String, diagnosis: &Diagnosis) {
     let mut order: Vec<&ChannelGap> = diagnosis.gap.channels.iter().collect();
-    let listed = LISTED.saturating_sub(cause_lines(&diagnosis.causes));
+    let listed = LISTED.saturating_sub(cause_lines(diagnosis));
     let kept = if order.len() > listed {
         // Adding zero makes one of the two zeros.
         order.sort_by(|a, b| (b.share_of_gap + 0.0).total_cmp(&(a.share_of_gap + 0.0)));
@@ -79,9 +85,14 @@ fn channels(text: &mut String, diagnosis: &Diagnosis) {
     text.push('\n');
 }
 
-/// Most lines of the causes: one each; the only one may take two.
-fn cause_lines(causes: &[CauseAnswer]) -> usize {
-    if causes.len() == 1 { 2 } else { causes.len() }
+/// Most lines of the causes: one each; the only one may take two, and what a calibration had taken up three.
+fn cause_lines(diagnosis: &Diagnosis) -> usize {
+    let absorbed = if diagnosis.absorbed.is_some() { 3 } else { 0 };
+    absorbed
+        + match diagnosis.causes.len() {
+            1 => 2,
+            count => count,
+        }
 }
 
 /// Name, probability, numbers and rivals of each cause.
@@ -182,6 +193,7 @@ fn push(text: &mut String, label: &str, said: &str, most: usize) {
 mod tests {
     use super::*;
     use crate::diagnose::example_tests::{named, no_gap, unknown};
+    use haptical_diagnosis::{AbsorbedAnswer, MovedNumber, ParameterAnswer};
 
     #[test]
     fn the_summary_says_all_that_the_brief_wants() {
@@ -215,6 +227,7 @@ mod tests {
         full.causes = vec![cause; 4];
         let channel = full.gap.channels[1].clone();
         full.gap.channels = vec![channel; 23];
+        full.absorbed = Some(absorbed());
         full.plausibility = vec![haptical_diagnosis::Hint {
             parameter: "output_drum_x1".to_owned(),
             why: "3 mm".to_owned(),
@@ -227,6 +240,46 @@ mod tests {
                 said.lines().count()
             );
         }
+    }
+
+    /// Of four numbers in four units.
+    fn absorbed() -> AbsorbedAnswer {
+        let number = |parameter: &str, unit: &str, value: f64| MovedNumber {
+            parameter: parameter.to_owned(),
+            unit: unit.to_owned(),
+            earlier: 0.0,
+            value: ParameterAnswer {
+                value,
+                ci95: [0.9 * value, 1.1 * value],
+            },
+        };
+        AbsorbedAnswer {
+            share: Some(0.93),
+            moved: vec![
+                number("a3", "m", 0.002),
+                number("joint_compliance2", "rad/(N m)", 0.0025),
+                number("alpha1", "rad", -0.0012),
+                number("ratio_deviation1", "1", 0.05),
+            ],
+        }
+    }
+
+    #[test]
+    fn what_a_calibration_had_taken_up_is_one_line_with_units() {
+        let mut diagnosis = named();
+        diagnosis.absorbed = Some(absorbed());
+        let said = text(&diagnosis);
+        let said: Vec<&str> = said.split_whitespace().collect();
+        let said = said.join(" ");
+        let wanted = "absorbed The earlier model took up 93 % of capstan-compliance at joint 2: identify it again. With the \
+                      cause in the model 4 numbers move: a3 by 2000 µm, joint_compliance2 by 2.50e-3 rad/(N m), others in \
+                      gap.json.";
+        assert!(said.contains(wanted), "{said}");
+        let all = absorbed_sentence(&diagnosis, usize::MAX).unwrap();
+        assert!(
+            all.ends_with("alpha1 by -1.200 mrad, ratio_deviation1 by 5.00e-2."),
+            "{all}"
+        );
     }
 
     #[test]

@@ -8,7 +8,7 @@ nothing. The interpreter's lock is released while numbers are worked out.
 from __future__ import annotations
 
 import json as _json
-from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
 
 import numpy as _np
 
@@ -31,6 +31,8 @@ def identify(
     held_out: float = 0.2,
     folds: Optional[int] = None,
     with_: Sequence[Effect] = (),
+    hold: Sequence[str] = (),
+    deviation: Optional[Mapping[str, float]] = None,
     degree: Union[int, str] = "evidence",
     noise: Noise = "estimated",
     loss: Loss = "auto",
@@ -41,8 +43,9 @@ def identify(
     """Identify the parameters of `device` from `log`, as `haptical identify` does.
 
     Arguments have the names, the meaning and the defaults of the command's flags: `folds` (2 to 100) takes the
-    place of `held_out`, `with_=["joint-compliance"]` fits what joints yield to their torque too, `loss="auto"` is
-    least squares unless single readings lie farther out than noise explains. `rig` holds the sensors around the
+    place of `held_out`, `with_=["joint-compliance"]` fits what joints yield to their torque too, `hold` keeps numbers
+    of the links (`["offsets"]`, `["a3"]`), `deviation` says how far such numbers may plausibly be off, in m or rad
+    (`{"offsets": 0.06}`), `loss="auto"` is least squares unless single readings lie farther out than noise explains. `rig` holds the sensors around the
     device, `base` and `tip` are the links between which the chain of a URDF runs: without `base` it begins at the
     root link, without both the longest chain is taken.
 
@@ -59,6 +62,8 @@ def identify(
         held_out=held_out,
         folds=folds,
         with_=list(with_),
+        hold=list(hold),
+        deviation=dict(deviation or {}),
         degree=degree,
         noise=noise,
         loss=loss,
@@ -75,6 +80,10 @@ def diagnose(
     model: Union[Device, Source, None] = None,
     validate: Optional[Log] = None,
     without: Sequence[str] = (),
+    with_: Sequence[Effect] = (),
+    hold: Sequence[str] = (),
+    deviation: Optional[Mapping[str, float]] = None,
+    loss: Loss = "auto",
     base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
@@ -82,12 +91,24 @@ def diagnose(
     """Identify, then say which effect causes what is left: the fields of gap.json, as `haptical diagnose`.
 
     `model` is a device identified earlier, `validate` a second log on which the shrink is measured, `without`
-    names effects to leave out.
+    names effects to leave out. `with_`, `hold`, `deviation` and `loss` are those of `identify`, for the model that
+    the gap is measured from.
 
     Raises ValueError for bad input, HapticalError where nothing can be identified.
     """
     text = _haptical.diagnose(
-        device, log, model=model, validate=validate, without=list(without), base=base, tip=tip, rig=rig
+        device,
+        log,
+        model=model,
+        validate=validate,
+        without=list(without),
+        with_=list(with_),
+        hold=list(hold),
+        deviation=dict(deviation or {}),
+        loss=loss,
+        base=base,
+        tip=tip,
+        rig=rig,
     )
     answer: dict[str, Any] = _json.loads(text)
     return answer

@@ -1,6 +1,6 @@
 """The compiled module; `haptical` is what to import."""
 
-from typing import List, Optional, Sequence, Union, final
+from typing import List, Mapping, Optional, Sequence, Union, final
 
 import numpy.typing as npt
 
@@ -39,6 +39,7 @@ def identify(
     folds: Optional[int] = None,
     with_: Sequence[Effect] = ...,
     hold: Sequence[str] = ...,
+    deviation: Mapping[str, float] = ...,
     degree: Union[int, str, None] = None,
     noise: Noise = "estimated",
     loss: Loss = "auto",
@@ -53,6 +54,10 @@ def diagnose(
     model: Union[Device, Source, None] = None,
     validate: Optional[Log] = None,
     without: Sequence[str] = ...,
+    with_: Sequence[Effect] = ...,
+    hold: Sequence[str] = ...,
+    deviation: Mapping[str, float] = ...,
+    loss: Loss = ...,
     base: Optional[str] = None,
     tip: Optional[str] = None,
     rig: Optional[Source] = None,

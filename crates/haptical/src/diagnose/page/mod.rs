@@ -6,7 +6,9 @@ mod tables;
 use haptical_diagnosis::{Diagnosis, Verdict};
 use haptical_report::{Block, Document, Section, Table, Tone};
 
-use crate::diagnose::words::{next_step, percent, place_sentence, verdict_mark, verdict_sentence};
+use crate::diagnose::words::{
+    absorbed_sentence, next_step, percent, place_sentence, verdict_mark, verdict_sentence,
+};
 use crate::error::Error;
 use crate::files::Record;
 use crate::page::facts;
@@ -110,6 +112,7 @@ fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     }
     blocks.push(tables::causes(diagnosis)?.into());
     blocks.push(tables::parameters(diagnosis)?.into());
+    blocks.extend(absorbed_sentence(diagnosis, usize::MAX).map(Block::Paragraph));
     Ok(blocks)
 }
 
