@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::fmt::Debug;
 
-use crate::context::{Context, Stream};
+use crate::context::{Context, Stream, moves};
 use crate::{Family, Hook, Shape, Signal, Spec};
 
 /// Relative step of a transition and the like.
@@ -71,7 +71,16 @@ impl dyn Effect + '_ {
         let mut needs = self.spec().needs.iter();
         needs
             .find_map(|need| need.missing(joint, context))
+            .or_else(|| self.rests(context))
             .or_else(|| self.unseen(context))
+    }
+
+    /// Why what comes of a joint's motion cannot be there: the joint rests.
+    fn rests(&self, context: &Context<'_>) -> Option<String> {
+        let is_of_motion = matches!(self.spec().family, Family::Loop | Family::Lag);
+        let joint = self.joint().filter(|_| is_of_motion)?;
+        let moves = moves(context.device, context.recording, joint);
+        (!moves).then(|| format!("joint {} does not move", joint + 1))
     }
 
     /// Why no measured stream can show it.

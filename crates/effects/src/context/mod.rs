@@ -24,6 +24,7 @@ use crate::ContextError;
 use crate::signal::{LocalMotion, local_motion, smooth};
 
 use self::cable::cable_geometry;
+pub(crate) use self::rows::moves;
 use self::rows::{STEP_OF_A_MOTION, is_path, load_reach, runs_of, step_of_range};
 use self::stream::stream_of;
 
@@ -91,7 +92,7 @@ impl<'a> Context<'a> {
     ) -> Result<Self, ContextError> {
         let rows = recording.len();
         let runs = runs_of(recording);
-        let step = step_of_range(recording, &runs);
+        let step = step_of_range(device, recording, &runs);
         // so closely that noise differs from row to row and effects do not
         let ordered = step.is_some_and(|step| step <= STEP_OF_A_MOTION)
             && is_path(recording, &runs)

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use haptical_model::Recording;
+use haptical_model::{Device, JointType, Recording};
 
 /// Rows of one run each; a log without runs is one run.
 pub(super) fn runs_of(recording: &Recording) -> Vec<Range<usize>> {
@@ -59,9 +59,7 @@ pub(super) fn load_reach(step: f64) -> usize {
 pub(super) fn is_path(recording: &Recording, runs: &[Range<usize>]) -> bool {
     let mut ranges = 0.0;
     for column in &recording.joint {
-        let low = column.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        ranges += (high - low).max(0.0).powi(2);
+        ranges += range(column).powi(2);
     }
     let way = |from: usize, to: usize| -> f64 {
         let joints = recording.joint.iter();
@@ -93,26 +91,49 @@ pub(super) fn is_path(recording: &Recording, runs: &[Range<usize>]) -> bool {
     walked > 0.0 && gained >= GAINED * walked
 }
 
+/// Travel below which a joint rests: its encoder's counts, and what its brake gives way. Choice.
+const LEAST_TRAVEL_RAD: f64 = 1e-3;
+const LEAST_TRAVEL_M: f64 = 1e-4;
+
+/// Whether a joint moves in a recording, more than by its encoder's counts.
+pub(crate) fn moves(device: &Device, recording: &Recording, joint: usize) -> bool {
+    let least = match device.joints[joint].joint_type {
+        JointType::Revolute => LEAST_TRAVEL_RAD,
+        JointType::Prismatic => LEAST_TRAVEL_M,
+    };
+    range(&recording.joint[joint]) >= least
+}
+
+/// Highest less lowest reading.
+fn range(column: &[f64]) -> f64 {
+    let low = column.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (high - low).max(0.0)
+}
+
 /// Motion between successive rows: the median step of the joint that moves most, over its range; none for
 /// a few rows, or where nothing moves between rows.
-pub(super) fn step_of_range(recording: &Recording, runs: &[Range<usize>]) -> Option<f64> {
+pub(super) fn step_of_range(
+    device: &Device,
+    recording: &Recording,
+    runs: &[Range<usize>],
+) -> Option<f64> {
     if recording.len() < ROWS_OF_A_MOTION {
         return None;
     }
     let mut largest: f64 = 0.0;
-    for column in &recording.joint {
-        let low = column.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if high <= low {
-            continue;
-        }
+    // a held joint whose encoder flickers takes steps as long as its range
+    let moving = (0..recording.joint.len()).filter(|&joint| moves(device, recording, joint));
+    for joint in moving {
+        let column = &recording.joint[joint];
+        let range = range(column);
         let steps: Vec<f64> = runs
             .iter()
             .flat_map(|run| {
                 (run.start + 1..run.end).map(|row| (column[row] - column[row - 1]).abs())
             })
             .collect();
-        largest = largest.max(haptical_metrics::median(&steps).ok()? / (high - low));
+        largest = largest.max(haptical_metrics::median(&steps).ok()? / range);
     }
     Some(largest)
 }
@@ -140,7 +161,12 @@ mod tests {
         let posture = |row: usize| (7.3 * (row / 3) as f64).sin();
         let repeated: Vec<f64> = (0..600).map(posture).collect();
         let recording = recorded(repeated.clone(), false);
-        assert_eq!(step_of_range(&recording, &runs_of(&recording)), Some(0.0));
+        let text = "[[joint]]\nname = \"one\"\n";
+        let device = Device::from_toml(text, "one.toml").unwrap().device;
+        assert_eq!(
+            step_of_range(&device, &recording, &runs_of(&recording)),
+            Some(0.0)
+        );
         assert!(!is_path_of(repeated.clone(), false) && !is_path_of(repeated, true));
     }
 

@@ -7,7 +7,7 @@ use super::rig::{
 };
 use super::{NOTHING, follows_a_slide, size};
 use crate::context::Context;
-use crate::{Follows, catalogue};
+use crate::{Family, Follows, catalogue};
 
 /// Ways to spoil a recording, with what the reason must mention and which effects must be lost.
 type Spoilt = (
@@ -186,6 +186,39 @@ fn whatever_column_is_absent_a_tested_effect_is_felt() {
             spoil(&mut spoilt);
             assert_refused_or_felt(how, &context(&device, &spoilt));
         }
+    }
+}
+
+#[test]
+fn a_joint_that_rests_has_no_effect_of_motion() {
+    const RESTING: usize = 1;
+    for Rig {
+        name,
+        device,
+        mut recording,
+    } in rigs()
+    {
+        let reading = recording.joint[RESTING][0];
+        // one count to and fro
+        for (row, at) in recording.joint[RESTING].iter_mut().enumerate() {
+            *at = reading + if row % 3 == 0 { 3e-5 } else { 0.0 };
+        }
+        let context = context(&device, &recording);
+        let mut refused = 0;
+        for effect in catalogue(&device) {
+            let of_motion = matches!(effect.spec().family, Family::Loop | Family::Lag);
+            let why = effect.untestable(&context).unwrap_or_default();
+            let says_rest = why == "joint 2 does not move";
+            let wanted = of_motion && effect.joint() == Some(RESTING);
+            assert!(wanted || !says_rest, "{name}: {}: {why}", effect.label());
+            assert!(
+                !wanted || !why.is_empty(),
+                "{name}: {} is tested",
+                effect.label()
+            );
+            refused += usize::from(says_rest);
+        }
+        assert!(refused >= 2, "{name}: {refused}");
     }
 }
 
