@@ -289,6 +289,44 @@ pub(crate) mod rivals {
     pub(crate) const LOOK_ALIKE_NATS: f64 = 3.0;
 }
 
+/// Causes that account for a part of a gap.
+pub(crate) mod partial {
+    /// Contiguous parts of a recording, each predicted from the others. Choice.
+    pub(crate) const SEGMENTS: usize = 20;
+    /// What keeps a direction finite that one segment alone fixes: added to a share of 1. Choice.
+    pub(crate) const RIDGE: f64 = 1e-3;
+    /// Standard deviations over the segments from which a gain on unseen rows is more than chance. Choice.
+    pub(crate) const BEYOND_CHANCE_SD: f64 = 3.0;
+    /// Standard deviations of a size from nothing at one of several places that follow one law. Choice.
+    pub(crate) const LEAST_MEMBER_SD: f64 = 3.0;
+    /// The same of the gain of that place on unseen rows: the law's own gain is tested in all. Choice.
+    pub(crate) const LEAST_MEMBER_GAIN_SD: f64 = 1.0;
+    /// Least share of what is left of the gap that a further hypothesis must close.
+    pub(crate) const LEAST_FURTHER_SHARE: f64 = 0.05;
+    /// Intervals of the free functions that a law is tested against. Choice.
+    pub(crate) const FREE_KNOTS: usize = 8;
+    /// The same of the turn of a motor, and of time: grooves and lost counts are steps. Choice.
+    pub(crate) const FINE_KNOTS: usize = 24;
+    /// Standard deviations from which free functions beside a law predict unseen rows better. Chance: one in 40.
+    pub(crate) const SURELY_BESIDE_SD: f64 = 2.0;
+    /// Probability below which a name is no finding where it leaves a rest. Choice.
+    pub(crate) const LEAST_PROBABILITY: f64 = 0.5;
+    /// Share of a law's gain by which free functions elsewhere must predict more: the gap lies there. Choice.
+    pub(crate) const ELSEWHERE_SHARE: f64 = 0.1;
+    /// Share of a column that the others must leave for a place of its own. Choice.
+    pub(crate) const DISTINCT: f64 = 0.02;
+    /// Deviations of a lead on unseen rows whose odds are e to 1. Calculated: of a normal lead, half its square are the nats.
+    pub(crate) const LEAD_NATS: f64 = 0.5;
+    /// Least share of the gap that a hypothesis must close on unseen rows.
+    pub(crate) const LEAST_SHARE: f64 = 0.15;
+    /// Hypotheses that are taken up one after the other at most. Cost.
+    pub(crate) const MOST_HYPOTHESES: usize = 3;
+    /// Single effects that are tried at most. Cost.
+    pub(crate) const LISTED: usize = 12;
+    /// Readings for each number of a hypothesis at least. Choice.
+    pub(crate) const READINGS_PER_NUMBER: usize = 8;
+}
+
 /// What a residual depends on.
 pub(crate) mod dependence {
     /// Probability, all questions together, below which a dependence is reported. Choice.

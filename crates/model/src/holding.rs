@@ -104,6 +104,31 @@ pub struct Statics {
     variables: Vec<f64>,
     columns: Vec<Twist>,
     torques_nm: Vec<f64>,
+    beyond: Vec<Beyond>,
+}
+
+/// What pulls at the parts beyond a joint: their weights and the hand.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Beyond {
+    /// Sum of the forces \[N\], frame (-1).
+    pub force_n: Vector3<f64>,
+    /// Their moment about the origin of frame (-1) \[N m\].
+    pub moment_nm: Vector3<f64>,
+}
+
+impl Beyond {
+    /// Their moment about a place, both in frame (-1) \[N m\].
+    ///
+    /// ```
+    /// use haptical_model::Beyond;
+    /// use haptical_model::kinematics::nalgebra::Vector3;
+    /// // 10 N down at 2 m, seen from 0.5 m
+    /// let pulled = Beyond { force_n: -10.0 * Vector3::z(), moment_nm: 20.0 * Vector3::y() };
+    /// assert_eq!(pulled.moment_about_nm(&(0.5 * Vector3::x())), 15.0 * Vector3::y());
+    /// ```
+    pub fn moment_about_nm(&self, place_m: &Vector3<f64>) -> Vector3<f64> {
+        self.moment_nm - place_m.cross(&self.force_n)
+    }
 }
 
 /// What drives and base bear at one posture.
@@ -111,6 +136,8 @@ pub struct Statics {
 pub struct Load<'s> {
     /// Torque of each drive \[N m\] (\[N\] where it slides), positive along +theta.
     pub torques_nm: &'s [f64],
+    /// What pulls beyond each joint.
+    pub beyond: &'s [Beyond],
     /// Moment of weights and hand about the robot's base, the end of row 0 \[N m\], frame (-1).
     pub base_moment_nm: Vector3<f64>,
 }
@@ -134,6 +161,7 @@ impl Statics {
             variables: vec![0.0; chain.drives().len()],
             columns: vec![Twist::default(); chain.drives().len()],
             torques_nm: vec![0.0; device.joints.len()],
+            beyond: vec![Beyond::default(); device.joints.len()],
             chain,
         }
     }
@@ -155,13 +183,23 @@ impl Statics {
     ) -> Result<Load<'_>, KinematicsError> {
         self.chain.variables(outputs, &mut self.variables);
         self.torques_nm.fill(0.0);
+        self.beyond.fill(Beyond::default());
         let mut base_moment_nm = Vector3::zeros();
         let base_m = self.chain.part(1)?.pose(&[])?.position_m;
         let drives = self.chain.drives();
-        let torques_nm = &mut self.torques_nm;
+        let (torques_nm, beyond) = (&mut self.torques_nm, &mut self.beyond);
         let mut bear = |columns: &[Twist], place_m: &Vector3<f64>, force_n: &Vector3<f64>| {
-            for (column, drive) in columns.iter().zip(drives) {
+            let moment_nm = place_m.cross(force_n);
+            for (index, (column, drive)) in columns.iter().zip(drives).enumerate() {
                 torques_nm[drive.joint] -= drive.multiplier * column.linear.dot(force_n);
+                // a joint that moves several rows bears a force once
+                if drives[..index]
+                    .iter()
+                    .all(|before| before.joint != drive.joint)
+                {
+                    beyond[drive.joint].force_n += force_n;
+                    beyond[drive.joint].moment_nm += moment_nm;
+                }
             }
             base_moment_nm += (place_m - base_m).cross(force_n);
         };
@@ -183,6 +221,7 @@ impl Statics {
         }
         Ok(Load {
             torques_nm: &self.torques_nm,
+            beyond: &self.beyond,
             base_moment_nm,
         })
     }

@@ -28,7 +28,7 @@ pub use force::{ForceTransmission, handle_force_n};
 pub use haptical_kinematics as kinematics;
 pub use haptical_kinematics::Parameter;
 pub use haptical_transmission as transmission;
-pub use holding::{Load, Statics, holding_torques_nm};
+pub use holding::{Beyond, Load, Statics, holding_torques_nm};
 pub use parameter::ParameterId;
 pub use parameter::surrounding::{LengthScale, SurroundingParameter, UNSTATED_SCALE_SD};
 pub use parameter::unknown::UnknownNumbers;

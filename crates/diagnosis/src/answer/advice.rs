@@ -204,7 +204,7 @@ fn explore(place: Option<&Located>) -> String {
             .to_owned();
     };
     match place.covariate {
-        Covariate::Angle(own) => format!(
+        Covariate::Angle(own) | Covariate::MotorPhase(own) | Covariate::Side(own) => format!(
             "move joint {} alone, slowly, to and fro over the place where the error is largest, once without and once \
              with load; then look at its drive there",
             own + 1

@@ -82,6 +82,9 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
             Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
             _ => adequacy.unexplained,
         },
+        closed_unseen_share: (findings.partial.as_ref())
+            .filter(|_| has_position_gap && verdict != Verdict::Unknown)
+            .map(|partial| partial.share),
         probability_unknown: adequacy.probability_unknown(verdict),
         untestable: untestable(&findings),
         invisible,

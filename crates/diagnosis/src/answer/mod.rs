@@ -65,6 +65,9 @@ pub struct Diagnosis {
     pub absorbed: Option<AbsorbedAnswer>,
     /// Share of the structured energy that the causes leave.
     pub unexplained_share: f64,
+    /// Where named causes leave a part of the gap: the share of its squares beyond noise that they close on rows that their fit
+    /// did not see; none where they account for the gap, or where none is named.
+    pub closed_unseen_share: Option<f64>,
     /// Probability that the cause is none of the catalogue's.
     pub probability_unknown: f64,
     /// Effects that the recording cannot test.

@@ -376,11 +376,12 @@ fn short(column: &str) -> &str {
 fn in_unit(context: &Context<'_>, covariate: Covariate, value: f64) -> String {
     let slides = |joint: usize| context.device.joints[joint].unit() == "m";
     let unit = match covariate {
-        Covariate::Angle(joint) if slides(joint) => "m",
+        Covariate::Angle(joint) | Covariate::MotorPhase(joint) if slides(joint) => "m",
         Covariate::Speed(joint) if slides(joint) => "m/s",
         Covariate::Torque(joint) if slides(joint) => "N",
-        Covariate::Angle(_) | Covariate::ExitAngle => "rad",
+        Covariate::Angle(_) | Covariate::MotorPhase(_) | Covariate::ExitAngle => "rad",
         Covariate::Speed(_) => "rad/s",
+        Covariate::Side(_) => "from below",
         Covariate::Torque(_) => "N m",
         Covariate::Time => "s",
         Covariate::Temperature => "K from its mean",

@@ -11,6 +11,7 @@ pub(crate) mod onto_touches;
 pub(crate) mod part;
 pub(crate) mod refit;
 pub(crate) mod regression;
+pub(crate) mod segments;
 pub(crate) mod system;
 
 mod base_fit;

@@ -72,6 +72,14 @@ fn depends_still(selection: &Selection<'_>, wrong: f64) -> Result<bool, Diagnosi
 }
 
 impl Adequacy {
+    /// Whether causes, or noise where there are none, are all that there is.
+    pub(crate) fn accounts_for_the_gap(&self, selection: &Selection<'_>) -> bool {
+        match selection.causes().is_empty() {
+            true => self.is_noise() && selection.refused.is_none(),
+            false => self.is_adequate,
+        }
+    }
+
     /// Whether what the causes leave is no more than noise.
     pub(crate) fn is_noise(&self) -> bool {
         self.worst < OMNIBUS_Z

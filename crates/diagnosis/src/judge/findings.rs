@@ -16,7 +16,8 @@ use crate::judge::adequacy::{Adequacy, adequacy};
 use crate::judge::earlier::{Difference, difference};
 use crate::judge::rivals::{Rival, settle};
 use crate::judge::wrong_angles::torque_nm;
-use crate::select::Selection;
+use crate::select::partial::Partial;
+use crate::select::{Selection, excess};
 use crate::{DiagnosisError, Options};
 
 /// Inputs of a diagnosis in addition to the fitted base model.
@@ -41,6 +42,8 @@ pub(crate) struct Findings<'f> {
     /// Of each cause, itself first.
     pub(crate) rivals: Vec<Vec<Rival>>,
     pub(crate) adequacy: Adequacy,
+    /// Where the causes leave a rest: what unseen rows say for them.
+    pub(crate) partial: Option<Partial>,
     /// Residuals of the model identified earlier, per stream and row.
     pub(crate) earlier: Option<Vec<Vec<f64>>>,
     /// Terms of the base model that the earlier model lacks or has wrong.
@@ -62,7 +65,8 @@ impl<'f> Findings<'f> {
         mut selection: Selection<'f>,
         inputs: Inputs<'f>,
     ) -> Result<Self, DiagnosisError> {
-        let rivals = settle(&mut selection)?;
+        let mut rivals = settle(&mut selection)?;
+        let mut adequacy_of = adequacy(&selection)?;
         let engine = selection.engine();
         let mut earlier = None;
         let mut base_terms = Difference::default();
@@ -71,11 +75,24 @@ impl<'f> Findings<'f> {
             let residual = model_residual(model, inputs.recording, engine)?;
             base_terms = difference(engine, &model.device, &residual);
             base_terms = base_terms.without(&inputs.options.without);
-            absorbed = take_absorbed(&selection, &model.device, &mut base_terms);
             earlier = Some(residual);
         }
+        let is_open = !adequacy_of.accounts_for_the_gap(&selection)
+            && !base_terms.accounts_for(excess(&selection.after).0);
+        let mut partial = None;
+        if is_open {
+            partial = selection.take_partial()?;
+            if let Some(partial) = &partial {
+                rivals.clone_from(&partial.rivals);
+                adequacy_of = adequacy(&selection)?;
+            }
+        }
+        if let Some(model) = inputs.earlier {
+            absorbed = take_absorbed(&selection, &model.device, &mut base_terms);
+        }
         let mut findings = Self {
-            adequacy: adequacy(&selection)?,
+            adequacy: adequacy_of,
+            partial,
             inputs,
             selection,
             rivals,

@@ -1,11 +1,12 @@
 //! The verdict: no gap, a name, several that cannot be distinguished, or a gap without a name.
 
-use haptical_effects::Parameter;
+use haptical_effects::{Family, Parameter};
 
 use crate::answer::{CauseAnswer, HeldOutAnswer, Verdict};
 use crate::judge::findings::Findings;
 use crate::select::excess;
 use crate::thresholds::chance::{MOST_NAMES, NAMED_PROBABILITY};
+use crate::thresholds::partial::LEAST_PROBABILITY;
 use crate::thresholds::rivals::LATER_PROBABILITY;
 
 /// The verdict on the causes that positions show.
@@ -23,9 +24,11 @@ pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdic
             (false, _) | (true, true) => Verdict::Unknown,
         };
     }
-    let is_hedged = first.is_some_and(|cause| cause.confusable_with.len() >= MOST_NAMES);
+    let is_hedged = first.is_some_and(|cause| kinds_beside(cause) >= MOST_NAMES);
     let is_void = base_terms.terms.is_empty() && !first.is_some_and(is_credible);
-    if !findings.adequacy.is_adequate || is_hedged || is_void {
+    let is_likely = first.is_some_and(|cause| cause.probability >= LEAST_PROBABILITY);
+    let is_supported = findings.adequacy.is_adequate || (findings.partial.is_some() && is_likely);
+    if !is_supported || is_hedged || is_void {
         return Verdict::Unknown;
     }
     by_probability(first)
@@ -60,8 +63,20 @@ fn is_credible(cause: &CauseAnswer) -> bool {
 /// small, and its size is not zero.
 pub(crate) fn is_reported(cause: &CauseAnswer) -> bool {
     cause.class_probability >= LATER_PROBABILITY
-        && cause.confusable_with.len() < MOST_NAMES
+        && kinds_beside(cause) < MOST_NAMES
         && sizes(cause).all(|ci95| ci95[0] * ci95[1] > 0.0)
+}
+
+/// Kinds of effects that a cause is confusable with: whatever yields to a load is one.
+fn kinds_beside(cause: &CauseAnswer) -> usize {
+    let yields = |name: &str| {
+        let spec = haptical_effects::spec(name);
+        spec.is_some_and(|spec| spec.family == Family::Load)
+    };
+    let rivals = cause.confusable_with.iter();
+    let springs = rivals.clone().filter(|name| yields(name)).count();
+    let others = rivals.count() - springs;
+    others + usize::from(springs > 0 && !yields(&cause.effect))
 }
 
 /// Intervals of a cause's sizes, not of their places.

@@ -1,6 +1,8 @@
 //! Free functions of one covariate at one place: where a gap lies before any name is tried, and whether a
 //! named law leaves something that its own covariate still explains.
 
+use std::f64::consts::TAU;
+
 use haptical_effects::{Context, Effect, Family, Hook, Signal};
 use haptical_model::kinematics::nalgebra::Vector3;
 
@@ -11,6 +13,10 @@ use crate::select::scan::{Candidate, Score};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Covariate {
     Angle(usize),
+    /// Place in the turn of the joint's motor-side drum \[rad\].
+    MotorPhase(usize),
+    /// Side that a joint came to a single posture from: 1 from below.
+    Side(usize),
     Speed(usize),
     Torque(usize),
     Time,
@@ -27,6 +33,13 @@ impl Covariate {
         let motion = context.motion.as_ref().filter(|_| context.ordered);
         match self {
             Self::Angle(joint) => context.recording.joint.get(joint).cloned(),
+            Self::MotorPhase(joint) => {
+                let ratio = context.device.joints[joint].transmission_ratio;
+                let angle = context.recording.joint.get(joint)?;
+                let turn = |angle: &f64| (ratio * angle).rem_euclid(TAU);
+                (ratio.abs() > 1.0).then(|| angle.iter().map(turn).collect())
+            }
+            Self::Side(joint) => sides(context, joint),
             Self::Speed(joint) => Some(motion?.get(joint)?.velocity.clone()),
             Self::Torque(joint) => context.torque_nm.get(joint)?.clone(),
             Self::Time => context.elapsed_s(),
@@ -57,10 +70,20 @@ impl Covariate {
             context.device.joints[joint].joint_type == haptical_model::JointType::Prismatic
         };
         match self {
-            Self::Angle(joint) | Self::Speed(joint) if sliding(joint) => {
+            Self::Angle(joint)
+            | Self::MotorPhase(joint)
+            | Self::Side(joint)
+            | Self::Speed(joint)
+                if sliding(joint) =>
+            {
                 format!("theta{}_m", joint + 1)
             }
-            Self::Angle(joint) | Self::Speed(joint) => format!("theta{}_rad", joint + 1),
+            Self::Angle(joint)
+            | Self::MotorPhase(joint)
+            | Self::Side(joint)
+            | Self::Speed(joint) => {
+                format!("theta{}_rad", joint + 1)
+            }
             Self::Torque(joint) => format!("torque{}_nm", joint + 1),
             Self::Time => "t_s".to_owned(),
             Self::Temperature => "temp_degc".to_owned(),
@@ -76,6 +99,8 @@ impl Covariate {
                 format!("the travel of joint {}", joint + 1)
             }
             Self::Angle(joint) => format!("the angle of joint {}", joint + 1),
+            Self::MotorPhase(joint) => format!("the turn of the motor of joint {}", joint + 1),
+            Self::Side(joint) => format!("the side that joint {} came from", joint + 1),
             Self::Speed(joint) => format!("the speed of joint {}", joint + 1),
             Self::Torque(joint) => format!("the torque of joint {}", joint + 1),
             Self::Time => "time".to_owned(),
@@ -86,6 +111,23 @@ impl Covariate {
             Self::Force => "the size of the hand's force".to_owned(),
         }
     }
+}
+
+/// The sign of a joint's last step at every row, 0 before the first of a run.
+pub(crate) fn sides(context: &Context<'_>, joint: usize) -> Option<Vec<f64>> {
+    let reading = context.recording.joint.get(joint)?;
+    let mut side = vec![0.0; reading.len()];
+    for run in &context.runs {
+        for row in run.clone().skip(1) {
+            let step = reading[row] - reading[row - 1];
+            side[row] = if step == 0.0 {
+                side[row - 1]
+            } else {
+                step.signum()
+            };
+        }
+    }
+    Some(side)
 }
 
 /// Where a free function acts.

@@ -38,7 +38,7 @@ impl Selector<'_> {
 
     /// The same course of an effect on the chain alone: what is left of it there if the effect sits on the
     /// other side of the external encoder, or is the encoder's own.
-    fn other_side(
+    pub(super) fn other_side(
         &self,
         system: &System,
         effect: &dyn Effect,

@@ -10,6 +10,7 @@ pub(crate) mod trim;
 
 mod earlier_laws;
 mod excess;
+pub(crate) mod partial;
 mod ranking;
 mod springs;
 

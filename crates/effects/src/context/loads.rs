@@ -11,6 +11,8 @@ pub(super) struct Loads {
     pub(super) torque_nm: Vec<Vec<f64>>,
     /// Per row, frame (-1).
     pub(super) base_moment_nm: Vec<Vector3<f64>>,
+    /// Of all beyond each joint about its origin, frame (-1), per joint and row.
+    pub(super) joint_moment_nm: Vec<Vec<Vector3<f64>>>,
 }
 
 /// Torques of the drives and moment about the base that hold masses and hand; none where neither masses
@@ -19,6 +21,7 @@ pub(super) fn loads(
     device: &Device,
     recording: &Recording,
     output: &[Vec<f64>],
+    origin: &[Vec<Vector3<f64>>],
     force_n: Option<&[Vector3<f64>]>,
 ) -> Result<Option<Loads>, ContextError> {
     let mut statics = Statics::new(device);
@@ -29,6 +32,7 @@ pub(super) fn loads(
     let mut loads = Loads {
         torque_nm: vec![Vec::with_capacity(rows); output.len()],
         base_moment_nm: Vec::with_capacity(rows),
+        joint_moment_nm: vec![Vec::with_capacity(rows); origin.len()],
     };
     let mut angles = vec![0.0; output.len()];
     for row in 0..rows {
@@ -44,6 +48,10 @@ pub(super) fn loads(
             column.push(*torque);
         }
         loads.base_moment_nm.push(load.base_moment_nm);
+        let beyond = load.beyond.iter().zip(origin);
+        for (column, (beyond, origin)) in loads.joint_moment_nm.iter_mut().zip(beyond) {
+            column.extend(origin.get(row).map(|origin| beyond.moment_about_nm(origin)));
+        }
     }
     Ok(Some(loads))
 }

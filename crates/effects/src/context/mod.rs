@@ -64,6 +64,9 @@ pub struct Context<'a> {
     base_origin_m: Vec<Vector3<f64>>,
     /// Moment of hand and gravity about the robot's base, where either is known; frame (-1).
     pub base_moment_nm: Option<Vec<Vector3<f64>>>,
+    /// Moment of hand and gravity beyond each joint about its origin, frame (-1), per joint and row; empty where neither is
+    /// known, and of joints that move several rows of the chain.
+    pub joint_moment_nm: Vec<Vec<Vector3<f64>>>,
     /// The first cable, where it was recorded.
     pub cable: Option<CableGeometry>,
     /// Torques per joint, recorded and smoothed, or those that masses and hand need \[N m\].
@@ -153,14 +156,22 @@ impl<'a> Context<'a> {
                     .map(|row| Vector3::new(axes[0][row], axes[1][row], axes[2][row]))
                     .collect()
             });
-        let loads = loads(device, recording, &output, force_n.as_deref())?;
+        let loads = loads(
+            device,
+            recording,
+            &output,
+            &frames.origin,
+            force_n.as_deref(),
+        )?;
         let torque_nm = (0..joints)
             .map(|joint| match recording.torque_nm.get(joint) {
                 Some(Some(column)) => Some(smoothed(column, load_reach)),
                 _ => loads.as_ref().map(|loads| loads.torque_nm[joint].clone()),
             })
             .collect();
-        let base_moment_nm = loads.map(|loads| loads.base_moment_nm);
+        let (base_moment_nm, joint_moment_nm) = loads
+            .map(|loads| (loads.base_moment_nm, loads.joint_moment_nm))
+            .unzip();
         let warming_k = recording.temperature_degc.as_ref().map(|column| {
             let smoothed = smoothed(column, TEMPERATURE_REACH);
             let mean = smoothed.iter().sum::<f64>() / smoothed.len().max(1) as f64;
@@ -181,6 +192,7 @@ impl<'a> Context<'a> {
             origin: frames.origin,
             base_origin_m: frames.base,
             base_moment_nm,
+            joint_moment_nm: joint_moment_nm.unwrap_or_default(),
             cable,
             torque_nm,
             force_n,
@@ -225,7 +237,8 @@ impl<'a> Context<'a> {
         })
     }
 
-    /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint.
+    /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint, and for one that moves
+    /// several rows of the chain.
     pub fn lever(&self, joint: usize, row: usize) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let axis = self.twist.get(joint)?.get(row)?.angular;
         if axis.norm_squared() < 0.5 {

@@ -11,7 +11,7 @@ impl Spring {
     /// What the effects of this law have in common.
     pub(crate) const SPEC: Spec = Spec {
         family: Family::Load,
-        parameters: &[Parameter::inverse("stiffness_nm_per_rad", 20.0, 1e7)],
+        parameters: &[Parameter::inverse("stiffness_nm_per_rad", 20.0, 1e9)],
         follows: Follows::Torque,
         is_positive: true,
         scales_with_torque: true,

@@ -5,6 +5,7 @@ use crate::laws::Input;
 pub(crate) mod axis_wobble;
 pub(crate) mod base_compliance;
 pub(crate) mod joint_compliance;
+pub(crate) mod lateral_compliance;
 pub(crate) mod tool_changed;
 pub(crate) mod tool_compliance;
 pub(crate) mod tracker_moved;

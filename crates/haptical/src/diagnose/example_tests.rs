@@ -79,6 +79,7 @@ pub(crate) fn no_gap() -> Diagnosis {
             on: Some("the angle of joint 2".to_owned()),
         },
         candidates: vec![],
+        closed_unseen_share: None,
         absorbed: None,
         plausibility: vec![],
         next_experiment: None,

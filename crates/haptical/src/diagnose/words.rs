@@ -89,7 +89,11 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
             } else {
                 "explain"
             };
-            format!("{} {verb} the gap.{}", listed(&names), besides(&of_data))
+            let gap = match diagnosis.closed_unseen_share {
+                Some(_) => "a part of the gap",
+                None => "the gap",
+            };
+            format!("{} {verb} {gap}.{}", listed(&names), besides(&of_data))
         }
         (Verdict::Ambiguous, Some(first)) => ambiguous(diagnosis, first),
         _ => unknown(diagnosis),
@@ -98,6 +102,14 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         && let Some(closing) = closing(diagnosis)
     {
         sentence = format!("{sentence} {closing}");
+    }
+    if let Some(closed) = diagnosis.closed_unseen_share {
+        sentence = format!(
+            "{sentence} No effect of the catalogue explains the rest: of the squares beyond noise, rows that the fit did not \
+             see lose {}, and the log keeps {}.",
+            percent(closed),
+            percent(diagnosis.unexplained_share)
+        );
     }
     if !diagnosis.provenance.without.is_empty() {
         let names = diagnosis.provenance.without.join(", ");

@@ -5,7 +5,7 @@ use haptical_effects::{Context, Hook, Signal, Stream};
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::answer::Asked;
-use crate::select::generic::{Covariate, Place, free_function};
+use crate::select::generic::{Covariate, Place, free_function, sides};
 use crate::thresholds::dependence::{KNOTS, SLOW_KNOTS};
 
 /// What a residual is asked for.
@@ -130,23 +130,6 @@ fn of_encoder(context: &Context<'_>, joint: usize) -> Vec<Question> {
         questions.push(question(column, Asked::Course, "time".to_owned(), signals));
     }
     questions
-}
-
-/// The sign of a joint's last step at every row, 0 before the first of a run.
-fn sides(context: &Context<'_>, joint: usize) -> Option<Vec<f64>> {
-    let reading = context.recording.joint.get(joint)?;
-    let mut side = vec![0.0; reading.len()];
-    for run in &context.runs {
-        for row in run.clone().skip(1) {
-            let step = reading[row] - reading[row - 1];
-            side[row] = if step == 0.0 {
-                side[row - 1]
-            } else {
-                step.signum()
-            };
-        }
-    }
-    Some(side)
 }
 
 /// The handle's own axes as the base sees them: a shift that turns with them is another tool's, and so in the

@@ -1,0 +1,127 @@
+//! Residuals at rows that a linear fit did not see: each segment of the recording is left out once
+//! (docs/diagnosis.md, "Partial causes").
+
+use haptical_effects::Context;
+use nalgebra::{DMatrix, DVector};
+
+use crate::engine::system::System;
+use crate::thresholds::partial::{RIDGE, SEGMENTS};
+
+/// The segments of a recording, with what its base model has in each.
+#[derive(Debug)]
+pub(crate) struct Segments {
+    /// Entries of the whitened vectors.
+    entries: Vec<Vec<usize>>,
+    /// The base model's directions at these entries.
+    base: Vec<DMatrix<f64>>,
+    /// Products of these directions with each other.
+    own: Vec<DMatrix<f64>>,
+}
+
+/// Squared residual of every segment, as the other segments predict it.
+#[derive(Debug, Clone)]
+pub(crate) struct Unseen(Vec<f64>);
+
+/// A sum over segments with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Gain {
+    pub(crate) sum: f64,
+    pub(crate) sd: f64,
+}
+
+impl Segments {
+    /// Contiguous parts of the rows, with all streams of each.
+    pub(crate) fn new(context: &Context<'_>, system: &System) -> Self {
+        let rows = context.rows().max(1);
+        let count = SEGMENTS.min(rows / 2).max(2);
+        let mut entries = vec![Vec::new(); count];
+        for stream in 0..context.streams.len() {
+            for (block, entry) in system.layout.range(stream).enumerate() {
+                let row = system.layout.row(stream, block);
+                entries[(row * count / rows).min(count - 1)].push(entry);
+            }
+        }
+        entries.retain(|segment| !segment.is_empty());
+        let base: Vec<DMatrix<f64>> = entries
+            .iter()
+            .map(|segment| directions_at(segment, &system.basis))
+            .collect();
+        let own = base.iter().map(|at| at.tr_mul(at)).collect();
+        Self { entries, base, own }
+    }
+
+    /// What a system leaves where its segment was left out of the fit.
+    ///
+    /// With B the orthonormal directions of the fit, B_s their rows in segment s, and e the residual of the fit to
+    /// all, that of the fit without s is e_s + B_s (I - B_s^T B_s)^-1 B_s^T e_s (the update of Sherman, Morrison &
+    /// Woodbury; Cook & Weisberg 1982, 2.2).
+    pub(crate) fn unseen(&self, system: &System) -> Unseen {
+        let more = &system.basis[self.base.first().map_or(0, DMatrix::ncols)..];
+        let squares = (0..self.entries.len()).map(|segment| {
+            let entries = &self.entries[segment];
+            let residual = DVector::from_iterator(
+                entries.len(),
+                entries.iter().map(|&entry| system.residual[entry]),
+            );
+            let (base, own) = (&self.base[segment], &self.own[segment]);
+            let new = directions_at(entries, more);
+            let (known, all) = (base.ncols(), base.ncols() + new.ncols());
+            let mut normal = DMatrix::zeros(all, all);
+            normal.view_mut((0, 0), (known, known)).copy_from(own);
+            let across = base.tr_mul(&new);
+            normal
+                .view_mut((known, 0), (new.ncols(), known))
+                .copy_from(&across.transpose());
+            normal
+                .view_mut((0, known), (known, new.ncols()))
+                .copy_from(&across);
+            normal
+                .view_mut((known, known), (new.ncols(), new.ncols()))
+                .copy_from(&new.tr_mul(&new));
+            let left = DMatrix::identity(all, all) * (1.0 + RIDGE) - normal;
+            let mut seen = DVector::zeros(all);
+            seen.rows_mut(0, known).copy_from(&base.tr_mul(&residual));
+            seen.rows_mut(known, new.ncols())
+                .copy_from(&new.tr_mul(&residual));
+            let moved = match left.cholesky() {
+                Some(factor) => factor.solve(&seen),
+                None => seen,
+            };
+            let moved = base * moved.rows(0, known) + new * moved.rows(known, all - known);
+            (residual + moved).norm_squared()
+        });
+        Unseen(squares.collect())
+    }
+}
+
+impl Gain {
+    /// The sum over its scatter.
+    pub(crate) fn deviations(self) -> f64 {
+        self.sum / self.sd.max(f64::MIN_POSITIVE)
+    }
+}
+
+impl Unseen {
+    /// What it gains on another one, with the scatter of the segments (jackknife).
+    pub(crate) fn gain_on(&self, other: &Self) -> Gain {
+        let gains: Vec<f64> = other.0.iter().zip(&self.0).map(|(a, b)| a - b).collect();
+        let count = gains.len() as f64;
+        let sum: f64 = gains.iter().sum();
+        let scatter: f64 = gains.iter().map(|gain| (gain - sum / count).powi(2)).sum();
+        Gain {
+            sum,
+            sd: (scatter * count / (count - 1.0).max(1.0)).sqrt(),
+        }
+    }
+
+    /// Over all segments.
+    pub(crate) fn sum(&self) -> f64 {
+        self.0.iter().sum()
+    }
+}
+
+fn directions_at(entries: &[usize], directions: &[Vec<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(entries.len(), directions.len(), |row, column| {
+        directions[column][entries[row]]
+    })
+}
