@@ -65,30 +65,7 @@ impl Segments {
             );
             let (base, own) = (&self.base[segment], &self.own[segment]);
             let new = directions_at(entries, more);
-            let (known, all) = (base.ncols(), base.ncols() + new.ncols());
-            let mut normal = DMatrix::zeros(all, all);
-            normal.view_mut((0, 0), (known, known)).copy_from(own);
-            let across = base.tr_mul(&new);
-            normal
-                .view_mut((known, 0), (new.ncols(), known))
-                .copy_from(&across.transpose());
-            normal
-                .view_mut((0, known), (known, new.ncols()))
-                .copy_from(&across);
-            normal
-                .view_mut((known, known), (new.ncols(), new.ncols()))
-                .copy_from(&new.tr_mul(&new));
-            let left = DMatrix::identity(all, all) * (1.0 + RIDGE) - normal;
-            let mut seen = DVector::zeros(all);
-            seen.rows_mut(0, known).copy_from(&base.tr_mul(&residual));
-            seen.rows_mut(known, new.ncols())
-                .copy_from(&new.tr_mul(&residual));
-            let moved = match left.cholesky() {
-                Some(factor) => factor.solve(&seen),
-                None => seen,
-            };
-            let moved = base * moved.rows(0, known) + new * moved.rows(known, all - known);
-            (residual + moved).norm_squared()
+            predicted_by_others(residual, base, own, &new, RIDGE).norm_squared()
         });
         Unseen(squares.collect())
     }
@@ -120,8 +97,79 @@ impl Unseen {
     }
 }
 
+/// The residual of a segment as the fit to the others has it, from that of the fit to all; `base` and `new` are the
+/// orthonormal directions of the fit at the segment, `own` the products of the first with each other.
+fn predicted_by_others(
+    residual: DVector<f64>,
+    base: &DMatrix<f64>,
+    own: &DMatrix<f64>,
+    new: &DMatrix<f64>,
+    ridge: f64,
+) -> DVector<f64> {
+    let (known, all) = (base.ncols(), base.ncols() + new.ncols());
+    let mut normal = DMatrix::zeros(all, all);
+    normal.view_mut((0, 0), (known, known)).copy_from(own);
+    let across = base.tr_mul(new);
+    normal
+        .view_mut((known, 0), (new.ncols(), known))
+        .copy_from(&across.transpose());
+    normal
+        .view_mut((0, known), (known, new.ncols()))
+        .copy_from(&across);
+    normal
+        .view_mut((known, known), (new.ncols(), new.ncols()))
+        .copy_from(&new.tr_mul(new));
+    let left = DMatrix::identity(all, all) * (1.0 + ridge) - normal;
+    let mut seen = DVector::zeros(all);
+    seen.rows_mut(0, known).copy_from(&base.tr_mul(&residual));
+    seen.rows_mut(known, new.ncols())
+        .copy_from(&new.tr_mul(&residual));
+    let moved = match left.cholesky() {
+        Some(factor) => factor.solve(&seen),
+        None => seen,
+    };
+    residual + base * moved.rows(0, known) + new * moved.rows(known, all - known)
+}
+
 fn directions_at(entries: &[usize], directions: &[Vec<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(entries.len(), directions.len(), |row, column| {
         directions[column][entries[row]]
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::predicted_by_others;
+
+    /// Against fits to the other rows by the normal equations.
+    #[test]
+    fn a_segment_is_predicted_as_if_it_had_not_been_fitted() {
+        let rows = 40;
+        let design = DMatrix::from_fn(rows, 3, |row, column| {
+            (0.37 * row as f64 * (column + 1) as f64).sin() + 0.01 * (row * column) as f64
+        });
+        let reading = DVector::from_fn(rows, |row, _| (1.7 * row as f64).cos());
+        let basis = design.clone().qr().q();
+        let residual = &reading - &basis * basis.tr_mul(&reading);
+        for segment in [0..8, 8..16, 33..40] {
+            let others: Vec<usize> = (0..rows).filter(|row| !segment.contains(row)).collect();
+            let seen = design.select_rows(&others);
+            let normal = seen.tr_mul(&seen).cholesky().unwrap();
+            let fitted = normal.solve(&seen.tr_mul(&reading.select_rows(&others)));
+            let length = segment.len();
+            let unseen =
+                reading.rows(segment.start, length) - design.rows(segment.start, length) * fitted;
+            let at = basis.rows(segment.start, length).into_owned();
+            let predicted = predicted_by_others(
+                residual.rows(segment.start, length).into_owned(),
+                &at,
+                &at.tr_mul(&at),
+                &DMatrix::zeros(length, 0),
+                0.0,
+            );
+            assert!((predicted - unseen).norm() < 1e-9);
+        }
+    }
 }

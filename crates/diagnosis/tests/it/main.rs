@@ -18,6 +18,7 @@ mod lines;
 mod moved;
 mod named;
 mod normal;
+mod partial;
 mod postures;
 mod refusals;
 mod several;
