@@ -83,6 +83,14 @@ pub struct Context<'a> {
 /// Samples on each side over which temperatures are averaged.
 const TEMPERATURE_REACH: usize = 50;
 
+/// Vectors with each axis changed as a column.
+fn by_axes(vectors: &[Vector3<f64>], change: impl Fn(&Vec<f64>) -> Vec<f64>) -> Vec<Vector3<f64>> {
+    let axis = |axis: usize| change(&vectors.iter().map(|vector| vector[axis]).collect());
+    let (x, y, z) = (axis(0), axis(1), axis(2));
+    let rows = x.into_iter().zip(y).zip(z);
+    rows.map(|((x, y), z)| Vector3::new(x, y, z)).collect()
+}
+
 impl<'a> Context<'a> {
     /// Evaluates the base device at every row.
     ///
@@ -147,15 +155,8 @@ impl<'a> Context<'a> {
         let frames = Frames::new(device, &output, rows);
         let smoothed =
             |column: &Vec<f64>, reach| smooth(column, if ordered { reach } else { 0 }, &runs);
-        let force_n: Option<Vec<Vector3<f64>>> =
-            force.filter(|force| force.len() == rows).map(|force| {
-                let axes: Vec<Vec<f64>> = (0..3)
-                    .map(|axis| smoothed(&force.iter().map(|f| f[axis]).collect(), load_reach))
-                    .collect();
-                (0..rows)
-                    .map(|row| Vector3::new(axes[0][row], axes[1][row], axes[2][row]))
-                    .collect()
-            });
+        let force = force.filter(|force| force.len() == rows);
+        let force_n = force.map(|force| by_axes(&force, |axis| smoothed(axis, load_reach)));
         let loads = loads(
             device,
             recording,

@@ -129,7 +129,10 @@ impl Effect for Base {
 /// Compliance of the base, the same about every axis, a little harder under load.
 pub(crate) fn base_compliance(draw: &mut Draw<'_>) -> Box<dyn Effect> {
     Box::new(Base {
-        info: draw.anywhere("base-compliance", &["base-compliance", "lateral-compliance"]),
+        info: draw.anywhere(
+            "base-compliance",
+            &["base-compliance", "lateral-compliance"],
+        ),
         rad_per_nm: draw.amplitude(1.5e-3),
         hardening_nm: draw.random.uniform(15.0, 40.0),
     })
