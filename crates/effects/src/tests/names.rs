@@ -5,7 +5,7 @@ use crate::{catalogue, names};
 
 /// Effects with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
-const STABLE: [(&str, &[&str]); 54] = [
+const STABLE: [(&str, &[&str]); 55] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),
     ("capstan-creep", &["creep_per_nm"]),
     ("capstan-slip", &["slip_rad", "time_s"]),
@@ -55,6 +55,7 @@ const STABLE: [(&str, &[&str]); 54] = [
     ("joint-compliance", &["stiffness_nm_per_rad"]),
     ("axis-wobble", &["amplitude_rad", "phase_rad", "order"]),
     ("base-compliance", &["rad_per_nm"]),
+    ("lateral-compliance", &["stiffness_nm_per_rad"]),
     ("tool-compliance", &["m_per_n"]),
     ("tool-changed", &["shift_m"]),
     ("tracker-moved", &["shift_m", "tilt_rad"]),
