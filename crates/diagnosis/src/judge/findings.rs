@@ -14,9 +14,10 @@ use crate::force::answer::ForceAnswer;
 use crate::judge::absorbed::take_absorbed;
 use crate::judge::adequacy::{Adequacy, adequacy};
 use crate::judge::earlier::{Difference, difference};
-use crate::judge::rivals::{Rival, settle};
+use crate::judge::rivals::settle;
 use crate::judge::wrong_angles::torque_nm;
 use crate::select::partial::Partial;
+use crate::select::rival::Rival;
 use crate::select::{Selection, excess};
 use crate::{DiagnosisError, Options};
 

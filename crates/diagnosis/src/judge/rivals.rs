@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::DiagnosisError;
 use crate::engine::model::{Cause, Refit};
+use crate::select::rival::Rival;
 use crate::select::scan::Score;
 use crate::select::{Selection, Selector, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
@@ -14,20 +15,6 @@ use crate::thresholds::rivals::{
 use crate::thresholds::rivals::{
     COUPLED, DRIFT_LAW, EXCHANGES, LEAD, LISTED, LOOK_ALIKE, NEAR_NATS, REFITTED,
 };
-
-/// An effect in a cause's place.
-#[derive(Debug, Clone)]
-pub(crate) struct Rival {
-    /// Position in the catalogue, and its fit, where it was refitted.
-    pub(crate) cause: Option<Cause>,
-    pub(crate) name: &'static str,
-    pub(crate) joint: Option<usize>,
-    /// Share of the squared residual that it explains of what the cause explains.
-    pub(crate) share: f64,
-    /// Nats behind the best, misfit allowed for.
-    pub(crate) nats_behind: f64,
-    pub(crate) probability: f64,
-}
 
 /// Every cause's rivals, after causes that others have overtaken were exchanged.
 pub(crate) fn settle(selection: &mut Selection<'_>) -> Result<Vec<Vec<Rival>>, DiagnosisError> {

@@ -5,6 +5,7 @@ pub(crate) mod contend;
 pub(crate) mod events;
 pub(crate) mod generic;
 pub(crate) mod laws;
+pub(crate) mod rival;
 pub(crate) mod scan;
 pub(crate) mod trim;
 

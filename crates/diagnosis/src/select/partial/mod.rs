@@ -4,14 +4,14 @@
 mod hypotheses;
 mod replaceable;
 mod support;
+mod taken;
 
 use crate::DiagnosisError;
-use crate::engine::model::{Model, Refit};
-use crate::engine::segments::{Segments, Unseen};
-use crate::engine::system::System;
-use crate::judge::rivals::Rival;
+use crate::engine::model::Model;
+use crate::engine::segments::Segments;
 use crate::select::partial::hypotheses::Hypothesis;
-use crate::select::partial::support::With;
+use crate::select::partial::taken::{Taken, With};
+use crate::select::rival::Rival;
 use crate::select::scan::{Candidate, Score};
 use crate::select::{Selection, Selector};
 use crate::thresholds::partial::{
@@ -25,16 +25,6 @@ pub(crate) struct Partial {
     pub(crate) share: f64,
     /// Of each cause, itself first: what else would have predicted the unseen rows.
     pub(crate) rivals: Vec<Vec<Rival>>,
-}
-
-/// Hypotheses taken up so far.
-struct Taken {
-    refit: Refit,
-    system: System,
-    unseen: Unseen,
-    rivals: Vec<Vec<Rival>>,
-    /// Squares that their laws may get wrong.
-    wrong: f64,
 }
 
 impl Selection<'_> {

@@ -1,9 +1,9 @@
 //! Hypotheses that could be in another one's place.
 
 use crate::engine::segments::Unseen;
-use crate::judge::rivals::Rival;
 use crate::select::Selector;
 use crate::select::partial::hypotheses::Hypothesis;
+use crate::select::rival::Rival;
 use crate::thresholds::partial::{LEAD_NATS, SEGMENTS};
 
 impl Selector<'_> {

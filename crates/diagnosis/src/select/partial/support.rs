@@ -5,20 +5,12 @@ use haptical_effects::{Effect, Family, Hook};
 use rayon::prelude::*;
 
 use crate::engine::model::Cause;
-use crate::engine::segments::{Segments, Unseen};
+use crate::engine::segments::Segments;
 use crate::engine::system::{System, dot};
 use crate::select::Selector;
 use crate::select::generic::{self, Covariate, Place, own_covariates};
-use crate::select::partial::Taken;
+use crate::select::partial::taken::{Taken, With};
 use crate::thresholds::partial::{ELSEWHERE_SHARE, FINE_KNOTS, FREE_KNOTS, SURELY_BESIDE_SD};
-
-/// A hypothesis in the model, with what it takes off unseen rows.
-#[derive(Clone, Copy)]
-pub(super) struct With<'w> {
-    pub(super) system: &'w System,
-    pub(super) unseen: &'w Unseen,
-    pub(super) gain: f64,
-}
 
 impl Selector<'_> {
     /// Whether causes predict unseen rows as well as free functions of their own covariates do, and leave nothing that

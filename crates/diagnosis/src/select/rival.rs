@@ -1,0 +1,17 @@
+//! An effect that competes with a named cause.
+
+use crate::engine::model::Cause;
+
+/// An effect in a cause's place.
+#[derive(Debug, Clone)]
+pub(crate) struct Rival {
+    /// Position in the catalogue, and its fit, where it was refitted.
+    pub(crate) cause: Option<Cause>,
+    pub(crate) name: &'static str,
+    pub(crate) joint: Option<usize>,
+    /// Share of the squared residual that it explains of what the cause explains.
+    pub(crate) share: f64,
+    /// Nats behind the best, misfit allowed for.
+    pub(crate) nats_behind: f64,
+    pub(crate) probability: f64,
+}
