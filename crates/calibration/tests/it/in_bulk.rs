@@ -17,9 +17,11 @@ use rayon::prelude::*;
 
 use crate::haptic;
 
-/// Of a standard deviation: the default search ends within 1e-8 sqrt(cost) of them, and both searches take
+/// Of a standard deviation: the default search ends within 1e-8 sqrt(cost) of them, where both searches take
 /// the same steps.
 const PARAMETER_TOLERANCE: f64 = 1e-7;
+/// Of the cost: its rounding. Searches with other numbers of steps end anywhere that it cannot tell apart.
+const COST_ROUNDING: f64 = 1e-13;
 /// Relative, of standard deviations and the cost.
 const RELATIVE_TOLERANCE: f64 = 1e-9;
 /// Of residuals in standard deviations: 1e-7 of the parameters' times their effect.
@@ -90,22 +92,27 @@ fn compare(
     )
     .unwrap();
     prop_assert!((fit.cost / slow.cost - 1.0).abs() < RELATIVE_TOLERANCE);
+    let same_steps = fit.iterations == slow.iterations;
+    let allowed = match same_steps {
+        true => PARAMETER_TOLERANCE,
+        false => (COST_ROUNDING * slow.cost).sqrt(),
+    };
     for (position, &index) in fit.fitted.iter().enumerate() {
         let sd = spread.standard_deviation(position);
         let estimate = &fit.estimates[index];
         let apart = (estimate.value.unwrap() - slow.parameters[index]) / sd;
-        prop_assert!(
-            apart.abs() < PARAMETER_TOLERANCE,
-            "{}: {apart:e} sd",
-            estimate.name
-        );
+        prop_assert!(apart.abs() < allowed, "{}: {apart:e} sd", estimate.name);
         // by the noise: what is held is the fit's own matter
         let ratio = fit.uncertainty.standard_deviation(position) / sd;
         prop_assert!(
-            (ratio - 1.0).abs() < RELATIVE_TOLERANCE,
+            !same_steps || (ratio - 1.0).abs() < RELATIVE_TOLERANCE,
             "{}: {ratio}",
             estimate.name
         );
+    }
+    if !same_steps {
+        // derivatives at other places differ by themselves
+        return Ok(());
     }
     for (a, b) in fit.residuals.iter().zip(&slow.residuals) {
         prop_assert!((a - b).abs() < RESIDUAL_TOLERANCE, "{a} {b}");
