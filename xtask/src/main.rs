@@ -6,6 +6,7 @@
 )]
 
 mod compare_results;
+mod real_arms;
 
 use std::process::ExitCode;
 
@@ -37,6 +38,8 @@ enum Job {
     Evidence(xtask_evidence::Arguments),
     /// Runs fixed commands and compares their results with the recorded ones.
     CompareResults(compare_results::Arguments),
+    /// Runs identify and diagnose on measured data of real arms, and writes docs/real-arms.md.
+    RealArms(real_arms::Arguments),
     /// Counts the instructions of fixed workloads and compares them with the committed numbers.
     Instructions(instructions::Arguments),
 }
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
         Job::Evidence(arguments) => xtask_evidence::evidence(&arguments),
         Job::CompareResults(arguments) => compare_results::run(&arguments),
+        Job::RealArms(arguments) => real_arms::run(&arguments),
         Job::Instructions(arguments) => instructions::instructions(&arguments),
     };
     match outcome {

@@ -12,6 +12,9 @@ pub enum Need {
     Time,
     /// Rows that follow a motion, so that reversals can be seen.
     Motion,
+    /// Rows in the order in which the device came to them, so that the side that each joint came from is known: a motion, or
+    /// single postures as they were visited.
+    Order,
     /// The joint's torque, recorded or by masses and gravity.
     Torque,
     /// The hand's force.
@@ -48,6 +51,7 @@ impl Need {
         match self {
             Self::Time => "time",
             Self::Motion => "motion",
+            Self::Order => "motion or postures in order",
             Self::Torque => "torque",
             Self::Force => "force",
             Self::BaseMoment => "force or masses with gravity",
@@ -69,7 +73,7 @@ impl Need {
     pub fn is_covariate(self) -> bool {
         matches!(
             self,
-            Self::Time | Self::Temperature | Self::Motion | Self::Torque
+            Self::Time | Self::Temperature | Self::Motion | Self::Order | Self::Torque
         )
     }
 
@@ -84,6 +88,13 @@ impl Need {
             Self::Motion => lacks(
                 !context.ordered,
                 "the rows are single postures, not a motion",
+            ),
+            // of touches without times nobody says which was first
+            Self::Order => lacks(
+                !context.ordered
+                    && recording.time_s.is_none()
+                    && context.streams.iter().any(Stream::is_touch),
+                "the touches are in no stated order: no column t_s",
             ),
             Self::Torque => match context.torque_nm.get(joint).and_then(Option::as_ref) {
                 None => Some(format!(

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use compare::{Difference, compare};
+pub(crate) use runs::command;
 use runs::{Run, Runs};
 
 /// Where the recorded results are, from the root of the project.
@@ -37,7 +38,7 @@ pub(crate) struct Arguments {
 /// Runs the job: an error where a number, a status or a verdict moved.
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let runs = Runs::load(Path::new("fixtures/results/runs.toml"))?;
-    let program = runs::command()?;
+    let program = command()?;
     let (mut moved, mut reworded, mut files, mut skipped) = (0, 0, 0, 0);
     for run in runs.named(arguments.only.as_deref()) {
         if run.shared && !arguments.shared.is_dir() {

@@ -45,7 +45,7 @@ impl Runs {
 }
 
 /// The command `haptical`, built from this tree.
-pub(super) fn command() -> Result<PathBuf> {
+pub(crate) fn command() -> Result<PathBuf> {
     let built = Command::new("cargo")
         .args([
             "build",

@@ -175,11 +175,12 @@ fn held_out(shrink: &Shrink, hook: Hook, joint: Option<usize>) -> Option<HeldOut
         .iter()
         .find(own)
         .filter(|unseen| in_encoder && unseen.gap() > SHOWN_BY_ENCODER);
+    let everywhere = in_encoder || hook == Hook::Timing;
     let by_gain = || {
         let candidates = shrink
             .channels
             .iter()
-            .filter(|unseen| in_encoder || unseen.channel.sees_chain());
+            .filter(|unseen| everywhere || unseen.channel.sees_chain());
         candidates.max_by(|a, b| a.gained().total_cmp(&b.gained()))
     };
     by_encoder.or_else(by_gain).map(Unseen::answer)

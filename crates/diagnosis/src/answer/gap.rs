@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::Verdict;
 use super::floor::{Floor, NoReduction};
+use super::{HeldOutAnswer, Verdict};
 use crate::noise::NoiseSource;
 use haptical_metrics::gap_reduction_percent;
 
@@ -23,6 +23,8 @@ pub struct ChannelGap {
     pub joint: Option<usize>,
     /// Whether the verdict finds a gap in it.
     pub has_gap: bool,
+    /// Whether the sizes are of rows that the fit did not see: so where the causes are checked on such rows.
+    pub held_out: bool,
     /// Root mean square of the base model's residuals.
     pub rms_before: f64,
     /// The same with the causes in the model.
@@ -63,6 +65,7 @@ impl ChannelGap {
             channel,
             joint: joint.map(|joint| joint + 1),
             has_gap,
+            held_out: false,
             rms_before,
             rms_after,
             noise_floor: floor.rms,
@@ -73,6 +76,22 @@ impl ChannelGap {
             no_reduction: reduction_percent.is_none().then_some(no_reduction),
             reduction_percent,
             reduction_ci95: None,
+        }
+    }
+
+    /// The same gap with the sizes, the floor and the closed share of rows that the fit did not see.
+    pub(crate) fn on_unseen(self, seen: HeldOutAnswer, floor: &Floor) -> Self {
+        Self {
+            held_out: true,
+            rms_before: seen.rms_before,
+            rms_after: seen.rms_after,
+            noise_floor: floor.rms,
+            noise_floor_ci95: floor.ci95(),
+            noise_source: floor.source,
+            reduction_percent: seen.reduction_percent,
+            reduction_ci95: seen.reduction_ci95,
+            no_reduction: seen.no_reduction,
+            ..self
         }
     }
 
@@ -110,7 +129,6 @@ impl Gap {
             return Self { channels };
         }
         for gap in &mut channels {
-            // the share may be of unseen rows, whose gap is larger than that of the rows shown
             if gap.rms_before <= gap.noise_floor && gap.reduction_percent.is_some() {
                 gap.no_reduction = Some(NoReduction::WithinNoise);
             }

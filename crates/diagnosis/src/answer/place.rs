@@ -354,7 +354,8 @@ fn peak(engine: &Engine<'_>, stream: usize, covariate: Covariate) -> Option<f64>
     let size = (means.iter().map(|m| m * m).sum::<f64>() / PLACE_BINS as f64).sqrt();
     let by_size = |a: &usize, b: &usize| means[*a].abs().total_cmp(&means[*b].abs());
     let top = (0..PLACE_BINS).max_by(by_size)?;
-    if means[top].abs() < 2.0 * size {
+    // of few rows no bin has a mean
+    if size == 0.0 || means[top].abs() < 2.0 * size {
         return None;
     }
     let (mut weight, mut moment) = (0.0, 0.0);

@@ -35,10 +35,7 @@ fn position_gaps(findings: &Findings<'_>) -> Vec<ChannelGap> {
         let mut gap = ChannelGap::fitted(floor.channel.name(), joint, sizes, floor, unit);
         let mut unseen = findings.shrink.channels.iter();
         if let Some(seen) = unseen.find(|unseen| unseen.channel == floor.channel) {
-            let seen = seen.answer().settled();
-            gap.reduction_percent = seen.reduction_percent;
-            gap.reduction_ci95 = seen.reduction_ci95;
-            gap.no_reduction = seen.no_reduction;
+            gap = gap.on_unseen(seen.answer().settled(), seen.floor());
         }
         gap
     };

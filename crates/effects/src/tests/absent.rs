@@ -263,8 +263,6 @@ fn single_postures_test_nothing_that_remembers_the_motion() {
     assert!(!context.ordered);
     for effect in catalogue(&device) {
         if [
-            "backlash",
-            "hysteresis",
             "external-encoder-windup",
             "cable-hysteresis",
             "capstan-creep",

@@ -20,7 +20,7 @@ pub(crate) const SPEC: Spec = Spec {
     source: "A4, A15, D5",
     hook: Hook::Transmission,
     family: Family::Loop,
-    needs: &[Need::Motion],
+    needs: &[Need::Order],
     parameters: &[Parameter::size("width_rad", 0.0, 0.1)],
     shape: Shape::Sides,
     follows: Follows::Angle,

@@ -10,7 +10,7 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "Dahl's loop",
     source: "A5",
     hook: Hook::Transmission,
-    needs: &[Need::Motion],
+    needs: &[Need::Order],
     ..Reversal::SPEC
 };
 

@@ -39,6 +39,7 @@ fn channel(index: usize) -> impl Strategy<Value = ChannelGap> {
             channel: NAMES[index].to_owned(),
             joint: (index < 7).then_some(index + 1),
             has_gap,
+            held_out: percent.is_some(),
             rms_before: before,
             rms_after: after,
             noise_floor: floor,

@@ -17,6 +17,7 @@ pub(crate) fn no_gap() -> Diagnosis {
         channel: name.to_owned(),
         joint,
         has_gap: false,
+        held_out: false,
         rms_before: 1.01 * floor,
         rms_after: 1.01 * floor,
         noise_floor: floor,

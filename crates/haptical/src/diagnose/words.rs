@@ -255,8 +255,12 @@ fn closing(diagnosis: &Diagnosis) -> Option<String> {
     }
     let channel = main_channel(diagnosis)?;
     let text = share(channel)?;
+    let rows = match channel.held_out {
+        true => "On data that the fit did not see",
+        false => "On the log itself",
+    };
     Some(format!(
-        "On the log itself, {text} of the gap of {} closes.",
+        "{rows}, {text} of the gap of {} closes.",
         channel.channel
     ))
 }

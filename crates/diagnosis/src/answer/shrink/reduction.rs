@@ -83,6 +83,11 @@ impl Unseen {
         (rms(&self.after), self.after.len() as f64)
     }
 
+    /// The noise on these rows.
+    pub(crate) fn floor(&self) -> &Floor {
+        &self.floor
+    }
+
     /// Takes the floor that all that is left allows, where its own is above it beyond chance.
     pub(crate) fn correct(&mut self, floor: &Floor) {
         let (left, count) = self.left();

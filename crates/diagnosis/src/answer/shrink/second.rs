@@ -53,6 +53,7 @@ pub(crate) fn on_second(
         None => selection.refit.model.values.clone(),
     };
     let after = second.residual_of(effects, &with, &causes)?;
+    let (before, after) = zeroed(&second, before, after, &mut warnings);
     let known: Vec<bool> = (0..validation.len())
         .map(|row| {
             base.device
@@ -133,6 +134,54 @@ fn places_beside(
         }
     }
     Ok(values)
+}
+
+/// Residuals without the zeros of external encoders that differ from those of the first recording: where one number is most
+/// of what the causes leave of an encoder, and larger than its noise. Nothing of a device moves between two recordings by a
+/// constant; an incremental encoder's zero does.
+fn zeroed(
+    second: &Engine<'_>,
+    mut before: Vec<Vec<f64>>,
+    mut after: Vec<Vec<f64>>,
+    warnings: &mut Vec<String>,
+) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    for (index, stream) in second.context.streams.iter().enumerate() {
+        if !matches!(stream.channel, Channel::Output { .. }) {
+            continue;
+        }
+        let usable = &second.usable[index];
+        let Some((zero, square)) = moments(&after[index], usable) else {
+            continue;
+        };
+        if zero.abs() <= second.floor[index] || zero * zero <= ZERO_SHARE * square {
+            continue;
+        }
+        warnings.push(format!(
+            "{} reads {zero:.3e} {} more throughout the second recording than the model of the first predicts: its zero was \
+             set anew, or the model does not hold there; the figures of this channel are without it",
+            stream.name(),
+            stream.unit
+        ));
+        for residual in [&mut before[index], &mut after[index]] {
+            if let Some((zero, _)) = moments(residual, usable) {
+                residual.iter_mut().for_each(|value| *value -= zero);
+            }
+        }
+    }
+    (before, after)
+}
+
+/// Share of the squares beyond which a constant is a zero of its own.
+const ZERO_SHARE: f64 = 0.5;
+
+/// Mean and mean square of the usable readings.
+fn moments(residual: &[f64], usable: &[bool]) -> Option<(f64, f64)> {
+    let rows = residual.iter().zip(usable);
+    let rows = rows.filter(|(value, usable)| **usable && value.is_finite());
+    let (sum, squares, count) = rows.fold((0.0, 0.0, 0.0), |(sum, squares, count), (value, _)| {
+        (sum + value, squares + value * value, count + 1.0)
+    });
+    (count > 0.0).then(|| (sum / count, squares / count))
 }
 
 /// Residuals of a model identified earlier, stream by stream.

@@ -10,7 +10,9 @@ use crate::engine::system::{System, dot};
 use crate::select::Selector;
 use crate::select::generic::{self, Covariate, Place, own_covariates};
 use crate::select::partial::taken::{Taken, With};
-use crate::thresholds::partial::{ELSEWHERE_SHARE, FINE_KNOTS, FREE_KNOTS, SURELY_BESIDE_SD};
+use crate::thresholds::partial::{
+    BEYOND_CHANCE_SD, ELSEWHERE_SHARE, FINE_KNOTS, FREE_KNOTS, KEPT_SHARE, SURELY_BESIDE_SD,
+};
 
 impl Selector<'_> {
     /// Whether causes predict unseen rows as well as free functions of their own covariates do, and leave nothing that
@@ -41,13 +43,31 @@ impl Selector<'_> {
         );
         let is_beaten =
             free.is_some_and(|free| with.unseen.gain_on(&segments.unseen(&free)).sum < -wrong);
-        let all: Vec<_> = effects
+        let (own, others): (Vec<_>, Vec<_>) = effects
             .flat_map(|effect| self.covariates_beside(effect))
-            .collect();
+            .partition(|(is_own, _)| *is_own);
+        let (own, others) = (own.into_par_iter(), others.into_par_iter());
         !is_beaten
-            && !all
-                .into_par_iter()
-                .any(|function| self.depends_on(function, with, wrong, segments))
+            && !own.any(|(_, function)| self.depends_on(function, with, wrong, segments))
+            && others.all(|(_, function)| self.gains_beside(function, taken, with, segments))
+    }
+
+    /// Whether causes gain on unseen rows beside free functions of another covariate of their joint, too: one that stands in for
+    /// such a dependence does not. What the free functions explain themselves may be another error of the same joint.
+    fn gains_beside(
+        &self,
+        function: (Place, Covariate, usize),
+        taken: &Taken,
+        with: With<'_>,
+        segments: &Segments,
+    ) -> bool {
+        let alone = self.with_free_functions(&taken.system, [function]);
+        let beside = self.with_free_functions(with.system, [function]);
+        let (Some(alone), Some(beside)) = (alone, beside) else {
+            return true;
+        };
+        let gain = segments.unseen(&beside).gain_on(&segments.unseen(&alone));
+        gain.deviations() >= BEYOND_CHANCE_SD && gain.sum >= KEPT_SHARE * with.gain
     }
 
     /// Squares that the laws of causes may get wrong.
@@ -106,16 +126,26 @@ impl Selector<'_> {
         })
     }
 
-    /// What the rest of an effect may depend on: all covariates of its joint, on either side of the joint's encoders; of an
-    /// effect of the device the covariates of its law, at every place.
-    fn covariates_beside(&self, effect: &dyn Effect) -> Vec<(Place, Covariate, usize)> {
+    /// What the rest of an effect may depend on, and whether its law is about that: all covariates of its joint, on either side
+    /// of the joint's encoders; of an effect of the device the covariates of its law, at every place.
+    fn covariates_beside(&self, effect: &dyn Effect) -> Vec<(bool, (Place, Covariate, usize))> {
         let is_of_cable =
             effect.spec().hook == Hook::CableSensor && effect.spec().family != Family::Lag;
         if let Some(joint) = effect.joint() {
-            return self.places_at(joint).flat_map(covariates_at).collect();
+            let functions = self.places_at(joint).flat_map(covariates_at);
+            let is_posture = !self.engine.context.ordered;
+            return functions
+                .map(|function| {
+                    (
+                        is_of_law(effect.spec().family, function.1, is_posture),
+                        function,
+                    )
+                })
+                .collect();
         }
+        let own = |function| (true, function);
         if is_of_cable {
-            return covariates_at(OF_CABLE);
+            return covariates_at(OF_CABLE).into_iter().map(own).collect();
         }
         let of_law = |(_, covariate, _): &(Place, Covariate, usize)| match effect.spec().family {
             Family::Lag => matches!(covariate, Covariate::Speed(_) | Covariate::CableSpeed),
@@ -126,6 +156,7 @@ impl Selector<'_> {
         self.places()
             .flat_map(covariates_at)
             .filter(of_law)
+            .map(own)
             .collect()
     }
 
@@ -168,6 +199,16 @@ impl Selector<'_> {
             with.project_out(&column);
         }
         (with.basis.len() > system.basis.len()).then_some(with)
+    }
+}
+
+/// Whether a law at a joint is one of this covariate of the joint. A play that is crossed between two postures is a
+/// function of the side alone.
+fn is_of_law(family: Family, covariate: Covariate, is_posture: bool) -> bool {
+    match family {
+        Family::Load => matches!(covariate, Covariate::Torque(_)),
+        Family::Loop if is_posture => matches!(covariate, Covariate::Side(_)),
+        _ => true,
     }
 }
 

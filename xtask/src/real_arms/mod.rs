@@ -1,0 +1,81 @@
+//! Runs identify and diagnose on every measured set that is there, and writes the table of docs/real-arms.md.
+
+mod page;
+mod sets;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use crate::compare_results::command;
+use sets::{Folders, Sets};
+
+/// The page with the table.
+const PAGE: &str = "docs/real-arms.md";
+/// Lines between which the table is.
+const BEGIN: &str = "<!-- table: cargo xtask real-arms -->\n";
+const END: &str = "<!-- end of table -->\n";
+
+/// Arguments of `real-arms`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: cargo xtask real-arms --fetched ../fetched")]
+pub(crate) struct Arguments {
+    /// Folder with the folder `measured` of public data.
+    #[arg(long, default_value = "../shared")]
+    shared: PathBuf,
+    /// Folder of converted data that are fetched and not handed on (docs/real-arms.md, Data).
+    #[arg(long, default_value = "../fetched")]
+    fetched: PathBuf,
+    /// Only sets whose name contains this; the page is not written.
+    #[arg(long)]
+    only: Option<String>,
+    /// Folder for the results.
+    #[arg(long, default_value = "target/real-arms")]
+    out: PathBuf,
+}
+
+/// Runs the job.
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let sets = Sets::load()?;
+    let program = command()?;
+    let folders = Folders {
+        shared: arguments.shared.clone(),
+        fetched: arguments.fetched.clone(),
+        out: arguments.out.clone(),
+    };
+    let (mut table, mut remarks) = (page::HEAD.to_owned(), String::new());
+    let wanted = arguments.only.as_deref().unwrap_or_default();
+    for set in sets.set.iter().filter(|set| set.name.contains(wanted)) {
+        let line = match set.answers(&program, &folders)? {
+            Ok(answers) => page::line(set, &answers),
+            Err(missing) => {
+                println!("{}: not run, no {}", set.name, missing.display());
+                page::absent(set)
+            }
+        };
+        print!("{line}");
+        table.push_str(&line);
+        remarks.push_str(&format!(
+            "- **{}** ({}). {}\n",
+            set.name, set.source, set.remark
+        ));
+    }
+    if arguments.only.is_none() {
+        write(Path::new(PAGE), &format!("{table}\n{remarks}"))?;
+    }
+    Ok(())
+}
+
+/// Puts the table into the page.
+fn write(path: &Path, table: &str) -> Result<()> {
+    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let (before, rest) = text
+        .split_once(BEGIN)
+        .context("no line where the table begins")?;
+    let (_, after) = rest
+        .split_once(END)
+        .context("no line where the table ends")?;
+    fs::write(path, format!("{before}{BEGIN}{table}{END}{after}"))?;
+    Ok(())
+}

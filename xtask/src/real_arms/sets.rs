@@ -1,0 +1,131 @@
+//! The measured sets: where their files are, what is known of them, and what the command answers.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
+use serde_json::Value;
+
+/// All sets.
+#[derive(Debug, Deserialize)]
+pub(super) struct Sets {
+    pub(super) set: Vec<Set>,
+}
+
+/// One measured set.
+#[derive(Debug, Deserialize)]
+pub(super) struct Set {
+    pub(super) name: String,
+    /// Description of the device, the log, and flags for both commands, with `{shared}`, `{fetched}` and `{here}`.
+    device: String,
+    log: String,
+    #[serde(default)]
+    options: Vec<String>,
+    /// A second recording for `diagnose`.
+    second: Option<String>,
+    /// A command that makes the log from the set's own files, without its program; `{out}` is the set's folder.
+    import: Option<String>,
+    /// Whether nothing but `diagnose` applies: a log of torques alone.
+    #[serde(default)]
+    diagnose_only: bool,
+    /// Where it comes from.
+    pub(super) source: String,
+    /// What others found of it.
+    pub(super) known: String,
+    /// What stays unknown, and why.
+    pub(super) remark: String,
+}
+
+/// Folders that the sets' paths start at.
+#[derive(Debug)]
+pub(super) struct Folders {
+    pub(super) shared: PathBuf,
+    pub(super) fetched: PathBuf,
+    pub(super) out: PathBuf,
+}
+
+/// What the command answered for a set.
+#[derive(Debug)]
+pub(super) struct Answers {
+    /// `identified.json`, and the seconds that it took.
+    pub(super) identified: Option<(Value, f64)>,
+    /// `gap.json`, and the seconds that it took.
+    pub(super) gap: (Value, f64),
+}
+
+/// The folder with the list of sets and the files that belong to it.
+pub(super) const HERE: &str = "fixtures/real-arms";
+
+impl Sets {
+    pub(super) fn load() -> Result<Self> {
+        let path = Path::new(HERE).join("sets.toml");
+        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        Ok(toml::from_str(&text)?)
+    }
+}
+
+impl Set {
+    /// The file that is missing, or what the command answers.
+    pub(super) fn answers(
+        &self,
+        program: &Path,
+        folders: &Folders,
+    ) -> Result<Result<Answers, PathBuf>> {
+        let own = folders.out.join(self.name.replace([' ', ',', '/'], "-"));
+        std::fs::create_dir_all(&own)?;
+        let place = |text: &str| {
+            text.replace("{shared}", &folders.shared.to_string_lossy())
+                .replace("{fetched}", &folders.fetched.to_string_lossy())
+                .replace("{here}", HERE)
+                .replace("{out}", &own.to_string_lossy())
+        };
+        let device = place(&self.device);
+        let log = place(&self.log);
+        if !Path::new(&device).exists() {
+            return Ok(Err(device.into()));
+        }
+        if let Some(import) = &self.import {
+            let import = format!("{} --force", place(import));
+            self.run(program, import.split_whitespace())?;
+        }
+        if !Path::new(&log).exists() {
+            return Ok(Err(log.into()));
+        }
+        let options: Vec<String> = self.options.iter().map(|option| place(option)).collect();
+        let answer = |job: &str, more: &[String], file: &str| -> Result<(Value, f64)> {
+            let out = own.join(job);
+            let out = out.to_string_lossy();
+            let fixed = [
+                job, "--device", &device, "--log", &log, "--out", &out, "--force",
+            ];
+            let flags = options.iter().chain(more).map(String::as_str);
+            let start = Instant::now();
+            self.run(program, fixed.into_iter().chain(flags))?;
+            let seconds = start.elapsed().as_secs_f64();
+            let text = std::fs::read_to_string(own.join(job).join(file))?;
+            Ok((serde_json::from_str(&text)?, seconds))
+        };
+        let identified = match self.diagnose_only {
+            true => None,
+            false => Some(answer("identify", &[], "identified.json")?),
+        };
+        let second = self.second.as_ref();
+        let validate = second.map(|second| vec!["--validate".to_owned(), place(second)]);
+        let gap = answer("diagnose", &validate.unwrap_or_default(), "gap.json")?;
+        Ok(Ok(Answers { identified, gap }))
+    }
+
+    fn run<'a>(&self, program: &Path, arguments: impl Iterator<Item = &'a str>) -> Result<()> {
+        let output = Command::new(program).args(arguments).output()?;
+        let printed = String::from_utf8_lossy(&output.stderr);
+        ensure!(
+            output.status.success(),
+            "{}: {}\n{printed}",
+            self.name,
+            output.status
+        );
+        Ok(())
+    }
+}
