@@ -13,6 +13,7 @@ use crate::problem::lanes::cable::cable_model;
 use crate::problem::lanes::transmission::values_and_slopes;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::kind::{Measurement, Posture};
+use crate::problem::tiles::variances::variances;
 use crate::{CalibrationError, Channel};
 
 /// Rows that one thread works out at a time.
@@ -22,14 +23,20 @@ const ROWS_AT_ONCE: usize = 1024;
 /// sum_i (d residual / d reading_i)^2 q_i^2 / 12, q_i the step of joint i's reading (docs/equations.md,
 /// "Propagated quantization"). For positions and orientations the mean over the three axes.
 ///
-/// Encoders and cables of a plain chain are worked out in lanes, everything else, and whatever the lanes refuse,
-/// row by row.
+/// Encoders and cables of a plain chain are worked out in lanes, what else moves with the handle in tiles, everything
+/// else, and whatever these refuse, row by row. `loads` are those of the recording where joints yield.
 pub(crate) fn propagated_variances(
     device: &Device,
     recording: &Recording,
     channel: Channel,
+    loads: Option<&Loads>,
 ) -> Result<Vec<f64>, CalibrationError> {
-    let loads = Loads::new(device, recording)?;
+    let quanta = quantum_variances(device);
+    // nothing is rounded: only a reading that is refused would be news
+    let is_sound = |column: &Vec<f64>| column.iter().all(|reading| reading.is_finite());
+    if quanta.iter().all(|quantum| *quantum == 0.0) && recording.joint.iter().all(is_sound) {
+        return Ok(vec![0.0; recording.len()]);
+    }
     let starts: Vec<usize> = (0..recording.len()).step_by(ROWS_AT_ONCE).collect();
     let parts: Vec<Result<Vec<f64>, CalibrationError>> = starts
         .into_par_iter()
@@ -40,10 +47,11 @@ pub(crate) fn propagated_variances(
                 None => in_lanes(device, recording, channel, rows.clone()),
                 Some(_) => None,
             };
-            lanes.map_or_else(
-                || by_row(device, recording, channel, loads.as_ref(), rows),
-                Ok,
-            )
+            let whole = (device, recording, channel);
+            let tiles = || variances(whole, loads, &quanta, &rows);
+            lanes
+                .or_else(tiles)
+                .map_or_else(|| by_row(device, recording, channel, loads, rows), Ok)
         })
         .collect();
     let mut variances = Vec::with_capacity(recording.len());
@@ -239,7 +247,7 @@ mod tests {
                     "{channel:?}: {a:e} for {b:e}"
                 );
             }
-            let parts = propagated_variances(&device, &recording, channel).unwrap();
+            let parts = propagated_variances(&device, &recording, channel, None).unwrap();
             for (a, b) in parts.iter().zip(&rows) {
                 assert!(
                     (a - b).abs() <= TOLERANCE * b,
@@ -249,7 +257,7 @@ mod tests {
         }
         // only joints with an encoder count
         let cable = Channel::Cable { index: 0 };
-        let found = propagated_variances(&device, &recording, cable).unwrap();
+        let found = propagated_variances(&device, &recording, cable, None).unwrap();
         assert!(found.iter().all(|variance| *variance > 0.0));
     }
 
@@ -263,7 +271,7 @@ mod tests {
             recording.joint[1][row] = f64::INFINITY;
         }
         for channel in [Channel::Cable { index: 0 }, Channel::Output { joint: 1 }] {
-            let error = propagated_variances(&device, &recording, channel).unwrap_err();
+            let error = propagated_variances(&device, &recording, channel, None).unwrap_err();
             assert!(
                 matches!(error, CalibrationError::Row { line: 1902, .. }),
                 "{error}"

@@ -84,7 +84,7 @@ impl ErrorRows {
 }
 
 /// A joint, and the parameters of its transmission's error.
-fn error_of(device: &Device, joint: usize) -> Option<(&Joint, Vec<f64>)> {
+pub(crate) fn error_of(device: &Device, joint: usize) -> Option<(&Joint, Vec<f64>)> {
     let described = device.joints.get(joint)?;
     let parameters = 0..described.error_parameter_count();
     let value = |index| ParameterId::Transmission { joint, index }.value(device);
