@@ -5,7 +5,7 @@ use haptical_model::Recording;
 
 use crate::error::wrap;
 use crate::fit::considered::{Held, sensitivity, set_variance};
-use crate::fit::multi_start::spread_rows;
+use crate::fit::rows::spread_rows;
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
 use crate::problem::loads::Loads;
