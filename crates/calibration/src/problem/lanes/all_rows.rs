@@ -89,12 +89,15 @@ impl Lanes {
         let several =
             self.rows.blocks.len() >= BLOCKS_FOR_THREADS && rayon::current_num_threads() > 1;
         let folded: Option<Vec<Vec<Triangle>>> = if self.rows.blocks.is_empty() {
-            let starts = self.rows.starts.par_iter();
-            let made = starts.map_init(Room::default, |room, &start| {
-                let block = self.rows.block(problem, start)?;
-                room.forget();
-                fold((&block, room))
-            });
+            let rows = &self.rows;
+            let made = rows
+                .starts
+                .par_iter()
+                .map_init(Room::default, |room, &start| {
+                    let block = rows.block(problem, start)?;
+                    room.forget();
+                    fold((&block, room))
+                });
             made.collect()
         } else if several {
             let pairs = self.rows.blocks.par_iter().zip(rooms.par_iter_mut());
