@@ -8,7 +8,6 @@ use crate::fit::considered::{Held, sensitivity, set_variance};
 use crate::fit::rows::spread_rows;
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
-use crate::problem::loads::Loads;
 use crate::{CalibrationError, Channel, DeviceProblem, ParameterFit, Weights};
 
 /// Counts the second order of what a fit held: with errors d of the held parameters a fitted one errs by
@@ -59,9 +58,7 @@ pub fn with_curvature(
     let some = recording.len() > MOST_ROWS;
     let some = some.then(|| recording.select(&spread_rows(recording.len(), MOST_ROWS)));
     let recording = some.as_ref().unwrap_or(recording);
-    let mut problem =
-        DeviceProblem::new(&fit.device, recording, channels, &fit.parameters, weights)?;
-    problem.loads = Loads::new(&fit.device, recording)?;
+    let problem = DeviceProblem::new(&fit.device, recording, channels, &fit.parameters, weights)?;
     let prepared = Prepared::new(&problem)?;
     let at = |values: &[f64]| {
         let reduction = reduce(prepared.searched(), values)?;
