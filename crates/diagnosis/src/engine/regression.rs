@@ -6,7 +6,7 @@ use haptical_linalg::{LinalgError, Triangle};
 use nalgebra::{DMatrix, DVector};
 
 use crate::engine::layout::Layout;
-use crate::engine::system::{System, dot};
+use crate::engine::system::System;
 
 /// Share of a column's length below which it is projected a second time: above it one pass leaves at most ten times the
 /// rounding. A long log has ten thousand blocks, and its base model a hundred columns.
