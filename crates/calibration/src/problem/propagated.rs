@@ -191,8 +191,8 @@ fn by_row(
 
 #[cfg(test)]
 mod tests {
-    use haptical_model::TransmissionError;
     use haptical_model::transmission::CapstanError;
+    use haptical_model::{Placement, TransmissionError};
 
     use super::*;
 
@@ -259,6 +259,36 @@ mod tests {
         let cable = Channel::Cable { index: 0 };
         let found = propagated_variances(&device, &recording, cable, None).unwrap();
         assert!(found.iter().all(|variance| *variance > 0.0));
+    }
+
+    /// What moves with the handle, and a touch that only every third row has.
+    #[test]
+    fn tiles_and_rows_agree() {
+        let Some((mut device, mut recording)) = device_and_recording(150) else {
+            return;
+        };
+        device.links[3].beta_rad = 0.02;
+        device.surroundings.tracker_tool = Some(Placement {
+            turn_rad: [0.3, -0.2, 0.1],
+            ..Placement::default()
+        });
+        recording.position_m = Some([(); 3].map(|()| vec![0.1; 150]));
+        recording.orientation_wxyz = Some([1.0, 0.1, 0.2, 0.3].map(|part| vec![part; 150]));
+        let touched = |row: usize| if row.is_multiple_of(3) { "socket" } else { "" };
+        recording.contact = Some((0..150).map(|row| touched(row).to_owned()).collect());
+        let quanta = quantum_variances(&device);
+        for channel in [Channel::Position, Channel::Orientation, Channel::Contact] {
+            let whole = (&device, &recording, channel);
+            let tiles = variances(whole, None, &quanta, &(0..150)).unwrap();
+            let rows = by_row(&device, &recording, channel, None, 0..150).unwrap();
+            assert!(rows[0] > 0.0 && rows.len() == 150);
+            for (a, b) in tiles.iter().zip(&rows) {
+                assert!(
+                    (a - b).abs() <= TOLERANCE * b,
+                    "{channel:?}: {a:e} for {b:e}"
+                );
+            }
+        }
     }
 
     #[test]
