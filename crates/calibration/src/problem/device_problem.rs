@@ -28,6 +28,9 @@ pub struct DeviceProblem<'a> {
     pub(crate) loads: Option<Loads>,
 }
 
+/// Rows of which output angles that stay are kept: of more, each pass works them out again.
+const MOST_KEPT: usize = 100_000;
+
 /// The residuals of one channel: consecutive, in row order.
 #[derive(Debug)]
 pub(crate) struct Block {
@@ -272,7 +275,8 @@ fn fixed_outputs(
 ) -> Result<Option<Vec<f64>>, CalibrationError> {
     let is_transmission =
         |parameter: &ParameterId| matches!(parameter, ParameterId::Transmission { .. });
-    if !sees_chain || parameters.iter().any(is_transmission) {
+    let is_long = recording.len() > MOST_KEPT;
+    if !sees_chain || is_long || parameters.iter().any(is_transmission) {
         return Ok(None);
     }
     if let Some(outputs) = outputs_in_bulk(device, recording, parameters) {
