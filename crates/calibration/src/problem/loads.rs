@@ -28,14 +28,12 @@ fn held_torques_nm(
     let mut columns: Option<Vec<Vec<f64>>> = None;
     for part in parts {
         let part = part.map_err(|source| at_row(recording, 0)(source.into()))?;
-        match (&mut columns, part) {
-            (_, None) => return Ok(None),
-            (None, part) => columns = part,
-            (Some(columns), Some(part)) => {
-                for (column, part) in columns.iter_mut().zip(part) {
-                    column.extend(part);
-                }
-            }
+        let Some(part) = part else {
+            return Ok(None);
+        };
+        let whole = columns.get_or_insert_with(|| vec![Vec::new(); part.len()]);
+        for (column, part) in whole.iter_mut().zip(part) {
+            column.extend(part);
         }
     }
     Ok(columns)
