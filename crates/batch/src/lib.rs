@@ -9,6 +9,7 @@ mod pose_lanes;
 mod poses;
 mod program;
 mod rows;
+mod screws;
 mod sweep;
 mod trigonometry;
 
@@ -17,4 +18,5 @@ pub use model::DistanceModel;
 pub use pose_lanes::PoseLanes;
 pub use poses::PoseBatch;
 pub use rows::TileRows;
+pub use screws::{Lane, POSTURES, ScrewTile, TwistLanes};
 pub use trigonometry::sines_cosines;

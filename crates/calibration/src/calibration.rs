@@ -157,7 +157,7 @@ fn fit_and_check(
         stated: Weights::stated(device, &channels),
     };
     let devices = (&nominal, &fitted.device);
-    let mut fit_channels = comparison.on_rows(devices, &split.fit)?;
+    let mut fit_channels = comparison.on_part(devices, &seen, &split.fit)?;
     let (mut held_out_channels, held_out) = match count {
         Some(count) => {
             // the folds check the fit that was made, not others

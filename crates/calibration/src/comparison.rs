@@ -23,10 +23,19 @@ impl Comparison<'_> {
     /// Before and after on some rows of the recording.
     pub(crate) fn on_rows(
         &self,
-        (nominal, fitted): (&Device, &Device),
+        devices: (&Device, &Device),
         rows: &[usize],
     ) -> Result<Vec<ChannelReport>, CalibrationError> {
-        let part = &self.recording.select(rows);
+        self.on_part(devices, &self.recording.select(rows), rows)
+    }
+
+    /// The same on a part of the recording that is made of these rows.
+    pub(crate) fn on_part(
+        &self,
+        (nominal, fitted): (&Device, &Device),
+        part: &Recording,
+        rows: &[usize],
+    ) -> Result<Vec<ChannelReport>, CalibrationError> {
         let nominal = &with_unseen_touches(nominal, part)?;
         let fitted = &with_unseen_touches(fitted, part)?;
         let residuals =

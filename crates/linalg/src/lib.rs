@@ -5,6 +5,7 @@
 mod aligned;
 mod basis;
 mod covariance;
+mod direction;
 mod error;
 mod fold;
 mod lanes;
@@ -18,6 +19,7 @@ mod triangle;
 
 pub use aligned::Aligned;
 pub use basis::OrthonormalBasis;
+pub use direction::Direction;
 pub use error::LinalgError;
 pub use lanes::{dot, take_off};
 pub use matrix::Matrix;

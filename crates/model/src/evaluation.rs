@@ -82,6 +82,18 @@ impl<'d> Evaluation<'d> {
         self.move_chain()
     }
 
+    /// Takes outputs (one per joint) and the handle's pose that were worked out elsewhere, many at a time: every
+    /// derivative stays that of the last [`Evaluation::move_to`].
+    ///
+    /// # Errors
+    /// [`ModelError::JointCount`].
+    pub fn place(&mut self, outputs: &[f64], pose: Pose) -> Result<(), ModelError> {
+        self.check_count(outputs)?;
+        self.outputs.copy_from_slice(outputs);
+        self.pose = Some(pose);
+        Ok(())
+    }
+
     /// Moves to joint readings as [`Evaluation::move_to`] does, for outputs and pose alone: every
     /// derivative stays that of the last [`Evaluation::move_to`].
     ///

@@ -1,5 +1,6 @@
 //! Rows at one posture: a device that dwells gives many, which are no posture more than one.
 
+use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
@@ -152,15 +153,15 @@ pub(crate) fn of_dwelling(recording: &Recording, own: &[usize]) -> String {
 ///     joint: vec![vec![0.1, 0.2, 0.1]],
 ///     ..Recording::default()
 /// };
-/// let (once, warning) = without_copies(twice);
+/// let (once, warning) = without_copies(&twice);
 /// assert_eq!(once.line, [2, 3]);
 /// assert!(warning.unwrap().contains("line 4"));
 /// ```
-pub fn without_copies(recording: Recording) -> (Recording, Option<String>) {
-    let kept = distinct_rows(&recording);
+pub fn without_copies(recording: &Recording) -> (Cow<'_, Recording>, Option<String>) {
+    let kept = distinct_rows(recording);
     // of a log in which nothing moves the fit says so itself
     if kept.len() == recording.len() || kept.len() < 2 {
-        return (recording, None);
+        return (Cow::Borrowed(recording), None);
     }
     let copies = recording.len() - kept.len();
     let first = (0..recording.len()).find(|row| kept.binary_search(row).is_err());
@@ -171,7 +172,7 @@ pub fn without_copies(recording: Recording) -> (Recording, Option<String>) {
         recording.len(),
         line.map_or(String::new(), |line| format!(", the first at line {line}"))
     );
-    (recording.select(&kept), Some(warning))
+    (Cow::Owned(recording.select(&kept)), Some(warning))
 }
 
 /// Rows, ascending, of which no earlier one has the same readings.

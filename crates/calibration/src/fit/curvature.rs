@@ -5,9 +5,9 @@ use haptical_model::Recording;
 
 use crate::error::wrap;
 use crate::fit::considered::{Held, sensitivity, set_variance};
+use crate::fit::rows::spread_rows;
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
-use crate::problem::loads::Loads;
 use crate::{CalibrationError, Channel, DeviceProblem, ParameterFit, Weights};
 
 /// Counts the second order of what a fit held: with errors d of the held parameters a fitted one errs by
@@ -55,9 +55,10 @@ pub fn with_curvature(
         return Ok(fit);
     }
     let failed = |source| wrap("second order of what is held", source);
-    let mut problem =
-        DeviceProblem::new(&fit.device, recording, channels, &fit.parameters, weights)?;
-    problem.loads = Loads::new(&fit.device, recording)?;
+    let some = recording.len() > MOST_ROWS;
+    let some = some.then(|| recording.select(&spread_rows(recording.len(), MOST_ROWS)));
+    let recording = some.as_ref().unwrap_or(recording);
+    let problem = DeviceProblem::new(&fit.device, recording, channels, &fit.parameters, weights)?;
     let prepared = Prepared::new(&problem)?;
     let at = |values: &[f64]| {
         let reduction = reduce(prepared.searched(), values)?;
@@ -120,6 +121,10 @@ pub fn with_curvature(
     fit.considered.beyond_first_order = beyond;
     Ok(fit)
 }
+
+/// Rows that G is worked out on: it is a ratio of sums over the rows, for which so many do as well as more, and it is
+/// asked for four times for each held parameter.
+const MOST_ROWS: usize = 5000;
 
 /// E d^6 / 36 of a unit normal d.
 const FIFTEEN_OVER_36: f64 = 15.0 / 36.0;

@@ -29,15 +29,13 @@ pub(crate) fn parameter_shares(
         return Ok([(channel, free.len() as f64)].into());
     }
     let share = |rows: &Matrix| {
-        let mut share = 0.0;
-        for row in 0..rows.rows() {
-            for a in 0..free.len() {
-                for b in 0..free.len() {
-                    share += rows[(row, a)] * spread.covariance[(a, b)] * rows[(row, b)];
-                }
-            }
-        }
-        share
+        // of each pair of columns, as both matrices have theirs in memory
+        let pair = |a: usize, b: usize| {
+            let entries = rows.column(a).iter().zip(rows.column(b));
+            spread.covariance[(a, b)] * entries.map(|(x, y)| x * y).sum::<f64>()
+        };
+        let along = |a: usize| (0..free.len()).map(move |b| pair(a, b)).sum::<f64>();
+        (0..free.len()).map(along).sum()
     };
     let channels = prepared.by_channel(values, free)?.into_iter();
     Ok(channels

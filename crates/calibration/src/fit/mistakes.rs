@@ -4,8 +4,8 @@ use haptical_identification::Problem;
 use haptical_model::{Device, JointType, ParameterId, Recording};
 
 use crate::fit::implausible::implausible_links;
-use crate::fit::multi_start::spread_rows;
 use crate::fit::request::FitRequest;
+use crate::fit::rows::spread_rows;
 use crate::fit::size;
 use crate::{CalibrationError, Channel, DeviceProblem, Options, ParameterFit, prepare_device};
 

@@ -10,6 +10,7 @@ pub(crate) mod multi_start;
 pub(crate) mod parameter_fit;
 pub(crate) mod profiled;
 pub(crate) mod request;
+pub(crate) mod rows;
 pub(crate) mod search;
 pub(crate) mod settle;
 pub(crate) mod size;

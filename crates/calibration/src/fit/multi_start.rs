@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::wrap;
 use crate::fit::implausible::{IMPLAUSIBLE, implausible_links};
 use crate::fit::request::FitRequest;
+use crate::fit::rows::spread_rows;
 use crate::fit::size;
 use crate::problem::device_problem::values_of;
 use crate::problem::form::Prepared;
@@ -243,10 +244,4 @@ fn random_place(
         values[index] += reach * size * generator.random_range(-1.0..1.0);
     }
     values
-}
-
-/// At most so many rows, spread evenly.
-pub(crate) fn spread_rows(rows: usize, most: usize) -> Vec<usize> {
-    let count = rows.min(most);
-    (0..count).map(|index| index * rows / count).collect()
 }

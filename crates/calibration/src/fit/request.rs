@@ -12,6 +12,7 @@ use crate::error::wrap;
 use crate::fit::considered::Considered;
 use crate::fit::free_set::{enough, hold, parameter_shares, worth_fitting};
 use crate::fit::parameter_fit::{ParameterFit, Profiled, Starts};
+use crate::fit::rows::spread_rows;
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
 use crate::problem::loads::Loads;
@@ -22,6 +23,10 @@ use crate::{
 
 /// Rounds of pruning at the solution before the set is accepted as it is.
 const MAX_ROUNDS: usize = 6;
+
+/// Rows from which a search begins where that on some of them ended, and how many these are.
+const LONG: usize = 100_000;
+const SOME: usize = 10_000;
 
 /// A fit of chosen parameters to chosen channels of a recording; [`crate::fit_parameters`] answers it.
 #[derive(Debug, Clone, Copy)]
@@ -111,6 +116,9 @@ impl FitRequest<'_> {
         let mut free = supported(&nominal_identifiability);
         let mut values = values_of(parameters, self.start.unwrap_or(self.device));
         hold(&mut values, &free, &start);
+        if let Some(begun) = self.begun(&values, &free) {
+            values = begun;
+        }
         let mut iterations = 0;
         let mut round = 0;
         let (fit, identifiability, reduction) = loop {
@@ -173,6 +181,22 @@ impl FitRequest<'_> {
             residuals,
             channel_parameters: shares,
         })
+    }
+
+    /// Where a search on some rows of a long recording ends: all of its rows then take a step or two. None for a short
+    /// recording, or where that search finds no minimum.
+    fn begun(&self, values: &[f64], free: &[usize]) -> Option<Vec<f64>> {
+        if self.recording.len() < LONG || free.is_empty() {
+            return None;
+        }
+        let rows = spread_rows(self.recording.len(), SOME);
+        let part = self.recording.select(&rows);
+        let (device, channels) = (self.device, self.channels);
+        let problem = DeviceProblem::new(device, &part, channels, self.parameters, self.weights);
+        let problem = problem.ok()?;
+        let prepared = Prepared::new(&problem).ok()?;
+        let fit = solve(prepared.searched(), values, free, &self.options.search).ok()?;
+        fit.convergence.was_successful().then_some(fit.parameters)
     }
 
     /// The device as it is, where the samples support none of the candidates.

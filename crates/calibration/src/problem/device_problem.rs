@@ -8,6 +8,7 @@ use haptical_model::{Device, ModelError, ParameterId, Recording};
 use crate::error::at_row;
 use crate::problem::lanes::transmission::outputs_in_bulk;
 use crate::problem::loads::Loads;
+use crate::problem::propagated::propagated_variances;
 use crate::{CalibrationError, Channel, Weights};
 
 /// Residuals (model minus measurement, over standard deviation) of chosen channels as functions of
@@ -26,6 +27,9 @@ pub struct DeviceProblem<'a> {
     /// Torques that compliant joints yield to.
     pub(crate) loads: Option<Loads>,
 }
+
+/// Rows of which output angles that stay are kept: of more, each pass works them out again.
+const MOST_KEPT: usize = 100_000;
 
 /// The residuals of one channel: consecutive, in row order.
 #[derive(Debug)]
@@ -60,15 +64,34 @@ impl<'a> DeviceProblem<'a> {
         parameters: &'a [ParameterId],
         weights: &Weights,
     ) -> Result<Self, CalibrationError> {
-        let mut blocks = Vec::new();
-        for &channel in channels {
-            let deviations = weights.residual_sd(device, recording, channel)?;
-            add_block(&mut blocks, recording, channel, |row| 1.0 / deviations[row]);
-            if let Some(block) = blocks.last_mut() {
-                block.subjects = subjects(device, recording, block)?;
-            }
-        }
-        let sees_chain = channels.iter().any(|channel| channel.sees_chain());
+        let loads = Loads::new(device, recording)?;
+        let deviations = |channel| {
+            let variances = propagated_variances(device, recording, channel, loads.as_ref())?;
+            Ok(weights.with_variances(recording, channel, variances))
+        };
+        let blocks = blocks(device, recording, channels, deviations)?;
+        Self::of_blocks(device, recording, (blocks, parameters), loads)
+    }
+
+    /// A channel without parameters whose residuals are in its own unit; `loads` are those of the recording.
+    pub(crate) fn unweighted(
+        device: &'a Device,
+        recording: &'a Recording,
+        channel: Channel,
+        loads: Option<Loads>,
+    ) -> Result<Self, CalibrationError> {
+        let ones = |_| Ok(vec![1.0; recording.len()]);
+        let blocks = blocks(device, recording, &[channel], ones)?;
+        Self::of_blocks(device, recording, (blocks, &[]), loads)
+    }
+
+    fn of_blocks(
+        device: &'a Device,
+        recording: &'a Recording,
+        (blocks, parameters): (Vec<Block>, &'a [ParameterId]),
+        loads: Option<Loads>,
+    ) -> Result<Self, CalibrationError> {
+        let sees_chain = blocks.iter().any(|block| block.channel.sees_chain());
         let outputs = fixed_outputs(device, recording, parameters, sees_chain)?;
         Ok(Self {
             device,
@@ -78,7 +101,7 @@ impl<'a> DeviceProblem<'a> {
             blocks,
             sees_chain,
             outputs,
-            loads: Loads::new(device, recording)?,
+            loads,
         })
     }
 
@@ -202,6 +225,24 @@ fn add_block(
     });
 }
 
+/// The rows of each channel, with the deviations of their residuals.
+fn blocks(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    deviations: impl Fn(Channel) -> Result<Vec<f64>, CalibrationError>,
+) -> Result<Vec<Block>, CalibrationError> {
+    let mut blocks = Vec::with_capacity(channels.len());
+    for &channel in channels {
+        let deviations = deviations(channel)?;
+        add_block(&mut blocks, recording, channel, |row| 1.0 / deviations[row]);
+        if let Some(block) = blocks.last_mut() {
+            block.subjects = subjects(device, recording, block)?;
+        }
+    }
+    Ok(blocks)
+}
+
 /// Which of the device's touched points or planes each row of a block is about.
 fn subjects(
     device: &Device,
@@ -234,7 +275,8 @@ fn fixed_outputs(
 ) -> Result<Option<Vec<f64>>, CalibrationError> {
     let is_transmission =
         |parameter: &ParameterId| matches!(parameter, ParameterId::Transmission { .. });
-    if !sees_chain || parameters.iter().any(is_transmission) {
+    let is_long = recording.len() > MOST_KEPT;
+    if !sees_chain || is_long || parameters.iter().any(is_transmission) {
         return Ok(None);
     }
     if let Some(outputs) = outputs_in_bulk(device, recording, parameters) {

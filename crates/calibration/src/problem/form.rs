@@ -71,14 +71,17 @@ impl<'p> Prepared<'p> {
         if !self.gauged.is_scaled() {
             return self.reduced.by_channel(values, free);
         }
-        let (jacobian, _) = evaluate_jacobian(&self.gauged, values, free)?;
+        let (jacobian, residuals) = evaluate_jacobian(&self.gauged, values, free)?;
         let blocks = self.problem.blocks.iter();
         let own = blocks.map(|block| {
-            let rows = block.end() - block.first;
-            let entry = |row: usize, column: usize| jacobian[(block.first + row, column)];
-            (block.channel, Matrix::from_fn(rows, free.len(), entry))
+            let rows = block.first..block.end();
+            let columns = (0..free.len()).map(|column| &jacobian.column(column)[rows.clone()]);
+            let columns: Vec<&[f64]> = columns.collect();
+            let mut triangle = Triangle::new(free.len());
+            triangle.fold_rows(&columns, &residuals[rows])?;
+            Ok((block.channel, triangle.as_rows()))
         });
-        Ok(own.collect())
+        own.collect()
     }
 
     /// Weighted residuals, row by row.

@@ -125,15 +125,21 @@ fn log_mobility(
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; device.joints.len()];
     let mut sum = Sum::new(if slopes { problem.parameters.len() } else { 0 });
+    let mut axes = Vec::with_capacity(chain.drives().len());
     let step = touches.len().div_ceil(MOST_TOUCHES).max(1);
     for (row, plane) in touches.into_iter().step_by(step) {
         problem.move_to_row(&mut evaluation, &mut readings, row, true)?;
         let touched = plane.and_then(|plane| device.surroundings.planes.get(plane));
         let touched = touched.map(TouchedPlane::normal_and_slopes);
         let torques = problem.loads.as_ref().map(|loads| loads.of_row(row));
+        let parameter = Parameter::Theta;
+        let axis = |row| evaluation.pose_derivative(ParameterId::Link { row, parameter });
+        axes.clear();
+        axes.extend((1..=chain.drives().len()).map(axis));
         let at = AtTouch {
             evaluation: &evaluation,
             drives: chain.drives(),
+            axes: &axes,
             convention: device.convention,
             torques,
         };
@@ -192,17 +198,13 @@ struct AtTouch<'t> {
     evaluation: &'t Evaluation<'t>,
     /// Of the rows from 1 on.
     drives: &'t [Drive],
+    /// Twists of the handle by a turn about the axis of each of them.
+    axes: &'t [Twist],
     convention: Convention,
     torques: Option<&'t [f64]>,
 }
 
 impl AtTouch<'_> {
-    fn axis(&self, row: usize) -> Twist {
-        let parameter = Parameter::Theta;
-        self.evaluation
-            .pose_derivative(ParameterId::Link { row, parameter })
-    }
-
     /// Adds the logarithm at this touch, and returns its derivatives; none where the handle does not move.
     fn pulls(&self, normal: Option<Vector3<f64>>, sum: &mut Sum) -> Option<Pulls> {
         let joints = self.evaluation.joint_count();
@@ -276,8 +278,7 @@ impl AtTouch<'_> {
         let is_before_own_turn = self.convention == Convention::Modified
             && !matches!(parameter, Parameter::Theta | Parameter::D);
         let mut slope = 0.0;
-        for (driven, pull) in (1..).zip(pulls) {
-            let axis = self.axis(driven);
+        for ((driven, axis), pull) in (1..).zip(self.axes).zip(pulls) {
             let is_before = row < driven || (row == driven && is_before_own_turn);
             let change = if is_before {
                 moved.angular.cross(&axis.linear)

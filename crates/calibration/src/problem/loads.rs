@@ -1,9 +1,43 @@
 //! The drive torques at each row, to which compliant joints yield.
 
 use haptical_model::{Device, Recording};
+use rayon::prelude::*;
 
 use crate::CalibrationError;
 use crate::error::at_row;
+
+/// Rows that one thread works out at a time.
+const ROWS_AT_ONCE: usize = 64;
+
+/// [`haptical_model::holding_torques_nm`], some rows at a time in parallel, each as it is alone.
+fn held_torques_nm(
+    device: &Device,
+    recording: &Recording,
+) -> Result<Option<Vec<Vec<f64>>>, CalibrationError> {
+    let bare = Recording {
+        line: vec![0; recording.len()],
+        joint: recording.joint.clone(),
+        force_n: recording.force_n.clone(),
+        ..Recording::default()
+    };
+    let rows: Vec<usize> = (0..recording.len()).collect();
+    let parts: Vec<_> = rows
+        .par_chunks(ROWS_AT_ONCE)
+        .map(|part| haptical_model::holding_torques_nm(device, &bare.select(part)))
+        .collect();
+    let mut columns: Option<Vec<Vec<f64>>> = None;
+    for part in parts {
+        let part = part.map_err(|source| at_row(recording, 0)(source.into()))?;
+        let Some(part) = part else {
+            return Ok(None);
+        };
+        let whole = columns.get_or_insert_with(|| vec![Vec::new(); part.len()]);
+        for (column, part) in whole.iter_mut().zip(part) {
+            column.extend(part);
+        }
+    }
+    Ok(columns)
+}
 
 /// Torques, row by row, joint by joint.
 #[derive(Debug)]
@@ -26,8 +60,7 @@ impl Loads {
     ) -> Result<Option<Self>, CalibrationError> {
         if device.has_compliance() {
             let joints = device.joints.len();
-            let held = haptical_model::holding_torques_nm(device, recording);
-            let held = held.map_err(|source| at_row(recording, 0)(source.into()))?;
+            let held = held_torques_nm(device, recording)?;
             let mut torque_nm = Vec::with_capacity(joints * recording.len());
             for row in 0..recording.len() {
                 for joint in 0..joints {

@@ -12,4 +12,5 @@ pub(crate) mod propagated;
 pub(crate) mod reduced;
 pub(crate) mod residuals;
 pub(crate) mod rows;
+pub(crate) mod tiles;
 pub(crate) mod weights;

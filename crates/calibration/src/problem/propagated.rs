@@ -13,6 +13,7 @@ use crate::problem::lanes::cable::cable_model;
 use crate::problem::lanes::transmission::values_and_slopes;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::kind::{Measurement, Posture};
+use crate::problem::tiles::variances::variances;
 use crate::{CalibrationError, Channel};
 
 /// Rows that one thread works out at a time.
@@ -22,14 +23,20 @@ const ROWS_AT_ONCE: usize = 1024;
 /// sum_i (d residual / d reading_i)^2 q_i^2 / 12, q_i the step of joint i's reading (docs/equations.md,
 /// "Propagated quantization"). For positions and orientations the mean over the three axes.
 ///
-/// Encoders and cables of a plain chain are worked out in lanes, everything else, and whatever the lanes refuse,
-/// row by row.
+/// Encoders and cables of a plain chain are worked out in lanes, what else moves with the handle in tiles, everything
+/// else, and whatever these refuse, row by row. `loads` are those of the recording where joints yield.
 pub(crate) fn propagated_variances(
     device: &Device,
     recording: &Recording,
     channel: Channel,
+    loads: Option<&Loads>,
 ) -> Result<Vec<f64>, CalibrationError> {
-    let loads = Loads::new(device, recording)?;
+    let quanta = quantum_variances(device);
+    // nothing is rounded: only a reading that is refused would be news
+    let is_sound = |column: &Vec<f64>| column.iter().all(|reading| reading.is_finite());
+    if quanta.iter().all(|quantum| *quantum == 0.0) && recording.joint.iter().all(is_sound) {
+        return Ok(vec![0.0; recording.len()]);
+    }
     let starts: Vec<usize> = (0..recording.len()).step_by(ROWS_AT_ONCE).collect();
     let parts: Vec<Result<Vec<f64>, CalibrationError>> = starts
         .into_par_iter()
@@ -40,10 +47,11 @@ pub(crate) fn propagated_variances(
                 None => in_lanes(device, recording, channel, rows.clone()),
                 Some(_) => None,
             };
-            lanes.map_or_else(
-                || by_row(device, recording, channel, loads.as_ref(), rows),
-                Ok,
-            )
+            let whole = (device, recording, channel);
+            let tiles = || variances(whole, loads, &quanta, &rows);
+            lanes
+                .or_else(tiles)
+                .map_or_else(|| by_row(device, recording, channel, loads, rows), Ok)
         })
         .collect();
     let mut variances = Vec::with_capacity(recording.len());
@@ -183,8 +191,8 @@ fn by_row(
 
 #[cfg(test)]
 mod tests {
-    use haptical_model::TransmissionError;
     use haptical_model::transmission::CapstanError;
+    use haptical_model::{Placement, TransmissionError};
 
     use super::*;
 
@@ -239,7 +247,7 @@ mod tests {
                     "{channel:?}: {a:e} for {b:e}"
                 );
             }
-            let parts = propagated_variances(&device, &recording, channel).unwrap();
+            let parts = propagated_variances(&device, &recording, channel, None).unwrap();
             for (a, b) in parts.iter().zip(&rows) {
                 assert!(
                     (a - b).abs() <= TOLERANCE * b,
@@ -249,8 +257,38 @@ mod tests {
         }
         // only joints with an encoder count
         let cable = Channel::Cable { index: 0 };
-        let found = propagated_variances(&device, &recording, cable).unwrap();
+        let found = propagated_variances(&device, &recording, cable, None).unwrap();
         assert!(found.iter().all(|variance| *variance > 0.0));
+    }
+
+    /// What moves with the handle, and a touch that only every third row has.
+    #[test]
+    fn tiles_and_rows_agree() {
+        let Some((mut device, mut recording)) = device_and_recording(150) else {
+            return;
+        };
+        device.links[3].beta_rad = 0.02;
+        device.surroundings.tracker_tool = Some(Placement {
+            turn_rad: [0.3, -0.2, 0.1],
+            ..Placement::default()
+        });
+        recording.position_m = Some([(); 3].map(|()| vec![0.1; 150]));
+        recording.orientation_wxyz = Some([1.0, 0.1, 0.2, 0.3].map(|part| vec![part; 150]));
+        let touched = |row: usize| if row.is_multiple_of(3) { "socket" } else { "" };
+        recording.contact = Some((0..150).map(|row| touched(row).to_owned()).collect());
+        let quanta = quantum_variances(&device);
+        for channel in [Channel::Position, Channel::Orientation, Channel::Contact] {
+            let whole = (&device, &recording, channel);
+            let tiles = variances(whole, None, &quanta, &(0..150)).unwrap();
+            let rows = by_row(&device, &recording, channel, None, 0..150).unwrap();
+            assert!(rows[0] > 0.0 && rows.len() == 150);
+            for (a, b) in tiles.iter().zip(&rows) {
+                assert!(
+                    (a - b).abs() <= TOLERANCE * b,
+                    "{channel:?}: {a:e} for {b:e}"
+                );
+            }
+        }
     }
 
     #[test]
@@ -263,7 +301,7 @@ mod tests {
             recording.joint[1][row] = f64::INFINITY;
         }
         for channel in [Channel::Cable { index: 0 }, Channel::Output { joint: 1 }] {
-            let error = propagated_variances(&device, &recording, channel).unwrap_err();
+            let error = propagated_variances(&device, &recording, channel, None).unwrap_err();
             assert!(
                 matches!(error, CalibrationError::Row { line: 1902, .. }),
                 "{error}"

@@ -1,9 +1,13 @@
 //! Residuals of a device on a recording, channel by channel, in the channel's own unit.
 
+use std::borrow::Cow;
+
 use haptical_identification::Problem;
 use haptical_model::{Device, Recording};
 
 use crate::error::wrap;
+use crate::problem::loads::Loads;
+use crate::problem::propagated::propagated_variances;
 use crate::{CalibrationError, Channel, DeviceProblem, Weights};
 
 /// Residuals of one channel.
@@ -85,23 +89,22 @@ pub fn channel_residuals(
             let (known, unknown): (Vec<usize>, Vec<usize>) = (0..recording.len())
                 .filter(|&row| channel.has_reading(recording, row))
                 .partition(|&row| is_known(range_of, recording, channel, row));
-            let part = recording.select(&known);
+            let part = match unknown.is_empty() && known.len() == recording.len() {
+                true => Cow::Borrowed(recording),
+                false => Cow::Owned(recording.select(&known)),
+            };
             let floor = Weights {
                 factor: Default::default(),
                 ..weights.trusting()
             };
-            let deviations = floor.residual_sd(device, &part, channel)?;
-            let problem =
-                DeviceProblem::new(device, &part, &[channel], &[], &unit_weights(channel))?;
+            let loads = Loads::new(device, &part)?;
+            let variances = propagated_variances(device, &part, channel, loads.as_ref())?;
+            let deviations = floor.with_variances(&part, channel, variances);
+            let problem = DeviceProblem::unweighted(device, &part, channel, loads)?;
             let mut residuals = vec![0.0; problem.residual_count()];
             problem
                 .evaluate(&[], &mut residuals, None)
                 .map_err(|source| wrap(&channel.name(), source))?;
-            // The problem divides by its own standard deviation; undo it exactly.
-            let unit = unit_weights(channel).residual_sd(device, &part, channel)?;
-            for (position, residual) in residuals.iter_mut().enumerate() {
-                *residual *= unit[position / channel.width()];
-            }
             let mean_square: f64 =
                 deviations.iter().map(|sd| sd * sd).sum::<f64>() / deviations.len().max(1) as f64;
             Ok(ChannelResiduals {
@@ -139,13 +142,6 @@ fn all_known(device: &Device, recording: &Recording, row: usize) -> bool {
     let joints = device.joints.iter().zip(&recording.joint);
     let mut known = joints.map(|(joint, readings)| joint.error_is_known_at(readings[row]));
     known.all(|known| known)
-}
-
-fn unit_weights(channel: Channel) -> Weights {
-    Weights {
-        channel_sd: [(channel, 1.0)].into(),
-        ..Weights::default()
-    }
 }
 
 fn is_known(device: &Device, recording: &Recording, channel: Channel, row: usize) -> bool {

@@ -35,7 +35,7 @@ impl DeviceProblem<'_> {
         if rows <= ROWS_AT_ONCE {
             let device = self.device_with(values);
             let firsts: Vec<usize> = self.blocks.iter().map(|block| block.first).collect();
-            return self.run_rows(&device, 0..rows, &firsts, residuals, &mut jacobian);
+            return self.run_some(&device, 0..rows, &firsts, residuals, &mut jacobian);
         }
         let free = jacobian.as_ref().map(|(free, _)| *free);
         let parts = self.by_part(values, free, |_, part, matrix| Ok((part, matrix)))?;
@@ -72,7 +72,7 @@ impl DeviceProblem<'_> {
             let mut matrix = free.map(|free| Matrix::zeros(count, free.len()));
             let end = (start + ROWS_AT_ONCE).min(rows);
             let mut jacobian = free.zip(matrix.as_mut());
-            self.run_rows(&device, start..end, &firsts, &mut part, &mut jacobian)?;
+            self.run_some(&device, start..end, &firsts, &mut part, &mut jacobian)?;
             each(start, part, matrix)
         });
         let made: Vec<Result<T, IdentificationError>> = made.collect();
@@ -93,8 +93,23 @@ impl DeviceProblem<'_> {
         })
     }
 
+    /// Rows of the recording in tiles or, where these refuse, row by row, which names what is wrong.
+    fn run_some(
+        &self,
+        device: &Device,
+        rows: Range<usize>,
+        firsts: &[usize],
+        residuals: &mut [f64],
+        jacobian: &mut Option<(&[usize], &mut Matrix)>,
+    ) -> Result<(), IdentificationError> {
+        match self.run_tiles(device, &rows, firsts, residuals, jacobian) {
+            Some(()) => Ok(()),
+            None => self.run_rows(device, rows, firsts, residuals, jacobian),
+        }
+    }
+
     /// Rows of the recording, each block's residuals written from its entry of `firsts` on.
-    fn run_rows(
+    pub(crate) fn run_rows(
         &self,
         device: &Device,
         rows: Range<usize>,

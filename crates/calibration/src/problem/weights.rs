@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use haptical_model::{Device, Joint, Recording};
 
+use crate::problem::loads::Loads;
 use crate::problem::propagated::propagated_variances;
 use crate::{CalibrationError, Channel};
 
@@ -115,15 +116,26 @@ impl Weights {
         recording: &Recording,
         channel: Channel,
     ) -> Result<Vec<f64>, CalibrationError> {
+        let loads = Loads::new(device, recording)?;
+        let variances = propagated_variances(device, recording, channel, loads.as_ref())?;
+        Ok(self.with_variances(recording, channel, variances))
+    }
+
+    /// The same with the variances that the rounding of the readings adds ([`propagated_variances`]).
+    pub(crate) fn with_variances(
+        &self,
+        recording: &Recording,
+        channel: Channel,
+        mut deviations: Vec<f64>,
+    ) -> Vec<f64> {
         let (own, factor) = self.own_sd(channel);
         let sizes = self.local_size.get(&channel);
-        let mut deviations = propagated_variances(device, recording, channel)?;
         for (row, value) in deviations.iter_mut().enumerate() {
             let line = recording.line.get(row).copied().unwrap_or(0);
             let trust = self.trust(channel, line).max(LEAST_WEIGHT);
             let size = sizes.and_then(|sizes| sizes.get(&line)).copied();
             *value = factor * (own * own + *value).sqrt() / trust.sqrt() * size.unwrap_or(1.0);
         }
-        Ok(deviations)
+        deviations
     }
 }

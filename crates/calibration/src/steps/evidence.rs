@@ -1,7 +1,9 @@
 //! Evidence for the terms of a transmission: few samples support few terms.
 
-use haptical_identification::{Matrix, Reduction};
+use haptical_identification::Triangle;
+use haptical_linalg::{LinalgError, RANK_TOLERANCE};
 use haptical_model::{Joint, TransmissionError, TransmissionKind};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::CalibrationError;
@@ -105,17 +107,13 @@ pub(crate) fn weigh(
         } else {
             let mut model = joint.clone();
             model.transmission_error = form(terms, range);
-            let mut derivatives = vec![0.0; model.error_parameter_count()];
-            let mut design = Matrix::zeros(rows, columns.len());
-            for (row, &reading) in readings.iter().enumerate() {
-                if model.evaluate_error(reading, &mut derivatives).is_err() {
-                    continue;
-                }
-                for (position, &column) in columns.iter().enumerate() {
-                    design[(row, position)] = derivatives[column];
-                }
-            }
-            match residual_sums(what, &design, differences)? {
+            let parts = Parts {
+                model: &model,
+                columns: &columns,
+                readings,
+                differences,
+            };
+            match parts.residual_sums(what)? {
                 Some(sums) => sums,
                 None => continue,
             }
@@ -136,39 +134,87 @@ pub(crate) fn weigh(
     Ok(entries)
 }
 
-/// Sum of squared residuals, plain and leave-one-out (residual over 1 - leverage); none where the
-/// columns are dependent.
-fn residual_sums(
-    what: &str,
-    design: &Matrix,
-    target: &[f64],
-) -> Result<Option<(f64, f64)>, CalibrationError> {
-    let wrap = |error: haptical_linalg::LinalgError| wrap(what, error.into());
-    let reduction = Reduction::new(design, target).map_err(wrap)?;
-    let columns: Vec<usize> = (0..design.columns()).collect();
-    let solution = reduction
-        .solve(&columns, 0.0, haptical_linalg::RANK_TOLERANCE)
-        .map_err(wrap)?;
-    if solution.rank < columns.len() {
-        return Ok(None);
+/// Samples that one thread works out at a time.
+const SAMPLES_AT_ONCE: usize = 1024;
+
+/// The samples of a form, some at a time: derivatives of the error by its terms at zero error.
+struct Parts<'a> {
+    model: &'a Joint,
+    columns: &'a [usize],
+    readings: &'a [f64],
+    differences: &'a [f64],
+}
+
+impl Parts<'_> {
+    /// Sum of squared residuals, plain and leave-one-out (residual over 1 - leverage); none where the columns are
+    /// dependent.
+    fn residual_sums(&self, what: &str) -> Result<Option<(f64, f64)>, CalibrationError> {
+        let wrap = |error: LinalgError| wrap(what, error.into());
+        let count = self.columns.len();
+        let folded = self.each(|design, target| {
+            let mut triangle = Triangle::new(count);
+            triangle.fold_rows(&slices(design), target)?;
+            Ok::<Triangle, LinalgError>(triangle)
+        });
+        let mut whole = Triangle::new(count);
+        for part in folded {
+            whole.merge(&part.map_err(wrap)?).map_err(wrap)?;
+        }
+        let reduction = whole.reduction(self.readings.len()).map_err(wrap)?;
+        let all: Vec<usize> = (0..count).collect();
+        let tolerance = RANK_TOLERANCE;
+        let solution = reduction.solve(&all, 0.0, tolerance).map_err(wrap)?;
+        if solution.rank < count {
+            return Ok(None);
+        }
+        let covariance = reduction.covariance(&all, tolerance).map_err(wrap)?;
+        let sums = self.each(|design, target| {
+            let (mut plain, mut without) = (0.0, 0.0);
+            for (sample, target) in target.iter().enumerate() {
+                let (mut leverage, mut fitted) = (0.0, 0.0);
+                for (a, left) in design.iter().enumerate() {
+                    let row = design.iter().zip(covariance.column(a));
+                    let along: f64 = row.map(|(right, entry)| right[sample] * entry).sum();
+                    leverage += left[sample] * along;
+                    fitted += left[sample] * solution.values[a];
+                }
+                let residual = target - fitted;
+                plain += residual * residual;
+                without += (residual / (1.0 - leverage).max(1e-9)).powi(2);
+            }
+            (plain, without)
+        });
+        let add = |(a, b): (f64, f64), (c, d): (f64, f64)| (a + c, b + d);
+        Ok(Some(sums.into_iter().fold((0.0, 0.0), add)))
     }
-    let covariance = reduction
-        .covariance(&columns, haptical_linalg::RANK_TOLERANCE)
-        .map_err(wrap)?;
-    let fitted = design.times(&solution.values).map_err(wrap)?;
-    let (mut plain, mut without) = (0.0, 0.0);
-    for row in 0..design.rows() {
-        let mut leverage = 0.0;
-        for a in 0..columns.len() {
-            for b in 0..columns.len() {
-                leverage += design[(row, a)] * covariance[(a, b)] * design[(row, b)];
+
+    /// What `look` makes of the derivatives, column by column, and differences of each part, in the parts' order.
+    fn each<T: Send>(&self, look: impl Fn(&[Vec<f64>], &[f64]) -> T + Sync) -> Vec<T> {
+        let readings = self.readings.par_chunks(SAMPLES_AT_ONCE);
+        let parts = readings.zip(self.differences.par_chunks(SAMPLES_AT_ONCE));
+        parts
+            .map(|(readings, differences)| look(&self.design(readings), differences))
+            .collect()
+    }
+
+    /// Zero at a reading that the law refuses.
+    fn design(&self, readings: &[f64]) -> Vec<Vec<f64>> {
+        let mut design = vec![vec![0.0; readings.len()]; self.columns.len()];
+        let mut derivatives = vec![0.0; self.model.error_parameter_count()];
+        for (sample, &reading) in readings.iter().enumerate() {
+            let evaluated = self.model.evaluate_error(reading, &mut derivatives);
+            if evaluated.is_ok() {
+                for (column, &index) in design.iter_mut().zip(self.columns) {
+                    column[sample] = derivatives[index];
+                }
             }
         }
-        let residual = target[row] - fitted[row];
-        plain += residual * residual;
-        without += (residual / (1.0 - leverage).max(1e-9)).powi(2);
+        design
     }
-    Ok(Some((plain, without)))
+}
+
+fn slices(columns: &[Vec<f64>]) -> Vec<&[f64]> {
+    columns.iter().map(Vec::as_slice).collect()
 }
 
 /// The zero error in the given form.

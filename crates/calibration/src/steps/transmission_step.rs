@@ -1,5 +1,7 @@
 //! Step 1: each transmission's error from its external encoder.
 
+use std::borrow::Cow;
+
 use haptical_model::{Device, ParameterId, Recording, TransmissionKind};
 
 use crate::steps::evidence::{form, range_of, weigh};
@@ -81,7 +83,10 @@ pub fn fit_transmission(
     let rows: Vec<usize> = (0..recording.len())
         .filter(|&row| channel.has_reading(recording, row))
         .collect();
-    let part = recording.select(&rows);
+    let part = match rows.len() == recording.len() {
+        true => Cow::Borrowed(recording),
+        false => Cow::Owned(recording.select(&rows)),
+    };
     let readings = part.joint[joint].clone();
     let output = part.output[joint].clone().unwrap_or_default();
     let differences: Vec<f64> = output
@@ -128,7 +133,7 @@ pub fn fit_transmission(
         Some(fit_parameters(&FitRequest {
             what: &what,
             device: &start,
-            recording: &part,
+            recording: part.as_ref(),
             channels: &[channel],
             parameters: &parameters,
             unsupported: &unsupported,

@@ -45,3 +45,4 @@ mod scale;
 mod short_logs;
 mod statistics;
 mod warnings;
+mod work;

@@ -2,6 +2,7 @@
 //! smallest size of every other one that would have been noticed.
 
 use haptical_effects::{Absorbed, Effect, Role, Shape, parameter};
+use haptical_linalg::Direction;
 use nalgebra::{DMatrix, DVector};
 
 use crate::answer::{Detectable, Hint, Invisible};
@@ -132,9 +133,14 @@ impl Biases {
                     .max(1e-300)
             })
             .collect();
+        // where joints do not know of each other, most products are zero
+        let columns =
+            (0..free.columns()).map(|column| Direction::new(free.column(column).to_vec()));
+        let columns: Vec<Direction> = columns.collect();
         let normal = DMatrix::from_fn(free.columns(), free.columns(), |a, b| {
             let ridge = if a == b { 1e-9 } else { 0.0 };
-            dot(free.column(a), free.column(b)) / (norms[a] * norms[b]) + ridge
+            let product = columns[a].dot_part(columns[b].values(), columns[b].first());
+            product / (norms[a] * norms[b]) + ridge
         });
         Self {
             normal: normal.cholesky(),

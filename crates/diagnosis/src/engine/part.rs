@@ -2,14 +2,12 @@
 
 use haptical_effects::{Context, Signal};
 use haptical_identification::{Matrix, Reduction};
-use haptical_linalg::{OrthonormalBasis, RANK_TOLERANCE};
+use haptical_linalg::{Direction, OrthonormalBasis, RANK_TOLERANCE};
 
 use crate::DiagnosisError;
 use crate::engine::base::{Base, BaseProblem};
 use crate::engine::blocks::Blocks;
-use crate::engine::system::{
-    System, compress_matrix, compress_rows, dot, oscillations, take_off, windows,
-};
+use crate::engine::system::{System, compress_matrix, compress_rows, dot, oscillations, windows};
 
 /// Rows that a fit sees: their blocks, and the base model's derivatives on them.
 #[derive(Debug, Clone)]
@@ -54,16 +52,19 @@ impl Part {
         let free = compress_matrix(context, problem, &blocks, matrix, &base.free);
         let stiffness = base.stiffness().to_vec();
         let rows = free.rows();
-        let whole = Matrix::from_fn(rows + stiffness.len(), free.columns(), |row, column| {
-            if row < rows {
-                free[(row, column)]
-            } else if row - rows == column {
-                stiffness[column]
-            } else {
-                0.0
-            }
+        let anchored = (!stiffness.is_empty()).then(|| {
+            Matrix::from_fn(rows + stiffness.len(), free.columns(), |row, column| {
+                if row < rows {
+                    free[(row, column)]
+                } else if row - rows == column {
+                    stiffness[column]
+                } else {
+                    0.0
+                }
+            })
         });
-        let basis = Some(OrthonormalBasis::new(&whole, RANK_TOLERANCE)?);
+        let whole = anchored.as_ref().unwrap_or(&free);
+        let basis = Some(OrthonormalBasis::new(whole, RANK_TOLERANCE)?);
         Ok(Self {
             blocks,
             free,
@@ -73,14 +74,8 @@ impl Part {
     }
 
     /// Orthonormal directions of the free parameters, whatever anchors them.
-    fn directions(&self) -> Result<Vec<Vec<f64>>, DiagnosisError> {
-        let columns = |basis: &OrthonormalBasis| {
-            let directions = basis.directions();
-            let columns = 0..directions.columns();
-            columns
-                .map(|column| directions.column(column).to_vec())
-                .collect()
-        };
+    fn directions(&self) -> Result<Vec<Direction>, DiagnosisError> {
+        let columns = |basis: &OrthonormalBasis| basis.directions().cloned().collect();
         Ok(match &self.basis {
             None => Vec::new(),
             Some(basis) if self.stiffness.is_empty() => columns(basis),
@@ -145,10 +140,9 @@ impl Part {
         let across = |vector: &[f64]| {
             let mut rest = vector.to_vec();
             if let Some(basis) = &self.basis {
-                let directions = basis.directions();
                 for _ in 0..2 {
-                    for k in 0..directions.columns() {
-                        take_off(&mut rest, directions.column(k));
+                    for direction in basis.directions() {
+                        direction.take_off(&mut rest);
                     }
                 }
             }

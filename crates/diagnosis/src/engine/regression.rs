@@ -6,7 +6,7 @@ use haptical_linalg::{LinalgError, Triangle};
 use nalgebra::{DMatrix, DVector};
 
 use crate::engine::layout::Layout;
-use crate::engine::system::{System, dot};
+use crate::engine::system::System;
 
 /// Share of a column's length below which it is projected a second time: above it one pass leaves at most ten times the
 /// rounding. A long log has ten thousand blocks, and its base model a hundred columns.
@@ -76,8 +76,9 @@ impl<L: Layout> Regression<L> {
         let count = self.reading.len() + reading.len();
         self.reading.extend_from_slice(reading);
         self.system.residual.extend_from_slice(reading);
-        for vector in self.columns.iter_mut().chain(&mut self.system.basis) {
-            vector.resize(count, 0.0);
+        // directions are zero behind what they hold
+        for column in &mut self.columns {
+            column.resize(count, 0.0);
         }
     }
 
@@ -114,7 +115,7 @@ impl<L: Layout> Regression<L> {
     /// Coefficients of all columns; 0 of those that depend on others before them.
     pub(crate) fn solution(&self) -> Vec<f64> {
         let basis = self.system.basis.iter();
-        let right = basis.map(|direction| dot(direction, &self.reading));
+        let right = basis.map(|direction| direction.dot(&self.reading));
         let right = DVector::from_iterator(self.independent.len(), right);
         let mut solution = vec![0.0; self.len()];
         if let Some(values) = self.triangle().solve_upper_triangular(&right) {

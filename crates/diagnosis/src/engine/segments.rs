@@ -2,6 +2,7 @@
 //! (docs/diagnosis.md, "Partial causes").
 
 use haptical_effects::Context;
+use haptical_linalg::Direction;
 use nalgebra::{DMatrix, DVector};
 
 use crate::engine::system::System;
@@ -131,9 +132,9 @@ fn predicted_by_others(
     residual + base * moved.rows(0, known) + new * moved.rows(known, all - known)
 }
 
-fn directions_at(entries: &[usize], directions: &[Vec<f64>]) -> DMatrix<f64> {
+fn directions_at(entries: &[usize], directions: &[Direction]) -> DMatrix<f64> {
     DMatrix::from_fn(entries.len(), directions.len(), |row, column| {
-        directions[column][entries[row]]
+        directions[column].entry(entries[row])
     })
 }
 

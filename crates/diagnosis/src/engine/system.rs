@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use haptical_effects::{Context, Signal};
-use haptical_linalg::Matrix;
+use haptical_linalg::{Direction, Matrix};
 pub(crate) use haptical_linalg::{dot, take_off};
 
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ pub(crate) struct Column {
 pub(crate) struct System<L = Blocks> {
     pub(crate) layout: L,
     /// Orthonormal; the base model's first, then those of the causes found.
-    pub(crate) basis: Vec<Vec<f64>>,
+    pub(crate) basis: Vec<Direction>,
     /// Across the basis.
     pub(crate) residual: Vec<f64>,
     /// Windows per stream, as ranges of all blocks.
@@ -84,7 +84,7 @@ impl<L: Layout> System<L> {
         // twice: one pass leaves the rounding of large coefficients
         for _ in 0..2 {
             for direction in &self.basis {
-                take_off(&mut whitened, direction);
+                direction.take_off(&mut whitened);
             }
         }
         self.residual = whitened;
@@ -97,6 +97,15 @@ impl<L: Layout> System<L> {
             .iter()
             .map(|(stream, values)| dot(values, &vector[self.layout.range(*stream)]))
             .sum()
+    }
+
+    /// The same with a direction.
+    pub(crate) fn dot_direction(&self, column: &Column, direction: &Direction) -> f64 {
+        let parts = column.parts.iter();
+        let along = |(stream, values): &(usize, Vec<f64>)| {
+            direction.dot_part(values, self.layout.range(*stream).start)
+        };
+        parts.map(along).sum()
     }
 
     /// A column over all blocks.
@@ -123,7 +132,7 @@ impl<L: Layout> System<L> {
     pub(crate) fn take_again_below(&mut self, share: f64, dense: Vec<f64>) -> Option<Vec<f64>> {
         let across = across(dense, share, || self.basis.iter())?;
         take_off(&mut self.residual, &across.direction);
-        self.basis.push(across.direction);
+        self.basis.push(Direction::new(across.direction));
         Some(across.products)
     }
 
@@ -139,19 +148,31 @@ impl<L: Layout> System<L> {
         let streams = self.windows.iter().zip(&self.oscillations);
         streams
             .map(|(windows, oscillations)| {
-                let energy = |vector: &[f64]| {
+                // of a vector that is zero before `first`, and behind what is given
+                let energy = |first: usize, vector: &[f64]| {
+                    let within = |blocks: &Range<usize>| {
+                        let place = |block: usize| block.saturating_sub(first).min(vector.len());
+                        place(blocks.start)..place(blocks.end)
+                    };
                     let sum = |window: &Range<usize>| {
-                        vector[window.clone()].iter().sum::<f64>() / (window.len() as f64).sqrt()
+                        vector[within(window)].iter().sum::<f64>() / (window.len() as f64).sqrt()
                     };
                     let slow: f64 = windows.iter().map(|w| sum(w).powi(2)).sum();
-                    let along =
-                        |(blocks, values): &Oscillation| dot(values, &vector[blocks.clone()]);
+                    let along = |(blocks, values): &Oscillation| {
+                        let own = within(blocks);
+                        let skipped = (own.start + first).saturating_sub(blocks.start);
+                        dot(&values[skipped.min(values.len())..], &vector[own])
+                    };
                     slow + oscillations.iter().map(|o| along(o).powi(2)).sum::<f64>()
                 };
-                let taken: f64 = self.basis.iter().map(|direction| energy(direction)).sum();
+                let taken = self
+                    .basis
+                    .iter()
+                    .map(|own| energy(own.first(), own.values()));
+                let taken: f64 = taken.sum();
                 let count = windows.len() + oscillations.len();
                 SlowEnergy {
-                    energy: energy(residual),
+                    energy: energy(0, residual),
                     freedom: (count as f64 - taken).max(0.0),
                 }
             })
@@ -169,17 +190,17 @@ pub(crate) struct Across {
 
 /// The part of a vector across orthonormal directions; none where nothing is left. A second pass takes off what rounding
 /// left in the first, where less than `again_below` of the length is left (Daniel, Gragg, Kaufman & Stewart 1976).
-pub(crate) fn across<'d, D: Iterator<Item = &'d Vec<f64>>>(
+pub(crate) fn across<'d, D: Iterator<Item = &'d Direction>>(
     mut vector: Vec<f64>,
     again_below: f64,
     directions: impl Fn() -> D,
 ) -> Option<Across> {
     let length = dot(&vector, &vector).sqrt();
-    let mut products: Vec<f64> = directions().map(|d| take_off(&mut vector, d)).collect();
+    let mut products: Vec<f64> = directions().map(|d| d.take_off(&mut vector)).collect();
     let mut left = dot(&vector, &vector).sqrt();
     if left <= again_below * length {
         for (product, direction) in products.iter_mut().zip(directions()) {
-            *product += take_off(&mut vector, direction);
+            *product += direction.take_off(&mut vector);
         }
         left = dot(&vector, &vector).sqrt();
     }

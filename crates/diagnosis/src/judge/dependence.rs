@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::DiagnosisError;
 use crate::answer::Dependence;
-use crate::engine::system::{System, dot, take_off};
+use crate::engine::system::{System, dot};
 
 use self::questions::questions;
 use crate::thresholds::dependence::{ASKED_SHARE, DEPENDENCE_P, DEPENDENT, STRETCHES};
@@ -103,7 +103,7 @@ fn ask(
         let length = dot(&column, &column).sqrt();
         for _ in 0..2 {
             for direction in &system.basis {
-                take_off(&mut column, direction);
+                direction.take_off(&mut column);
             }
         }
         let left = dot(&column, &column).sqrt();

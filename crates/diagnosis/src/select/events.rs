@@ -1,6 +1,7 @@
 //! Steps: the instants at which they explain most (docs/diagnosis.md, "Events").
 
 use haptical_effects::{Context, Effect, Signal};
+use haptical_linalg::Direction;
 
 use crate::engine::system::{ALWAYS, System, across, dot, take_off};
 use crate::select::scan::{Candidate, Score};
@@ -43,14 +44,14 @@ fn best_instant(
             }
         }
         entries.sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
-        let directions: Vec<&Vec<f64>> = rest.directions().collect();
+        let directions: Vec<&Direction> = rest.directions().collect();
         let mut taken = vec![0.0; directions.len()];
         let (mut along, mut own) = (0.0, 0.0);
         for (position, &(row, place, value)) in entries.iter().enumerate() {
             along += value * rest.residual[place];
             own += value * value;
             for (sum, direction) in taken.iter_mut().zip(&directions) {
-                *sum += value * direction[place];
+                *sum += value * direction.entry(place);
             }
             let last_of_row = entries.get(position + 1).is_none_or(|next| next.0 != row);
             let inside = row >= run.start + margin && row + margin < run.end;
@@ -171,7 +172,7 @@ pub(crate) fn sharpen(
 /// Residual of a system with further directions projected out.
 struct Rest<'s> {
     system: &'s System,
-    further: Vec<Vec<f64>>,
+    further: Vec<Direction>,
     residual: Vec<f64>,
     /// Rows of the other steps.
     steps: Vec<usize>,
@@ -216,7 +217,7 @@ impl<'s> Rest<'s> {
         self.steps.iter().any(near)
     }
 
-    fn directions(&self) -> impl Iterator<Item = &Vec<f64>> {
+    fn directions(&self) -> impl Iterator<Item = &Direction> {
         self.system.basis.iter().chain(&self.further)
     }
 
@@ -224,7 +225,7 @@ impl<'s> Rest<'s> {
         let dense = self.system.dense(&self.system.column(signal));
         if let Some(across) = across(dense, ALWAYS, || self.directions()) {
             take_off(&mut self.residual, &across.direction);
-            self.further.push(across.direction);
+            self.further.push(Direction::new(across.direction));
         }
     }
 

@@ -124,7 +124,7 @@ impl Candidate {
         // direction by direction: a basis is larger than the processor's cache
         for direction in &system.basis[known..] {
             for (column, coefficients) in self.columns.iter().zip(&mut self.coefficients) {
-                coefficients.push(system.dot(column, direction));
+                coefficients.push(system.dot_direction(column, direction));
             }
         }
     }

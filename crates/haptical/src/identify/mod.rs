@@ -91,7 +91,7 @@ pub fn identify_as(
     log: &Log,
     options: &Identify,
 ) -> Result<Found, Error> {
-    let (recording, copies) = without_copies(log.recording.clone());
+    let (recording, copies) = without_copies(&log.recording);
     let mut model = device.model.clone();
     options.apply(&mut model)?;
     let (device_path, log_path) = (&device.source().path, &log.source().path);
@@ -135,7 +135,8 @@ pub fn identify_as(
         device: Device::open(&source, &crate::Equipment::default())?,
         calibration,
         result,
-        recording,
+        // a copy only now that the fit has given its room back
+        recording: recording.into_owned(),
         toml,
         rejected,
     })

@@ -38,6 +38,17 @@ impl Lanes {
         mut visit: impl FnMut(&PartRows<'_>),
     ) -> Option<()> {
         let pass = Pass::new(&self.rows, problem, parameters, free)?;
+        if self.rows.blocks.is_empty() {
+            let mut room = Room::default();
+            return self.rows.starts.iter().try_for_each(|&start| {
+                let block = self.rows.block(problem, start)?;
+                room.forget();
+                pass.block(&block, &mut room, |rows| {
+                    visit(rows);
+                    Some(())
+                })
+            });
+        }
         // taken out: `visit` may ask for another pass
         let mut rooms = self.rooms.take();
         rooms.resize_with(self.rows.blocks.len(), Room::default);
@@ -61,8 +72,6 @@ impl Lanes {
         free: &[usize],
     ) -> Option<Vec<ChannelTriangle>> {
         let pass = Pass::new(&self.rows, problem, parameters, free)?;
-        let mut rooms = self.rooms.take();
-        rooms.resize_with(self.rows.blocks.len(), Room::default);
         let fold = |(block, room): (&RowBlock, &mut Room)| {
             let mut triangles: Vec<Triangle> = pass
                 .channels
@@ -75,9 +84,22 @@ impl Lanes {
             });
             folded.map(|()| triangles)
         };
+        let mut rooms = self.rooms.take();
+        rooms.resize_with(self.rows.blocks.len(), Room::default);
         let several =
             self.rows.blocks.len() >= BLOCKS_FOR_THREADS && rayon::current_num_threads() > 1;
-        let folded: Option<Vec<Vec<Triangle>>> = if several {
+        let folded: Option<Vec<Vec<Triangle>>> = if self.rows.blocks.is_empty() {
+            let rows = &self.rows;
+            let made = rows
+                .starts
+                .par_iter()
+                .map_init(Room::default, |room, &start| {
+                    let block = rows.block(problem, start)?;
+                    room.forget();
+                    fold((&block, room))
+                });
+            made.collect()
+        } else if several {
             let pairs = self.rows.blocks.par_iter().zip(rooms.par_iter_mut());
             pairs.map(fold).collect()
         } else {

@@ -43,6 +43,13 @@ pub(crate) struct Room {
     values: Vec<f64>,
 }
 
+impl Room {
+    /// Makes room for another block.
+    pub(crate) fn forget(&mut self) {
+        self.poses.clear();
+    }
+}
+
 /// What a pass asks of all blocks.
 pub(crate) struct Pass<'l> {
     rows: &'l LaneRows,

@@ -11,6 +11,9 @@ use crate::{Channel, DeviceProblem};
 /// Rows of the recording that are worked out together: twelve tiles of the batch. 6000 rows make two blocks, and
 /// a merger costs a fiftieth of a block.
 const BLOCK_ROWS: usize = 3072;
+/// Most blocks that are kept from pass to pass, with the sines of their readings: of 120 000 rows, some 100 MB. Of more
+/// rows a pass makes each block anew, which takes a tenth of its time.
+const MOST_KEPT: usize = 40;
 
 /// External encoders and distances of a recording, ready for many parameter vectors.
 ///
@@ -22,6 +25,9 @@ const BLOCK_ROWS: usize = 3072;
 pub(crate) struct LaneRows {
     pub(crate) joints: Vec<JointPlan>,
     pub(crate) channels: Vec<ChannelPlan>,
+    /// First row of each block.
+    pub(crate) starts: Vec<usize>,
+    /// The blocks, made once; empty where they are too many to be kept.
     pub(crate) blocks: Vec<RowBlock>,
 }
 
@@ -111,13 +117,20 @@ impl LaneRows {
             .channels()
             .map(|channel| channel_plan(device, problem.parameters, &joints, channel))
             .collect::<Option<Vec<_>>>()?;
-        let starts = (0..recording.len()).step_by(BLOCK_ROWS);
-        let blocks = starts.map(|start| row_block(problem, &joints, start));
+        let starts: Vec<usize> = (0..recording.len()).step_by(BLOCK_ROWS).collect();
+        let kept = starts.iter().filter(|_| starts.len() <= MOST_KEPT);
+        let blocks = kept.map(|&start| row_block(problem, &joints, start));
         Some(Self {
             blocks: blocks.collect::<Option<_>>()?,
+            starts,
             joints,
             channels,
         })
+    }
+
+    /// A block that is not kept, by its first row.
+    pub(crate) fn block(&self, problem: &DeviceProblem<'_>, start: usize) -> Option<RowBlock> {
+        row_block(problem, &self.joints, start)
     }
 }
 

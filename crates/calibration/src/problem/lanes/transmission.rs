@@ -83,8 +83,11 @@ impl ErrorRows {
     }
 }
 
+/// Readings whose sines, or whose basis, are held at a time.
+const READINGS_AT_ONCE: usize = 4096;
+
 /// A joint, and the parameters of its transmission's error.
-fn error_of(device: &Device, joint: usize) -> Option<(&Joint, Vec<f64>)> {
+pub(crate) fn error_of(device: &Device, joint: usize) -> Option<(&Joint, Vec<f64>)> {
     let described = device.joints.get(joint)?;
     let parameters = 0..described.error_parameter_count();
     let value = |index| ParameterId::Transmission { joint, index }.value(device);
@@ -99,10 +102,14 @@ pub(crate) fn errors_in_bulk(device: &Device, joint: usize, readings: &[f64]) ->
         described.error_rad(0.0).ok()?;
         return Some(vec![0.0; readings.len()]);
     }
-    if let Some(rows) = ErrorRows::new(described, readings) {
+    if ErrorRows::new(described, &[]).is_some() {
+        let mut values = Vec::with_capacity(readings.len());
         let mut at = ErrorValues::default();
-        rows.evaluate(&error, false, &mut at)?;
-        return Some(at.values);
+        for part in readings.chunks(READINGS_AT_ONCE) {
+            ErrorRows::new(described, part)?.evaluate(&error, false, &mut at)?;
+            values.extend_from_slice(&at.values);
+        }
+        return Some(values);
     }
     let each = readings.iter().map(|reading| described.error_rad(*reading));
     each.collect::<Result<_, _>>().ok()

@@ -25,6 +25,7 @@ pub(crate) struct Seen {
 }
 
 impl Measurement for Cable {
+    const IS_OF_HANDLE: bool = true;
     type Seen = Seen;
 
     fn has_reading(&self, recording: &Recording, row: usize) -> bool {
@@ -84,12 +85,13 @@ impl Measurement for Cable {
             ParameterId::Surrounding(CableScale { .. }) => seen.by_scale,
             ParameterId::Surrounding(CableExitRadius { .. }) => seen.by_exit_radius,
             ParameterId::Surrounding(_) => seen.weight,
-            _ => {
-                let moved = at.evaluation.pose_derivative(parameter).linear;
-                seen.by_position.dot(&moved)
-            }
+            _ => return self.by_twist(seen, &at.evaluation.pose_derivative(parameter)),
         };
         [slope, 0.0, 0.0]
+    }
+
+    fn by_twist(&self, seen: &Seen, twist: &Twist) -> [f64; 3] {
+        [seen.by_position.dot(&twist.linear), 0.0, 0.0]
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {

@@ -23,6 +23,7 @@ pub(crate) struct Seen {
 
 impl Measurement for Contact {
     const WIDTH: usize = 3;
+    const IS_OF_HANDLE: bool = true;
     type Seen = Seen;
 
     fn has_reading(&self, recording: &Recording, row: usize) -> bool {
@@ -70,11 +71,18 @@ impl Measurement for Contact {
             }
             ParameterId::Surrounding(_) => [0.0; 3],
             ParameterId::Link { row: 0, .. } => {
-                let Twist { linear, angular } = at.evaluation.pose_derivative(parameter);
-                (seen.into_base * (linear - angular.cross(&seen.gap_m))).into()
+                self.by_base_twist(seen, &at.evaluation.pose_derivative(parameter))
             }
-            _ => (seen.into_base * at.evaluation.pose_derivative(parameter).linear).into(),
+            _ => self.by_twist(seen, &at.evaluation.pose_derivative(parameter)),
         }
+    }
+
+    fn by_twist(&self, seen: &Seen, twist: &Twist) -> [f64; 3] {
+        (seen.into_base * twist.linear).into()
+    }
+
+    fn by_base_twist(&self, seen: &Seen, Twist { linear, angular }: &Twist) -> [f64; 3] {
+        (seen.into_base * (linear - angular.cross(&seen.gap_m))).into()
     }
 
     fn sensitivity_square(&self, _: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {

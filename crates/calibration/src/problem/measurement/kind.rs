@@ -13,6 +13,9 @@ pub(crate) trait Measurement {
     /// Residuals of one row, at most three.
     const WIDTH: usize = 1;
 
+    /// Whether the parameters of the chain change the residuals by moving the handle, and in no other way.
+    const IS_OF_HANDLE: bool = false;
+
     /// What is worked out once at a row for all derivatives.
     type Seen;
 
@@ -62,10 +65,26 @@ pub(crate) trait Measurement {
     /// Derivatives of the residuals by a parameter that the kind sees, times the weight that they were seen with.
     fn derivative(&self, seen: &Self::Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3];
 
+    /// Derivatives of the residuals along a twist of the handle in frame (-1), times the weight; of a kind of the handle
+    /// ([`Measurement::IS_OF_HANDLE`]).
+    fn by_twist(&self, _: &Self::Seen, _: &Twist) -> [f64; 3] {
+        [0.0; 3]
+    }
+
+    /// The same where the twist is that of the robot's base, which the handle follows: a parameter of row 0.
+    fn by_base_twist(&self, seen: &Self::Seen, twist: &Twist) -> [f64; 3] {
+        self.by_twist(seen, twist)
+    }
+
     /// Square of the residual's derivative along a twist of the handle, the mean over the residuals.
     fn sensitivity_square(&self, _: &Posture<'_>, _: &Twist) -> Result<f64, ModelError> {
         Ok(0.0)
     }
+}
+
+/// [`Measurement::IS_OF_HANDLE`] of a value.
+pub(crate) fn is_of_handle<M: Measurement>(_: &M) -> bool {
+    M::IS_OF_HANDLE
 }
 
 /// A device moved to a row of a recording.

@@ -23,6 +23,7 @@ pub(crate) struct Seen {
 
 impl Measurement for Orientation {
     const WIDTH: usize = 3;
+    const IS_OF_HANDLE: bool = true;
     type Seen = Seen;
 
     fn unit(&self, _: &Device) -> &'static str {
@@ -57,6 +58,10 @@ impl Measurement for Orientation {
     fn derivative(&self, seen: &Seen, at: &Posture<'_>, parameter: ParameterId) -> [f64; 3] {
         let angular = seen.sight.derivative(at, parameter).angular;
         (seen.inverse * angular * seen.weight).into()
+    }
+
+    fn by_twist(&self, seen: &Seen, twist: &Twist) -> [f64; 3] {
+        (seen.inverse * seen.sight.carried(twist).angular * seen.weight).into()
     }
 
     fn sensitivity_square(&self, _: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {

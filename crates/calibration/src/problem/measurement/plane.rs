@@ -27,6 +27,7 @@ impl Plane {
 }
 
 impl Measurement for Plane {
+    const IS_OF_HANDLE: bool = true;
     type Seen = Seen;
 
     fn has_reading(&self, recording: &Recording, row: usize) -> bool {
@@ -81,11 +82,13 @@ impl Measurement for Plane {
                 }
             }
             ParameterId::Surrounding(_) => 0.0,
-            _ => seen
-                .normal
-                .dot(&at.evaluation.pose_derivative(parameter).linear),
+            _ => return self.by_twist(seen, &at.evaluation.pose_derivative(parameter)),
         };
         [seen.weight * slope, 0.0, 0.0]
+    }
+
+    fn by_twist(&self, seen: &Seen, twist: &Twist) -> [f64; 3] {
+        [seen.weight * seen.normal.dot(&twist.linear), 0.0, 0.0]
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {

@@ -11,6 +11,7 @@ pub(crate) struct Position;
 
 impl Measurement for Position {
     const WIDTH: usize = 3;
+    const IS_OF_HANDLE: bool = true;
     /// The weight, and what the tracker sees.
     type Seen = (f64, Sight);
 
@@ -45,6 +46,10 @@ impl Measurement for Position {
         parameter: ParameterId,
     ) -> [f64; 3] {
         (sight.derivative(at, parameter).linear * *weight).into()
+    }
+
+    fn by_twist(&self, (weight, sight): &Self::Seen, twist: &Twist) -> [f64; 3] {
+        (sight.carried(twist).linear * *weight).into()
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {

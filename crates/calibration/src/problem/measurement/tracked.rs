@@ -134,6 +134,12 @@ impl Sight {
         })
     }
 
+    /// How it changes when the handle moves by a twist in frame (-1).
+    pub(crate) fn carried(&self, twist: &Twist) -> Twist {
+        let tracked = self.tracked.as_ref();
+        tracked.map_or(*twist, |tracked| tracked.carried(twist))
+    }
+
     /// How the pose changes with a parameter of the chain or the tracker.
     pub(crate) fn derivative(&self, at: &Posture<'_>, parameter: ParameterId) -> Twist {
         if parameter == ParameterId::Surrounding(SurroundingParameter::TrackerScale) {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::engine::model::Cause;
 use crate::engine::segments::{Segments, Unseen};
-use crate::engine::system::{ALWAYS, System, dot, take_off};
+use crate::engine::system::{ALWAYS, System, dot};
 use crate::select::Selector;
 use crate::select::scan::{Candidate, Score};
 use crate::thresholds::partial::{
@@ -182,7 +182,7 @@ fn distinct<'c>(candidates: &[&'c Candidate], system: &System) -> Vec<Member<'c>
         if is_new {
             let across = dense.into_iter().map(|mut column| {
                 for direction in &system.basis {
-                    take_off(&mut column, direction);
+                    direction.take_off(&mut column);
                 }
                 column
             });

@@ -1,0 +1,128 @@
+//! The variance that the steps of readings add to what a channel of the handle sees, a tile of postures at a time.
+
+use std::ops::Range;
+
+use haptical_batch::{POSTURES, ScrewTile, TwistLanes};
+use haptical_model::kinematics::Twist;
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::{Device, DeviceChain, Drive, Evaluation, Recording};
+
+use super::columns::moved;
+use crate::Channel;
+use crate::problem::channel::with_kind;
+use crate::problem::lanes::transmission::values_and_slopes;
+use crate::problem::loads::Loads;
+use crate::problem::measurement::kind::{Measurement, Posture, is_of_handle};
+
+/// Sum over the joints of `quanta`, the variance of each reading's rounding, times the square of the residual's
+/// sensitivity, row by row; zero where a touch has no reading. None where the channel is of no handle, or a number is
+/// refused: the form row by row names it.
+pub(crate) fn variances(
+    (device, recording, channel): (&Device, &Recording, Channel),
+    loads: Option<&Loads>,
+    quanta: &[f64],
+    rows: &Range<usize>,
+) -> Option<Vec<f64>> {
+    if !with_kind!(channel, kind => is_of_handle(&kind)) {
+        return None;
+    }
+    let (mut outputs, mut slopes) = (Vec::new(), Vec::new());
+    for joint in 0..device.joints.len() {
+        let own = recording.joint.get(joint)?.get(rows.clone())?;
+        let (errors, own_slopes) = values_and_slopes(device, joint, own)?;
+        let sums = own
+            .iter()
+            .zip(errors)
+            .map(|(reading, error)| reading + error);
+        outputs.push(sums.collect::<Vec<f64>>());
+        slopes.push(own_slopes);
+    }
+    let chain = DeviceChain::new(device);
+    let table = chain.chain().ok()?;
+    let drives = chain.drives();
+    if drives.len() != table.joint_count() {
+        return None;
+    }
+    let stepped: Vec<usize> = (0..quanta.len())
+        .filter(|&joint| quanta[joint] != 0.0)
+        .collect();
+    let moves = |joint: usize| {
+        let own = drives.iter().zip(1..);
+        own.filter(move |(drive, _)| drive.joint == joint)
+    };
+    let place = |(drive, row): (&Drive, usize)| (row, moved(drive));
+    let wanted: Vec<_> = stepped
+        .iter()
+        .flat_map(|&joint| moves(joint).map(place))
+        .collect();
+    let mut tile = ScrewTile::default();
+    let mut variables = vec![[0.0; POSTURES]; drives.len()];
+    let mut twists = vec![TwistLanes::default(); stepped.len()];
+    let mut term = TwistLanes::default();
+    let mut evaluation = Evaluation::new(device);
+    let mut of_row = vec![0.0; device.joints.len()];
+    let mut made = Vec::with_capacity(rows.len());
+    for first in (0..rows.len()).step_by(POSTURES) {
+        for (drive, variable) in drives.iter().zip(&mut variables) {
+            let compliance = device.compliance_rad_per_nm(drive.joint);
+            for (posture, variable) in variable.iter_mut().enumerate() {
+                let entry = (first + posture).min(rows.len() - 1);
+                let torque =
+                    loads.map_or(0.0, |loads| loads.of_row(rows.start + entry)[drive.joint]);
+                let angle = outputs[drive.joint][entry] - compliance * torque;
+                *variable = drive.multiplier * angle;
+            }
+        }
+        if !tile.sweep(&table, &variables, &wanted) {
+            return None;
+        }
+        for (&joint, twist) in stepped.iter().zip(&mut twists) {
+            *twist = TwistLanes::default();
+            for (drive, row) in moves(joint) {
+                tile.twist(row, moved(drive), &mut term);
+                twist.add(&term, drive.multiplier);
+            }
+        }
+        for posture in 0..POSTURES.min(rows.len() - first) {
+            let entry = first + posture;
+            let row = rows.start + entry;
+            let subject = channel.subject(device, recording, row);
+            if subject.is_some() && !channel.has_reading(recording, row) {
+                made.push(0.0);
+                continue;
+            }
+            for (output, own) in of_row.iter_mut().zip(&outputs) {
+                *output = own[entry];
+            }
+            evaluation.place(&of_row, tile.pose(posture)).ok()?;
+            let at = Posture {
+                device,
+                evaluation: &evaluation,
+                recording,
+                row,
+                subject: subject.and_then(Result::ok).unwrap_or(usize::MAX),
+            };
+            let mut sum = 0.0;
+            for (&joint, twist) in stepped.iter().zip(&twists) {
+                let twist = twist_of(twist, posture, slopes[joint][entry]);
+                let square = with_kind!(channel, kind => kind.sensitivity_square(&at, &twist));
+                sum += quanta[joint] * square.ok()?;
+            }
+            made.push(sum);
+        }
+    }
+    made.iter()
+        .all(|variance| variance.is_finite())
+        .then_some(made)
+}
+
+/// A posture's twist times a number.
+fn twist_of(lanes: &TwistLanes, posture: usize, factor: f64) -> Twist {
+    let of = |lanes: &[[f64; POSTURES]; 3]| {
+        Vector3::from(lanes.each_ref().map(|lane| factor * lane[posture]))
+    };
+    Twist {
+        linear: of(&lanes.linear),
+        angular: of(&lanes.angular),
+    }
+}
