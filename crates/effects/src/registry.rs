@@ -149,6 +149,8 @@ const REGISTRY: &[Line] = &[
     on_device!(force::gain),
     on_device!(force::crosstalk),
     on_device!(force::hysteresis),
+    on_device!(force::payload),
+    elsewhere(&force::PAYLOAD_ON_LINK),
     at_joints!(any, force::joint_friction),
     at_joints!(any, force::joint_friction, SLIDING, SLIDING_LAW),
     at_joints!(any, force::motor_cogging),

@@ -11,6 +11,7 @@ pub enum Unit {
     Newton,
     NewtonMetre,
     Kilogram,
+    KilogramMetre,
     Celsius,
     Hertz,
     PerRadian,
@@ -29,7 +30,7 @@ pub enum Unit {
 }
 
 /// Suffix of names and symbol; a suffix comes before those that end it.
-const UNITS: [(Unit, &str, &str); 21] = [
+const UNITS: [(Unit, &str, &str); 22] = [
     (
         Unit::NewtonMetreSecondPerRadian,
         "nm_s_per_rad",
@@ -51,6 +52,7 @@ const UNITS: [(Unit, &str, &str); 21] = [
     (Unit::Celsius, "degc", "°C"),
     (Unit::Hertz, "hz", "Hz"),
     (Unit::Radian, "rad", "rad"),
+    (Unit::KilogramMetre, "kg_m", "kg m"),
     (Unit::Kilogram, "kg", "kg"),
     (Unit::NewtonMetre, "nm", "N m"),
     (Unit::Metre, "m", "m"),

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use haptical_effects::force::{GRIP_FORCE, UNBALANCED_GRAVITY};
+use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
 use haptical_effects::{Effect, Follows, Hook, Spec};
 
 use super::base::Base;
+use super::carried::Carried;
 use super::effects::{Effects, is_scale};
 use super::gaps::{channels, mean_square};
 use super::gravity::{self, Unbalanced};
@@ -38,6 +39,23 @@ pub(crate) struct ForceAnswer {
     pub(crate) significant: bool,
     /// Why recorded torques were not tested at all; none where they were, or where there are none.
     pub(crate) not_tested: Option<String>,
+    /// Where a payload leaves a rest: the share of the squares beyond noise that it closes on unseen blocks.
+    pub(crate) closed_unseen_share: Option<f64>,
+    /// Numbers of the base model, and effects at their places that were tried.
+    pub(crate) numbers: usize,
+    pub(crate) tested: usize,
+    /// Block means of the torques with the largest gap.
+    pub(crate) course: Option<Course>,
+}
+
+/// Torques over time, block by block.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Course {
+    pub(crate) channel: String,
+    pub(crate) unit: &'static str,
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) before: Vec<f64>,
+    pub(crate) after: Vec<f64>,
 }
 
 impl ForceAnswer {
@@ -82,7 +100,7 @@ pub(super) fn answer(
     effects: &Effects<'_, '_>,
     base: &Base,
     selection: &Selection,
-    fitted_before: &[f64],
+    carried: &Carried,
 ) -> Result<ForceAnswer, DiagnosisError> {
     let recorded = effects.along.recorded;
     let along = effects.along;
@@ -99,6 +117,10 @@ pub(super) fn answer(
     let is_structured = before > OMNIBUS_DEVIATIONS * before_sd && before > LEAST_STRUCTURE * rows;
     let is_falsified = trust::is_falsified(recorded.context, base);
     let named = !selection.picks.is_empty() && is_adequate;
+    let partial = match selection.picks.is_empty() || is_adequate || !recorded.moves_by_itself() {
+        true => None,
+        false => effects.supported(base, selection, carried),
+    };
     let strained = strained_scale(effects, base, selection);
     let sizes = Sizes::new(effects, base, misfit(&selection.after));
     let mut findings = Vec::new();
@@ -127,6 +149,17 @@ pub(super) fn answer(
             }
         }
         unexplained_share = 1.0 - explained;
+    } else if let Some(partial) = &partial {
+        let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
+        let explained = (1.0 - left / total.max(scores).max(1.0)).clamp(0.0, 1.0);
+        let kept = partial.kept.iter().map(|&index| &selection.picks[index]);
+        let score: f64 = kept.clone().map(|pick| pick.score).sum();
+        let part = explained * score / scores.max(1e-300);
+        for pick in kept {
+            let share = part * pick.score / score.max(1e-300);
+            findings.push(of_pick(effects.effect(pick.effect), &sizes, pick, share));
+        }
+        unexplained_share = 1.0 - part;
     } else if significant && is_falsified {
         significant = false;
     } else if significant {
@@ -159,24 +192,84 @@ pub(super) fn answer(
             *added += of_channel(&found.torque_nm, channel);
         }
         let is_beside_others = total > LEAST_STRUCTURE * rows;
-        findings.push(of_gravity(&found, total * f64::from(is_beside_others)));
+        let mut finding = of_gravity(&found, total * f64::from(is_beside_others));
+        if found.may_be_payload && !effects.is_left_out(PAYLOAD.name) {
+            // in one run a mass at the flange and one of the last link are one column
+            finding.confusable_with.push(PAYLOAD.name.to_owned());
+            finding.probability *= 0.5;
+        }
+        findings.push(finding);
         significant = true;
     }
-    let mut channels = channels(effects, base, selection, fitted_before, &added);
+    let mut channels = channels(effects, base, selection, carried, &added);
     for gap in channels.iter_mut().filter(|_| has_grip) {
         gap.rms_after = gap.rms_after.min(gap.noise_floor);
     }
     findings.sort_by(|a, b| b.share.total_cmp(&a.share));
+    // a payload's share is of the whole gap, friction's of what is left
+    let closed_share = match (carried.closed_share(), &partial) {
+        (Some(first), Some(partial)) => Some(first + (1.0 - first) * partial.closed_share),
+        (first, partial) => first.or(partial.as_ref().map(|partial| partial.closed_share)),
+    };
+    let mut own = carried.findings(effects, total);
+    // of a gap with a payload the rest is what the other effects were asked of
+    let rest = carried.rest_share(total);
+    findings
+        .iter_mut()
+        .for_each(|finding| finding.share *= rest);
+    if !own.is_empty() && !is_falsified {
+        unexplained_share = match significant {
+            true => unexplained_share * rest,
+            false => 0.0,
+        };
+        significant = true;
+        own.append(&mut findings);
+        findings = own;
+    }
     Ok(ForceAnswer {
+        course: course(effects, selection, carried, &channels),
         channels,
         findings,
-        untestable: untestable(effects, is_falsified && !named),
+        untestable: untestable(effects, carried, is_falsified && !named),
         unexplained_share,
         significant,
+        closed_unseen_share: closed_share.filter(|_| unexplained_share > UNEXPLAINED_SHARE),
+        numbers: base.scales + recorded.channels.len(),
+        tested: effects.tested(),
         not_tested: match is_falsified && !named {
             true => Some(FALSIFIED.to_owned()),
             false => drowned(recorded, base).filter(|_| !significant),
         },
+    })
+}
+
+/// The torques with the largest gap, over time.
+fn course(
+    effects: &Effects<'_, '_>,
+    selection: &Selection,
+    carried: &Carried,
+    channels: &[ChannelGap],
+) -> Option<Course> {
+    let recorded = effects.along.recorded;
+    let time_s = recorded.context.recording.time_s.as_ref()?;
+    let blocks = recorded.blocks.len();
+    let by_share = |a: &usize, b: &usize| {
+        channels[*a]
+            .share_of_gap
+            .total_cmp(&channels[*b].share_of_gap)
+    };
+    let channel = (0..channels.len()).max_by(by_share)?;
+    let own = channel * blocks..(channel + 1) * blocks;
+    Some(Course {
+        channel: channels[channel].channel.clone(),
+        unit: recorded.unit(channel),
+        time_s: recorded.means(|row| time_s[row]),
+        before: carried
+            .rest_before
+            .as_ref()
+            .unwrap_or(&selection.rest_before)[own.clone()]
+        .to_vec(),
+        after: selection.rest_after[own].to_vec(),
     })
 }
 
@@ -223,10 +316,10 @@ fn drowned(recorded: &Recorded<'_>, base: &Base) -> Option<String> {
         let square = torque_nm.iter().map(|torque| torque * torque).sum::<f64>();
         let rms_nm = (square / blocks as f64).sqrt();
         (sd_nm > rms_nm).then(|| {
+            let (column, unit) = (recorded.column(*joint), recorded.context.device.joints[*joint].torque_unit());
             format!(
-                "the noise of torque{}_nm ({sd_nm:.3} N m) is larger than the torque that the model predicts \
-                 ({rms_nm:.3} N m)",
-                joint + 1
+                "the noise of {column} ({sd_nm:.3} {unit}) is larger than the torque that the model predicts \
+                 ({rms_nm:.3} {unit})"
             )
         })
     });
@@ -234,7 +327,11 @@ fn drowned(recorded: &Recorded<'_>, base: &Base) -> Option<String> {
 }
 
 /// Effects that need what this recording lacks, though others can be tested.
-fn untestable(effects: &Effects<'_, '_>, is_falsified: bool) -> Vec<(&'static str, String)> {
+fn untestable(
+    effects: &Effects<'_, '_>,
+    carried: &Carried,
+    is_falsified: bool,
+) -> Vec<(&'static str, String)> {
     let recorded = effects.along.recorded;
     let context = recorded.context;
     if is_falsified {
@@ -248,7 +345,12 @@ fn untestable(effects: &Effects<'_, '_>, is_falsified: bool) -> Vec<(&'static st
         }
     };
     if recorded.force_n.is_none() {
-        let why = "no columns fx_n, fy_n, fz_n: a free force of the hand is allowed for";
+        let why = match recorded.hand_is_unknown() {
+            true => "no columns fx_n, fy_n, fz_n: a free force of the hand is allowed for",
+            false => {
+                "no columns fx_n, fy_n, fz_n, and none that sees the handle: nobody is taken to hold it"
+            }
+        };
         of_force().for_each(|spec| because(spec.name, why));
         because(GRIP_FORCE.name, why);
     } else {
@@ -260,9 +362,12 @@ fn untestable(effects: &Effects<'_, '_>, is_falsified: bool) -> Vec<(&'static st
             because(GRIP_FORCE.name, "fewer than five torques");
         }
     }
+    if let Some(why) = &carried.changes.not_tested {
+        because(PAYLOAD.name, why);
+    }
     let missing: Vec<String> = (0..context.device.joints.len())
         .filter(|&joint| context.recorded_torque_nm(joint).is_none())
-        .map(|joint| format!("torque{}_nm", joint + 1))
+        .map(|joint| recorded.column(joint))
         .collect();
     if !missing.is_empty() {
         let columns = if missing.len() == 1 {

@@ -8,13 +8,17 @@
 mod along;
 pub(crate) mod answer;
 mod base;
+mod carried;
+mod changes;
 mod effects;
 mod gaps;
 mod gravity;
 mod grip;
+mod partial;
 mod posture;
 mod recorded;
 mod rows;
+mod second;
 mod select;
 #[cfg(test)]
 mod tests;
@@ -22,12 +26,15 @@ mod trust;
 mod values;
 
 use haptical_effects::{Context, spec};
+use haptical_model::Recording;
 
 use self::along::Along;
 use self::answer::ForceAnswer;
+use self::carried::Carried;
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded};
 use self::rows::fast;
+use self::second::{Model, OnSecond};
 use crate::DiagnosisError;
 
 /// Names of the effects on torques and forces.
@@ -45,21 +52,42 @@ pub(crate) fn examine(
     context: &Context<'_>,
     without: &[String],
 ) -> Result<ForceAnswer, DiagnosisError> {
+    Ok(examine_both(context, None, without)?.0)
+}
+
+/// The same, with what the model of the torques leaves of a second recording.
+///
+/// # Errors
+/// As [`examine`]; a row of the second recording at which the device has no value.
+pub(crate) fn examine_both(
+    context: &Context<'_>,
+    second: Option<&Recording>,
+    without: &[String],
+) -> Result<(ForceAnswer, Option<OnSecond>), DiagnosisError> {
+    let none = |answer: ForceAnswer| Ok((answer, None));
     let has_torques =
         (0..context.device.joints.len()).any(|joint| context.torque_stream(joint).is_some());
     let recorded = match Recorded::new(context) {
         Ok(recorded) => recorded,
-        Err(why) => return Ok(ForceAnswer::untestable(&why, has_torques)),
+        Err(why) => return none(ForceAnswer::untestable(&why, has_torques)),
     };
     let along = Along::new(&recorded);
     let Some(whitener) = along.whitener(Besides::Nothing) else {
         let why = "the torques have no noise at all";
-        return Ok(ForceAnswer::untestable(why, has_torques));
+        return none(ForceAnswer::untestable(why, has_torques));
     };
     let mut base = along.fit(&whitener, Besides::Nothing);
-    let fitted_before = along.less(&base.rest());
-    base.append(fast::rows(&along, &fitted_before));
     let effects = Effects::new(&along, without);
+    let carried = Carried::taken(&effects, &mut base);
+    let fitted = along.less(&base.rest());
+    base.append(fast::rows(&along, &fitted));
     let selection = effects.select(&mut base)?;
-    answer::answer(&effects, &base, &selection, &fitted_before)
+    let model = Model {
+        effects: &effects,
+        base: &base,
+        selection: &selection,
+        carried: &carried,
+    };
+    let seen = second.map(|second| model.on_second(second)).transpose()?;
+    Ok((answer::answer(&effects, &base, &selection, &carried)?, seen))
 }
