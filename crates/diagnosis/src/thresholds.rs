@@ -519,6 +519,10 @@ pub(crate) mod payload {
     pub(crate) const LEAST_T_OF_CHANNEL: f64 = 2.5;
     /// Channels that must show it: a change of one drive alone has other causes.
     pub(crate) const LEAST_CHANNELS: usize = 2;
+    /// Least correlation of a payload's torques with and without changes of the drives beside it.
+    pub(crate) const ALIKE: f64 = 0.5;
+    /// What the one may be over the other.
+    pub(crate) const SIZE_BESIDE: [f64; 2] = [0.5, 2.0];
     /// Least mean square on some channel over that of a row's noise: as of other effects on torques.
     pub(crate) const LEAST_SIGNAL: f64 = 0.04;
     /// Standard deviations by which a size is not zero.

@@ -103,6 +103,12 @@ impl<'a> Along<'a> {
             .collect()
     }
 
+    /// Takes a torque off the readings.
+    pub(super) fn put_down(&mut self, torque_nm: &[f64]) {
+        let pairs = self.reading.iter_mut().zip(torque_nm);
+        pairs.for_each(|(reading, torque)| *reading -= torque);
+    }
+
     /// Mean position of each joint in a block.
     pub(super) fn posture_of(&self, block: usize) -> Vec<f64> {
         let [first, second] = [&self.halves[2 * block], &self.halves[2 * block + 1]];

@@ -1,27 +1,23 @@
 //! From a selection to findings with values, intervals and shares.
 
-use std::collections::BTreeMap;
-
 use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
-use haptical_effects::{Effect, Follows, Hook, Spec};
 
 use super::base::Base;
 use super::carried::Carried;
 use super::effects::{Effects, is_scale};
+use super::findings::{of_gravity, of_grip, of_pick};
 use super::gaps::{channels, mean_square};
-use super::gravity::{self, Unbalanced};
-use super::grip::{self, Grip};
-use super::names;
-use super::recorded::Recorded;
-use super::select::{Pick, Selection};
-use super::trust;
+use super::names::names;
+use super::reasons::{FALSIFIED, drowned, untestable};
+use super::select::Selection;
 use super::values::Sizes;
+use super::{gravity, grip, trust};
 use crate::DiagnosisError;
-use crate::answer::{CauseAnswer, ChannelGap, IN_NO_CATALOGUE, ParameterAnswer};
+use crate::answer::{CauseAnswer, ChannelGap};
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
-    BEYOND_WRONG_ANGLES, GRIP_PROBABILITY, LEAST_STRUCTURE, LISTED_PROBABILITY, NOISE_DEVIATIONS,
-    OMNIBUS_DEVIATIONS, STRAINED, UNEXPLAINED_SHARE,
+    BEYOND_WRONG_ANGLES, LEAST_STRUCTURE, NOISE_DEVIATIONS, OMNIBUS_DEVIATIONS, STRAINED,
+    UNEXPLAINED_SHARE,
 };
 
 /// What the torques say.
@@ -85,12 +81,66 @@ impl ForceAnswer {
         gaps.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))
     }
 
+    /// With the payloads before the other findings, whose shares are of what the payloads leave.
+    fn with_payloads(
+        mut self,
+        effects: &Effects<'_, '_>,
+        carried: &Carried,
+        energies: &Energies,
+    ) -> Self {
+        let rest = carried.rest_share(energies.before, energies.total);
+        let mut own = carried.findings(effects.along.recorded, rest);
+        if own.is_empty() {
+            return self;
+        }
+        for finding in &mut self.findings {
+            finding.share *= rest;
+        }
+        self.unexplained_share = match self.significant {
+            true => self.unexplained_share * rest,
+            false => 0.0,
+        };
+        let closed = |share: f64| share + (1.0 - share) * self.closed_unseen_share.unwrap_or(0.0);
+        self.closed_unseen_share = carried.closed_share().map(closed);
+        own.append(&mut self.findings);
+        self.findings = own;
+        self.significant = true;
+        self
+    }
+
     /// Nothing can be said.
     pub(super) fn untestable(why: &str, has_torques: bool) -> Self {
         Self {
             not_tested: has_torques.then(|| why.to_owned()),
             untestable: names().map(|name| (name, why.to_owned())).collect(),
             ..Self::default()
+        }
+    }
+}
+
+/// Structured energy of a selection, and what it amounts to.
+struct Energies {
+    before: f64,
+    total: f64,
+    left: f64,
+    is_adequate: bool,
+    is_structured: bool,
+}
+
+impl Energies {
+    fn new(base: &Base, selection: &Selection, rows: f64) -> Self {
+        let (before, before_sd) = excess(&selection.before);
+        let (after, after_sd) = excess(&selection.after);
+        let total = before.max(0.0) + base.explained_within_blocks();
+        let is_noise = after < NOISE_DEVIATIONS * after_sd;
+        let left = if is_noise { 0.0 } else { after };
+        Self {
+            is_adequate: left <= UNEXPLAINED_SHARE * total,
+            is_structured: before > OMNIBUS_DEVIATIONS * before_sd
+                && before > LEAST_STRUCTURE * rows,
+            before,
+            total,
+            left,
         }
     }
 }
@@ -105,27 +155,17 @@ pub(super) fn answer(
     let recorded = effects.along.recorded;
     let along = effects.along;
     let rows = effects.rows();
-    let row_sd: Vec<f64> = (0..recorded.channels.len())
-        .map(|channel| recorded.row_sd(channel, &along.hand))
-        .collect();
-    let (before, before_sd) = excess(&selection.before);
-    let (after, after_sd) = excess(&selection.after);
-    let total = before.max(0.0) + base.explained_within_blocks();
-    let is_noise = after < NOISE_DEVIATIONS * after_sd;
-    let left = if is_noise { 0.0 } else { after };
-    let is_adequate = left <= UNEXPLAINED_SHARE * total;
-    let is_structured = before > OMNIBUS_DEVIATIONS * before_sd && before > LEAST_STRUCTURE * rows;
+    let energies = Energies::new(base, selection, rows);
     let is_falsified = trust::is_falsified(recorded.context, base);
-    let named = !selection.picks.is_empty() && is_adequate;
-    let partial = match selection.picks.is_empty() || is_adequate || !recorded.moves_by_itself() {
+    let named = !selection.picks.is_empty() && energies.is_adequate;
+    let partial = match selection.picks.is_empty() || named || !recorded.moves_by_itself() {
         true => None,
-        false => effects.supported(base, selection, carried),
+        false => effects.supported(base, selection),
     };
     let strained = strained_scale(effects, base, selection);
-    let sizes = Sizes::new(effects, base, misfit(&selection.after));
     let mut findings = Vec::new();
     let mut unexplained_share = 0.0;
-    let mut significant = !selection.picks.is_empty() || is_structured;
+    let mut significant = !selection.picks.is_empty() || energies.is_structured;
     let blocks = recorded.blocks.len();
     let of_channel = |torque_nm: &[f64], channel: usize| {
         mean_square(&torque_nm[channel * blocks..(channel + 1) * blocks])
@@ -137,42 +177,37 @@ pub(super) fn answer(
         }
     };
     let mut has_grip = false;
-    if named {
+    let kept: Option<Vec<usize>> = match named {
+        true => Some((0..selection.picks.len()).collect()),
+        false => partial.as_ref().map(|partial| partial.kept.clone()),
+    };
+    if let Some(kept) = kept {
+        let sizes = Sizes::new(effects, base, misfit(&selection.after));
         let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
-        let explained = (1.0 - left / total.max(scores).max(1.0)).clamp(0.0, 1.0);
-        for pick in &selection.picks {
+        let explained = (1.0 - energies.left / energies.total.max(scores).max(1.0)).clamp(0.0, 1.0);
+        unexplained_share = 1.0;
+        for pick in kept.iter().map(|&index| &selection.picks[index]) {
             let share = explained * pick.score / scores.max(1e-300);
             let effect = effects.effect(pick.effect);
             findings.push(of_pick(effect, &sizes, pick, share));
+            unexplained_share -= share;
             if let Some(joint) = effect.joint().filter(|_| is_scale(effect)) {
                 add_scaled(joint, sizes.scale(effect).0);
             }
         }
-        unexplained_share = 1.0 - explained;
-    } else if let Some(partial) = &partial {
-        let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
-        let explained = (1.0 - left / total.max(scores).max(1.0)).clamp(0.0, 1.0);
-        let kept = partial.kept.iter().map(|&index| &selection.picks[index]);
-        let score: f64 = kept.clone().map(|pick| pick.score).sum();
-        let part = explained * score / scores.max(1e-300);
-        for pick in kept {
-            let share = part * pick.score / score.max(1e-300);
-            findings.push(of_pick(effects.effect(pick.effect), &sizes, pick, share));
-        }
-        unexplained_share = 1.0 - part;
+        unexplained_share = unexplained_share.max(0.0);
     } else if significant && is_falsified {
         significant = false;
     } else if significant {
         unexplained_share = 1.0;
-        if is_structured
-            && !effects.is_left_out(GRIP_FORCE.name)
-            && let Some(grip) = grip::grip(
-                along,
-                &base.regression.system.layout.whitener,
-                &selection.rest_before,
-                before,
-            )
-        {
+        let found = match energies.is_structured && !effects.is_left_out(GRIP_FORCE.name) {
+            true => {
+                let whitener = &base.regression.system.layout.whitener;
+                grip::grip(along, whitener, &selection.rest_before, energies.before)
+            }
+            false => None,
+        };
+        if let Some(grip) = found {
             unexplained_share = grip.left;
             findings.push(of_grip(&grip));
             has_grip = true;
@@ -184,19 +219,10 @@ pub(super) fn answer(
         (significant, unexplained_share) = (true, 1.0);
     }
     if (named || !significant)
-        && trust::weighs(base)
-        && !effects.is_left_out(UNBALANCED_GRAVITY.name)
-        && let Some(found) = gravity::unbalanced(along, base, &row_sd)?
+        && let Some((finding, torque_nm)) = weights(effects, base, energies.total)?
     {
         for (channel, added) in added.iter_mut().enumerate() {
-            *added += of_channel(&found.torque_nm, channel);
-        }
-        let is_beside_others = total > LEAST_STRUCTURE * rows;
-        let mut finding = of_gravity(&found, total * f64::from(is_beside_others));
-        if found.may_be_payload && !effects.is_left_out(PAYLOAD.name) {
-            // in one run a mass at the flange and one of the last link are one column
-            finding.confusable_with.push(PAYLOAD.name.to_owned());
-            finding.probability *= 0.5;
+            *added += of_channel(&torque_nm, channel);
         }
         findings.push(finding);
         significant = true;
@@ -206,41 +232,53 @@ pub(super) fn answer(
         gap.rms_after = gap.rms_after.min(gap.noise_floor);
     }
     findings.sort_by(|a, b| b.share.total_cmp(&a.share));
-    // a payload's share is of the whole gap, friction's of what is left
-    let closed_share = match (carried.closed_share(), &partial) {
-        (Some(first), Some(partial)) => Some(first + (1.0 - first) * partial.closed_share),
-        (first, partial) => first.or(partial.as_ref().map(|partial| partial.closed_share)),
-    };
-    let mut own = carried.findings(effects, total);
-    // of a gap with a payload the rest is what the other effects were asked of
-    let rest = carried.rest_share(total);
-    findings
-        .iter_mut()
-        .for_each(|finding| finding.share *= rest);
-    if !own.is_empty() && !is_falsified {
-        unexplained_share = match significant {
-            true => unexplained_share * rest,
-            false => 0.0,
-        };
-        significant = true;
-        own.append(&mut findings);
-        findings = own;
-    }
-    Ok(ForceAnswer {
+    let mut answer = ForceAnswer {
         course: course(effects, selection, carried, &channels),
         channels,
         findings,
         untestable: untestable(effects, carried, is_falsified && !named),
         unexplained_share,
         significant,
-        closed_unseen_share: closed_share.filter(|_| unexplained_share > UNEXPLAINED_SHARE),
+        closed_unseen_share: partial.map(|partial| partial.closed_share),
         numbers: base.scales + recorded.channels.len(),
         tested: effects.tested(),
         not_tested: match is_falsified && !named {
             true => Some(FALSIFIED.to_owned()),
             false => drowned(recorded, base).filter(|_| !significant),
         },
-    })
+    };
+    if !is_falsified {
+        answer = answer.with_payloads(effects, carried, &energies);
+    }
+    let is_part = answer.unexplained_share > UNEXPLAINED_SHARE;
+    answer.closed_unseen_share = answer.closed_unseen_share.filter(|_| is_part);
+    Ok(answer)
+}
+
+/// A link whose weight is not the assumed one, with its torque, where weights can be judged.
+fn weights(
+    effects: &Effects<'_, '_>,
+    base: &Base,
+    total: f64,
+) -> Result<Option<(CauseAnswer, Vec<f64>)>, DiagnosisError> {
+    let recorded = effects.along.recorded;
+    if !trust::weighs(base) || effects.is_left_out(UNBALANCED_GRAVITY.name) {
+        return Ok(None);
+    }
+    let row_sd: Vec<f64> = (0..recorded.channels.len())
+        .map(|channel| recorded.row_sd(channel, &effects.along.hand))
+        .collect();
+    let Some(found) = gravity::unbalanced(effects.along, base, &row_sd)? else {
+        return Ok(None);
+    };
+    let is_beside_others = total > LEAST_STRUCTURE * effects.rows();
+    let mut finding = of_gravity(&found, total * f64::from(is_beside_others));
+    if found.may_be_payload && !effects.is_left_out(PAYLOAD.name) {
+        // in one run a mass at the flange and one of the last link are one column
+        finding.confusable_with.push(PAYLOAD.name.to_owned());
+        finding.probability *= 0.5;
+    }
+    Ok(Some((finding, found.torque_nm)))
 }
 
 /// The torques with the largest gap, over time.
@@ -273,9 +311,6 @@ fn course(
     })
 }
 
-/// Why torques say nothing while positions show an effect that is not in the model.
-const FALSIFIED: &str = "an effect on positions that is not in the model falsifies the geometry";
-
 /// The joint whose torque scale the base model moved far beyond what is stated of it, and that scale; none where a finding
 /// has it.
 fn strained_scale(
@@ -300,160 +335,4 @@ fn strained_scale(
             (gain.abs() > STRAINED * sd && !is_named(joint)).then_some((joint, gain))
         });
     scales.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-}
-
-/// Torques whose noise exceeds what the links alone ask of the drive: a disturbance that is as fast as the noise cannot
-/// be distinguished from it.
-fn drowned(recorded: &Recorded<'_>, base: &Base) -> Option<String> {
-    let blocks = recorded.blocks.len().max(1);
-    let by_model = base.torque_nm.chunks(blocks);
-    let channels = recorded
-        .channels
-        .iter()
-        .zip(&recorded.torque_sd)
-        .zip(by_model);
-    let mut loud = channels.filter_map(|((joint, &sd_nm), torque_nm)| {
-        let square = torque_nm.iter().map(|torque| torque * torque).sum::<f64>();
-        let rms_nm = (square / blocks as f64).sqrt();
-        (sd_nm > rms_nm).then(|| {
-            let (column, unit) = (recorded.column(*joint), recorded.context.device.joints[*joint].torque_unit());
-            format!(
-                "the noise of {column} ({sd_nm:.3} {unit}) is larger than the torque that the model predicts \
-                 ({rms_nm:.3} {unit})"
-            )
-        })
-    });
-    loud.next()
-}
-
-/// Effects that need what this recording lacks, though others can be tested.
-fn untestable(
-    effects: &Effects<'_, '_>,
-    carried: &Carried,
-    is_falsified: bool,
-) -> Vec<(&'static str, String)> {
-    let recorded = effects.along.recorded;
-    let context = recorded.context;
-    if is_falsified {
-        return names().map(|name| (name, FALSIFIED.to_owned())).collect();
-    }
-    let mut untestable = Vec::new();
-    let of_force = || haptical_effects::specs().filter(|spec| spec.hook == Hook::ForceSensor);
-    let mut because = |name: &'static str, why: &str| {
-        if !untestable.iter().any(|(other, _)| *other == name) {
-            untestable.push((name, why.to_owned()));
-        }
-    };
-    if recorded.force_n.is_none() {
-        let why = match recorded.hand_is_unknown() {
-            true => "no columns fx_n, fy_n, fz_n: a free force of the hand is allowed for",
-            false => {
-                "no columns fx_n, fy_n, fz_n, and none that sees the handle: nobody is taken to hold it"
-            }
-        };
-        of_force().for_each(|spec| because(spec.name, why));
-        because(GRIP_FORCE.name, why);
-    } else {
-        if !recorded.force_varies() {
-            let driven = of_force().filter(|spec| spec.follows == Follows::Force);
-            driven.for_each(|spec| because(spec.name, "the hand's force is constant"));
-        }
-        if !grip::is_testable(recorded.channels.len()) {
-            because(GRIP_FORCE.name, "fewer than five torques");
-        }
-    }
-    if let Some(why) = &carried.changes.not_tested {
-        because(PAYLOAD.name, why);
-    }
-    let missing: Vec<String> = (0..context.device.joints.len())
-        .filter(|&joint| context.recorded_torque_nm(joint).is_none())
-        .map(|joint| recorded.column(joint))
-        .collect();
-    if !missing.is_empty() {
-        let columns = if missing.len() == 1 {
-            "column"
-        } else {
-            "columns"
-        };
-        let why = format!("no {columns} {}", missing.join(", "));
-        for effect in &effects.all {
-            if effect.joint().is_some() {
-                because(effect.name(), &why);
-            }
-        }
-    }
-    if gravity::assumed(effects.along).iter().all(Option::is_none) {
-        let why = "no mass_kg and centre_of_mass_m in the device file";
-        because(UNBALANCED_GRAVITY.name, why);
-    }
-    untestable
-}
-
-/// A plausible name with its numbers, and with the probability that it is one of the catalogue's at all.
-fn finding(
-    spec: &Spec,
-    joint: Option<usize>,
-    probability: f64,
-    share: f64,
-    parameters: BTreeMap<String, ParameterAnswer>,
-) -> CauseAnswer {
-    CauseAnswer {
-        parameters,
-        share,
-        ..CauseAnswer::named(spec.name, joint, LISTED_PROBABILITY * probability)
-    }
-}
-
-fn of_pick(effect: &dyn Effect, sizes: &Sizes<'_, '_, '_>, pick: &Pick, share: f64) -> CauseAnswer {
-    let (parameters, plausible) = sizes.parameters(pick);
-    let (joint, probability) = (effect.joint(), pick.probability);
-    CauseAnswer {
-        confusable_with: pick.rivals.iter().map(|&name| name.to_owned()).collect(),
-        plausible,
-        implausible: !plausible,
-        ..finding(effect.spec(), joint, probability, share, parameters)
-    }
-}
-
-fn of_grip(grip: &Grip) -> CauseAnswer {
-    let spec = &GRIP_FORCE.parameters[0];
-    let mut force_n = ParameterAnswer::normal(grip.force_n, grip.force_sd_n);
-    force_n.ci95[0] = force_n.ci95[0].max(0.0);
-    let parameters = BTreeMap::from([(spec.name.to_owned(), force_n)]);
-    let plausible = spec.is_plausible(grip.force_n, 1.0);
-    CauseAnswer {
-        confusable_with: vec![IN_NO_CATALOGUE.to_owned()],
-        plausible,
-        implausible: !plausible,
-        ..finding(
-            &GRIP_FORCE,
-            None,
-            GRIP_PROBABILITY,
-            1.0 - grip.left,
-            parameters,
-        )
-    }
-}
-
-/// `total`: structured energy of the rest, 0 where it is hardly any.
-fn of_gravity(found: &Unbalanced, total: f64) -> CauseAnswer {
-    let numbers = [
-        Some((found.moment_nm, found.moment_sd_nm)),
-        Some((found.deviations, 0.0)),
-        found.mass_kg,
-    ];
-    let specs = UNBALANCED_GRAVITY.parameters.iter().zip(numbers);
-    let parameters = specs.filter_map(|(spec, number)| {
-        let (value, sd) = number?;
-        Some((spec.name.to_owned(), ParameterAnswer::normal(value, sd)))
-    });
-    let square = found.deviations * found.deviations;
-    let (joint, share) = (Some(found.joint), square / (square + total));
-    finding(
-        &UNBALANCED_GRAVITY,
-        joint,
-        found.probability,
-        share,
-        parameters.collect(),
-    )
 }

@@ -1,64 +1,78 @@
-//! Payloads taken up before other effects are asked for, and how they are reported.
+//! Payloads taken off before other effects are asked for, and how they are reported.
 
 use std::collections::BTreeMap;
 
 use haptical_effects::force::{PAYLOAD, PAYLOAD_ON_LINK};
 
+use super::along::Along;
 use super::base::Base;
 use super::changes::{Changes, Payload, UnseenBlocks, changes};
-use super::effects::Effects;
 use super::recorded::Recorded;
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoReduction, ParameterAnswer};
 use crate::select::excess;
 use crate::thresholds::torque::LISTED_PROBABILITY;
 
-/// What the arm carries in some runs and not in others, in the base model from here on.
+/// What the arm carries in some runs and not in others: off the readings from here on.
 #[derive(Debug)]
 pub(super) struct Carried {
     pub(super) changes: Changes,
-    /// What the base model says of the block means, no payload taken up.
+    /// What the base model says of the block means, no payload taken off.
     pub(super) fitted_before: Vec<f64>,
-    /// What it leaves of them; none where no payload was taken up.
+    /// What it leaves of them; none where there is no payload.
     pub(super) rest_before: Option<Vec<f64>>,
-    /// Structured energy without the payloads, and with them.
-    energy: [f64; 2],
+    /// Structured energy of that.
+    energy: f64,
+    /// Torque of all payloads together; none where there is none.
+    torque_nm: Option<Vec<f64>>,
 }
 
 impl Carried {
-    /// Looks for payloads and puts them into the base model, one column each.
-    pub(super) fn taken(effects: &Effects<'_, '_>, base: &mut Base) -> Self {
-        let along = effects.along;
+    /// Looks for payloads, unless their name is left out of the catalogue.
+    pub(super) fn new(along: &Along<'_>, base: &Base, without: &[String]) -> Self {
         let rest = base.rest();
         let fitted_before = along.less(&rest);
-        let mut changes = match effects.is_left_out(PAYLOAD.name) {
+        let changes = match without.iter().any(|name| name == PAYLOAD.name) {
             true => Changes::default(),
             false => changes(along, base),
         };
-        let before = excess(&effects.energy(base)).0.max(0.0);
+        let mut torque_nm: Option<Vec<f64>> = None;
         for payload in &changes.payloads {
-            let column = base.regression.system.layout.of_means(&payload.torque_nm);
-            base.adopt(&[column]);
-        }
-        let after = excess(&effects.energy(base)).0.max(0.0);
-        // what leaves no less in the whole model is none
-        if after >= before {
-            changes.payloads.clear();
+            let sum = torque_nm.get_or_insert_with(|| vec![0.0; rest.len()]);
+            let pairs = sum.iter_mut().zip(&payload.torque_nm);
+            pairs.for_each(|(sum, torque)| *sum += torque);
         }
         Self {
-            rest_before: (!changes.payloads.is_empty()).then_some(rest),
+            rest_before: torque_nm.is_some().then_some(rest),
             fitted_before,
-            energy: [before, after],
+            energy: excess(&base.energy(along.recorded.free_directions()))
+                .0
+                .max(0.0),
+            torque_nm,
             changes,
         }
     }
 
-    /// Share of the gap that is left for other effects, `total` being their squares.
-    pub(super) fn rest_share(&self, total: f64) -> f64 {
-        if self.changes.payloads.is_empty() {
+    /// Torque of all payloads, block means channel after channel.
+    pub(super) fn torque_nm(&self) -> Option<&[f64]> {
+        self.torque_nm.as_deref()
+    }
+
+    /// Torques of a model with those of the payloads.
+    pub(super) fn on(&self, fitted: &[f64]) -> Vec<f64> {
+        let mut sum = fitted.to_vec();
+        for (sum, torque) in sum.iter_mut().zip(self.torque_nm.iter().flatten()) {
+            *sum += torque;
+        }
+        sum
+    }
+
+    /// Share of the gap that the payloads leave for other effects: `left` is its structured energy, `total` the squares that
+    /// other effects are asked of.
+    pub(super) fn rest_share(&self, left: f64, total: f64) -> f64 {
+        if self.torque_nm.is_none() {
             return 1.0;
         }
-        let [before, after] = self.energy;
-        let closed = (before - after).max(0.0);
+        let closed = (self.energy - left.max(0.0)).max(0.0);
         total / (total + closed).max(1e-300)
     }
 
@@ -73,7 +87,7 @@ impl Carried {
     }
 
     /// The payloads as findings, largest first.
-    pub(super) fn findings(&self, effects: &Effects<'_, '_>, total: f64) -> Vec<CauseAnswer> {
+    pub(super) fn findings(&self, recorded: &Recorded<'_>, rest_share: f64) -> Vec<CauseAnswer> {
         let payloads = &self.changes.payloads;
         let square = |payload: &Payload| {
             payload
@@ -83,12 +97,12 @@ impl Carried {
                 .sum::<f64>()
         };
         let all: f64 = payloads.iter().map(square).sum();
-        let closed = 1.0 - self.rest_share(total);
+        let closed = 1.0 - rest_share;
         let mut found: Vec<CauseAnswer> = payloads
             .iter()
             .map(|payload| {
                 let share = closed * square(payload) / all.max(1e-300);
-                finding(effects, payload, share)
+                finding(recorded, payload, share)
             })
             .collect();
         found.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -96,7 +110,7 @@ impl Carried {
     }
 }
 
-fn finding(effects: &Effects<'_, '_>, payload: &Payload, share: f64) -> CauseAnswer {
+fn finding(recorded: &Recorded<'_>, payload: &Payload, share: f64) -> CauseAnswer {
     let exact = |value: f64| ParameterAnswer {
         value,
         ci95: [value, value],
@@ -125,7 +139,7 @@ fn finding(effects: &Effects<'_, '_>, payload: &Payload, share: f64) -> CauseAns
     CauseAnswer {
         parameters,
         share,
-        held_out: Some(held_out(effects.along.recorded, &payload.unseen)),
+        held_out: Some(held_out(recorded, &payload.unseen)),
         ..CauseAnswer::named(spec.name, None, LISTED_PROBABILITY)
     }
 }

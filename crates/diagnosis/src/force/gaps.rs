@@ -22,7 +22,7 @@ pub(super) fn channels(
     let blocks = recorded.blocks.len();
     let size = effects.rows() / blocks.max(1) as f64;
     let solution = base.regression.solution();
-    let fitted_after = along.less(&selection.rest_after);
+    let fitted_after = carried.on(&along.less(&selection.rest_after));
     let rest_before = carried
         .rest_before
         .as_ref()

@@ -11,11 +11,14 @@ mod base;
 mod carried;
 mod changes;
 mod effects;
+mod findings;
 mod gaps;
 mod gravity;
 mod grip;
+mod names;
 mod partial;
 mod posture;
+mod reasons;
 mod recorded;
 mod rows;
 mod second;
@@ -25,7 +28,7 @@ mod tests;
 mod trust;
 mod values;
 
-use haptical_effects::{Context, spec};
+use haptical_effects::Context;
 use haptical_model::Recording;
 
 use self::along::Along;
@@ -36,12 +39,6 @@ use self::recorded::{Besides, Recorded};
 use self::rows::fast;
 use self::second::{Model, OnSecond};
 use crate::DiagnosisError;
-
-/// Names of the effects on torques and forces.
-fn names() -> impl Iterator<Item = &'static str> {
-    let is_on_drives = |name: &&str| spec(name).is_some_and(|spec| spec.hook.is_on_drives());
-    haptical_effects::names().into_iter().filter(is_on_drives)
-}
 
 /// Tests the recorded torques and forces for effects of their own, with some of them left out of
 /// the catalogue.
@@ -71,15 +68,19 @@ pub(crate) fn examine_both(
         Ok(recorded) => recorded,
         Err(why) => return none(ForceAnswer::untestable(&why, has_torques)),
     };
-    let along = Along::new(&recorded);
+    let mut along = Along::new(&recorded);
     let Some(whitener) = along.whitener(Besides::Nothing) else {
         let why = "the torques have no noise at all";
         return none(ForceAnswer::untestable(why, has_torques));
     };
     let mut base = along.fit(&whitener, Besides::Nothing);
+    let carried = Carried::new(&along, &base, without);
+    if let Some(torque_nm) = carried.torque_nm() {
+        along.put_down(torque_nm);
+        base = along.fit(&whitener, Besides::Nothing);
+    }
     let effects = Effects::new(&along, without);
-    let carried = Carried::taken(&effects, &mut base);
-    let fitted = along.less(&base.rest());
+    let fitted = carried.on(&along.less(&base.rest()));
     base.append(fast::rows(&along, &fitted));
     let selection = effects.select(&mut base)?;
     let model = Model {

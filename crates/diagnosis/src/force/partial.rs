@@ -7,8 +7,7 @@
 use haptical_effects::{Effect, Family, Hook};
 
 use super::base::Base;
-use super::carried::Carried;
-use super::changes::{Columns, Fitted, Folds, Pair, only};
+use super::changes::{Column, Columns, Fitted, Folds, Pair, only};
 use super::effects::Effects;
 use super::select::Selection;
 use crate::thresholds::payload::{FREE_BINS, LAW_OF_FREE, LEFT_TO_FREE};
@@ -34,116 +33,71 @@ fn is_friction(effect: &dyn Effect) -> bool {
     effect.spec().hook == Hook::Torque && effect.spec().family == Family::Loop
 }
 
+/// A comparison of laws on the blocks of a recording.
+struct Comparison {
+    folds: Folds,
+    common: Vec<usize>,
+    channels: Vec<usize>,
+}
+
+impl Comparison {
+    fn with(&self, laws: &[&Law]) -> Fitted {
+        let own = laws.iter().flat_map(|law| law.own.iter().copied());
+        let columns: Vec<usize> = self.common.iter().copied().chain(own).collect();
+        self.folds.fit(&columns)
+    }
+
+    /// Whether a law has its place beside the others.
+    fn supports(&self, law: &Law, kept: &[&Law], all: &Fitted) -> bool {
+        let others = kept.iter().copied().filter(|other| other.pick != law.pick);
+        let without = self.with(&others.collect::<Vec<_>>());
+        let gain = all.gain_over(&without, &self.channels);
+        let free = |more: &[usize]| {
+            let columns = without.columns.iter().chain(more).chain(&law.free);
+            self.folds.fit(&columns.copied().collect::<Vec<_>>())
+        };
+        let of_free = free(&[]).gain_over(&without, &self.channels).sum;
+        let beyond = free(&law.own).gain_over(all, &self.channels).sum;
+        gain.is_beyond_chance()
+            && gain.sum >= LAW_OF_FREE * of_free
+            && beyond <= LEFT_TO_FREE * gain.sum
+    }
+}
+
 impl Effects<'_, '_> {
     /// The friction among the picks that unseen blocks support; none where they support none.
-    pub(super) fn supported(
-        &self,
-        base: &Base,
-        selection: &Selection,
-        carried: &Carried,
-    ) -> Option<Partial> {
+    pub(super) fn supported(&self, base: &Base, selection: &Selection) -> Option<Partial> {
         let along = self.along;
         let recorded = along.recorded;
         let channels: Vec<usize> = (0..recorded.channels.len()).collect();
-        let mut columns = Columns::default();
-        let pair = Pair::whole(
-            along,
-            carried
-                .changes
-                .payloads
-                .iter()
-                .map(|payload| &payload.torque_nm),
-        );
-        let blocks = recorded.blocks.len();
-        let dense = |column: &[f64]| {
-            column
-                .chunks_exact(blocks)
-                .map(|own| Some(own.to_vec()))
-                .collect()
-        };
-        for column in &along.inertia {
-            columns.add(dense(column), f64::INFINITY);
-        }
-        let geometry = along.geometry(&base.inertia, &along.force_n);
-        for (column, sd) in geometry.iter().zip(along.geometry_sds()) {
-            columns.add(dense(column), sd);
-        }
-        columns.add(
-            dense(&along.delayed(&base.inertia, &along.force_n)),
-            DELAY_SD_S,
-        );
-        for channel in &channels {
-            let ones = only(channels.len(), *channel, vec![1.0; blocks]);
-            columns.add(ones, f64::INFINITY);
-        }
+        let mut columns = self.of_base(base);
         let common: Vec<usize> = (0..columns.all.len()).collect();
-        let mut laws = Vec::new();
-        for (index, pick) in selection.picks.iter().enumerate() {
-            let effect = self.effect(pick.effect);
-            let Some(joint) = effect.joint().filter(|_| is_friction(effect)) else {
-                continue;
-            };
-            let Some(channel) = recorded.channel(joint) else {
-                continue;
-            };
-            let zero = vec![0.0; effect.spec().amplitudes];
-            let signals = effect.derivative(recorded.context, &zero, pick.shape);
-            let own = signals.iter().map(|signal| {
-                let means = recorded.signal_means(signal);
-                columns.add(dense(&means), f64::INFINITY)
-            });
-            let own = own.collect();
-            let free = bins(&along.rates(joint))
-                .into_iter()
-                .map(|bin| columns.add(only(channels.len(), channel, bin), f64::INFINITY));
-            laws.push(Law {
-                pick: index,
-                own,
-                free: free.collect(),
-            });
-        }
+        let laws = self.laws(selection, &mut columns);
         let noise: Vec<f64> = channels
             .iter()
             .map(|&channel| recorded.block_variance(channel))
             .collect();
-        let folds = Folds::new(&columns, &pair, &noise);
-        let with = |laws: &[&Law]| -> Fitted {
-            let own = laws.iter().flat_map(|law| law.own.iter().copied());
-            folds.fit(&common.iter().copied().chain(own).collect::<Vec<_>>())
+        let pair = Pair::whole(along);
+        let comparison = Comparison {
+            folds: Folds::new(&columns, &pair, &noise),
+            common,
+            channels,
         };
-        let null = folds.fit(&common);
+        let Comparison {
+            folds, channels, ..
+        } = &comparison;
         let mut kept: Vec<&Law> = laws.iter().collect();
-        loop {
-            if kept.is_empty() {
-                return None;
-            }
-            let all = with(&kept);
-            let is_supported = |law: &&Law| {
-                let others: Vec<&Law> = kept
-                    .iter()
-                    .copied()
-                    .filter(|other| other.pick != law.pick)
-                    .collect();
-                let without = with(&others);
-                let gain = all.gain_over(&without, &channels);
-                let free = |more: &[usize]| {
-                    let columns = without.columns.iter().chain(more).chain(&law.free);
-                    folds.fit(&columns.copied().collect::<Vec<_>>())
-                };
-                let of_free = free(&[]).gain_over(&without, &channels).sum;
-                let beyond = free(&law.own).gain_over(&all, &channels).sum;
-                gain.is_beyond_chance()
-                    && gain.sum >= LAW_OF_FREE * of_free
-                    && beyond <= LEFT_TO_FREE * gain.sum
-            };
+        while !kept.is_empty() {
+            let all = comparison.with(&kept);
+            let is_supported = |law: &&Law| comparison.supports(law, &kept, &all);
             let supported: Vec<&Law> = kept.iter().copied().filter(is_supported).collect();
             if supported.len() == kept.len() {
+                let of =
+                    |&channel: &usize| folds.weight[channel] * noise[channel] * folds.rows(channel);
                 let beyond = |fitted: &Fitted| {
-                    let noise = channels.iter().map(|&channel| {
-                        folds.weight[channel] * noise[channel] * folds.rows(channel)
-                    });
-                    (fitted.left_on(&channels) - noise.sum::<f64>()).max(0.0)
+                    (fitted.left_on(channels) - channels.iter().map(of).sum::<f64>()).max(0.0)
                 };
+                let null = comparison.with(&[]);
                 return Some(Partial {
                     kept: kept.iter().map(|law| law.pick).collect(),
                     closed_share: (1.0 - beyond(&all) / beyond(&null).max(1e-300)).clamp(0.0, 1.0),
@@ -151,7 +105,67 @@ impl Effects<'_, '_> {
             }
             kept = supported;
         }
+        None
     }
+
+    /// The rigid links with what is not exactly known of them, and a constant of each drive.
+    fn of_base(&self, base: &Base) -> Columns {
+        let along = self.along;
+        let channels = along.recorded.channels.len();
+        let blocks = along.recorded.blocks.len();
+        let mut columns = Columns::default();
+        for column in &along.inertia {
+            columns.add(dense(column, blocks), f64::INFINITY);
+        }
+        let geometry = along.geometry(&base.inertia, &along.force_n);
+        for (column, sd) in geometry.iter().zip(along.geometry_sds()) {
+            columns.add(dense(column, blocks), sd);
+        }
+        let delayed = along.delayed(&base.inertia, &along.force_n);
+        columns.add(dense(&delayed, blocks), DELAY_SD_S);
+        for channel in 0..channels {
+            columns.add(only(channels, channel, vec![1.0; blocks]), f64::INFINITY);
+        }
+        columns
+    }
+
+    /// The friction among the picks, with columns of its own.
+    fn laws(&self, selection: &Selection, columns: &mut Columns) -> Vec<Law> {
+        let recorded = self.along.recorded;
+        let blocks = recorded.blocks.len();
+        let mut laws = Vec::new();
+        for (index, pick) in selection.picks.iter().enumerate() {
+            let effect = self.effect(pick.effect);
+            let joint = effect.joint().filter(|_| is_friction(effect));
+            let Some((joint, channel)) =
+                joint.and_then(|joint| Some((joint, recorded.channel(joint)?)))
+            else {
+                continue;
+            };
+            let zero = vec![0.0; effect.spec().amplitudes];
+            let signals = effect.derivative(recorded.context, &zero, pick.shape);
+            let own = signals.iter().map(|signal| {
+                let means = recorded.signal_means(signal);
+                columns.add(dense(&means, blocks), f64::INFINITY)
+            });
+            let own = own.collect();
+            let bins = bins(&self.along.rates(joint)).into_iter();
+            let free = bins
+                .map(|bin| columns.add(only(recorded.channels.len(), channel, bin), f64::INFINITY));
+            laws.push(Law {
+                pick: index,
+                own,
+                free: free.collect(),
+            });
+        }
+        laws
+    }
+}
+
+/// A column of all channels.
+fn dense(column: &[f64], blocks: usize) -> Column {
+    let channels = column.chunks_exact(blocks);
+    channels.map(|own| Some(own.to_vec())).collect()
 }
 
 /// Which of some equally populated classes of a rate each block is in.

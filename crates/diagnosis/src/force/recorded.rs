@@ -208,6 +208,11 @@ impl<'a> Recorded<'a> {
         self.is_held
     }
 
+    /// Directions of each window of torques that a free force of the hand can take.
+    pub(super) fn free_directions(&self) -> usize {
+        if self.is_held { 3 } else { 0 }
+    }
+
     /// Whether nobody is taken to hold the handle.
     pub(super) fn moves_by_itself(&self) -> bool {
         self.force_n.is_none() && !self.is_held

@@ -47,11 +47,8 @@ pub(super) struct Selection {
 }
 
 impl Effects<'_, '_> {
-    pub(super) fn energy(&self, base: &Base) -> Vec<SlowEnergy> {
-        base.energy(match self.along.recorded.hand_is_unknown() {
-            true => 3,
-            false => 0,
-        })
+    fn energy(&self, base: &Base) -> Vec<SlowEnergy> {
+        base.energy(self.along.recorded.free_directions())
     }
 
     /// An arm that moves by itself has friction in every joint.

@@ -21,22 +21,15 @@ pub(in crate::force) struct Pair {
 }
 
 impl Pair {
-    /// All blocks on one side, what payloads add taken off.
-    pub(in crate::force) fn whole<'t>(
-        along: &Along<'_>,
-        payloads: impl Iterator<Item = &'t Vec<f64>>,
-    ) -> Self {
+    /// All blocks on one side.
+    pub(in crate::force) fn whole(along: &Along<'_>) -> Self {
         let count = along.recorded.blocks.len();
-        let mut reading = along.reading.clone();
-        for torque in payloads {
-            let pairs = reading.iter_mut().zip(torque);
-            pairs.for_each(|(reading, torque)| *reading -= torque);
-        }
+        let channels = along.reading.chunks_exact(count);
         Self {
             blocks: (0..count).collect(),
             is_after: vec![false; count],
             twin: None,
-            reading: reading.chunks_exact(count).map(<[f64]>::to_vec).collect(),
+            reading: channels.map(<[f64]>::to_vec).collect(),
             from: count,
         }
     }

@@ -26,7 +26,7 @@ pub(in crate::force) struct Columns {
     pub(super) own: Vec<Own>,
     /// For each link the numbers that another mass on it changes, with their places among its ten.
     pub(super) links: Vec<Vec<(usize, usize)>>,
-    /// One kilogram at the flange, and its first moments about there.
+    /// One kilogram at the flange, its first moments about there, and its inertia.
     pub(super) flange: Range<usize>,
 }
 
@@ -139,12 +139,8 @@ impl Columns {
             self.links[parameter / PER_LINK].push((index, parameter % PER_LINK));
         }
         let first = self.all.len();
-        let place_m = along.flange_m();
-        self.add(later(&at_place(along, &place_m)), f64::INFINITY);
-        for axis in 0..3 {
-            let moment = along.column_of(PER_LINK * (joints - 1) + 1 + axis);
-            let moment = moment.map_or_else(|| vec![0.0; along.recorded.len()], <[f64]>::to_vec);
-            self.add(later(&moment), f64::INFINITY);
+        for numbers in flange(&along.flange_m()) {
+            self.add(later(&of_last_link(along, &numbers)), f64::INFINITY);
         }
         self.flange = first..self.all.len();
     }
@@ -155,10 +151,9 @@ impl Columns {
     }
 }
 
-/// One kilogram at a place of the last link's frame, from the ten columns of that link.
-pub(super) fn at_place(along: &Along<'_>, place_m: &Vector3<f64>) -> Vec<f64> {
+/// Torques of inertial numbers of the last link.
+pub(super) fn of_last_link(along: &Along<'_>, numbers: &[f64; PER_LINK]) -> Vec<f64> {
     let joints = along.recorded.context.device.joints.len();
-    let numbers = point_mass(place_m);
     let mut sum = vec![0.0; along.recorded.len()];
     for (number, factor) in numbers.iter().enumerate() {
         let Some(column) = along.column_of(PER_LINK * (joints - 1) + number) else {
@@ -169,6 +164,28 @@ pub(super) fn at_place(along: &Along<'_>, place_m: &Vector3<f64>) -> Vec<f64> {
         }
     }
     sum
+}
+
+/// Inertial numbers of what hangs at a place of the last link: one kilogram there, a unit of its first moments about
+/// there along each axis, and its inertia.
+pub(super) fn flange(place_m: &Vector3<f64>) -> [[f64; PER_LINK]; PER_LINK] {
+    let (x, y, z) = (place_m.x, place_m.y, place_m.z);
+    let mut all = [[0.0; PER_LINK]; PER_LINK];
+    all[0] = point_mass(place_m);
+    // what a shift of the mass does to its inertia about the link's origin
+    let shifts = [
+        [0.0, 2.0 * x, 2.0 * x, -y, -z, 0.0],
+        [2.0 * y, 0.0, 2.0 * y, -x, 0.0, -z],
+        [2.0 * z, 2.0 * z, 0.0, 0.0, -x, -y],
+    ];
+    for (axis, shift) in shifts.iter().enumerate() {
+        all[1 + axis][1 + axis] = 1.0;
+        all[1 + axis][4..].copy_from_slice(shift);
+    }
+    for (number, own) in all.iter_mut().enumerate().skip(4) {
+        own[number] = 1.0;
+    }
+    all
 }
 
 /// The ten inertial numbers of one kilogram at a place: mass, first moments, then xx yy zz xy xz yz.

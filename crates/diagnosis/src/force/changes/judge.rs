@@ -2,14 +2,15 @@
 //! joints, and no change of the drives does as well.
 
 use super::blocks::Pair;
-use super::columns::{Columns, Own, point_mass};
+use super::columns::{Columns, Own, flange};
 use super::folds::{Fitted, Folds};
 use super::size::{Size, size};
 use crate::force::along::Along;
 use crate::force::base::Base;
 use crate::force::posture::PER_LINK;
 use crate::thresholds::payload::{
-    FLANGE_REACH_M, LEAST_CHANNELS, LEAST_GAIN_OF_CHANNEL, LEAST_SIGNAL, LEAST_T_OF_CHANNEL,
+    ALIKE, FLANGE_REACH_M, LEAST_CHANNELS, LEAST_GAIN_OF_CHANNEL, LEAST_SIGNAL, LEAST_T_OF_CHANNEL,
+    SIZE_BESIDE,
 };
 
 /// A payload that differs from a run on.
@@ -60,96 +61,49 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     let columns = Columns::new(along, base, pair);
     let mut folds = Folds::new(&columns, pair, &noise);
     let common: Vec<usize> = columns.common.clone().collect();
-    let with = |more: &[usize]| [common.as_slice(), more].concat();
     let null = folds.fit(&common);
-    // the place of a mass at the flange is known to some centimetres of it: to find its size first
-    let mass = columns.flange.start;
-    let first = folds.fit(&with(&[mass])).number(mass).abs();
-    for moment in columns.flange.clone().skip(1) {
-        folds.knowing(moment, FLANGE_REACH_M * first.max(1e-6));
-    }
-    let flange = Carrier {
-        link: None,
-        columns: columns.flange.clone().collect(),
-    };
-    let links = (1..columns.links.len()).map(|link| Carrier {
-        link: Some(link),
-        columns: columns.links[link]
-            .iter()
-            .map(|(column, _)| *column)
-            .collect(),
-    });
-    let mut best: Option<(Carrier, Fitted)> = None;
-    for carrier in std::iter::once(flange).chain(links) {
-        let fitted = folds.fit(&with(&carrier.columns));
-        let is_found = fitted.gain_over(&null, &every).is_beyond_chance();
-        let is_better = best.as_ref().is_none_or(|(_, best)| {
-            // a mass anywhere on a link must do much better than one whose place is known
-            fitted.gain_over(best, &every).is_beyond_chance()
-        });
-        if is_found && is_better {
-            best = Some((carrier, fitted));
-        }
-    }
-    let (carrier, fitted) = best?;
+    let (carrier, fitted) = carrier(&columns, &mut folds, &null, &every)?;
     let shown = shown_on(&fitted, &null, &every);
     if shown.len() < LEAST_CHANNELS {
         return None;
     }
+    let with = |more: &[usize]| folds.fit(&[common.as_slice(), more].concat());
     let drives = columns.every(Own::all);
-    let beside = folds.fit(&with(&drives));
-    let both = folds.fit(&with(&[drives.as_slice(), &carrier.columns].concat()));
-    if !both.gain_over(&beside, &every).is_beyond_chance() || !agree(&fitted, &both, &carrier) {
+    let beside = with(&drives);
+    let both = with(&[drives.as_slice(), &carrier.columns].concat());
+    let inertia = [&fitted, &both].map(|fit| inertia_of(along, &columns, &carrier, fit));
+    let is_more = both.gain_over(&beside, &every).is_beyond_chance();
+    if !is_more || !agree(along, [&inertia[0], &inertia[1]]) {
         return None;
     }
-    let kinds: [fn(&Own) -> Vec<usize>; 3] = [
-        |own| vec![own.offset],
-        |own| own.friction.clone().collect(),
-        |own| vec![own.gain],
-    ];
-    let mut rivals: Vec<Vec<usize>> = kinds.iter().map(|kind| columns.every(kind)).collect();
-    rivals.extend(columns.own.iter().map(Own::all));
-    let of_rivals = rivals
-        .iter()
-        .map(|rival| folds.fit(&with(rival)).left_on(&shown));
-    let least = of_rivals.fold(beside.left_on(&shown), f64::min);
+    let least = least_of_drives(&columns, &with, &shown).min(beside.left_on(&shown));
     if fitted.left_on(&shown) >= least {
         return None;
     }
     // what the drives changed by as well is allowed for where unseen blocks want it
-    let sized = match both.gain_over(&fitted, &every).is_beyond_chance() {
-        true => &both,
-        false => &fitted,
+    let [alone, beside] = inertia;
+    let (sized, inertia) = match both.gain_over(&fitted, &every).is_beyond_chance() {
+        true => (&both, beside),
+        false => (&fitted, alone),
     };
     let size = size(along, &columns, carrier.link, sized);
-    let inertia = inertia_of(along, &columns, &carrier, sized);
     let torque_nm = torque_of(along, &inertia, pair.from);
-    let count = recorded.blocks.len();
-    let later = (count - pair.from).max(1) as f64;
-    let is_large = every.iter().any(|&channel| {
-        let own = &torque_nm[channel * count..(channel + 1) * count];
-        let square = own.iter().map(|torque| torque * torque).sum::<f64>() / later;
-        square > LEAST_SIGNAL * recorded.torque_sd[channel].powi(2)
-    });
-    if !is_large || !size.is_certain() {
+    if !is_large(along, &torque_nm, pair.from) || !size.is_certain() {
         return None;
     }
     let squares = |left: &Fitted, channel: usize| -> Vec<f64> {
-        left.left
+        let folds = left
+            .left
             .iter()
-            .map(|left| left[channel] / folds.weight[channel])
-            .collect()
+            .map(|left| left[channel] / folds.weight[channel]);
+        folds.collect()
     };
     let gain_of = |channel: usize| fitted.gain_over(&null, &[channel]).sum;
-    let channel = shown
-        .iter()
-        .copied()
-        .max_by(|a, b| gain_of(*a).total_cmp(&gain_of(*b)))?;
+    let channels = shown.iter().copied();
+    let channel = channels.max_by(|a, b| gain_of(*a).total_cmp(&gain_of(*b)))?;
     let beyond = |left: &Fitted| {
-        let noise = every
-            .iter()
-            .map(|&channel| folds.weight[channel] * noise[channel] * folds.rows(channel));
-        (left.left_on(&every) - noise.sum::<f64>()).max(0.0)
+        let of = |&channel: &usize| folds.weight[channel] * noise[channel] * folds.rows(channel);
+        (left.left_on(&every) - every.iter().map(of).sum::<f64>()).max(0.0)
     };
     Some(Payload {
         run,
@@ -168,6 +122,75 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     })
 }
 
+/// The place of a mass that does best on unseen blocks: the flange, unless a link does much better.
+fn carrier(
+    columns: &Columns,
+    folds: &mut Folds,
+    null: &Fitted,
+    every: &[usize],
+) -> Option<(Carrier, Fitted)> {
+    let common: Vec<usize> = columns.common.clone().collect();
+    let with = |more: &[usize]| [common.as_slice(), more].concat();
+    // the place of a mass at the flange is known to some centimetres of it: to find its size first
+    let mass = columns.flange.start;
+    let first = folds.fit(&with(&[mass])).number(mass).abs();
+    for (number, column) in columns.flange.clone().enumerate().skip(1) {
+        let reach = if number < 4 { 1 } else { 2 };
+        folds.knowing(column, FLANGE_REACH_M.powi(reach) * first.max(1e-6));
+    }
+    let flange = Carrier {
+        link: None,
+        columns: columns.flange.clone().collect(),
+    };
+    let links = (1..columns.links.len()).map(|link| Carrier {
+        link: Some(link),
+        columns: columns.links[link]
+            .iter()
+            .map(|(column, _)| *column)
+            .collect(),
+    });
+    let mut best: Option<(Carrier, Fitted)> = None;
+    for carrier in std::iter::once(flange).chain(links) {
+        let fitted = folds.fit(&with(&carrier.columns));
+        let is_found = fitted.gain_over(null, every).is_beyond_chance();
+        let is_better = best
+            .as_ref()
+            .is_none_or(|(_, best)| fitted.gain_over(best, every).is_beyond_chance());
+        if is_found && is_better {
+            best = Some((carrier, fitted));
+        }
+    }
+    best
+}
+
+/// What changes of one drive, or of one kind on all drives, leave at least of some channels.
+fn least_of_drives(columns: &Columns, with: &dyn Fn(&[usize]) -> Fitted, shown: &[usize]) -> f64 {
+    let kinds: [fn(&Own) -> Vec<usize>; 3] = [
+        |own| vec![own.offset],
+        |own| own.friction.clone().collect(),
+        |own| vec![own.gain],
+    ];
+    let of_kinds = kinds.iter().map(|kind| columns.every(kind));
+    let of_drives = columns.own.iter().map(Own::all);
+    let left = of_kinds
+        .chain(of_drives)
+        .map(|rival| with(&rival).left_on(shown));
+    left.fold(f64::INFINITY, f64::min)
+}
+
+/// Whether a torque is visible in some channel from a block on.
+fn is_large(along: &Along<'_>, torque_nm: &[f64], from: usize) -> bool {
+    let recorded = along.recorded;
+    let count = recorded.blocks.len();
+    let later = (count - from).max(1) as f64;
+    let channels = torque_nm.chunks_exact(count).zip(&recorded.torque_sd);
+    let mut sizes = channels.map(|(own, sd)| {
+        let square = own.iter().map(|torque| torque * torque).sum::<f64>() / later;
+        square > LEAST_SIGNAL * sd * sd
+    });
+    sizes.any(|is_large| is_large)
+}
+
 /// Channels on which a hypothesis gains beyond chance.
 fn shown_on(fitted: &Fitted, null: &Fitted, every: &[usize]) -> Vec<usize> {
     let is_shown = |channel: &usize| {
@@ -177,23 +200,20 @@ fn shown_on(fitted: &Fitted, null: &Fitted, every: &[usize]) -> Vec<usize> {
     every.iter().copied().filter(is_shown).collect()
 }
 
-/// Whether a carrier's numbers point the same way beside changes of the drives.
-fn agree(alone: &Fitted, beside: &Fitted, carrier: &Carrier) -> bool {
-    if carrier.link.is_none() {
-        let mass = carrier.columns[0];
-        let (alone, beside) = (alone.number(mass), beside.number(mass));
-        return alone * beside > 0.0 && (0.5..2.0).contains(&(beside / alone));
-    }
-    let of = |fitted: &Fitted| -> Vec<f64> {
-        carrier
-            .columns
-            .iter()
-            .map(|&column| fitted.number(column))
-            .collect()
-    };
-    let (alone, beside) = (of(alone), of(beside));
-    let dot: f64 = alone.iter().zip(&beside).map(|(a, b)| a * b).sum();
-    dot > 0.0
+/// Whether two fits of a carrier give about the same torques, each channel over its noise.
+fn agree(along: &Along<'_>, fits: [&[f64]; 2]) -> bool {
+    let recorded = along.recorded;
+    let count = recorded.blocks.len();
+    let [alone, beside] = fits.map(|inertia| {
+        let torque_nm = along.link_torques(inertia);
+        let channels = torque_nm.chunks_exact(count).zip(&recorded.torque_sd);
+        let scaled = channels.flat_map(|(own, sd)| own.iter().map(move |torque| torque / sd));
+        scaled.collect::<Vec<f64>>()
+    });
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (own, other) = (dot(&alone, &alone).sqrt(), dot(&beside, &beside).sqrt());
+    let [least, most] = SIZE_BESIDE;
+    dot(&alone, &beside) > ALIKE * own * other && (least..most).contains(&(other / own))
 }
 
 /// What the carrier's numbers change of the links' inertial numbers.
@@ -211,13 +231,10 @@ fn inertia_of(
         return inertia;
     }
     let first = inertia.len() - PER_LINK;
-    let mass_kg = fitted.number(carrier.columns[0]);
-    let numbers = point_mass(&along.flange_m());
-    for (own, number) in inertia[first..].iter_mut().zip(numbers) {
-        *own = mass_kg * number;
-    }
-    for (axis, &column) in carrier.columns[1..].iter().enumerate() {
-        inertia[first + 1 + axis] += fitted.number(column);
+    for (numbers, &column) in flange(&along.flange_m()).iter().zip(&carrier.columns) {
+        for (own, number) in inertia[first..].iter_mut().zip(numbers) {
+            *own += fitted.number(column) * number;
+        }
     }
     inertia
 }

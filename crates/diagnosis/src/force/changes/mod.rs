@@ -12,7 +12,7 @@ mod size;
 use std::ops::Range;
 
 pub(super) use self::blocks::Pair;
-pub(super) use self::columns::{Columns, only};
+pub(super) use self::columns::{Column, Columns, only};
 pub(super) use self::folds::{Fitted, Folds};
 pub(super) use self::judge::{Payload, UnseenBlocks};
 use super::along::Along;
@@ -89,5 +89,5 @@ fn runs_of_blocks(along: &Along<'_>) -> Vec<Range<usize>> {
 /// One kilogram at the flange in all blocks, by the links' columns.
 #[cfg(test)]
 pub(super) fn at_flange(along: &Along<'_>) -> Vec<f64> {
-    columns::at_place(along, &along.flange_m())
+    columns::of_last_link(along, &columns::point_mass(&along.flange_m()))
 }

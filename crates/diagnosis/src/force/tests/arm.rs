@@ -337,10 +337,23 @@ impl Scene {
         scene
     }
 
+    /// A row, or its neighbour that has one on either side in its run.
+    fn inner(&self, row: usize) -> usize {
+        let time_s = &self.time_s;
+        if row == 0 || time_s[row] <= time_s[row - 1] {
+            row + 1
+        } else if row + 1 == time_s.len() || time_s[row + 1] <= time_s[row] {
+            row - 1
+        } else {
+            row
+        }
+    }
+
     /// Rate of a joint.
     pub(super) fn rate(&self, joint: usize, row: usize) -> f64 {
         let angle = &self.angle_rad[joint];
-        let (before, after) = (row.saturating_sub(1), (row + 1).min(angle.len() - 1));
+        let row = self.inner(row);
+        let (before, after) = (row - 1, row + 1);
         (angle[after] - angle[before]) / (self.time_s[after] - self.time_s[before])
     }
 
@@ -355,10 +368,9 @@ impl Scene {
         let device = arm();
         let mut masses: Masses = vec![Vec::new(); device.joints.len()];
         masses[joint].push((mass_kg, *place));
-        let last = self.time_s.len() - 1;
         let step_s = self.time_s[1] - self.time_s[0];
         for row in rows {
-            let middle = row.clamp(1, last - 1);
+            let middle = self.inner(row);
             let at = |row: usize| -> Vec<f64> {
                 self.angle_rad.iter().map(|angle| angle[row]).collect()
             };
