@@ -27,16 +27,18 @@ pub enum Unit {
     NewtonPerKelvin,
     NewtonMetrePerRadian,
     NewtonMetreSecondPerRadian,
+    NewtonSecondPerMetre,
 }
 
 /// Suffix of names and symbol; a suffix comes before those that end it.
-const UNITS: [(Unit, &str, &str); 22] = [
+const UNITS: [(Unit, &str, &str); 23] = [
     (
         Unit::NewtonMetreSecondPerRadian,
         "nm_s_per_rad",
         "N m s/rad",
     ),
     (Unit::NewtonMetrePerRadian, "nm_per_rad", "N m/rad"),
+    (Unit::NewtonSecondPerMetre, "n_s_per_m", "N s/m"),
     (Unit::MetrePerSquareRadian, "m_per_rad2", "m/rad²"),
     // weight per length over a force: one over a length
     (Unit::PerMetre, "n_per_m_over_tension", "1/m"),

@@ -309,6 +309,8 @@ pub(super) fn typical(parameter: &str) -> Option<f64> {
         "x" | "y" | "z" | "xy" | "xz" | "yx" | "yz" | "zx" | "zy" => 0.03,
         "transition_n" => 0.5,
         "coulomb_nm" | "viscous_nm_s_per_rad" | "stribeck_nm" | "amplitude_nm" => 0.02,
+        "coulomb_n" | "viscous_n_s_per_m" | "stribeck_n" | "amplitude_n" => 0.2,
+        "transition_m" | "transition_m_per_s" => 2e-3,
         "transition_rad_per_s" => 0.02,
         "mass_kg" => 0.3,
         _ => return None,
