@@ -7,6 +7,7 @@ use super::carried::Carried;
 use super::effects::{Effects, is_scale};
 use super::findings::{of_gravity, of_grip, of_pick};
 use super::gaps::{channels, mean_square};
+use super::grip::Grip;
 use super::names::names;
 use super::reasons::{FALSIFIED, drowned, untestable};
 use super::select::Selection;
@@ -145,6 +146,44 @@ impl Energies {
     }
 }
 
+/// Chosen effects as findings.
+struct Picked {
+    findings: Vec<CauseAnswer>,
+    /// Share of the structured energy that all picks explain.
+    explained: f64,
+    /// Joints whose torque has another scale, and that scale.
+    scales: Vec<(usize, f64)>,
+}
+
+impl Picked {
+    fn new(
+        effects: &Effects<'_, '_>,
+        base: &Base,
+        selection: &Selection,
+        energies: &Energies,
+        kept: &[usize],
+    ) -> Self {
+        let sizes = Sizes::new(effects, base, misfit(&selection.after));
+        let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
+        let total = energies.total.max(scores).max(1.0);
+        let explained = (1.0 - energies.left / total).clamp(0.0, 1.0);
+        let mut picked = Self {
+            findings: Vec::new(),
+            explained,
+            scales: Vec::new(),
+        };
+        for pick in kept.iter().map(|&index| &selection.picks[index]) {
+            let share = explained * pick.score / scores.max(1e-300);
+            let effect = effects.effect(pick.effect);
+            picked.findings.push(of_pick(effect, &sizes, pick, share));
+            if let Some(joint) = effect.joint().filter(|_| is_scale(effect)) {
+                picked.scales.push((joint, sizes.scale(effect).0));
+            }
+        }
+        picked
+    }
+}
+
 /// Puts the answer together.
 pub(super) fn answer(
     effects: &Effects<'_, '_>,
@@ -153,9 +192,7 @@ pub(super) fn answer(
     carried: &Carried,
 ) -> Result<ForceAnswer, DiagnosisError> {
     let recorded = effects.along.recorded;
-    let along = effects.along;
-    let rows = effects.rows();
-    let energies = Energies::new(base, selection, rows);
+    let energies = Energies::new(base, selection, effects.rows());
     let is_falsified = trust::is_falsified(recorded.context, base);
     let named = !selection.picks.is_empty() && energies.is_adequate;
     let partial = match selection.picks.is_empty() || named || !recorded.moves_by_itself() {
@@ -182,31 +219,21 @@ pub(super) fn answer(
         false => partial.as_ref().map(|partial| partial.kept.clone()),
     };
     if let Some(kept) = kept {
-        let sizes = Sizes::new(effects, base, misfit(&selection.after));
-        let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
-        let explained = (1.0 - energies.left / energies.total.max(scores).max(1.0)).clamp(0.0, 1.0);
-        unexplained_share = 1.0;
-        for pick in kept.iter().map(|&index| &selection.picks[index]) {
-            let share = explained * pick.score / scores.max(1e-300);
-            let effect = effects.effect(pick.effect);
-            findings.push(of_pick(effect, &sizes, pick, share));
-            unexplained_share -= share;
-            if let Some(joint) = effect.joint().filter(|_| is_scale(effect)) {
-                add_scaled(joint, sizes.scale(effect).0);
-            }
-        }
-        unexplained_share = unexplained_share.max(0.0);
+        let picked = Picked::new(effects, base, selection, &energies, &kept);
+        findings = picked.findings;
+        unexplained_share = match named {
+            true => 1.0 - picked.explained,
+            false => (1.0 - findings.iter().map(|finding| finding.share).sum::<f64>()).max(0.0),
+        };
+        picked
+            .scales
+            .iter()
+            .for_each(|&(joint, gain)| add_scaled(joint, gain));
     } else if significant && is_falsified {
         significant = false;
     } else if significant {
         unexplained_share = 1.0;
-        let found = match energies.is_structured && !effects.is_left_out(GRIP_FORCE.name) {
-            true => {
-                let whitener = &base.regression.system.layout.whitener;
-                grip::grip(along, whitener, &selection.rest_before, energies.before)
-            }
-            false => None,
-        };
+        let found = held(effects, base, selection, &energies);
         if let Some(grip) = found {
             unexplained_share = grip.left;
             findings.push(of_grip(&grip));
@@ -253,6 +280,21 @@ pub(super) fn answer(
     let is_part = answer.unexplained_share > UNEXPLAINED_SHARE;
     answer.closed_unseen_share = answer.closed_unseen_share.filter(|_| is_part);
     Ok(answer)
+}
+
+/// A force of the hand that the sensor does not see, where the torques show more than noise.
+fn held(
+    effects: &Effects<'_, '_>,
+    base: &Base,
+    selection: &Selection,
+    energies: &Energies,
+) -> Option<Grip> {
+    if !energies.is_structured || effects.is_left_out(GRIP_FORCE.name) {
+        return None;
+    }
+    let whitener = &base.regression.system.layout.whitener;
+    let rest = &selection.rest_before;
+    grip::grip(effects.along, whitener, rest, energies.before)
 }
 
 /// A link whose weight is not the assumed one, with its torque, where weights can be judged.
