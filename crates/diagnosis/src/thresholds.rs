@@ -498,8 +498,9 @@ pub(crate) mod payload {
     pub(crate) const LEAST_BLOCKS: usize = 30;
     /// Runs that are compared with those before them at most. Cost.
     pub(crate) const MOST_RUNS: usize = 12;
-    /// How far two postures of a repeated trajectory differ, over a joint's range: what a controller tracks within.
-    pub(crate) const SAME_POSTURE: f64 = 0.01;
+    /// How far two postures of a repeated trajectory differ, over a joint's range: what a controller tracks within, and what
+    /// changes a weight's torque by no more than noise.
+    pub(crate) const SAME_POSTURE: f64 = 0.005;
     /// Part of a column's square that its number is known to be small by.
     pub(crate) const RIDGE: f64 = 1e-9;
     /// Degree of the free function of a joint's position that both sides share: springs and cables of an arm. Choice.

@@ -34,25 +34,19 @@ impl Pair {
         }
     }
 
-    /// `fitted`: the base model's torques of all blocks, of which a repeated trajectory sees the change alone.
-    pub(super) fn new(
-        along: &Along<'_>,
-        before: Range<usize>,
-        after: Range<usize>,
-        fitted: &[f64],
-    ) -> Self {
+    /// Of a repeated trajectory the readings themselves are compared: a model whose ill-determined numbers multiply the
+    /// noise of two accelerations would add its own.
+    pub(super) fn new(along: &Along<'_>, before: Range<usize>, after: Range<usize>) -> Self {
         let from = after.start;
         let count = along.recorded.blocks.len();
         let channels = 0..along.recorded.channels.len();
         match twins(along, &before, &after) {
             Some(pairs) => {
-                let rest = |channel: usize, block: usize| {
-                    along.reading[channel * count + block] - fitted[channel * count + block]
-                };
+                let read = |channel: usize, block: usize| along.reading[channel * count + block];
                 let difference = |channel: usize| {
                     let pairs = pairs.iter();
                     let change =
-                        |&(own, twin): &(usize, usize)| rest(channel, own) - rest(channel, twin);
+                        |&(own, twin): &(usize, usize)| read(channel, own) - read(channel, twin);
                     pairs.map(change).collect()
                 };
                 Self {

@@ -48,7 +48,6 @@ pub(super) fn changes(along: &Along<'_>, base: &Base) -> Changes {
         changes.not_tested = Some(why.to_owned());
         return changes;
     }
-    let fitted = along.less(&base.rest());
     let mut before = runs[0].clone();
     for (run, after) in runs.iter().enumerate().skip(1) {
         if run > MOST_RUNS {
@@ -60,7 +59,7 @@ pub(super) fn changes(along: &Along<'_>, base: &Base) -> Changes {
             before = before.start..after.end;
             continue;
         }
-        let pair = Pair::new(along, before.clone(), after.clone(), &fitted);
+        let pair = Pair::new(along, before.clone(), after.clone());
         match judge::payload(along, base, &pair, run) {
             Some(found) => {
                 changes.payloads.push(found);
