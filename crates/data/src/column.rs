@@ -67,7 +67,9 @@ impl Role {
             ("theta", unit) if unit == expected => Some(Self::Joint(joint)),
             ("out", unit) if unit == expected => Some(Self::Output(joint)),
             ("theta" | "out", "rad" | "m") => Some(Self::WrongUnit(joint)),
+            // what a drive exerts on a slide is a force; logs that were written before say `nm` there
             ("torque", "nm") => Some(Self::Torque(joint)),
+            ("torque", "n") if expected == "m" => Some(Self::Torque(joint)),
             _ => None,
         }
     }
@@ -90,7 +92,13 @@ impl Role {
             Self::Orientation(index) => part(&ORIENTATION, index),
             Self::Contact => "contact".to_owned(),
             Self::Plane => "plane".to_owned(),
-            Self::Torque(joint) => format!("torque{}_nm", joint + 1),
+            Self::Torque(joint) => {
+                let slides = shape
+                    .joints
+                    .get(joint)
+                    .is_some_and(|joint| joint.unit() == "m");
+                format!("torque{}_{}", joint + 1, if slides { "n" } else { "nm" })
+            }
             Self::Force(axis) => part(&FORCE, axis),
             Self::Temperature => "temp_degc".to_owned(),
             Self::Covariate | Self::Unnamed | Self::WrongUnit(_) => String::new(),

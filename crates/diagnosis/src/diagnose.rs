@@ -19,7 +19,7 @@ use crate::select::{Selection, Selector};
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
 use crate::thresholds::recording::MOST_ROWS;
-use crate::{DiagnosisError, Options};
+use crate::{DiagnosisError, Options, torques_alone};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
 /// effect of the catalogue causes it, or that none does.
@@ -37,6 +37,9 @@ pub fn diagnose(
     let thinned = thinned(recording);
     let recording = thinned.as_ref().unwrap_or(recording);
     let effects = effects_of(device, options)?;
+    if torques_alone::applies(device, recording) {
+        return torques_alone::diagnose(device, recording, &effects, options);
+    }
     check_recording(device, recording, &channels(device, recording)?)?;
     check_rig(device, recording)?;
     let base = Base::fit(device, recording, options.loss)?;

@@ -52,6 +52,12 @@ pub enum DiagnosisError {
         /// Advised rows.
         advised: usize,
     },
+    /// Torques are all that the log has, and nothing can be said of them.
+    #[error("the log has joints and torques alone, and the torques cannot be tested: {why}")]
+    Torques {
+        /// Reason.
+        why: String,
+    },
     /// An effect lists no shape: it can be fitted nowhere.
     #[error("the effect `{effect}` lists no shape: `Effect::shapes` must give at least one")]
     NoShape {
@@ -72,7 +78,7 @@ impl DiagnosisError {
     pub fn is_unidentifiable(&self) -> bool {
         match self {
             Self::Calibration(error) => error.is_unidentifiable(),
-            Self::TooFewReadings { .. } => true,
+            Self::TooFewReadings { .. } | Self::Torques { .. } => true,
             _ => false,
         }
     }

@@ -14,6 +14,7 @@ mod select;
 #[cfg(test)]
 mod statics_tests;
 mod thresholds;
+mod torques_alone;
 
 pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{

@@ -107,7 +107,10 @@ impl dyn Effect + '_ {
             None => 0..context.device.joints.len(),
         };
         let column = match self.joint() {
-            Some(joint) => format!("no column torque{}_nm", joint + 1),
+            Some(joint) => {
+                let column = context.device.joints[joint].torque_column(joint + 1);
+                format!("no column {column}")
+            }
             None => "no column torque1_nm, torque2_nm, ...".to_owned(),
         };
         let mut streams = joints.map(|joint| context.torque_stream(joint));

@@ -98,9 +98,13 @@ impl Need {
             ),
             Self::Torque => match context.torque_nm.get(joint).and_then(Option::as_ref) {
                 None => Some(format!(
-                    "no column torque{number}_nm, and no masses with gravity"
+                    "no column {}, and no masses with gravity",
+                    device.joints[joint].torque_column(number)
                 )),
-                Some(values) if !varies(values) => Some(format!("torque{number}_nm is constant")),
+                Some(values) if !varies(values) => {
+                    let column = device.joints[joint].torque_column(number);
+                    Some(format!("{column} is constant"))
+                }
                 Some(_) => None,
             },
             Self::Force => force_is_missing(recording),

@@ -41,6 +41,10 @@ fn turns(joint: &Joint) -> bool {
     joint.joint_type == JointType::Revolute
 }
 
+fn slides(joint: &Joint) -> bool {
+    !turns(joint)
+}
+
 fn turns_by_drums(joint: &Joint) -> bool {
     turns(joint) && has_drums(joint)
 }
@@ -149,9 +153,14 @@ const REGISTRY: &[Line] = &[
     on_device!(force::gain),
     on_device!(force::crosstalk),
     on_device!(force::hysteresis),
-    at_joints!(any, force::joint_friction),
-    at_joints!(any, force::joint_friction, SLIDING, SLIDING_LAW),
-    at_joints!(any, force::motor_cogging),
+    on_device!(force::payload),
+    elsewhere(&force::PAYLOAD_ON_LINK),
+    at_joints!(turns, force::joint_friction),
+    at_joints!(turns, force::joint_friction, SLIDING, SLIDING_LAW),
+    at_joints!(slides, force::joint_friction, OF_SLIDE, LAW),
+    at_joints!(slides, force::joint_friction, SLIDING_OF_SLIDE, SLIDING_LAW),
+    at_joints!(turns, force::motor_cogging),
+    at_joints!(slides, force::motor_cogging, OF_SLIDE, LAW),
     at_joints!(any, force::torque_gain),
     elsewhere(&force::UNBALANCED_GRAVITY),
     elsewhere(&force::GRIP_FORCE),

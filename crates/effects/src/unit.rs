@@ -11,6 +11,7 @@ pub enum Unit {
     Newton,
     NewtonMetre,
     Kilogram,
+    KilogramMetre,
     Celsius,
     Hertz,
     PerRadian,
@@ -26,16 +27,18 @@ pub enum Unit {
     NewtonPerKelvin,
     NewtonMetrePerRadian,
     NewtonMetreSecondPerRadian,
+    NewtonSecondPerMetre,
 }
 
 /// Suffix of names and symbol; a suffix comes before those that end it.
-const UNITS: [(Unit, &str, &str); 21] = [
+const UNITS: [(Unit, &str, &str); 23] = [
     (
         Unit::NewtonMetreSecondPerRadian,
         "nm_s_per_rad",
         "N m s/rad",
     ),
     (Unit::NewtonMetrePerRadian, "nm_per_rad", "N m/rad"),
+    (Unit::NewtonSecondPerMetre, "n_s_per_m", "N s/m"),
     (Unit::MetrePerSquareRadian, "m_per_rad2", "m/rad²"),
     // weight per length over a force: one over a length
     (Unit::PerMetre, "n_per_m_over_tension", "1/m"),
@@ -51,6 +54,7 @@ const UNITS: [(Unit, &str, &str); 21] = [
     (Unit::Celsius, "degc", "°C"),
     (Unit::Hertz, "hz", "Hz"),
     (Unit::Radian, "rad", "rad"),
+    (Unit::KilogramMetre, "kg_m", "kg m"),
     (Unit::Kilogram, "kg", "kg"),
     (Unit::NewtonMetre, "nm", "N m"),
     (Unit::Metre, "m", "m"),

@@ -17,6 +17,8 @@ impl Shown {
         match unit {
             "m" => Self::new("µm", 1e6),
             "rad" => Self::new("mrad", 1e3),
+            "N m" => Self::new("N m", 1.0),
+            "N" => Self::new("N", 1.0),
             _ => Self::new("", 1.0),
         }
     }

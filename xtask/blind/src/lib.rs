@@ -7,6 +7,7 @@ mod error;
 mod files;
 mod gap;
 mod laws;
+mod payload_suites;
 mod random;
 mod rig;
 mod score;

@@ -4,6 +4,7 @@ use haptical_model::Device;
 
 use crate::effects::{Group, KINDS, Kind};
 use crate::error::BlindError;
+use crate::payload_suites;
 use crate::random::Random;
 use crate::rig::devices::{NOMINALS, Nominal};
 use crate::rig::motion::MotionPlan;
@@ -40,6 +41,12 @@ pub enum Suite {
     ForceUnknown,
     /// S10: effects a hundred times beyond their physical bound.
     Wrong,
+    /// SP: torques alone, another payload from a run on.
+    Payload,
+    /// SPW: the same with its name withheld from the catalogue.
+    PayloadWithheld,
+    /// SPC: torques alone, the same payload in all runs.
+    PayloadSame,
 }
 
 /// Streams of suites do not meet: suite number times this, plus the index.
@@ -47,7 +54,7 @@ const SUITE_STREAM: u64 = 1 << 40;
 
 impl Suite {
     /// All suites.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 17] = [
         Self::Clean,
         Self::Singles,
         Self::NearSingles,
@@ -62,6 +69,9 @@ impl Suite {
         Self::ForceWithheld,
         Self::ForceUnknown,
         Self::Wrong,
+        Self::Payload,
+        Self::PayloadWithheld,
+        Self::PayloadSame,
     ];
 
     /// Short name: `s0`, `s1`, `s1n`, ...
@@ -81,6 +91,9 @@ impl Suite {
             Self::ForceWithheld => "sfw",
             Self::ForceUnknown => "sfu",
             Self::Wrong => "s10",
+            Self::Payload => "sp",
+            Self::PayloadWithheld => "spw",
+            Self::PayloadSame => "spc",
         }
     }
 
@@ -101,6 +114,9 @@ impl Suite {
             Self::Force => 12,
             Self::ForceWithheld => 13,
             Self::ForceUnknown => 14,
+            Self::Payload => 31,
+            Self::PayloadWithheld => 32,
+            Self::PayloadSame => 33,
         }
     }
 
@@ -162,6 +178,12 @@ impl Suite {
                 random,
             ),
             Self::Wrong => beyond(index, random),
+            Self::Payload => payload_suites::changed(index, random),
+            Self::PayloadWithheld => Ok(Order {
+                withhold: true,
+                ..payload_suites::changed(index, random)?
+            }),
+            Self::PayloadSame => payload_suites::unchanged(index, random),
         }
     }
 }
@@ -258,7 +280,7 @@ fn vary(plan: &mut MotionPlan, random: &mut Random) {
 }
 
 /// A clean order for a random device.
-fn of_device(random: &mut Random) -> Result<(Order, Device), BlindError> {
+pub(crate) fn of_device(random: &mut Random) -> Result<(Order, Device), BlindError> {
     let nominal = nominal(random);
     let device = nominal.device()?;
     let mut order = Order::clean(nominal, device.joints.len());

@@ -49,6 +49,8 @@ pub(crate) struct Order {
     pub(crate) implausible: bool,
     /// The model has the true links and nominal transmissions: names alone count, at any joint.
     pub(crate) is_ablation: bool,
+    /// The log has joints and torques alone.
+    pub(crate) has_torques_alone: bool,
 }
 
 impl Order {
@@ -64,6 +66,7 @@ impl Order {
             no_gap_is_right: false,
             implausible: false,
             is_ablation: false,
+            has_torques_alone: false,
         }
     }
 
@@ -99,7 +102,11 @@ impl Order {
         let mut record = |random: &mut Random| -> Result<Recorded, BlindError> {
             let scene = Scene::draw(&device, &self.plan, random.seed())?;
             facts.push(effects.iter().map(|effect| effect.facts(&scene)).collect());
-            scene.record(&effects, &self.noise, &scales)
+            let recorded = scene.record(&effects, &self.noise, &scales)?;
+            Ok(match self.has_torques_alone {
+                true => torques_alone(recorded),
+                false => recorded,
+            })
         };
         let first = record(random)?;
         let second = record(random)?;
@@ -198,6 +205,30 @@ impl Order {
             index: 0,
             batch_seed: 0,
         }
+    }
+}
+
+/// Joints, times and torques of a recording.
+fn torques_alone(recorded: Recorded) -> Recorded {
+    let Recording {
+        line,
+        time_s,
+        run,
+        joint,
+        torque_nm,
+        ..
+    } = recorded.log;
+    Recorded {
+        log: Recording {
+            output: vec![None; joint.len()],
+            line,
+            time_s,
+            run,
+            joint,
+            torque_nm,
+            ..Recording::default()
+        },
+        clean: CleanChannels::default(),
     }
 }
 

@@ -31,6 +31,7 @@ mod reproducible;
 mod resealed;
 mod shared_data;
 mod simulate;
+mod torques_alone;
 mod touches;
 mod two_arms;
 mod two_hands;

@@ -80,13 +80,26 @@ impl Header {
         let duplicate = sorted
             .windows(2)
             .filter(|pair| self.columns[pair[0]].0 == self.columns[pair[1]].0)
+            .map(|pair| [pair[0], pair[1]])
             .min_by_key(|pair| pair[1]);
-        match duplicate {
+        match duplicate.or_else(|| self.torque_twice()) {
             None => Ok(()),
             Some(pair) => Err(self
                 .place(file, pair[1])
                 .error(Fault::DuplicateColumn { first: pair[0] + 1 })),
         }
+    }
+
+    /// Two columns of one drive, in N and in N m.
+    fn torque_twice(&self) -> Option<[usize; 2]> {
+        let roles: Vec<Role> = self.columns.iter().map(|(_, role)| *role).collect();
+        (0..roles.len()).find_map(|second| {
+            let is_torque = matches!(roles[second], Role::Torque(_));
+            let first = roles[..second]
+                .iter()
+                .position(|role| *role == roles[second]);
+            first.filter(|_| is_torque).map(|first| [first, second])
+        })
     }
 
     fn reject_wrong_units(&self, file: &str, shape: &LogShape) -> Result<(), DataError> {
@@ -223,6 +236,6 @@ fn is_beyond(name: &str) -> bool {
     crate::column::cable_index(name).is_some()
         || matches!(
             indexed(name),
-            Some(("theta" | "out", _, "rad" | "m") | ("torque", _, "nm"))
+            Some(("theta" | "out", _, "rad" | "m") | ("torque", _, "nm" | "n"))
         )
 }

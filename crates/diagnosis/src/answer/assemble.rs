@@ -82,9 +82,12 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
             Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
             _ => adequacy.unexplained,
         },
-        closed_unseen_share: (findings.partial.as_ref())
-            .filter(|_| has_position_gap && verdict != Verdict::Unknown)
-            .map(|partial| partial.share),
+        closed_unseen_share: match has_position_gap {
+            true => (findings.partial.as_ref())
+                .filter(|_| verdict != Verdict::Unknown)
+                .map(|partial| partial.share),
+            false => findings.force.closed_unseen_share,
+        },
         probability_unknown: adequacy.probability_unknown(verdict),
         untestable: untestable(&findings),
         invisible,
@@ -193,10 +196,11 @@ fn on_torques(findings: &Findings<'_>, verdict: Verdict) -> Option<String> {
     let gap = findings.force.unexplained()?;
     (matches!(verdict, Verdict::Named | Verdict::Ambiguous)).then(|| {
         format!(
-            "the torque of joint {} shows a gap that no cause explains: {:.3} N m, noise {:.3} N m",
+            "the torque of joint {} shows a gap that no cause explains: {:.3} {unit}, noise {:.3} {unit}",
             gap.joint.unwrap_or_default(),
             gap.rms_before,
-            gap.noise_floor
+            gap.noise_floor,
+            unit = gap.unit
         )
     })
 }

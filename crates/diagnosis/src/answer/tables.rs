@@ -105,7 +105,7 @@ pub(crate) fn untestable(findings: &Findings<'_>) -> Vec<Untestable> {
 fn general(effect: &dyn Effect, why: String) -> String {
     match effect.joint() {
         Some(joint) => why
-            .replace(&format!("torque{}_nm", joint + 1), "torque*_nm")
+            .replace(&format!("torque{}_n", joint + 1), "torque*_n")
             .replace(&format!("out{}_rad", joint + 1), "out*_rad"),
         None => why,
     }

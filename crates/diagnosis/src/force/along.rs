@@ -103,6 +103,68 @@ impl<'a> Along<'a> {
             .collect()
     }
 
+    /// Takes a torque off the readings.
+    pub(super) fn put_down(&mut self, torque_nm: &[f64]) {
+        let pairs = self.reading.iter_mut().zip(torque_nm);
+        pairs.for_each(|(reading, torque)| *reading -= torque);
+    }
+
+    /// Mean position of each joint in a block.
+    pub(super) fn posture_of(&self, block: usize) -> Vec<f64> {
+        let [first, second] = [&self.halves[2 * block], &self.halves[2 * block + 1]];
+        let pairs = first.joints[0].iter().zip(&second.joints[0]);
+        pairs.map(|(a, b)| 0.5 * (a + b)).collect()
+    }
+
+    /// Mean position of a joint, block by block.
+    pub(super) fn angles(&self, joint: usize) -> Vec<f64> {
+        self.means_of(0, joint)
+    }
+
+    /// Mean rate of a joint, block by block.
+    pub(super) fn rates(&self, joint: usize) -> Vec<f64> {
+        self.means_of(1, joint)
+    }
+
+    fn means_of(&self, derivative: usize, joint: usize) -> Vec<f64> {
+        let pairs = self.halves.chunks_exact(2);
+        let value = |half: &Half| half.joints[derivative][joint];
+        pairs
+            .map(|pair| 0.5 * (value(&pair[0]) + value(&pair[1])))
+            .collect()
+    }
+
+    /// Highest less lowest position of each joint.
+    pub(super) fn ranges(&self) -> Vec<f64> {
+        let joints = 0..self.recorded.context.device.joints.len();
+        let range = |joint: usize| {
+            let ends = self.angles(joint).into_iter();
+            let ends = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], angle| {
+                [low.min(angle), high.max(angle)]
+            });
+            (ends[1] - ends[0]).max(0.0)
+        };
+        joints.map(range).collect()
+    }
+
+    /// Column of an inertial number of the links, where a torque depends on it.
+    pub(super) fn column_of(&self, parameter: usize) -> Option<&[f64]> {
+        let place = self.parameters.iter().position(|&own| own == parameter)?;
+        Some(&self.inertia[place])
+    }
+
+    /// The handle in the frame of the last link \[m\], which moves with it.
+    pub(super) fn flange_m(&self) -> Vector3<f64> {
+        let mut posture = Posture::default();
+        let Some(half) = self.halves.first() else {
+            return Vector3::zeros();
+        };
+        let [position, rate, acceleration] = &half.joints;
+        self.rows
+            .place([position, rate, acceleration], &mut posture);
+        posture.handle_in_last_link()
+    }
+
     /// Parameters that no torque depends on but for rounding have no column.
     fn drop_empty(&mut self) {
         let sizes: Vec<f64> = self

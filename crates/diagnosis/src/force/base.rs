@@ -130,7 +130,7 @@ impl Along<'_> {
             base.add_known(column, f64::INFINITY);
         }
         base.inertia = self.all_parameters(&base.regression.solution());
-        if matches!(besides, Besides::Hand(_)) || self.recorded.force_n.is_none() {
+        if matches!(besides, Besides::Hand(_)) || self.recorded.hand_is_unknown() {
             for (block, (unseen, _)) in self.hand_force(whitener, &base.rest()).iter().enumerate() {
                 base.force_n[2 * block] -= unseen;
                 base.force_n[2 * block + 1] -= unseen;
@@ -163,6 +163,33 @@ impl Along<'_> {
             let effects = behind.into_iter().skip(self.recorded.channels.len());
             effects.for_each(|column| base.regression.add(column));
         }
+    }
+
+    /// Block means of this recording by the model of another one with these coefficients.
+    pub(super) fn predicted(&self, first: &Along<'_>, base: &Base, solution: &[f64]) -> Vec<f64> {
+        let mut torque = self.link_torques(&first.all_parameters(solution));
+        let mut add = |column: &[f64], factor: f64| {
+            let pairs = torque.iter_mut().zip(column);
+            pairs.for_each(|(sum, value)| *sum += factor * value);
+        };
+        let geometry = self.geometry(&base.inertia, &self.force_n);
+        for (column, factor) in geometry.iter().zip(&solution[base.geometry.clone()]) {
+            add(column, *factor);
+        }
+        add(
+            &self.delayed(&base.inertia, &self.force_n),
+            solution[base.geometry.end],
+        );
+        let drives = self.drive_torques(&base.inertia, &self.force_n);
+        let blocks = self.recorded.blocks.len();
+        for (channel, &joint) in self.recorded.channels.iter().enumerate() {
+            let Some(own) = first.recorded.channel(joint) else {
+                continue;
+            };
+            let means = &drives[channel * blocks..(channel + 1) * blocks];
+            add(&self.on(channel, means), solution[base.scales + own]);
+        }
+        torque
     }
 
     /// Reading less what is left of it: what a model says of the block means.

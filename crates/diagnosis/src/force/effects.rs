@@ -47,11 +47,18 @@ impl<'e, 'a> Effects<'e, 'a> {
             Follows::Temperature => recorded.context.warming_k.is_some(),
             _ => true,
         };
-        let is_recorded = match effect.joint() {
-            Some(joint) => recorded.channel(joint).is_some(),
-            None => recorded.force_n.is_some(),
+        let is_recorded = match (effect.joint(), effect.spec().hook) {
+            (Some(joint), _) => recorded.channel(joint).is_some(),
+            (None, Hook::ForceSensor) => recorded.force_n.is_some(),
+            // what runs differ by is asked before, of all of them (`changes`)
+            (None, _) => false,
         };
         has_covariate && is_recorded && !self.is_left_out(effect.name())
+    }
+
+    /// How many effects at their places are tried.
+    pub(super) fn tested(&self) -> usize {
+        self.tested.len()
     }
 
     /// Usable rows of a channel.

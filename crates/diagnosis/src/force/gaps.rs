@@ -1,6 +1,7 @@
 //! Size of the torques' gap, joint by joint, row by row.
 
 use super::base::Base;
+use super::carried::Carried;
 use super::effects::{Effects, is_scale};
 use super::rows::fast;
 use super::select::Selection;
@@ -13,7 +14,7 @@ pub(super) fn channels(
     effects: &Effects<'_, '_>,
     base: &Base,
     selection: &Selection,
-    fitted_before: &[f64],
+    carried: &Carried,
     added: &[f64],
 ) -> Vec<ChannelGap> {
     let recorded = effects.along.recorded;
@@ -21,7 +22,12 @@ pub(super) fn channels(
     let blocks = recorded.blocks.len();
     let size = effects.rows() / blocks.max(1) as f64;
     let solution = base.regression.solution();
-    let fitted_after = along.less(&selection.rest_after);
+    let fitted_after = carried.on(&along.less(&selection.rest_after));
+    let rest_before = carried
+        .rest_before
+        .as_ref()
+        .unwrap_or(&selection.rest_before);
+    let fitted_before = &carried.fitted_before;
     let gap = |(channel, &joint): (usize, &usize)| {
         let range = channel * blocks..(channel + 1) * blocks;
         let row_sd = recorded.row_sd(channel, &along.hand);
@@ -37,7 +43,7 @@ pub(super) fn channels(
         // what varies within blocks is noise but for what was named
         let noise = after / (1.0 - 1.0 / size).max(1.0 / size);
         let sizes = [
-            (mean_square(&selection.rest_before[range.clone()]) + before + added[channel]).sqrt(),
+            (mean_square(&rest_before[range.clone()]) + before + added[channel]).sqrt(),
             (mean_square(&selection.rest_after[range]) + after).sqrt(),
         ];
         let floor = Floor {
@@ -53,7 +59,7 @@ pub(super) fn channels(
             is_contradicted: false,
         };
         let name = format!("torque{}", joint + 1);
-        ChannelGap::fitted(name, Some(joint), sizes, &floor, "N m")
+        ChannelGap::fitted(name, Some(joint), sizes, &floor, recorded.unit(channel))
     };
     recorded.channels.iter().enumerate().map(gap).collect()
 }

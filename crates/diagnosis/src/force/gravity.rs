@@ -13,6 +13,7 @@ use crate::engine::layout::Layout;
 use crate::engine::regression::Regression;
 use crate::engine::system::Column;
 use crate::select::scan::Candidate;
+use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::torque::{
     CENTRE_SD_M, FAMILY_WISE_P, LEAST_MASS_SD_KG, LEAST_WEIGHT, MASS_SD,
 };
@@ -30,6 +31,8 @@ pub(super) struct Unbalanced {
     /// How far beyond the file's tolerance, in standard deviations.
     pub(super) deviations: f64,
     pub(super) probability: f64,
+    /// Whether a mass at the flange, which moves with the last link, would do as well.
+    pub(super) may_be_payload: bool,
     /// Torque of the difference, channel after channel.
     pub(super) torque_nm: Vec<f64>,
 }
@@ -135,13 +138,18 @@ pub(super) fn unbalanced(
             let variance = released.covariance()[(column, column)];
             (solution[column] - value, variance.sqrt())
         });
+    let mass = mass.filter(|(mass, sd)| *sd < 0.3 * mass.abs());
+    let last = links.iter().position(|&joint| joint + 1 == assumed.len());
+    let may_be_payload = last.is_some_and(|last| behind(last) < CONFUSABLE_NATS)
+        && mass.is_none_or(|(mass, _)| mass > 0.0);
     let others = (0..saved.len()).filter(|&index| index != best);
     let sum: f64 = others.map(|index| (-behind(index)).exp()).sum();
     Ok(Some(Unbalanced {
         joint: links[best],
         moment_nm,
         moment_sd_nm: moment_nm / deviations.max(1.0),
-        mass_kg: mass.filter(|(mass, sd)| *sd < 0.3 * mass.abs()),
+        mass_kg: mass,
+        may_be_payload,
         deviations,
         probability: 1.0 / (1.0 + sum),
         torque_nm,

@@ -8,33 +8,37 @@
 mod along;
 pub(crate) mod answer;
 mod base;
+mod carried;
+mod changes;
 mod effects;
+mod findings;
 mod gaps;
 mod gravity;
 mod grip;
+mod names;
+mod partial;
 mod posture;
+mod reasons;
 mod recorded;
 mod rows;
+mod second;
 mod select;
 #[cfg(test)]
 mod tests;
 mod trust;
 mod values;
 
-use haptical_effects::{Context, spec};
+use haptical_effects::Context;
+use haptical_model::Recording;
 
 use self::along::Along;
 use self::answer::ForceAnswer;
+use self::carried::Carried;
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded};
 use self::rows::fast;
+use self::second::{Model, OnSecond};
 use crate::DiagnosisError;
-
-/// Names of the effects on torques and forces.
-fn names() -> impl Iterator<Item = &'static str> {
-    let is_on_drives = |name: &&str| spec(name).is_some_and(|spec| spec.hook.is_on_drives());
-    haptical_effects::names().into_iter().filter(is_on_drives)
-}
 
 /// Tests the recorded torques and forces for effects of their own, with some of them left out of
 /// the catalogue.
@@ -45,21 +49,46 @@ pub(crate) fn examine(
     context: &Context<'_>,
     without: &[String],
 ) -> Result<ForceAnswer, DiagnosisError> {
+    Ok(examine_both(context, None, without)?.0)
+}
+
+/// The same, with what the model of the torques leaves of a second recording.
+///
+/// # Errors
+/// As [`examine`]; a row of the second recording at which the device has no value.
+pub(crate) fn examine_both(
+    context: &Context<'_>,
+    second: Option<&Recording>,
+    without: &[String],
+) -> Result<(ForceAnswer, Option<OnSecond>), DiagnosisError> {
+    let none = |answer: ForceAnswer| Ok((answer, None));
     let has_torques =
         (0..context.device.joints.len()).any(|joint| context.torque_stream(joint).is_some());
     let recorded = match Recorded::new(context) {
         Ok(recorded) => recorded,
-        Err(why) => return Ok(ForceAnswer::untestable(&why, has_torques)),
+        Err(why) => return none(ForceAnswer::untestable(&why, has_torques)),
     };
-    let along = Along::new(&recorded);
+    let mut along = Along::new(&recorded);
     let Some(whitener) = along.whitener(Besides::Nothing) else {
         let why = "the torques have no noise at all";
-        return Ok(ForceAnswer::untestable(why, has_torques));
+        return none(ForceAnswer::untestable(why, has_torques));
     };
     let mut base = along.fit(&whitener, Besides::Nothing);
-    let fitted_before = along.less(&base.rest());
-    base.append(fast::rows(&along, &fitted_before));
+    let carried = Carried::new(&along, &base, without);
+    if let Some(torque_nm) = carried.torque_nm() {
+        along.put_down(torque_nm);
+        base = along.fit(&whitener, Besides::Nothing);
+    }
     let effects = Effects::new(&along, without);
+    let fitted = carried.on(&along.less(&base.rest()));
+    base.append(fast::rows(&along, &fitted));
     let selection = effects.select(&mut base)?;
-    answer::answer(&effects, &base, &selection, &fitted_before)
+    let model = Model {
+        effects: &effects,
+        base: &base,
+        selection: &selection,
+        carried: &carried,
+    };
+    let seen = second.map(|second| model.on_second(second)).transpose()?;
+    Ok((answer::answer(&effects, &base, &selection, &carried)?, seen))
 }

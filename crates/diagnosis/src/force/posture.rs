@@ -240,6 +240,14 @@ impl Posture {
         self.handle.tr_mul(&arm)
     }
 
+    /// The handle in the frame of the last link, after its rotation \[m\].
+    pub(super) fn handle_in_last_link(&self) -> Vector3<f64> {
+        let last = self.bodies.last();
+        last.map_or_else(Vector3::zeros, |body| {
+            body.rotation.tr_mul(&(self.handle_m - body.origin_m))
+        })
+    }
+
     /// What each link carries, itself included, at these inertial parameters.
     pub(super) fn carried(&self, inertia: &[f64]) -> Vec<Carried> {
         let mut carried = vec![Carried::default(); self.bodies.len() + 1];

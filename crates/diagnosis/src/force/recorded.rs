@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use haptical_effects::signal::LocalMotion;
-use haptical_effects::{Context, Signal};
+use haptical_effects::{Context, Signal, Stream};
 use nalgebra::{DMatrix, Vector3};
 
 use super::rows::harmonics::{harmonics, without_harmonics};
@@ -51,6 +51,8 @@ pub(super) struct Recorded<'a> {
     pub(super) step_s: f64,
     /// Force of the hand in the handle's frame, row by row; none where it is not recorded.
     pub(super) force_n: Option<Vec<Vector3<f64>>>,
+    /// Whether a hand that nobody measures may hold the handle.
+    is_held: bool,
     /// Per channel and row: torque of the drive plus that of the hand.
     pub(super) torque_nm: Vec<Vec<f64>>,
     /// Cosines and sines of multiples of each channel's motor angle.
@@ -86,7 +88,9 @@ impl<'a> Recorded<'a> {
             let at = |row: usize| Vector3::new(axes[0][row], axes[1][row], axes[2][row]);
             (0..context.rows()).map(at).collect::<Vec<_>>()
         });
-        if force_n.is_none() && channels.len() < 5 {
+        // where a hand may hold the handle, it also moves it against a gauge: a cable, a tracker, a touched place
+        let is_held = force_n.is_none() && context.streams.iter().any(Stream::shows_handle);
+        if is_held && channels.len() < 5 {
             return Err(
                 "no columns fx_n, fy_n, fz_n, and too few torques to do without".to_owned(),
             );
@@ -139,7 +143,8 @@ impl<'a> Recorded<'a> {
                 Some((sd.hypot(MODEL_SD * rms), inflation))
             })
             .collect();
-        let mut of_force = [(UNKNOWN_FORCE_SD_N, size); 3];
+        let unknown_n = if is_held { UNKNOWN_FORCE_SD_N } else { 0.0 };
+        let mut of_force = [(unknown_n, size); 3];
         if let Some(axes) = &recording.force_n {
             for (noise, values) in of_force.iter_mut().zip(axes) {
                 *noise = noise_of(context, values, size).unwrap_or(*noise);
@@ -154,6 +159,7 @@ impl<'a> Recorded<'a> {
             gravity_mps2,
             step_s,
             force_n,
+            is_held,
             torque_nm,
             harmonics,
             torque_sd: of_torque.iter().map(|noise| noise.0).collect(),
@@ -194,6 +200,39 @@ impl<'a> Recorded<'a> {
             }
         };
         self.channels.iter().flat_map(means).collect()
+    }
+
+    /// Whether a hand of unknown force may hold the handle. Where nothing but joints and torques is recorded nobody does: the
+    /// arm moves by itself.
+    pub(super) fn hand_is_unknown(&self) -> bool {
+        self.is_held
+    }
+
+    /// Directions of each window of torques that a free force of the hand can take.
+    pub(super) fn free_directions(&self) -> usize {
+        if self.is_held { 3 } else { 0 }
+    }
+
+    /// Whether nobody is taken to hold the handle.
+    pub(super) fn moves_by_itself(&self) -> bool {
+        self.force_n.is_none() && !self.is_held
+    }
+
+    /// Variance of a block's mean torque by noise alone \[(N m)^2\], ((N)^2 where the joint slides).
+    pub(super) fn block_variance(&self, channel: usize) -> f64 {
+        let rows: usize = self.blocks.iter().map(|block| block.usable.len()).sum();
+        let rows = rows as f64 / self.blocks.len().max(1) as f64;
+        self.torque_sd[channel].powi(2) * self.torque_inflation[channel] / rows.max(1.0)
+    }
+
+    /// Name of a joint's torque column in a log.
+    pub(super) fn column(&self, joint: usize) -> String {
+        self.context.device.joints[joint].torque_column(joint + 1)
+    }
+
+    /// Unit of a channel's torque: N where its joint slides.
+    pub(super) fn unit(&self, channel: usize) -> &'static str {
+        self.context.device.joints[self.channels[channel]].torque_unit()
     }
 
     /// Whether a force of the hand is recorded that is not constant.

@@ -48,10 +48,16 @@ pub(super) struct Selection {
 
 impl Effects<'_, '_> {
     fn energy(&self, base: &Base) -> Vec<SlowEnergy> {
-        base.energy(match self.along.recorded.force_n {
-            None => 3,
-            Some(_) => 0,
-        })
+        base.energy(self.along.recorded.free_directions())
+    }
+
+    /// An arm that moves by itself has friction in every joint.
+    fn most_names(&self) -> usize {
+        let recorded = self.along.recorded;
+        match recorded.moves_by_itself() {
+            true => MOST_NAMES.max(recorded.channels.len()),
+            false => MOST_NAMES,
+        }
     }
 
     /// Chooses effects one after the other; they become base columns of `base`.
@@ -62,7 +68,7 @@ impl Effects<'_, '_> {
         let mut after = before.clone();
         let mut picks: Vec<Pick> = Vec::new();
         let mut ripples: Vec<(usize, f64)> = Vec::new();
-        while picks.len() < MOST_NAMES {
+        while picks.len() < self.most_names() {
             let scores = self.scores(base, &mut candidates).into_iter();
             let open = scores.filter(|score| !self.is_taken(score, &picks, &ripples));
             let Some(score) = open.max_by(|a, b| self.merit(a).total_cmp(&self.merit(b))) else {

@@ -3,6 +3,7 @@
 use haptical_effects::{Family, Parameter};
 
 use crate::answer::{CauseAnswer, HeldOutAnswer, Verdict};
+use crate::force::answer::ForceAnswer;
 use crate::judge::findings::Findings;
 use crate::select::excess;
 use crate::thresholds::chance::{MOST_NAMES, NAMED_PROBABILITY};
@@ -36,8 +37,13 @@ pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdic
 
 /// The verdict where positions show no gap: by the torques' first finding, or by their gap without one.
 pub(crate) fn of_torques(findings: &Findings<'_>) -> Verdict {
-    match findings.force.findings.first() {
-        None if findings.force.unexplained().is_some() => Verdict::Unknown,
+    by_torques(&findings.force)
+}
+
+/// The same of torques alone.
+pub(crate) fn by_torques(force: &ForceAnswer) -> Verdict {
+    match force.findings.first() {
+        None if force.unexplained().is_some() => Verdict::Unknown,
         None => Verdict::NoGap,
         first => by_probability(first),
     }

@@ -84,7 +84,7 @@ impl Covariate {
             | Self::Speed(joint) => {
                 format!("theta{}_rad", joint + 1)
             }
-            Self::Torque(joint) => format!("torque{}_nm", joint + 1),
+            Self::Torque(joint) => context.device.joints[joint].torque_column(joint + 1),
             Self::Time => "t_s".to_owned(),
             Self::Temperature => "temp_degc".to_owned(),
             Self::Length | Self::CableSpeed | Self::ExitAngle => "cable_m".to_owned(),

@@ -64,12 +64,17 @@ impl Context<'_> {
     /// counts show in them; none without a time column.
     pub fn drive_motion(&self, joint: usize) -> Option<LocalMotion> {
         let mut motion = self.motion.as_ref()?.get(joint)?.clone();
-        let reach = ((MOTION_REACH_S / self.step_s()) as usize).saturating_sub(LOCAL_REACH);
+        let reach = self.drive_reach();
         if reach > 0 {
             motion.velocity = smooth(&motion.velocity, reach, &self.runs);
             motion.acceleration = smooth(&motion.acceleration, reach, &self.runs);
         }
         Some(motion)
+    }
+
+    /// Rows on each side over which rates and accelerations are averaged beyond their local fits.
+    pub(crate) fn drive_reach(&self) -> usize {
+        ((MOTION_REACH_S / self.step_s()) as usize).saturating_sub(LOCAL_REACH)
     }
 
     /// Median time between rows \[s\]; 1 s where they have none.

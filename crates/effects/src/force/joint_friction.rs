@@ -3,6 +3,8 @@
 
 use std::ops::Range;
 
+use haptical_model::JointType;
+
 use crate::laws::{Input, Law};
 use crate::signal::{LocalMotion, dahl};
 use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
@@ -46,8 +48,32 @@ pub(crate) const SLIDING: Spec = Spec {
     ..SPEC
 };
 
-/// Rate within which friction is that of rest rather than of motion \[rad/s\].
+/// The first, of a joint that slides: forces.
+pub(crate) const OF_SLIDE: Spec = Spec {
+    parameters: &[
+        Parameter::size("coulomb_n", 0.0, 30.0).times_ratio(),
+        Parameter::size("viscous_n_s_per_m", 0.0, f64::MAX),
+        Parameter::size("stribeck_n", 0.0, f64::MAX),
+        Parameter::transition("transition_m", f64::MAX),
+    ],
+    shape: Shape::Continuous(&[1e-4, 1e-3, 1e-2]),
+    ..SPEC
+};
+/// The second, of a joint that slides.
+pub(crate) const SLIDING_OF_SLIDE: Spec = Spec {
+    parameters: &[
+        Parameter::size("coulomb_n", 0.0, 30.0).times_ratio(),
+        Parameter::size("viscous_n_s_per_m", 0.0, f64::MAX),
+        Parameter::size("stribeck_n", 0.0, f64::MAX),
+        Parameter::transition("transition_m_per_s", f64::MAX),
+    ],
+    shape: Shape::Continuous(&[2e-3]),
+    ..SLIDING
+};
+
+/// Rates within which friction is that of rest rather than of motion \[rad/s\], \[m/s\].
 const STRIBECK_RAD_PER_S: f64 = 0.1;
+const STRIBECK_M_PER_S: f64 = 0.01;
 /// Share of the power that Coulomb's friction may seem to give back where it is hard to tell from viscous friction.
 const GIVEN_BACK: f64 = 0.25;
 
@@ -67,7 +93,13 @@ impl Law for Friction {
         let motion = input.drive_motion()?;
         let side = (self.0)(&motion, shape, &input.context.runs);
         let rate = motion.velocity;
-        let slow = |(side, rate): (&f64, &f64)| side * (-(rate / STRIBECK_RAD_PER_S).powi(2)).exp();
+        let slides = input.joint()?.joint_type == JointType::Prismatic;
+        let stribeck = if slides {
+            STRIBECK_M_PER_S
+        } else {
+            STRIBECK_RAD_PER_S
+        };
+        let slow = |(side, rate): (&f64, &f64)| side * (-(rate / stribeck).powi(2)).exp();
         let slow = side.iter().zip(&rate).map(slow).collect();
         Some(vec![side, rate, slow])
     }

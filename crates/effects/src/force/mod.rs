@@ -9,11 +9,13 @@ mod grip_force;
 pub(crate) mod hysteresis;
 pub(crate) mod joint_friction;
 pub(crate) mod motor_cogging;
+pub(crate) mod payload;
 pub(crate) mod torque_gain;
 mod unbalanced_gravity;
 
 pub use grip_force::SPEC as GRIP_FORCE;
 pub use motor_cogging::COGGING_ORDERS;
+pub use payload::{ON_LINK as PAYLOAD_ON_LINK, SPEC as PAYLOAD};
 pub use torque_gain::SPEC as TORQUE_GAIN;
 pub use unbalanced_gravity::SPEC as UNBALANCED_GRAVITY;
 

@@ -23,6 +23,16 @@ pub(crate) const SPEC: Spec = Spec {
     ..Spec::COMMON
 };
 
+/// Of a joint that slides: a force.
+pub(crate) const OF_SLIDE: Spec = Spec {
+    parameters: &[
+        Parameter::size("amplitude_n", 0.0, 30.0).times_ratio(),
+        Parameter::phase(),
+        Parameter::number("order", f64::MAX),
+    ],
+    ..SPEC
+};
+
 /// Highest order that is tried.
 pub const COGGING_ORDERS: usize = 12;
 /// Periods that the travel must show.

@@ -152,7 +152,8 @@ fn an_absent_torque_is_replaced_by_the_one_that_masses_and_hand_need() {
             if effect.name() == "joint-compliance" {
                 assert_eq!(effect.untestable(&with_masses), None, "{}", effect.label());
                 let why = effect.untestable(&without).unwrap_or_default();
-                let column = format!("torque{}_nm", effect.joint().unwrap() + 1);
+                let joint = effect.joint().unwrap();
+                let column = device.joints[joint].torque_column(joint + 1);
                 assert!(why.contains(&column), "{}: {why}", effect.label());
             }
         }

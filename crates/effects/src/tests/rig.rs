@@ -309,7 +309,10 @@ pub(super) fn typical(parameter: &str) -> Option<f64> {
         "x" | "y" | "z" | "xy" | "xz" | "yx" | "yz" | "zx" | "zy" => 0.03,
         "transition_n" => 0.5,
         "coulomb_nm" | "viscous_nm_s_per_rad" | "stribeck_nm" | "amplitude_nm" => 0.02,
+        "coulomb_n" | "viscous_n_s_per_m" | "stribeck_n" | "amplitude_n" => 0.2,
+        "transition_m" | "transition_m_per_s" => 2e-3,
         "transition_rad_per_s" => 0.02,
+        "mass_kg" => 0.3,
         _ => return None,
     })
 }
@@ -326,6 +329,7 @@ pub(super) fn values(effect: &AnyEffect, context: &Context<'_>, factor: f64) -> 
             (Some(value), "phase_rad" | "time_s") => value,
             (Some(value), _) => factor * value,
             (None, "order" | "from_joint" | "frequency_hz") => shape,
+            (None, "from_run") => shape + 1.0,
             (None, other) => panic!(
                 "{} has a parameter `{other}` without a size",
                 effect.label()

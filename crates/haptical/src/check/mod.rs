@@ -1,6 +1,7 @@
 //! Judges what a log could identify, at the device as it is given: nothing is fitted.
 
 mod text;
+mod torques;
 
 use haptical_calibration::{
     CalibrationError, Channel, Options, Weights, candidate_parameters, channels, check_rig,
@@ -84,6 +85,9 @@ pub struct CheckedLog {
     pub identifiable: Vec<String>,
     /// The others.
     pub not_identified: Vec<NotIdentified>,
+    /// Of a log that nothing can be identified from, what a diagnosis can ask of it, a sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub good_for: Vec<String>,
 }
 
 /// A measured channel.
@@ -132,6 +136,9 @@ pub fn check(device: &Device, log: Option<&Log>, request: &Identify) -> Result<C
     let found = log.map(|log| {
         warnings.extend(log.warnings.iter().cloned());
         let place = log.source();
+        if let Some(found) = torques::torques_alone(&model, &log.recording, &place.label) {
+            return Ok(found);
+        }
         checked_log(&model, &log.recording, place.label.clone()).map_err(|error| {
             Error::calibration(&error, &source.path, &place.path).with_equipment(device)
         })
@@ -252,6 +259,7 @@ fn checked_log(
         identifiability: RankEntry::from_judgements(std::iter::once(&judged)),
         identifiable,
         not_identified,
+        good_for: Vec::new(),
     })
 }
 

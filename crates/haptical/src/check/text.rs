@@ -72,6 +72,13 @@ fn joint_table(joints: &[CheckedJoint]) -> std::result::Result<Table, ReportErro
 }
 
 fn describe_identifiability(text: &mut impl Write, log: &CheckedLog) -> Result {
+    if !log.good_for.is_empty() {
+        writeln!(text)?;
+        return log
+            .good_for
+            .iter()
+            .try_for_each(|said| writeln!(text, "{said}"));
+    }
     writeln!(
         text,
         "\nAt the nominal device this log could identify {} of {} parameters:",

@@ -190,6 +190,12 @@ impl Error {
                 let (what, next) = text.split_once(": ").unwrap_or((&text, "record more rows"));
                 Self::in_file("too-few-rows", what, log, next).of_kind(ErrorKind::Unidentifiable)
             }
+            DiagnosisError::Torques { .. } => {
+                let next = "haptical check says what such a log needs: a motion with times, [gravity] in the device \
+                            file, and enough of it";
+                Self::in_file("torques-not-tested", text, log, next)
+                    .of_kind(ErrorKind::Unidentifiable)
+            }
             DiagnosisError::Identification(_) => {
                 Self::in_file("identification", text, log, CHECK_DEVICE)
             }
@@ -255,7 +261,8 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
     let far = "the nominal device may be far from the real one: check its lengths, twists, home and \
                ratios against the device; with --loss squares, wild readings alone can do this: leave it at auto";
     let measure = "add external encoders (outN_rad), or [[link]] rows to the device and a distance \
-                   (cable_m) or position (x_m, y_m, z_m) to the log";
+                   (cable_m) or position (x_m, y_m, z_m) to the log; of torques alone (torqueN_nm), haptical diagnose tells \
+                   what the arm carries and how its drives rub";
     let (name, what, next) = match error {
         CalibrationError::NoMotion { rows } => {
             let what = format!(

@@ -151,6 +151,22 @@ impl Joint {
         self.joint_type.motion()
     }
 
+    /// Unit of what its drive exerts: `N m`, or `N` where it slides.
+    pub fn torque_unit(&self) -> &'static str {
+        match self.joint_type {
+            JointType::Revolute => "N m",
+            JointType::Prismatic => "N",
+        }
+    }
+
+    /// Name of the column of a log that holds it, for the joint with this number from 1: `torque2_nm`.
+    pub fn torque_column(&self, number: usize) -> String {
+        match self.joint_type {
+            JointType::Revolute => format!("torque{number}_nm"),
+            JointType::Prismatic => format!("torque{number}_n"),
+        }
+    }
+
     /// Unit of readings: `rad` or `m`.
     pub fn unit(&self) -> &'static str {
         self.joint_type.unit()

@@ -8,6 +8,7 @@ mod forces;
 mod foreign;
 mod friction;
 mod noises;
+mod payload;
 mod registry;
 mod springs;
 mod structure;

@@ -3,8 +3,8 @@
 use haptical_model::{Device, TransmissionKind};
 
 use super::{
-    Draw, Effect, base, cable, drums, forces, foreign, friction, noises, springs, structure,
-    timing, unknown,
+    Draw, Effect, base, cable, drums, forces, foreign, friction, noises, payload, springs,
+    structure, timing, unknown,
 };
 
 /// What a kind of effect is to a diagnosis.
@@ -24,6 +24,8 @@ pub enum Group {
     Unknown,
     /// On the force and torque channels, in no catalogue.
     ForceUnknown,
+    /// On torques of an arm that moves by itself.
+    Alone,
 }
 
 /// A kind of effect.
@@ -179,6 +181,10 @@ pub const KINDS: &[Kind] = kinds! {
     "torque-step" ForceUnknown Any foreign::torque_step;
     "torque-product" ForceUnknown Any foreign::torque_product;
     "force-switching" ForceUnknown Whole foreign::force_switching;
+    "payload" Alone TwoRuns payload::payload;
+    "payload-on-link" Alone TwoRuns payload::payload_on_link;
+    "friction-beside" Alone Whole payload::friction_beside;
+    "friction-alone" Alone Whole payload::friction_alone;
     "drum-dent" Unknown External unknown::drum_dent;
     "angle-product" Unknown External unknown::angle_product;
     "random-walk" Unknown External unknown::random_walk;

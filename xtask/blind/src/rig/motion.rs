@@ -19,6 +19,10 @@ pub struct MotionPlan {
     pub reach: f64,
     /// Rest at home at both ends \[s\].
     pub home_rest_s: f64,
+    /// Whether every run repeats the first one.
+    pub repeats: bool,
+    /// Force of the hand over that of a usual one; 0 of an arm that moves by itself.
+    pub hand: f64,
 }
 
 impl Default for MotionPlan {
@@ -31,6 +35,8 @@ impl Default for MotionPlan {
             pace_s: 0.9,
             reach: 0.97,
             home_rest_s: 1.6,
+            repeats: false,
+            hand: 1.0,
         }
     }
 }
@@ -66,6 +72,10 @@ impl Motion {
             ..Self::default()
         };
         for run in 0..plan.runs {
+            if plan.repeats && run > 0 {
+                motion.repeat(plan.rows, run as i64);
+                continue;
+            }
             let pace = Pace::draw(plan, random);
             motion
                 .time_s
@@ -91,6 +101,20 @@ impl Motion {
             }
         }
         motion
+    }
+
+    /// Once more the first run.
+    fn repeat(&mut self, rows: usize, run: i64) {
+        let columns = [
+            &mut self.angle_rad,
+            &mut self.rate_rad_s,
+            &mut self.acceleration_rad_s2,
+        ];
+        for column in columns.into_iter().flatten() {
+            column.extend_from_within(..rows);
+        }
+        self.time_s.extend_from_within(..rows);
+        self.run.extend(std::iter::repeat_n(run, rows));
     }
 
     /// Number of rows.

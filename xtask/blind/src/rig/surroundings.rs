@@ -34,7 +34,7 @@ pub(crate) fn hand_force(rows: usize, plan: &MotionPlan, random: &mut Random) ->
             let time_s = row as f64 / plan.rate_hz;
             waves.each_ref().map(|axis| {
                 axis.iter()
-                    .map(|[rate, phase, size]| size * libm::sin(rate * time_s + phase))
+                    .map(|[rate, phase, size]| plan.hand * size * libm::sin(rate * time_s + phase))
                     .sum()
             })
         })

@@ -83,6 +83,10 @@ fn reach(kind: &Kind) -> [bool; 5] {
         "motor-cogging",
         "torque-gain",
         "unbalanced-gravity",
+        "payload",
+        "payload-on-link",
+        "friction-beside",
+        "friction-alone",
     ];
     if name == "outliers" || name == "noise-level" {
         [false, true, true, false, false]

@@ -25,7 +25,7 @@ pub(crate) fn scores_of<'c>(cases: &'c [Case], suites: &[&str]) -> Vec<&'c Trial
     wanted.filter_map(|case| case.score.as_ref()).collect()
 }
 
-fn share(
+pub(super) fn share(
     scores: &[&TrialScore],
     of: impl Fn(&TrialScore) -> bool,
     is: impl Fn(&TrialScore) -> bool,
@@ -34,19 +34,19 @@ fn share(
     Value::Share(Rate::of_cases(among.map(|score| is(score))))
 }
 
-fn any(_: &TrialScore) -> bool {
+pub(super) fn any(_: &TrialScore) -> bool {
     true
 }
 
-fn detected(score: &TrialScore) -> bool {
+pub(super) fn detected(score: &TrialScore) -> bool {
     score.detected
 }
 
-fn right(score: &TrialScore) -> bool {
+pub(super) fn right(score: &TrialScore) -> bool {
     score.right
 }
 
-fn named(score: &TrialScore) -> bool {
+pub(super) fn named(score: &TrialScore) -> bool {
     score.verdict == Verdict::Named
 }
 

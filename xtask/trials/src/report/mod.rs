@@ -2,6 +2,7 @@
 
 pub(crate) mod bars;
 pub(crate) mod figures;
+pub(crate) mod payloads;
 pub(crate) mod record;
 pub(crate) mod wrong;
 
@@ -36,6 +37,9 @@ fn about(suite: &str) -> &'static str {
         "sf" => "an effect on force or torque",
         "sfw" => "the same, withheld from the catalogue",
         "sfu" => "an effect on force or torque in no catalogue",
+        "sp" => "torques alone, another payload from a run on",
+        "spw" => "the same, withheld from the catalogue",
+        "spc" => "torques alone, nothing changed between runs",
         _ => "",
     }
 }
@@ -195,7 +199,7 @@ fn confusions(output: &mut Output, cases: &[Case]) -> Result<()> {
         (
             "confusion-others",
             "Noise, impossible magnitudes, force",
-            &["s7", "s10", "sf", "sfw", "sfu"],
+            &["s7", "s10", "sf", "sfw", "sfu", "sp", "spw", "spc"],
         ),
     ] {
         let wanted: Vec<&Case> = cases

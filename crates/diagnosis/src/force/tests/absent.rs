@@ -1,7 +1,7 @@
 //! What cannot be tested is said, with its reason; what can be, still is.
 
-use super::arm::{Scene, arm, examined, examined_as};
-use crate::force::names;
+use super::arm::{Scene, arm, examined, examined_as, examined_held};
+use crate::force::names::names;
 
 const ROWS: usize = 2500;
 
@@ -54,7 +54,7 @@ fn without_the_hands_force_friction_is_found_all_the_same() {
     let scene = Scene::new(42, ROWS);
     let mut clean = scene.clone().record();
     clean.force_n = None;
-    let answer = examined(&clean);
+    let answer = examined_held(&clean);
     assert!(!answer.significant, "{answer:?}");
     for name in [
         "force-bias",
@@ -78,7 +78,7 @@ fn without_the_hands_force_friction_is_found_all_the_same() {
     }
     let mut recording = rubbing.record();
     recording.force_n = None;
-    let answer = examined(&recording);
+    let answer = examined_held(&recording);
     assert_eq!(answer.findings.len(), 1, "{answer:?}");
     assert_eq!(
         (answer.findings[0].effect.as_str(), answer.findings[0].joint),

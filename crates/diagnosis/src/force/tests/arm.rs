@@ -1,6 +1,7 @@
 //! A small arm of point masses, its torques by virtual work: another route than the module's.
 
-use haptical_effects::Context;
+use haptical_calibration::Channel;
+use haptical_effects::{Context, Stream};
 use haptical_model::kinematics::{Chain, Convention, Link};
 use haptical_model::{Device, JointType, Recording};
 use nalgebra::{Matrix3, Vector3};
@@ -263,6 +264,16 @@ impl Scene {
 
     /// The same with another time between rows.
     pub(super) fn sampled(seed: u64, rows: usize, step_s: f64) -> Self {
+        Self::held(seed, rows, step_s, 1.0)
+    }
+
+    /// An arm that moves by itself.
+    pub(super) fn alone(seed: u64, rows: usize) -> Self {
+        Self::held(seed, rows, STEP_S, 0.0)
+    }
+
+    /// `hand`: the hand's force over its usual one.
+    fn held(seed: u64, rows: usize, step_s: f64, hand: f64) -> Self {
         let mut noise = Noise(seed);
         let mut device = arm();
         for link in &mut device.links {
@@ -297,8 +308,12 @@ impl Scene {
         let mut scene = Self {
             angle_rad: vec![Vec::with_capacity(rows); angles.len()],
             torque_nm: vec![Vec::with_capacity(rows); angles.len()],
-            force_n: [0, 1, 2]
-                .map(|k| time_s.iter().map(|time| value(&forces[k], *time)).collect()),
+            force_n: [0, 1, 2].map(|k| {
+                time_s
+                    .iter()
+                    .map(|time| hand * value(&forces[k], *time))
+                    .collect()
+            }),
             time_s,
             scales,
             noise,
@@ -322,11 +337,63 @@ impl Scene {
         scene
     }
 
+    /// A row, or its neighbour that has one on either side in its run.
+    fn inner(&self, row: usize) -> usize {
+        let time_s = &self.time_s;
+        if row == 0 || time_s[row] <= time_s[row - 1] {
+            row + 1
+        } else if row + 1 == time_s.len() || time_s[row + 1] <= time_s[row] {
+            row - 1
+        } else {
+            row
+        }
+    }
+
     /// Rate of a joint.
     pub(super) fn rate(&self, joint: usize, row: usize) -> f64 {
         let angle = &self.angle_rad[joint];
-        let (before, after) = (row.saturating_sub(1), (row + 1).min(angle.len() - 1));
+        let row = self.inner(row);
+        let (before, after) = (row - 1, row + 1);
         (angle[after] - angle[before]) / (self.time_s[after] - self.time_s[before])
+    }
+
+    /// A point mass on a link, from 0, in some rows.
+    pub(super) fn carry(
+        &mut self,
+        joint: usize,
+        mass_kg: f64,
+        place: &Vector3<f64>,
+        rows: std::ops::Range<usize>,
+    ) {
+        let device = arm();
+        let mut masses: Masses = vec![Vec::new(); device.joints.len()];
+        masses[joint].push((mass_kg, *place));
+        let step_s = self.time_s[1] - self.time_s[0];
+        for row in rows {
+            let middle = self.inner(row);
+            let at = |row: usize| -> Vec<f64> {
+                self.angle_rad.iter().map(|angle| angle[row]).collect()
+            };
+            let three = [at(middle - 1), at(middle), at(middle + 1)];
+            let torque = virtual_work(&device, &masses, &three, step_s, &Vector3::zeros());
+            for (joint, torque) in torque.into_iter().enumerate() {
+                self.torque_nm[joint][row] += torque * self.scales[joint];
+            }
+        }
+    }
+
+    /// The same motion once more, as another run of the same length.
+    pub(super) fn repeated(mut self) -> Self {
+        let columns = [&mut self.angle_rad, &mut self.torque_nm];
+        columns
+            .into_iter()
+            .flatten()
+            .for_each(|column| column.extend_from_within(..));
+        self.force_n
+            .iter_mut()
+            .for_each(|column| column.extend_from_within(..));
+        self.time_s.extend_from_within(..);
+        self
     }
 
     /// What is recorded: angles in counts, noise on torques and forces.
@@ -393,6 +460,18 @@ pub(super) fn diagnosed(mut recording: Recording) -> Diagnosis {
 /// The answer to a recording of the arm.
 pub(super) fn examined(recording: &Recording) -> ForceAnswer {
     examined_as(&arm(), recording)
+}
+
+/// The answer where something sees the handle: a hand may hold it.
+pub(super) fn examined_held(recording: &Recording) -> ForceAnswer {
+    let device = arm();
+    let tracker = Stream {
+        channel: Channel::Position,
+        axis: 0,
+        unit: "m",
+    };
+    let context = Context::new(&device, recording, &[tracker]).unwrap();
+    crate::force::examine(&context, &[]).unwrap()
 }
 
 pub(super) fn examined_as(device: &Device, recording: &Recording) -> ForceAnswer {

@@ -2,5 +2,6 @@
 
 mod absent;
 mod arm;
+mod carried;
 mod found;
 mod mechanics;

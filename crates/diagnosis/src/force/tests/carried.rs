@@ -1,0 +1,255 @@
+//! A payload that changes between runs is found with its size; what else changes is none.
+
+use haptical_effects::{Context, drive_catalogue};
+use haptical_model::Recording;
+use nalgebra::Vector3;
+
+use super::arm::{Scene, arm, examined, other_arm};
+use crate::answer::{CauseAnswer, ParameterAnswer};
+use crate::force::along::Along;
+use crate::force::answer::ForceAnswer;
+use crate::force::recorded::Recorded;
+
+/// Rows of a run.
+const RUN: usize = 2500;
+const LAST: usize = 4;
+const MASS_KG: f64 = 0.2;
+
+/// Centre of a payload in the last link's frame: a few centimetres off the handle.
+fn at_flange() -> Vector3<f64> {
+    let link = arm().links[5];
+    Vector3::new(link.a_m + 0.02, -0.01, link.d_m + 0.03)
+}
+
+/// A recording as runs of equal length; no hand.
+fn recorded(scene: Scene, runs: usize) -> Recording {
+    let mut recording = scene.record();
+    let rows = recording.len() / runs;
+    recording.run = Some(
+        (0..recording.len())
+            .map(|row| (row / rows) as i64)
+            .collect(),
+    );
+    recording.force_n = None;
+    recording
+}
+
+fn payloads(answer: &ForceAnswer) -> Vec<&CauseAnswer> {
+    let found = answer.findings.iter();
+    found.filter(|cause| cause.effect == "payload").collect()
+}
+
+fn assert_holds(found: &CauseAnswer, name: &str, truth: f64) {
+    let ParameterAnswer {
+        value,
+        ci95: [low, high],
+    } = found.parameters[name];
+    // one in twenty is missed by chance
+    let half = 0.5 * (high - low) * 1.7;
+    assert!(
+        (value - truth).abs() < half,
+        "{name} {value} [{low}, {high}], truth {truth}"
+    );
+}
+
+/// Friction, an offset and a spring that no law of the catalogue has, the same in all runs.
+fn rub(scene: &mut Scene) {
+    for joint in 0..scene.torque_nm.len() {
+        for row in 0..scene.time_s.len() {
+            let (rate, angle) = (scene.rate(joint, row), scene.angle_rad[joint][row]);
+            let friction = 0.03 * (rate / 0.05).tanh() * (1.0 + 0.3 * (2.0 * angle).sin());
+            scene.torque_nm[joint][row] += friction + 0.02 * rate + 0.02 + 0.03 * angle;
+        }
+    }
+}
+
+#[test]
+fn a_payload_on_another_trajectory_is_found_with_its_size() {
+    for seed in [71, 72, 73] {
+        let mut scene = Scene::alone(seed, 2 * RUN);
+        scene.carry(LAST, MASS_KG, &at_flange(), RUN..2 * RUN);
+        let answer = examined(&recorded(scene, 2));
+        let found = payloads(&answer);
+        assert_eq!(found.len(), 1, "{seed}: {answer:?}");
+        assert_holds(found[0], "mass_kg", MASS_KG);
+        assert_eq!(found[0].parameters["from_run"].value, 2.0);
+        assert!(!found[0].parameters.contains_key("on_link"), "{seed}");
+        assert!(
+            found[0].probability > 0.8 && answer.unexplained_share < 0.1,
+            "{answer:?}"
+        );
+        let [low, high] = found[0].parameters["mass_kg"].ci95;
+        assert!(high - low < 0.1, "{seed}: [{low}, {high}]");
+    }
+}
+
+#[test]
+fn friction_that_both_runs_share_hides_no_payload() {
+    for (seed, is_repeated) in [(74, true), (75, false), (76, true)] {
+        let mut scene = match is_repeated {
+            true => Scene::alone(seed, RUN).repeated(),
+            false => Scene::alone(seed, 2 * RUN),
+        };
+        rub(&mut scene);
+        scene.carry(LAST, MASS_KG, &at_flange(), RUN..2 * RUN);
+        let answer = examined(&recorded(scene, 2));
+        let found = payloads(&answer);
+        assert_eq!(found.len(), 1, "{seed}: {answer:?}");
+        assert_holds(found[0], "mass_kg", MASS_KG);
+        assert_eq!(answer.findings[0].effect, "payload");
+        let held_out = found[0].held_out.as_ref().unwrap();
+        assert!(held_out.rms_after < held_out.rms_before, "{held_out:?}");
+    }
+}
+
+#[test]
+fn what_is_put_down_is_negative_and_several_changes_are_told() {
+    let mut scene = Scene::alone(77, 3 * RUN);
+    scene.carry(LAST, MASS_KG, &at_flange(), RUN..2 * RUN);
+    let answer = examined(&recorded(scene, 3));
+    let mut found = payloads(&answer);
+    found.sort_by(|a, b| {
+        a.parameters["from_run"]
+            .value
+            .total_cmp(&b.parameters["from_run"].value)
+    });
+    assert_eq!(found.len(), 2, "{answer:?}");
+    assert_holds(found[0], "mass_kg", MASS_KG);
+    assert_holds(found[1], "mass_kg", -MASS_KG);
+    assert!(found[1].parameters["mass_kg"].ci95[1] < 0.0);
+    assert_eq!(found[1].parameters["from_run"].value, 3.0);
+}
+
+#[test]
+fn a_mass_on_a_link_is_told_with_its_link() {
+    let mut scene = Scene::alone(78, RUN).repeated();
+    rub(&mut scene);
+    let place = Vector3::new(0.08, 0.1, -0.03);
+    scene.carry(1, 0.5, &place, RUN..2 * RUN);
+    let answer = examined(&recorded(scene, 2));
+    let found = payloads(&answer);
+    assert_eq!(found.len(), 1, "{answer:?}");
+    assert_eq!(found[0].parameters["on_link"].value, 2.0);
+    assert_holds(found[0], "moment_kg_m", 0.5 * place.norm());
+    assert_holds(found[0], "mass_kg", 0.5);
+}
+
+/// What another run differs by that is no mass: joint and row in, torque out.
+type Change = fn(&Scene, usize, usize) -> f64;
+
+#[test]
+fn drives_that_changed_between_runs_are_no_payload() {
+    let changes: [(&str, Change); 4] = [
+        ("offsets", |_, joint, _| 0.03 * (joint as f64 - 2.0)),
+        ("friction", |scene, joint, row| match joint {
+            1 => 0.06 * (scene.rate(1, row) / 0.02).tanh(),
+            _ => 0.0,
+        }),
+        ("a gain", |scene, joint, row| match joint {
+            2 => 0.15 * scene.torque_nm[2][row],
+            _ => 0.0,
+        }),
+        ("nothing", |_, _, _| 0.0),
+    ];
+    for (what, change) in changes {
+        for (seed, is_repeated) in [(81, true), (82, false)] {
+            let mut scene = match is_repeated {
+                true => Scene::alone(seed, RUN).repeated(),
+                false => Scene::alone(seed, 2 * RUN),
+            };
+            rub(&mut scene);
+            let before = scene.clone();
+            for joint in 0..before.torque_nm.len() {
+                for row in RUN..2 * RUN {
+                    scene.torque_nm[joint][row] += change(&before, joint, row);
+                }
+            }
+            let answer = examined(&recorded(scene, 2));
+            assert!(
+                payloads(&answer).is_empty(),
+                "{what} {is_repeated}: {answer:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_mass_in_every_row_is_none_of_a_run_and_a_twin_of_the_last_link() {
+    let mut scene = Scene::alone(79, 2 * RUN);
+    scene.carry(LAST, MASS_KG, &at_flange(), 0..2 * RUN);
+    let answer = examined(&recorded(scene, 1));
+    assert!(payloads(&answer).is_empty(), "{answer:?}");
+    let mut untestable = answer.untestable.iter();
+    let (_, why) = untestable.find(|(name, _)| *name == "payload").unwrap();
+    assert!(why.contains("one run"), "{why}");
+    let found = &answer.findings[0];
+    assert_eq!(found.effect, "unbalanced-gravity", "{answer:?}");
+    assert!(
+        found.confusable_with.contains(&"payload".to_owned()),
+        "{found:?}"
+    );
+    assert!(found.probability < 0.6);
+}
+
+#[test]
+fn left_out_of_the_catalogue_it_is_not_named() {
+    let mut scene = Scene::alone(80, 2 * RUN);
+    scene.carry(LAST, MASS_KG, &at_flange(), RUN..2 * RUN);
+    let recording = recorded(scene, 2);
+    let device = arm();
+    let context = Context::new(&device, &recording, &[]).unwrap();
+    let answer = crate::force::examine(&context, &["payload".to_owned()]).unwrap();
+    assert!(
+        answer.significant && payloads(&answer).is_empty(),
+        "{answer:?}"
+    );
+}
+
+/// The law of the catalogue, row by row, against the inertial columns that runs are compared with.
+#[test]
+fn the_law_is_that_of_the_links_columns() {
+    for device in [arm(), other_arm()] {
+        let recording = recorded(Scene::alone(90, 2 * RUN), 2);
+        let context = Context::new(&device, &recording, &[]).unwrap();
+        let recorded = Recorded::new(&context).unwrap();
+        let along = Along::new(&recorded);
+        let catalogue = drive_catalogue(&device);
+        let law = catalogue
+            .iter()
+            .find(|effect| effect.name() == "payload")
+            .unwrap();
+        let signal = law.signal(&context, &[1.0], 1.0);
+        let means = recorded.signal_means(&signal);
+        let columns = crate::force::changes::at_flange(&along);
+        let blocks = recorded.blocks.len();
+        let largest = columns
+            .iter()
+            .fold(0.0, |most: f64, value| most.max(value.abs()));
+        for (cell, (law, column)) in means.iter().zip(&columns).enumerate() {
+            let block = &recorded.blocks[cell % blocks];
+            if block.rows.start < RUN {
+                assert_eq!(*law, 0.0);
+            } else {
+                // postures are averaged over half blocks, accelerations over 70 ms
+                assert!(
+                    (law - column).abs() < 0.02 * largest,
+                    "cell {cell}: {law} {column}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_torque_of_a_slide_is_in_newtons() {
+    let device = other_arm();
+    let recording = recorded(Scene::alone(91, 2 * RUN), 2);
+    let context = Context::new(&device, &recording, &[]).unwrap();
+    let answer = crate::force::examine(&context, &[]).unwrap();
+    let units: Vec<&str> = answer
+        .channels
+        .iter()
+        .map(|gap| gap.unit.as_str())
+        .collect();
+    assert_eq!(units, ["N m", "N m", "N", "N m", "N m"]);
+}

@@ -1,0 +1,179 @@
+//! The diagnosis of a log that has joints and torques alone: no position is fitted, and the geometry is the device file's.
+
+use haptical_calibration::{CalibrationError, channels, check_recording};
+use haptical_effects::{Context, Effect};
+use haptical_model::{Device, Recording};
+
+use crate::answer::place::in_torques;
+use crate::answer::{Diagnosis, Gap, Place, Provenance, Trace, Untestable, Verdict, Whiteness};
+use crate::force::answer::ForceAnswer;
+use crate::force::examine_both;
+use crate::judge::verdict;
+use crate::{DiagnosisError, Options};
+
+/// Whether torques are all that a recording has to say of a device with links.
+pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
+    let has_torques = recording
+        .torque_nm
+        .iter()
+        .flatten()
+        .flatten()
+        .any(|value| value.is_finite());
+    has_torques
+        && device.has_links()
+        && matches!(
+            channels(device, recording),
+            Err(CalibrationError::NoChannel)
+        )
+}
+
+/// Diagnoses the torques.
+///
+/// # Errors
+/// [`DiagnosisError::Torques`] for torques that cannot be tested, and why.
+pub(crate) fn diagnose(
+    device: &Device,
+    recording: &Recording,
+    effects: &[Box<dyn Effect>],
+    options: &Options<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    check_recording(device, recording, &[])?;
+    let model = options.model.unwrap_or(device);
+    let context = Context::new(model, recording, &[])?;
+    let (force, seen) = examine_both(&context, options.validation, &options.without)?;
+    if let (Some(why), true) = (&force.not_tested, force.channels.is_empty()) {
+        return Err(DiagnosisError::Torques { why: why.clone() });
+    }
+    let verdict = verdict::by_torques(&force);
+    let place = in_torques(&force).filter(|_| verdict != Verdict::NoGap);
+    let place = place.map(|place| Place {
+        region: format!("in {}", place.channel),
+        ..place
+    });
+    let located = place.as_ref().map(|place| place.channel.as_str());
+    let gap = Gap::new(verdict, located, force.channels.clone());
+    let mut causes = force.findings.clone();
+    for cause in &mut causes {
+        let held_out = cause.held_out.take();
+        cause.held_out = held_out.map(|held_out| held_out.agreeing(&gap));
+    }
+    let mut warnings: Vec<String> = Vec::new();
+    let not_tested = force.not_tested.iter();
+    warnings.extend(not_tested.map(|why| format!("the torques were not tested: {why}")));
+    let mut predictions = Vec::new();
+    let mut held_out = match causes.iter().any(|cause| cause.held_out.is_some()) {
+        true => "a tenth of each run in turn, block means of 0.1 s".to_owned(),
+        false => String::new(),
+    };
+    if let Some(seen) = seen {
+        if let Some(first) = causes.first_mut() {
+            let mut channels = seen.held_out.iter();
+            let main = located.and_then(|name| channels.find(|own| own.channel == name));
+            first.held_out = main
+                .cloned()
+                .map(|held_out| held_out.agreeing(&gap))
+                .or(first.held_out.take());
+        }
+        warnings.extend(seen.warnings);
+        predictions = seen.predictions;
+        held_out = "the second recording, block means of 0.1 s".to_owned();
+    }
+    Ok(Diagnosis {
+        verdict,
+        next_experiment: next_experiment(verdict, &force),
+        traces: traces(&force, verdict),
+        unexplained_share: force.unexplained_share,
+        closed_unseen_share: force
+            .closed_unseen_share
+            .filter(|_| verdict != Verdict::Unknown),
+        probability_unknown: match (verdict, causes.first()) {
+            (Verdict::NoGap, _) => 0.0,
+            (Verdict::Unknown, _) | (_, None) => 1.0,
+            (_, Some(first)) => 1.0 - first.class_probability,
+        },
+        untestable: untestable(effects, &force),
+        invisible: Vec::new(),
+        detectable: Vec::new(),
+        noise: Vec::new(),
+        whiteness: Whiteness::default(),
+        candidates: Vec::new(),
+        absorbed: None,
+        plausibility: Vec::new(),
+        warnings,
+        held_out,
+        provenance: Provenance {
+            rows: recording.len(),
+            base_parameters: force.numbers,
+            base_identifiable: force.numbers,
+            tested: force.tested,
+            thresholds: crate::thresholds::VERSION.to_owned(),
+            last_step: 0.0,
+            without: options.without.clone(),
+        },
+        device: model.clone(),
+        predictions,
+        gap,
+        place,
+        causes,
+    })
+}
+
+/// Why effects on positions are not tested.
+const POSITIONS: &str =
+    "the log has joints and torques alone: no encoder, distance or position shows it";
+
+/// Effects on positions, which nothing shows here, and those on torques that this log cannot test.
+fn untestable(effects: &[Box<dyn Effect>], force: &ForceAnswer) -> Vec<Untestable> {
+    let mut found: Vec<Untestable> = Vec::new();
+    for effect in effects {
+        if !found.iter().any(|entry| entry.effect == effect.name()) {
+            found.push(Untestable {
+                effect: effect.name().to_owned(),
+                joints: Vec::new(),
+                why: POSITIONS.to_owned(),
+            });
+        }
+    }
+    let on_forces = force.untestable.iter();
+    found.extend(on_forces.map(|(effect, why)| Untestable {
+        effect: (*effect).to_owned(),
+        joints: Vec::new(),
+        why: why.clone(),
+    }));
+    found
+}
+
+/// The torques with the largest gap, over time.
+fn traces(force: &ForceAnswer, verdict: Verdict) -> Vec<Trace> {
+    let course = force.course.iter().filter(|_| verdict != Verdict::NoGap);
+    let trace = course.map(|course| Trace {
+        channel: course.channel.clone(),
+        unit: course.unit.to_owned(),
+        covariate: "t_s".to_owned(),
+        at: course.time_s.clone(),
+        before: course.before.clone(),
+        after: course.after.clone(),
+    });
+    trace.collect()
+}
+
+fn next_experiment(verdict: Verdict, force: &ForceAnswer) -> Option<String> {
+    let first = force.findings.first().map(|cause| cause.effect.as_str());
+    match (verdict, first) {
+        (Verdict::NoGap, _) => None,
+        (Verdict::Named | Verdict::Ambiguous, Some("payload")) => Some(
+            "to confirm: weigh what was put on or taken off between the runs, or hang a known weight at the flange and repeat \
+             the trajectory once more"
+                .to_owned(),
+        ),
+        (Verdict::Named | Verdict::Ambiguous, Some(name)) => Some(format!(
+            "to confirm {name}: repeat the trajectory at a third of the speed, and once with a known weight at the flange; \
+             friction keeps its size, weights and gains grow with the load"
+        )),
+        _ => Some(
+            "repeat the trajectory at a third of the speed: what is friction keeps its size, what is inertia falls to a ninth; \
+             then once with a known weight at the flange"
+                .to_owned(),
+        ),
+    }
+}
