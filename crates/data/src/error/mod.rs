@@ -356,6 +356,21 @@ pub enum Fault {
         /// Whether no reading is farther beyond the limits than a whole turn: it may be that alone.
         within_a_turn: bool,
     },
+    /// Readings that are neither radians nor degrees of any joint like this.
+    #[error(
+        "looks like encoder counts or motor angles: the readings go from {min} to {max}{}; give radians of the joint: counts times \
+         2 pi over the counts of a turn, motor angles over the transmission ratio (if the joint does turn so far, {})",
+        limits.map_or(String::new(), |[lower, upper]| format!(", the device's limits from {lower} to {upper} rad")),
+        if limits.is_some() { "widen its limits" } else { "give it limits" }
+    )]
+    LooksLikeCounts {
+        /// Smallest reading.
+        min: f64,
+        /// Largest reading.
+        max: f64,
+        /// Limits of the joint \[rad\], where it has them.
+        limits: Option<[f64; 2]>,
+    },
     /// The shape describes no device.
     #[error("a log cannot be matched to a device without joints; correct the device file")]
     InvalidShape,

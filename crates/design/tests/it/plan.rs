@@ -24,7 +24,9 @@ fn request(rigs: &[&str]) -> Request {
 
 #[test]
 fn it_is_the_steps_one_by_one() {
-    let device = arm();
+    let mut device = arm();
+    // an exact drum adds nothing to what the steps say
+    device.cables[0].scale_sd = Some(0.0);
     let steps = RefCell::new(Vec::new());
     let step = |step: Step<'_>| steps.borrow_mut().push(format!("{step:?}"));
     let found = plan(&device, &request(&["cable", "pose"]), &[], &step).unwrap();
@@ -60,6 +62,54 @@ fn it_is_the_steps_one_by_one() {
         "Rig(\"pose\")",
     ];
     assert_eq!(steps.into_inner(), expected);
+}
+
+/// No number of poses makes a length better known than the drum that measures it: `identify` says so afterwards, the plan before.
+#[test]
+fn lengths_carry_the_scale_of_their_instrument() {
+    let mut device = arm();
+    let mut planned = |scale_sd: f64| {
+        device.cables[0].scale_sd = Some(scale_sd);
+        plan(&device, &request(&["cable"]), &[], &|_| ()).unwrap()
+    };
+    let (exact, known) = (planned(0.0), planned(2e-3));
+    assert_eq!(exact.rigs[0].length_scales, []);
+    let scale = &known.rigs[0].length_scales[0];
+    assert_eq!((scale.name.as_str(), scale.sd), ("cable_scale", 2e-3));
+    let (mut lengths, mut angles) = (0, 0);
+    let statuses = exact.rigs[0]
+        .parameters
+        .iter()
+        .zip(&known.rigs[0].parameters);
+    for (exact, known) in statuses {
+        let sds = [exact, known].map(|entry| entry.status.standard_deviation());
+        let [Some(exact), Some(sd)] = sds else {
+            continue;
+        };
+        let added = (sd.powi(2) - exact.powi(2)).max(0.0).sqrt();
+        let value = device.parameter(&known.name).unwrap().value(&device);
+        let expected = if known.unit == "m" {
+            2e-3 * value.abs()
+        } else {
+            0.0
+        };
+        lengths += usize::from(known.unit == "m");
+        angles += usize::from(known.unit == "rad");
+        assert!(
+            (added - expected).abs() < 1e-2 * expected + 1e-6,
+            "{}: {added}",
+            known.name
+        );
+    }
+    assert!(lengths > 4 && angles > 4, "{lengths} {angles}");
+    // so do the poses that it chooses
+    let predicted = known.next_poses.unwrap().parameters;
+    let a1 = predicted.iter().find(|entry| entry.name == "a1").unwrap();
+    assert!(
+        a1.standard_deviation > 2e-3 * 0.25,
+        "{}",
+        a1.standard_deviation
+    );
 }
 
 #[test]
