@@ -70,6 +70,15 @@ pub(crate) fn of_rows(recording: &Recording) -> Vec<Change> {
     }
 }
 
+/// Whether the rows before and after are the log's: none where rows in between were held out.
+pub(crate) fn has_neighbours(recording: &Recording, row: usize) -> bool {
+    let follows = |first: usize| {
+        let lines = (recording.line.get(first), recording.line.get(first + 1));
+        matches!(lines, (Some(line), Some(next)) if *next == line + 1)
+    };
+    row > 0 && row + 1 < recording.len() && follows(row - 1) && follows(row)
+}
+
 impl Change {
     /// Rows of a recording as they are after the change; what has no neighbour keeps its own.
     pub(crate) fn of_rows(self, recording: &Recording, rows: &[usize]) -> Recording {
@@ -123,13 +132,15 @@ impl Change {
 /// # Errors
 /// [`CalibrationError::MistakenLog`].
 pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
-    // the first row and the last have no neighbour on one side
-    let inner = recording.len().saturating_sub(2);
-    let count = inner.min(MOST_ROWS);
+    let inner: Vec<usize> = (0..recording.len())
+        .filter(|&row| has_neighbours(recording, row))
+        .collect();
+    let count = inner.len().min(MOST_ROWS);
     if count < LEAST_ROWS || !device.has_links() {
         return Ok(());
     }
-    let some: Vec<usize> = (0..count).map(|index| 1 + index * inner / count).collect();
+    let some = (0..count).map(|index| inner[index * inner.len() / count]);
+    let some: Vec<usize> = some.collect();
     let part = recording.select(&some);
     let Some(own) = error(device, &part).filter(|own| *own > GROSS) else {
         return Ok(());

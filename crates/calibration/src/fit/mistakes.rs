@@ -4,7 +4,7 @@
 use haptical_identification::Problem;
 use haptical_model::{Device, ParameterId, Recording};
 
-use crate::checks::columns::{Change, of_columns, of_rows};
+use crate::checks::columns::{Change, has_neighbours, of_columns, of_rows};
 use crate::fit::implausible::implausible_links;
 use crate::fit::multi_start::spread_rows;
 use crate::fit::request::FitRequest;
@@ -61,9 +61,8 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
     nearer.sort_by(|a, b| a.0.total_cmp(&b.0));
     nearer.truncate(MOST_FITS);
     // how far a row is off shows only once the device is fitted
-    let last = request.recording.len().saturating_sub(1);
     let inner: Vec<usize> = (rows.iter().copied())
-        .filter(|&row| row > 0 && row < last)
+        .filter(|&row| has_neighbours(request.recording, row))
         .collect();
     nearer.extend(of_rows(request.recording).into_iter().map(|change| {
         let part = change.of_rows(request.recording, &inner);

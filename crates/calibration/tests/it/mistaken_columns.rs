@@ -186,3 +186,34 @@ fn a_row_is_a_latency_where_rows_are_close() {
     late.time_s = Some((0..right.len()).map(|row| 1e-3 * row as f64).collect());
     check_rig(&device, &late).unwrap();
 }
+
+/// Rows that are held out leave gaps in the fit's part of a log: rows on both sides of them are no neighbours.
+#[test]
+fn a_row_off_is_named_where_rows_are_held_out() {
+    let Some(nominal) = crate::haptic::haptic7() else {
+        return;
+    };
+    let truth = crate::haptic::truth_of(&nominal, 1.0);
+    let mut log = crate::haptic::record(&truth, 300, 3, haptical_simulator::Noise::Gaussian);
+    // slow enough that a row off is less than what the device file is off by
+    for (joint, column) in log.joint.iter_mut().enumerate() {
+        let turns = 1.0 + 0.37 * joint as f64;
+        let angle = |row: usize| {
+            0.6 * (turns * std::f64::consts::TAU * row as f64 / 300.0 + joint as f64).sin()
+        };
+        column
+            .iter_mut()
+            .enumerate()
+            .for_each(|(row, reading)| *reading = angle(row));
+    }
+    log.output.iter_mut().for_each(|column| *column = None);
+    let poses = haptical_simulator::true_poses(&truth, &log).unwrap();
+    let late = |row: usize| poses[row.saturating_sub(1)].position_m.norm();
+    log.cable_m[0] = Some((0..300).map(late).collect());
+    check_rig(&nominal, &log).unwrap();
+    let refused = calibrate(&nominal, &log, &Options::default()).unwrap_err();
+    assert!(
+        matches!(&refused, CalibrationError::MistakenColumns { what, .. } if what.contains("a row later")),
+        "{refused}"
+    );
+}
