@@ -74,7 +74,7 @@ pub(crate) fn of_rows(recording: &Recording) -> Vec<Change> {
 pub(crate) fn has_neighbours(recording: &Recording, row: usize) -> bool {
     let follows = |first: usize| {
         let lines = (recording.line.get(first), recording.line.get(first + 1));
-        matches!(lines, (Some(line), Some(next)) if *next == line + 1)
+        !matches!(lines, (Some(line), Some(next)) if *next > line + 1)
     };
     row > 0 && row + 1 < recording.len() && follows(row - 1) && follows(row)
 }
