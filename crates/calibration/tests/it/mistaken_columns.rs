@@ -34,7 +34,10 @@ fn refusal(device: &Device, recording: &Recording) -> Option<String> {
         ..Options::default()
     };
     match calibrate(device, recording, &options) {
-        Err(error @ CalibrationError::MistakenColumns { .. }) => Some(error.to_string()),
+        Err(
+            error @ (CalibrationError::MistakenColumns { .. }
+            | CalibrationError::MistakenLog { .. }),
+        ) => Some(error.to_string()),
         Err(error) => panic!("{error}"),
         Ok(_) => None,
     }

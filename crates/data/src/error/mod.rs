@@ -358,18 +358,19 @@ pub enum Fault {
     },
     /// Readings that are neither radians nor degrees of any joint like this.
     #[error(
-        "looks like encoder counts or motor angles: the readings go from {min} to {max}{}; give radians of the joint: counts times \
-         2 pi over the counts of a turn, motor angles over the transmission ratio (if the joint does turn so far, {})",
-        limits.map_or(String::new(), |[lower, upper]| format!(", the device's limits from {lower} to {upper} rad")),
-        if limits.is_some() { "widen its limits" } else { "give it limits" }
+        "looks like encoder counts: the readings are whole numbers from {min} to {max}, the device's limits from {lower_rad} to \
+         {upper_rad} rad; give radians of the joint: counts times 2 pi over the counts of a turn, over the transmission ratio for \
+         an encoder of the motor (if the joint does turn so far, widen its limits)"
     )]
     LooksLikeCounts {
         /// Smallest reading.
         min: f64,
         /// Largest reading.
         max: f64,
-        /// Limits of the joint \[rad\], where it has them.
-        limits: Option<[f64; 2]>,
+        /// Lower limit of the joint \[rad\].
+        lower_rad: f64,
+        /// Upper limit of the joint \[rad\].
+        upper_rad: f64,
     },
     /// The shape describes no device.
     #[error("a log cannot be matched to a device without joints; correct the device file")]

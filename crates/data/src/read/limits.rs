@@ -14,7 +14,7 @@ const SLACK: f64 = 0.1;
 /// Share of the readings left out at either end, so that a few outliers decide nothing.
 const TRIMMED: f64 = 0.025;
 
-/// Radians of sixteen turns: more is taken for counts where limits say so, or where all are whole numbers.
+/// Radians of sixteen turns: whole numbers below may be rounded angles.
 const SIXTEEN_TURNS: f64 = 100.0;
 
 /// Refuses joint columns in degrees or counts; returns warnings about readings outside the limits.
@@ -45,8 +45,8 @@ pub(crate) fn check(
                     cell_of(columns, role, file, line).error(Fault::LooksLikeCounts {
                         min,
                         max,
-                        limits: Some([device.lower, device.upper])
-                            .filter(|limits| limits.iter().all(|limit| limit.is_finite())),
+                        lower_rad: device.lower,
+                        upper_rad: device.upper,
                     }),
                 );
             }
@@ -151,22 +151,19 @@ fn looks_like_degrees(readings: &[f64], device: &JointShape) -> bool {
     far_outside && no_offset && fits
 }
 
-/// Whether readings are those of an encoder or a motor: beyond what the joint's limits are in degrees, or, of a joint without
-/// limits, whole numbers of many turns.
+/// Whether readings are an encoder's counts: whole numbers beyond what the joint's limits are in degrees. A joint without limits
+/// is not judged.
 fn are_counts(readings: &[f64], device: &JointShape) -> bool {
     let (low, high) = trimmed_range(readings);
     let largest = low.abs().max(high.abs());
     let limit = device.lower.abs().max(device.upper.abs());
-    if limit.is_finite() {
-        // a zero is off by some turns at most
-        let no_offset = high - low > (1.0 + 2.0 * SLACK) * (device.upper - device.lower);
-        return limit > 0.0
-            && no_offset
-            && largest > SIXTEEN_TURNS
-            && largest.to_radians() > (1.0 + SLACK) * limit;
-    }
+    // a zero is off by some turns at most
+    let no_offset = high - low > (1.0 + 2.0 * SLACK) * (device.upper - device.lower);
     let is_whole = |value: &f64| value.is_nan() || value.fract() == 0.0;
-    largest > SIXTEEN_TURNS && readings.iter().all(is_whole)
+    no_offset
+        && largest > SIXTEEN_TURNS
+        && largest.to_radians() > (1.0 + SLACK) * limit
+        && readings.iter().all(is_whole)
 }
 
 /// Smallest and largest reading.

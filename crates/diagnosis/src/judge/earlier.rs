@@ -154,9 +154,12 @@ impl Earlier<'_, '_> {
             .filter(|group| !group.in_drive)
             .flat_map(|group| group.columns.clone())
             .collect();
+        let sensors = self.sensors.iter();
+        let places = sensors.flat_map(|(_, columns)| columns.iter().copied());
+        let distant: Vec<usize> = links.into_iter().chain(places).collect();
         // The lengths of a model without transmission errors have taken part of those up: with the
-        // transmissions in question the links are free.
-        let mut terms = self.forward(true, &links, total);
+        // transmissions in question the links are free, and so is where a sensor stands.
+        let mut terms = self.forward(true, &distant, total);
         if terms.is_empty() {
             terms = self.forward(false, &[], total);
         }
