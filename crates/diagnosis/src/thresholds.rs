@@ -321,6 +321,16 @@ pub(crate) mod partial {
     pub(crate) const LEAST_SHARE: f64 = 0.15;
     /// Hypotheses that are taken up one after the other at most. Cost.
     pub(crate) const MOST_HYPOTHESES: usize = 3;
+    /// Effects of cables that are named together at least: one alone is found without. Choice.
+    pub(crate) const LEAST_CABLES: usize = 2;
+    /// Effects of cables at one joint at most. Cost.
+    pub(crate) const MOST_CABLES: usize = 8;
+    /// Standard deviations of the gain of one of them on unseen rows; what they gain together is tested too. Choice.
+    pub(crate) const LEAST_CABLE_SD: f64 = 2.0;
+    /// Share of the joint's gap that one of them must close on unseen rows. Choice.
+    pub(crate) const LEAST_CABLE_SHARE: f64 = 0.01;
+    /// Half widths from which a play is searched \[rad\]. Cost.
+    pub(crate) const PLAYS_RAD: [f64; 5] = [1e-3, 5e-3, 0.02, 0.08, 0.25];
     /// Single effects that are tried at most. Cost.
     pub(crate) const LISTED: usize = 12;
     /// Readings for each number of a hypothesis at least. Choice.

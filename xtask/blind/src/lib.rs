@@ -2,11 +2,14 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod arms;
+mod colour;
 mod effects;
 mod error;
 mod files;
 mod gap;
 mod laws;
+mod planted;
 mod random;
 mod rig;
 mod score;
@@ -14,6 +17,7 @@ mod seal;
 mod suites;
 mod trial;
 mod truth;
+mod wrist;
 
 pub use effects::{Draw, Effect, Facts, Group, Info, KINDS, Kind, kind};
 pub use error::BlindError;

@@ -8,6 +8,7 @@ use crate::random::Random;
 use crate::rig::devices::{NOMINALS, Nominal};
 use crate::rig::motion::MotionPlan;
 use crate::trial::{Order, Trial};
+use crate::{arms, colour, wrist};
 
 /// A suite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,6 +41,16 @@ pub enum Suite {
     ForceUnknown,
     /// S10: effects a hundred times beyond their physical bound.
     Wrong,
+    /// SE: arms of which several joints yield to their weight, posture by posture.
+    Elastic,
+    /// SR: postures that are recorded several times each.
+    Repeats,
+    /// SM: runs between which a tracker was set up anew, or was not.
+    Moved,
+    /// SC: noise with a memory, with an effect or without.
+    Coloured,
+    /// SW: wrists with play and coupling in several cables.
+    Wrist,
 }
 
 /// Streams of suites do not meet: suite number times this, plus the index.
@@ -47,7 +58,7 @@ const SUITE_STREAM: u64 = 1 << 40;
 
 impl Suite {
     /// All suites.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 19] = [
         Self::Clean,
         Self::Singles,
         Self::NearSingles,
@@ -62,6 +73,11 @@ impl Suite {
         Self::ForceWithheld,
         Self::ForceUnknown,
         Self::Wrong,
+        Self::Elastic,
+        Self::Repeats,
+        Self::Moved,
+        Self::Coloured,
+        Self::Wrist,
     ];
 
     /// Short name: `s0`, `s1`, `s1n`, ...
@@ -81,6 +97,11 @@ impl Suite {
             Self::ForceWithheld => "sfw",
             Self::ForceUnknown => "sfu",
             Self::Wrong => "s10",
+            Self::Elastic => "se",
+            Self::Repeats => "sr",
+            Self::Moved => "sm",
+            Self::Coloured => "sc",
+            Self::Wrist => "sw",
         }
     }
 
@@ -101,6 +122,11 @@ impl Suite {
             Self::Force => 12,
             Self::ForceWithheld => 13,
             Self::ForceUnknown => 14,
+            Self::Elastic => 15,
+            Self::Repeats => 16,
+            Self::Moved => 17,
+            Self::Coloured => 18,
+            Self::Wrist => 19,
         }
     }
 
@@ -123,8 +149,17 @@ impl Suite {
     /// [`BlindError`] where a device cannot be evaluated.
     pub fn draw(self, index: u64, batch_seed: u64) -> Result<Trial, BlindError> {
         let mut random = Random::new(batch_seed, SUITE_STREAM * self.stream() + index);
-        let order = self.order(index, &mut random)?;
-        order.make(self.name(), index, batch_seed, &mut random)
+        let of_its_own = match self {
+            Self::Elastic => arms::elastic,
+            Self::Repeats => arms::repeats,
+            Self::Moved => arms::moved,
+            Self::Wrist => wrist::draw,
+            _ => {
+                let order = self.order(index, &mut random)?;
+                return order.make(self.name(), index, batch_seed, &mut random);
+            }
+        };
+        of_its_own(self.name(), index, batch_seed, &mut random)
     }
 
     fn order(self, index: u64, random: &mut Random) -> Result<Order, BlindError> {
@@ -162,6 +197,9 @@ impl Suite {
                 random,
             ),
             Self::Wrong => beyond(index, random),
+            Self::Coloured => colour::order(index, random),
+            // drawn without an order
+            Self::Elastic | Self::Repeats | Self::Moved | Self::Wrist => clean(index, random),
         }
     }
 }
@@ -230,11 +268,11 @@ const TWINS: [&str; 9] = [
     "cable-pitch",
 ];
 
-fn of_group(group: Group) -> Vec<&'static Kind> {
+pub(crate) fn of_group(group: Group) -> Vec<&'static Kind> {
     KINDS.iter().filter(|kind| kind.group == group).collect()
 }
 
-fn named(names: &[&str]) -> Vec<&'static Kind> {
+pub(crate) fn named(names: &[&str]) -> Vec<&'static Kind> {
     KINDS
         .iter()
         .filter(|kind| names.contains(&kind.name))
@@ -258,7 +296,7 @@ fn vary(plan: &mut MotionPlan, random: &mut Random) {
 }
 
 /// A clean order for a random device.
-fn of_device(random: &mut Random) -> Result<(Order, Device), BlindError> {
+pub(crate) fn of_device(random: &mut Random) -> Result<(Order, Device), BlindError> {
     let nominal = nominal(random);
     let device = nominal.device()?;
     let mut order = Order::clean(nominal, device.joints.len());
@@ -268,7 +306,7 @@ fn of_device(random: &mut Random) -> Result<(Order, Device), BlindError> {
 
 /// Which joints may be drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Joints {
+pub(crate) enum Joints {
     /// All at which the kind can act.
     All,
     /// Of these, those with an external encoder, where there are any.
@@ -289,7 +327,7 @@ impl Joints {
 }
 
 /// The kinds in turn, each at a random joint; a device without a place for it is drawn again.
-fn one_of(
+pub(crate) fn one_of(
     kinds: &[&'static Kind],
     index: u64,
     size: f64,
@@ -319,7 +357,7 @@ fn single(index: u64, random: &mut Random) -> Result<Order, BlindError> {
 }
 
 /// Single effects that are not mostly absorbed.
-fn visible() -> Vec<&'static Kind> {
+pub(crate) fn visible() -> Vec<&'static Kind> {
     let mut kinds = of_group(Group::Single);
     kinds.retain(|kind| !MOSTLY_ABSORBED.contains(&kind.name));
     kinds

@@ -6,7 +6,7 @@ use xtask_blind::Suite;
 use super::Arguments;
 
 /// Trials of a scored batch.
-const SCORED: [(Suite, u64); 14] = [
+const SCORED: [(Suite, u64); 19] = [
     (Suite::Clean, 300),
     (Suite::Singles, 300),
     (Suite::NearSingles, 150),
@@ -21,9 +21,14 @@ const SCORED: [(Suite, u64); 14] = [
     (Suite::Force, 40),
     (Suite::ForceWithheld, 45),
     (Suite::ForceUnknown, 36),
+    (Suite::Elastic, 100),
+    (Suite::Repeats, 80),
+    (Suite::Moved, 80),
+    (Suite::Coloured, 80),
+    (Suite::Wrist, 100),
 ];
 /// Trials of a quick check: each kind of clean recording three times, each strong effect once.
-const QUICK: [(Suite, u64); 14] = [
+const QUICK: [(Suite, u64); 19] = [
     (Suite::Clean, 18),
     (Suite::Singles, 32),
     (Suite::NearSingles, 5),
@@ -38,6 +43,11 @@ const QUICK: [(Suite, u64); 14] = [
     (Suite::Force, 3),
     (Suite::ForceWithheld, 3),
     (Suite::ForceUnknown, 6),
+    (Suite::Elastic, 3),
+    (Suite::Repeats, 4),
+    (Suite::Moved, 4),
+    (Suite::Coloured, 4),
+    (Suite::Wrist, 3),
 ];
 
 /// Some trials of one suite.

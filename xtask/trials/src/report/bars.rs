@@ -25,7 +25,7 @@ pub(crate) fn scores_of<'c>(cases: &'c [Case], suites: &[&str]) -> Vec<&'c Trial
     wanted.filter_map(|case| case.score.as_ref()).collect()
 }
 
-fn share(
+pub(super) fn share(
     scores: &[&TrialScore],
     of: impl Fn(&TrialScore) -> bool,
     is: impl Fn(&TrialScore) -> bool,
@@ -38,11 +38,11 @@ fn any(_: &TrialScore) -> bool {
     true
 }
 
-fn detected(score: &TrialScore) -> bool {
+pub(super) fn detected(score: &TrialScore) -> bool {
     score.detected
 }
 
-fn right(score: &TrialScore) -> bool {
+pub(super) fn right(score: &TrialScore) -> bool {
     score.right
 }
 
@@ -62,6 +62,7 @@ pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
     all.extend(calibration(cases));
     all.extend(parameters(cases));
     all.extend(near(cases));
+    all.extend(super::measured::measures(cases));
     all.extend(others(cases));
     all
 }
@@ -168,7 +169,7 @@ fn singles(cases: &[Case]) -> Vec<Measure> {
 
 /// Whether a verdict `named` is right: one name of every effect is there, or of two effects one alone, with
 /// nothing that was not put in. (That both are found is counted under two effects.)
-fn name_is_right(score: &TrialScore) -> bool {
+pub(super) fn name_is_right(score: &TrialScore) -> bool {
     score.right || (score.groups > 1 && score.groups_found > 0 && score.false_causes == 0)
 }
 

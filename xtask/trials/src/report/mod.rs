@@ -2,6 +2,7 @@
 
 pub(crate) mod bars;
 pub(crate) mod figures;
+mod measured;
 pub(crate) mod record;
 pub(crate) mod wrong;
 
@@ -36,6 +37,11 @@ fn about(suite: &str) -> &'static str {
         "sf" => "an effect on force or torque",
         "sfw" => "the same, withheld from the catalogue",
         "sfu" => "an effect on force or torque in no catalogue",
+        "se" => "an arm that yields to its weight",
+        "sr" => "postures with repeats",
+        "sm" => "runs with a moved tracker",
+        "sc" => "noise with a memory",
+        "sw" => "a wrist of several cables",
         _ => "",
     }
 }
@@ -196,6 +202,11 @@ fn confusions(output: &mut Output, cases: &[Case]) -> Result<()> {
             "confusion-others",
             "Noise, impossible magnitudes, force",
             &["s7", "s10", "sf", "sfw", "sfu"],
+        ),
+        (
+            "confusion-measured",
+            "Suites like measured sets",
+            &["se", "sr", "sm", "sc", "sw"],
         ),
     ] {
         let wanted: Vec<&Case> = cases

@@ -1,6 +1,7 @@
 //! Causes that account for a part of a gap: what they predict on rows that their fit did not see, and whether
 //! their laws hold there (docs/diagnosis.md, "Partial causes").
 
+mod cables;
 mod hypotheses;
 mod replaceable;
 mod support;
