@@ -24,11 +24,16 @@ const COLOUR_STEP: f64 = 0.01;
 /// Solves for size and colour by the moments of the segments that nothing disturbs; the share of the
 /// variance that rounding has is white.
 pub(super) fn from_segments(mut moments: Vec<[f64; LAGS]>, rounding: f64) -> Noise {
-    let basis = segment_basis();
     leave_undisturbed(&mut moments, |segment| segment[0]);
+    of_moments(&moments, rounding)
+}
+
+/// The same of all segments.
+pub(super) fn of_moments(moments: &[[f64; LAGS]], rounding: f64) -> Noise {
+    let basis = segment_basis();
     let count = moments.len();
     let mut seen = [0.0; LAGS];
-    for segment in &moments {
+    for segment in moments {
         for (sum, moment) in seen.iter_mut().zip(segment.iter()) {
             *sum += moment / count as f64;
         }

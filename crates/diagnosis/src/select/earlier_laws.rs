@@ -1,6 +1,6 @@
 //! Possible errors of the laws of earlier causes, in the streams where a later pick shows.
 
-use haptical_effects::{Effect, Family, Hook};
+use haptical_effects::{Effect, Hook};
 
 use super::{Selector, worst_excess};
 use crate::engine::model::Cause;

@@ -99,16 +99,24 @@ fn play_and_coupling_of_several_cables_are_named_together() {
     for seed in [1, 2, 3] {
         let diagnosis = answer(&recorded(seed, 1.0), &[]);
         let found = found(&diagnosis);
-        assert_ne!(diagnosis.verdict, Verdict::Unknown, "seed {seed}: {found:?}");
+        assert_ne!(
+            diagnosis.verdict,
+            Verdict::Unknown,
+            "seed {seed}: {found:?}"
+        );
         assert_ne!(diagnosis.verdict, Verdict::NoGap, "seed {seed}: {found:?}");
         let has = |names: &[&str], joint: usize| {
-            let of_joint = |(name, at): &(&str, Option<usize>)| names.contains(name) && *at == Some(joint);
+            let of_joint =
+                |(name, at): &(&str, Option<usize>)| names.contains(name) && *at == Some(joint);
             found.iter().any(of_joint)
         };
         assert!(has(&["cross-coupling"], 3), "seed {seed}: {found:?}");
         assert!(has(&["coupled-backlash"], 2), "seed {seed}: {found:?}");
         for joint in [2, 3] {
-            assert!(has(&["backlash", "hysteresis"], joint), "seed {seed}: {found:?}");
+            assert!(
+                has(&["backlash", "hysteresis"], joint),
+                "seed {seed}: {found:?}"
+            );
         }
         assert!(!has(&["cross-coupling"], 2), "seed {seed}: {found:?}");
     }

@@ -21,7 +21,15 @@ struct Row {
     reach: f64,
 }
 
-const fn row(a: f64, alpha: f64, d: f64, home: f64, mass: f64, centre: [f64; 2], reach: f64) -> Row {
+const fn row(
+    a: f64,
+    alpha: f64,
+    d: f64,
+    home: f64,
+    mass: f64,
+    centre: [f64; 2],
+    reach: f64,
+) -> Row {
     Row {
         a,
         alpha,
@@ -82,7 +90,11 @@ impl Arm {
         let mass_kg = 60.0 * scale_m * scale_m * random.uniform(0.7, 1.4);
         let load_kg = mass_kg * random.uniform(0.03, 0.12);
         let stretch = |random: &mut Random| random.uniform(0.85, 1.2);
-        let mut text = format!("[device]\nname = \"arm{}\"\ndof = {}\n", rows.len(), rows.len());
+        let mut text = format!(
+            "[device]\nname = \"arm{}\"\ndof = {}\n",
+            rows.len(),
+            rows.len()
+        );
         text.push_str("\n[gravity]\nvector_mps2 = [0.0, 0.0, -9.81]\n");
         text.push_str("\n[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n");
         for (index, row) in rows.iter().enumerate() {

@@ -26,6 +26,13 @@ use yielding::Yielding;
 
 /// Names of a joint that yields; without an external encoder they are one.
 const OF_JOINTS: [&str; 2] = ["joint-compliance", "capstan-compliance"];
+/// What yields by the same weights: near an arm's parallel axes the loads of one joint are nearly multiples of another's.
+const SPRINGS: [&str; 4] = [
+    "joint-compliance",
+    "capstan-compliance",
+    "base-compliance",
+    "lateral-compliance",
+];
 /// Names of what yields at or across the foot of an arm.
 const OF_BASE: [&str; 2] = ["base-compliance", "lateral-compliance"];
 
@@ -189,7 +196,9 @@ impl Plan {
         };
         let device_toml = arm.file(position, rotation);
         let unrest_rad = UNREST * tracker.position_sd_m / arm.scale_m;
-        let log = recorded(&arm.truth, &deviating, &tracker, &postures, unrest_rad, random);
+        let log = recorded(
+            &arm.truth, &deviating, &tracker, &postures, unrest_rad, random,
+        );
         let gap = deviating.gap(&arm.truth, &tracker, &postures);
         let story = self.story(&arm, &deviating, &postures);
         let truth = story.truth(suite, index, seed, gap);
@@ -249,7 +258,7 @@ impl Plan {
         let without = match (self.withhold, self.is_moved) {
             (false, _) => Vec::new(),
             (true, true) => vec!["tracker-moved"],
-            (true, false) => OF_JOINTS.to_vec(),
+            (true, false) => SPRINGS.to_vec(),
         };
         let stem = |joint: usize| format!("theta{}", joint + 1);
         Story {
@@ -292,12 +301,22 @@ impl Deviating {
         Self { yielding, product }
     }
 
-    fn handle(&self, device: &Device, chain: &Chain, posture: &[f64], unrest: &[f64]) -> HandlePose {
+    fn handle(
+        &self,
+        device: &Device,
+        chain: &Chain,
+        posture: &[f64],
+        unrest: &[f64],
+    ) -> HandlePose {
         let (mut turns, flex) = self.yielding.at(device, posture);
         if let Some((on, by, size)) = self.product {
             turns[on] += size * libm::sin(2.0 * posture[on]) * libm::sin(1.5 * posture[by]);
         }
-        chain.pose(|joint| posture[joint] + turns[joint] + unrest[joint], &flex, 0)
+        chain.pose(
+            |joint| posture[joint] + turns[joint] + unrest[joint],
+            &flex,
+            0,
+        )
     }
 
     /// Way of the marker by the effect \[m\], posture by posture, in frame (-1).
@@ -346,7 +365,10 @@ fn spread(ways: &[[f64; 3]]) -> f64 {
     let count = ways.len().max(1) as f64;
     let mean = [0, 1, 2].map(|axis| ways.iter().map(|way| way[axis]).sum::<f64>() / count);
     let square = |way: &[f64; 3]| -> f64 {
-        way.iter().zip(mean).map(|(value, mean)| (value - mean).powi(2)).sum()
+        way.iter()
+            .zip(mean)
+            .map(|(value, mean)| (value - mean).powi(2))
+            .sum()
     };
     libm::sqrt(ways.iter().map(square).sum::<f64>() / count)
 }

@@ -39,7 +39,9 @@ impl Postures {
         let times = 2 + random.index(4);
         let count = self.angle_rad.len();
         if random.unit() < 0.5 {
-            self.of_row = (0..count).flat_map(|posture| vec![posture; times]).collect();
+            self.of_row = (0..count)
+                .flat_map(|posture| vec![posture; times])
+                .collect();
         } else {
             let mut rows = Vec::new();
             for _ in 0..times {

@@ -124,7 +124,9 @@ impl Yielding {
         for gear in self.gears.iter_mut().flatten() {
             gear.compliance_rad_per_nm *= factor;
         }
-        self.across_rad_per_nm.iter_mut().for_each(|value| *value *= factor);
+        self.across_rad_per_nm
+            .iter_mut()
+            .for_each(|value| *value *= factor);
         self.base_rad_per_nm *= factor;
         self
     }
@@ -164,7 +166,9 @@ impl Yielding {
             }
         }
         let joints = squares.iter().enumerate();
-        joints.max_by(|a, b| a.1.total_cmp(b.1)).map(|(joint, _)| joint)
+        joints
+            .max_by(|a, b| a.1.total_cmp(b.1))
+            .map(|(joint, _)| joint)
     }
 
     /// Compliances for readers.

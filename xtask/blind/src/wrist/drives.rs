@@ -148,10 +148,16 @@ impl Wrist {
             let mut input = vec![rows.first().copied().unwrap_or(0.0) - found.bias * half_rad];
             input.extend_from_slice(rows);
             let taken_up = maxwell_slip(&input, &widths);
-            lost.extend(taken_up.into_iter().skip(1).zip(ends[0]..).map(|(value, row)| {
-                let bent = bend.map_or(0.0, |bend| bend[row].abs());
-                value * half_rad * (1.0 + found.rubbing_per_rad * bent)
-            }));
+            lost.extend(
+                taken_up
+                    .into_iter()
+                    .skip(1)
+                    .zip(ends[0]..)
+                    .map(|(value, row)| {
+                        let bent = bend.map_or(0.0, |bend| bend[row].abs());
+                        value * half_rad * (1.0 + found.rubbing_per_rad * bent)
+                    }),
+            );
         }
         Some(lost)
     }

@@ -24,7 +24,9 @@ fn each_has_clean_named_and_withheld_members() {
         let truths: Vec<_> = trials(suite, 10).into_iter().map(|t| t.truth).collect();
         assert!(truths.iter().any(|t| t.is_clean()), "{}", suite.name());
         assert!(
-            truths.iter().any(|t| t.is_unknown() && !t.without.is_empty()),
+            truths
+                .iter()
+                .any(|t| t.is_unknown() && !t.without.is_empty()),
             "{}",
             suite.name()
         );
@@ -62,7 +64,10 @@ fn arms_yield_as_far_as_they_should() {
 }
 
 fn posture(log: &Recording, row: usize) -> Vec<u64> {
-    log.joint.iter().map(|column| column[row].to_bits()).collect()
+    log.joint
+        .iter()
+        .map(|column| column[row].to_bits())
+        .collect()
 }
 
 /// Every posture is recorded as often as every other, two to five times.
@@ -121,5 +126,8 @@ fn wrists_play() {
     assert!(counts.iter().all(|count| *count > 20.0), "{counts:?}");
     let apart = sums[0] / counts[0] - sums[1] / counts[1];
     // bends add up to a third
-    assert!((0.9 * width..1.4 * width).contains(&apart), "{apart} of {width}");
+    assert!(
+        (0.9 * width..1.4 * width).contains(&apart),
+        "{apart} of {width}"
+    );
 }

@@ -14,8 +14,8 @@ use crate::select::rival::Rival;
 use crate::select::{Selection, Selector, worst_excess};
 use crate::thresholds::chance::OMNIBUS_Z;
 use crate::thresholds::partial::{
-    BEYOND_CHANCE_SD, FINE_KNOTS, FREE_KNOTS, LEAD_NATS, LEAST_CABLES, LEAST_CABLE_SD,
-    LEAST_CABLE_SHARE, LEAST_SHARE, MOST_CABLES, PLAYS_RAD, SURELY_BESIDE_SD,
+    BEYOND_CHANCE_SD, FINE_KNOTS, FREE_KNOTS, LEAD_NATS, LEAST_CABLE_SD, LEAST_CABLE_SHARE,
+    LEAST_CABLES, LEAST_PREDICTED, LEAST_SHARE, MOST_CABLES, PLAYS_RAD, SURELY_BESIDE_SD,
 };
 
 impl Selection<'_> {
@@ -23,7 +23,6 @@ impl Selection<'_> {
     /// where fewer than two effects are supported, and then nothing is changed.
     pub(crate) fn take_cables(&mut self) -> Result<Option<Partial>, DiagnosisError> {
         let engine = self.selector.engine;
-        if std::env::var_os("NO_CABLES").is_some() { return Ok(None); }
         if !engine.context.ordered || engine.base.anchor.is_some() {
             return Ok(None);
         }
@@ -34,11 +33,9 @@ impl Selection<'_> {
                 continue;
             };
             let own = stream..stream + 1;
-            if worst_excess(&self.before[own.clone()], &engine.noise[own]) < OMNIBUS_Z {
-                continue;
-            }
+            let has_gap = worst_excess(&self.before[own.clone()], &engine.noise[own]) >= OMNIBUS_Z;
             let drive = Drive::new(&self.selector, joint, stream);
-            if let Some((next, of_joint)) = drive.explained(&refit)? {
+            if let Some((next, of_joint)) = drive.explained(&refit, has_gap)? {
                 refit = next;
                 rivals.extend(of_joint);
             }
@@ -55,7 +52,11 @@ impl Selection<'_> {
         self.explained = self.selector.explained_alone(&refit.model);
         self.after = system.slow_energy(&system.residual);
         (self.refit, self.system) = (refit, system);
-        Ok(Some(Partial { share, rivals }))
+        Ok(Some(Partial {
+            share,
+            rivals,
+            is_of_cables: true,
+        }))
     }
 }
 
@@ -124,9 +125,14 @@ impl<'d> Drive<'d> {
     fn explained(
         &self,
         before: &Refit,
+        has_gap: bool,
     ) -> Result<Option<(Refit, Vec<Vec<Rival>>)>, DiagnosisError> {
         let readings = self.base.layout.range(self.stream).len() as f64;
-        let gap = (self.alone.sum() - readings).max(0.0);
+        // fast gaps may pass for noise; noise is not predicted
+        let gap = match has_gap {
+            true => (self.alone.sum() - readings).max(0.0),
+            false => self.alone.sum(),
+        };
         let (chosen, all) = self.chosen(gap);
         let Some(causes) = self.sized(&chosen) else {
             return Ok(None);
@@ -143,19 +149,12 @@ impl<'d> Drive<'d> {
         let unseen = self.segments.unseen(&system);
         let gain = unseen.gain_on(&self.alone);
         let causes = &refit.model.causes[first..];
-        let is_enough = gain.deviations() >= BEYOND_CHANCE_SD && gain.sum >= LEAST_SHARE * gap;
-        if std::env::var_os("DEBUG_CABLES").is_some() {
-            eprintln!(
-                "joint {} gap {gap:.0} of {:.0} gain {:.0} ({:.1} sd)",
-                self.joint + 1,
-                self.alone.sum(),
-                gain.sum,
-                gain.deviations()
-            );
-            for cause in causes {
-                eprintln!("   {} {:?} {}", self.effect(cause.effect).label(), cause.amplitudes, cause.shape);
-            }
-        }
+        let least = if has_gap {
+            LEAST_SHARE
+        } else {
+            LEAST_PREDICTED
+        };
+        let is_enough = gain.deviations() >= BEYOND_CHANCE_SD && gain.sum >= least * gap;
         if !is_enough || !self.laws_hold(causes, &system, &unseen, gain.sum) {
             return Ok(None);
         }
@@ -297,7 +296,6 @@ impl<'d> Drive<'d> {
         let own = of_driving.clone().map(|of| (of, FREE_KNOTS / 2));
         let free = self.with_free_functions(&self.base, own);
         if unseen.gain_on(&self.segments.unseen(&free)).sum < -wrong {
-            if std::env::var_os("DEBUG_CABLES").is_some() { eprintln!("   beaten {:.3}", unseen.gain_on(&self.segments.unseen(&free)).sum / gain); }
             return false;
         }
         let beside = [Covariate::MotorPhase(self.joint), Covariate::Time];
@@ -325,10 +323,6 @@ impl<'d> Drive<'d> {
         let readings = self.base.layout.range(self.stream).len() as f64;
         let misfit = (rest / readings).max(1.0);
         let explained = rest - dot(&beside.residual, &beside.residual) - misfit * freedom;
-        if std::env::var_os("DEBUG_CABLES").is_some() {
-            let more = self.segments.unseen(&beside).gain_on(unseen);
-            eprintln!("   {of:?} explained/wrong {:.2} unseen/wrong {:.2} sd {:.1}", explained / wrong, more.sum / wrong, more.deviations());
-        }
         // a segment that is left out takes its part of a function of time with it
         if of == Covariate::Time || explained <= wrong {
             return explained > wrong;
