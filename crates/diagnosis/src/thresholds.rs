@@ -307,6 +307,8 @@ pub(crate) mod partial {
     pub(crate) const LEAST_MEMBER_GAIN_SD: f64 = 1.0;
     /// Least share of what is left of the gap that a further hypothesis must close.
     pub(crate) const LEAST_FURTHER_SHARE: f64 = 0.05;
+    /// Intervals of another joint's angle over which a coupling is nearly straight. Choice.
+    pub(crate) const COUPLING_KNOTS: usize = 2;
     /// Intervals of a joint's own angle over which a coupling's gain may vary. Choice.
     pub(crate) const GAIN_KNOTS: usize = 3;
     /// Intervals of the free functions that a law is tested against. Choice.

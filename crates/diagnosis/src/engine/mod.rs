@@ -29,7 +29,7 @@ use crate::engine::system::{System, compress_rows};
 use crate::noise::measured::{KnownNoise, estimate_noise, over_stated};
 use crate::noise::stated::is_stated;
 use crate::noise::{Noise, with_memory};
-use crate::thresholds::noise::{LOUD, OTHER_LEVEL};
+use crate::thresholds::noise::OTHER_LEVEL;
 
 pub(crate) use self::prepared::Prepared;
 
@@ -86,12 +86,11 @@ impl Engine<'_> {
         for (stream, noise) in known.noise.iter_mut().enumerate() {
             let (sd, usable) = (&self.problem.sd[stream], &self.usable[stream]);
             let scaled = over_stated(&self.context, stream, &residual[stream], sd, usable);
-            let Some(slow) = with_memory(&scaled, &self.context.runs) else {
+            let stated = is_stated(self.context.device, self.context.streams[stream].channel);
+            let Some(slow) = with_memory(&scaled, &self.context.runs, stated) else {
                 continue;
             };
-            let channel = self.context.streams[stream].channel;
-            let may_be = !is_stated(self.context.device, channel) || slow.ratio < LOUD;
-            if may_be && slow.level() > OTHER_LEVEL * noise.level() {
+            if slow.level() > OTHER_LEVEL * noise.level() {
                 *noise = slow;
                 known.scale[stream] = None;
                 is_other = true;

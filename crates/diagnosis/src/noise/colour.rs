@@ -91,6 +91,25 @@ pub(super) fn of_moments(moments: &[[f64; LAGS]], rounding: f64) -> Noise {
     }
 }
 
+/// The colour at which noise of unit variance leaves segments of this mean square; none where they are larger than white ones.
+pub(super) fn colour_of_unit_noise(mean_square: f64) -> Option<f64> {
+    let basis = segment_basis();
+    let square = |colour: f64| expected_moments(colour, &basis)[0];
+    if mean_square >= square(0.0) {
+        return None;
+    }
+    let (mut low, mut high) = (0.0, MOST_COLOUR);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if square(middle) > mean_square {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
 /// Noise of a size that another source gives, with the colour by which segments of that size leave what `segments` were
 /// estimated from. A smooth signal makes segments larger than white noise of that size: it gives no colour.
 pub(super) fn with_colour_of(given: Noise, segments: &Noise) -> Noise {

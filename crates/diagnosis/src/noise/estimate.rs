@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use super::colour::{from_segments, of_moments, with_colour_of};
+use super::colour::{colour_of_unit_noise, from_segments, of_moments, with_colour_of};
 use super::segments::{segment_basis, segment_moments};
 use super::{Noise, NoiseSource};
 use crate::thresholds::noise::{
-    ENOUGH_SEGMENTS, LAGS, MEMORY_STEP, SEGMENT_ROWS, STATED_UNCERTAINTY,
+    ENOUGH_SEGMENTS, LAGS, LOUD, MEMORY_STEP, SEGMENT_ROWS, STATED_UNCERTAINTY,
 };
 
 /// What is known of a stream before its noise is estimated.
@@ -79,7 +79,9 @@ fn overrules(noise: &Noise, stated: &Noise, are_of_one_side: bool) -> bool {
 
 /// The noise of a motion by every few rows: what has a memory longer than a segment shows its size there, and so does what
 /// is louder at times. Signals of a few segments' length pass for it too.
-pub(crate) fn with_memory(scaled: &[f64], runs: &[Range<usize>]) -> Option<Noise> {
+///
+/// Of a `stated` size the colour alone is sought, and there is none where all that is left is louder.
+pub(crate) fn with_memory(scaled: &[f64], runs: &[Range<usize>], stated: bool) -> Option<Noise> {
     let basis = segment_basis();
     let mut moments = Vec::new();
     for run in runs {
@@ -99,7 +101,20 @@ pub(crate) fn with_memory(scaled: &[f64], runs: &[Range<usize>]) -> Option<Noise
     if moments.len() < ENOUGH_SEGMENTS * MEMORY_STEP {
         return None;
     }
-    let noise = of_moments(&moments, 0.0);
+    let mut noise = of_moments(&moments, 0.0);
+    if stated {
+        let values = scaled.iter().filter(|value| value.is_finite()).copied();
+        if all_that_is_left(&values.collect::<Vec<f64>>(), 0.0).ratio > LOUD {
+            return None;
+        }
+        let square = moments.iter().map(|segment| segment[0]).sum::<f64>() / moments.len() as f64;
+        noise = Noise {
+            ratio: 1.0,
+            colour: colour_of_unit_noise(square)?,
+            coloured_share: 1.0,
+            ..noise
+        };
+    }
     Some(Noise {
         colour: noise.colour.max(0.0).powf(1.0 / step),
         // rows between those of a segment are not independent of them

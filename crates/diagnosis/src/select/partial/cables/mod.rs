@@ -1,6 +1,9 @@
 //! Play and coupling of the cables that drive a joint, judged by the joint's own external encoder, which sees all of its
 //! drive and nothing else (docs/diagnosis.md, "Cables of a joint").
 
+mod laws;
+mod rivals;
+
 use haptical_effects::{Effect, Family, Hook, Shape, Signal};
 use nalgebra::{DMatrix, DVector};
 
@@ -8,14 +11,13 @@ use crate::DiagnosisError;
 use crate::engine::model::{Cause, Refit};
 use crate::engine::segments::{Segments, Unseen};
 use crate::engine::system::{System, compress_rows, dot, mask, take_off};
-use crate::select::generic::{Covariate, hats};
 use crate::select::partial::Partial;
 use crate::select::rival::Rival;
 use crate::select::{Selection, Selector, worst_excess};
 use crate::thresholds::chance::OMNIBUS_Z;
 use crate::thresholds::partial::{
-    BEYOND_CHANCE_SD, FINE_KNOTS, FREE_KNOTS, LEAD_NATS, LEAST_CABLE_SD, LEAST_CABLE_SHARE,
-    LEAST_CABLES, LEAST_PREDICTED, LEAST_SHARE, MOST_CABLES, PLAYS_RAD, SURELY_BESIDE_SD,
+    BEYOND_CHANCE_SD, LEAST_CABLE_SD, LEAST_CABLE_SHARE, LEAST_CABLES, LEAST_PREDICTED,
+    LEAST_SHARE, MOST_CABLES, PLAYS_RAD,
 };
 
 impl Selection<'_> {
@@ -154,7 +156,8 @@ impl<'d> Drive<'d> {
         } else {
             LEAST_PREDICTED
         };
-        let is_enough = gain.deviations() >= BEYOND_CHANCE_SD && gain.sum >= least * gap;
+        let is_enough =
+            unseen.surely_gains_on(&self.alone) >= BEYOND_CHANCE_SD && gain.sum >= least * gap;
         if !is_enough || !self.laws_hold(causes, &system, &unseen, gain.sum) {
             return Ok(None);
         }
@@ -229,7 +232,8 @@ impl<'d> Drive<'d> {
             next.take(cable.column.clone());
             let unseen_next = self.segments.unseen(&next);
             let gain = unseen_next.gain_on(&unseen);
-            if gain.deviations() < LEAST_CABLE_SD || gain.sum < LEAST_CABLE_SHARE * gap {
+            let sure = unseen_next.surely_gains_on(&unseen);
+            if sure < LEAST_CABLE_SD || gain.sum < LEAST_CABLE_SHARE * gap {
                 break;
             }
             (system, unseen) = (next, unseen_next);
@@ -278,128 +282,5 @@ impl<'d> Drive<'d> {
         mask(&mut residual, system.layout.range(self.stream));
         system.project_reading(residual);
         system
-    }
-
-    /// Whether free functions of the angles and speeds that drive the causes, in their place, predict unseen rows no better,
-    /// and what is left depends on none of the joint's covariates by more than the laws may get wrong.
-    fn laws_hold(&self, causes: &[Cause], system: &System, unseen: &Unseen, gain: f64) -> bool {
-        let wrong = self.selector.wrong_by_law(causes, gain);
-        let mut driving = vec![self.joint];
-        for cause in causes {
-            driving.extend(self.effect(cause.effect).from_joint());
-        }
-        driving.sort_unstable();
-        driving.dedup();
-        let of_driving = driving
-            .iter()
-            .flat_map(|&joint| [Covariate::Angle(joint), Covariate::Speed(joint)]);
-        let own = of_driving.clone().map(|of| (of, FREE_KNOTS / 2));
-        let free = self.with_free_functions(&self.base, own);
-        if unseen.gain_on(&self.segments.unseen(&free)).sum < -wrong {
-            return false;
-        }
-        let beside = [Covariate::MotorPhase(self.joint), Covariate::Time];
-        let beside = beside.into_iter().map(|of| (of, FINE_KNOTS));
-        let torque = [(Covariate::Torque(self.joint), FREE_KNOTS)];
-        let mut all = of_driving
-            .map(|of| (of, FREE_KNOTS))
-            .chain(torque)
-            .chain(beside);
-        !all.any(|(of, knots)| self.depends_on(of, knots, system, unseen, wrong))
-    }
-
-    /// Whether the rest depends on a covariate by more than `wrong`, and more surely than by chance.
-    fn depends_on(
-        &self,
-        of: Covariate,
-        knots: usize,
-        system: &System,
-        unseen: &Unseen,
-        wrong: f64,
-    ) -> bool {
-        let beside = self.with_free_functions(system, [(of, knots)]);
-        let rest = dot(&system.residual, &system.residual);
-        let freedom = (beside.basis.len() - system.basis.len()) as f64;
-        let readings = self.base.layout.range(self.stream).len() as f64;
-        let misfit = (rest / readings).max(1.0);
-        let explained = rest - dot(&beside.residual, &beside.residual) - misfit * freedom;
-        // a segment that is left out takes its part of a function of time with it
-        if of == Covariate::Time || explained <= wrong {
-            return explained > wrong;
-        }
-        let more = self.segments.unseen(&beside).gain_on(unseen);
-        more.sum > wrong && more.deviations() > SURELY_BESIDE_SD
-    }
-
-    fn with_free_functions(
-        &self,
-        system: &System,
-        functions: impl IntoIterator<Item = (Covariate, usize)>,
-    ) -> System {
-        let context = &self.selector.engine.context;
-        let mut with = system.clone();
-        for (of, knots) in functions {
-            let values = of.values(context);
-            let Some(hats) = values.and_then(|values| hats(&values, knots)) else {
-                continue;
-            };
-            for hat in hats {
-                with.take(self.masked(&context.encoder(self.joint, &hat)));
-            }
-        }
-        with
-    }
-
-    /// Each effect with its own name, and what else of its kind could be in its place.
-    fn rivals(&self, chosen: &[Cable], all: &[Cable]) -> Vec<Vec<Rival>> {
-        let own = self.unseen_with(&chosen.iter().collect::<Vec<_>>());
-        let of_place = |place: usize| -> Vec<Rival> {
-            let cable = &chosen[place];
-            let name = self.effect(cable.effect).name();
-            let mut others: Vec<Rival> = Vec::new();
-            for other in all {
-                let effect = self.effect(other.effect);
-                if !other.is_instead_of(cable) || effect.name() == name {
-                    continue;
-                }
-                let mut members: Vec<&Cable> = chosen.iter().collect();
-                members[place] = other;
-                let lead = own.gain_on(&self.unseen_with(&members)).deviations();
-                let lead = lead.max(0.0);
-                let nats_behind = LEAD_NATS * lead * lead;
-                match others.iter_mut().find(|rival| rival.name == effect.name()) {
-                    Some(rival) => rival.nats_behind = rival.nats_behind.min(nats_behind),
-                    None => others.push(self.rival(other.effect, nats_behind)),
-                }
-            }
-            let mut list = vec![self.rival(cable.effect, 0.0)];
-            list.extend(others);
-            let sum: f64 = list.iter().map(|rival| (-rival.nats_behind).exp()).sum();
-            for rival in &mut list {
-                rival.probability = (-rival.nats_behind).exp() / sum;
-            }
-            list
-        };
-        (0..chosen.len()).map(of_place).collect()
-    }
-
-    fn unseen_with(&self, members: &[&Cable]) -> Unseen {
-        let mut system = self.base.clone();
-        for member in members {
-            system.take(member.column.clone());
-        }
-        self.segments.unseen(&system)
-    }
-
-    fn rival(&self, effect: usize, nats_behind: f64) -> Rival {
-        let effect = self.effect(effect);
-        Rival {
-            cause: None,
-            name: effect.name(),
-            joint: effect.joint(),
-            share: 1.0,
-            nats_behind,
-            probability: 0.0,
-        }
     }
 }
