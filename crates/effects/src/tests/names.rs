@@ -5,7 +5,7 @@ use crate::{catalogue, names};
 
 /// Effects with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
-const STABLE: [(&str, &[&str]); 55] = [
+const STABLE: [(&str, &[&str]); 56] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),
     ("capstan-creep", &["creep_per_nm"]),
     ("capstan-slip", &["slip_rad", "time_s"]),
@@ -24,6 +24,7 @@ const STABLE: [(&str, &[&str]); 55] = [
         &["amplitude_rad", "phase_rad"],
     ),
     ("cross-coupling", &["gain", "from_joint"]),
+    ("coupled-backlash", &["width_rad", "play_rad", "from_joint"]),
     ("joint-drift", &[]),
     ("ratio-error", &[]),
     ("drum-eccentricity", &[]),
