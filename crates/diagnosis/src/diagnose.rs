@@ -139,8 +139,29 @@ struct Cleaned {
     gone: Vec<(Channel, usize)>,
 }
 
-/// The diagnosis against a fitted base model: prepare, fit, select, judge, answer.
+/// The diagnosis against a fitted base model. Where it ends with an unknown gap it is made again with a noise that has a memory,
+/// if there may be one: that may be all of the gap, or of what a cause leaves.
 fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis, DiagnosisError> {
+    let (found, memory) = by_noise(case, base, None)?;
+    let Some(noise) = memory.filter(|_| found.verdict == Verdict::Unknown) else {
+        return Ok(found);
+    };
+    let (again, _) = by_noise(case, base, Some(&noise))?;
+    let name = |diagnosis: &Diagnosis| diagnosis.causes.first().map(|cause| cause.effect.clone());
+    let is_answer = match again.verdict {
+        Verdict::NoGap => true,
+        Verdict::Named | Verdict::Ambiguous => name(&again) == name(&found),
+        Verdict::Unknown => false,
+    };
+    Ok(if is_answer { again } else { found })
+}
+
+/// Prepare, fit, select, judge, answer; with the noise with a memory that is left.
+fn by_noise(
+    case: &Case<'_>,
+    base: &Base,
+    known: Option<&KnownNoise>,
+) -> Result<(Diagnosis, Option<KnownNoise>), DiagnosisError> {
     let recording = case.recording;
     let onto = onto_touches(base, recording)?;
     let postures = onto.as_ref().unwrap_or(recording);
@@ -153,7 +174,7 @@ fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis, DiagnosisError> {
     let readings = clean(prepared.outlying(OUTLIER_SD));
     let engine = prepared
         .without(&readings.gone, &readings.postures)
-        .fit(None)?;
+        .fit(known)?;
     let (in_base, rest): (Vec<usize>, Vec<usize>) =
         (0..case.effects.len()).partition(|&index| is_in_base(case.effects[index].as_ref(), base));
     let is_tested = |&index: &usize| case.effects[index].untestable(&engine.context).is_none();
@@ -171,10 +192,14 @@ fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis, DiagnosisError> {
             earlier: earlier.as_ref(),
             options: case.options,
         };
-        answer(Findings::new(selection, inputs)?)
+        let memory = selection
+            .engine()
+            .noise_with_memory(&selection.refit.residual);
+        Ok((answer(Findings::new(selection, inputs)?)?, memory))
     };
-    let selection = Selector::new(&engine, case.effects, &tested).select(true)?;
-    let Some(again) = Again::new(&selection) else {
+    let selection = Selector::new(&engine, case.effects, &tested).select(known.is_none())?;
+    let again = Again::new(&selection).filter(|_| known.is_none());
+    let Some(again) = again else {
         return judged(selection, &readings);
     };
     let model = &selection.refit.model;

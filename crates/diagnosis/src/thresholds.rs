@@ -66,6 +66,10 @@ pub(crate) mod noise {
     pub(crate) const MEDIAN_REACH: usize = 3;
     /// Rows of a segment within which a signal is taken for a cubic.
     pub(crate) const SEGMENT_ROWS: usize = 16;
+    /// Rows of which one is taken where the noise may have a memory: segments are as many times longer. Choice.
+    pub(crate) const MEMORY_STEP: usize = 4;
+    /// Level of such a noise at low frequency over that of neighbours from which it is another. Choice.
+    pub(crate) const OTHER_LEVEL: f64 = 1.2;
     /// Highest lag at which products of rows are compared. Choice.
     pub(crate) const LAGS: usize = 2;
     /// A segment this many times louder than the median one shows more than noise: a jump, a dent, fast motion. Chance: of
@@ -303,6 +307,10 @@ pub(crate) mod partial {
     pub(crate) const LEAST_MEMBER_GAIN_SD: f64 = 1.0;
     /// Least share of what is left of the gap that a further hypothesis must close.
     pub(crate) const LEAST_FURTHER_SHARE: f64 = 0.05;
+    /// Intervals of another joint's angle over which a coupling is nearly straight. Choice.
+    pub(crate) const COUPLING_KNOTS: usize = 2;
+    /// Intervals of a joint's own angle over which a coupling's gain may vary. Choice.
+    pub(crate) const GAIN_KNOTS: usize = 3;
     /// Intervals of the free functions that a law is tested against. Choice.
     pub(crate) const FREE_KNOTS: usize = 8;
     /// The same of the turn of a motor, and of time: grooves and lost counts are steps. Choice.
@@ -323,6 +331,18 @@ pub(crate) mod partial {
     pub(crate) const LEAST_SHARE: f64 = 0.15;
     /// Hypotheses that are taken up one after the other at most. Cost.
     pub(crate) const MOST_HYPOTHESES: usize = 3;
+    /// Effects of cables that are named together at least: one alone is found without. Choice.
+    pub(crate) const LEAST_CABLES: usize = 2;
+    /// Effects of cables at one joint at most. Cost.
+    pub(crate) const MOST_CABLES: usize = 8;
+    /// Standard deviations of the gain of one of them on unseen rows; what they gain together is tested too. Choice.
+    pub(crate) const LEAST_CABLE_SD: f64 = 2.0;
+    /// Share of the joint's gap that one of them must close on unseen rows. Choice.
+    pub(crate) const LEAST_CABLE_SHARE: f64 = 0.01;
+    /// Share of an encoder's squares that causes must predict on unseen rows where noise may be all of it. Choice.
+    pub(crate) const LEAST_PREDICTED: f64 = 0.3;
+    /// Half widths from which a play is searched \[rad\]. Cost.
+    pub(crate) const PLAYS_RAD: [f64; 5] = [1e-3, 5e-3, 0.02, 0.08, 0.25];
     /// Single effects that are tried at most. Cost.
     pub(crate) const LISTED: usize = 12;
     /// Readings for each number of a hypothesis at least. Choice.

@@ -21,6 +21,11 @@ pub trait Effect: Debug + Send + Sync {
         None
     }
 
+    /// The other joint, from 0, whose angle its law is a function of.
+    fn from_joint(&self) -> Option<usize> {
+        None
+    }
+
     /// Grid of the one parameter that enters nonlinearly (a transition, an order, a time constant).
     fn shapes(&self, _context: &Context<'_>) -> Vec<f64> {
         self.spec().shape.grid()

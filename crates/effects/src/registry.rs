@@ -116,6 +116,13 @@ const REGISTRY: &[Line] = &[
             placed(&transmission::cross_coupling::SPEC, Some(joint), law)
         }),
     },
+    Line {
+        specs: from_ref(&transmission::coupled_backlash::SPEC),
+        site: Site::Pair(turns, |joint, from| {
+            let law = transmission::coupled_backlash::CoupledBacklash { from };
+            placed(&transmission::coupled_backlash::SPEC, Some(joint), law)
+        }),
+    },
     at_joints!(turns, structure::axis_wobble),
     at_joints!(turns, structure::lateral_compliance),
     on_device!(structure::base_compliance),

@@ -235,6 +235,8 @@ pub struct Spec {
     pub scales_with_torque: bool,
     /// Whether an event happens under a load that few rows exceed.
     pub under_load: bool,
+    /// Whether it is looked for beside other effects of its joint alone: by itself it would pass for too many others.
+    pub is_found_beside: bool,
     /// What of the base model takes it up.
     pub absorbed_by: Absorbed,
     /// Effects with the same course where their covariate does not vary.
@@ -263,6 +265,7 @@ impl Spec {
         is_positive: false,
         scales_with_torque: false,
         under_load: false,
+        is_found_beside: false,
         absorbed_by: Absorbed::Never,
         look_alikes: &[],
         log_prior: 0.0,

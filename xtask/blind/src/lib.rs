@@ -2,12 +2,15 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod arms;
+mod colour;
 mod effects;
 mod error;
 mod files;
 mod gap;
 mod laws;
 mod payload_suites;
+mod planted;
 mod random;
 mod rig;
 mod score;
@@ -15,6 +18,7 @@ mod seal;
 mod suites;
 mod trial;
 mod truth;
+mod wrist;
 
 pub use effects::{Draw, Effect, Facts, Group, Info, KINDS, Kind, kind};
 pub use error::BlindError;

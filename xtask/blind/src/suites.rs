@@ -9,6 +9,7 @@ use crate::random::Random;
 use crate::rig::devices::{NOMINALS, Nominal};
 use crate::rig::motion::MotionPlan;
 use crate::trial::{Order, Trial};
+use crate::{arms, colour, wrist};
 
 /// A suite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,6 +48,16 @@ pub enum Suite {
     PayloadWithheld,
     /// SPC: torques alone, the same payload in all runs.
     PayloadSame,
+    /// SE: arms of which several joints yield to their weight, posture by posture.
+    Elastic,
+    /// SR: postures that are recorded several times each.
+    Repeats,
+    /// SM: runs between which a tracker was set up anew, or was not.
+    Moved,
+    /// SC: noise with a memory, with an effect or without.
+    Coloured,
+    /// SW: wrists with play and coupling in several cables.
+    Wrist,
 }
 
 /// Streams of suites do not meet: suite number times this, plus the index.
@@ -54,7 +65,7 @@ const SUITE_STREAM: u64 = 1 << 40;
 
 impl Suite {
     /// All suites.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 22] = [
         Self::Clean,
         Self::Singles,
         Self::NearSingles,
@@ -72,6 +83,11 @@ impl Suite {
         Self::Payload,
         Self::PayloadWithheld,
         Self::PayloadSame,
+        Self::Elastic,
+        Self::Repeats,
+        Self::Moved,
+        Self::Coloured,
+        Self::Wrist,
     ];
 
     /// Short name: `s0`, `s1`, `s1n`, ...
@@ -94,6 +110,11 @@ impl Suite {
             Self::Payload => "sp",
             Self::PayloadWithheld => "spw",
             Self::PayloadSame => "spc",
+            Self::Elastic => "se",
+            Self::Repeats => "sr",
+            Self::Moved => "sm",
+            Self::Coloured => "sc",
+            Self::Wrist => "sw",
         }
     }
 
@@ -117,6 +138,11 @@ impl Suite {
             Self::Payload => 31,
             Self::PayloadWithheld => 32,
             Self::PayloadSame => 33,
+            Self::Elastic => 15,
+            Self::Repeats => 16,
+            Self::Moved => 17,
+            Self::Coloured => 18,
+            Self::Wrist => 19,
         }
     }
 
@@ -139,8 +165,17 @@ impl Suite {
     /// [`BlindError`] where a device cannot be evaluated.
     pub fn draw(self, index: u64, batch_seed: u64) -> Result<Trial, BlindError> {
         let mut random = Random::new(batch_seed, SUITE_STREAM * self.stream() + index);
-        let order = self.order(index, &mut random)?;
-        order.make(self.name(), index, batch_seed, &mut random)
+        let of_its_own = match self {
+            Self::Elastic => arms::elastic,
+            Self::Repeats => arms::repeats,
+            Self::Moved => arms::moved,
+            Self::Wrist => wrist::draw,
+            _ => {
+                let order = self.order(index, &mut random)?;
+                return order.make(self.name(), index, batch_seed, &mut random);
+            }
+        };
+        of_its_own(self.name(), index, batch_seed, &mut random)
     }
 
     fn order(self, index: u64, random: &mut Random) -> Result<Order, BlindError> {
@@ -184,6 +219,9 @@ impl Suite {
                 ..payload_suites::changed(index, random)?
             }),
             Self::PayloadSame => payload_suites::unchanged(index, random),
+            Self::Coloured => colour::order(index, random),
+            // drawn without an order
+            Self::Elastic | Self::Repeats | Self::Moved | Self::Wrist => clean(index, random),
         }
     }
 }
@@ -252,11 +290,11 @@ const TWINS: [&str; 9] = [
     "cable-pitch",
 ];
 
-fn of_group(group: Group) -> Vec<&'static Kind> {
+pub(crate) fn of_group(group: Group) -> Vec<&'static Kind> {
     KINDS.iter().filter(|kind| kind.group == group).collect()
 }
 
-fn named(names: &[&str]) -> Vec<&'static Kind> {
+pub(crate) fn named(names: &[&str]) -> Vec<&'static Kind> {
     KINDS
         .iter()
         .filter(|kind| names.contains(&kind.name))
@@ -290,7 +328,7 @@ pub(crate) fn of_device(random: &mut Random) -> Result<(Order, Device), BlindErr
 
 /// Which joints may be drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Joints {
+pub(crate) enum Joints {
     /// All at which the kind can act.
     All,
     /// Of these, those with an external encoder, where there are any.
@@ -311,7 +349,7 @@ impl Joints {
 }
 
 /// The kinds in turn, each at a random joint; a device without a place for it is drawn again.
-fn one_of(
+pub(crate) fn one_of(
     kinds: &[&'static Kind],
     index: u64,
     size: f64,
@@ -341,7 +379,7 @@ fn single(index: u64, random: &mut Random) -> Result<Order, BlindError> {
 }
 
 /// Single effects that are not mostly absorbed.
-fn visible() -> Vec<&'static Kind> {
+pub(crate) fn visible() -> Vec<&'static Kind> {
     let mut kinds = of_group(Group::Single);
     kinds.retain(|kind| !MOSTLY_ABSORBED.contains(&kind.name));
     kinds

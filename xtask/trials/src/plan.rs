@@ -6,7 +6,7 @@ use xtask_blind::Suite;
 use super::Arguments;
 
 /// Trials of a scored batch.
-const SCORED: [(Suite, u64); 17] = [
+const SCORED: [(Suite, u64); 22] = [
     (Suite::Clean, 300),
     (Suite::Singles, 300),
     (Suite::NearSingles, 150),
@@ -24,9 +24,14 @@ const SCORED: [(Suite, u64); 17] = [
     (Suite::Payload, 120),
     (Suite::PayloadWithheld, 40),
     (Suite::PayloadSame, 100),
+    (Suite::Elastic, 100),
+    (Suite::Repeats, 80),
+    (Suite::Moved, 80),
+    (Suite::Coloured, 80),
+    (Suite::Wrist, 100),
 ];
 /// Trials of a quick check: each kind of clean recording three times, each strong effect once.
-const QUICK: [(Suite, u64); 17] = [
+const QUICK: [(Suite, u64); 22] = [
     (Suite::Clean, 18),
     (Suite::Singles, 32),
     (Suite::NearSingles, 5),
@@ -44,6 +49,11 @@ const QUICK: [(Suite, u64); 17] = [
     (Suite::Payload, 4),
     (Suite::PayloadWithheld, 2),
     (Suite::PayloadSame, 2),
+    (Suite::Elastic, 3),
+    (Suite::Repeats, 4),
+    (Suite::Moved, 4),
+    (Suite::Coloured, 4),
+    (Suite::Wrist, 3),
 ];
 
 /// Some trials of one suite.

@@ -137,7 +137,7 @@ fn by_cause(selection: &Selection<'_>, cause: &Cause) -> Option<Located> {
     let effect = selection.effect(cause);
     let stream = stream_of(selection, effect.spec().hook, effect.joint())?;
     let joint = effect.joint();
-    let covariate = law_covariate(effect, cause.shape);
+    let covariate = law_covariate(effect);
     let mut depends_on = vec![covariate.column(context)];
     if effect.spec().follows == Follows::Run && context.recording.run.is_some() {
         depends_on = vec!["run".to_owned()];
@@ -161,11 +161,11 @@ fn by_cause(selection: &Selection<'_>, cause: &Cause) -> Option<Located> {
 }
 
 /// The covariate that an effect's law is a function of.
-fn law_covariate(effect: &dyn Effect, shape: f64) -> Covariate {
+fn law_covariate(effect: &dyn Effect) -> Covariate {
     let joint = effect.joint().unwrap_or(0);
     match effect.spec().follows {
         Follows::Angle => Covariate::Angle(joint),
-        Follows::OtherAngle => Covariate::Angle((shape as usize).saturating_sub(1)),
+        Follows::OtherAngle => Covariate::Angle(effect.from_joint().unwrap_or(joint)),
         Follows::Speed => Covariate::Speed(joint),
         Follows::Torque => Covariate::Torque(joint),
         Follows::Force => Covariate::Force,
@@ -354,7 +354,7 @@ fn peak(engine: &Engine<'_>, stream: usize, covariate: Covariate) -> Option<f64>
     let size = (means.iter().map(|m| m * m).sum::<f64>() / PLACE_BINS as f64).sqrt();
     let by_size = |a: &usize, b: &usize| means[*a].abs().total_cmp(&means[*b].abs());
     let top = (0..PLACE_BINS).max_by(by_size)?;
-    // of few rows no bin has a mean
+    // of few postures no interval may have enough
     if size == 0.0 || means[top].abs() < 2.0 * size {
         return None;
     }

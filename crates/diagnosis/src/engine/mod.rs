@@ -26,9 +26,10 @@ use crate::engine::blocks::Blocks;
 use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::part::{Part, root_mean_square};
 use crate::engine::system::{System, compress_rows};
-use crate::noise::Noise;
-use crate::noise::measured::{KnownNoise, estimate_noise};
+use crate::noise::measured::{KnownNoise, estimate_noise, over_stated};
 use crate::noise::stated::is_stated;
+use crate::noise::{Noise, with_memory};
+use crate::thresholds::noise::OTHER_LEVEL;
 
 pub(crate) use self::prepared::Prepared;
 
@@ -69,6 +70,33 @@ impl Engine<'_> {
             self.base.free.len(),
         );
         KnownNoise { noise, scale }
+    }
+
+    /// The noise with a memory that other residuals show, of the size that the file states where it does, in the streams
+    /// where its level is another one; none where there is no such stream.
+    pub(crate) fn noise_with_memory(&self, residual: &[Vec<f64>]) -> Option<KnownNoise> {
+        if !self.context.ordered {
+            return None;
+        }
+        let mut known = KnownNoise {
+            noise: self.noise.clone(),
+            scale: self.scale.clone(),
+        };
+        let mut is_other = false;
+        for (stream, noise) in known.noise.iter_mut().enumerate() {
+            let (sd, usable) = (&self.problem.sd[stream], &self.usable[stream]);
+            let scaled = over_stated(&self.context, stream, &residual[stream], sd, usable);
+            let stated = is_stated(self.context.device, self.context.streams[stream].channel);
+            let Some(slow) = with_memory(&scaled, &self.context.runs, stated) else {
+                continue;
+            };
+            if slow.level() > OTHER_LEVEL * noise.level() {
+                *noise = slow;
+                known.scale[stream] = None;
+                is_other = true;
+            }
+        }
+        is_other.then_some(known)
     }
 
     /// Whether the recording is one of touches in single postures whose noise no rig states: it is then taken

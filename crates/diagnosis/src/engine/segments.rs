@@ -92,6 +92,21 @@ impl Unseen {
         }
     }
 
+    /// How surely it gains on another one, in standard deviations: by the sizes of the segments' gains, or by how many gain at
+    /// all (the sign test), whichever is surer. A few segments that a fit extrapolates to badly scatter the sizes.
+    pub(crate) fn surely_gains_on(&self, other: &Self) -> f64 {
+        let count = self.0.len() as f64;
+        let pairs = self.0.iter().zip(&other.0);
+        let gaining = pairs.filter(|(own, other)| own < other).count() as f64;
+        let by_sign = (2.0 * gaining - count) / count.sqrt();
+        let gain = self.gain_on(other);
+        if gain.sum > 0.0 {
+            gain.deviations().max(by_sign)
+        } else {
+            gain.deviations()
+        }
+    }
+
     /// Over all segments.
     pub(crate) fn sum(&self) -> f64 {
         self.0.iter().sum()

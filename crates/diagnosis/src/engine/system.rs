@@ -56,6 +56,23 @@ impl System {
         Column { parts }
     }
 
+    /// The same with nothing of the other streams in it.
+    pub(crate) fn of_stream(&self, stream: usize) -> Self {
+        let range = self.layout.range(stream);
+        let masked = |vector: &Vec<f64>| {
+            let mut own = vector.clone();
+            mask(&mut own, range.clone());
+            own
+        };
+        let residual = masked(&self.residual);
+        let mut system = Self::bare(self.layout.clone(), self.windows.clone(), residual);
+        system.oscillations.clone_from(&self.oscillations);
+        for direction in &self.basis {
+            system.take(masked(direction));
+        }
+        system
+    }
+
     /// The row in the middle of every block.
     pub(crate) fn postures(&self) -> Vec<usize> {
         (0..self.windows.len())
@@ -213,6 +230,12 @@ pub(crate) fn across<'d, D: Iterator<Item = &'d Direction>>(
         direction: vector,
         products,
     })
+}
+
+/// Sets everything but a range to zero.
+pub(crate) fn mask(vector: &mut [f64], range: Range<usize>) {
+    vector[..range.start].fill(0.0);
+    vector[range.end..].fill(0.0);
 }
 
 /// Slow energy of one stream.

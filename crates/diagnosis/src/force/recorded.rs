@@ -8,7 +8,7 @@ use haptical_effects::{Context, Signal, Stream};
 use nalgebra::{DMatrix, Vector3};
 
 use super::rows::harmonics::{harmonics, without_harmonics};
-use crate::noise::repeats::Repeats;
+
 use crate::noise::{self, Known, NoiseSource};
 use crate::thresholds::torque::{
     BLOCK_S, LONGEST_BLOCK_ROWS, MODEL_SD, READINGS_PER_PARAMETER, UNKNOWN_FORCE_SD_N,
@@ -322,7 +322,8 @@ fn noise_of(context: &Context<'_>, values: &[f64], size: f64) -> Option<(f64, f6
     let known = Known {
         runs: &context.runs,
         ordered: true,
-        repeats: &Repeats::default(),
+        repeats: None,
+        are_of_one_side: false,
         lost: 0.0,
         stated: false,
         rounding: 0.0,

@@ -82,7 +82,10 @@ impl<'f> Findings<'f> {
             && !base_terms.accounts_for(excess(&selection.after).0);
         let mut partial = None;
         if is_open {
-            partial = selection.take_partial()?;
+            partial = selection.take_cables()?;
+            if partial.is_none() {
+                partial = selection.take_partial()?;
+            }
             if let Some(partial) = &partial {
                 rivals.clone_from(&partial.rivals);
                 adequacy_of = adequacy(&selection)?;

@@ -27,7 +27,14 @@ pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdic
     }
     let is_hedged = first.is_some_and(|cause| kinds_beside(cause) >= MOST_NAMES);
     let is_void = base_terms.terms.is_empty() && !first.is_some_and(is_credible);
-    let is_likely = first.is_some_and(|cause| cause.probability >= LEAST_PROBABILITY);
+    let is_of_cables = (findings.partial.as_ref()).is_some_and(|partial| partial.is_of_cables);
+    let is_likely = first.is_some_and(|cause| {
+        let probability = match is_of_cables {
+            true => cause.class_probability,
+            false => cause.probability,
+        };
+        probability >= LEAST_PROBABILITY
+    });
     let is_supported = findings.adequacy.is_adequate || (findings.partial.is_some() && is_likely);
     if !is_supported || is_hedged || is_void {
         return Verdict::Unknown;

@@ -24,11 +24,16 @@ const COLOUR_STEP: f64 = 0.01;
 /// Solves for size and colour by the moments of the segments that nothing disturbs; the share of the
 /// variance that rounding has is white.
 pub(super) fn from_segments(mut moments: Vec<[f64; LAGS]>, rounding: f64) -> Noise {
-    let basis = segment_basis();
     leave_undisturbed(&mut moments, |segment| segment[0]);
+    of_moments(&moments, rounding)
+}
+
+/// The same of all segments.
+pub(super) fn of_moments(moments: &[[f64; LAGS]], rounding: f64) -> Noise {
+    let basis = segment_basis();
     let count = moments.len();
     let mut seen = [0.0; LAGS];
-    for segment in &moments {
+    for segment in moments {
         for (sum, moment) in seen.iter_mut().zip(segment.iter()) {
             *sum += moment / count as f64;
         }
@@ -84,6 +89,25 @@ pub(super) fn from_segments(mut moments: Vec<[f64; LAGS]>, rounding: f64) -> Noi
         source: NoiseSource::Motion,
         speed_ratio: 1.0,
     }
+}
+
+/// The colour at which noise of unit variance leaves segments of this mean square; none where they are larger than white ones.
+pub(super) fn colour_of_unit_noise(mean_square: f64) -> Option<f64> {
+    let basis = segment_basis();
+    let square = |colour: f64| expected_moments(colour, &basis)[0];
+    if mean_square >= square(0.0) {
+        return None;
+    }
+    let (mut low, mut high) = (0.0, MOST_COLOUR);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if square(middle) > mean_square {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
 }
 
 /// Noise of a size that another source gives, with the colour by which segments of that size leave what `segments` were

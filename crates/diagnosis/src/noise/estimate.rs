@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use super::colour::{from_segments, with_colour_of};
-use super::repeats::Repeats;
+use super::colour::{colour_of_unit_noise, from_segments, of_moments, with_colour_of};
 use super::segments::{segment_basis, segment_moments};
 use super::{Noise, NoiseSource};
-use crate::thresholds::noise::{ENOUGH_SEGMENTS, LAGS, SEGMENT_ROWS, STATED_UNCERTAINTY};
+use crate::thresholds::noise::{
+    ENOUGH_SEGMENTS, LAGS, LOUD, MEMORY_STEP, SEGMENT_ROWS, STATED_UNCERTAINTY,
+};
 
 /// What is known of a stream before its noise is estimated.
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +15,9 @@ pub(crate) struct Known<'k> {
     pub(crate) runs: &'k [Range<usize>],
     /// Rows follow a motion.
     pub(crate) ordered: bool,
-    pub(crate) repeats: &'k Repeats,
+    /// What repeats of postures show, and whether all were come to from one side.
+    pub(crate) repeats: Option<&'k Noise>,
+    pub(crate) are_of_one_side: bool,
     /// Degrees of freedom that the model's parameters have taken.
     pub(crate) lost: f64,
     /// The device file says how noisy it is.
@@ -37,8 +40,9 @@ pub(crate) fn estimate(scaled: &[f64], known: &Known<'_>) -> Noise {
         .collect();
     let left = all_that_is_left(&series.concat(), known.lost);
     let stated = Noise::of_postures(1.0, 2.0 / STATED_UNCERTAINTY.powi(2), NoiseSource::Stated);
-    let repeats = known.repeats.noise(scaled, known.rounding);
-    let repeats = repeats.filter(|noise| !known.stated || overrules(noise, &stated, known.repeats));
+    let repeats = known.repeats.cloned();
+    let repeats =
+        repeats.filter(|noise| !known.stated || overrules(noise, &stated, known.are_of_one_side));
     let stated = known.stated.then_some(stated);
     let neighbours = by_neighbours(&series, known);
     let coloured = |noise: Noise| match &neighbours {
@@ -64,13 +68,60 @@ pub(crate) fn estimate(scaled: &[f64], known: &Known<'_>) -> Noise {
 
 /// Whether repeats say more than the device file: they are enough of them to know better, or differ from it beyond
 /// chance. What repeats from several sides scatter by holds any play: it does not raise a stated noise.
-fn overrules(noise: &Noise, stated: &Noise, repeats: &Repeats) -> bool {
-    if !repeats.are_of_one_side && noise.ratio > stated.ratio {
+fn overrules(noise: &Noise, stated: &Noise, are_of_one_side: bool) -> bool {
+    if !are_of_one_side && noise.ratio > stated.ratio {
         return false;
     }
     let differs =
         noise.is_above(stated.ratio, stated.freedom) || stated.is_above(noise.ratio, noise.freedom);
     noise.freedom >= stated.freedom || differs
+}
+
+/// The noise of a motion by every few rows: what has a memory longer than a segment shows its size there, and so does what
+/// is louder at times. Signals of a few segments' length pass for it too.
+///
+/// Of a `stated` size the colour alone is sought, and there is none where all that is left is louder.
+pub(crate) fn with_memory(scaled: &[f64], runs: &[Range<usize>], stated: bool) -> Option<Noise> {
+    let basis = segment_basis();
+    let mut moments = Vec::new();
+    for run in runs {
+        for phase in 0..MEMORY_STEP {
+            let every: Vec<f64> = scaled[run.clone()]
+                .iter()
+                .copied()
+                .skip(phase)
+                .step_by(MEMORY_STEP)
+                .filter(|value| value.is_finite())
+                .collect();
+            let parts = every.chunks_exact(SEGMENT_ROWS);
+            moments.extend(parts.map(|part| segment_moments(part, &basis)));
+        }
+    }
+    let step = MEMORY_STEP as f64;
+    if moments.len() < ENOUGH_SEGMENTS * MEMORY_STEP {
+        return None;
+    }
+    let mut noise = of_moments(&moments, 0.0);
+    if stated {
+        let values = scaled.iter().filter(|value| value.is_finite()).copied();
+        if all_that_is_left(&values.collect::<Vec<f64>>(), 0.0).ratio > LOUD {
+            return None;
+        }
+        let square = moments.iter().map(|segment| segment[0]).sum::<f64>() / moments.len() as f64;
+        noise = Noise {
+            ratio: 1.0,
+            colour: colour_of_unit_noise(square)?,
+            coloured_share: 1.0,
+            ..noise
+        };
+    }
+    Some(Noise {
+        colour: noise.colour.max(0.0).powf(1.0 / step),
+        // rows between those of a segment are not independent of them
+        uncertainty: noise.uncertainty * step.sqrt(),
+        freedom: noise.freedom / step,
+        ..noise
+    })
 }
 
 fn by_neighbours(series: &[Vec<f64>], known: &Known<'_>) -> Option<Noise> {

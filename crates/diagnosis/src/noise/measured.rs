@@ -5,7 +5,7 @@ use haptical_effects::Context;
 use rayon::prelude::*;
 
 use crate::engine::base::BaseProblem;
-use crate::noise::repeats::Repeats;
+use crate::noise::repeats::{Repeats, pooled};
 use crate::noise::stated::is_stated;
 use crate::noise::{self, Known, Noise};
 
@@ -26,40 +26,92 @@ pub(crate) fn estimate_noise(
 ) -> (Vec<Noise>, Vec<Option<Vec<f64>>>) {
     let lost = parameters as f64 / context.streams.len().max(1) as f64;
     let repeats = Repeats::new(context);
-    (0..context.streams.len())
+    let scaled: Vec<Scaled> = (0..context.streams.len())
         .into_par_iter()
         .map(|stream| {
-            let without = noise::without_lines(context, stream, &residual[stream]);
-            let mut scaled: Vec<f64> = (0..context.rows())
-                .map(|row| {
-                    if usable[stream][row] {
-                        without[row] / problem.sd[stream][row]
-                    } else {
-                        f64::NAN
-                    }
-                })
+            Scaled::new(
+                context,
+                stream,
+                &residual[stream],
+                &problem.sd[stream],
+                &usable[stream],
+            )
+        })
+        .collect();
+    let rounding =
+        |stream: usize| rounding_share(&problem.sd[stream], own[stream], &usable[stream]);
+    let of_repeats: Vec<Option<Noise>> = scaled
+        .iter()
+        .enumerate()
+        .map(|(stream, scaled)| repeats.noise(&scaled.values, rounding(stream)))
+        .collect();
+    scaled
+        .into_par_iter()
+        .enumerate()
+        .map(|(stream, scaled)| {
+            let channel = context.streams[stream].channel;
+            let streams = context.streams.iter().zip(&of_repeats);
+            let of_channel: Vec<&Noise> = streams
+                .filter(|(other, _)| other.channel == channel)
+                .filter_map(|(_, noise)| noise.as_ref())
                 .collect();
-            let by_speed = speed_of(context, stream)
-                .and_then(|speed| noise::speed_scale(&scaled, &speed, &context.runs));
-            if let Some((scale, _)) = &by_speed {
-                for (value, scale) in scaled.iter_mut().zip(scale) {
-                    *value /= scale;
-                }
-            }
-            let stated = is_stated(context.device, context.streams[stream].channel);
+            let of_repeats = pooled(&of_channel).or_else(|| of_repeats[stream].clone());
             let known = Known {
                 runs: &context.runs,
                 ordered: context.ordered,
-                repeats: &repeats,
+                repeats: of_repeats.as_ref(),
+                are_of_one_side: repeats.are_of_one_side,
                 lost,
-                stated,
-                rounding: rounding_share(&problem.sd[stream], own[stream], &usable[stream]),
+                stated: is_stated(context.device, channel),
+                rounding: rounding(stream),
             };
-            let mut found = noise::estimate(&scaled, &known);
+            let mut found = noise::estimate(&scaled.values, &known);
+            let by_speed = scaled.by_speed;
             found.speed_ratio = by_speed.as_ref().map_or(1.0, |(_, ratio)| *ratio);
             (found, by_speed.map(|(scale, _)| scale))
         })
         .unzip()
+}
+
+/// A stream's residuals over their stated deviation, and over what the speed makes of it.
+struct Scaled {
+    values: Vec<f64>,
+    /// Factor of the deviation at each row, and how much it grows.
+    by_speed: Option<(Vec<f64>, f64)>,
+}
+
+impl Scaled {
+    fn new(
+        context: &Context<'_>,
+        stream: usize,
+        residual: &[f64],
+        sd: &[f64],
+        usable: &[bool],
+    ) -> Self {
+        let mut values = over_stated(context, stream, residual, sd, usable);
+        let by_speed = speed_of(context, stream)
+            .and_then(|speed| noise::speed_scale(&values, &speed, &context.runs));
+        if let Some((scale, _)) = &by_speed {
+            for (value, scale) in values.iter_mut().zip(scale) {
+                *value /= scale;
+            }
+        }
+        Self { values, by_speed }
+    }
+}
+
+/// A stream's residuals without its lines over their stated deviation; NaN where there is none.
+pub(crate) fn over_stated(
+    context: &Context<'_>,
+    stream: usize,
+    residual: &[f64],
+    sd: &[f64],
+    usable: &[bool],
+) -> Vec<f64> {
+    let without = noise::without_lines(context, stream, residual);
+    let rows = without.iter().zip(sd).zip(usable);
+    rows.map(|((residual, sd), usable)| if *usable { residual / sd } else { f64::NAN })
+        .collect()
 }
 
 /// Speed of what a stream measures, where rows follow a motion in time.

@@ -19,7 +19,7 @@ mod speed;
 
 use crate::thresholds::noise::{BEYOND, MUCH_ROUNDING};
 
-pub(crate) use self::estimate::{Known, estimate};
+pub(crate) use self::estimate::{Known, estimate, with_memory};
 pub(crate) use self::lines::{Peak, lines, surest_peak, without_lines};
 pub(crate) use self::outliers::{difference_sd, outliers};
 pub use self::source::NoiseSource;
@@ -70,6 +70,13 @@ impl Noise {
             self.uncertainty = self.uncertainty.hypot(0.2 * share);
         }
         self
+    }
+
+    /// Its level at low frequency, over the stated variance: what blocks average to.
+    pub(crate) fn level(&self) -> f64 {
+        let coloured = (1.0 + self.colour) / (1.0 - self.colour);
+        let share = self.coloured_share;
+        self.ratio * self.ratio * (share * coloured + 1.0 - share)
     }
 
     /// Independent rows in one row of noise of this colour.

@@ -72,6 +72,24 @@ impl Repeats {
     }
 }
 
+/// Repeats of several streams of one instrument, where they agree: it has one noise.
+pub(crate) fn pooled(streams: &[&Noise]) -> Option<Noise> {
+    let agree = |one: &Noise| {
+        streams
+            .iter()
+            .all(|other| !one.is_above(other.ratio, other.freedom))
+    };
+    if streams.len() < 2 || !streams.iter().all(|noise| agree(noise)) {
+        return None;
+    }
+    let freedom: f64 = streams.iter().map(|noise| noise.freedom).sum();
+    let squares = streams
+        .iter()
+        .map(|noise| noise.freedom * noise.ratio * noise.ratio);
+    let ratio = (squares.sum::<f64>() / freedom).sqrt();
+    Some(Noise::of_postures(ratio, freedom, NoiseSource::Repeats))
+}
+
 fn freedom(groups: &[Vec<usize>]) -> usize {
     groups.iter().map(|rows| rows.len() - 1).sum()
 }

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::repeats::Repeats;
 use super::{Known, Noise, NoiseSource, estimate, outliers, speed_scale};
 
 fn one_run(rows: usize) -> [Range<usize>; 1] {
@@ -17,7 +16,8 @@ fn moving(values: &[f64], rounding: f64) -> Noise {
     let known = Known {
         runs: &one_run(values.len()),
         ordered: true,
-        repeats: &Repeats::default(),
+        repeats: None,
+        are_of_one_side: false,
         lost: 0.0,
         stated: true,
         rounding,

@@ -1,6 +1,6 @@
 //! Possible errors of the laws of earlier causes, in the streams where a later pick shows.
 
-use haptical_effects::{Effect, Family, Hook};
+use haptical_effects::{Effect, Hook};
 
 use super::{Selector, worst_excess};
 use crate::engine::model::Cause;
@@ -14,12 +14,12 @@ impl Selector<'_> {
     /// law of theirs can have left it there.
     pub(crate) fn is_elsewhere(&self, pick: &Score, causes: &[Cause]) -> bool {
         let effect = self.effects[pick.effect].as_ref();
-        let joints = self.joints(pick.effect, pick.shape);
+        let joints = self.joints(pick.effect);
         let main = |effect: &dyn Effect| self.main_stream(effect);
         let own = main(effect);
         causes.iter().all(|cause| {
             let other = self.effects[cause.effect].as_ref();
-            let theirs = self.joints(cause.effect, cause.shape);
+            let theirs = self.joints(cause.effect);
             main(other) != own
                 && other.spec().hook != Hook::Timing
                 && !joints.iter().any(|joint| theirs.contains(joint))
@@ -47,9 +47,9 @@ impl Selector<'_> {
 
     /// Squared residual that the laws of the causes so far may have got wrong, where a pick shows.
     pub(crate) fn law_errors(&self, causes: &[Cause], explained: &[f64], pick: &Score) -> f64 {
-        let own = self.joints(pick.effect, pick.shape);
+        let own = self.joints(pick.effect);
         let errors = causes.iter().zip(explained).map(|(cause, explained)| {
-            let theirs = self.joints(cause.effect, cause.shape);
+            let theirs = self.joints(cause.effect);
             let share = if own.iter().any(|joint| theirs.contains(joint)) {
                 LATER_PICK_THERE
             } else {
@@ -61,10 +61,12 @@ impl Selector<'_> {
     }
 
     /// Joints whose angle drives an effect, from 0.
-    fn joints(&self, effect: usize, shape: f64) -> Vec<usize> {
+    fn joints(&self, effect: usize) -> Vec<usize> {
         let effect = self.effects[effect].as_ref();
-        let from =
-            (effect.spec().family == Family::Coupling).then(|| (shape as usize).saturating_sub(1));
-        effect.joint().into_iter().chain(from).collect()
+        effect
+            .joint()
+            .into_iter()
+            .chain(effect.from_joint())
+            .collect()
     }
 }

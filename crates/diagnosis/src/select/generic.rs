@@ -148,6 +148,25 @@ pub(crate) fn free_function(
     hats.iter().map(|hat| apply(context, place, hat)).collect()
 }
 
+/// The angle of another joint times hat functions of a joint's own: a coupling whose gain is not constant.
+pub(crate) fn varying_gain(
+    context: &Context<'_>,
+    place: Place,
+    from: usize,
+    knots: usize,
+) -> Option<Vec<Signal>> {
+    let own = Covariate::Angle(place.joint?).values(context)?;
+    let other = context.recording.joint.get(from)?;
+    let hats = hats(&own, knots)?;
+    let products = hats.iter().map(|hat| {
+        let pairs = hat.iter().zip(other);
+        pairs.map(|(hat, angle)| hat * angle).collect::<Vec<f64>>()
+    });
+    products
+        .map(|product| apply(context, place, &product))
+        .collect()
+}
+
 /// Hat functions over `knots` equal intervals of what all but a hundredth of the values lie in.
 pub(crate) fn hats(values: &[f64], knots: usize) -> Option<Vec<Vec<f64>>> {
     let (low, high) = inner_range(values)?;

@@ -204,7 +204,10 @@ pub(crate) fn candidates(
 ) -> Vec<Candidate> {
     tested
         .par_iter()
-        .filter(|&&index| effects[index].spec().shape != Shape::Event)
+        .filter(|&&index| {
+            let spec = effects[index].spec();
+            spec.shape != Shape::Event && !spec.is_found_beside
+        })
         .flat_map_iter(|&index| {
             let effect = effects[index].as_ref();
             let zero = vec![0.0; effect.spec().amplitudes];

@@ -8,6 +8,7 @@
 
 mod absorbed;
 mod arm;
+mod cables;
 mod clean;
 mod columns;
 mod dependencies;

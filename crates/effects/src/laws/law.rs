@@ -82,6 +82,11 @@ pub(crate) trait Law: Debug + Send + Sync {
         None
     }
 
+    /// The other joint whose angle it is a function of.
+    fn from_joint(&self) -> Option<usize> {
+        None
+    }
+
     /// Shapes to try, where the recording or the place decides them.
     fn shapes(&self, _: Input<'_, '_>) -> Option<Vec<f64>> {
         None
@@ -133,6 +138,10 @@ impl<L: Law> Effect for Placed<L> {
 
     fn joint(&self) -> Option<usize> {
         self.joint
+    }
+
+    fn from_joint(&self) -> Option<usize> {
+        self.law.from_joint()
     }
 
     fn shapes(&self, context: &Context<'_>) -> Vec<f64> {

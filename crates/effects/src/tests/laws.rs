@@ -207,6 +207,15 @@ fn functions_of_an_angle_are_those_that_they_say() {
         |row| 2e-3 * angle(0, row),
         1e-12,
     );
+    let values = [("width_rad", 2e-3), ("play_rad", 0.1), ("from_joint", 1.0)];
+    let shown = added(&context, "coupled-backlash", Some(1), &values);
+    let lost = crate::signal::play(&context.recording.joint[0], 0.05, &context.runs);
+    assert_agree(
+        "coupled play",
+        on(&shown, &context, "out2"),
+        |row| 1e-3 / 0.05 * lost[row],
+        1e-12,
+    );
     // a ratio deviation is eq. (1)'s, to first order in deviation over ratio
     check("ratio-error", 1, &[("ratio_deviation", 1e-3)], &|q| {
         -1e-3 / 8.0 * q

@@ -377,17 +377,12 @@ fn assert_reaches_its_hook_alone(effect: &AnyEffect, context: &Context<'_>) {
 fn a_name_stands_once_at_a_place_and_parameter() {
     for rig in rigs() {
         let effects = everything(&rig.device);
-        let context = rig.context();
         let mut seen: Vec<String> = effects
             .iter()
             .map(|effect| {
                 let parameters: Vec<&str> =
                     effect.spec().parameters.iter().map(|p| p.name).collect();
-                let from = if effect.name() == "cross-coupling" {
-                    effect.shapes(&context)
-                } else {
-                    vec![]
-                };
+                let from = effect.from_joint();
                 format!(
                     "{} {:?} {parameters:?} {from:?}",
                     effect.label(),

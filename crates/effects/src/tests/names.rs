@@ -24,6 +24,7 @@ const STABLE: [(&str, &[&str]); 56] = [
         &["amplitude_rad", "phase_rad"],
     ),
     ("cross-coupling", &["gain", "from_joint"]),
+    ("coupled-backlash", &["width_rad", "play_rad", "from_joint"]),
     ("joint-drift", &[]),
     ("ratio-error", &[]),
     ("drum-eccentricity", &[]),

@@ -288,6 +288,7 @@ pub(super) fn typical(parameter: &str) -> Option<f64> {
         "slip_rad" => 2e-3,
         "width_rad" | "amplitude_rad" | "gain" | "scale" | "tilt_rad" => 1e-3,
         "transition_rad" => 0.05,
+        "play_rad" => 0.1,
         "delay_s" => 3e-3,
         "phase_rad" => 0.7,
         "quadratic_per_rad" => 2e-3,
@@ -328,7 +329,8 @@ pub(super) fn values(effect: &AnyEffect, context: &Context<'_>, factor: f64) -> 
         .map(|spec| match (typical(spec.name), spec.name) {
             (Some(value), "phase_rad" | "time_s") => value,
             (Some(value), _) => factor * value,
-            (None, "order" | "from_joint" | "frequency_hz") => shape,
+            (None, "from_joint") => effect.from_joint().map_or(shape, |from| (from + 1) as f64),
+            (None, "order" | "frequency_hz") => shape,
             (None, "from_run") => shape + 1.0,
             (None, other) => panic!(
                 "{} has a parameter `{other}` without a size",

@@ -33,6 +33,10 @@ impl Law for CrossCoupling {
         Some(vec![input.context.recording.joint.get(self.from)?.clone()])
     }
 
+    fn from_joint(&self) -> Option<usize> {
+        Some(self.from)
+    }
+
     fn shapes(&self, _: Input<'_, '_>) -> Option<Vec<f64>> {
         Some(vec![(self.from + 1) as f64])
     }

@@ -5,6 +5,7 @@ pub(crate) mod cable_pitch;
 pub(crate) mod capstan_compliance;
 pub(crate) mod capstan_creep;
 pub(crate) mod capstan_slip;
+pub(crate) mod coupled_backlash;
 pub(crate) mod cross_coupling;
 pub(crate) mod drum_eccentricity;
 pub(crate) mod drum_out_of_round;

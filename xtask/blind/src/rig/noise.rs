@@ -16,6 +16,9 @@ pub struct ChannelNoise {
     /// Ratio of the standard deviation in motion, at the channel's root-mean-square speed and above,
     /// to that at rest; 1 for noise that does not depend on speed.
     pub speed_ratio: f64,
+    /// Ratio of the standard deviation at the far end of the channel's range to that at the near end; the root mean square
+    /// over the range is the stated one; 1 for even noise.
+    pub range_ratio: f64,
     /// Whether the reading is rounded to the encoder's counts.
     pub rounded: bool,
 }
@@ -28,6 +31,7 @@ impl Default for ChannelNoise {
             outlier_share: 0.0,
             outlier_factor: 8.0,
             speed_ratio: 1.0,
+            range_ratio: 1.0,
             rounded: false,
         }
     }
@@ -64,6 +68,7 @@ impl ChannelNoise {
     ) -> Vec<f64> {
         let speed_rms = crate::laws::rms(speed).max(f64::MIN_POSITIVE);
         let fresh = libm::sqrt(1.0 - self.autoregression * self.autoregression);
+        let uneven = Uneven::over(clean, self.range_ratio);
         let mut state = random.normal();
         clean
             .iter()
@@ -72,6 +77,7 @@ impl ChannelNoise {
                 state = self.autoregression * state + fresh * random.normal();
                 let moving = (speed / speed_rms).abs().min(1.0);
                 let size = sd * self.factor * (1.0 + (self.speed_ratio - 1.0) * moving);
+                let size = size * uneven.at(*value);
                 let mut reading = value + size * state;
                 if self.outlier_share > 0.0 && random.unit() <= self.outlier_share {
                     reading += size * self.outlier_factor * random.normal();
@@ -82,5 +88,38 @@ impl ChannelNoise {
                 }
             })
             .collect()
+    }
+}
+
+/// Noise that grows along a channel's range.
+#[derive(Debug)]
+struct Uneven {
+    least: f64,
+    range: f64,
+    near: f64,
+    ratio: f64,
+}
+
+impl Uneven {
+    fn over(clean: &[f64], ratio: f64) -> Self {
+        let least = clean.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = clean.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut uneven = Self {
+            least,
+            range: (most - least).max(f64::MIN_POSITIVE),
+            near: 1.0,
+            ratio,
+        };
+        let sizes: Vec<f64> = clean.iter().map(|value| uneven.at(*value)).collect();
+        uneven.near = 1.0 / crate::laws::rms(&sizes).max(f64::MIN_POSITIVE);
+        uneven
+    }
+
+    fn at(&self, value: f64) -> f64 {
+        if self.ratio == 1.0 {
+            return 1.0;
+        }
+        let share = (value - self.least) / self.range;
+        self.near * (1.0 + (self.ratio - 1.0) * share)
     }
 }

@@ -4,6 +4,7 @@ mod dynamics;
 mod effects;
 mod files;
 mod geometry;
+mod measured;
 mod motion;
 mod noise;
 mod score;

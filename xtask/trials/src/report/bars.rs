@@ -62,6 +62,7 @@ pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
     all.extend(calibration(cases));
     all.extend(parameters(cases));
     all.extend(near(cases));
+    all.extend(super::measured::measures(cases));
     all.extend(others(cases));
     all
 }
@@ -168,7 +169,7 @@ fn singles(cases: &[Case]) -> Vec<Measure> {
 
 /// Whether a verdict `named` is right: one name of every effect is there, or of two effects one alone, with
 /// nothing that was not put in. (That both are found is counted under two effects.)
-fn name_is_right(score: &TrialScore) -> bool {
+pub(super) fn name_is_right(score: &TrialScore) -> bool {
     score.right || (score.groups > 1 && score.groups_found > 0 && score.false_causes == 0)
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod bars;
 pub(crate) mod figures;
 pub(crate) mod payloads;
+mod measured;
 pub(crate) mod record;
 pub(crate) mod wrong;
 
@@ -40,6 +41,11 @@ fn about(suite: &str) -> &'static str {
         "sp" => "torques alone, another payload from a run on",
         "spw" => "the same, withheld from the catalogue",
         "spc" => "torques alone, nothing changed between runs",
+        "se" => "an arm that yields to its weight",
+        "sr" => "postures with repeats",
+        "sm" => "runs with a moved tracker",
+        "sc" => "noise with a memory",
+        "sw" => "a wrist of several cables",
         _ => "",
     }
 }
@@ -200,6 +206,11 @@ fn confusions(output: &mut Output, cases: &[Case]) -> Result<()> {
             "confusion-others",
             "Noise, impossible magnitudes, force",
             &["s7", "s10", "sf", "sfw", "sfu", "sp", "spw", "spc"],
+        ),
+        (
+            "confusion-measured",
+            "Suites like measured sets",
+            &["se", "sr", "sm", "sc", "sw"],
         ),
     ] {
         let wanted: Vec<&Case> = cases

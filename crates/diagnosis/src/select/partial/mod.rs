@@ -1,6 +1,7 @@
 //! Causes that account for a part of a gap: what they predict on rows that their fit did not see, and whether
 //! their laws hold there (docs/diagnosis.md, "Partial causes").
 
+mod cables;
 mod hypotheses;
 mod replaceable;
 mod support;
@@ -25,6 +26,8 @@ pub(crate) struct Partial {
     pub(crate) share: f64,
     /// Of each cause, itself first: what else would have predicted the unseen rows.
     pub(crate) rivals: Vec<Vec<Rival>>,
+    /// Whether they are what cables do: play and loop are two names of one thing there.
+    pub(crate) is_of_cables: bool,
 }
 
 impl Selection<'_> {
@@ -65,7 +68,11 @@ impl Selection<'_> {
         self.after = taken.system.slow_energy(&taken.system.residual);
         (self.refit, self.system) = (taken.refit, taken.system);
         let rivals = taken.rivals;
-        Ok(Some(Partial { share, rivals }))
+        Ok(Some(Partial {
+            share,
+            rivals,
+            is_of_cables: false,
+        }))
     }
 }
 

@@ -11,7 +11,8 @@ use crate::select::Selector;
 use crate::select::generic::{self, Covariate, Place, own_covariates};
 use crate::select::partial::taken::{Taken, With};
 use crate::thresholds::partial::{
-    BEYOND_CHANCE_SD, ELSEWHERE_SHARE, FINE_KNOTS, FREE_KNOTS, KEPT_SHARE, SURELY_BESIDE_SD,
+    BEYOND_CHANCE_SD, ELSEWHERE_SHARE, FINE_KNOTS, FREE_KNOTS, GAIN_KNOTS, KEPT_SHARE,
+    SURELY_BESIDE_SD,
 };
 
 impl Selector<'_> {
@@ -48,6 +49,9 @@ impl Selector<'_> {
             .partition(|(is_own, _)| *is_own);
         let (own, others) = (own.into_par_iter(), others.into_par_iter());
         !is_beaten
+            && !causes
+                .iter()
+                .any(|cause| self.gain_varies(cause, with, wrong, segments))
             && !own.any(|(_, function)| self.depends_on(function, with, wrong, segments))
             && others.all(|(_, function)| self.gains_beside(function, taken, with, segments))
     }
@@ -74,6 +78,30 @@ impl Selector<'_> {
     pub(super) fn wrong_by_law(&self, causes: &[Cause], gain: f64) -> f64 {
         let share = |cause: &Cause| self.effects[cause.effect].spec().law_error.share;
         gain * causes.iter().map(share).fold(0.0, f64::max)
+    }
+
+    /// Whether a coupling's gain depends on its joint's own angle by more than `wrong`, and more surely than by chance.
+    fn gain_varies(&self, cause: &Cause, with: With<'_>, wrong: f64, segments: &Segments) -> bool {
+        let effect = self.effects[cause.effect].as_ref();
+        let is_coupling = effect.spec().family == Family::Coupling;
+        let Some(from) = effect.from_joint().filter(|_| is_coupling) else {
+            return false;
+        };
+        let place = Place {
+            hook: effect.spec().hook,
+            joint: effect.joint(),
+        };
+        let context = &self.engine.context;
+        let Some(signals) = generic::varying_gain(context, place, from, GAIN_KNOTS) else {
+            return false;
+        };
+        let mut beside = with.system.clone();
+        for signal in signals {
+            let column = beside.column(&signal);
+            beside.project_out(&column);
+        }
+        let more = segments.unseen(&beside).gain_on(with.unseen);
+        more.sum > wrong && more.deviations() > SURELY_BESIDE_SD
     }
 
     /// Whether the rest of a hypothesis depends on a covariate by more than `wrong`, and more surely than by chance.

@@ -1,0 +1,106 @@
+//! What was put into a recording by a generator that has no catalogue of kinds: names, right answers, numbers; and the truth
+//! that they make.
+
+use std::collections::BTreeMap;
+
+use crate::gap::ChannelGapTruth;
+use crate::truth::{EffectTruth, Truth};
+
+/// One effect of a recording.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Planted {
+    /// Name in the catalogue, or one of its own.
+    pub(crate) name: &'static str,
+    /// Joint, from 0.
+    pub(crate) joint: Option<usize>,
+    /// Names of which one must be answered; none where it need not be.
+    pub(crate) right: Vec<&'static str>,
+    /// Names that may be answered besides, without being put in.
+    pub(crate) acceptable: Vec<&'static str>,
+    /// Numbers of its law, for readers.
+    pub(crate) law: BTreeMap<String, f64>,
+}
+
+/// What one trial is about.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Story {
+    /// Label of the truth.
+    pub(crate) label: String,
+    /// Nominal device.
+    pub(crate) device: String,
+    pub(crate) planted: Vec<Planted>,
+    /// Names that the catalogue must do without; then what they name is not to be found.
+    pub(crate) without: Vec<&'static str>,
+    /// Columns that an effect in no catalogue depends on.
+    pub(crate) depends_on: Vec<String>,
+    /// Whether the effect is in no catalogue.
+    pub(crate) is_unknown: bool,
+}
+
+impl Story {
+    /// The truth of the trial at `index` of a suite. A group of right names that is withheld is no group any more; where
+    /// none is left, `unknown` is right, and the other names that were put in may be answered.
+    pub(crate) fn truth(
+        &self,
+        suite: &str,
+        index: u64,
+        batch_seed: u64,
+        gap: BTreeMap<String, ChannelGapTruth>,
+    ) -> Truth {
+        let owned = |names: &[&str]| -> Vec<String> {
+            names.iter().map(|name| (*name).to_owned()).collect()
+        };
+        let is_withheld =
+            |planted: &Planted| planted.right.iter().any(|name| self.without.contains(name));
+        let (withheld, left): (Vec<&Planted>, Vec<&Planted>) = self
+            .planted
+            .iter()
+            .filter(|planted| !planted.right.is_empty())
+            .partition(|planted| is_withheld(planted));
+        let mut acceptable: Vec<String> = self
+            .planted
+            .iter()
+            .flat_map(|planted| owned(&planted.acceptable))
+            .collect();
+        let mut right: Vec<Vec<String>> =
+            left.iter().map(|planted| owned(&planted.right)).collect();
+        let mut joints: Vec<Option<usize>> = left
+            .iter()
+            .map(|planted| planted.joint.map(|joint| joint + 1))
+            .collect();
+        if self.is_unknown || !withheld.is_empty() {
+            acceptable.extend(right.into_iter().flatten());
+            right = vec![vec!["unknown".to_owned()]];
+            joints = withheld
+                .first()
+                .map(|planted| planted.joint.map(|joint| joint + 1))
+                .into_iter()
+                .collect();
+        }
+        let effects = self.planted.iter().map(|planted| EffectTruth {
+            effect: planted.name.to_owned(),
+            joint: planted.joint.map(|joint| joint + 1),
+            size: 1.0,
+            parameters: BTreeMap::new(),
+            law: planted.law.clone(),
+            events: Vec::new(),
+        });
+        Truth {
+            suite: suite.to_owned(),
+            index,
+            batch_seed,
+            device: self.device.clone(),
+            name: self.label.clone(),
+            effects: effects.collect(),
+            right,
+            joint: joints.first().copied().flatten(),
+            joints,
+            without: owned(&self.without),
+            acceptable,
+            depends_on: self.depends_on.clone(),
+            gap,
+            no_gap_is_right: false,
+            implausible: false,
+        }
+    }
+}
