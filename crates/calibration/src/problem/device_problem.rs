@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{IdentificationError, Matrix, Problem};
-use haptical_model::{Device, ModelError, ParameterId, Recording};
+use haptical_model::{Device, ModelError, Mount, ParameterId, Recording};
 
 use crate::error::at_row;
 use crate::problem::lanes::transmission::outputs_in_bulk;
@@ -25,6 +25,8 @@ pub struct DeviceProblem<'a> {
     pub(crate) outputs: Option<Vec<f64>>,
     /// Torques that compliant joints yield to.
     pub(crate) loads: Option<Loads>,
+    /// Where the tracker stood and what was on the hand, row by row; empty where that is the same for all.
+    mounts: Vec<Mount>,
 }
 
 /// The residuals of one channel: consecutive, in row order.
@@ -79,6 +81,7 @@ impl<'a> DeviceProblem<'a> {
             sees_chain,
             outputs,
             loads: Loads::new(device, recording)?,
+            mounts: mounts(device, recording, channels)?,
         })
     }
 
@@ -113,6 +116,7 @@ impl<'a> DeviceProblem<'a> {
             sees_chain,
             outputs,
             loads: None,
+            mounts: mounts(device, recording, channels).ok()?,
         })
     }
 
@@ -132,6 +136,16 @@ impl<'a> DeviceProblem<'a> {
 
     pub(crate) fn channels(&self) -> impl Iterator<Item = Channel> {
         self.blocks.iter().map(|block| block.channel)
+    }
+
+    /// What a row is about.
+    pub(crate) fn mount(&self, row: usize) -> Mount {
+        self.mounts.get(row).copied().unwrap_or_default()
+    }
+
+    /// Whether rows differ in where the tracker stood or in what was on the hand.
+    pub(crate) fn has_mounts(&self) -> bool {
+        !self.mounts.is_empty()
     }
 
     pub(crate) fn device(&self) -> &Device {
@@ -200,6 +214,23 @@ fn add_block(
         subjects: Vec::new(),
         first: blocks.last().map_or(0, Block::end),
     });
+}
+
+/// What the rows are about; empty where no channel depends on it.
+pub(crate) fn mounts(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+) -> Result<Vec<Mount>, CalibrationError> {
+    if !channels.iter().any(|channel| channel.is_mounted()) {
+        return Ok(Vec::new());
+    }
+    let mounts = device.mounts(recording);
+    mounts.map_err(|unplaced| CalibrationError::UnknownTouch {
+        line: recording.line.get(unplaced.row).copied().unwrap_or(0),
+        column: unplaced.column.to_owned(),
+        id: unplaced.id,
+    })
 }
 
 /// Which of the device's touched points or planes each row of a block is about.

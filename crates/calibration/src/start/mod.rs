@@ -3,3 +3,5 @@
 pub(crate) mod hand_eye;
 pub(crate) mod points;
 pub(crate) mod prepare;
+pub(crate) mod sights;
+pub(crate) mod touches;
