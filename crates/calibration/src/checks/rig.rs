@@ -4,7 +4,7 @@ use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
 use crate::checks::{conventions, encoders, tools};
-use crate::start::prepare::listed;
+use crate::start::ids::listed;
 
 /// Fewest touches that make a plane and leave one to check it.
 const PLANE_ROWS: usize = 4;

@@ -8,6 +8,7 @@ use haptical_model::{Device, ModelError, Mount, ParameterId, Recording};
 use crate::error::at_row;
 use crate::problem::lanes::transmission::outputs_in_bulk;
 use crate::problem::loads::Loads;
+use crate::problem::mounts::mounts;
 use crate::{CalibrationError, Channel, Weights};
 
 /// Residuals (model minus measurement, over standard deviation) of chosen channels as functions of
@@ -214,23 +215,6 @@ fn add_block(
         subjects: Vec::new(),
         first: blocks.last().map_or(0, Block::end),
     });
-}
-
-/// What the rows are about; empty where no channel depends on it.
-pub(crate) fn mounts(
-    device: &Device,
-    recording: &Recording,
-    channels: &[Channel],
-) -> Result<Vec<Mount>, CalibrationError> {
-    if !channels.iter().any(|channel| channel.is_mounted()) {
-        return Ok(Vec::new());
-    }
-    let mounts = device.mounts(recording);
-    mounts.map_err(|unplaced| CalibrationError::UnknownTouch {
-        line: recording.line.get(unplaced.row).copied().unwrap_or(0),
-        column: unplaced.column.to_owned(),
-        id: unplaced.id,
-    })
 }
 
 /// Which of the device's touched points or planes each row of a block is about.

@@ -9,11 +9,11 @@ use rayon::prelude::*;
 
 use crate::error::at_row;
 use crate::problem::channel::with_kind;
-use crate::problem::device_problem::mounts;
 use crate::problem::lanes::cable::cable_model;
 use crate::problem::lanes::transmission::values_and_slopes;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::kind::{Measurement, Posture};
+use crate::problem::mounts::mounts;
 use crate::{CalibrationError, Channel};
 
 /// Rows that one thread works out at a time.

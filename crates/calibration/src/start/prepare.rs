@@ -89,15 +89,6 @@ fn forget_absent(device: &mut Device, recording: &Recording) {
     }
 }
 
-/// The ids of a column in the order in which they come, without empty ones.
-pub(crate) fn listed(ids: &[String]) -> Vec<String> {
-    let mut seen = BTreeSet::new();
-    let new = ids
-        .iter()
-        .filter(|id| !id.is_empty() && seen.insert(id.as_str()));
-    new.cloned().collect()
-}
-
 /// Handle poses at every row.
 pub(crate) fn handle_poses(
     device: &Device,

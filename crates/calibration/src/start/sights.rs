@@ -5,7 +5,7 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, Placement, Recording, RunBase, SurroundingParameter, Tool};
 
 use crate::problem::measurement::rotation::measured_rotation;
-use crate::start::prepare::listed;
+use crate::start::ids::listed;
 
 /// One row: the handle in frame (-1), and what the tracker saw.
 #[derive(Debug, Clone, Copy)]

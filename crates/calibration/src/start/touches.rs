@@ -4,8 +4,8 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use haptical_model::{ContactPoint, Device, Placement, Recording, TouchedPlane};
 
+use crate::start::ids::listed;
 use crate::start::points::mean;
-use crate::start::prepare::listed;
 use crate::start::sights::tool_of;
 
 /// Damping of a tool's offset, in shares of the trace: it decides a direction that is open, and moves none that is seen.

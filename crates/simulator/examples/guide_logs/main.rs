@@ -122,7 +122,12 @@ fn tracker(truth: &Device, path: &Path) -> Answer<()> {
     let postures = free_postures(truth, 200, 12)?;
     let mut recording = record(truth, &postures, &mut noise)?;
     let places = vec![(base.pose(), tool.pose()); postures.len()];
-    see(&mut recording, &poses(truth, &postures)?, &places, &mut noise);
+    see(
+        &mut recording,
+        &poses(truth, &postures)?,
+        &places,
+        &mut noise,
+    );
     write(&recording, path)
 }
 
