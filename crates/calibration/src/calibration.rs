@@ -17,6 +17,7 @@ use crate::steps::device::straighten;
 use crate::{
     CalibrationError, CalibrationMethod, ChannelReport, FittedDevice, HeldOut, LossChoice, Options,
     Outlier, Robustness, Weights, channels, fit_device, split, with_ordered_noise,
+    without_own_places,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -138,13 +139,14 @@ fn fit_and_check(
         HeldOut::Share(_) | HeldOut::None => dwelt(recording, FOLDS),
     };
     if let Some(own) = &dwelt {
-        warnings.push(postures::of_dwelling(recording, own));
+        warnings.extend(postures::of_dwelling(recording, own));
     }
     if channels.iter().any(|channel| channel.sees_chain()) {
         warnings.extend(postures::narrow(recording));
     }
-    let count = fold_count(device, recording, options, dwelt.is_some());
-    let split = split(recording, count.map_or(options.held_out, |_| HeldOut::None))?;
+    let whole = &without_own_places(device, recording);
+    let count = fold_count(device, whole, options, dwelt.is_some());
+    let split = split(whole, count.map_or(options.held_out, |_| HeldOut::None))?;
     let seen = recording.select(&split.fit);
     let fitted = fit_device(device, &seen, options)?;
     let fitted = with_ordered_noise(fitted, &seen, options.method)?;
@@ -169,10 +171,14 @@ fn fit_and_check(
             comparison.cross_validate(&options, (count, dwelt.as_deref()), &mut warnings)?
         }
         None if split.held_out.is_empty() => (Vec::new(), split.description),
-        None => (
-            comparison.on_rows(devices, &split.held_out)?,
-            split.description,
-        ),
+        None => {
+            let unseen = recording.select(&split.held_out);
+            warnings.extend(warnings::of_unseen_places(&fitted.device, &unseen));
+            (
+                comparison.on_rows(devices, &split.held_out)?,
+                split.description,
+            )
+        }
     };
     let mut outliers = Vec::new();
     if let Some(robust) = &fitted.robust {

@@ -4,7 +4,7 @@ use haptical_model::{Device, Recording};
 
 use crate::checks::held_out::{SHORT_LOG, folds};
 use crate::report::warnings;
-use crate::start::prepare::with_unseen_touches;
+use crate::start::prepare::with_unseen_places;
 use crate::{
     CalibrationError, Channel, ChannelReport, ChannelResiduals, HeldOut, Options, Weights,
     channel_residuals, fit_device,
@@ -36,8 +36,8 @@ impl Comparison<'_> {
         part: &Recording,
         rows: &[usize],
     ) -> Result<Vec<ChannelReport>, CalibrationError> {
-        let nominal = &with_unseen_touches(nominal, part)?;
-        let fitted = &with_unseen_touches(fitted, part)?;
+        let nominal = &with_unseen_places(nominal, part)?;
+        let fitted = &with_unseen_places(fitted, part)?;
         let residuals =
             |device| channel_residuals(device, fitted, part, self.channels, &self.stated);
         let mut reports = reports(nominal, residuals(nominal)?, residuals(fitted)?);
@@ -74,10 +74,15 @@ impl Comparison<'_> {
             };
             checked += 1;
             let unseen = recording.select(&fold.held_out);
+            if let Some(warning) = warnings::of_unseen_places(&fitted.device, &unseen)
+                && !warnings.contains(&warning)
+            {
+                warnings.push(warning);
+            }
             let range_free = without_ranges(&fitted.device);
             let nominal = crate::prepare_device(device, &seen)?;
             for (device, kept) in [(&nominal, &mut before), (&fitted.device, &mut after)] {
-                let device = &with_unseen_touches(device, &unseen)?;
+                let device = &with_unseen_places(device, &unseen)?;
                 let part =
                     channel_residuals(device, &range_free, &unseen, self.channels, &self.stated)?;
                 append(kept, part, &fold.held_out);

@@ -16,7 +16,7 @@ mod start;
 mod steps;
 
 pub use calibration::{Calibration, calibrate};
-pub use checks::held_out::{HeldOut, Split, split};
+pub use checks::held_out::{HeldOut, Split, split, without_own_places};
 pub use checks::postures::without_copies;
 pub use checks::reach::check_reach;
 pub use checks::rejection::{Growth, Kept, Rejected};
@@ -48,7 +48,7 @@ pub use report::frame_origins::frame_origins_m;
 pub use report::intervals::{Intervals, ScaleOfLengths, SourceOfScale};
 pub use report::prediction::{Prediction, predict_distances, predict_positions};
 pub use report::warnings::implausible_deviations;
-pub use start::prepare::prepare_device;
+pub use start::prepare::{prepare_device, with_unseen_places};
 pub use steps::device::{check_columns, fit_kinematics};
 pub use steps::evidence::{EvidenceEntry, TransmissionTerms};
 pub use steps::fitted::{FittedDevice, Outlier, RobustChannel, Robustness};

@@ -21,6 +21,7 @@ pub(crate) enum Role {
     Orientation(usize),
     Contact,
     Plane,
+    Tool,
     Torque(usize),
     Force(usize),
     Temperature,
@@ -39,6 +40,7 @@ impl Role {
             "run" => Self::Run,
             "contact" => Self::Contact,
             "plane" => Self::Plane,
+            "tool" => Self::Tool,
             "temp_degc" => Self::Temperature,
             _ => Self::parse_group(name)
                 .or_else(|| Self::parse_cable(name, shape))
@@ -92,6 +94,7 @@ impl Role {
             Self::Orientation(index) => part(&ORIENTATION, index),
             Self::Contact => "contact".to_owned(),
             Self::Plane => "plane".to_owned(),
+            Self::Tool => "tool".to_owned(),
             Self::Torque(joint) => {
                 let slides = shape
                     .joints
@@ -120,7 +123,7 @@ impl Role {
 
     /// Whether cells are text identifiers.
     pub(crate) fn is_text(self) -> bool {
-        matches!(self, Self::Contact | Self::Plane)
+        matches!(self, Self::Contact | Self::Plane | Self::Tool)
     }
 }
 

@@ -60,6 +60,9 @@ pub fn equip(device: &Device, rig: &Rig, terms: Terms) -> Result<Equipped, Desig
         parameters: Vec::new(),
         terms,
     };
+    // one tracker place and one hand are planned for; each further run or tool adds its own numbers
+    equipped.device.surroundings.run_bases.clear();
+    equipped.device.surroundings.tools.clear();
     let mut measures: Vec<&Measure> = rig.measures.iter().collect();
     // cables in the order of their numbers, so that the second finds the first
     measures.sort_by_key(|measure| match measure {
@@ -130,6 +133,7 @@ impl Equipped {
                 let stated = self.device.tracker;
                 self.device.tracker = Some(Tracker {
                     base_known,
+                    base_per_run: false,
                     tool_known,
                     scale_sd: stated.and_then(|tracker| tracker.scale_sd),
                     position_sd_m: stated.and_then(|tracker| tracker.position_sd_m),

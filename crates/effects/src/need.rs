@@ -37,6 +37,8 @@ pub enum Need {
     Chain,
     /// Two runs.
     Runs,
+    /// One place of the tracker for all runs.
+    OneBase,
     /// The direction of gravity.
     Gravity,
     /// Counts of the joint's motor-side encoder.
@@ -63,6 +65,7 @@ impl Need {
             Self::Orientation => "orientation",
             Self::Chain => "distance or pose",
             Self::Runs => "two runs",
+            Self::OneBase => "one tracker place",
             Self::Gravity => "gravity",
             Self::Counts => "counts",
             Self::EarlierModel => "an earlier model",
@@ -138,6 +141,10 @@ impl Need {
                 "no distance, position or orientation, and no touch",
             ),
             Self::Runs => lacks(context.runs.len() < 2, "one run only"),
+            Self::OneBase => lacks(
+                device.has_run_bases(),
+                "each run has a tracker place of its own, which is fitted and takes up such a move",
+            ),
             Self::Counts => lacks(
                 device.joints[joint].encoder_counts_per_rev.is_none(),
                 "no encoder_counts_per_rev in the device file",

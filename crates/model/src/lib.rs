@@ -14,6 +14,7 @@ mod recording;
 pub use device::cable::{Cable, CableFit, CableReading};
 pub use device::chain::DeviceChain;
 pub use device::joint::{Joint, JointType, TransmissionError, TransmissionKind};
+pub use device::mount::{Mount, RunBase, Tool, Unplaced};
 pub use device::rows::{Drive, Origin};
 pub use device::surroundings::{
     ContactPoint, JointCompliance, Placement, PlanePair, Surroundings, TouchedPlane,

@@ -34,6 +34,9 @@ pub struct Recording {
     pub contact: Option<Vec<String>>,
     /// See [`Recording::contact`].
     pub plane: Option<Vec<String>>,
+    /// Text identifiers of what is on the hand and is seen, or touches (`tool`); empty text is the handle itself, or
+    /// the tracker's one tool.
+    pub tool: Option<Vec<String>>,
     /// Any other numeric column, by its header, kept as a covariate.
     pub covariates: Vec<(String, Vec<f64>)>,
 }
@@ -47,6 +50,14 @@ impl Recording {
     /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The run that a row belongs to; 0 where the recording has no runs, and so is one.
+    ///
+    /// # Panics
+    /// If the recording has runs and the row is not below [`Recording::len`].
+    pub fn run_at(&self, row: usize) -> i64 {
+        self.run.as_ref().map_or(0, |runs| runs[row])
     }
 
     /// Writes the joint readings of a row into `readings`, one for each joint.
@@ -95,6 +106,7 @@ impl Recording {
             temperature_degc: self.temperature_degc.as_ref().map(numbers),
             contact: self.contact.as_ref().map(texts),
             plane: self.plane.as_ref().map(texts),
+            tool: self.tool.as_ref().map(texts),
             covariates: covariates
                 .map(|(name, column)| (name.clone(), numbers(column)))
                 .collect(),

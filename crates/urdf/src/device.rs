@@ -148,6 +148,7 @@ pub fn device_from_urdf(
         // nobody measures in the base's frame by luck
         tracker: Some(Tracker {
             base_known: false,
+            base_per_run: false,
             tool_known: false,
             position_sd_m: None,
             rotation_sd_rad: None,

@@ -3,13 +3,14 @@
 
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
-use haptical_model::{Device, Recording};
+use haptical_model::{Device, Recording, Tracker};
 
 use crate::CalibrationError;
 use crate::problem::measurement::rotation::rotation_vector;
-use crate::start::hand_eye::{Frames, Rig, Sight, closed_form, missed, sights};
+use crate::start::hand_eye::{closed_form, missed};
 use crate::start::points::spread_m;
 use crate::start::prepare::handle_poses;
+use crate::start::sights::{Frames, Rig, Sight, sights};
 
 /// Rows that the conventions are tried on.
 const MOST_ROWS: usize = 300;
@@ -37,19 +38,22 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
     if !is_tracked {
         return Ok(());
     }
-    let rig = Rig::new(device).unwrap_or_default();
     let rows = recording.len();
     let count = rows.min(MOST_ROWS);
     let some: Vec<usize> = (0..count).map(|index| index * rows / count).collect();
     let part = recording.select(&some);
+    let rig = Rig::new(device, &part);
     let Ok(poses) = handle_poses(device, &part) else {
         // the fit says which row
         return Ok(());
     };
-    let found = orientations(&part, &poses, &rig).map(|message| ("qw, qx, qy, qz", message));
-    let found = found.or_else(|| Some(("x_m, y_m, z_m", positions(&part, &poses, &rig)?)));
-    let found = found.or_else(|| Some(("x_m, y_m, z_m", inverted(&part, &poses, &rig)?)));
-    let found = found.or_else(|| Some(("x_m, y_m, z_m", elsewhere(device, &part, &poses)?)));
+    let found =
+        orientations(device, &part, &poses, &rig).map(|message| ("qw, qx, qy, qz", message));
+    let found = found.or_else(|| Some(("x_m, y_m, z_m", positions(device, &part, &poses, &rig)?)));
+    let found = found.or_else(|| Some(("x_m, y_m, z_m", inverted(device, &part, &poses, &rig)?)));
+    let found = found.or_else(|| Some(("x_m, y_m, z_m", elsewhere(device, &part, &poses, &rig)?)));
+    let found =
+        found.or_else(|| Some(("x_m, y_m, z_m", between_runs(device, &part, &poses, &rig)?)));
     found.map_or(Ok(()), |(column, message)| {
         Err(CalibrationError::Reading {
             line: recording.line.first().copied().unwrap_or(0),
@@ -59,10 +63,10 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
     })
 }
 
-fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
+fn positions(device: &Device, recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
     let mut alone = recording.clone();
     alone.orientation_wxyz = None;
-    let seen = sights(&alone, poses);
+    let seen = sights(&alone, poses, device, rig);
     let own = gross_m(&seen, rig)?;
     let mirrored = |mirror: &Matrix3<f64>| {
         let turned = seen.iter().map(|sight| Sight {
@@ -71,7 +75,7 @@ fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String>
         });
         error_m(&turned.collect::<Vec<Sight>>(), rig)
     };
-    let tried = mirrors(rig.open[0]).into_iter();
+    let tried = mirrors(rig.open.bases.contains(&true)).into_iter();
     let tried = tried.map(|(mirror, words)| (mirrored(&mirror), words));
     let (best, words) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
     (best * BETTER < own).then(|| {
@@ -96,8 +100,8 @@ fn gross_m(sights: &[Sight], rig: &Rig) -> Option<f64> {
 }
 
 /// The tracker's frame seen from the marker, in the place of the marker seen from the tracker.
-fn inverted(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
-    let seen = sights(recording, poses);
+fn inverted(device: &Device, recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
+    let seen = sights(recording, poses, device, rig);
     let own = gross_m(&seen, rig)?;
     let turned = seen.iter().map(|sight| {
         let back = sight.rotation?.transpose();
@@ -117,17 +121,18 @@ fn inverted(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> 
 }
 
 /// Positions in a frame of the tracker's own, or of a marker that is not the handle, where both are said to be known.
-fn elsewhere(device: &Device, recording: &Recording, poses: &[Pose]) -> Option<String> {
+fn elsewhere(device: &Device, recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
     let around = &device.surroundings;
     let are_known = device
         .tracker
         .is_none_or(|tracker| tracker.base_known && tracker.tool_known);
-    if !are_known || around.tracker_base.is_some() || around.tracker_tool.is_some() {
+    let is_placed = around.tracker_base.is_some() || around.tracker_tool.is_some();
+    if !are_known || is_placed || rig.has_several() {
         return None;
     }
-    let seen = sights(recording, poses);
-    let own = gross_m(&seen, &Rig::default())?;
-    let unknown = |open: [bool; 2]| error_m(&seen, &Rig::from_open(open));
+    let seen = sights(recording, poses, device, rig);
+    let own = gross_m(&seen, rig)?;
+    let unknown = |open: [bool; 2]| error_m(&seen, &rig.with_open(open));
     let tried = [
         ([true, false], "base = \"unknown\" in [tracker]"),
         ([false, true], "tool = \"unknown\" in [tracker]"),
@@ -145,6 +150,39 @@ fn elsewhere(device: &Device, recording: &Recording, poses: &[Pose]) -> Option<S
         format!(
             "the positions are not those of the handle in frame (-1): they miss the device by {own:.3} m, and by \
              {error:.1e} m with the tracker or its marker elsewhere; give {words}, in the device file or with --rig"
+        )
+    })
+}
+
+/// Positions of runs between which the tracker was set up anew.
+fn between_runs(
+    device: &Device,
+    recording: &Recording,
+    poses: &[Pose],
+    rig: &Rig,
+) -> Option<String> {
+    let runs = recording.run.as_ref()?;
+    if device.has_run_bases() || runs.iter().all(|run| Some(run) == runs.first()) {
+        return None;
+    }
+    let own = gross_m(&sights(recording, poses, device, rig), rig)?;
+    let mut anew = device.clone();
+    let tracker = anew.tracker.get_or_insert(Tracker {
+        base_known: false,
+        base_per_run: true,
+        tool_known: true,
+        position_sd_m: None,
+        rotation_sd_rad: None,
+        scale_sd: None,
+    });
+    (tracker.base_known, tracker.base_per_run) = (false, true);
+    let rig = Rig::new(&anew, recording);
+    let other = error_m(&sights(recording, poses, &anew, &rig), &rig);
+    (other * BETTER < own).then(|| {
+        format!(
+            "the tracker did not stand in one place in all runs: the positions miss the device by {own:.3} m from one \
+             place, and by {other:.1e} m with a place for each run; give base = \"per-run\" in [tracker], in the device \
+             file or with --rig"
         )
     })
 }
@@ -181,7 +219,12 @@ fn mirrors(is_unknown: bool) -> Vec<Mirror> {
     ]
 }
 
-fn orientations(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {
+fn orientations(
+    device: &Device,
+    recording: &Recording,
+    poses: &[Pose],
+    rig: &Rig,
+) -> Option<String> {
     let [w, x, y, z] = recording.orientation_wxyz.as_ref()?;
     let error = |columns: [&Vec<f64>; 4], is_inverse: bool| {
         let sign = if is_inverse { -1.0 } else { 1.0 };
@@ -190,9 +233,12 @@ fn orientations(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<Stri
         let turned = Recording {
             position_m: recording.position_m.clone(),
             orientation_wxyz: Some([w.clone(), part(x), part(y), part(z)]),
+            line: recording.line.clone(),
+            run: recording.run.clone(),
+            tool: recording.tool.clone(),
             ..Recording::default()
         };
-        let seen = sights(&turned, poses);
+        let seen = sights(&turned, poses, device, rig);
         let frames = closed_form(&seen, rig);
         // orientations alone may fit in two conventions, the base turned: positions tell
         let slid =
@@ -240,7 +286,8 @@ fn orientations(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<Stri
 /// Root mean square angle between what was seen and what the device has.
 pub(crate) fn angle_rad(sights: &[Sight], frames: &Frames) -> f64 {
     let turned = sights.iter().filter_map(|sight| {
-        let have = frames.base.rotation * sight.handle.rotation * frames.tool.rotation;
+        let (base, tool) = (&frames.bases[sight.base], &frames.tools[sight.tool]);
+        let have = base.rotation * sight.handle.rotation * tool.rotation;
         Some(rotation_vector(&(have.transpose() * sight.rotation?)).norm_squared())
     });
     (turned.sum::<f64>() / sights.len().max(1) as f64).sqrt()

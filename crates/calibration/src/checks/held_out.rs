@@ -1,9 +1,11 @@
 //! Rows that are held out of a fit: whole recordings, contiguous blocks, or folds of a short log.
 
-use haptical_model::Recording;
+use std::borrow::Cow;
+
+use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
-use crate::checks::postures::{count, leaks, postures};
+use crate::checks::postures::{count, leaks, postures, starts};
 
 /// Rows kept back from the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,14 +74,37 @@ const MOST_POSTURES: usize = 2000;
 /// Whether a recording is one of separate postures, at which something is touched or an unknown tracker looks,
 /// rather than of a motion: neighbours in the log say nothing of each other, so blocks would only waste rows.
 /// Where the log has several runs, whole runs are held out all the same.
-pub(crate) fn is_of_postures(device: &haptical_model::Device, recording: &Recording) -> bool {
+pub(crate) fn is_of_postures(device: &Device, recording: &Recording) -> bool {
     let touches = recording.contact.is_some() || recording.plane.is_some();
     let is_unknown = |tracker: &haptical_model::Tracker| !tracker.base_known || !tracker.tool_known;
+    let has_tools = device.has_tools(recording);
     let tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
-    let tracked = tracked && device.tracker.as_ref().is_some_and(is_unknown);
+    let tracked = tracked && (has_tools || device.tracker.as_ref().is_some_and(is_unknown));
     let runs = recording.run.as_ref();
     let one_run = runs.is_none_or(|runs| runs.iter().all(|run| Some(run) == runs.first()));
     (touches || tracked) && one_run && recording.len() <= MOST_POSTURES
+}
+
+/// A recording as rows of it may be held out: without its runs where each has a tracker place of its own, which nobody
+/// knows of a run that no fit saw. Blocks, postures or folds are held out then, of which each run has some in the fit.
+///
+/// ```
+/// use haptical_calibration::without_own_places;
+/// use haptical_model::{Device, Recording};
+/// let text = "[[joint]]\n[tracker]\nbase = \"per-run\"\n";
+/// let device = Device::from_toml(text, "one.toml")?.device;
+/// let recording = Recording { run: Some(vec![1, 2]), joint: vec![vec![0.0, 0.1]], ..Recording::default() };
+/// assert!(without_own_places(&device, &recording).run.is_none());
+/// # Ok::<(), haptical_model::DeviceFileError>(())
+/// ```
+pub fn without_own_places<'r>(device: &Device, recording: &'r Recording) -> Cow<'r, Recording> {
+    if !device.has_run_bases() || recording.run.is_none() {
+        return Cow::Borrowed(recording);
+    }
+    Cow::Owned(Recording {
+        run: None,
+        ..recording.clone()
+    })
 }
 
 /// Splits a recording.
@@ -95,7 +120,7 @@ pub fn split(recording: &Recording, held_out: HeldOut) -> Result<Split, Calibrat
     if let Some(split) = by_runs(recording, share) {
         return Ok(split);
     }
-    let blocks = by_blocks(rows, share);
+    let blocks = by_blocks(rows, share, &starts(recording));
     let dwelt = postures(recording).filter(|own| leaks(own, &blocks.fit, &blocks.held_out));
     Ok(dwelt.map_or(blocks, |own| by_postures(&own, share)))
 }
@@ -164,12 +189,12 @@ fn by_runs(recording: &Recording, share: f64) -> Option<Split> {
     Some(Split::new(run.len(), is_held_out, words))
 }
 
-/// Holds out blocks spread evenly over the recording.
-fn by_blocks(rows: usize, share: f64) -> Split {
+/// Holds out blocks spread evenly over the recording, `starts` the first row of each row's posture.
+fn by_blocks(rows: usize, share: f64, starts: &[usize]) -> Split {
     let wanted = (1.0 / share).round().max(2.0) as usize;
     let blocks = BLOCKS.max(wanted).min(rows);
     let period = wanted.min(blocks);
-    let is_held_out = |row: usize| (row * blocks / rows) % period == period / 2;
+    let is_held_out = |row: usize| (starts[row] * blocks / rows) % period == period / 2;
     let count = (0..blocks)
         .filter(|block| block % period == period / 2)
         .count();

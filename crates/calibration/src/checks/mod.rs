@@ -9,3 +9,4 @@ pub(crate) mod reach;
 pub(crate) mod rejection;
 pub(crate) mod rig;
 pub(crate) mod sufficiency;
+pub(crate) mod tools;

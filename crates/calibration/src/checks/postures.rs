@@ -19,8 +19,49 @@ const LOOKED_AT: usize = 1000;
 /// Number of the posture of each row, from 0 in the order of the log; none where the device does not dwell.
 ///
 /// A row belongs to the first posture, in the order of the log, whose readings all lie within [`SAME`] of the
-/// joints' ranges of its own.
+/// joints' ranges of its own. Where successive rows name different tools at the very same readings, such as three
+/// reflectors one after the other, these are one posture however many there are.
 pub(crate) fn postures(recording: &Recording) -> Option<Vec<usize>> {
+    dwelling(recording).or_else(|| sharing(recording))
+}
+
+/// Number of the posture of each row where successive rows of several tools share their readings.
+fn sharing(recording: &Recording) -> Option<Vec<usize>> {
+    let ids = recording.tool.as_ref()?;
+    let follows = |row: usize| row > 0 && is_same_reading(recording, row - 1, row);
+    let shares = |row: usize| follows(row) && ids[row - 1] != ids[row];
+    if !(0..recording.len()).any(shares) {
+        return None;
+    }
+    let mut posture = 0;
+    let numbers: Vec<usize> = (0..recording.len())
+        .map(|row| {
+            posture += usize::from(row > 0 && !follows(row));
+            posture
+        })
+        .collect();
+    (posture > 0).then_some(numbers)
+}
+
+/// The first row of each row's posture, as several tools share it; the row itself elsewhere.
+pub(crate) fn starts(recording: &Recording) -> Vec<usize> {
+    let mut starts: Vec<usize> = (0..recording.len()).collect();
+    let numbers = sharing(recording).unwrap_or_default();
+    for row in 1..numbers.len() {
+        if numbers[row] == numbers[row - 1] {
+            starts[row] = starts[row - 1];
+        }
+    }
+    starts
+}
+
+/// Whether the joints read the same at two rows, bit by bit.
+fn is_same_reading(recording: &Recording, a: usize, b: usize) -> bool {
+    let mut columns = recording.joint.iter();
+    columns.all(|column| column[a].to_bits() == column[b].to_bits())
+}
+
+fn dwelling(recording: &Recording) -> Option<Vec<usize>> {
     let tolerance: Vec<f64> = recording
         .joint
         .iter()
@@ -129,14 +170,18 @@ pub(crate) fn narrow(recording: &Recording) -> Option<String> {
     })
 }
 
-/// What is said of a log that dwells at few postures.
-pub(crate) fn of_dwelling(recording: &Recording, own: &[usize]) -> String {
-    format!(
+/// What is said of a log that dwells at few postures; nothing where the rows of each are of different tools.
+pub(crate) fn of_dwelling(recording: &Recording, own: &[usize]) -> Option<String> {
+    let mut seen = BTreeSet::new();
+    let ids = recording.tool.as_ref();
+    let tool = |row: usize| ids.map_or("", |ids| &ids[row]);
+    let repeats = (0..recording.len()).any(|row| !seen.insert((own[row], tool(row))));
+    repeats.then(|| format!(
         "the {} rows are at {} different postures: rows at one posture tell its noise, not more of the \
          geometry; record more postures rather than more rows",
         recording.len(),
         count(own)
-    )
+    ))
 }
 
 /// A recording without the rows that repeat an earlier one in every reading, and what a user should know of it.
@@ -191,6 +236,7 @@ fn distinct_rows(recording: &Recording) -> Vec<usize> {
         .contact
         .iter()
         .chain(recording.plane.iter())
+        .chain(recording.tool.iter())
         .collect();
     let compare = |a: usize, b: usize| {
         let bits = |column: &&Vec<f64>| column[a].to_bits().cmp(&column[b].to_bits());

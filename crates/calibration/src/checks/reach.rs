@@ -1,5 +1,7 @@
 //! Lengths of a log and a rig against how far the device reaches: millimetres taken for metres.
 
+use std::collections::BTreeMap;
+
 use haptical_model::{Device, JointType, Recording};
 
 use crate::CalibrationError;
@@ -108,14 +110,25 @@ fn lengths(device: &Device, recording: &Recording, reach_m: f64) -> Vec<Lengths>
         let tracker = device.tracker.as_ref();
         let is_placed = tracker.is_none_or(|tracker| tracker.base_known);
         // a tracker in a frame of its own may be anywhere: what it saw lies about the middle of that
-        let (from, what) = if is_placed {
-            ([0.0; 3], MIDDLE_READING)
-        } else {
-            let middles = [x, y, z].map(|axis| middle(axis, &[]).map_or(0.0, |(middle, _)| middle));
-            (middles, "middle distance from the middle of all")
+        let runs = |row: usize| match device.has_run_bases() {
+            true => recording.run_at(row),
+            false => 0,
         };
-        let rows = x.iter().zip(y).zip(z);
-        let distances = rows.map(|((x, y), z)| norm([x - from[0], y - from[1], z - from[2]]));
+        let mut middles = BTreeMap::new();
+        for row in 0..x.len() {
+            middles.entry(runs(row)).or_insert_with(|| match is_placed {
+                true => [0.0; 3],
+                false => [x, y, z].map(|axis| middle_of_run(axis, runs(row), runs)),
+            });
+        }
+        let what = match is_placed {
+            true => MIDDLE_READING,
+            false => "middle distance from the middle of all",
+        };
+        let distances = (0..x.len()).map(|row| {
+            let from = middles.get(&runs(row)).copied().unwrap_or_default();
+            norm([x[row] - from[0], y[row] - from[1], z[row] - from[2]])
+        });
         found.push(Lengths {
             name: "x_m, y_m, z_m".to_owned(),
             what,
@@ -124,6 +137,16 @@ fn lengths(device: &Device, recording: &Recording, reach_m: f64) -> Vec<Lengths>
         });
     }
     found
+}
+
+/// Middle of what a tracker saw along an axis in one run.
+fn middle_of_run(axis: &[f64], run: i64, run_at: impl Fn(usize) -> i64) -> f64 {
+    let rows = axis.iter().enumerate();
+    let own: Vec<f64> = rows
+        .filter(|(row, _)| run_at(*row) == run)
+        .map(|(_, value)| *value)
+        .collect();
+    middle(&own, &[]).map_or(0.0, |(middle, _)| middle)
 }
 
 /// Readings of sliding joints against their limits, or the device's links where they have none.

@@ -3,14 +3,14 @@
 use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
-use crate::checks::{columns, conventions, encoders};
-use crate::start::prepare::listed;
+use crate::checks::{columns, conventions, encoders, tools};
+use crate::start::ids::listed;
 
 /// Fewest touches that make a plane and leave one to check it.
 const PLANE_ROWS: usize = 4;
 
 /// Refuses a rig that a recording cannot serve: a pair of which one member is not in the log, a plane of too
-/// few touches, a tracker whose axes are left-handed or whose quaternions are in another order.
+/// few touches, a tool or a tracker place of too few rows, a cable at a tool, a tracker whose axes are left-handed or whose quaternions are in another order.
 ///
 /// # Errors
 /// [`CalibrationError::Rig`], [`CalibrationError::Reading`].
@@ -64,6 +64,7 @@ pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), Calibrati
             }
         }
     }
+    tools::check(device, recording)?;
     encoders::check(device, recording)?;
     conventions::check(device, recording)?;
     columns::check(device, recording)

@@ -187,6 +187,10 @@ fn without_places(device: &Device) -> Device {
     if !tool_known {
         around.tracker_tool = None;
     }
+    around.run_bases.clear();
+    for tool in &mut around.tools {
+        tool.placement = None;
+    }
     around.contacts.clear();
     around.planes.clear();
     bare

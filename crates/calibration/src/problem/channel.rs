@@ -152,6 +152,11 @@ impl Channel {
         with_kind!(self, kind => kind.subject(device, recording, row))
     }
 
+    /// Whether readings hang on where the tracker stood or on what was on the hand.
+    pub(crate) fn is_mounted(self) -> bool {
+        self.is_touch() || matches!(self, Self::Position | Self::Orientation)
+    }
+
     /// Whether residuals of this kind shrink with the device: touches of points and planes.
     pub(crate) fn is_touch(self) -> bool {
         matches!(self, Self::Contact | Self::Plane)

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{IdentificationError, Matrix, Problem};
-use haptical_model::{Device, ModelError, ParameterId, Recording};
+use haptical_model::{Device, ModelError, Mount, ParameterId, Recording};
 
 use crate::error::at_row;
 use crate::problem::lanes::transmission::outputs_in_bulk;
 use crate::problem::loads::Loads;
+use crate::problem::mounts::mounts;
 use crate::problem::propagated::propagated_variances;
 use crate::{CalibrationError, Channel, Weights};
 
@@ -26,6 +27,8 @@ pub struct DeviceProblem<'a> {
     pub(crate) outputs: Option<Vec<f64>>,
     /// Torques that compliant joints yield to.
     pub(crate) loads: Option<Loads>,
+    /// Where the tracker stood and what was on the hand, row by row; empty where that is the same for all.
+    mounts: Vec<Mount>,
 }
 
 /// Rows of which output angles that stay are kept: of more, each pass works them out again.
@@ -102,6 +105,7 @@ impl<'a> DeviceProblem<'a> {
             sees_chain,
             outputs,
             loads,
+            mounts: mounts(device, recording, channels)?,
         })
     }
 
@@ -136,6 +140,7 @@ impl<'a> DeviceProblem<'a> {
             sees_chain,
             outputs,
             loads: None,
+            mounts: mounts(device, recording, channels).ok()?,
         })
     }
 
@@ -155,6 +160,16 @@ impl<'a> DeviceProblem<'a> {
 
     pub(crate) fn channels(&self) -> impl Iterator<Item = Channel> {
         self.blocks.iter().map(|block| block.channel)
+    }
+
+    /// What a row is about.
+    pub(crate) fn mount(&self, row: usize) -> Mount {
+        self.mounts.get(row).copied().unwrap_or_default()
+    }
+
+    /// Whether rows differ in where the tracker stood or in what was on the hand.
+    pub(crate) fn has_mounts(&self) -> bool {
+        !self.mounts.is_empty()
     }
 
     pub(crate) fn device(&self) -> &Device {

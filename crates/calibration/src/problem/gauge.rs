@@ -9,6 +9,7 @@ use haptical_model::{
 };
 
 use crate::error::wrap;
+use crate::problem::measurement::touching::Touching;
 use crate::{CalibrationError, Channel, DeviceProblem};
 
 /// Touches that stand for all of them: a mean over so many is as good.
@@ -21,7 +22,7 @@ const RIDGE: f64 = 1e-3;
 /// distances between touched points, are all that fixes lengths. Elsewhere it is the problem itself.
 ///
 /// Noise of the handle of covariance V at a touch was read as joint angles: their density has the factor `|J J^T|^1/2`,
-/// J the handle's derivatives by the angles, which a smaller device has smaller. Its geometric mean over the touches,
+/// J the derivatives by the angles of what touches, which a smaller device has smaller. Its geometric mean over the touches,
 /// as a length, is the mobility s, and the likelihood of the angles with a noise of unknown size is greatest where the
 /// residuals over s are least. The unit is the mobility at the start. Source: docs/equations.md, Touched points.
 ///
@@ -132,12 +133,16 @@ fn log_mobility(
         let touched = plane.and_then(|plane| device.surroundings.planes.get(plane));
         let touched = touched.map(TouchedPlane::normal_and_slopes);
         let torques = problem.loads.as_ref().map(|loads| loads.of_row(row));
+        let Ok(handle) = evaluation.pose() else {
+            continue;
+        };
         let parameter = Parameter::Theta;
         let axis = |row| evaluation.pose_derivative(ParameterId::Link { row, parameter });
         axes.clear();
         axes.extend((1..=chain.drives().len()).map(axis));
         let at = AtTouch {
             evaluation: &evaluation,
+            touching: Touching::of_handle(device, handle, problem.mount(row)),
             drives: chain.drives(),
             axes: &axes,
             convention: device.convention,
@@ -196,6 +201,7 @@ struct Pulls {
 /// A device moved to a touch.
 struct AtTouch<'t> {
     evaluation: &'t Evaluation<'t>,
+    touching: Touching,
     /// Of the rows from 1 on.
     drives: &'t [Drive],
     /// Twists of the handle by a turn about the axis of each of them.
@@ -209,7 +215,7 @@ impl AtTouch<'_> {
     fn pulls(&self, normal: Option<Vector3<f64>>, sum: &mut Sum) -> Option<Pulls> {
         let joints = self.evaluation.joint_count();
         let by_joint: Vec<Vector3<f64>> = (0..joints)
-            .map(|joint| self.evaluation.joint_twist(joint).linear)
+            .map(|joint| self.touching.carried(&self.evaluation.joint_twist(joint)))
             .collect();
         let mut square = Matrix3::zeros();
         for linear in &by_joint {
@@ -265,8 +271,18 @@ impl AtTouch<'_> {
                 let torque = self.torques.and_then(|torques| torques.get(joint));
                 of_joint(joint, -torque.copied().unwrap_or(0.0))
             }
-            ParameterId::Surrounding(_) => 0.0,
+            ParameterId::Surrounding(_) => {
+                let own = self.touching.own(parameter);
+                own.map_or(0.0, |linear| self.of_tool(&linear, pulls))
+            }
         }
+    }
+
+    /// Derivative by a number of the tool: it moves the touching point behind every row.
+    fn of_tool(&self, moved: &Vector3<f64>, pulls: &[Vector3<f64>]) -> f64 {
+        let rows = (1..).zip(pulls);
+        rows.map(|(driven, pull)| pull.dot(&self.axis(driven).angular.cross(moved)))
+            .sum()
     }
 
     /// Derivative by a number of a link. What it moves, twist (v, w) of the handle, turns the velocity that a row
@@ -281,9 +297,9 @@ impl AtTouch<'_> {
         for ((driven, axis), pull) in (1..).zip(self.axes).zip(pulls) {
             let is_before = row < driven || (row == driven && is_before_own_turn);
             let change = if is_before {
-                moved.angular.cross(&axis.linear)
+                moved.angular.cross(&self.touching.carried(axis))
             } else {
-                axis.angular.cross(&moved.linear)
+                axis.angular.cross(&self.touching.carried(&moved))
             };
             slope += pull.dot(&change);
         }

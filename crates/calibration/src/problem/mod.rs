@@ -8,6 +8,7 @@ pub(crate) mod gauge;
 pub(crate) mod lanes;
 pub(crate) mod loads;
 pub(crate) mod measurement;
+pub(crate) mod mounts;
 pub(crate) mod propagated;
 pub(crate) mod reduced;
 pub(crate) mod residuals;

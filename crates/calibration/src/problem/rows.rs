@@ -144,6 +144,7 @@ impl DeviceProblem<'_> {
                     recording: self.recording,
                     row,
                     subject: block.subjects.get(*cursor).copied().unwrap_or(0),
+                    mount: self.mount(row),
                 };
                 let width = block.channel.width();
                 let first = firsts[position] + (*cursor - begins[position]) * width;

@@ -180,6 +180,16 @@ fn of_pairs(seen: &[ChannelReport]) -> Vec<String> {
         .collect()
 }
 
+/// What is said where held-out rows are of a run or a tool of which the fit has no place.
+pub(crate) fn of_unseen_places(device: &Device, held_out: &Recording) -> Option<String> {
+    let unplaced = device.mounts(held_out).err()?;
+    Some(format!(
+        "the fit saw no row of {} `{}`: its place was fitted to the held-out rows with the device held, which makes \
+         their error a little too small (three or six numbers of as many rows)",
+        unplaced.column, unplaced.id
+    ))
+}
+
 /// Every fold's fit failed: nothing says how the result does elsewhere.
 pub(crate) fn of_no_check(folds: usize, reason: Option<&String>) -> String {
     let reason = reason.map_or_else(String::new, |reason| format!(" ({reason})"));

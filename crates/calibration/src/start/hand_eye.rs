@@ -1,11 +1,12 @@
-//! Start values of a tracker's base and marker: in closed form, then fitted with the geometry held.
+//! Start values of a tracker's bases and markers: in closed form, then fitted with the geometry held.
 
 use haptical_identification::{Settings, solve};
 use haptical_model::kinematics::Pose;
-use haptical_model::kinematics::nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
-use haptical_model::{Device, ParameterId, Placement, Recording, SurroundingParameter};
+use haptical_model::kinematics::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use haptical_model::{Device, ParameterId, Recording};
 
-use crate::problem::measurement::rotation::{measured_rotation, rotation_vector};
+use crate::problem::measurement::rotation::rotation_vector;
+use crate::start::sights::{Frames, Open, Rig, Sight, sights};
 use crate::{CalibrationError, Channel, DeviceProblem, Weights};
 
 /// Rounds between turn and offset where positions alone are seen: the error falls by the share of the tool's
@@ -26,79 +27,22 @@ const STEPS: usize = 100;
 const TRIMMINGS: usize = 8;
 const WILD: f64 = 8.0;
 
-/// One row: the handle in frame (-1), and what the tracker saw.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Sight {
-    /// Row of the recording.
-    pub(crate) row: usize,
-    pub(crate) handle: Pose,
-    pub(crate) position_m: Option<Vector3<f64>>,
-    pub(crate) rotation: Option<Matrix3<f64>>,
-}
-
-/// Base B and tool X with `seen = B handle X`.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Frames {
-    pub(crate) base: Pose,
-    pub(crate) tool: Pose,
-}
-
-/// A tracker's frames as far as a device has them, and which of base and tool are open: unknown, and without a place.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Rig {
-    known: Frames,
-    pub(crate) open: [bool; 2],
-}
-
-impl Rig {
-    /// A tracker of which nothing is known but what is not open.
-    pub(crate) fn from_open(open: [bool; 2]) -> Self {
-        Self {
-            open,
-            ..Self::default()
-        }
-    }
-
-    /// None for a device without a tracker.
-    pub(crate) fn new(device: &Device) -> Option<Self> {
-        let tracker = device.tracker.as_ref()?;
-        let (base, tool) = (
-            device.surroundings.tracker_base,
-            device.surroundings.tracker_tool,
-        );
-        Some(Self {
-            known: Frames {
-                base: base.unwrap_or_default().pose(),
-                tool: tool.unwrap_or_default().pose(),
-            },
-            open: [
-                !tracker.base_known && base.is_none(),
-                !tracker.tool_known && tool.is_none(),
-            ],
-        })
-    }
-}
-
-/// Gives the tracker's unknown base and tool a place, unless the device has one.
+/// Gives the tracker's unknown bases and what it sees on the hand a place, unless the device has one.
 pub(crate) fn place_tracker(
     device: &mut Device,
     recording: &Recording,
     poses: &[Pose],
 ) -> Result<(), CalibrationError> {
-    let Some(rig) = Rig::new(device).filter(|rig| rig.open != [false; 2]) else {
+    let mut rig = Rig::new(device, recording);
+    let all = sights(recording, poses, device, &rig);
+    rig.close_unseen(&all);
+    if !rig.open.is_any() {
         return Ok(());
-    };
-    let open = rig.open;
-    let (frames, tame) = trimmed(&sights(recording, poses), &rig);
-    let tame = tame.map(|rows| recording.select(&rows));
-    let recording = tame.as_ref().unwrap_or(recording);
-    if open[0] {
-        device.surroundings.tracker_base = Some(Placement::from_pose(&frames.base));
     }
-    if open[1] {
-        device.surroundings.tracker_tool = Some(Placement::from_pose(&frames.tool));
-    }
-    if let Some(fitted) = fit(device, recording, open)? {
+    let (frames, tame) = trimmed(&all, &rig);
+    let rows = tame.unwrap_or_else(|| all.iter().map(|sight| sight.row).collect());
+    rig.place(device, &frames, &all);
+    if let Some(fitted) = fit(device, &recording.select(&rows), &rig)? {
         device.surroundings = fitted.surroundings.settled();
     }
     Ok(())
@@ -131,51 +75,44 @@ fn trimmed(sights: &[Sight], rig: &Rig) -> (Frames, Option<Vec<usize>>) {
     (frames, kept)
 }
 
-pub(crate) fn sights(recording: &Recording, poses: &[Pose]) -> Vec<Sight> {
-    let rows = poses.iter().enumerate();
-    let sights = rows.map(|(row, handle)| {
-        let position = recording.position_m.as_ref();
-        let position = position.map(|axes| Vector3::from(axes.each_ref().map(|axis| axis[row])));
-        let rotation = measured_rotation(recording, row);
-        Sight {
-            row,
-            handle: *handle,
-            position_m: position.filter(|position| position.iter().all(|part| part.is_finite())),
-            rotation: rotation
-                .iter()
-                .all(|part| part.is_finite())
-                .then_some(rotation),
-        }
-    });
-    sights
-        .filter(|sight| sight.position_m.is_some() || sight.rotation.is_some())
-        .collect()
-}
-
+/// Bases and tools by sights. Turns from orientations; where a base is seen by positions alone, its turn and the offsets in
+/// turn.
 pub(crate) fn closed_form(sights: &[Sight], rig: &Rig) -> Frames {
-    let (mut frames, open) = (rig.known, rig.open);
+    let (mut frames, open) = (rig.known.clone(), &rig.open);
     let is_turned = sights.iter().any(|sight| sight.rotation.is_some());
     if is_turned {
         turn(sights, &mut frames, open);
-        slide(sights, &mut frames, open);
-        return frames;
     }
-    if !open[0] {
+    let turned = |base: usize| {
+        let mut own = sights.iter().filter(|sight| sight.base == base);
+        own.any(|sight| sight.rotation.is_some())
+    };
+    let unturned: Vec<usize> = (0..open.bases.len())
+        .filter(|&base| open.bases[base] && !turned(base))
+        .collect();
+    if unturned.is_empty() {
         slide(sights, &mut frames, open);
         return frames;
     }
     let mut starts = vec![Vector3::zeros()];
-    if open[1] {
+    if !is_turned && open.tools.contains(&true) {
         let axes = (0..3).flat_map(|axis| [REACH_M, -REACH_M].map(|out| Vector3::ith(axis, out)));
         starts.extend(axes);
     }
     let tried = starts.into_iter().map(|tool_m| {
-        let mut frames = frames;
-        if open[1] {
-            frames.tool.position_m = tool_m;
+        let mut frames = frames.clone();
+        for (tool, _) in frames
+            .tools
+            .iter_mut()
+            .zip(&open.tools)
+            .filter(|own| *own.1)
+        {
+            tool.position_m = tool_m;
         }
         for _ in 0..ROUNDS {
-            turn_by_positions(sights, &mut frames);
+            for &base in &unturned {
+                turn_by_positions(sights, &mut frames, base);
+            }
             slide(sights, &mut frames, open);
         }
         frames
@@ -184,54 +121,74 @@ pub(crate) fn closed_form(sights: &[Sight], rig: &Rig) -> Frames {
     best.unwrap_or(frames)
 }
 
-/// The turns of base and tool from the orientations seen.
+/// The turns of bases and tools from the orientations seen.
 ///
-/// Between two rows the handle turns by `b = log(R_i^T R_j)` and what is tracked by `a = X^T b`, whatever the base
-/// is: X^T is the turn that takes all b to their a best (Park & Martin 1994). Then `B = M X^T R^T`, averaged.
-fn turn(sights: &[Sight], frames: &mut Frames, open: [bool; 2]) {
-    let seen: Vec<(Matrix3<f64>, Matrix3<f64>)> = sights
+/// Between two rows of one base and one tool the handle turns by `b = log(R_i^T R_j)` and what is tracked by
+/// `a = X^T b`, whatever the base is: X^T is the turn that takes all b to their a best (Park & Martin 1994). Then
+/// `B = M X^T R^T`, averaged.
+fn turn(sights: &[Sight], frames: &mut Frames, open: &Open) {
+    let seen: Vec<(&Sight, Matrix3<f64>)> = sights
         .iter()
-        .filter_map(|sight| Some((sight.handle.rotation, sight.rotation?)))
+        .filter_map(|sight| Some((sight, sight.rotation?)))
         .collect();
-    let count = seen.len();
-    if open == [true, true] {
-        let mut sum = Matrix3::zeros();
-        for step in [1, count / 3, count / 2] {
-            for first in 0..count {
-                let ((r, m), (s, n)) = (seen[first], seen[(first + step) % count]);
-                let (by_handle, by_tool) = (
-                    rotation_vector(&(r.transpose() * s)),
-                    rotation_vector(&(m.transpose() * n)),
-                );
-                if TURNS_RAD.contains(&by_handle.norm()) && TURNS_RAD.contains(&by_tool.norm()) {
-                    sum += by_tool * by_handle.transpose();
-                }
-            }
+    for tool in (0..open.tools.len()).filter(|&tool| open.tools[tool]) {
+        let own: Vec<(&Sight, Matrix3<f64>)> = seen
+            .iter()
+            .filter(|(sight, _)| sight.tool == tool)
+            .copied()
+            .collect();
+        if own.is_empty() {
+            continue;
         }
-        frames.tool.rotation = nearest_turn(&sum).transpose();
-    } else if open[1] {
-        let sum = seen
-            .iter()
-            .map(|(r, m)| r.transpose() * frames.base.rotation.transpose() * m);
-        frames.tool.rotation = nearest_turn(&sum.sum());
+        frames.tools[tool].rotation = if own.iter().any(|(sight, _)| open.bases[sight.base]) {
+            nearest_turn(&turns_by_pairs(&own)).transpose()
+        } else {
+            let sum = own.iter().map(|(sight, m)| {
+                let base = frames.bases[sight.base].rotation;
+                sight.handle.rotation.transpose() * base.transpose() * m
+            });
+            nearest_turn(&sum.sum())
+        };
     }
-    if open[0] {
-        let sum = seen
-            .iter()
-            .map(|(r, m)| m * frames.tool.rotation.transpose() * r.transpose());
-        frames.base.rotation = nearest_turn(&sum.sum());
+    for base in (0..open.bases.len()).filter(|&base| open.bases[base]) {
+        let own = seen.iter().filter(|(sight, _)| sight.base == base);
+        let sum = own.map(|(sight, m)| {
+            let tool = frames.tools[sight.tool].rotation;
+            m * tool.transpose() * sight.handle.rotation.transpose()
+        });
+        frames.bases[base].rotation = nearest_turn(&sum.sum());
     }
 }
 
-/// The base's turn from positions, the tool's offset given (Kabsch 1976).
-fn turn_by_positions(sights: &[Sight], frames: &mut Frames) {
+/// Sum of a b^T over pairs of rows of one tool that were seen from one base.
+fn turns_by_pairs(own: &[(&Sight, Matrix3<f64>)]) -> Matrix3<f64> {
+    let count = own.len();
+    let mut sum = Matrix3::zeros();
+    for step in [1, count / 3, count / 2] {
+        for first in 0..count {
+            let ((one, m), (other, n)) = (own[first], own[(first + step) % count]);
+            if one.base != other.base {
+                continue;
+            }
+            let (r, s) = (one.handle.rotation, other.handle.rotation);
+            let (by_handle, by_tool) = (
+                rotation_vector(&(r.transpose() * s)),
+                rotation_vector(&(m.transpose() * n)),
+            );
+            if TURNS_RAD.contains(&by_handle.norm()) && TURNS_RAD.contains(&by_tool.norm()) {
+                sum += by_tool * by_handle.transpose();
+            }
+        }
+    }
+    sum
+}
+
+/// A base's turn from positions, the tools' offsets given (Kabsch 1976).
+fn turn_by_positions(sights: &[Sight], frames: &mut Frames, base: usize) {
     let points: Vec<(Vector3<f64>, Vector3<f64>)> = sights
         .iter()
-        .filter_map(|sight| {
-            let handle = &sight.handle;
-            let point = handle.position_m + handle.rotation * frames.tool.position_m;
-            Some((point, sight.position_m?))
-        })
+        .filter(|sight| sight.base == base)
+        .filter_map(|sight| Some((frames.point_m(sight), sight.position_m?)))
         .collect();
     let count = points.len().max(1) as f64;
     let (from, to) = points
@@ -242,48 +199,65 @@ fn turn_by_positions(sights: &[Sight], frames: &mut Frames) {
     let spread = points
         .iter()
         .map(|point| (point.1 - to) * (point.0 - from).transpose());
-    frames.base.rotation = nearest_turn(&spread.sum());
+    frames.bases[base].rotation = nearest_turn(&spread.sum());
 }
 
-/// The offsets of base and tool, the turns given: linear in both, `seen - B p = B R x + b`.
-fn slide(sights: &[Sight], frames: &mut Frames, open: [bool; 2]) {
-    let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
-    let base = frames.base.rotation;
+/// The offsets of bases and tools, the turns given: linear in all, `seen - B p = B R x + b`.
+fn slide(sights: &[Sight], frames: &mut Frames, open: &Open) {
+    // tools first, then bases
+    let tools = frames.tools.len();
+    let size = 3 * (tools + frames.bases.len());
+    let (mut normal, mut right) = (
+        DMatrix::<f64>::zeros(size, size),
+        DVector::<f64>::zeros(size),
+    );
     for sight in sights {
         let Some(seen) = sight.position_m else {
             continue;
         };
-        let turned = base * sight.handle.rotation;
-        let mut rest = seen - base * sight.handle.position_m;
-        if !open[0] {
-            rest -= frames.base.position_m;
+        let base = &frames.bases[sight.base];
+        let turned = base.rotation * sight.handle.rotation;
+        let mut rest = seen - base.rotation * sight.handle.position_m;
+        let blocks = [
+            (open.tools[sight.tool], 3 * sight.tool, turned),
+            (
+                open.bases[sight.base],
+                3 * (tools + sight.base),
+                Matrix3::identity(),
+            ),
+        ];
+        if !blocks[0].0 {
+            rest -= turned * frames.tools[sight.tool].position_m;
         }
-        if !open[1] {
-            rest -= turned * frames.tool.position_m;
+        if !blocks[1].0 {
+            rest -= base.position_m;
         }
-        for axis in 0..3 {
-            let mut row = Vector6::zeros();
-            for column in 0..3 {
-                row[column] = if open[1] { turned[(axis, column)] } else { 0.0 };
+        let own = || blocks.iter().filter(|(is_open, _, _)| *is_open);
+        for (_, first, by_first) in own() {
+            let mut part = right.fixed_rows_mut::<3>(*first);
+            part += by_first.transpose() * rest;
+            for (_, second, by_second) in own() {
+                let mut part = normal.fixed_view_mut::<3, 3>(*first, *second);
+                part += by_first.transpose() * by_second;
             }
-            row[3 + axis] = if open[0] { 1.0 } else { 0.0 };
-            normal += row * row.transpose();
-            right += row * rest[axis];
         }
     }
     // where base and tool slide along one direction that nothing turns, the marker is near the handle
-    let [tool, base] = DAMPING.map(|share| share * normal.trace().max(1.0));
-    let damping = Vector6::new(tool, tool, tool, base, base, base);
-    let solution = (normal + Matrix6::from_diagonal(&damping)).cholesky();
-    let solution = solution.map(|factor| factor.solve(&right));
+    let [of_tool, of_base] = DAMPING.map(|share| share * normal.trace().max(1.0));
+    for column in 0..size {
+        let damping = if column < 3 * tools { of_tool } else { of_base };
+        normal[(column, column)] += damping;
+    }
+    let solution = normal.cholesky().map(|factor| factor.solve(&right));
     let Some(solution) = solution.filter(|all| all.iter().all(|part| part.is_finite())) else {
         return;
     };
-    if open[1] {
-        frames.tool.position_m = solution.fixed_rows::<3>(0).into_owned();
-    }
-    if open[0] {
-        frames.base.position_m = solution.fixed_rows::<3>(3).into_owned();
+    let all = frames.tools.iter_mut().chain(&mut frames.bases);
+    let are_open = open.tools.iter().chain(&open.bases);
+    for (index, (frame, is_open)) in all.zip(are_open).enumerate() {
+        if *is_open {
+            frame.position_m = solution.fixed_rows::<3>(3 * index).into_owned();
+        }
     }
 }
 
@@ -294,9 +268,8 @@ pub(crate) fn missed(sights: &[Sight], frames: &Frames) -> f64 {
 
 /// A position's error \[m\]; 0 without one.
 fn miss(sight: &Sight, frames: &Frames) -> f64 {
-    let handle = &sight.handle;
-    let point = handle.position_m + handle.rotation * frames.tool.position_m;
-    let seen = frames.base.rotation * point + frames.base.position_m;
+    let base = &frames.bases[sight.base];
+    let seen = base.rotation * frames.point_m(sight) + base.position_m;
     sight.position_m.map_or(0.0, |own| (seen - own).norm())
 }
 
@@ -315,13 +288,12 @@ fn nearest_turn(sum: &Matrix3<f64>) -> Matrix3<f64> {
     }
 }
 
-/// Base and tool alone fitted to what the tracker saw; none where the search ends nowhere.
+/// Bases and tools that were open fitted to what the tracker saw, all else held; none where the search ends nowhere.
 fn fit(
     device: &Device,
     recording: &Recording,
-    open: [bool; 2],
+    rig: &Rig,
 ) -> Result<Option<Device>, CalibrationError> {
-    use SurroundingParameter::{TrackerBase, TrackerTool};
     let sees =
         |channel: Channel| (0..recording.len()).any(|row| channel.has_reading(recording, row));
     let (slides, turns) = (sees(Channel::Position), sees(Channel::Orientation));
@@ -330,16 +302,11 @@ fn fit(
         turns.then_some(Channel::Orientation),
     ];
     let channels: Vec<Channel> = seen.into_iter().flatten().collect();
-    let first = if slides { 0 } else { 3 };
-    // positions tell the base's turn too; only orientations tell the tool's
-    let end = if turns { 6 } else { 3 };
-    let base = (first..6)
-        .filter(|_| open[0])
-        .map(|index| TrackerBase { index });
-    let tool = (first..end)
-        .filter(|_| open[1])
-        .map(|index| TrackerTool { index });
-    let parameters: Vec<ParameterId> = base.chain(tool).map(ParameterId::Surrounding).collect();
+    let parameters: Vec<ParameterId> = rig
+        .open_parameters(device, slides, turns)
+        .into_iter()
+        .map(ParameterId::Surrounding)
+        .collect();
     let weights = Weights::stated(device, &channels);
     let problem = DeviceProblem::new(device, recording, &channels, &parameters, &weights)?;
     let free: Vec<usize> = (0..parameters.len()).collect();

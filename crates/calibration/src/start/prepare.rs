@@ -3,20 +3,21 @@
 use std::collections::BTreeSet;
 
 use haptical_model::kinematics::Pose;
-use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
-use haptical_model::{ContactPoint, Device, DeviceChain, Evaluation, Recording, TouchedPlane};
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::{Device, DeviceChain, Evaluation, Recording};
 
 use crate::CalibrationError;
 use crate::error::at_row;
 use crate::problem::loads::Loads;
 use crate::start::hand_eye::place_tracker;
-use crate::start::points::mean;
+use crate::start::touches::place_touches;
 
 /// The device with a start value for everything around the chain that a recording shows and the device file
 /// leaves open; what the file gives stays.
 ///
-/// - The tracker, where its base or tool is unknown: in closed form from the device's own poses, then fitted with
-///   the geometry held.
+/// - The tracker, where its base or tool is unknown, each run's base and each tool that rows name: in closed form from
+///   the device's own poses, then fitted with the geometry held.
+/// - A tool that touches points, and these: by linear least squares.
 /// - A touched point: the mean of the handle's positions at its touches.
 /// - A touched plane: the plane of least squares through them.
 /// - A cable whose exit guide is fitted: the direction of the handle at home as its exit axis.
@@ -55,8 +56,13 @@ pub fn prepare_device(device: &Device, recording: &Recording) -> Result<Device, 
     if !has_tracker && !has_touches {
         prepared.surroundings.contacts.clear();
         prepared.surroundings.planes.clear();
+        prepared.surroundings.run_bases.clear();
+        for tool in &mut prepared.surroundings.tools {
+            tool.placement = None;
+        }
         return Ok(prepared);
     }
+    forget_absent(&mut prepared, recording);
     let poses = handle_poses(device, recording)?;
     if has_tracker {
         place_tracker(&mut prepared, recording, &poses)?;
@@ -65,13 +71,22 @@ pub fn prepare_device(device: &Device, recording: &Recording) -> Result<Device, 
     Ok(prepared)
 }
 
-/// The ids of a column in the order in which they come, without empty ones.
-pub(crate) fn listed(ids: &[String]) -> Vec<String> {
-    let mut seen = BTreeSet::new();
-    let new = ids
-        .iter()
-        .filter(|id| !id.is_empty() && seen.insert(id.as_str()));
-    new.cloned().collect()
+/// Leaves runs and tools that a recording does not have without a place, so that no parameter is of theirs.
+fn forget_absent(device: &mut Device, recording: &Recording) {
+    let around = &device.surroundings;
+    if around.run_bases.is_empty() && around.tools.is_empty() {
+        return;
+    }
+    let rows = 0..recording.len();
+    let tools: BTreeSet<String> = (rows.clone())
+        .map(|row| device.tool_at(recording, row).to_owned())
+        .collect();
+    let runs: BTreeSet<i64> = rows.map(|row| recording.run_at(row)).collect();
+    let around = &mut device.surroundings;
+    around.run_bases.retain(|base| runs.contains(&base.run));
+    for tool in &mut around.tools {
+        tool.placement = tool.placement.filter(|_| tools.contains(&tool.id));
+    }
 }
 
 /// Handle poses at every row.
@@ -112,62 +127,25 @@ fn place_exits(device: &mut Device, recording: &Recording) -> Result<(), Calibra
     Ok(())
 }
 
-fn place_touches(device: &mut Device, recording: &Recording, poses: &[Pose]) {
-    let touches = |ids: &[String], id: &str| -> Vec<Vector3<f64>> {
-        let touched = ids.iter().zip(poses).filter(|(other, _)| *other == id);
-        touched.map(|(_, pose)| pose.position_m).collect()
-    };
-    let old = std::mem::take(&mut device.surroundings.contacts);
-    for id in recording.contact.as_deref().map(listed).unwrap_or_default() {
-        let known = old.iter().find(|point| point.id == id).cloned();
-        let ids = recording.contact.as_deref().unwrap_or_default();
-        let point = known.unwrap_or_else(|| ContactPoint {
-            position_m: mean(&touches(ids, &id)).into(),
-            id,
-        });
-        device.surroundings.contacts.push(point);
-    }
-    let old = std::mem::take(&mut device.surroundings.planes);
-    for id in recording.plane.as_deref().map(listed).unwrap_or_default() {
-        let known = old.iter().find(|plane| plane.id == id).cloned();
-        let ids = recording.plane.as_deref().unwrap_or_default();
-        let plane = known.unwrap_or_else(|| plane_through(id.clone(), &touches(ids, &id)));
-        device.surroundings.planes.push(plane);
-    }
-}
-
-/// The same device with points and planes at their best places for the recording's own touches: what a check on
-/// rows that no fit saw compares with, where these touch something that the fit did not.
-pub(crate) fn with_unseen_touches(
+/// The same device with points and planes at their best places for the recording's own touches, and tools and tracker places
+/// that it lacks for the recording's own readings: what a check on rows that no fit saw compares with, where these touch
+/// something, or are of a run, that the fit did not see.
+///
+/// # Errors
+/// [`CalibrationError::Row`] where the device has no pose.
+pub fn with_unseen_places(
     device: &Device,
     recording: &Recording,
 ) -> Result<Device, CalibrationError> {
     let mut placed = device.clone();
-    if device.has_links() && (recording.contact.is_some() || recording.plane.is_some()) {
+    let has_touches = recording.contact.is_some() || recording.plane.is_some();
+    let lacks_mounts = device.mounts(recording).is_err();
+    if device.has_links() && (has_touches || lacks_mounts) {
         let poses = handle_poses(device, recording)?;
+        if lacks_mounts {
+            place_tracker(&mut placed, recording, &poses)?;
+        }
         place_touches(&mut placed, recording, &poses);
     }
     Ok(placed)
-}
-
-/// Plane of least squares: through the mean, its normal the direction of least spread.
-fn plane_through(id: String, points: &[Vector3<f64>]) -> TouchedPlane {
-    let middle = mean(points);
-    let mut spread = Matrix3::zeros();
-    for point in points {
-        let out = point - middle;
-        spread += out * out.transpose();
-    }
-    let axes = spread.symmetric_eigen();
-    let normal = axes
-        .eigenvectors
-        .column(axes.eigenvalues.imin())
-        .into_owned();
-    let normal = normal.try_normalize(0.5).unwrap_or_else(Vector3::z);
-    TouchedPlane {
-        id,
-        normal: normal.into(),
-        tilt: [0.0; 2],
-        offset_m: normal.dot(&middle),
-    }
 }

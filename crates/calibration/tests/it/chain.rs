@@ -65,6 +65,7 @@ pub(crate) fn device_of(links: Vec<Link>) -> Device {
         cables: vec![cable_at([0.0; 3])],
         tracker: Some(Tracker {
             base_known: true,
+            base_per_run: false,
             tool_known: true,
             position_sd_m: Some(1e-4),
             rotation_sd_rad: Some(1e-4),

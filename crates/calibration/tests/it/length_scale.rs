@@ -96,6 +96,7 @@ fn a_tracker_s_scale_widens_each_length_by_its_share() {
     let mut device = haptic::exact_readings(device);
     device.tracker = Some(Tracker {
         base_known: true,
+        base_per_run: false,
         tool_known: true,
         position_sd_m: Some(1e-5),
         rotation_sd_rad: None,

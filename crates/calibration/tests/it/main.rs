@@ -16,6 +16,7 @@ mod deviations;
 mod evidence;
 mod force_direction;
 mod frame_origins;
+mod hands;
 mod haptic;
 mod held_out;
 mod held_partners;

@@ -167,6 +167,7 @@ fn tracked_arm(convention: Convention) -> Device {
     arm.convention = convention;
     arm.tracker = Some(Tracker {
         base_known: true,
+        base_per_run: false,
         tool_known: true,
         position_sd_m: Some(SD_M),
         rotation_sd_rad: None,

@@ -12,6 +12,7 @@ fn devices() -> (Device, Device) {
     let mut nominal = table(5);
     nominal.tracker = Some(Tracker {
         base_known: true,
+        base_per_run: false,
         tool_known: true,
         position_sd_m: Some(1e-4),
         rotation_sd_rad: Some(2e-4),

@@ -44,6 +44,7 @@ pub(crate) fn normal(seed: u64, index: u64) -> f64 {
 pub(crate) fn unknown_tracker(device: &mut Device) {
     device.tracker = Some(Tracker {
         base_known: false,
+        base_per_run: false,
         tool_known: false,
         position_sd_m: Some(1e-4),
         rotation_sd_rad: Some(2e-4),

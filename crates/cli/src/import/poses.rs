@@ -18,7 +18,7 @@ Example:
     --scale theta*=deg,x_m=mm,y_m=mm,z_m=mm --out log.csv
 
 Names on the left are columns of a log (t_s, run, theta1_rad, out1_rad, cable_m, x_m, qw, contact, plane,
-torque1_nm, fx_n, temp_degc, ...), names on the right columns of the table; #3 is its third column.";
+tool, torque1_nm, fx_n, temp_degc, ...), names on the right columns of the table; #3 is its third column.";
 
 /// Flags of `haptical import poses`.
 #[derive(Debug, Args)]
@@ -40,7 +40,7 @@ pub(super) struct PosesArguments {
 }
 
 /// Columns of which the cells are names.
-const TEXTS: [&str; 2] = ["contact", "plane"];
+const TEXTS: [&str; 3] = ["contact", "plane", "tool"];
 
 /// Runs the command.
 pub(super) fn run(arguments: &PosesArguments) -> Result<(), Failure> {

@@ -302,6 +302,10 @@ fn tracked_um(
     let (Some([x, y, z]), None) = (&part.position_m, &places.tracker_tool) else {
         return Ok(None);
     };
+    // several places of the tracker, or several markers
+    if !device.mounts(part).is_ok_and(|mounts| mounts.is_empty()) {
+        return Ok(None);
+    }
     let base = places.tracker_base.unwrap_or_default().pose();
     let points = (0..part.len()).map(|row| {
         let seen = Vector3::new(x[row], y[row], z[row]);

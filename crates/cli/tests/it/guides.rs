@@ -230,7 +230,7 @@ fn the_table_names_every_guide() {
         assert!(lines.lines().count() <= 120, "{name} is long");
         guides += 1;
     }
-    assert_eq!(guides, 8, "add a test for the new guide");
+    assert_eq!(guides, 11, "add a test for the new guide");
 }
 
 #[test]
@@ -270,6 +270,21 @@ fn two_cables() {
 #[test]
 fn a_tracker_in_its_own_frame() {
     run("tracker.md");
+}
+
+#[test]
+fn several_reflectors_on_one_hand() {
+    run("reflectors.md");
+}
+
+#[test]
+fn a_tracker_place_for_each_run() {
+    run("stands.md");
+}
+
+#[test]
+fn a_tool_that_is_put_on() {
+    run("balls.md");
 }
 
 #[test]

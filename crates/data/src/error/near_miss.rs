@@ -96,7 +96,7 @@ fn wanted_name(stem: &str, index: Option<usize>, shape: &LogShape) -> Option<Str
         "x" => plain("x_m"),
         "y" => plain("y_m"),
         "z" => plain("z_m"),
-        "qw" | "qx" | "qy" | "qz" | "run" | "contact" | "plane" => plain(stem),
+        "qw" | "qx" | "qy" | "qz" | "run" | "contact" | "plane" | "tool" => plain(stem),
         "fx" => plain("fx_n"),
         "fy" => plain("fy_n"),
         "fz" => plain("fz_n"),

@@ -201,6 +201,7 @@ fn place_column(
         Role::Temperature => recording.temperature_degc = column.into_numbers(file, warnings),
         Role::Contact => recording.contact = column.into_texts(file, warnings),
         Role::Plane => recording.plane = column.into_texts(file, warnings),
+        Role::Tool => recording.tool = column.into_texts(file, warnings),
         Role::Run => {
             if let Values::Integers(runs) = column.values {
                 recording.run = Some(runs);

@@ -110,6 +110,7 @@ pub(crate) fn columns_of<'r>(
     }
     add(Role::Contact, recording.contact.as_ref().map(texts));
     add(Role::Plane, recording.plane.as_ref().map(texts));
+    add(Role::Tool, recording.tool.as_ref().map(texts));
     for (joint, column) in recording.torque_nm.iter().enumerate() {
         add(Role::Torque(joint), column.as_ref().map(numbers));
     }

@@ -113,6 +113,7 @@ fn recordings() -> impl Strategy<Value = Recording> {
         let fourth = (
             proptest::option::of(texts(n)),
             proptest::option::of(texts(n)),
+            proptest::option::of(texts(n)),
             readings(n, any_reading()),
             readings(n, any_reading()),
         );
@@ -121,7 +122,7 @@ fn recordings() -> impl Strategy<Value = Recording> {
             joint.push(slide);
             let (output, cable_m, torque_nm, temperature_degc) = second;
             let (position_m, orientation_wxyz, force_n) = third;
-            let (contact, plane, covariate, other) = fourth;
+            let (contact, plane, tool, covariate, other) = fourth;
             Recording {
                 line: (2..2 + n as u64).collect(),
                 time_s,
@@ -136,6 +137,7 @@ fn recordings() -> impl Strategy<Value = Recording> {
                 temperature_degc,
                 contact,
                 plane,
+                tool,
                 covariates: vec![("a \"b\", c".into(), covariate), ("humidity".into(), other)],
             }
         })

@@ -1,6 +1,8 @@
 //! A model identified earlier, put where a recording was made.
 
-use haptical_calibration::{Channel, FitRequest, Options, Weights, fit_parameters, prepare_device};
+use haptical_calibration::{
+    Channel, FitRequest, Options, Weights, fit_parameters, prepare_device, with_unseen_places,
+};
 use haptical_model::{Device, ParameterId, Recording, SurroundingParameter};
 
 use crate::DiagnosisError;
@@ -15,7 +17,11 @@ pub(crate) fn placed(
     recording: &Recording,
     channels: &[Channel],
 ) -> Result<Base, DiagnosisError> {
-    let mut there = model.clone();
+    let mut there = match model.mounts(recording) {
+        Ok(_) => model.clone(),
+        // a run or a tool of which the model has no place
+        Err(_) => with_unseen_places(model, recording)?,
+    };
     if channels.iter().any(|channel| is_touched(*channel)) {
         let (own, rig) = (&mut there.surroundings, &device.surroundings);
         own.contacts.clone_from(&rig.contacts);

@@ -33,6 +33,7 @@ pub(crate) fn onto_touches(
     let problem = BaseProblem::new(base, recording, recording, &streams, &weights)?;
     let residual = problem.evaluate(&problem.start(), false)?.residual;
     let touches = Touches::new(&base.device, recording);
+    let mounts = base.device.mounts(recording).unwrap_or_default();
     let mut evaluation = Evaluation::new(&base.device);
     let mut moved = recording.clone();
     let mut readings = vec![0.0; recording.joint.len()];
@@ -43,6 +44,9 @@ pub(crate) fn onto_touches(
             continue;
         }
         // measured minus model: where the handle has to go
+        let mount = mounts.get(row).copied().unwrap_or_default();
+        let handle = evaluation.pose().map(|pose| pose.rotation);
+        let arm = handle.unwrap_or_default() * base.device.touching_m(mount);
         let mut way = Vector3::zeros();
         let mut across = Matrix3::zeros();
         for &stream in &touched {
@@ -54,7 +58,10 @@ pub(crate) fn onto_touches(
             }
         }
         let twists: Vec<Vector3<f64>> = (0..readings.len())
-            .map(|joint| across * evaluation.reading_twist(joint).linear)
+            .map(|joint| {
+                let twist = evaluation.reading_twist(joint);
+                across * (twist.linear + twist.angular.cross(&arm))
+            })
             .collect();
         let square: Matrix3<f64> = twists.iter().map(|twist| twist * twist.transpose()).sum();
         let square = square + Matrix3::identity() * (RIDGE * square.trace() / 3.0);

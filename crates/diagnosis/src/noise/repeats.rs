@@ -94,7 +94,8 @@ fn freedom(groups: &[Vec<usize>]) -> usize {
     groups.iter().map(|rows| rows.len() - 1).sum()
 }
 
-/// The first row in the same posture, for each row: within a reading's step, or a small share of each joint's range.
+/// The first row in the same posture, for each row: within a reading's step, or a small share of each joint's range, and
+/// of the same tool and tracker place, as what is wrong with the device shows otherwise at another tool.
 fn postures(context: &Context<'_>) -> Vec<usize> {
     let columns = &context.recording.joint;
     let near: Vec<f64> = columns
@@ -118,6 +119,7 @@ fn postures(context: &Context<'_>) -> Vec<usize> {
     let is_near = |a: usize, b: usize| {
         let mut joints = columns.iter().zip(&near);
         joints.all(|(column, near)| (column[a] - column[b]).abs() <= *near)
+            && context.mount(a) == context.mount(b)
     };
     let mut leaders: Vec<usize> = Vec::new();
     for row in order {

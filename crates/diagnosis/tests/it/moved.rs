@@ -18,6 +18,7 @@ fn device() -> Device {
     device.cables.clear();
     device.tracker = Some(Tracker {
         base_known: false,
+        base_per_run: false,
         tool_known: false,
         position_sd_m: Some(POSITION_SD_M),
         rotation_sd_rad: Some(ROTATION_SD_RAD),
@@ -131,6 +132,27 @@ fn a_tracker_that_was_moved_between_runs_is_named_with_shift_and_tilt() {
         let place = diagnosis.place.unwrap();
         assert_eq!(place.depends_on, ["run"], "{}", place.region);
     }
+}
+
+#[test]
+fn a_place_for_each_run_takes_up_what_moved_and_is_not_tested() {
+    let moved = Isometry3::new(Vector3::new(0.2, -0.1, 0.3), Vector3::new(0.4, 0.2, -0.3));
+    let session = Session {
+        runs: 3,
+        rows_of_a_run: 800,
+        ..Session::default()
+    };
+    let mut device = device();
+    device.surroundings.tracker_base = None;
+    device.tracker.as_mut().unwrap().base_per_run = true;
+    let recording = recorded(&session, moved, still);
+    let diagnosis = diagnose(&device, &recording, &Options::default()).unwrap();
+    let summary = summary(&diagnosis);
+    assert_eq!(diagnosis.verdict, Verdict::NoGap, "{summary}");
+    let mut untestable = diagnosis.untestable.iter();
+    let own = untestable.find(|other| other.effect == "tracker-moved");
+    let why = &own.unwrap().why;
+    assert!(why.contains("a tracker place of its own"), "{why}");
 }
 
 #[test]

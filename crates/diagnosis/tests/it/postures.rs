@@ -22,6 +22,7 @@ pub(crate) fn device() -> Device {
     let mut device = touching::device();
     device.tracker = Some(Tracker {
         base_known: false,
+        base_per_run: false,
         tool_known: false,
         position_sd_m: Some(POSITION_SD_M),
         rotation_sd_rad: None,

@@ -2,7 +2,7 @@
 
 use haptical_calibration::{Channel, Tracked};
 use haptical_model::Evaluation;
-use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Pose, Twist};
 
 use super::cable::anchor_m;
@@ -34,8 +34,14 @@ impl Context<'_> {
             Channel::Cable { index } => self.along_cable(*index, row, linear),
             Channel::Position => self.carried(row, linear, angular).linear[*axis],
             Channel::Orientation => self.carried(row, linear, angular).angular[*axis],
-            Channel::Contact => self.touches.along_contact(*axis, linear),
-            Channel::Plane => self.touches.along_plane(row, linear),
+            Channel::Contact => {
+                let moved = self.touching(row, linear, angular);
+                self.touches.along_contact(*axis, &moved)
+            }
+            Channel::Plane => {
+                let moved = self.touching(row, linear, angular);
+                self.touches.along_plane(row, &moved)
+            }
             // pairs say nothing of the handle; encoders and fixtures read joints
             Channel::ContactPair { .. }
             | Channel::PlanePair { .. }
@@ -50,8 +56,18 @@ impl Context<'_> {
             linear: *linear,
             angular: *angular,
         };
-        let tracked = self.tracked.get(row);
+        let tracked = self.tracked.get(row).copied().flatten();
         tracked.map_or(twist, |tracked| tracked.carried(&twist))
+    }
+
+    /// How what touches moves when the handle does.
+    fn touching(&self, row: usize, linear: &Vector3<f64>, angular: &Vector3<f64>) -> Vector3<f64> {
+        linear + angular.cross(&self.arm_of(row, &self.rotation[row]))
+    }
+
+    /// From the handle to what touches at a row, with the handle turned so.
+    fn arm_of(&self, row: usize, rotation: &Matrix3<f64>) -> Vector3<f64> {
+        rotation * self.device.touching_m(self.mount(row))
     }
 
     /// Change of a cable's length when the handle moves.
@@ -123,11 +139,14 @@ impl Context<'_> {
                             - (self.position[row] - anchor).norm();
                     }
                     Channel::Position => {
-                        let way = self.tracked_m(&moved[row]) - self.tracked_m(&self.pose(row));
+                        let way =
+                            self.tracked_m(row, &moved[row]) - self.tracked_m(row, &self.pose(row));
                         *value = way[self.streams[*stream].axis];
                     }
                     Channel::Contact | Channel::Plane => {
-                        let way = moved[row].position_m - self.position[row];
+                        let turned = self.arm_of(row, &moved[row].rotation)
+                            - self.arm_of(row, &self.rotation[row]);
+                        let way = moved[row].position_m - self.position[row] + turned;
                         *value = self.seen(*stream, row, &way, &Vector3::zeros());
                     }
                     _ => {}
@@ -145,8 +164,8 @@ impl Context<'_> {
     }
 
     /// The position that a tracker sees of a handle \[m\], in its own frame.
-    fn tracked_m(&self, handle: &Pose) -> Vector3<f64> {
-        let tracked = Tracked::new(self.device, handle);
+    fn tracked_m(&self, row: usize, handle: &Pose) -> Vector3<f64> {
+        let tracked = Tracked::new(self.device, handle, self.mount(row));
         tracked.map_or(handle.position_m, |tracked| tracked.pose().position_m)
     }
 
@@ -174,7 +193,7 @@ impl Context<'_> {
                     let (shift, tilt) = moved(row);
                     match channel {
                         Channel::Position => {
-                            let seen = self.tracked_m(&self.pose(row));
+                            let seen = self.tracked_m(row, &self.pose(row));
                             -(shift + tilt.cross(&seen))[axis]
                         }
                         _ => -tilt[axis],

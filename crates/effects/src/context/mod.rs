@@ -16,7 +16,7 @@ use std::ops::Range;
 use haptical_calibration::{Channel, Tracked};
 use haptical_model::kinematics::Twist;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
-use haptical_model::{Device, Evaluation, Recording};
+use haptical_model::{Device, Evaluation, Mount, Recording};
 
 use self::frames::Frames;
 use self::loads::loads;
@@ -57,7 +57,9 @@ pub struct Context<'a> {
     /// Orientation of the handle.
     pub rotation: Vec<Matrix3<f64>>,
     /// The handle as a tracker with a fitted base or tool sees it: per row, or none.
-    tracked: Vec<Tracked>,
+    tracked: Vec<Option<Tracked>>,
+    /// Where the tracker stood and what was on the hand, per row; empty where that is the same for all.
+    mounts: Vec<Mount>,
     /// Origin of the frame that each joint turns (or slides) in, frame (-1); per joint and row.
     pub(crate) origin: Vec<Vec<Vector3<f64>>>,
     /// The robot's base, frame (-1), per row.
@@ -117,6 +119,8 @@ impl<'a> Context<'a> {
         let mut position = Vec::new();
         let mut rotation = Vec::new();
         let mut tracked = Vec::new();
+        // a place that the device lacks: the channels' problem says which
+        let mounts = device.mounts(recording).unwrap_or_default();
         let mut force = recording.force_n.as_ref().map(|_| Vec::with_capacity(rows));
         let mut evaluation = Evaluation::new(device);
         let mut readings = vec![0.0; joints];
@@ -134,7 +138,8 @@ impl<'a> Context<'a> {
             if has_links && let Ok(pose) = evaluation.pose() {
                 position.push(pose.position_m);
                 rotation.push(pose.rotation);
-                tracked.extend(Tracked::new(device, pose));
+                let mount = mounts.get(row).copied().unwrap_or_default();
+                tracked.push(Tracked::new(device, pose, mount));
                 for (joint, column) in twist.iter_mut().enumerate() {
                     column.push(evaluation.joint_twist(joint));
                 }
@@ -190,6 +195,7 @@ impl<'a> Context<'a> {
             position,
             rotation,
             tracked,
+            mounts,
             origin: frames.origin,
             base_origin_m: frames.base,
             base_moment_nm,
@@ -218,6 +224,11 @@ impl<'a> Context<'a> {
             }
         }
         Some(elapsed)
+    }
+
+    /// Where the tracker stood and what was on the hand at a row.
+    pub fn mount(&self, row: usize) -> Mount {
+        self.mounts.get(row).copied().unwrap_or_default()
     }
 
     /// The stream of a joint's external encoder.

@@ -13,7 +13,7 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "a shift and a tilt of the tracker's frame, from a run on",
     hook: Hook::Tracker,
     family: Family::Place,
-    needs: &[Need::Position, Need::Runs],
+    needs: &[Need::Position, Need::Runs, Need::OneBase],
     parameters: &[
         Parameter::size("shift_m", 0.0, 1.0),
         Parameter::size("tilt_rad", 0.0, 1.0),

@@ -3,7 +3,7 @@
 use haptical_model::kinematics::nalgebra::{
     Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3,
 };
-use haptical_model::{Device, Evaluation, Origin, Placement};
+use haptical_model::{Device, Evaluation, Origin, Placement, RunBase, Tool, Tracker};
 
 use super::rig::{Rig, context, three_joints};
 use crate::signal::Signal;
@@ -40,6 +40,10 @@ fn placed() -> Rig {
 
 /// What the tracker sees at output angles.
 fn seen(device: &Device, output: &[f64]) -> Isometry3<f64> {
+    seen_from(device, output, (&BASE, &TOOL))
+}
+
+fn seen_from(device: &Device, output: &[f64], (base, tool): (&Origin, &Origin)) -> Isometry3<f64> {
     let mut evaluation = Evaluation::new(device);
     evaluation.move_outputs(output).unwrap();
     let pose = evaluation.pose().unwrap();
@@ -49,7 +53,7 @@ fn seen(device: &Device, output: &[f64]) -> Isometry3<f64> {
         Translation3::from(pose.position_m),
         UnitQuaternion::from_rotation_matrix(&rotation),
     );
-    isometry(&BASE) * handle * isometry(&TOOL)
+    isometry(base) * handle * isometry(tool)
 }
 
 fn names(context: &Context<'_>) -> Vec<String> {
@@ -113,6 +117,63 @@ fn large_errors_of_all_joints_move_the_marker_as_far_as_the_chain_does() {
         for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
             let position = on(&signal, &names, &format!("position.{letter}"), row);
             assert!((position - way[axis]).abs() < 1e-12, "{letter}");
+        }
+    }
+}
+
+/// Rows about another tool, or from another place of the tracker, show an error there.
+#[test]
+fn an_error_shows_at_each_rows_own_tool_and_base() {
+    let mut rig = placed();
+    let other = Origin {
+        position_m: [-0.2, 0.1, 0.05],
+        orientation_wxyz: [0.1, 0.7, 0.5, 0.5],
+    };
+    let at = |start| Placement {
+        start,
+        ..Placement::default()
+    };
+    let around = &mut rig.device.surroundings;
+    around.tracker_base = None;
+    let base = |run, start| RunBase {
+        run,
+        placement: at(start),
+    };
+    around.run_bases = vec![base(1, BASE), base(2, other)];
+    around.tools = vec![Tool {
+        placement: Some(at(other)),
+        has_turn: true,
+        ..Tool::new("far")
+    }];
+    rig.device.tracker = Some(Tracker {
+        base_known: false,
+        base_per_run: true,
+        tool_known: false,
+        position_sd_m: None,
+        rotation_sd_rad: None,
+        scale_sd: None,
+    });
+    let rows = rig.recording.len();
+    let id = |row: usize| if row % 2 == 0 { "" } else { "far" };
+    rig.recording.tool = Some((0..rows).map(|row| id(row).to_owned()).collect());
+    rig.recording.run = Some((0..rows).map(|row| 1 + i64::from(row > rows / 2)).collect());
+    let context = context(&rig.device, &rig.recording);
+    let names = names(&context);
+    let size = 1e-6;
+    let signal = context.downstream(1, &vec![size; rows]);
+    for row in [0, 1, rows - 2, rows - 1] {
+        let own = (
+            if row > rows / 2 { &other } else { &BASE },
+            if row % 2 == 0 { &TOOL } else { &other },
+        );
+        let mut output: Vec<f64> = context.output.iter().map(|column| column[row]).collect();
+        let before = seen_from(&rig.device, &output, own);
+        output[1] += size;
+        let after = seen_from(&rig.device, &output, own);
+        let way = after.translation.vector - before.translation.vector;
+        for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
+            let position = on(&signal, &names, &format!("position.{letter}"), row);
+            assert!((position - way[axis]).abs() < 1e-10, "row {row} {letter}");
         }
     }
 }

@@ -3,6 +3,7 @@
 pub(crate) mod cable;
 pub(crate) mod chain;
 pub(crate) mod joint;
+pub(crate) mod mount;
 pub(crate) mod rows;
 pub(crate) mod surroundings;
 
@@ -64,6 +65,8 @@ pub struct Body {
 pub struct Tracker {
     /// Whether its readings are in frame (-1).
     pub base_known: bool,
+    /// Whether it was set up anew for each run, so that each has an unknown base of its own.
+    pub base_per_run: bool,
     /// Whether it tracks the handle frame itself.
     pub tool_known: bool,
     /// Standard deviation of a coordinate \[m\].

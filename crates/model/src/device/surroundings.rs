@@ -3,7 +3,7 @@
 use haptical_kinematics::Pose;
 use haptical_kinematics::nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::{Device, Origin};
+use crate::{Device, Origin, RunBase, Tool};
 
 /// Numbers outside the chain that a calibration may have to fit with it.
 ///
@@ -12,8 +12,12 @@ use crate::{Device, Origin};
 pub struct Surroundings {
     /// Frame (-1) seen from the tracker, where the tracker's base is unknown.
     pub tracker_base: Option<Placement>,
+    /// The same run by run, where the tracker was set up anew for each.
+    pub run_bases: Vec<RunBase>,
     /// What is tracked, seen from the handle frame, where the tool is unknown.
     pub tracker_tool: Option<Placement>,
+    /// What rows are about that name a tool: reflectors, balls, tools on the hand.
+    pub tools: Vec<Tool>,
     /// Standard deviation of a coordinate of a touch \[m\].
     pub contact_sd_m: Option<f64>,
     /// Touched points.
@@ -196,10 +200,17 @@ impl Surroundings {
     pub fn settled(&self) -> Self {
         Self {
             tracker_base: self.tracker_base.map(|placement| placement.settled()),
+            run_bases: self.run_bases.iter().map(RunBase::settled).collect(),
             tracker_tool: self.tracker_tool.map(|placement| placement.settled()),
+            tools: self.tools.iter().map(Tool::settled).collect(),
             planes: self.planes.iter().map(TouchedPlane::settled).collect(),
             ..self.clone()
         }
+    }
+
+    /// Position of a tool within [`Surroundings::tools`].
+    pub fn tool_index(&self, id: &str) -> Option<usize> {
+        self.tools.iter().position(|tool| tool.id == id)
     }
 
     /// Position of a contact within [`Surroundings::contacts`].

@@ -31,8 +31,14 @@ pub(crate) const TRANSMISSIONS: &Words<TransmissionKind> = &[
     ("parallelogram", TransmissionKind::Parallelogram),
     ("direct", TransmissionKind::Direct),
 ];
-/// Whether the place of a tracker's base or tool is known.
+/// Whether the place of a tracker's tool is known.
 pub(crate) const PLACES: &Words<bool> = &[("known", true), ("unknown", false)];
+/// Whether the place of a tracker's base is known, and whether each run has one of its own.
+pub(crate) const BASES: &Words<(bool, bool)> = &[
+    ("known", (true, false)),
+    ("unknown", (false, false)),
+    ("per-run", (false, true)),
+];
 
 /// The word for a value.
 pub(crate) fn word_for<T: PartialEq>(words: &Words<T>, value: &T) -> &'static str {

@@ -9,10 +9,11 @@ use crate::file::syntax::syntax_error;
 use crate::{Device, DeviceFileError};
 
 /// What a rig file holds.
-const SECTIONS: [&str; 11] = [
+const SECTIONS: [&str; 12] = [
     "cable_encoder",
     "cable",
     "tracker",
+    "tool",
     "contact_pair",
     "contact",
     "contact_point",
@@ -28,7 +29,7 @@ const OF_A_DEVICE: [&str; 4] = ["device", "link", "joint", "nominal"];
 
 impl Device {
     /// The text of a device file with the sections of a rig file (`[cable_encoder]`, `[[cable]]`,
-    /// `[tracker]`, `[contact]`, `[[contact_pair]]`, `[plane]`, `[[plane_pair]]`, `[fixture]`, `[gravity]`) in the place of its own; those that the rig file does
+    /// `[tracker]`, `[[tool]]`, `[contact]`, `[[contact_pair]]`, `[plane]`, `[[plane_pair]]`, `[fixture]`, `[gravity]`) in the place of its own; those that the rig file does
     /// not have stay. A rig with cables replaces all cables. Returns the text, and what is odd about the
     /// rig file. `file` and `rig_file` name the two in errors.
     ///

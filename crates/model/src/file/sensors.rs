@@ -3,8 +3,8 @@
 use crate::DeviceFileError;
 use crate::device::cable::{Cable, CableFit};
 use crate::device::{ContactPair, Tracker};
-use crate::file::PLACES;
 use crate::file::reader::Section;
+use crate::file::{BASES, PLACES};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -80,17 +80,24 @@ fn read_fit(section: &Section<'_, '_>) -> Result<CableFit> {
 pub(crate) const PLACEMENT_KEYS: [[&str; 2]; 2] =
     [["base_xyz_m", "base_wxyz"], ["tool_xyz_m", "tool_wxyz"]];
 
+/// Key of `[tracker]` for its places run by run.
+pub(crate) const BASE_OF_RUN: &str = "base_of_run";
+/// Keys of such a place, and of a tool's.
+pub(crate) const PLACE_KEYS: [&str; 2] = ["xyz_m", "wxyz"];
+
 pub(crate) fn read_tracker(
     root: &Section<'_, '_>,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Tracker>> {
     root.within("tracker", warnings, |section, _| {
         // the places are read with the surroundings
-        for key in PLACEMENT_KEYS.as_flattened() {
+        for key in PLACEMENT_KEYS.as_flattened().iter().chain(&[BASE_OF_RUN]) {
             section.has(key);
         }
+        let (base_known, base_per_run) = section.word("base", BASES)?.unwrap_or((true, false));
         Ok(Tracker {
-            base_known: section.word("base", PLACES)?.unwrap_or(true),
+            base_known,
+            base_per_run,
             tool_known: section.word("tool", PLACES)?.unwrap_or(true),
             position_sd_m: section.positive("position_sd_m")?,
             rotation_sd_rad: section.positive("rotation_sd_rad")?,

@@ -2,12 +2,13 @@
 
 use crate::DeviceFileError;
 use crate::device::Tracker;
+use crate::device::mount::{RunBase, Tool};
 use crate::device::surroundings::{
     ContactPoint, JointCompliance, Placement, PlanePair, Surroundings, TouchedPlane,
 };
 use crate::file::reader::Section;
 use crate::file::row::read_origin;
-use crate::file::sensors::{PLACEMENT_KEYS, read_id};
+use crate::file::sensors::{BASE_OF_RUN, PLACE_KEYS, PLACEMENT_KEYS, read_id};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -48,19 +49,25 @@ pub(crate) fn read_surroundings(
     compliance: Vec<JointCompliance>,
     warnings: &mut Vec<String>,
 ) -> Result<Surroundings> {
-    let places = match root.table("tracker")? {
-        None => [None, None],
-        Some(section) => [
-            read_placement(&section, PLACEMENT_KEYS[0])?,
-            read_placement(&section, PLACEMENT_KEYS[1])?,
-        ],
+    let (places, run_bases) = match root.table("tracker")? {
+        None => ([None, None], Vec::new()),
+        Some(section) => (
+            [
+                read_placement(&section, PLACEMENT_KEYS[0])?,
+                read_placement(&section, PLACEMENT_KEYS[1])?,
+            ],
+            read_run_bases(&section, warnings)?,
+        ),
     };
-    let unknown = tracker.map_or([false; 2], |tracker| {
-        [!tracker.base_known, !tracker.tool_known]
+    let unknown = tracker.map_or([false; 3], |tracker| {
+        let is_one = !tracker.base_per_run;
+        [!tracker.base_known && is_one, !tracker.tool_known, !is_one]
     });
     Ok(Surroundings {
         tracker_base: places[0].filter(|_| unknown[0]),
+        run_bases: if unknown[2] { run_bases } else { Vec::new() },
         tracker_tool: places[1].filter(|_| unknown[1]),
+        tools: read_tools(root, warnings)?,
         contact_sd_m: read_sd(root, "contact", "sd_m", warnings)?,
         contacts: read_contacts(root, warnings)?,
         plane_sd_m: read_sd(root, "plane", "sd_m", warnings)?,
@@ -77,6 +84,61 @@ fn read_placement(section: &Section<'_, '_>, keys: [&str; 2]) -> Result<Option<P
         start,
         turn_rad: [0.0; 3],
     }))
+}
+
+fn read_run_bases(tracker: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Vec<RunBase>> {
+    let mut seen = Vec::new();
+    tracker.each(BASE_OF_RUN, warnings, |section| {
+        let run = whole(
+            section,
+            "run",
+            "the integer of the log's column run is expected",
+        )?;
+        let run = run.ok_or_else(|| section.missing("run", "give the run that the log has"))?;
+        if seen.contains(&run) {
+            return Err(section.refuse("run", format!("{run} again"), "each run has one place"));
+        }
+        seen.push(run);
+        let placement = read_placement(section, PLACE_KEYS)?;
+        let advice = "give frame (-1) seen from the tracker, in m";
+        let placement = placement.ok_or_else(|| section.missing(PLACE_KEYS[0], advice))?;
+        Ok(RunBase { run, placement })
+    })
+}
+
+fn read_tools(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Vec<Tool>> {
+    let mut seen = Vec::new();
+    root.each("tool", warnings, |section| {
+        let id = new_id(section, &mut seen)?;
+        if id.is_empty() {
+            let allowed = "no text means the handle itself, which needs no table";
+            return Err(section.refuse("id", "\"\"", allowed));
+        }
+        let allowed = "a line of the log is expected, of which line 1 has the names";
+        let from_line = whole(section, "from_line", allowed)?;
+        let from_line = from_line.map(|line| match u64::try_from(line) {
+            Ok(line @ 2..) => Ok(line),
+            _ => Err(section.refuse("from_line", line.to_string(), allowed)),
+        });
+        Ok(Tool {
+            id,
+            placement: read_placement(section, PLACE_KEYS)?,
+            has_turn: section.has(PLACE_KEYS[1]),
+            from_line: from_line.transpose()?,
+        })
+    })
+}
+
+/// An integer that a number of 64 bits holds exactly.
+fn whole(section: &Section<'_, '_>, key: &str, allowed: &str) -> Result<Option<i64>> {
+    let number = section.number(key)?;
+    let number = number.map(|number| {
+        let is_whole = number.fract() == 0.0 && number.abs() < 2_f64.powi(53);
+        is_whole
+            .then_some(number as i64)
+            .ok_or_else(|| section.refuse(key, number.to_string(), allowed))
+    });
+    number.transpose()
 }
 
 fn read_sd(

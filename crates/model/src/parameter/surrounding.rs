@@ -35,8 +35,22 @@ pub enum SurroundingParameter {
         /// Which number.
         index: usize,
     },
+    /// The same of the tracker in one run.
+    RunBase {
+        /// Position in [`crate::Surroundings::run_bases`].
+        base: usize,
+        /// Which number.
+        index: usize,
+    },
     /// What is tracked, seen from the handle: 0 to 2 its position, 3 to 5 its turn.
     TrackerTool {
+        /// Which number.
+        index: usize,
+    },
+    /// The same of a tool that rows name.
+    Tool {
+        /// Position in [`crate::Surroundings::tools`].
+        tool: usize,
         /// Which number.
         index: usize,
     },
@@ -83,9 +97,18 @@ macro_rules! number {
             Self::CableExitRadius { cable } => {
                 cables.$get(cable).map(|cable| &$($mut)? cable.exit_radius_m)
             }
-            Self::TrackerBase { index } | Self::TrackerTool { index } => {
+            Self::TrackerBase { index }
+            | Self::RunBase { index, .. }
+            | Self::TrackerTool { index }
+            | Self::Tool { index, .. } => {
                 let placement = match $parameter {
                     Self::TrackerBase { .. } => around.tracker_base.$as(),
+                    Self::RunBase { base, .. } => {
+                        around.run_bases.$get(base).map(|base| &$($mut)? base.placement)
+                    }
+                    Self::Tool { tool, .. } => {
+                        around.tools.$get(tool).and_then(|tool| tool.placement.$as())
+                    }
                     _ => around.tracker_tool.$as(),
                 };
                 placement.and_then(|placement| match index.checked_sub(3) {
@@ -111,12 +134,16 @@ impl SurroundingParameter {
     pub fn unit(self) -> &'static str {
         match self {
             Self::CableScale { .. } | Self::TrackerScale | Self::Plane { index: 0 | 1, .. } => "1",
-            Self::TrackerBase { index: 3.. } | Self::TrackerTool { index: 3.. } => "rad",
+            Self::TrackerBase { index: 3.. }
+            | Self::RunBase { index: 3.., .. }
+            | Self::TrackerTool { index: 3.. }
+            | Self::Tool { index: 3.., .. } => "rad",
             _ => "m",
         }
     }
 
-    /// Short name: `cable2_anchor_x`, `tracker_base_rx`, `contact.socket.z`, `plane.table.offset`.
+    /// Short name: `cable2_anchor_x`, `tracker_base_rx`, `tracker_base.2.x` of run 2, `tool.ball.x`,
+    /// `contact.socket.z`, `plane.table.offset`.
     pub fn name(self, device: &Device) -> String {
         let cable = |index: usize| match index {
             0 => "cable".to_owned(),
@@ -131,7 +158,15 @@ impl SurroundingParameter {
             Self::CableScale { cable: of } => format!("{}_scale", cable(of)),
             Self::CableExitRadius { cable: of } => format!("{}_exit_radius", cable(of)),
             Self::TrackerBase { index } => format!("tracker_base_{}", part(&PLACEMENT, index)),
+            Self::RunBase { base, index } => {
+                let run = run_of(device, base);
+                format!("tracker_base.{run}.{}", part(&PLACEMENT, index))
+            }
             Self::TrackerTool { index } => format!("tracker_tool_{}", part(&PLACEMENT, index)),
+            Self::Tool { tool, index } => {
+                let id = tool_id(device, tool);
+                format!("tool.{id}.{}", part(&PLACEMENT, index))
+            }
             Self::TrackerScale => "tracker_scale".to_owned(),
             Self::Contact { point, axis } => {
                 let id = contact_id(device, point);
@@ -151,16 +186,24 @@ impl SurroundingParameter {
             _ => format!("cable[{}]", index + 1),
         };
         let placed = |place: &str, index: usize| match index {
-            0..3 => format!("tracker.{place}_xyz_m[{index}]"),
-            _ => format!("tracker.{place}_wxyz"),
+            0..3 => format!("{place}xyz_m[{index}]"),
+            _ => format!("{place}wxyz"),
         };
         match self {
             Self::CableAnchor { cable: of, axis } => format!("{}.anchor_m[{axis}]", cable(of)),
             Self::CableZero { cable: of } => format!("{}.zero_m", cable(of)),
             Self::CableScale { cable: of } => format!("{}.scale", cable(of)),
             Self::CableExitRadius { cable: of } => format!("{}.exit_radius_m", cable(of)),
-            Self::TrackerBase { index } => placed("base", index),
-            Self::TrackerTool { index } => placed("tool", index),
+            Self::TrackerBase { index } => placed("tracker.base_", index),
+            Self::RunBase { base, index } => {
+                let run = run_of(device, base);
+                placed(&format!("tracker.base_of_run[{run}]."), index)
+            }
+            Self::TrackerTool { index } => placed("tracker.tool_", index),
+            Self::Tool { tool, index } => {
+                let id = tool_id(device, tool);
+                placed(&format!("tool[{id}]."), index)
+            }
             Self::TrackerScale => "tracker.scale_sd".to_owned(),
             Self::Contact { point, axis } => {
                 let id = contact_id(device, point);
@@ -219,6 +262,16 @@ pub struct LengthScale {
 /// (docs/assumptions.md, A88).
 pub const UNSTATED_SCALE_SD: f64 = 1e-3;
 
+fn run_of(device: &Device, base: usize) -> String {
+    let base = device.surroundings.run_bases.get(base);
+    base.map_or_else(|| "?".to_owned(), |base| base.run.to_string())
+}
+
+fn tool_id(device: &Device, tool: usize) -> &str {
+    let tool = device.surroundings.tools.get(tool);
+    tool.map_or("?", |tool| &tool.id)
+}
+
 fn contact_id(device: &Device, point: usize) -> &str {
     let point = device.surroundings.contacts.get(point);
     point.map_or("?", |point| &point.id)
@@ -256,8 +309,9 @@ impl Device {
         cables.chain(tracker).collect()
     }
 
-    /// All parameters of cables, tracker, touched points and planes that are unknown: a cable's where its
-    /// `fit` says so, the tracker's where its base or tool is unknown and has been given a place.
+    /// All parameters of cables, tracker, tools, touched points and planes that are unknown: a cable's where its
+    /// `fit` says so, the tracker's where its base or tool is unknown and has been given a place, a tool's where it
+    /// has been given one.
     pub fn surrounding_parameters(&self) -> Vec<SurroundingParameter> {
         use SurroundingParameter as P;
         let mut parameters = Vec::new();
@@ -265,8 +319,19 @@ impl Device {
         if surroundings.tracker_base.is_some() {
             parameters.extend((0..6).map(|index| P::TrackerBase { index }));
         }
+        for base in 0..surroundings.run_bases.len() {
+            parameters.extend((0..6).map(|index| P::RunBase { base, index }));
+        }
         if surroundings.tracker_tool.is_some() {
             parameters.extend((0..6).map(|index| P::TrackerTool { index }));
+        }
+        for (tool, described) in surroundings.tools.iter().enumerate() {
+            let count = match described.placement {
+                None => 0,
+                Some(_) if described.has_turn => 6,
+                Some(_) => 3,
+            };
+            parameters.extend((0..count).map(|index| P::Tool { tool, index }));
         }
         for point in 0..surroundings.contacts.len() {
             parameters.extend((0..3).map(|axis| P::Contact { point, axis }));

@@ -288,6 +288,7 @@ fn sensors() {
     assert_eq!(device.cables, cables);
     let tracker = Tracker {
         base_known: false,
+        base_per_run: false,
         tool_known: true,
         position_sd_m: Some(5e-5),
         rotation_sd_rad: Some(1e-3),

@@ -9,6 +9,7 @@ mod deviations;
 mod device_file;
 mod evaluation;
 mod force;
+mod hands;
 mod haptic7;
 mod joint;
 mod parameters;

@@ -19,6 +19,7 @@ fn every_column_follows_the_chosen_rows() {
         temperature_degc: Some(column(170.0)),
         contact: Some(["p", "", "q", "p"].map(str::to_owned).to_vec()),
         plane: Some(["", "a", "", "b"].map(str::to_owned).to_vec()),
+        tool: Some(["t", "", "t", "u"].map(str::to_owned).to_vec()),
         covariates: vec![("humidity".to_owned(), column(180.0))],
     };
     let picked = |offset: f64| vec![offset + 3.0, offset + 1.0];
@@ -36,6 +37,7 @@ fn every_column_follows_the_chosen_rows() {
         temperature_degc: Some(picked(170.0)),
         contact: Some(["p", ""].map(str::to_owned).to_vec()),
         plane: Some(["b", "a"].map(str::to_owned).to_vec()),
+        tool: Some(["u", ""].map(str::to_owned).to_vec()),
         covariates: vec![("humidity".to_owned(), picked(180.0))],
     };
     assert_eq!(recording.select(&[3, 1]), expected);

@@ -93,8 +93,8 @@ pub(crate) struct RowPart {
 }
 
 impl LaneRows {
-    /// None where the problem has a channel, a chain or a fitted transmission of another kind, or a number that
-    /// is refused: then the general form serves, and says what is wrong with which line.
+    /// None where the problem has a channel, a chain or a fitted transmission of another kind, several tools or tracker
+    /// places, or a number that is refused: then the general form serves, and says what is wrong with which line.
     pub(crate) fn new(problem: &DeviceProblem<'_>) -> Option<Self> {
         let (device, recording) = (problem.device, problem.recording);
         let is_known = |id: &ParameterId| {
@@ -105,6 +105,7 @@ impl LaneRows {
         };
         let is_plain = !problem.sees_chain || (device.is_plain_table() && problem.loads.is_none());
         if !is_plain
+            || problem.has_mounts()
             || !problem.parameters.iter().all(is_known)
             || recording.joint.len() != device.joints.len()
         {

@@ -5,9 +5,10 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
 use super::kind::{Measurement, Posture, subject_of};
+use super::touching::Touching;
 
-/// From the touched point c to the handle, seen from the robot's base, `R_0^T (P - c)`: zero where the handle is
-/// on it.
+/// From the touched point c to the handle, or the tool on it, seen from the robot's base, `R_0^T (P - c)`: zero where
+/// it is on the point.
 ///
 /// In the base's frame, not in frame (-1), the residuals stay as they are when device and points turn together,
 /// however large they are: what no touch can tell stays exactly dependent away from the solution too. In
@@ -19,6 +20,7 @@ pub(crate) struct Seen {
     gap_m: Vector3<f64>,
     into_base: Matrix3<f64>,
     point: usize,
+    touching: Touching,
 }
 
 impl Measurement for Contact {
@@ -46,18 +48,21 @@ impl Measurement for Contact {
     }
 
     fn owns(&self, parameter: SurroundingParameter) -> bool {
-        matches!(parameter, SurroundingParameter::Contact { .. })
+        use SurroundingParameter::{Contact, Tool};
+        matches!(parameter, Contact { .. } | Tool { .. })
     }
 
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
         let point = at.device.surroundings.contacts.get(at.subject);
         let point = Vector3::from(point.map_or([f64::NAN; 3], |point| point.position_m));
-        let gap_m = at.evaluation.pose()?.position_m - point;
+        let touching = Touching::new(at)?;
+        let gap_m = touching.position_m - point;
         let into_base = at.evaluation.base_pose()?.rotation.transpose() * weight;
         let seen = Seen {
             gap_m,
             into_base,
             point: at.subject,
+            touching,
         };
         Ok(((into_base * gap_m).into(), seen))
     }
@@ -69,7 +74,10 @@ impl Measurement for Contact {
             {
                 (-seen.into_base.column(axis)).into()
             }
-            ParameterId::Surrounding(_) => [0.0; 3],
+            ParameterId::Surrounding(_) => {
+                let own = seen.touching.own(parameter);
+                own.map_or([0.0; 3], |linear| (seen.into_base * linear).into())
+            }
             ParameterId::Link { row: 0, .. } => {
                 self.by_base_twist(seen, &at.evaluation.pose_derivative(parameter))
             }
@@ -78,14 +86,15 @@ impl Measurement for Contact {
     }
 
     fn by_twist(&self, seen: &Seen, twist: &Twist) -> [f64; 3] {
-        (seen.into_base * twist.linear).into()
+        (seen.into_base * seen.touching.carried(twist)).into()
     }
 
-    fn by_base_twist(&self, seen: &Seen, Twist { linear, angular }: &Twist) -> [f64; 3] {
-        (seen.into_base * (linear - angular.cross(&seen.gap_m))).into()
+    fn by_base_twist(&self, seen: &Seen, twist: &Twist) -> [f64; 3] {
+        let linear = seen.touching.carried(twist);
+        (seen.into_base * (linear - twist.angular.cross(&seen.gap_m))).into()
     }
 
-    fn sensitivity_square(&self, _: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
-        Ok(twist.linear.norm_squared() / 3.0)
+    fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
+        Ok(Touching::new(at)?.carried(twist).norm_squared() / 3.0)
     }
 }

@@ -2,7 +2,7 @@
 
 use haptical_model::kinematics::Twist;
 use haptical_model::{
-    Device, Evaluation, ModelError, ParameterId, Recording, SurroundingParameter,
+    Device, Evaluation, ModelError, Mount, ParameterId, Recording, SurroundingParameter,
 };
 
 /// One kind of measurement: what a row shows of it, and how that changes with every parameter.
@@ -95,6 +95,8 @@ pub(crate) struct Posture<'e> {
     pub(crate) row: usize,
     /// Which of the device's touched points or planes the row is about; 0 for other kinds.
     pub(crate) subject: usize,
+    /// Where the tracker stood, and what was on the hand.
+    pub(crate) mount: Mount,
 }
 
 /// Whether a column has a number at a row.

@@ -11,4 +11,5 @@ pub(crate) mod plane;
 pub(crate) mod plane_pair;
 pub(crate) mod position;
 pub(crate) mod rotation;
+pub(crate) mod touching;
 pub(crate) mod tracked;

@@ -7,6 +7,7 @@ use haptical_model::{
 };
 
 use super::kind::{Measurement, Posture, subject_of};
+use super::touching::Touching;
 
 /// Distance of the handle from the plane, `n . P - offset`.
 pub(crate) struct Plane;
@@ -15,7 +16,7 @@ pub(crate) struct Plane;
 pub(crate) struct Seen {
     normal: Vector3<f64>,
     slopes: [Vector3<f64>; 2],
-    position_m: Vector3<f64>,
+    touching: Touching,
     weight: f64,
     plane: usize,
 }
@@ -50,11 +51,12 @@ impl Measurement for Plane {
     }
 
     fn owns(&self, parameter: SurroundingParameter) -> bool {
-        matches!(parameter, SurroundingParameter::Plane { .. })
+        use SurroundingParameter::{Plane, Tool};
+        matches!(parameter, Plane { .. } | Tool { .. })
     }
 
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
-        let position_m = at.evaluation.pose()?.position_m;
+        let touching = Touching::new(at)?;
         let plane = Self::plane(at);
         let nothing = Vector3::repeat(f64::NAN);
         let (normal, slopes) =
@@ -63,11 +65,11 @@ impl Measurement for Plane {
         let seen = Seen {
             normal,
             slopes,
-            position_m,
+            touching,
             weight,
             plane: at.subject,
         };
-        let residual = weight * (normal.dot(&position_m) - offset_m);
+        let residual = weight * (normal.dot(&touching.position_m) - offset_m);
         Ok(([residual, 0.0, 0.0], seen))
     }
 
@@ -78,21 +80,26 @@ impl Measurement for Plane {
             {
                 match index {
                     2 => -1.0,
-                    tilt => seen.slopes[tilt].dot(&seen.position_m),
+                    tilt => seen.slopes[tilt].dot(&seen.touching.position_m),
                 }
             }
-            ParameterId::Surrounding(_) => 0.0,
+            ParameterId::Surrounding(_) => {
+                let own = seen.touching.own(parameter);
+                own.map_or(0.0, |linear| seen.normal.dot(&linear))
+            }
             _ => return self.by_twist(seen, &at.evaluation.pose_derivative(parameter)),
         };
         [seen.weight * slope, 0.0, 0.0]
     }
 
     fn by_twist(&self, seen: &Seen, twist: &Twist) -> [f64; 3] {
-        [seen.weight * seen.normal.dot(&twist.linear), 0.0, 0.0]
+        let linear = seen.touching.carried(twist);
+        [seen.weight * seen.normal.dot(&linear), 0.0, 0.0]
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
         let normal = Self::plane(at).map(|plane| plane.normal_and_slopes().0);
-        Ok(normal.map_or(0.0, |normal| normal.dot(&twist.linear).powi(2)))
+        let linear = Touching::new(at)?.carried(twist);
+        Ok(normal.map_or(0.0, |normal| normal.dot(&linear).powi(2)))
     }
 }

@@ -53,7 +53,7 @@ impl Measurement for Position {
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
-        if let Some(tracked) = Tracked::new(at.device, at.evaluation.pose()?) {
+        if let Some(tracked) = Tracked::new(at.device, at.evaluation.pose()?, at.mount) {
             return Ok(tracked.carried(twist).linear.norm_squared() / 3.0);
         }
         Ok(twist.linear.norm_squared() / 3.0)

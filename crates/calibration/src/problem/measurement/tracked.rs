@@ -2,27 +2,27 @@
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Pose, Twist};
-use haptical_model::{Device, ModelError, ParameterId, SurroundingParameter};
+use haptical_model::{Device, ModelError, Mount, ParameterId, SurroundingParameter};
 
 use super::kind::Posture;
 
 /// Pose of what is tracked in the tracker's frame, `B T X`: B frame (-1) seen from the tracker, T the
-/// handle's pose, X what is tracked seen from the handle.
+/// handle's pose, X what is tracked seen from the handle. Which base and which tool a row is about says its [`Mount`].
 ///
 /// ```
 /// use haptical_calibration::Tracked;
 /// use haptical_model::kinematics::nalgebra::Vector3;
 /// use haptical_model::kinematics::{Pose, Twist};
-/// use haptical_model::{Device, Origin, Placement};
+/// use haptical_model::{Device, Mount, Origin, Placement};
 ///
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
 /// let mut device = Device::load(path.as_ref())?.device;
 /// let handle = Pose::default();
-/// assert!(Tracked::new(&device, &handle).is_none());
+/// assert!(Tracked::new(&device, &handle, Mount::default()).is_none());
 /// // a marker 0.1 m off the handle: a turn about z moves it along y
 /// let start = Origin { position_m: [0.1, 0.0, 0.0], ..Origin::IDENTITY };
 /// device.surroundings.tracker_tool = Some(Placement { start, ..Placement::default() });
-/// let tracked = Tracked::new(&device, &handle).ok_or("a tool")?;
+/// let tracked = Tracked::new(&device, &handle, Mount::default()).ok_or("a tool")?;
 /// let turn = Twist { linear: Vector3::zeros(), angular: Vector3::z() };
 /// assert!((tracked.carried(&turn).linear - Vector3::new(0.0, 0.1, 0.0)).norm() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -36,13 +36,13 @@ pub struct Tracked {
     /// Rotation vectors per unit of the tool's turn, in the handle frame.
     tool_turn: Matrix3<f64>,
     handle: Pose,
+    mount: Mount,
 }
 
 impl Tracked {
     /// None where the tracker's base and tool are known: then it sees the handle itself in frame (-1).
-    pub fn new(device: &Device, handle: &Pose) -> Option<Self> {
-        let surroundings = &device.surroundings;
-        let (base, tool) = (surroundings.tracker_base, surroundings.tracker_tool);
+    pub fn new(device: &Device, handle: &Pose, mount: Mount) -> Option<Self> {
+        let (base, tool) = (device.base_of(mount), device.seen_tool_of(mount));
         if base.is_none() && tool.is_none() {
             return None;
         }
@@ -53,6 +53,7 @@ impl Tracked {
             base_turn: base.turn_axes(),
             tool_turn: tool.turn_axes(),
             handle: *handle,
+            mount,
         })
     }
 
@@ -90,20 +91,26 @@ impl Tracked {
             linear,
             angular: Vector3::zeros(),
         };
+        let ParameterId::Surrounding(parameter) = parameter else {
+            return None;
+        };
+        if self.mount != mount_of(parameter, self.mount)? {
+            return Some(Twist::default());
+        }
         match parameter {
-            ParameterId::Surrounding(SurroundingParameter::TrackerBase { index }) => {
-                Some(match index.checked_sub(3) {
-                    None => slide(unit(index)),
-                    Some(turn) => {
-                        let angular = self.base_turn.column(turn).into_owned();
-                        Twist {
-                            linear: angular.cross(&self.reach()),
-                            angular,
-                        }
+            SurroundingParameter::TrackerBase { index }
+            | SurroundingParameter::RunBase { index, .. } => Some(match index.checked_sub(3) {
+                None => slide(unit(index)),
+                Some(turn) => {
+                    let angular = self.base_turn.column(turn).into_owned();
+                    Twist {
+                        linear: angular.cross(&self.reach()),
+                        angular,
                     }
-                })
-            }
-            ParameterId::Surrounding(SurroundingParameter::TrackerTool { index }) => {
+                }
+            }),
+            SurroundingParameter::TrackerTool { index }
+            | SurroundingParameter::Tool { index, .. } => {
                 let turned = self.base.rotation * self.handle.rotation;
                 Some(match index.checked_sub(3) {
                     None => slide(turned * unit(index)),
@@ -118,6 +125,24 @@ impl Tracked {
     }
 }
 
+/// The mount of a row that a number of base or tool is about, the other of the two as it is; none for another number.
+fn mount_of(parameter: SurroundingParameter, mount: Mount) -> Option<Mount> {
+    let (base, tool) = (mount.base, mount.tool);
+    Some(match parameter {
+        SurroundingParameter::TrackerBase { .. } => Mount { base: None, tool },
+        SurroundingParameter::RunBase { base, .. } => Mount {
+            base: Some(base),
+            tool,
+        },
+        SurroundingParameter::TrackerTool { .. } => Mount { base, tool: None },
+        SurroundingParameter::Tool { tool, .. } => Mount {
+            base,
+            tool: Some(tool),
+        },
+        _ => return None,
+    })
+}
+
 /// What a tracker sees of the device at a row: the handle itself, or what is tracked.
 pub(crate) struct Sight {
     pub(crate) pose: Pose,
@@ -127,7 +152,7 @@ pub(crate) struct Sight {
 impl Sight {
     pub(crate) fn new(at: &Posture<'_>) -> Result<Self, ModelError> {
         let handle = at.evaluation.pose()?;
-        let tracked = Tracked::new(at.device, handle);
+        let tracked = Tracked::new(at.device, handle, at.mount);
         Ok(Self {
             pose: tracked.map_or(*handle, |tracked| tracked.pose()),
             tracked,
@@ -158,9 +183,9 @@ impl Sight {
 
 /// Whether a number of the surroundings is one of the tracker's own.
 pub(crate) fn is_of_tracker(parameter: SurroundingParameter) -> bool {
-    use SurroundingParameter::{TrackerBase, TrackerScale, TrackerTool};
+    use SurroundingParameter::{RunBase, Tool, TrackerBase, TrackerScale, TrackerTool};
     matches!(
         parameter,
-        TrackerBase { .. } | TrackerTool { .. } | TrackerScale
+        TrackerBase { .. } | RunBase { .. } | TrackerTool { .. } | Tool { .. } | TrackerScale
     )
 }

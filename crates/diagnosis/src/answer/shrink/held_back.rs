@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use haptical_calibration::{HeldOut, split};
+use haptical_calibration::{HeldOut, split, without_own_places};
 use haptical_effects::Stream;
 use haptical_model::Recording;
 
@@ -25,7 +25,8 @@ pub(crate) fn on_held_back(
         let description = "every fifth touch of each point or plane".to_owned();
         (every_fifth_touch(recording), description)
     } else {
-        let split = split(recording, HeldOut::Share(HELD_BACK))?;
+        let whole = without_own_places(&engine.base.device, recording);
+        let split = split(&whole, HeldOut::Share(HELD_BACK))?;
         let mut held = vec![false; recording.len()];
         for &row in &split.held_out {
             held[row] = true;

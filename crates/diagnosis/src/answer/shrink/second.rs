@@ -1,6 +1,6 @@
 //! A second recording predicted with the models of the first.
 
-use haptical_calibration::{Channel, channels};
+use haptical_calibration::{Channel, channels, with_unseen_places};
 use haptical_effects::Effect;
 use haptical_model::Recording;
 
@@ -26,15 +26,18 @@ pub(crate) fn on_second(
     earlier: Option<&Base>,
 ) -> Result<Shrink, DiagnosisError> {
     let touched = Touched::new(selection, validation)?;
-    let base = touched
-        .as_ref()
-        .map_or(selection.engine().base, |touched| &touched.with);
+    let mut warnings = Vec::new();
+    let unseen = match &touched {
+        Some(_) => None,
+        None => with_own_places(selection.engine().base, validation, &mut warnings)?,
+    };
+    let first = unseen.as_ref().unwrap_or(selection.engine().base);
+    let base = touched.as_ref().map_or(first, |touched| &touched.with);
     let prepared = Prepared::new(base, validation, validation)?;
     let gone = prepared.outlying(OUTLIER_SD);
     let cleaned = without_readings(validation, &gone);
     let second = prepared.without(&gone, &cleaned).fit(None)?;
     let effects = selection.selector.effects;
-    let mut warnings = Vec::new();
     let causes = selection.causes().iter();
     let causes: Vec<Cause> = causes
         .filter_map(|cause| in_second(&second, effects, cause))
@@ -44,7 +47,10 @@ pub(crate) fn on_second(
             let there = placed(&model.device, &base.device, validation, &base.channels)?;
             model_residual(&there, &cleaned, &second)?
         }
-        (Some(model), None) => model_residual(model, &cleaned, &second)?,
+        (Some(model), None) => {
+            let there = with_own_places(model, validation, &mut Vec::new())?;
+            model_residual(there.as_ref().unwrap_or(model), &cleaned, &second)?
+        }
         (None, Some(touched)) => model_residual(&touched.plain, &cleaned, &second)?,
         (None, None) => second.residual_of(effects, &selection.engine().start.model.values, &[])?,
     };
@@ -77,6 +83,27 @@ pub(crate) fn on_second(
         description: "the second recording".to_owned(),
         warnings,
     })
+}
+
+/// A model with places for the runs and tools of a second recording that the first one lacks; none where it has all.
+/// Its parameters are those it had.
+fn with_own_places(
+    base: &Base,
+    validation: &Recording,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Base>, DiagnosisError> {
+    if base.device.mounts(validation).is_ok() {
+        return Ok(None);
+    }
+    warnings.push(
+        "the second recording has runs or tools that the first one lacks: their places are fitted to its own readings, with \
+         the model held"
+            .to_owned(),
+    );
+    Ok(Some(Base {
+        device: with_unseen_places(&base.device, validation)?,
+        ..base.clone()
+    }))
 }
 
 /// The models of the first recording where the second one touches something: nobody knows its place, so its

@@ -4,8 +4,9 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value
 
 use crate::Device;
 use crate::device::cable::Cable;
+use crate::device::mount::{RunBase, Tool};
 use crate::device::surroundings::{ContactPoint, Placement, Surroundings, TouchedPlane};
-use crate::file::sensors::PLACEMENT_KEYS;
+use crate::file::sensors::{BASE_OF_RUN, PLACE_KEYS, PLACEMENT_KEYS};
 use crate::file::write::changes::{rows, set};
 use crate::file::write::whole::{insert_tables, list, number, table, text};
 use crate::parameter::compliance_key;
@@ -14,6 +15,10 @@ use crate::parameter::compliance_key;
 pub(crate) fn write_changes(document: &mut DocumentMut, now: &Device, before: &Device) {
     let (new, old) = (now.surroundings.settled(), before.surroundings.settled());
     write_places(document, &new, &old);
+    if new.tools != old.tools {
+        let tables: ArrayOfTables = new.tools.iter().map(tool_table).collect();
+        document.insert("tool", Item::ArrayOfTables(tables));
+    }
     if new.contacts != old.contacts {
         let tables: ArrayOfTables = new.contacts.iter().map(contact_table).collect();
         document.insert("contact_point", Item::ArrayOfTables(tables));
@@ -45,6 +50,8 @@ pub(crate) fn write_changes(document: &mut DocumentMut, now: &Device, before: &D
 pub(crate) fn write_all(document: &mut DocumentMut, device: &Device) {
     let surroundings = device.surroundings.settled();
     write_places(document, &surroundings, &Surroundings::default());
+    let tools = surroundings.tools.iter().map(tool_table).collect();
+    insert_tables(document, "tool", tools);
     for (section, key, sd) in [
         ("contact", "sd_m", surroundings.contact_sd_m),
         ("plane", "sd_m", surroundings.plane_sd_m),
@@ -91,17 +98,52 @@ fn write_places(document: &mut DocumentMut, new: &Surroundings, old: &Surroundin
         let Some(Placement { start, .. }) = now.filter(|_| now != was) else {
             continue;
         };
-        if !document.contains_key("tracker") {
-            document.insert("tracker", Item::Table(Table::new()));
-        }
-        if let Some(table) = document
-            .get_mut("tracker")
-            .and_then(Item::as_table_like_mut)
-        {
+        if let Some(table) = tracker_of(document) {
             set(table, place, numbers(&start.position_m));
             set(table, turn, numbers(&start.orientation_wxyz));
         }
     }
+    if new.run_bases != old.run_bases
+        && let Some(table) = tracker_of(document)
+    {
+        let tables: ArrayOfTables = new.run_bases.iter().map(run_base_table).collect();
+        table.insert(BASE_OF_RUN, Item::ArrayOfTables(tables));
+    }
+}
+
+/// The table `[tracker]`, made where there is none.
+fn tracker_of(document: &mut DocumentMut) -> Option<&mut dyn TableLike> {
+    let table = document
+        .entry("tracker")
+        .or_insert_with(|| Item::Table(Table::new()));
+    table.as_table_like_mut()
+}
+
+fn run_base_table(base: &RunBase) -> Table {
+    let start = &base.placement.start;
+    table([
+        ("run", Some(value(base.run))),
+        (PLACE_KEYS[0], list(&start.position_m)),
+        (PLACE_KEYS[1], list(&start.orientation_wxyz)),
+    ])
+}
+
+fn tool_table(tool: &Tool) -> Table {
+    let start = tool.placement.map(|placement| placement.start);
+    let turn = start.filter(|_| tool.has_turn);
+    let line = tool.from_line.and_then(|line| i64::try_from(line).ok());
+    table([
+        ("id", text(&tool.id)),
+        (
+            PLACE_KEYS[0],
+            start.and_then(|start| list(&start.position_m)),
+        ),
+        (
+            PLACE_KEYS[1],
+            turn.and_then(|turn| list(&turn.orientation_wxyz)),
+        ),
+        ("from_line", line.map(value)),
+    ])
 }
 
 fn numbers(values: &[f64]) -> Value {

@@ -9,7 +9,7 @@ use crate::device::joint::Joint;
 use crate::device::rows::{Drive, Origin};
 use crate::file::sensors::fit_words;
 use crate::file::write::changes::{link_table, nominal, set_error};
-use crate::file::{CONVENTIONS, JOINT_TYPES, PLACES, TRANSMISSIONS, word_for};
+use crate::file::{BASES, CONVENTIONS, JOINT_TYPES, PLACES, TRANSMISSIONS, word_for};
 use crate::parameter::unknown::DEVIATION_KEYS;
 use crate::{Device, DeviceFileError};
 
@@ -226,7 +226,10 @@ fn cable_table(cable: &Cable) -> Table {
 
 fn tracker_table(tracker: &Tracker) -> Table {
     table([
-        ("base", text(word_for(PLACES, &tracker.base_known))),
+        (
+            "base",
+            text(word_for(BASES, &(tracker.base_known, tracker.base_per_run))),
+        ),
         ("tool", text(word_for(PLACES, &tracker.tool_known))),
         ("position_sd_m", number(tracker.position_sd_m)),
         ("rotation_sd_rad", number(tracker.rotation_sd_rad)),

@@ -6,6 +6,8 @@
 //!
 //! The folder has `devices/haptic7.toml`; the same folder gives the same bytes.
 
+mod hands;
+
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -85,7 +87,10 @@ fn main() -> Answer<()> {
     two_cables(&truth, &logs.join("two-cables.csv.gz"))?;
     tracker(&truth, &logs.join("tracker.csv.gz"))?;
     planes(&truth, &logs.join("planes.csv.gz"))?;
-    homing(&truth, &logs.join("homing.csv.gz"))
+    homing(&truth, &logs.join("homing.csv.gz"))?;
+    hands::reflectors(&truth, &logs.join("reflectors.csv.gz"))?;
+    hands::stands(&truth, &logs.join("stands.csv.gz"))?;
+    hands::balls(&truth, &logs.join("balls.csv.gz"))
 }
 
 /// Free postures, two cables of which the second leaves elsewhere and reads 2.5 mm too much.
@@ -113,13 +118,24 @@ fn tracker(truth: &Device, path: &Path) -> Answer<()> {
         position_m: [0.03, -0.02, 0.05],
         orientation_wxyz: [0.5, -0.3, 0.1, 0.8],
     };
-    let (base, tool) = (base.pose(), tool.pose());
     let mut noise = Noise::new(2);
     let postures = free_postures(truth, 200, 12)?;
     let mut recording = record(truth, &postures, &mut noise)?;
+    let places = vec![(base.pose(), tool.pose()); postures.len()];
+    see(
+        &mut recording,
+        &poses(truth, &postures)?,
+        &places,
+        &mut noise,
+    );
+    write(&recording, path)
+}
+
+/// What a tracker sees of the handle from a base, of a marker: positions and orientations, in that order.
+fn see(recording: &mut Recording, poses: &[Pose], places: &[(Pose, Pose)], noise: &mut Noise) {
     let mut position = [(); 3].map(|()| Vec::new());
     let mut orientation = [(); 4].map(|()| Vec::new());
-    for pose in poses(truth, &postures)? {
+    for (pose, (base, tool)) in poses.iter().zip(places) {
         let marker_m = pose.position_m + pose.rotation * tool.position_m;
         let seen_m = base.rotation * marker_m + base.position_m;
         for (column, part) in position.iter_mut().zip(seen_m.iter()) {
@@ -137,7 +153,6 @@ fn tracker(truth: &Device, path: &Path) -> Answer<()> {
     }
     recording.position_m = Some(position);
     recording.orientation_wxyz = Some(orientation);
-    write(&recording, path)
 }
 
 /// Touches of a table and of a wall at a right angle, and of two sockets 200 mm apart, at postures all over them.
@@ -354,7 +369,14 @@ fn write(recording: &Recording, path: &Path) -> Answer<()> {
     for (name, column) in &recording.covariates {
         numbers(name.clone(), column);
     }
-    for (name, column) in [("contact", &recording.contact), ("plane", &recording.plane)] {
+    let runs = recording.run.as_ref();
+    let runs = runs.map(|runs| runs.iter().map(i64::to_string).collect());
+    columns.extend(runs.map(|runs| ("run".to_owned(), runs)));
+    for (name, column) in [
+        ("contact", &recording.contact),
+        ("plane", &recording.plane),
+        ("tool", &recording.tool),
+    ] {
         columns.extend(column.clone().map(|column| (name.to_owned(), column)));
     }
     let file = std::fs::File::create(path)?;

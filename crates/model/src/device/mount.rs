@@ -1,0 +1,193 @@
+//! What a row's readings are about: where the tracker stood in its run, and which tool was on the hand.
+
+use haptical_kinematics::nalgebra::Vector3;
+
+use crate::{Device, Placement, Recording};
+
+/// Where a tracker stood that was set up anew for each run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunBase {
+    /// Run, as in the log's column `run`.
+    pub run: i64,
+    /// Frame (-1) seen from the tracker.
+    pub placement: Placement,
+}
+
+/// A thing on the hand that rows of a log are about: one of several reflectors, a ball, a tool that was put on later.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tool {
+    /// As in the log's column `tool`.
+    pub id: String,
+    /// What is seen, or touches, seen from the handle; none until a calibration has found a start value.
+    pub placement: Option<Placement>,
+    /// Whether its turn shows in any reading: only that of a thing whose orientation a tracker sees does.
+    pub has_turn: bool,
+    /// Line of the log from which on it is on the hand, where the log has no column `tool`.
+    pub from_line: Option<u64>,
+}
+
+/// What a row is about, by positions in [`crate::Surroundings::run_bases`] and [`crate::Surroundings::tools`].
+///
+/// Where there is none it is the tracker's one base, and the handle or the tracker's one tool.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Mount {
+    /// Where the tracker stood.
+    pub base: Option<usize>,
+    /// What was on the hand.
+    pub tool: Option<usize>,
+}
+
+/// A row that is about a tool or a run for which the device has no place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unplaced {
+    /// Row of the recording, from 0.
+    pub row: usize,
+    /// The log's column that names it.
+    pub column: &'static str,
+    /// What it names.
+    pub id: String,
+}
+
+impl RunBase {
+    /// The same without a turn: what a file holds.
+    #[must_use]
+    pub fn settled(&self) -> Self {
+        Self {
+            placement: self.placement.settled(),
+            ..*self
+        }
+    }
+}
+
+impl Tool {
+    /// A tool of this id, of which no place is known.
+    pub fn new(id: &str) -> Self {
+        Self {
+            id: id.to_owned(),
+            placement: None,
+            has_turn: false,
+            from_line: None,
+        }
+    }
+
+    /// The same without a turn: what a file holds.
+    #[must_use]
+    pub fn settled(&self) -> Self {
+        Self {
+            placement: self.placement.map(|placement| placement.settled()),
+            ..self.clone()
+        }
+    }
+}
+
+impl Device {
+    /// Whether each run of a recording has a tracker place of its own.
+    pub fn has_run_bases(&self) -> bool {
+        self.tracker.is_some_and(|tracker| tracker.base_per_run)
+    }
+
+    /// The id of what is on the hand at a row: the cell of the log's column `tool`, or what the device file says of
+    /// that line; empty for the handle itself.
+    ///
+    /// ```
+    /// use haptical_model::{Device, Recording};
+    /// let text = "[[joint]]\n[[tool]]\nid = \"long\"\nfrom_line = 3\n";
+    /// let device = Device::from_toml(text, "one.toml")?.device;
+    /// let recording = Recording { line: vec![2, 3], joint: vec![vec![0.0, 0.1]], ..Recording::default() };
+    /// assert_eq!([device.tool_at(&recording, 0), device.tool_at(&recording, 1)], ["", "long"]);
+    /// # Ok::<(), haptical_model::DeviceFileError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If the recording has a column `tool` and the row is not below its length.
+    pub fn tool_at<'t>(&'t self, recording: &'t Recording, row: usize) -> &'t str {
+        if let Some(ids) = &recording.tool {
+            return &ids[row];
+        }
+        let line = recording.line.get(row).copied().unwrap_or(0);
+        let put_on = self.surroundings.tools.iter();
+        let put_on = put_on.filter_map(|tool| Some((tool.from_line?, tool)));
+        let last = put_on.filter(|(from, _)| *from <= line);
+        let last = last.max_by_key(|(from, _)| *from);
+        last.map_or("", |(_, tool)| &tool.id)
+    }
+
+    /// What each row of a recording is about; empty where every row is about the handle, or the tracker's one tool,
+    /// and the tracker's one base.
+    ///
+    /// # Errors
+    /// [`Unplaced`] for the first tool, or run, for which the device has no place.
+    pub fn mounts(&self, recording: &Recording) -> Result<Vec<Mount>, Unplaced> {
+        let around = &self.surroundings;
+        let is_tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
+        let has_runs = self.has_run_bases() && is_tracked;
+        let has_tools = self.has_tools(recording);
+        if !has_runs && !has_tools {
+            return Ok(Vec::new());
+        }
+        let mount = |row: usize| -> Result<Mount, Unplaced> {
+            let mut mount = Mount::default();
+            if has_runs {
+                let run = recording.run_at(row);
+                let own = |base: &RunBase| base.run == run;
+                let found = around.run_bases.iter().position(own);
+                mount.base = Some(found.ok_or_else(|| Unplaced {
+                    row,
+                    column: "run",
+                    id: run.to_string(),
+                })?);
+            }
+            let id = if has_tools {
+                self.tool_at(recording, row)
+            } else {
+                ""
+            };
+            if !id.is_empty() {
+                let own = |tool: &Tool| tool.id == id && tool.placement.is_some();
+                let found = around.tools.iter().position(own);
+                mount.tool = Some(found.ok_or_else(|| Unplaced {
+                    row,
+                    column: "tool",
+                    id: id.to_owned(),
+                })?);
+            }
+            Ok(mount)
+        };
+        (0..recording.len()).map(mount).collect()
+    }
+
+    /// Whether any row may be about something else on the hand than the handle.
+    pub fn has_tools(&self, recording: &Recording) -> bool {
+        let is_put_on = |tool: &Tool| tool.from_line.is_some();
+        match &recording.tool {
+            Some(ids) => ids.iter().any(|id| !id.is_empty()),
+            None => self.surroundings.tools.iter().any(is_put_on),
+        }
+    }
+
+    /// Where the tracker stood at a row: frame (-1) seen from it. None for a tracker in frame (-1).
+    pub fn base_of(&self, mount: Mount) -> Option<Placement> {
+        let around = &self.surroundings;
+        match mount.base {
+            Some(base) => around.run_bases.get(base).map(|base| base.placement),
+            None => around.tracker_base,
+        }
+    }
+
+    /// What a tracker sees at a row, seen from the handle. None for the handle itself.
+    pub fn seen_tool_of(&self, mount: Mount) -> Option<Placement> {
+        match mount.tool {
+            Some(tool) => self.surroundings.tools.get(tool)?.placement,
+            None => self.surroundings.tracker_tool,
+        }
+    }
+
+    /// What touches at a row, in the handle frame \[m\]: the handle's origin, unless a tool is on the hand.
+    pub fn touching_m(&self, mount: Mount) -> Vector3<f64> {
+        let tool = mount
+            .tool
+            .and_then(|tool| self.surroundings.tools.get(tool));
+        let place = tool.and_then(|tool| tool.placement);
+        place.map_or_else(Vector3::zeros, |place| place.start.position_m.into())
+    }
+}
