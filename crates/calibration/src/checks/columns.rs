@@ -7,8 +7,9 @@ use haptical_model::{Device, JointType, Recording};
 
 use crate::CalibrationError;
 use crate::checks::conventions::{angle_rad, error_m, seen_spread_m};
-use crate::start::hand_eye::{Rig, closed_form, sights};
+use crate::start::hand_eye::closed_form;
 use crate::start::prepare::handle_poses;
+use crate::start::sights::{Rig, sights};
 
 /// Rows that the changed logs are tried on.
 const MOST_ROWS: usize = 100;
@@ -101,6 +102,7 @@ impl Change {
                 changed.cable_m = other.cable_m;
                 changed.position_m = other.position_m;
                 changed.orientation_wxyz = other.orientation_wxyz;
+                changed.tool = other.tool;
             }
         }
         changed
@@ -173,8 +175,8 @@ fn error(device: &Device, recording: &Recording) -> Option<f64> {
             square = Some(square.unwrap_or(0.0) + share * share);
         }
     };
-    let rig = Rig::new(device).unwrap_or_default();
-    let seen = sights(recording, &poses);
+    let rig = Rig::new(device, recording);
+    let seen = sights(recording, &poses, device, &rig);
     if seen.len() >= LEAST_ROWS {
         let is_placed = seen.iter().any(|sight| sight.position_m.is_some());
         if is_placed {

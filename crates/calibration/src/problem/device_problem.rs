@@ -96,6 +96,7 @@ impl<'a> DeviceProblem<'a> {
     ) -> Result<Self, CalibrationError> {
         let sees_chain = blocks.iter().any(|block| block.channel.sees_chain());
         let outputs = fixed_outputs(device, recording, parameters, sees_chain)?;
+        let channels: Vec<Channel> = blocks.iter().map(|block| block.channel).collect();
         Ok(Self {
             device,
             recording,
@@ -105,7 +106,7 @@ impl<'a> DeviceProblem<'a> {
             sees_chain,
             outputs,
             loads,
-            mounts: mounts(device, recording, channels)?,
+            mounts: mounts(device, recording, &channels)?,
         })
     }
 

@@ -280,8 +280,8 @@ impl AtTouch<'_> {
 
     /// Derivative by a number of the tool: it moves the touching point behind every row.
     fn of_tool(&self, moved: &Vector3<f64>, pulls: &[Vector3<f64>]) -> f64 {
-        let rows = (1..).zip(pulls);
-        rows.map(|(driven, pull)| pull.dot(&self.axis(driven).angular.cross(moved)))
+        let rows = self.axes.iter().zip(pulls);
+        rows.map(|(axis, pull)| pull.dot(&axis.angular.cross(moved)))
             .sum()
     }
 

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use haptical_model::{Device, ParameterId, Recording};
 
-use crate::fit::multi_start::spread_rows;
 use crate::fit::profiled::profile;
+use crate::fit::rows::spread_rows;
 use crate::fit::size;
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{

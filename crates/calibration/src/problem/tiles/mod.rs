@@ -181,6 +181,7 @@ impl DeviceProblem<'_> {
                 recording: self.recording,
                 row,
                 subject: block.subjects.get(part.cursor).copied().unwrap_or(0),
+                mount: self.mount(row),
             };
             let own = part.first + part.postures.len() * part.width;
             let weight = block.weights[part.cursor];

@@ -13,6 +13,7 @@ use crate::problem::channel::with_kind;
 use crate::problem::lanes::transmission::values_and_slopes;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::kind::{Measurement, Posture, is_of_handle};
+use crate::problem::mounts::mounts;
 
 /// Sum over the joints of `quanta`, the variance of each reading's rounding, times the square of the residual's
 /// sensitivity, row by row; zero where a touch has no reading. None where the channel is of no handle, or a number is
@@ -37,6 +38,7 @@ pub(crate) fn variances(
         outputs.push(sums.collect::<Vec<f64>>());
         slopes.push(own_slopes);
     }
+    let mounts = mounts(device, recording, &[channel]).ok()?;
     let chain = DeviceChain::new(device);
     let table = chain.chain().ok()?;
     let drives = chain.drives();
@@ -101,6 +103,7 @@ pub(crate) fn variances(
                 recording,
                 row,
                 subject: subject.and_then(Result::ok).unwrap_or(usize::MAX),
+                mount: mounts.get(row).copied().unwrap_or_default(),
             };
             let mut sum = 0.0;
             for (&joint, twist) in stepped.iter().zip(&twists) {
