@@ -366,9 +366,9 @@ impl WithSimd for Turn<'_> {
         self.into.angular = *axis;
         for (coordinate, into) in self.into.linear.iter_mut().enumerate() {
             let (a, b) = ((coordinate + 1) % 3, (coordinate + 2) % 3);
-            for posture in 0..POSTURES {
+            for (posture, into) in into.iter_mut().enumerate() {
                 let arm = |of: usize| self.end[of][posture] - point[of][posture];
-                into[posture] = axis[a][posture] * arm(b) - axis[b][posture] * arm(a);
+                *into = axis[a][posture] * arm(b) - axis[b][posture] * arm(a);
             }
         }
     }
@@ -386,14 +386,14 @@ impl WithSimd for Dot<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { a, b, into } = self;
-        for posture in 0..POSTURES {
+        for (posture, into) in into.iter_mut().enumerate() {
             let linear = a.linear[0][posture] * b.linear[0][posture]
                 + a.linear[1][posture] * b.linear[1][posture]
                 + a.linear[2][posture] * b.linear[2][posture];
             let angular = a.angular[0][posture] * b.angular[0][posture]
                 + a.angular[1][posture] * b.angular[1][posture]
                 + a.angular[2][posture] * b.angular[2][posture];
-            into[posture] = linear + angular;
+            *into = linear + angular;
         }
     }
 }
