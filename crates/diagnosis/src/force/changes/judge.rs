@@ -80,13 +80,9 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     if fitted.left_on(&shown) >= least {
         return None;
     }
-    // what the drives changed by as well is allowed for where unseen blocks want it
-    let [alone, beside] = inertia;
-    let (sized, inertia) = match both.gain_over(&fitted, &every).is_beyond_chance() {
-        true => (&both, beside),
-        false => (&fitted, alone),
-    };
-    let size = size(along, &columns, carrier.link, sized);
+    // changes of the drives beside it would take a part of it: a gain resembles weight, an offset its mean
+    let [inertia, _] = inertia;
+    let size = size(along, &columns, carrier.link, &fitted);
     let torque_nm = torque_of(along, &inertia, pair.from);
     if !is_large(along, &torque_nm, pair.from) || !size.is_certain() {
         return None;
