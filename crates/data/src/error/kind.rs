@@ -41,6 +41,7 @@ impl Fault {
             Self::QuaternionNorm { .. } => "quaternion-norm",
             Self::NegativeDistance { .. } => "negative-distance",
             Self::LooksLikeDegrees { .. } => "looks-like-degrees",
+            Self::LooksLikeCounts { .. } => "looks-like-counts",
             Self::InvalidShape { .. } => "invalid-shape",
             Self::InvalidRecording { .. } => "invalid-recording",
             Self::Unwritable { .. } => "unwritable",

@@ -356,6 +356,22 @@ pub enum Fault {
         /// Whether no reading is farther beyond the limits than a whole turn: it may be that alone.
         within_a_turn: bool,
     },
+    /// Readings that are neither radians nor degrees of any joint like this.
+    #[error(
+        "looks like encoder counts: the readings are whole numbers from {min} to {max}, the device's limits from {lower_rad} to \
+         {upper_rad} rad; give radians of the joint: counts times 2 pi over the counts of a turn, over the transmission ratio for \
+         an encoder of the motor (if the joint does turn so far, widen its limits)"
+    )]
+    LooksLikeCounts {
+        /// Smallest reading.
+        min: f64,
+        /// Largest reading.
+        max: f64,
+        /// Lower limit of the joint \[rad\].
+        lower_rad: f64,
+        /// Upper limit of the joint \[rad\].
+        upper_rad: f64,
+    },
     /// The shape describes no device.
     #[error("a log cannot be matched to a device without joints; correct the device file")]
     InvalidShape,

@@ -1,4 +1,4 @@
-//! Readings against the limits of their joint: degrees taken for radians, readings outside.
+//! Readings against the limits of their joint: degrees or counts taken for radians, readings outside.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,7 +14,10 @@ const SLACK: f64 = 0.1;
 /// Share of the readings left out at either end, so that a few outliers decide nothing.
 const TRIMMED: f64 = 0.025;
 
-/// Refuses joint columns in degrees; returns warnings about readings outside the limits.
+/// Radians of sixteen turns: whole numbers below may be rounded angles.
+const SIXTEEN_TURNS: f64 = 100.0;
+
+/// Refuses joint columns in degrees or counts; returns warnings about readings outside the limits.
 pub(crate) fn check(
     recording: &Recording,
     columns: &[(String, Role)],
@@ -32,6 +35,21 @@ pub(crate) fn check(
             .into_iter()
             .chain(output.map(|o| (Role::Output(joint), o)))
         {
+            if !device.prismatic && are_counts(readings, device) {
+                let (min, max) = range(readings);
+                let first = readings
+                    .iter()
+                    .position(|value| value.abs() > SIXTEEN_TURNS);
+                let line = recording.line[first.unwrap_or(0)];
+                return Err(
+                    cell_of(columns, role, file, line).error(Fault::LooksLikeCounts {
+                        min,
+                        max,
+                        lower_rad: device.lower,
+                        upper_rad: device.upper,
+                    }),
+                );
+            }
             let Some(outside) = Outside::find(readings, device) else {
                 continue;
             };
@@ -97,10 +115,7 @@ impl Outside {
         let (farthest, _) = outside()
             .rev()
             .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))?;
-        let range = present().fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(min, max), (_, &value)| (min.min(value), max.max(value)),
-        );
+        let range = range(readings);
         let is_whole_turn = |(_, value): (usize, &f64)| {
             let turns = ((value - 0.5 * (device.lower + device.upper)) / TAU).round();
             turns != 0.0 && (device.lower..=device.upper).contains(&(value - turns * TAU))
@@ -134,6 +149,29 @@ fn looks_like_degrees(readings: &[f64], device: &JointShape) -> bool {
     let no_offset = high - low > (1.0 + 2.0 * SLACK) * span || largest > limit + 4.0 * PI;
     let fits = largest.to_radians() <= (1.0 + SLACK) * limit;
     far_outside && no_offset && fits
+}
+
+/// Whether readings are an encoder's counts: whole numbers beyond what the joint's limits are in degrees. A joint without limits
+/// is not judged.
+fn are_counts(readings: &[f64], device: &JointShape) -> bool {
+    let (low, high) = trimmed_range(readings);
+    let largest = low.abs().max(high.abs());
+    let limit = device.lower.abs().max(device.upper.abs());
+    // a zero is off by some turns at most
+    let no_offset = high - low > (1.0 + 2.0 * SLACK) * (device.upper - device.lower);
+    let is_whole = |value: &f64| value.is_nan() || value.fract() == 0.0;
+    no_offset
+        && largest > SIXTEEN_TURNS
+        && largest.to_radians() > (1.0 + SLACK) * limit
+        && readings.iter().all(is_whole)
+}
+
+/// Smallest and largest reading.
+fn range(readings: &[f64]) -> (f64, f64) {
+    let present = readings.iter().filter(|value| !value.is_nan());
+    present.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), &value| {
+        (min.min(value), max.max(value))
+    })
 }
 
 /// Range of the readings without the outermost 2.5 % at either end (none of fewer than 40).

@@ -171,3 +171,23 @@ fn whole_turns_are_named_beside_degrees() {
     let warning = warns(&log(sweep(1.5, 2.5, 50)), &shape(-1.0, 1.0));
     assert!(!warning.contains("2 pi"), "{warning}");
 }
+
+#[test]
+fn counts_of_an_encoder_are_refused() {
+    let counts = |largest: f64| log(sweep(-largest, largest, 101).map(f64::round));
+    let limits = shape(-2.0, 2.0);
+    let error = read(&counts(6034.0), &limits).unwrap_err();
+    assert_eq!(error.kind(), "looks-like-counts", "{error}");
+    assert_eq!(
+        (error.line(), error.column()),
+        (Some(2), Some("theta1_rad"))
+    );
+    let said = error.to_string();
+    assert!(
+        said.contains("-6034 to 6034") && said.contains("-2 to 2 rad"),
+        "{said}"
+    );
+    // what is no whole number is no count, and whole degrees are degrees
+    warns(&log(sweep(-500.3, 500.0, 101)), &limits);
+    is_degrees(read(&counts(90.0), &limits));
+}
