@@ -38,7 +38,8 @@ pub fn diagnose(
     let recording = thinned.as_ref().unwrap_or(recording);
     let effects = effects_of(device, options)?;
     check_recording(device, recording, &channels(device, recording)?)?;
-    check_rig(device, recording)?;
+    let elsewhere = options.model.and_then(|_| with_open_base(device));
+    check_rig(elsewhere.as_ref().unwrap_or(device), recording)?;
     let base = Base::fit(device, recording, options.loss)?;
     let diagnosed = |device: &Device, base: &Base| {
         let case = Case {
@@ -82,6 +83,14 @@ fn yielding_as(device: &Device, model: &Device) -> Option<Device> {
         })
         .collect();
     Some(yielding)
+}
+
+/// The device with a tracker that stands anywhere: against an earlier model that is a cause, no mistake of the log.
+fn with_open_base(device: &Device) -> Option<Device> {
+    let mut open = device.clone();
+    open.tracker.as_mut()?.base_known = false;
+    open.surroundings.tracker_base = None;
+    Some(open)
 }
 
 /// The diagnosis where the base model's fit has no minimum: from its drives, then from where the search

@@ -154,9 +154,12 @@ impl Earlier<'_, '_> {
             .filter(|group| !group.in_drive)
             .flat_map(|group| group.columns.clone())
             .collect();
+        let sensors = self.sensors.iter();
+        let places = sensors.flat_map(|(_, columns)| columns.iter().copied());
+        let distant: Vec<usize> = links.into_iter().chain(places).collect();
         // The lengths of a model without transmission errors have taken part of those up: with the
-        // transmissions in question the links are free.
-        let mut terms = self.forward(true, &links, total);
+        // transmissions in question the links are free, and so is where a sensor stands.
+        let mut terms = self.forward(true, &distant, total);
         if terms.is_empty() {
             terms = self.forward(false, &[], total);
         }
@@ -216,20 +219,41 @@ impl Earlier<'_, '_> {
             explained >= NEARLY_ALL * total && explained >= chance(columns.len())
         };
         let (sensor, columns) = self.sensors.iter().find(explains)?;
-        let chosen: Vec<usize> = self.places.iter().chain(columns).copied().collect();
+        let explained = self.explained(columns);
+        Some(BaseTerm {
+            confusable_with: self.as_good(explained, |_| true),
+            is_all: true,
+            ..self.place_of(sensor, (columns, &[]), explained, others)?
+        })
+    }
+
+    /// A sensor at another place, by its columns `with` others that were chosen; its interval counts that `others` may differ too.
+    fn place_of(
+        &self,
+        sensor: &Displaced,
+        (columns, with): (&[usize], &[usize]),
+        explained: f64,
+        others: &[usize],
+    ) -> Option<BaseTerm> {
+        let chosen: Vec<usize> = (self.places.iter().chain(columns).chain(with))
+            .copied()
+            .collect();
         let (values, covariance) = self.columns.solution(&chosen)?;
         let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
         let first = self.places.len();
         let own = covariance.view((first, first), (columns.len(), columns.len()));
-        let explained = self.explained(columns);
         Some(BaseTerm {
             name: sensor.effect.name(),
             joint: None,
             explained,
-            parameters: sensor.parameters(self.engine, &values[first..], &own.into_owned()),
+            parameters: sensor.parameters(
+                self.engine,
+                &values[first..first + columns.len()],
+                &own.into_owned(),
+            ),
             in_drive: false,
-            confusable_with: self.as_good(explained, |_| true),
-            is_all: true,
+            confusable_with: Vec::new(),
+            is_all: false,
             columns: Vec::new(),
         })
     }
@@ -261,17 +285,25 @@ impl Earlier<'_, '_> {
         sizes.all(|size| size < WRONG_RATHER_THAN_CHANGED)
     }
 
+    /// Terms one by one, each time the one that explains most of the rest; sensors at another place are terms beside the links.
     fn forward(&self, in_drive: bool, given: &[usize], total: f64) -> Vec<BaseTerm> {
         let mut chosen = given.to_vec();
         let mut have = self.explained(&chosen);
-        let own = |group: &&Group| group.in_drive == in_drive;
-        let mut left: Vec<&Group> = self.groups.iter().filter(own).collect();
-        let mut terms = Vec::new();
+        let own = self
+            .groups
+            .iter()
+            .filter(|group| group.in_drive == in_drive);
+        let mut left: Vec<Term<'_>> = own.map(Term::Group).collect();
+        if !in_drive {
+            let sensors = self.sensors.iter();
+            left.extend(sensors.map(|(sensor, columns)| Term::Place(sensor, columns)));
+        }
+        let mut picked = Vec::new();
         while !left.is_empty() {
             let gains: Vec<f64> = left
                 .iter()
-                .map(|group| {
-                    let with: Vec<usize> = chosen.iter().chain(&group.columns).copied().collect();
+                .map(|term| {
+                    let with: Vec<usize> = chosen.iter().chain(term.columns()).copied().collect();
                     self.explained(&with) - have
                 })
                 .collect();
@@ -279,15 +311,24 @@ impl Earlier<'_, '_> {
             let Some(best) = best else {
                 break;
             };
-            if gains[best] < chance(left[best].columns.len()) || gains[best] < TERM_SHARE * total {
+            let rank = left[best].columns().len();
+            if gains[best] < chance(rank) || gains[best] < TERM_SHARE * total {
                 break;
             }
-            let group = left.remove(best);
-            chosen.extend(&group.columns);
+            let term = left.remove(best);
+            chosen.extend(term.columns());
             have += gains[best];
-            terms.push(self.term(group, gains[best]));
+            picked.push((term, gains[best]));
         }
-        terms
+        let terms = picked.into_iter().filter_map(|(term, gain)| match term {
+            Term::Group(group) => Some(self.term(group, gain)),
+            Term::Place(sensor, columns) => {
+                let is_other = |column: &&usize| !columns.contains(column);
+                let with: Vec<usize> = chosen.iter().filter(is_other).copied().collect();
+                self.place_of(sensor, (columns, &with), gain, &[])
+            }
+        });
+        terms.collect()
     }
 
     fn term(&self, group: &Group, explained: f64) -> BaseTerm {
@@ -315,6 +356,22 @@ impl Earlier<'_, '_> {
             answers.insert(engine.base.parameters[position].name(device), answer);
         }
         answers
+    }
+}
+
+/// What a step of a search may take.
+#[derive(Debug)]
+enum Term<'t> {
+    Group(&'t Group),
+    Place(&'t Displaced, &'t [usize]),
+}
+
+impl Term<'_> {
+    fn columns(&self) -> &[usize] {
+        match self {
+            Self::Group(group) => &group.columns,
+            Self::Place(_, columns) => columns,
+        }
     }
 }
 

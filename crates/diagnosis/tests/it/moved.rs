@@ -200,3 +200,45 @@ fn a_tracker_that_stands_elsewhere_than_in_an_earlier_model_is_named() {
     let still_there = recorded(&later, Isometry3::identity(), still);
     assert_eq!(against(&still_there, &[]).verdict, Verdict::NoGap);
 }
+
+/// Two causes at once are two terms: the place of the tracker takes no link's part, nor links the place's.
+#[test]
+fn a_tracker_that_was_moved_beside_a_changed_link_is_named_with_it() {
+    let one = Session {
+        runs: 1,
+        rows_of_a_run: 2400,
+        ..Session::default()
+    };
+    let mut before = diagnosed(&recorded(&one, Isometry3::identity(), still)).device;
+    before.links[3].theta_rad += 8e-3;
+    let later = Session { seed: 9, ..one };
+    let shift = 2e-3 * Vector3::new(0.6, -0.64, 0.48);
+    let tilt = 3e-3 * Vector3::new(-0.48, 0.6, 0.64);
+    let recording = recorded_from(&later, 0, Isometry3::new(shift, tilt), still);
+    let options = Options {
+        model: Some(&before),
+        ..Options::default()
+    };
+    let diagnosis = diagnose(&device(), &recording, &options).unwrap();
+    let summary = summary(&diagnosis);
+    assert_eq!(diagnosis.verdict, Verdict::Named, "{summary}");
+    let names = diagnosis
+        .causes
+        .iter()
+        .map(|cause| (cause.effect.as_str(), cause.joint));
+    let mut names: Vec<_> = names.collect();
+    names.sort_unstable();
+    assert_eq!(
+        names,
+        [("link-geometry", Some(3)), ("tracker-moved", None)],
+        "{summary}"
+    );
+    let place = diagnosis.causes.iter().find(|cause| cause.joint.is_none());
+    for (name, truth) in [("shift_m", 2e-3), ("tilt_rad", 3e-3)] {
+        let answer = place.unwrap().parameters[name];
+        assert!(
+            (answer.value / truth - 1.0).abs() < 0.1,
+            "{name} {answer:?}"
+        );
+    }
+}
