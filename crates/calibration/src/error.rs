@@ -130,6 +130,19 @@ pub enum CalibrationError {
         /// Residual with the change.
         after: f64,
     },
+    /// A log that the device misses by far as it is, and several times less after one change of its columns or rows.
+    #[error(
+        "the log fits the device file better with {what}: it misses by {after:.1e} of the spread of what was measured then (angles \
+         in rad), and by {before:.3} as logged; correct the log, or the sign or order of the joints in the device file"
+    )]
+    MistakenLog {
+        /// Which change makes it fit.
+        what: String,
+        /// Error of the device file as logged, over the spread of what was measured.
+        before: f64,
+        /// The same with the change.
+        after: f64,
+    },
     /// A refusal of the least squares.
     #[error("{what}: {source}")]
     Identification {

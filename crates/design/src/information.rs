@@ -1,13 +1,15 @@
 //! The information of each pose of a rig about the parameters: weighted derivatives, pose by pose.
 
 use haptical_calibration::{
-    Channel, DeviceProblem, GaugedProblem, Weights, parameter_infos, preference_order,
+    Channel, DeviceProblem, GaugedProblem, ScaleOfLengths, Weights, open_length_scales,
+    parameter_infos, preference_order, variance_by_held,
 };
 use haptical_identification::{
-    Identifiability, IdentifiabilityRules, Matrix, ParameterInfo, Reduction, analyse,
+    Identifiability, IdentifiabilityRules, Matrix, ParameterInfo, Reduction, Status, analyse,
     evaluate_jacobian,
 };
 use haptical_linalg::RANK_TOLERANCE;
+use haptical_model::{LengthScale, ParameterId};
 
 use crate::posture::recording;
 use crate::{DesignError, Equipped, Posture};
@@ -24,8 +26,12 @@ pub struct Information {
     pub infos: Vec<ParameterInfo>,
     order: Vec<usize>,
     rules: IdentifiabilityRules,
+    /// Scales of the rig's instruments, which no reading of the rig shows.
+    scales: Vec<LengthScale>,
     /// Row by row; those that are there whatever is chosen come first.
     rows: Vec<f64>,
+    /// Derivatives by the scales, row by row.
+    by_scale: Vec<f64>,
     /// First row of each pose, and the end.
     first: Vec<usize>,
 }
@@ -48,14 +54,19 @@ impl Information {
         add_references(equipped, &mut recording);
         let weights = Weights::stated(&equipped.device, &equipped.channels);
         let parameters = &equipped.parameters;
+        let scales = open_length_scales(&equipped.device, &equipped.channels, parameters);
+        let of_scales = scales
+            .iter()
+            .map(|scale| ParameterId::Surrounding(scale.parameter));
+        let both: Vec<ParameterId> = parameters.iter().copied().chain(of_scales).collect();
         let problem = DeviceProblem::new(
             &equipped.device,
             &recording,
             &equipped.channels,
-            parameters,
+            &both,
             &weights,
         )?;
-        let free: Vec<usize> = (0..parameters.len()).collect();
+        let free: Vec<usize> = (0..both.len()).collect();
         let gauged = GaugedProblem::new(&problem)?;
         let (jacobian, _) = evaluate_jacobian(&gauged, &problem.start(), &free)?;
         let always = all.len() - postures.len();
@@ -68,11 +79,14 @@ impl Information {
                 }
             }
         }
-        let mut rows = Vec::with_capacity(jacobian.rows() * parameters.len());
+        let (own, others) = free.split_at(parameters.len());
+        let mut rows = Vec::with_capacity(jacobian.rows() * own.len());
+        let mut by_scale = Vec::with_capacity(jacobian.rows() * others.len());
         let mut first = vec![0];
         for (row, residuals) in of_row.iter().enumerate() {
             for &residual in residuals {
-                rows.extend(free.iter().map(|&column| jacobian[(residual, column)]));
+                rows.extend(own.iter().map(|&column| jacobian[(residual, column)]));
+                by_scale.extend(others.iter().map(|&column| jacobian[(residual, column)]));
             }
             let end = first.last().copied().unwrap_or(0) + residuals.len();
             match row < always {
@@ -88,7 +102,9 @@ impl Information {
                 ..IdentifiabilityRules::default()
             },
             equipped: equipped.clone(),
+            scales,
             rows,
+            by_scale,
             first,
         })
     }
@@ -132,6 +148,10 @@ impl Information {
         let added = rows.len() / self.parameters().max(1);
         rows.append(&mut self.rows);
         self.rows = rows;
+        // what is known by other means does not rest on these scales
+        let mut by_scale = vec![0.0; added * self.scales.len()];
+        by_scale.append(&mut self.by_scale);
+        self.by_scale = by_scale;
         self.first.iter_mut().for_each(|first| *first += added);
         self
     }
@@ -210,6 +230,73 @@ impl Information {
             }
         }
         gram
+    }
+
+    /// The scales of instruments that the lengths of this rig rest on.
+    pub fn length_scales(&self) -> Vec<ScaleOfLengths> {
+        let scales = self.scales.iter();
+        let named = scales.map(|scale| ScaleOfLengths::of_instrument(&self.equipped.device, scale));
+        named.collect()
+    }
+
+    /// Standard deviations that the scales of instruments give the parameters `columns`, `chosen` poses measured: they go beyond
+    /// what [`Information::deviations`] and [`Information::judge`] give, which is by the noise alone.
+    ///
+    /// # Errors
+    /// Refusals of the linear algebra.
+    ///
+    /// # Panics
+    /// For a pose that is not there.
+    pub fn deviations_by_scale(
+        &self,
+        chosen: &[usize],
+        columns: &[usize],
+    ) -> Result<Vec<f64>, DesignError> {
+        let (width, scales) = (columns.len(), self.scales.len());
+        if scales == 0 {
+            return Ok(vec![0.0; width]);
+        }
+        let poses = chosen
+            .iter()
+            .map(|&pose| (self.first[pose], self.first[pose + 1]));
+        let rows: Vec<usize> = std::iter::once((0, self.first[0]))
+            .chain(poses)
+            .flat_map(|(start, end)| start..end)
+            .collect();
+        let matrix = Matrix::from_fn(rows.len().max(1), width + scales, |index, column| {
+            let Some(&row) = rows.get(index) else {
+                return 0.0;
+            };
+            match column.checked_sub(width) {
+                None => self.row(row)[columns[column]],
+                Some(scale) => self.by_scale[row * scales + scale],
+            }
+        });
+        let reduction = Reduction::new(&matrix, &vec![0.0; rows.len().max(1)])?;
+        let all: Vec<usize> = (0..width + scales).collect();
+        let (own, others) = all.split_at(width);
+        let sizes: Vec<f64> = self.scales.iter().map(|scale| scale.sd).collect();
+        let variances = variance_by_held(&reduction, own, others, &sizes)?;
+        Ok(variances.into_iter().map(f64::sqrt).collect())
+    }
+
+    /// What a judgement of all these poses says, the scales of instruments counted in the standard deviations of what it identifies.
+    ///
+    /// # Errors
+    /// Refusals of the linear algebra.
+    pub(crate) fn with_scales(&self, judged: &Identifiability) -> Result<Vec<Status>, DesignError> {
+        let is_fixed =
+            |index: &usize| matches!(judged.statuses[*index], Status::Identifiable { .. });
+        let fixed: Vec<usize> = (0..judged.statuses.len()).filter(is_fixed).collect();
+        let poses: Vec<usize> = (0..self.poses()).collect();
+        let added = self.deviations_by_scale(&poses, &fixed)?;
+        let mut statuses = judged.statuses.clone();
+        for (index, added) in fixed.into_iter().zip(added) {
+            if let Status::Identifiable { standard_deviation } = &mut statuses[index] {
+                *standard_deviation = standard_deviation.hypot(added);
+            }
+        }
+        Ok(statuses)
     }
 
     fn analyse(&self, reduction: &Reduction) -> Result<Identifiability, DesignError> {

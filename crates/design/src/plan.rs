@@ -1,5 +1,6 @@
 //! One plan from rigs to poses: the parameters that each rig identifies, measurements for the rest, the next poses.
 
+use haptical_calibration::ScaleOfLengths;
 use haptical_identification::{Identifiability, Status};
 use haptical_model::Device;
 use serde::{Serialize, Serializer};
@@ -76,6 +77,8 @@ pub struct RigIdentifiability {
     pub readings_per_pose: usize,
     /// Parameters that are identified, weak ones included.
     pub rank: usize,
+    /// Scales of instruments that the lengths rest on; the standard deviations count them.
+    pub length_scales: Vec<ScaleOfLengths>,
     /// Every parameter that a calibration from this rig could free.
     pub parameters: Vec<ParameterStatus>,
     /// For each parameter that it does not identify, measurements that would.
@@ -91,7 +94,7 @@ pub struct ParameterStatus {
     pub unit: String,
     /// Plausible size of its deviation from nominal.
     pub plausible_size: f64,
-    /// The status with the standard deviation (Cramér-Rao); plan.json has the status' name as `status` and
+    /// The status with the standard deviation (Cramér-Rao, and the scales of instruments); plan.json has the status' name as `status` and
     /// `standard_deviation`, null where there is none.
     #[serde(flatten, serialize_with = "name_and_deviation")]
     pub status: Status,
@@ -203,7 +206,7 @@ pub fn plan(
             &information,
             &judged,
             further,
-        ));
+        )?);
         if is_planned {
             let poses = request.poses;
             step(Step::Choosing {
@@ -257,19 +260,21 @@ fn identifiability_of_rig(
     information: &Information,
     judged: &Identifiability,
     suggestions: Vec<Suggestion>,
-) -> RigIdentifiability {
+) -> Result<RigIdentifiability, DesignError> {
+    let statuses = information.with_scales(judged)?;
     let parameter = |index: usize| {
         let info = &information.infos[index];
         ParameterStatus {
             name: info.name.clone(),
             unit: info.unit.clone(),
             plausible_size: info.plausible_size,
-            status: judged.statuses[index].clone(),
+            status: statuses[index].clone(),
             reason: judged.reason(index),
         }
     };
-    RigIdentifiability {
+    Ok(RigIdentifiability {
         measure: equipped.rig.name.clone(),
+        length_scales: information.length_scales(),
         readings_per_pose: (0..information.poses())
             .map(|pose| information.readings(Some(pose)))
             .max()
@@ -277,5 +282,5 @@ fn identifiability_of_rig(
         rank: judged.rank,
         parameters: (0..information.parameters()).map(parameter).collect(),
         suggestions,
-    }
+    })
 }

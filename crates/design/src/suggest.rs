@@ -17,7 +17,7 @@ pub struct Remedy {
     pub measure: String,
     /// The measurement of the rig in whose place it is; none where it is one more.
     pub instead_of: Option<String>,
-    /// Standard deviation that the parameter would have.
+    /// Standard deviation that the parameter would have, the scales of instruments counted.
     pub standard_deviation: f64,
 }
 
@@ -167,9 +167,10 @@ fn trial(
             log_sum += (standard_deviation / information.infos[place].plausible_size).ln();
         }
     }
+    let statuses = information.with_scales(&found)?;
     Ok(Trial {
         further,
-        judged: found,
+        judged: Identifiability { statuses, ..found },
         identified,
         log_sum,
     })

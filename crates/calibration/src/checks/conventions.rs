@@ -1,5 +1,5 @@
 //! Columns of a tracker in another convention than the log's: left-handed axes, quaternions in another order, poses the
-//! other way round, rows that belong to another posture, another frame.
+//! other way round, another frame.
 
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
@@ -49,8 +49,6 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
     let found = orientations(&part, &poses, &rig).map(|message| ("qw, qx, qy, qz", message));
     let found = found.or_else(|| Some(("x_m, y_m, z_m", positions(&part, &poses, &rig)?)));
     let found = found.or_else(|| Some(("x_m, y_m, z_m", inverted(&part, &poses, &rig)?)));
-    let found =
-        found.or_else(|| Some(("x_m, y_m, z_m", rows_off(device, recording, &some, &rig)?)));
     let found = found.or_else(|| Some(("x_m, y_m, z_m", elsewhere(device, &part, &poses)?)));
     found.map_or(Ok(()), |(column, message)| {
         Err(CalibrationError::Reading {
@@ -85,7 +83,7 @@ fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String>
 }
 
 /// Root mean square error of positions by the frames that fit them best.
-fn error_m(sights: &[Sight], rig: &Rig) -> f64 {
+pub(crate) fn error_m(sights: &[Sight], rig: &Rig) -> f64 {
     let frames = closed_form(sights, rig);
     (missed(sights, &frames) / sights.len().max(1) as f64).sqrt()
 }
@@ -114,28 +112,6 @@ fn inverted(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> 
         format!(
             "the poses are the inverse of those wanted (the tracker's frame seen from the marker): they miss the device by \
              {own:.3} m as they are, and by {other:.1e} m inverted; give the marker seen from the tracker"
-        )
-    })
-}
-
-/// Positions a row before or after their joint angles.
-fn rows_off(device: &Device, recording: &Recording, some: &[usize], rig: &Rig) -> Option<String> {
-    let last = recording.len().checked_sub(1)?;
-    let inner: Vec<usize> = (some.iter().copied().filter(|&row| row > 0 && row < last)).collect();
-    let poses = handle_poses(device, &recording.select(&inner)).ok()?;
-    let seen_at = |shift: &dyn Fn(usize) -> usize| {
-        let rows: Vec<usize> = inner.iter().map(|&row| shift(row)).collect();
-        sights(&recording.select(&rows), &poses)
-    };
-    let own = gross_m(&seen_at(&|row| row), rig)?;
-    let shifts: [(&dyn Fn(usize) -> usize, &str); 2] =
-        [(&|row| row - 1, "next"), (&|row| row + 1, "previous")];
-    let tried = shifts.map(|(shift, words)| (error_m(&seen_at(shift), rig), words));
-    let (best, words) = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best * BETTER < own).then(|| {
-        format!(
-            "each position belongs to the joint angles of the {words} row: it misses the device by {own:.3} m with those of its own \
-             row, and by {best:.1e} m with those; pair the rows anew"
         )
     })
 }
@@ -174,7 +150,7 @@ fn elsewhere(device: &Device, recording: &Recording, poses: &[Pose]) -> Option<S
 }
 
 /// Spread of the positions seen.
-fn seen_spread_m(sights: &[Sight]) -> f64 {
+pub(crate) fn seen_spread_m(sights: &[Sight]) -> f64 {
     let places: Vec<Vector3<f64>> = sights.iter().filter_map(|sight| sight.position_m).collect();
     spread_m(&places)
 }
@@ -262,7 +238,7 @@ fn orientations(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<Stri
 }
 
 /// Root mean square angle between what was seen and what the device has.
-fn angle_rad(sights: &[Sight], frames: &Frames) -> f64 {
+pub(crate) fn angle_rad(sights: &[Sight], frames: &Frames) -> f64 {
     let turned = sights.iter().filter_map(|sight| {
         let have = frames.base.rotation * sight.handle.rotation * frames.tool.rotation;
         Some(rotation_vector(&(have.transpose() * sight.rotation?)).norm_squared())

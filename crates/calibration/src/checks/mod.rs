@@ -1,5 +1,6 @@
 //! Checks of a recording before a fit, and the rows that are held out.
 
+pub(crate) mod columns;
 pub(crate) mod conventions;
 pub(crate) mod encoders;
 pub(crate) mod held_out;

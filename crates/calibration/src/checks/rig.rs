@@ -1,9 +1,9 @@
-//! Checks that a recording can serve its rig: pairs, planes, conventions of a tracker.
+//! Checks that a recording can serve its rig: pairs, planes, conventions of a tracker, columns and rows in their place.
 
 use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
-use crate::checks::{conventions, encoders};
+use crate::checks::{columns, conventions, encoders};
 use crate::start::prepare::listed;
 
 /// Fewest touches that make a plane and leave one to check it.
@@ -65,5 +65,6 @@ pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), Calibrati
         }
     }
     encoders::check(device, recording)?;
-    conventions::check(device, recording)
+    conventions::check(device, recording)?;
+    columns::check(device, recording)
 }

@@ -52,6 +52,8 @@ pub enum Held {
     Fitted,
     /// It is the scale of an instrument, which no residual shows.
     Scale,
+    /// It is a length that stands for the device's size, which touches do not show.
+    Size,
 }
 
 impl Considered {
@@ -138,7 +140,7 @@ impl Considered {
     pub(crate) fn reweighed(&self, device: &Device, effect: &HeldEffect) -> Self {
         let count = self.parameters.len();
         let open: Vec<usize> = (0..count)
-            .filter(|&k| self.held[k] != Held::Fitted)
+            .filter(|&k| !matches!(self.held[k], Held::Fitted | Held::Size))
             .collect();
         let sizes: Vec<f64> = open
             .iter()
@@ -392,6 +394,32 @@ pub(crate) fn sensitivity(
         }
     }
     Ok((sensitivity, rests))
+}
+
+/// Variance that plausible errors of held parameters give the fitted ones: `fitted` and `held` are columns of a reduction of
+/// weighted derivatives, `sizes` the standard deviations of the held ones before any reading.
+///
+/// What the readings would tell of the held ones is taken off (docs/equations.md, Covariance and intervals).
+///
+/// # Errors
+/// Refusals of the linear algebra.
+pub fn variance_by_held(
+    reduction: &Reduction,
+    fitted: &[usize],
+    held: &[usize],
+    sizes: &[f64],
+) -> Result<Vec<f64>, IdentificationError> {
+    if held.is_empty() || fitted.is_empty() {
+        return Ok(vec![0.0; fitted.len()]);
+    }
+    let (sensitivity, rests) = sensitivity(reduction, fitted, held)?;
+    let exact = vec![0.0; rests.first().map_or(0, Vec::len)];
+    let moment = second_moment(&rests, &exact, sizes, 1.0)?;
+    let of_row = |row: usize| {
+        let along: Vec<f64> = (0..held.len()).map(|k| sensitivity[(row, k)]).collect();
+        square_form(&along, &moment)
+    };
+    Ok((0..fitted.len()).map(of_row).collect())
 }
 
 /// S of held parameters, `sizes` their deviations before the recording: what their plausible sizes and the residuals say of their errors.

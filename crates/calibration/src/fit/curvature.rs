@@ -17,7 +17,8 @@ use crate::{CalibrationError, Channel, DeviceProblem, ParameterFit, Weights};
 /// from G at the device moved by one deviation of each held parameter to either side, the fitted ones moved with it; with d normal
 /// and of covariance S, E (d^T H d / 2)^2 = ((tr HS)^2 + 2 tr (HS)^2) / 4 (Mathai & Provost, *Quadratic Forms in
 /// Random Variables*, 1992, section 3.2b). The third order along each
-/// single parameter, T d^3 / 6 with E d^6 = 15, is added. What an earlier step fitted is known too well to matter.
+/// single parameter, T d^3 / 6 with E d^6 = 15, is added. What an earlier step fitted is known too well to matter. The scale of an
+/// instrument moves the lengths alone, in proportion, and with them G of what is held.
 ///
 /// `recording`, `channels` and `weights` are those of the fit; the noise of step 1 is added before
 /// ([`crate::with_step_one_noise`]).
@@ -67,7 +68,36 @@ pub fn with_curvature(
     let here = values_of(&fit.parameters, &fit.device);
     let first = at(&here).map_err(failed)?;
     let count = columns.len();
-    let mut curvature = vec![Matrix::zeros(count, count); fit.fitted.len()];
+    let scales: Vec<Vec<f64>> = (0..fit.considered.parameters.len())
+        .filter(|&k| matches!(fit.considered.held[k], Held::Scale | Held::Size))
+        .map(|k| {
+            let deviation = fit.considered.covariance[(k, k)].sqrt();
+            let rows = 0..fit.fitted.len();
+            rows.map(|row| fit.considered.sensitivity[(row, k)] * deviation)
+                .collect()
+        })
+        .collect();
+    let whole = count + scales.len();
+    let mut curvature = vec![Matrix::zeros(whole, whole); fit.fitted.len()];
+    for (scale, moves) in scales.iter().enumerate() {
+        let moved_by = |side: f64| {
+            let mut moved = here.clone();
+            for (change, &index) in moves.iter().zip(&fit.fitted) {
+                moved[index] += side * change;
+            }
+            at(&moved)
+        };
+        let (Ok(above), Ok(below)) = (moved_by(1.0), moved_by(-1.0)) else {
+            continue;
+        };
+        for (row, own) in curvature.iter_mut().enumerate() {
+            for (other, size) in deviations.iter().enumerate() {
+                let slope = (above[(row, other)] - below[(row, other)]) / 2.0 * size;
+                own[(count + scale, other)] = slope;
+                own[(other, count + scale)] = slope;
+            }
+        }
+    }
     let mut third = vec![0.0; fit.fitted.len()];
     for (position, (&column, deviation)) in columns.iter().zip(&deviations).enumerate() {
         // to a side of the held parameter, the fitted ones following to the first order or the second

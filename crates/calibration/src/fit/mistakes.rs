@@ -1,8 +1,10 @@
-//! Mistaken columns of a log: a joint's sign or place is refused where its correction fits far better.
+//! Mistaken columns of a log that a fit shows: a joint's sign or place, or rows one off, are refused where the correction fits
+//! far better.
 
 use haptical_identification::Problem;
-use haptical_model::{Device, JointType, ParameterId, Recording};
+use haptical_model::{Device, ParameterId, Recording};
 
+use crate::checks::columns::{Change, has_neighbours, of_columns, of_rows};
 use crate::fit::implausible::implausible_links;
 use crate::fit::multi_start::spread_rows;
 use crate::fit::request::FitRequest;
@@ -13,8 +15,6 @@ use crate::{CalibrationError, Channel, DeviceProblem, Options, ParameterFit, pre
 const MOST_ROWS: usize = 80;
 /// Steps of a search.
 const MOST_STEPS: usize = 40;
-/// Most joints of which every two are tried in each other's place; of more, neighbours alone.
-const ALL_PAIRS: usize = 10;
 /// Share of the residual that a changed log must leave at most: an effect that the model lacks stays, whatever
 /// column is turned.
 const LEFT: f64 = 0.2;
@@ -29,15 +29,7 @@ const MOST_FITS: usize = 4;
 /// Share of the handle's range that a residual has at least where a column is turned.
 const GROSS: f64 = 0.02;
 
-/// A change that makes a log right.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Change {
-    Turned(usize),
-    Swapped(usize, usize),
-}
-
-/// Refuses a log with which a fit stays doubtful, if it fits several times better with one joint's column negated
-/// or with two in each other's place.
+/// Refuses a log with which a fit stays doubtful, if it fits several times better after one change of its columns or rows.
 ///
 /// # Errors
 /// [`CalibrationError::MistakenColumns`].
@@ -48,9 +40,8 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
     if fit.starts.doubt_that_remains.is_none() || request.parameters.iter().any(is_transmission) {
         return Ok(());
     }
-    let part = request
-        .recording
-        .select(&spread_rows(request.recording.len(), MOST_ROWS));
+    let rows = spread_rows(request.recording.len(), MOST_ROWS);
+    let part = request.recording.select(&rows);
     let bare = without_places(request.device);
     let Some(unfitted) = Trial::new(request, &bare, &part).and_then(|trial| trial.unfitted())
     else {
@@ -59,16 +50,24 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
     if implausible_links(request.device, fit).is_empty() && !is_gross(request, unfitted, &part) {
         return Ok(());
     }
-    let mut nearer: Vec<(f64, Change, Recording)> = changes(request.device)
+    let mut nearer: Vec<(f64, Change, Recording)> = of_columns(request.device)
         .into_iter()
         .filter_map(|change| {
-            let part = changed(&part, change);
+            let part = change.of_rows(request.recording, &rows);
             let left = Trial::new(request, &bare, &part)?.unfitted()?;
             (left < NEARER * unfitted).then_some((left, change, part))
         })
         .collect();
     nearer.sort_by(|a, b| a.0.total_cmp(&b.0));
     nearer.truncate(MOST_FITS);
+    // how far a row is off shows only once the device is fitted
+    let inner: Vec<usize> = (rows.iter().copied())
+        .filter(|&row| has_neighbours(request.recording, row))
+        .collect();
+    nearer.extend(of_rows(request.recording).into_iter().map(|change| {
+        let part = change.of_rows(request.recording, &inner);
+        (unfitted, change, part)
+    }));
     if nearer.is_empty() {
         return Ok(());
     }
@@ -83,7 +82,8 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
             let (left, odd_values) = Trial::new(request, &bare, part)?.fitted()?;
             let is_far_better = left < LEFT * as_logged && odd_values <= odd;
             // the log as it is may be that of a mirror image of the device
-            let is_more_plausible = left < AS_GOOD * as_logged && odd_values == 0 && odd > 0;
+            let is_more_plausible =
+                !change.is_of_rows() && left < AS_GOOD * as_logged && odd_values == 0 && odd > 0;
             (is_far_better || is_more_plausible).then_some((left, *change))
         })
         .collect();
@@ -190,41 +190,4 @@ fn without_places(device: &Device) -> Device {
     around.contacts.clear();
     around.planes.clear();
     bare
-}
-
-/// Every change of one joint's column, or of two of one kind.
-fn changes(device: &Device) -> Vec<Change> {
-    let joints = &device.joints;
-    let turned = (0..joints.len()).map(Change::Turned);
-    let pairs = (0..joints.len()).flat_map(|a| (a + 1..joints.len()).map(move |b| (a, b)));
-    let are_tried = |&(a, b): &(usize, usize)| {
-        joints[a].joint_type == joints[b].joint_type && (joints.len() <= ALL_PAIRS || b == a + 1)
-    };
-    let swapped = pairs.filter(are_tried).map(|(a, b)| Change::Swapped(a, b));
-    turned.chain(swapped).collect()
-}
-
-fn changed(recording: &Recording, change: Change) -> Recording {
-    let mut changed = recording.clone();
-    match change {
-        Change::Turned(joint) => {
-            let column = changed.joint.get_mut(joint).into_iter().flatten();
-            column.for_each(|reading| *reading = -*reading);
-        }
-        Change::Swapped(a, b) => changed.joint.swap(a, b),
-    }
-    changed
-}
-
-impl Change {
-    fn words(self, device: &Device) -> String {
-        let column = |joint: usize| match device.joints[joint].joint_type {
-            JointType::Revolute => format!("`theta{}_rad`", joint + 1),
-            JointType::Prismatic => format!("`theta{}_m`", joint + 1),
-        };
-        match self {
-            Self::Turned(joint) => format!("column {} negated", column(joint)),
-            Self::Swapped(a, b) => format!("columns {} and {} swapped", column(a), column(b)),
-        }
-    }
 }

@@ -10,7 +10,7 @@ use crate::fit::request::judge;
 use crate::problem::form::Prepared;
 use crate::problem::gauge::{are_touches_without_length, is_pair};
 use crate::start::points;
-use crate::{Channel, DeviceProblem, Weights, candidate_parameters, parameter_infos};
+use crate::{Channel, DeviceProblem, ParameterFit, Weights, candidate_parameters, parameter_infos};
 
 /// Shortest length that holds the others' scale \[m\].
 const SHORT_M: f64 = 0.01;
@@ -74,6 +74,14 @@ pub fn held_for_scale(
     let is_held = |index: &usize| *index == longest || acts_like_it(index);
     let held = (0..parameters.len()).filter(is_held);
     held.map(|index| parameters[index]).collect()
+}
+
+/// The parameters that a fit of the chain held for its scale: candidates that it was not asked for.
+pub(crate) fn held_for_size(fit: &ParameterFit, prepared: &Device) -> Vec<ParameterId> {
+    let candidates = candidate_parameters(prepared).into_iter();
+    candidates
+        .filter(|parameter| !fit.parameters.contains(parameter))
+        .collect()
 }
 
 /// What a dependent parameter acts like.

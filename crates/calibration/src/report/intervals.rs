@@ -1,11 +1,12 @@
 //! The method behind the intervals of a fit, for those who cite them.
 
 use haptical_identification::{Matrix, NoiseScale, pooled};
-use haptical_model::ParameterId;
+use haptical_model::{Device, LengthScale, ParameterId};
 use serde::Serialize;
 
 use crate::fit::considered::Held;
-use crate::{ChannelNoise, ParameterFit};
+use crate::problem::gauge::are_touches_without_length;
+use crate::{Channel, ChannelNoise, ParameterFit};
 
 /// How the intervals of a fit were made.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,7 +23,7 @@ pub struct Intervals {
     pub noise_checked: bool,
     /// The noise of the fit's channels, where it is not independent and of one size.
     pub channel_noise: Vec<ChannelNoise>,
-    /// Scales of instruments that lengths rest on, counted in the intervals.
+    /// What lengths are in proportion to, counted in their intervals.
     pub length_scales: Vec<ScaleOfLengths>,
     /// Parameters that were not fitted (weak, or those of step 1) and whose plausible errors widen the intervals.
     pub considered: Vec<String>,
@@ -36,15 +37,41 @@ pub struct Intervals {
     pub open: Vec<String>,
 }
 
-/// The scale of an instrument, which every length has that was measured with it alone.
+/// What all lengths of a device are in proportion to: every length that rests on it alone has its error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ScaleOfLengths {
-    /// Name of the instrument's reading per length.
+    /// Name of the instrument's reading per length, of the held length, or of the known distance's points.
     pub name: String,
     /// Standard deviation of its error, 1 being the whole length.
     pub sd: f64,
-    /// Whether the device file states it (`scale_sd`); else it is assumed.
+    /// Whether the device file states it (`scale_sd`, `sd_m`); else it is assumed.
     pub is_stated: bool,
+    /// What it is.
+    pub source: SourceOfScale,
+}
+
+impl ScaleOfLengths {
+    /// The scale of an instrument of a device.
+    pub fn of_instrument(device: &Device, scale: &LengthScale) -> Self {
+        Self {
+            name: ParameterId::Surrounding(scale.parameter).name(device),
+            sd: scale.sd,
+            is_stated: scale.is_stated,
+            source: SourceOfScale::Instrument,
+        }
+    }
+}
+
+/// What tells the size of a device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SourceOfScale {
+    /// An instrument that measures lengths.
+    Instrument,
+    /// A length that is held, as touches do not tell it.
+    HeldLength,
+    /// A known distance between touched points.
+    KnownDistance,
 }
 
 impl ParameterFit {
@@ -67,16 +94,7 @@ impl ParameterFit {
         };
         let least = (0..self.fitted.len()).map(freedom).reduce(f64::min);
         let considered = self.considered.parameters.iter().zip(&self.considered.held);
-        let considered = considered.filter(|(_, held)| **held != Held::Scale);
-        let scales = self.device.length_scales().into_iter().map(|scale| {
-            let parameter = ParameterId::Surrounding(scale.parameter);
-            let own = self.considered.reason(parameter) == Some(Held::Scale);
-            own.then(|| ScaleOfLengths {
-                name: parameter.name(&self.device),
-                sd: scale.sd,
-                is_stated: scale.is_stated,
-            })
-        });
+        let considered = considered.filter(|(_, held)| !matches!(**held, Held::Scale | Held::Size));
         let names = |indices: &[usize]| {
             let names = indices.iter().map(|&index| &self.estimates[index].name);
             names.cloned().collect()
@@ -91,10 +109,44 @@ impl ParameterFit {
             least_degrees_of_freedom: least.filter(|_| has_memory),
             noise_checked: self.noise_is_checked,
             channel_noise: self.channel_noise.clone(),
-            length_scales: scales.flatten().collect(),
+            length_scales: self.length_scales(),
             considered: considered
                 .map(|(parameter, _)| parameter.name(&self.device))
                 .collect(),
         }
+    }
+
+    fn length_scales(&self) -> Vec<ScaleOfLengths> {
+        let (device, considered) = (&self.device, &self.considered);
+        let instruments = device.length_scales().into_iter().filter_map(|scale| {
+            let parameter = ParameterId::Surrounding(scale.parameter);
+            let own = considered.reason(parameter) == Some(Held::Scale);
+            own.then(|| ScaleOfLengths::of_instrument(device, &scale))
+        });
+        let held = considered.parameters.iter().zip(&considered.held);
+        let held: Vec<ParameterId> = held
+            .filter_map(|(parameter, held)| (*held == Held::Size).then_some(*parameter))
+            .collect();
+        let sizes = held.iter().map(|parameter| parameter.value(device).abs());
+        let size = sizes.fold(f64::MIN_POSITIVE, f64::max);
+        let lengths = held.iter().map(|parameter| ScaleOfLengths {
+            name: parameter.name(device),
+            sd: parameter.plausible_size(device) / size,
+            is_stated: false,
+            source: SourceOfScale::HeldLength,
+        });
+        let channels: Vec<Channel> = self.channel_parameters.keys().copied().collect();
+        let is_fixed = are_touches_without_length(device, &channels);
+        let known = channels.iter().filter_map(|channel| match *channel {
+            Channel::ContactPair { index } if is_fixed => device.contact_pairs.get(index),
+            _ => None,
+        });
+        let known = known.map(|pair| ScaleOfLengths {
+            name: format!("{}, {}", pair.a, pair.b),
+            sd: pair.sd_m / pair.distance_m,
+            is_stated: true,
+            source: SourceOfScale::KnownDistance,
+        });
+        instruments.chain(lengths).chain(known).collect()
     }
 }

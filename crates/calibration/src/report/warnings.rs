@@ -4,9 +4,9 @@ use haptical_model::{Device, ParameterId, Recording};
 
 use crate::checks::sufficiency;
 use crate::fit::implausible::{IMPLAUSIBLE, implausible};
+use crate::fit::size::held_for_size;
 use crate::problem::loads::Loads;
 use crate::report::above_floor;
-use crate::steps::device::held_for_size;
 use crate::{CalibrationMethod, Channel, ChannelReport, FittedDevice, ParameterFit, Starts};
 
 /// What a recording lacks for this device.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use haptical_model::{Device, ParameterId, Recording};
 
+use crate::fit::multi_start::spread_rows;
 use crate::fit::profiled::profile;
 use crate::fit::size;
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
@@ -19,6 +20,10 @@ use crate::{
 const WEIGHTING_ROUNDS: usize = 2;
 /// Relative change of a channel's noise that is worth another fit.
 const WEIGHTING_CHANGE: f64 = 0.1;
+
+/// Rows and steps of the fit that looks at the columns.
+const LOOKED_AT: usize = 240;
+const MOST_STEPS: usize = 40;
 
 /// Least squares, with the channels' noise re-estimated.
 pub(crate) fn fit_squares(
@@ -72,7 +77,7 @@ pub(crate) fn fit_once(
             // what the fit of both holds stays at the device's own value, wherever step 2 had it
             let (mut parameters, unsupported) =
                 joint_candidates(&fitted.device, &fitted.transmissions);
-            let held = held_for_size(&kinematics, &fitted.device);
+            let held = size::held_for_size(&kinematics, &fitted.device);
             parameters.retain(|parameter| !held.contains(parameter));
             let first = parameters.len();
             parameters.extend(unsupported);
@@ -105,6 +110,30 @@ pub(crate) fn fit_once(
         whole: Some(whole),
         ..fitted
     })
+}
+
+/// Refuses a log of which a fit to a part shows that a joint's column is turned or in another's place.
+///
+/// What shows without a fit, [`crate::check_rig`] refuses; a small joint's turned column leaves less than the deviations of
+/// the device file do.
+///
+/// # Errors
+/// [`CalibrationError::MistakenColumns`] alone: what else a fit refuses, the fit itself says.
+pub fn check_columns(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
+    let part = recording.select(&spread_rows(recording.len(), LOOKED_AT));
+    let channels = channels(device, &part)?;
+    let mut options = Options {
+        method: CalibrationMethod::TwoStep,
+        starts: 0,
+        unfinished: true,
+        ..Options::default()
+    };
+    options.search.max_iterations = options.search.max_iterations.min(MOST_STEPS);
+    let weights = Weights::stated(device, &channels);
+    match fit_once(device, &part, &channels, &weights, &options) {
+        Err(error @ CalibrationError::MistakenColumns { .. }) => Err(error),
+        _ => Ok(()),
+    }
 }
 
 /// Channels and rows of step 2: what sees the chain, none where nothing does, and the rows whose transmission errors
@@ -231,12 +260,4 @@ fn estimate_noise(
             Some((channel.channel, (deviation / channel.noise_floor).max(1e-3)))
         })
         .collect())
-}
-
-/// The parameters that a fit of the chain held for its scale: candidates that it was not asked for.
-pub(crate) fn held_for_size(fit: &ParameterFit, prepared: &Device) -> Vec<ParameterId> {
-    let candidates = candidate_parameters(prepared).into_iter();
-    candidates
-        .filter(|parameter| !fit.parameters.contains(parameter))
-        .collect()
 }

@@ -258,7 +258,10 @@ fn positions_of_the_row_before_are_named() {
         let rows = right.len();
         let rotated =
             |from: usize| -> Vec<usize> { (0..rows).map(|row| (row + from) % rows).collect() };
-        for (by, words) in [(1, "of the previous row"), (rows - 1, "of the next row")] {
+        for (by, words) in [
+            (1, "measured a row later"),
+            (rows - 1, "measured a row earlier"),
+        ] {
             let moved = right.select(&rotated(rows - by));
             let mut wrong = right.clone();
             wrong.position_m.clone_from(&moved.position_m);

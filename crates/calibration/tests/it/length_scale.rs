@@ -174,3 +174,27 @@ fn two_cables_share_what_they_do_not_tell() {
     let share = a0.standard_deviation.unwrap() / a0.value.unwrap();
     assert!((1e-4..9e-4).contains(&share), "{share}");
 }
+
+/// `theta1` and `d0` are one turn about the cable's exit, of d0 / a0: a0 is known to the scale, and with it the factor.
+#[test]
+fn a_combination_counts_the_scale_of_its_factor() {
+    let Some(mut nominal) = haptic::haptic7() else {
+        return;
+    };
+    let truth = haptic::truth_of(&nominal, 1.0);
+    let recording = haptic::record(&truth, 400, 3, Noise::Gaussian);
+    let mut turn = |scale_sd: f64| {
+        nominal.cables[0].scale_sd = Some(scale_sd);
+        let fit = identified(&nominal, &recording).fitted.whole.unwrap();
+        let sums = fit.combinations();
+        let sum = sums
+            .iter()
+            .find(|sum| sum.terms[0].name == "theta1")
+            .unwrap();
+        sum.standard_deviation
+    };
+    let (exact, known) = (turn(0.0), turn(4e-3));
+    let added = (known.powi(2) - exact.powi(2)).sqrt();
+    let expected = 5e-3 * 4e-3 / 0.25;
+    assert!((added / expected - 1.0).abs() < 0.15, "{added} {expected}");
+}

@@ -34,7 +34,10 @@ fn refusal(device: &Device, recording: &Recording) -> Option<String> {
         ..Options::default()
     };
     match calibrate(device, recording, &options) {
-        Err(error @ CalibrationError::MistakenColumns { .. }) => Some(error.to_string()),
+        Err(
+            error @ (CalibrationError::MistakenColumns { .. }
+            | CalibrationError::MistakenLog { .. }),
+        ) => Some(error.to_string()),
         Err(error) => panic!("{error}"),
         Ok(_) => None,
     }
@@ -130,5 +133,90 @@ fn external_encoders_of_other_joints_are_named() {
     assert!(
         words.starts_with("out2_rad: it is 0.001 times theta2_rad"),
         "{words}"
+    );
+}
+
+/// Before any fit: what a change of columns or rows brings several times nearer, by positions, and by a cable alone.
+#[test]
+fn mistakes_that_are_gross_show_before_a_fit() {
+    let Some(nominal) = crate::haptic::haptic7() else {
+        return;
+    };
+    let truth = crate::haptic::truth_of(&nominal, 1.0);
+    let mut by_cable = crate::haptic::record(&truth, 200, 3, haptical_simulator::Noise::Gaussian);
+    by_cable.output.iter_mut().for_each(|column| *column = None);
+    let all = |log: &Recording, by: usize| -> Vec<usize> {
+        (0..log.len()).map(|row| (row + by) % log.len()).collect()
+    };
+    for (device, right) in [scene(true), scene(false), (nominal, by_cable)] {
+        check_rig(&device, &right).unwrap();
+        let said = |change: &dyn Fn(&mut Recording)| {
+            let mut wrong = right.clone();
+            change(&mut wrong);
+            match check_rig(&device, &wrong).unwrap_err() {
+                error @ CalibrationError::MistakenLog { .. } => error.to_string(),
+                other => panic!("{other}"),
+            }
+        };
+        let words = said(&|log| log.joint[1].iter_mut().for_each(|reading| *reading *= -1.0));
+        assert!(words.contains("column `theta2_rad` negated"), "{words}");
+        let words = said(&|log| log.joint.swap(1, 3));
+        assert!(
+            words.contains("columns `theta2_rad` and `theta4_rad` swapped"),
+            "{words}"
+        );
+        let words = said(&|log| log.joint.reverse());
+        assert!(words.contains("all joints in reverse order"), "{words}");
+        for (by, expected) in [(1, "a row earlier"), (right.len() - 1, "a row later")] {
+            let words = said(&|log| {
+                let moved = right.select(&all(log, by));
+                log.cable_m.clone_from(&moved.cable_m);
+                log.position_m.clone_from(&moved.position_m);
+            });
+            assert!(words.contains(expected), "{words}");
+        }
+    }
+}
+
+/// A sensor may be late by a row of a fast log; that is an effect, not a log put together wrongly.
+#[test]
+fn a_row_is_a_latency_where_rows_are_close() {
+    let (device, right) = scene(true);
+    let mut late = right.clone();
+    let rows: Vec<usize> = (0..right.len()).map(|row| row.saturating_sub(1)).collect();
+    late.position_m.clone_from(&right.select(&rows).position_m);
+    assert!(check_rig(&device, &late).is_err());
+    late.time_s = Some((0..right.len()).map(|row| 1e-3 * row as f64).collect());
+    check_rig(&device, &late).unwrap();
+}
+
+/// Rows that are held out leave gaps in the fit's part of a log: rows on both sides of them are no neighbours.
+#[test]
+fn a_row_off_is_named_where_rows_are_held_out() {
+    let Some(nominal) = crate::haptic::haptic7() else {
+        return;
+    };
+    let truth = crate::haptic::truth_of(&nominal, 1.0);
+    let mut log = crate::haptic::record(&truth, 300, 3, haptical_simulator::Noise::Gaussian);
+    // slow enough that a row off is less than what the device file is off by
+    for (joint, column) in log.joint.iter_mut().enumerate() {
+        let turns = 1.0 + 0.37 * joint as f64;
+        let angle = |row: usize| {
+            0.6 * (turns * std::f64::consts::TAU * row as f64 / 300.0 + joint as f64).sin()
+        };
+        column
+            .iter_mut()
+            .enumerate()
+            .for_each(|(row, reading)| *reading = angle(row));
+    }
+    log.output.iter_mut().for_each(|column| *column = None);
+    let poses = haptical_simulator::true_poses(&truth, &log).unwrap();
+    let late = |row: usize| poses[row.saturating_sub(1)].position_m.norm();
+    log.cable_m[0] = Some((0..300).map(late).collect());
+    check_rig(&nominal, &log).unwrap();
+    let refused = calibrate(&nominal, &log, &Options::default()).unwrap_err();
+    assert!(
+        matches!(&refused, CalibrationError::MistakenColumns { what, .. } if what.contains("a row later")),
+        "{refused}"
     );
 }

@@ -40,7 +40,7 @@ pub struct Predicted {
     pub unit: String,
     /// Plausible size of its deviation from nominal.
     pub plausible_size: f64,
-    /// Standard deviation (Cramér-Rao).
+    /// Standard deviation (Cramér-Rao, and the scales of instruments).
     pub standard_deviation: f64,
 }
 
@@ -70,8 +70,11 @@ impl NextPoses {
         let chosen: Vec<&Posture> = chosen.map(|&pose| &candidates[pose]).collect();
         let readings: Vec<Vec<f64>> = chosen.iter().map(|pose| pose.readings.clone()).collect();
         let order = driving_order(&readings);
-        let parameters = selection.parameters.iter().zip(&selection.deviations);
-        let parameters = parameters.map(|(&index, &standard_deviation)| {
+        let by_scale = information.deviations_by_scale(&selection.chosen, &selection.parameters)?;
+        let deviations = selection.deviations.iter().zip(by_scale);
+        let deviations = deviations.map(|(by_noise, by_scale)| by_noise.hypot(by_scale));
+        let parameters = selection.parameters.iter().zip(deviations);
+        let parameters = parameters.map(|(&index, standard_deviation)| {
             let info = &information.infos[index];
             Predicted {
                 name: info.name.clone(),

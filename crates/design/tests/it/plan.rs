@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use haptical_design::{
-    Criterion, DesignError, Information, Limits, Posture, Request, Rig, Search, Step, Terms,
+    Criterion, DesignError, Information, Limits, Plan, Posture, Request, Rig, Search, Step, Terms,
     described_rigs, driving_order, plan, postures, select,
 };
 use haptical_model::Device;
@@ -24,7 +24,9 @@ fn request(rigs: &[&str]) -> Request {
 
 #[test]
 fn it_is_the_steps_one_by_one() {
-    let device = arm();
+    let mut device = arm();
+    // an exact drum adds nothing to what the steps say
+    device.cables[0].scale_sd = Some(0.0);
     let steps = RefCell::new(Vec::new());
     let step = |step: Step<'_>| steps.borrow_mut().push(format!("{step:?}"));
     let found = plan(&device, &request(&["cable", "pose"]), &[], &step).unwrap();
@@ -60,6 +62,39 @@ fn it_is_the_steps_one_by_one() {
         "Rig(\"pose\")",
     ];
     assert_eq!(steps.into_inner(), expected);
+}
+
+/// No number of poses makes a length better known than the drum that measures it: `identify` says so afterwards, the plan before.
+#[test]
+fn lengths_carry_the_scale_of_their_instrument() {
+    let mut device = arm();
+    let mut planned = |scale_sd: f64| {
+        device.cables[0].scale_sd = Some(scale_sd);
+        plan(&device, &request(&["cable"]), &[], &|_| ()).unwrap()
+    };
+    let (exact, known) = (planned(0.0), planned(2e-3));
+    assert_eq!(exact.rigs[0].length_scales, []);
+    let scale = &known.rigs[0].length_scales[0];
+    assert_eq!((scale.name.as_str(), scale.sd), ("cable_scale", 2e-3));
+    let sd = |plan: &Plan, name: &str| {
+        let mut entries = plan.rigs[0].parameters.iter();
+        let entry = entries.find(|entry| entry.name == name).unwrap();
+        entry.status.standard_deviation().unwrap()
+    };
+    // of the base's lengths some are held, and others make up for them
+    for (name, length_m) in [("a2", 0.2), ("a3", 0.15)] {
+        let added = (sd(&known, name).powi(2) - sd(&exact, name).powi(2)).sqrt();
+        let expected = 2e-3 * length_m;
+        assert!((added / expected - 1.0).abs() < 0.1, "{name}: {added}");
+    }
+    // so do the poses that it chooses
+    let predicted = known.next_poses.unwrap().parameters;
+    let a2 = predicted.iter().find(|entry| entry.name == "a2").unwrap();
+    assert!(
+        a2.standard_deviation > 0.9 * 2e-3 * 0.2,
+        "{}",
+        a2.standard_deviation
+    );
 }
 
 #[test]

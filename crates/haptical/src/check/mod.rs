@@ -1,10 +1,10 @@
-//! Judges what a log could identify, at the device as it is given: nothing is fitted.
+//! Judges what a log could identify, at the device as it is given. A fit to a part of the log shows mistaken columns alone.
 
 mod text;
 
 use haptical_calibration::{
-    CalibrationError, Channel, Options, Weights, candidate_parameters, channels, check_rig,
-    held_for_scale, identifiability_at, prepare_device,
+    CalibrationError, Channel, Options, Weights, candidate_parameters, channels, check_columns,
+    check_rig, held_for_scale, identifiability_at, prepare_device,
 };
 use haptical_model::{
     Device as Model, JointType, ParameterId, Recording, TransmissionError, TransmissionKind,
@@ -182,6 +182,7 @@ fn checked_log(
 ) -> Result<CheckedLog, CalibrationError> {
     let channels = channels(device, recording)?;
     check_rig(device, recording)?;
+    check_columns(device, recording)?;
     let prepared = prepare_device(device, recording)?;
     let device = &prepared;
     let (device, mut parameters) = candidates(device, recording, &channels);

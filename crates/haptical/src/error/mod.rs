@@ -294,7 +294,9 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
         other => {
             let (name, text) = match other {
                 CalibrationError::Reading { message, .. } => ("reading", message.clone()),
-                CalibrationError::MistakenColumns { .. } => ("mistaken-columns", text),
+                CalibrationError::MistakenColumns { .. } | CalibrationError::MistakenLog { .. } => {
+                    ("mistaken-columns", text)
+                }
                 _ => ("calibration", text.replacen(": ", "; ", 1)),
             };
             let (what, next) = split_advice(&text);

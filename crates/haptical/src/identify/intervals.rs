@@ -1,6 +1,6 @@
 //! The kind of an identification's intervals, in a sentence.
 
-use haptical_calibration::{ChannelNoise, Intervals};
+use haptical_calibration::{ChannelNoise, Intervals, ScaleOfLengths, SourceOfScale};
 
 /// The same as a sentence.
 pub(super) fn sentence(intervals: &Intervals) -> String {
@@ -27,7 +27,7 @@ pub(super) fn sentence(intervals: &Intervals) -> String {
         ),
     };
     let noise = of_noise(intervals);
-    let scales = of_scales(intervals);
+    let scales = of_scales(&intervals.length_scales);
     format!(
         "95 % intervals: {}, {} degrees of freedom.{noise}{scales}{checked}{open}{considered} No interval is given for what is not \
          identified.",
@@ -35,12 +35,26 @@ pub(super) fn sentence(intervals: &Intervals) -> String {
     )
 }
 
-/// Which instruments' scales the lengths rest on, and how well those are known.
-fn of_scales(intervals: &Intervals) -> String {
-    let scales = intervals.length_scales.iter();
-    let sentences = scales.map(|scale| {
-        let instrument = scale.name.trim_end_matches("_scale");
-        let percent = 100.0 * scale.sd;
+/// What the lengths are in proportion to, and how well that is known.
+pub(crate) fn of_scales(scales: &[ScaleOfLengths]) -> String {
+    let sentences = scales.iter().map(|scale| {
+        let (name, percent) = (&scale.name, 100.0 * scale.sd);
+        match scale.source {
+            SourceOfScale::Instrument => {}
+            SourceOfScale::HeldLength => {
+                return format!(
+                    " Lengths are in proportion to {name}, which is held: its plausible error of {percent:.2} % no touch \
+                     shows and every length's interval counts."
+                );
+            }
+            SourceOfScale::KnownDistance => {
+                return format!(
+                    " Lengths rest on the distance of the touched points {name}, whose standard deviation of \
+                     {percent:.2} % (sd_m) every length's interval counts."
+                );
+            }
+        }
+        let instrument = name.trim_end_matches("_scale");
         let source = match scale.is_stated {
             true => "stated",
             false => "assumed: state it as scale_sd in the device file",

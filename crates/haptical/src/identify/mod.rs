@@ -1,6 +1,6 @@
 //! Identification: a device and a log in; values, intervals, reasons, files and the table of residuals out.
 
-mod intervals;
+pub(crate) mod intervals;
 mod page;
 mod result;
 mod summary;

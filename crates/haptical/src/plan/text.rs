@@ -11,6 +11,7 @@ use haptical_report::{Cell, Column, Table};
 
 use super::Planned;
 use crate::error::Error;
+use crate::identify::intervals::of_scales;
 
 /// Remedies that are named for a parameter.
 const REMEDIES: usize = 3;
@@ -99,6 +100,8 @@ pub(super) fn lines(rig: &RigIdentifiability) -> Vec<String> {
         rig.parameters.len(),
         rig.readings_per_pose
     )];
+    let scales = of_scales(&rig.length_scales);
+    lines.extend((!scales.is_empty()).then(|| format!(" {scales}")));
     let suggestions = rig.suggestions.iter();
     lines.extend(suggestions.map(|suggestion| format!("  {}", suggested(suggestion))));
     lines
