@@ -31,27 +31,7 @@ pub fn with_curvature(
     channels: &[Channel],
     weights: &Weights,
 ) -> Result<ParameterFit, CalibrationError> {
-    let considered = &fit.considered;
-    let held = (0..considered.parameters.len())
-        .filter(|&k| !matches!(considered.held[k], Held::Fitted | Held::Unsupported))
-        .map(|k| {
-            (
-                considered.parameters[k],
-                considered.covariance[(k, k)].sqrt(),
-            )
-        });
-    // what no reading sees here one may see at another value of what is held
-    let statuses = fit.parameters.iter().zip(&fit.identifiability.statuses);
-    let unseen = statuses
-        .filter(|(_, status)| **status == Status::Invisible)
-        .map(|(&parameter, _)| (parameter, parameter.plausible_size(&fit.device)));
-    let (columns, deviations): (Vec<usize>, Vec<f64>) = held
-        .chain(unseen)
-        .filter_map(|(parameter, deviation)| {
-            let column = fit.parameters.iter().position(|own| *own == parameter)?;
-            Some((column, deviation))
-        })
-        .unzip();
+    let (columns, deviations) = held_columns(&fit);
     if fit.considered.parameters.is_empty() || fit.fitted.is_empty() || columns.is_empty() {
         return Ok(fit);
     }
@@ -69,15 +49,7 @@ pub fn with_curvature(
     let here = values_of(&fit.parameters, &fit.device);
     let first = at(&here).map_err(failed)?;
     let count = columns.len();
-    let scales: Vec<Vec<f64>> = (0..fit.considered.parameters.len())
-        .filter(|&k| matches!(fit.considered.held[k], Held::Scale | Held::Size))
-        .map(|k| {
-            let deviation = fit.considered.covariance[(k, k)].sqrt();
-            let rows = 0..fit.fitted.len();
-            rows.map(|row| fit.considered.sensitivity[(row, k)] * deviation)
-                .collect()
-        })
-        .collect();
+    let scales = moves_by_scale(&fit);
     let whole = count + scales.len();
     let mut curvature = vec![Matrix::zeros(whole, whole); fit.fitted.len()];
     for (scale, moves) in scales.iter().enumerate() {
@@ -155,6 +127,44 @@ pub fn with_curvature(
 /// Rows that G is worked out on: it is a ratio of sums over the rows, for which so many do as well as more, and it is
 /// asked for four times for each held parameter.
 const MOST_ROWS: usize = 5000;
+
+/// Columns of what is held and of what no reading sees, with their standard deviations.
+fn held_columns(fit: &ParameterFit) -> (Vec<usize>, Vec<f64>) {
+    let considered = &fit.considered;
+    let held = (0..considered.parameters.len())
+        .filter(|&k| !matches!(considered.held[k], Held::Fitted | Held::Unsupported))
+        .map(|k| {
+            (
+                considered.parameters[k],
+                considered.covariance[(k, k)].sqrt(),
+            )
+        });
+    // what no reading sees here one may see at another value of what is held
+    let statuses = fit.parameters.iter().zip(&fit.identifiability.statuses);
+    let unseen = statuses
+        .filter(|(_, status)| **status == Status::Invisible)
+        .map(|(&parameter, _)| (parameter, parameter.plausible_size(&fit.device)));
+    held.chain(unseen)
+        .filter_map(|(parameter, deviation)| {
+            let column = fit.parameters.iter().position(|own| *own == parameter)?;
+            Some((column, deviation))
+        })
+        .unzip()
+}
+
+/// How each scale of an instrument, or length that stands for the size, moves the fitted parameters by its standard deviation.
+fn moves_by_scale(fit: &ParameterFit) -> Vec<Vec<f64>> {
+    let considered = &fit.considered;
+    let is_scale = |&k: &usize| matches!(considered.held[k], Held::Scale | Held::Size);
+    let scales = (0..considered.parameters.len()).filter(is_scale);
+    let moves = scales.map(|k| {
+        let deviation = considered.covariance[(k, k)].sqrt();
+        let rows = 0..fit.fitted.len();
+        let moved = rows.map(|row| considered.sensitivity[(row, k)] * deviation);
+        moved.collect::<Vec<f64>>()
+    });
+    moves.collect()
+}
 
 /// E d^6 / 36 of a unit normal d.
 const FIFTEEN_OVER_36: f64 = 15.0 / 36.0;
