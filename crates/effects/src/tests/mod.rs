@@ -381,7 +381,7 @@ fn a_name_stands_once_at_a_place_and_parameter() {
             .map(|effect| {
                 let parameters: Vec<&str> =
                     effect.spec().parameters.iter().map(|p| p.name).collect();
-                let from = effect.from_joint();
+                let from = effect.other_joint();
                 format!(
                     "{} {:?} {parameters:?} {from:?}",
                     effect.label(),
