@@ -150,8 +150,8 @@ fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis, DiagnosisError> {
     let name = |diagnosis: &Diagnosis| diagnosis.causes.first().map(|cause| cause.effect.clone());
     let is_answer = match again.verdict {
         Verdict::NoGap => true,
-        Verdict::Named | Verdict::Ambiguous => name(&again) == name(&found),
-        Verdict::Unknown => false,
+        Verdict::Named => name(&again) == name(&found),
+        Verdict::Ambiguous | Verdict::Unknown => false,
     };
     Ok(if is_answer { again } else { found })
 }

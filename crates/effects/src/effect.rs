@@ -22,7 +22,7 @@ pub trait Effect: Debug + Send + Sync {
     }
 
     /// The other joint, from 0, whose angle its law is a function of.
-    fn from_joint(&self) -> Option<usize> {
+    fn other_joint(&self) -> Option<usize> {
         None
     }
 

@@ -165,7 +165,7 @@ fn law_covariate(effect: &dyn Effect) -> Covariate {
     let joint = effect.joint().unwrap_or(0);
     match effect.spec().follows {
         Follows::Angle => Covariate::Angle(joint),
-        Follows::OtherAngle => Covariate::Angle(effect.from_joint().unwrap_or(joint)),
+        Follows::OtherAngle => Covariate::Angle(effect.other_joint().unwrap_or(joint)),
         Follows::Speed => Covariate::Speed(joint),
         Follows::Torque => Covariate::Torque(joint),
         Follows::Force => Covariate::Force,

@@ -66,7 +66,7 @@ impl Selector<'_> {
         effect
             .joint()
             .into_iter()
-            .chain(effect.from_joint())
+            .chain(effect.other_joint())
             .collect()
     }
 }

@@ -83,7 +83,7 @@ pub(crate) trait Law: Debug + Send + Sync {
     }
 
     /// The other joint whose angle it is a function of.
-    fn from_joint(&self) -> Option<usize> {
+    fn other_joint(&self) -> Option<usize> {
         None
     }
 
@@ -140,8 +140,8 @@ impl<L: Law> Effect for Placed<L> {
         self.joint
     }
 
-    fn from_joint(&self) -> Option<usize> {
-        self.law.from_joint()
+    fn other_joint(&self) -> Option<usize> {
+        self.law.other_joint()
     }
 
     fn shapes(&self, context: &Context<'_>) -> Vec<f64> {

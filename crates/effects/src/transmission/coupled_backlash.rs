@@ -40,7 +40,7 @@ impl Law for CoupledBacklash {
         Some(vec![lost.into_iter().map(|lost| lost / shape).collect()])
     }
 
-    fn from_joint(&self) -> Option<usize> {
+    fn other_joint(&self) -> Option<usize> {
         Some(self.from)
     }
 

@@ -33,7 +33,7 @@ impl Law for CrossCoupling {
         Some(vec![input.context.recording.joint.get(self.from)?.clone()])
     }
 
-    fn from_joint(&self) -> Option<usize> {
+    fn other_joint(&self) -> Option<usize> {
         Some(self.from)
     }
 

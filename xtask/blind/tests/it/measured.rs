@@ -1,7 +1,7 @@
 //! Suites like measured sets: what their members are, and that an effect is where the truth says.
 
 use haptical_model::Recording;
-use xtask_blind::{Suite, Trial};
+use xtask_blind::{Suite, Trial, Truth};
 
 fn trials(suite: Suite, count: u64) -> Vec<Trial> {
     (0..count)
@@ -22,7 +22,7 @@ const SUITES: [Suite; 5] = [
 fn each_has_clean_named_and_withheld_members() {
     for suite in SUITES {
         let truths: Vec<_> = trials(suite, 10).into_iter().map(|t| t.truth).collect();
-        assert!(truths.iter().any(|t| t.is_clean()), "{}", suite.name());
+        assert!(truths.iter().any(Truth::is_clean), "{}", suite.name());
         assert!(
             truths
                 .iter()

@@ -84,7 +84,7 @@ impl Selector<'_> {
     fn gain_varies(&self, cause: &Cause, with: With<'_>, wrong: f64, segments: &Segments) -> bool {
         let effect = self.effects[cause.effect].as_ref();
         let is_coupling = effect.spec().family == Family::Coupling;
-        let Some(from) = effect.from_joint().filter(|_| is_coupling) else {
+        let Some(from) = effect.other_joint().filter(|_| is_coupling) else {
             return false;
         };
         let place = Place {

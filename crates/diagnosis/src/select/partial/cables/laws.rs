@@ -27,7 +27,7 @@ impl Drive<'_> {
         let wrong = self.selector.wrong_by_law(causes, gain);
         let mut driving = vec![self.joint];
         for cause in causes {
-            driving.extend(self.effect(cause.effect).from_joint());
+            driving.extend(self.effect(cause.effect).other_joint());
         }
         driving.sort_unstable();
         driving.dedup();
@@ -56,7 +56,7 @@ impl Drive<'_> {
         causes.iter().enumerate().all(|(place, cause)| {
             let effect = self.effect(cause.effect);
             let is_loop = effect.spec().family == Family::Loop;
-            let Some(from) = effect.from_joint().filter(|_| is_loop) else {
+            let Some(from) = effect.other_joint().filter(|_| is_loop) else {
                 return true;
             };
             let others = self.with_causes(causes, Some(place));

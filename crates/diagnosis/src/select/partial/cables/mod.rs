@@ -196,7 +196,7 @@ impl<'d> Drive<'d> {
                 found.push(Cable {
                     effect: index,
                     shape,
-                    from: effect.from_joint(),
+                    from: effect.other_joint(),
                     family: spec.family,
                     left: column.clone(),
                     column,
