@@ -75,7 +75,7 @@ pub enum CalibrationError {
         /// What the model said.
         source: ModelError,
     },
-    /// A touch of a point or plane that the device does not have a place for.
+    /// A touch of a point or plane, or a row about a tool or a run, that the device does not have a place for.
     #[error(
         "line {line} of the log, {column}: the device has no place for `{id}` yet: prepare the device with \
          this recording first"
@@ -85,7 +85,7 @@ pub enum CalibrationError {
         line: u64,
         /// Column.
         column: String,
-        /// Point or plane.
+        /// Point, plane, tool or run.
         id: String,
     },
     /// Something of the rig that does not fit the recording.

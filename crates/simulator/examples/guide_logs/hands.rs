@@ -73,7 +73,7 @@ pub(crate) fn stands(truth: &Device, path: &Path) -> Answer<()> {
     write(&recording, path)
 }
 
-/// Two sockets 200 mm apart, touched with the handle's own ball, then with a longer one that was put on.
+/// Two sockets 200 mm apart: the handle's own ball reaches the right one alone, a longer one that is put on reaches both.
 pub(crate) fn balls(truth: &Device, path: &Path) -> Answer<()> {
     let mut longer = truth.clone();
     longer.origins = vec![None; truth.links.len() + 1];
