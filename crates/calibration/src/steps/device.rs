@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 
 use haptical_model::{Device, ParameterId, Recording};
 
-use crate::fit::multi_start::spread_rows;
 use crate::fit::profiled::profile;
 use crate::fit::rows::spread_rows;
 use crate::fit::size;

@@ -68,7 +68,10 @@ impl System {
         let mut system = Self::bare(self.layout.clone(), self.windows.clone(), residual);
         system.oscillations.clone_from(&self.oscillations);
         for direction in &self.basis {
-            system.take(masked(direction));
+            let entries = 0..self.residual.len();
+            system.take(masked(
+                &entries.map(|entry| direction.entry(entry)).collect(),
+            ));
         }
         system
     }

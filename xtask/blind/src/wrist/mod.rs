@@ -123,6 +123,7 @@ impl Rig {
                 pace_s: random.uniform(0.9, 1.8) * if is_slow { 3.0 } else { 1.0 },
                 reach: random.uniform(0.6, 0.95),
                 home_rest_s: 1.0,
+                ..MotionPlan::default()
             },
         }
     }

@@ -2,8 +2,8 @@
 
 pub(crate) mod bars;
 pub(crate) mod figures;
-pub(crate) mod payloads;
 mod measured;
+pub(crate) mod payloads;
 pub(crate) mod record;
 pub(crate) mod wrong;
 

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::DiagnosisError;
 use crate::engine::model::{Cause, Refit};
 use crate::engine::segments::{Segments, Unseen};
-use crate::engine::system::{System, compress_rows, dot, mask, take_off};
+use crate::engine::system::{System, compress_rows, dot, mask};
 use crate::select::partial::Partial;
 use crate::select::rival::Rival;
 use crate::select::{Selection, Selector, worst_excess};
@@ -191,7 +191,7 @@ impl<'d> Drive<'d> {
                 let [signal] = &signals[..] else { continue };
                 let mut column = self.masked(signal);
                 for direction in &self.base.basis {
-                    take_off(&mut column, direction);
+                    direction.take_off(&mut column);
                 }
                 found.push(Cable {
                     effect: index,
@@ -240,7 +240,7 @@ impl<'d> Drive<'d> {
             open.retain(|other| !other.is_instead_of(&cable));
             if let Some(direction) = system.basis.last() {
                 for other in &mut open {
-                    take_off(&mut other.left, direction);
+                    direction.take_off(&mut other.left);
                 }
             }
             chosen.push(cable);
