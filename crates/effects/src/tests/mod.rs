@@ -157,8 +157,7 @@ fn assert_parameters_survive_the_way_through_amplitudes(effect: &AnyEffect, cont
                         Role::Phase => *value = phase_rad,
                         // the other joint is the effect's own, where it is not the shape
                         Role::Number
-                            if parameter.name == "from_joint"
-                                && spec.shape != crate::Shape::Given => {}
+                            if parameter.name == "from_joint" && spec.shape != Shape::Given => {}
                         Role::Transition | Role::Number => *value = shape,
                         _ => {}
                     }

@@ -62,6 +62,9 @@ impl Selection<'_> {
     }
 }
 
+/// A model with a joint's causes, and of each of them, itself first, what could be in its place.
+type Explained = (Refit, Vec<Vec<Rival>>);
+
 /// The drive of a joint as its external encoder sees it.
 struct Drive<'d> {
     selector: &'d Selector<'d>,
@@ -128,7 +131,7 @@ impl<'d> Drive<'d> {
         &self,
         before: &Refit,
         has_gap: bool,
-    ) -> Result<Option<(Refit, Vec<Vec<Rival>>)>, DiagnosisError> {
+    ) -> Result<Option<Explained>, DiagnosisError> {
         let readings = self.base.layout.range(self.stream).len() as f64;
         // fast gaps may pass for noise; noise is not predicted
         let gap = match has_gap {
