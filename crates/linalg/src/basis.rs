@@ -156,7 +156,8 @@ mod tests {
 
     /// Entries that follow no pattern.
     fn entry(row: usize, column: usize) -> f64 {
-        (3.7 * row as f64 * row as f64 + 1.9 * column as f64).sin()
+        let row = (row + 1) as f64;
+        (3.7 * row * row + 1.9 * column as f64 * row).sin()
     }
 
     /// Three parts of a matrix, one of which has a dependent column, against the parts by themselves.

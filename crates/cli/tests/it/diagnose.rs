@@ -98,10 +98,11 @@ fn a_gap_is_named_and_shown_where_it_was_put() {
         .unwrap();
     let [before, after, floor] =
         ["rms_before", "rms_after", "noise_floor"].map(|field| out2[field].as_f64().unwrap());
-    // The torque's waves have amplitudes 1 and 0.5 N m. The base model follows a little of them; a
-    // fifth is left to that, to the ratio and to the encoder's noise.
+    // The torque's waves have amplitudes 1 and 0.5 N m. The base model follows a little of them on the rows of its fit, and is off
+    // by as much on those that it did not see, which are shown: a third is left to that, to the ratio and to the encoder's noise.
     let gap_rad = (0.5_f64 * (1.0 + 0.25)).sqrt() / STIFFNESS_NM_PER_RAD;
-    assert!((before / gap_rad - 1.0).abs() < 0.2, "{before} {gap_rad}");
+    assert!((before / gap_rad - 1.0).abs() < 0.33, "{before} {gap_rad}");
+    assert_eq!(out2["held_out"], true);
     assert!(after < 1.3 * floor, "{after} {floor}");
     assert_eq!(gap["where"]["joint"], 2);
     assert_eq!(gap["where"]["depends_on"][0], "torque2_nm");

@@ -191,7 +191,7 @@ fn worn_gears_stay_unknown_on_postures() {
             found.unwrap()["why"]
                 .as_str()
                 .unwrap()
-                .contains("single postures")
+                .contains("no stated order")
         );
     }
     let next = gap["next_experiment"].as_str().unwrap();

@@ -80,7 +80,7 @@ impl ChannelGap {
     }
 
     /// The same gap with the sizes, the floor and the closed share of rows that the fit did not see.
-    pub(crate) fn on_unseen(self, seen: HeldOutAnswer, floor: &Floor) -> Self {
+    pub(crate) fn on_unseen(self, seen: &HeldOutAnswer, floor: &Floor) -> Self {
         Self {
             held_out: true,
             rms_before: seen.rms_before,

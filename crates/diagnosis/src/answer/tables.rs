@@ -35,7 +35,7 @@ fn position_gaps(findings: &Findings<'_>) -> Vec<ChannelGap> {
         let mut gap = ChannelGap::fitted(floor.channel.name(), joint, sizes, floor, unit);
         let mut unseen = findings.shrink.channels.iter();
         if let Some(seen) = unseen.find(|unseen| unseen.channel == floor.channel) {
-            gap = gap.on_unseen(seen.answer().settled(), seen.floor());
+            gap = gap.on_unseen(&seen.answer().settled(), seen.floor());
         }
         gap
     };

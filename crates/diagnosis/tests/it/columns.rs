@@ -167,7 +167,7 @@ fn single_postures_of_encoders_alone_are_diagnosed() {
     let recording = every(&encoders_alone(&record_yielding(&Session::default())), 97);
     let diagnosis = diagnose(&device, &recording, &Options::default()).unwrap();
     assert_eq!(diagnosis.gap.channels.len(), 3, "{}", summary(&diagnosis));
-    assert_untestable(&diagnosis, &["backlash"], "single postures");
+    assert_untestable(&diagnosis, &["external-encoder-windup"], "single postures");
 }
 
 #[test]

@@ -154,7 +154,7 @@ fn an_error_shows_at_each_rows_own_tool_and_base() {
         scale_sd: None,
     });
     let rows = rig.recording.len();
-    let id = |row: usize| if row % 2 == 0 { "" } else { "far" };
+    let id = |row: usize| if row.is_multiple_of(2) { "" } else { "far" };
     rig.recording.tool = Some((0..rows).map(|row| id(row).to_owned()).collect());
     rig.recording.run = Some((0..rows).map(|row| 1 + i64::from(row > rows / 2)).collect());
     let context = context(&rig.device, &rig.recording);

@@ -153,7 +153,9 @@ impl Device {
             }
             Ok(mount)
         };
-        (0..recording.len()).map(mount).collect()
+        let mounts: Vec<Mount> = (0..recording.len()).map(mount).collect::<Result<_, _>>()?;
+        let is_of_handle = mounts.iter().all(|mount| *mount == Mount::default());
+        Ok(if is_of_handle { Vec::new() } else { mounts })
     }
 
     /// Whether any row may be about something else on the hand than the handle.

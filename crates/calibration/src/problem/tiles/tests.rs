@@ -157,7 +157,7 @@ proptest! {
         let moved = problem.device_with(&values);
         let free: Vec<usize> = (0..parameters.len()).filter(|_| numbers.next() > -0.8).collect();
         let firsts: Vec<usize> = problem.blocks.iter().map(|block| block.first).collect();
-        let count = problem.blocks.last().map_or(0, |block| block.end());
+        let count = problem.blocks.last().map_or(0, crate::problem::device_problem::Block::end);
         // what was there before must not stay
         let filled = || (vec![f64::NAN; count], Matrix::from_fn(count, free.len(), |_, _| f64::NAN));
         let ((mut found, mut derivatives), (mut expected, mut by_row)) = (filled(), filled());
