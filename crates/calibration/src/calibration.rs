@@ -132,6 +132,7 @@ fn fit_and_check(
     let channels = channels(device, recording)?;
     sufficiency::check(device, recording, &channels)?;
     crate::check_rig(device, recording)?;
+    crate::check_stands(device, recording)?;
     check_share(options.held_out)?;
     let mut warnings = warnings::of_recording(device, recording, &channels);
     let dwelt = match options.held_out {

@@ -16,6 +16,7 @@ mod start;
 mod steps;
 
 pub use calibration::{Calibration, calibrate};
+pub use checks::conventions::check_stands;
 pub use checks::held_out::{HeldOut, Split, split, without_own_places};
 pub use checks::postures::without_copies;
 pub use checks::reach::check_reach;

@@ -34,17 +34,7 @@ type Mirror = (Matrix3<f64>, &'static str);
 /// # Errors
 /// [`CalibrationError::Reading`] that names the convention.
 pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
-    let is_tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
-    if !is_tracked {
-        return Ok(());
-    }
-    let rows = recording.len();
-    let count = rows.min(MOST_ROWS);
-    let some: Vec<usize> = (0..count).map(|index| index * rows / count).collect();
-    let part = recording.select(&some);
-    let rig = Rig::new(device, &part);
-    let Ok(poses) = handle_poses(device, &part) else {
-        // the fit says which row
+    let Some((part, rig, poses)) = tracked_part(device, recording) else {
         return Ok(());
     };
     let found =
@@ -52,14 +42,8 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
     let found = found.or_else(|| Some(("x_m, y_m, z_m", positions(device, &part, &poses, &rig)?)));
     let found = found.or_else(|| Some(("x_m, y_m, z_m", inverted(device, &part, &poses, &rig)?)));
     let found = found.or_else(|| Some(("x_m, y_m, z_m", elsewhere(device, &part, &poses, &rig)?)));
-    let found =
-        found.or_else(|| Some(("x_m, y_m, z_m", between_runs(device, &part, &poses, &rig)?)));
     found.map_or(Ok(()), |(column, message)| {
-        Err(CalibrationError::Reading {
-            line: recording.line.first().copied().unwrap_or(0),
-            column: column.to_owned(),
-            message,
-        })
+        Err(refusal(recording, column, message))
     })
 }
 
@@ -152,6 +136,53 @@ fn elsewhere(device: &Device, recording: &Recording, poses: &[Pose], rig: &Rig) 
              {error:.1e} m with the tracker or its marker elsewhere; give {words}, in the device file or with --rig"
         )
     })
+}
+
+/// Refuses positions of runs between which the tracker was set up anew, where the device has one place for all: no fit of a device
+/// makes sense of them. A diagnosis does, so it does not ask.
+///
+/// # Errors
+/// [`CalibrationError::Reading`] that says how to state a place for each run.
+///
+/// ```
+/// use haptical_calibration::check_stands;
+/// use haptical_model::{Device, Recording};
+/// let device = Device::from_toml("[[joint]]", "one.toml")?.device;
+/// assert!(check_stands(&device, &Recording::default()).is_ok());
+/// # Ok::<(), haptical_model::DeviceFileError>(())
+/// ```
+pub fn check_stands(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
+    let Some((part, rig, poses)) = tracked_part(device, recording) else {
+        return Ok(());
+    };
+    let found = between_runs(device, &part, &poses, &rig);
+    found.map_or(Ok(()), |message| {
+        Err(refusal(recording, "x_m, y_m, z_m", message))
+    })
+}
+
+fn refusal(recording: &Recording, column: &str, message: String) -> CalibrationError {
+    CalibrationError::Reading {
+        line: recording.line.first().copied().unwrap_or(0),
+        column: column.to_owned(),
+        message,
+    }
+}
+
+/// Some of the rows that a tracker saw, what it knows of its places, and the handle's poses; none where there are none, or
+/// where a row has no pose, which the fit names.
+fn tracked_part(device: &Device, recording: &Recording) -> Option<(Recording, Rig, Vec<Pose>)> {
+    let is_tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
+    if !is_tracked {
+        return None;
+    }
+    let rows = recording.len();
+    let count = rows.min(MOST_ROWS);
+    let some: Vec<usize> = (0..count).map(|index| index * rows / count).collect();
+    let part = recording.select(&some);
+    let rig = Rig::new(device, &part);
+    let poses = handle_poses(device, &part).ok()?;
+    Some((part, rig, poses))
 }
 
 /// Positions of runs between which the tracker was set up anew.

@@ -2,8 +2,8 @@
 
 use haptical_calibration::{
     CalibrationError, CalibrationMethod, Channel, DeviceProblem, GaugedProblem, HeldOut, Options,
-    Weighting, Weights, calibrate, candidate_parameters, channels, check_rig, fit_device,
-    prepare_device,
+    Weighting, Weights, calibrate, candidate_parameters, channels, check_rig, check_stands,
+    fit_device, prepare_device,
 };
 use haptical_identification::worst_derivative;
 use haptical_model::kinematics::nalgebra::Vector3;
@@ -431,8 +431,9 @@ fn what_the_rig_leaves_open_is_refused_with_its_place() {
     let truth = with_stands(&nominal, 3, 5);
     let recording = stands(&truth, 3, 20, 5);
     // runs of another place each, fitted with one
-    let refused = check_rig(&nominal, &recording).unwrap_err().to_string();
+    let refused = check_stands(&nominal, &recording).unwrap_err().to_string();
     assert!(refused.contains("base = \"per-run\""), "{refused}");
+    assert!(check_rig(&nominal, &recording).is_ok());
     // a run of two rows
     let mut anew = nominal.clone();
     anew.tracker.as_mut().unwrap().base_per_run = true;

@@ -5,7 +5,7 @@ mod torques;
 
 use haptical_calibration::{
     CalibrationError, Channel, Options, Weights, candidate_parameters, channels, check_columns,
-    check_rig, held_for_scale, identifiability_at, prepare_device,
+    check_rig, check_stands, held_for_scale, identifiability_at, prepare_device,
 };
 use haptical_model::{
     Device as Model, JointType, ParameterId, Recording, TransmissionError, TransmissionKind,
@@ -189,6 +189,7 @@ fn checked_log(
 ) -> Result<CheckedLog, CalibrationError> {
     let channels = channels(device, recording)?;
     check_rig(device, recording)?;
+    check_stands(device, recording)?;
     check_columns(device, recording)?;
     let prepared = prepare_device(device, recording)?;
     let device = &prepared;
