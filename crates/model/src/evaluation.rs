@@ -12,15 +12,16 @@ use crate::{Device, DeviceChain, JointType, ModelError, ParameterId};
 #[derive(Debug, Clone)]
 pub struct Evaluation<'d> {
     device: &'d Device,
-    chain: DeviceChain,
+    chains: Chains,
     outputs: Vec<f64>,
     /// Angles of the links: the outputs, less what a joint yields behind its encoder.
     link_angles: Vec<f64>,
     /// Drive torques at this row; empty where nothing yields to them.
     torque_nm: Vec<f64>,
-    /// What the rows but row 0 move by.
+    /// What the rows but row 0 of the hand's chain move by.
     variables: Vec<f64>,
     errors: Vec<JointError>,
+    /// Of the rows of the hand's chain.
     link_derivatives: Vec<LinkDerivatives>,
     pose: Option<Pose>,
 }
@@ -46,7 +47,7 @@ impl<'d> Evaluation<'d> {
             .collect();
         Self {
             device,
-            chain: DeviceChain::new(device),
+            chains: Chains::new(device),
             outputs: vec![0.0; device.joints.len()],
             link_angles: vec![0.0; device.joints.len()],
             torque_nm: Vec::new(),
@@ -54,6 +55,15 @@ impl<'d> Evaluation<'d> {
             errors,
             link_derivatives: vec![LinkDerivatives::default(); device.links.len()],
             pose: None,
+        }
+    }
+
+    /// Chooses the hand (from 0) of the next moves, as [`Device::hand_at`] says for a row of a log. A device without
+    /// hands with names has one, which is chosen.
+    pub fn choose_hand(&mut self, hand: Option<usize>) {
+        if self.device.has_hands() && hand != self.chains.hand {
+            self.chains.hand = hand;
+            self.pose = None;
         }
     }
 
@@ -97,8 +107,9 @@ impl<'d> Evaluation<'d> {
             self.outputs[index] = reading + error;
         }
         if self.device.has_links() {
-            self.take_variables();
-            self.pose = Some(self.chain.chain()?.pose(&self.variables)?);
+            let count = self.take_variables()?;
+            let chain = self.chains.chosen()?.chain()?;
+            self.pose = Some(chain.pose(&self.variables[..count])?);
         }
         Ok(())
     }
@@ -114,12 +125,15 @@ impl<'d> Evaluation<'d> {
         self.torque_nm.resize(self.outputs.len(), 0.0);
     }
 
-    fn take_variables(&mut self) {
+    /// Variables of the chosen hand's chain; how many.
+    fn take_variables(&mut self) -> Result<usize, ModelError> {
         self.link_angles.copy_from_slice(&self.outputs);
         for (joint, torque) in self.torque_nm.iter().enumerate() {
             self.link_angles[joint] -= torque * self.device.compliance_rad_per_nm(joint);
         }
-        self.chain.variables(&self.link_angles, &mut self.variables);
+        let chain = self.chains.chosen()?;
+        chain.variables(&self.link_angles, &mut self.variables);
+        Ok(chain.drives().len())
     }
 
     fn check_count(&self, numbers: &[f64]) -> Result<(), ModelError> {
@@ -135,9 +149,10 @@ impl<'d> Evaluation<'d> {
         // a pose of earlier readings must not outlive a failure below
         self.pose = None;
         if self.device.has_links() {
-            self.take_variables();
-            let chain = self.chain.chain()?;
-            self.pose = Some(chain.derivatives(&self.variables, &mut self.link_derivatives)?);
+            let count = self.take_variables()?;
+            let chain = self.chains.chosen()?.chain()?;
+            let derivatives = &mut self.link_derivatives[..=count];
+            self.pose = Some(chain.derivatives(&self.variables[..count], derivatives)?);
         }
         Ok(())
     }
@@ -177,7 +192,7 @@ impl<'d> Evaluation<'d> {
     /// [`ModelError::NoLinks`], or as [`haptical_kinematics::Chain::pose`].
     pub fn base_pose(&self) -> Result<Pose, ModelError> {
         self.pose()?;
-        Ok(self.chain.part(1)?.pose(&[])?)
+        Ok(self.chains.chosen()?.part(1)?.pose(&[])?)
     }
 
     /// What the external encoder of a joint (from 0) should read: reading + error.
@@ -214,7 +229,10 @@ impl<'d> Evaluation<'d> {
                 scaled(self.joint_twist(joint), -torque)
             }
             ParameterId::Surrounding(_) => Twist::default(),
-            ParameterId::Link { row, parameter } => self.link_derivatives[row].get(parameter),
+            ParameterId::Link { row, parameter } => {
+                let own = self.of_row(row);
+                own.map_or_else(Twist::default, |own| own.get(parameter))
+            }
             ParameterId::Transmission { joint, index } => scaled(
                 self.joint_twist(joint),
                 self.errors[joint].derivatives[index],
@@ -222,23 +240,29 @@ impl<'d> Evaluation<'d> {
         }
     }
 
+    /// Derivatives by the numbers of a row of the device; none on another branch than the chosen hand's.
+    fn of_row(&self, row: usize) -> Option<&LinkDerivatives> {
+        self.link_derivatives
+            .get(self.chains.chosen().ok()?.place(row)?)
+    }
+
     /// Derivative of the handle's pose with respect to a joint's output angle (joint from 0): the sum
-    /// over the rows that it drives, each times its multiplier.
+    /// over the rows that it drives, each times its multiplier. Rows of another branch do not move the hand.
     pub fn joint_twist(&self, joint: usize) -> Twist {
-        let of_row = |row: usize, motion: JointType| {
-            let row = &self.link_derivatives[row];
-            match motion {
-                JointType::Prismatic => row.d,
-                JointType::Revolute => row.theta,
-            }
+        let along = |row: &LinkDerivatives, motion: JointType| match motion {
+            JointType::Prismatic => row.d,
+            JointType::Revolute => row.theta,
         };
         if self.device.drives_are_plain() {
-            return of_row(joint + 1, self.device.joints[joint].joint_type);
+            let motion = self.device.joints[joint].joint_type;
+            let own = self.of_row(joint + 1);
+            return own.map_or_else(Twist::default, |own| along(own, motion));
         }
         let mut sum = Twist::default();
-        for (index, drive) in self.chain.drives().iter().enumerate() {
+        let drives = self.chains.chosen().map_or(&[][..], DeviceChain::drives);
+        for (drive, row) in drives.iter().zip(&self.link_derivatives[1..]) {
             if drive.joint == joint {
-                let twist = of_row(index + 1, drive.motion);
+                let twist = along(row, drive.motion);
                 sum.linear += twist.linear * drive.multiplier;
                 sum.angular += twist.angular * drive.multiplier;
             }
@@ -249,6 +273,35 @@ impl<'d> Evaluation<'d> {
     /// Derivative of the handle's pose with respect to a joint's motor-side reading.
     pub fn reading_twist(&self, joint: usize) -> Twist {
         scaled(self.joint_twist(joint), self.output_slope(joint))
+    }
+}
+
+/// The chains of a device, one for each hand.
+#[derive(Debug, Clone)]
+struct Chains {
+    all: Vec<DeviceChain>,
+    /// The hand that is looked at; none where nobody has said which.
+    hand: Option<usize>,
+    device: String,
+}
+
+impl Chains {
+    fn new(device: &Device) -> Self {
+        let hands = 0..device.chain_count();
+        Self {
+            all: hands
+                .map(|hand| DeviceChain::of_hand(device, hand))
+                .collect(),
+            hand: (!device.has_hands()).then_some(0),
+            device: device.name.clone(),
+        }
+    }
+
+    fn chosen(&self) -> Result<&DeviceChain, ModelError> {
+        let chain = self.hand.and_then(|hand| self.all.get(hand));
+        chain.ok_or_else(|| ModelError::NoHand {
+            device: self.device.clone(),
+        })
     }
 }
 

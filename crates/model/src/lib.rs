@@ -16,8 +16,9 @@ pub use device::chain::DeviceChain;
 pub use device::joint::{Joint, JointType, TransmissionError, TransmissionKind};
 pub use device::rows::{Drive, Origin};
 pub use device::surroundings::{
-    ContactPoint, JointCompliance, Placement, PlanePair, Surroundings, TouchedPlane,
+    ContactPoint, JointCompliance, Placement, PlanePair, Surroundings, Tool, TouchedPlane,
 };
+pub use device::tree::Hand;
 pub use device::{Body, ContactPair, Device, Tracker};
 pub use error::{DeviceFileError, ModelError, Position};
 pub use evaluation::Evaluation;

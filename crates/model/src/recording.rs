@@ -30,6 +30,9 @@ pub struct Recording {
     pub force_n: Option<[Vec<f64>; 3]>,
     /// Device temperature \[degC\].
     pub temperature_degc: Option<Vec<f64>>,
+    /// Name of the hand that a row's positions, orientations, touches and forces are of; none where the device has
+    /// but one.
+    pub hand: Option<Vec<String>>,
     /// Text identifiers of touched points (`contact`) and planes (`plane`); empty text is none.
     pub contact: Option<Vec<String>>,
     /// See [`Recording::contact`].
@@ -93,6 +96,7 @@ impl Recording {
                 .as_ref()
                 .map(|axes| axes.each_ref().map(numbers)),
             temperature_degc: self.temperature_degc.as_ref().map(numbers),
+            hand: self.hand.as_ref().map(texts),
             contact: self.contact.as_ref().map(texts),
             plane: self.plane.as_ref().map(texts),
             covariates: covariates

@@ -8,6 +8,7 @@ use haptical_model::{Device, Recording};
 use crate::CalibrationError;
 use crate::problem::measurement::rotation::rotation_vector;
 use crate::start::hand_eye::{Frames, Rig, Sight, closed_form, missed, sights};
+use crate::start::hands::rows_of_hand;
 use crate::start::points::spread_m;
 use crate::start::prepare::handle_poses;
 
@@ -37,6 +38,22 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
     if !is_tracked {
         return Ok(());
     }
+    if device.has_tool_per_hand()
+        && recording
+            .hand
+            .iter()
+            .flatten()
+            .any(|own| !is_first(recording, own))
+    {
+        // each marker by itself
+        return device.hands.iter().try_for_each(|hand| {
+            let own = rows_of_hand(recording, &hand.name);
+            match own.is_empty() {
+                true => Ok(()),
+                false => check(device, &recording.select(&own)),
+            }
+        });
+    }
     let rig = Rig::new(device).unwrap_or_default();
     let rows = recording.len();
     let count = rows.min(MOST_ROWS);
@@ -59,6 +76,12 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
             message,
         })
     })
+}
+
+/// Whether a hand is the one of the first row.
+fn is_first(recording: &Recording, hand: &str) -> bool {
+    let first = recording.hand.as_ref().and_then(|hands| hands.first());
+    first.is_some_and(|first| first == hand)
 }
 
 fn positions(recording: &Recording, poses: &[Pose], rig: &Rig) -> Option<String> {

@@ -41,6 +41,21 @@ pub(crate) fn postures(recording: &Recording) -> Option<Vec<usize>> {
     (found > 1).then_some(numbers)
 }
 
+/// Number of the posture of each row, from 0, where several hands were seen at one; none elsewhere. Rows at one posture,
+/// each of another hand, show the same errors of what the hands share: folds hold them out together.
+pub(crate) fn seen_together(recording: &Recording) -> Option<Vec<usize>> {
+    recording.hand.as_ref()?;
+    let columns = &recording.joint;
+    let is_same = |row: usize| columns.iter().all(|column| column[row] == column[row - 1]);
+    let mut numbers = Vec::with_capacity(recording.len());
+    let mut number = 0;
+    for row in 0..recording.len() {
+        number += usize::from(row > 0 && !is_same(row));
+        numbers.push(number);
+    }
+    (number + 1 < recording.len()).then_some(numbers)
+}
+
 fn numbered(
     recording: &Recording,
     tolerance: &[f64],

@@ -4,8 +4,8 @@ use haptical_identification::{IdentificationError, Matrix, Problem};
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Convention, Twist};
 use haptical_model::{
-    Device, DeviceChain, Drive, Evaluation, JointType, Parameter, ParameterId,
-    SurroundingParameter, TouchedPlane,
+    Device, Drive, Evaluation, JointType, Parameter, ParameterId, SurroundingParameter,
+    TouchedPlane,
 };
 
 use crate::error::wrap;
@@ -121,7 +121,9 @@ fn log_mobility(
                 .zip(block.subjects.iter().map(plane))
         })
         .collect();
-    let chain = DeviceChain::new(device);
+    let drives: Vec<Drive> = (1..device.links.len())
+        .filter_map(|row| device.drive(row))
+        .collect();
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; device.joints.len()];
     let mut sum = Sum::new(if slopes { problem.parameters.len() } else { 0 });
@@ -133,7 +135,7 @@ fn log_mobility(
         let torques = problem.loads.as_ref().map(|loads| loads.of_row(row));
         let at = AtTouch {
             evaluation: &evaluation,
-            drives: chain.drives(),
+            drives: &drives,
             convention: device.convention,
             torques,
         };

@@ -6,6 +6,7 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use haptical_model::{Device, ParameterId, Placement, Recording, SurroundingParameter};
 
 use crate::problem::measurement::rotation::{measured_rotation, rotation_vector};
+use crate::start::hands::place_hands;
 use crate::{CalibrationError, Channel, DeviceProblem, Weights};
 
 /// Rounds between turn and offset where positions alone are seen: the error falls by the share of the tool's
@@ -51,6 +52,17 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
+    /// The same tracker at a base that is known, and a tool that is open.
+    pub(crate) fn at_base(base: Pose) -> Self {
+        Self {
+            known: Frames {
+                base,
+                ..Frames::default()
+            },
+            open: [false, true],
+        }
+    }
+
     /// A tracker of which nothing is known but what is not open.
     pub(crate) fn from_open(open: [bool; 2]) -> Self {
         Self {
@@ -85,6 +97,9 @@ pub(crate) fn place_tracker(
     recording: &Recording,
     poses: &[Pose],
 ) -> Result<(), CalibrationError> {
+    if device.has_tool_per_hand() {
+        return place_hands(device, recording, poses);
+    }
     let Some(rig) = Rig::new(device).filter(|rig| rig.open != [false; 2]) else {
         return Ok(());
     };
@@ -106,7 +121,7 @@ pub(crate) fn place_tracker(
 
 /// Base and tool by the sights that are no wild readings, and the rows of those; none where all are. What is left of
 /// the sights by the frames of the others is compared, as wild ones draw the frames to themselves.
-fn trimmed(sights: &[Sight], rig: &Rig) -> (Frames, Option<Vec<usize>>) {
+pub(crate) fn trimmed(sights: &[Sight], rig: &Rig) -> (Frames, Option<Vec<usize>>) {
     let mut frames = closed_form(sights, rig);
     let mut kept: Option<Vec<usize>> = None;
     for _ in 0..TRIMMINGS {
@@ -315,13 +330,13 @@ fn nearest_turn(sum: &Matrix3<f64>) -> Matrix3<f64> {
     }
 }
 
-/// Base and tool alone fitted to what the tracker saw; none where the search ends nowhere.
-fn fit(
+/// Base and tools alone fitted to what the tracker saw; none where the search ends nowhere.
+pub(crate) fn fit(
     device: &Device,
     recording: &Recording,
     open: [bool; 2],
 ) -> Result<Option<Device>, CalibrationError> {
-    use SurroundingParameter::{TrackerBase, TrackerTool};
+    use SurroundingParameter::{Tool, TrackerBase, TrackerTool};
     let sees =
         |channel: Channel| (0..recording.len()).any(|row| channel.has_reading(recording, row));
     let (slides, turns) = (sees(Channel::Position), sees(Channel::Orientation));
@@ -337,9 +352,12 @@ fn fit(
         .filter(|_| open[0])
         .map(|index| TrackerBase { index });
     let tool = (first..end)
-        .filter(|_| open[1])
+        .filter(|_| open[1] && !device.has_tool_per_hand())
         .map(|index| TrackerTool { index });
-    let parameters: Vec<ParameterId> = base.chain(tool).map(ParameterId::Surrounding).collect();
+    let tools = (0..device.surroundings.tools.len()).filter(|_| open[1]);
+    let tools = tools.flat_map(|tool| (first..end).map(move |index| Tool { tool, index }));
+    let parameters = base.chain(tool).chain(tools).map(ParameterId::Surrounding);
+    let parameters: Vec<ParameterId> = parameters.collect();
     let weights = Weights::stated(device, &channels);
     let problem = DeviceProblem::new(device, recording, &channels, &parameters, &weights)?;
     let free: Vec<usize> = (0..parameters.len()).collect();

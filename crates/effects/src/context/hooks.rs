@@ -108,6 +108,7 @@ impl Context<'_> {
             .map(|row| {
                 let output = self.output.iter().zip(errors);
                 let output: Vec<f64> = output.map(|(q, error)| q[row] + error[row]).collect();
+                evaluation.choose_hand(self.device.hand_at(self.recording, row));
                 let pose = evaluation
                     .move_outputs(&output)
                     .and_then(|()| evaluation.pose());
@@ -123,7 +124,8 @@ impl Context<'_> {
                             - (self.position[row] - anchor).norm();
                     }
                     Channel::Position => {
-                        let way = self.tracked_m(&moved[row]) - self.tracked_m(&self.pose(row));
+                        let way =
+                            self.tracked_m(row, &moved[row]) - self.tracked_m(row, &self.pose(row));
                         *value = way[self.streams[*stream].axis];
                     }
                     Channel::Contact | Channel::Plane => {
@@ -144,9 +146,10 @@ impl Context<'_> {
         }
     }
 
-    /// The position that a tracker sees of a handle \[m\], in its own frame.
-    fn tracked_m(&self, handle: &Pose) -> Vector3<f64> {
-        let tracked = Tracked::new(self.device, handle);
+    /// The position that a tracker sees of a handle at a row \[m\], in its own frame.
+    fn tracked_m(&self, row: usize, handle: &Pose) -> Vector3<f64> {
+        let own = self.device.tool_at(self.recording, row);
+        let tracked = Tracked::new(self.device, handle, own);
         tracked.map_or(handle.position_m, |tracked| tracked.pose().position_m)
     }
 
@@ -174,7 +177,7 @@ impl Context<'_> {
                     let (shift, tilt) = moved(row);
                     match channel {
                         Channel::Position => {
-                            let seen = self.tracked_m(&self.pose(row));
+                            let seen = self.tracked_m(row, &self.pose(row));
                             -(shift + tilt.cross(&seen))[axis]
                         }
                         _ => -tilt[axis],

@@ -122,6 +122,7 @@ impl<'a> Context<'a> {
         let mut readings = vec![0.0; joints];
         for row in 0..rows {
             recording.read_joints(row, &mut readings);
+            evaluation.choose_hand(device.hand_at(recording, row));
             evaluation
                 .move_to(&readings)
                 .map_err(|source| ContextError::Row {
@@ -134,7 +135,8 @@ impl<'a> Context<'a> {
             if has_links && let Ok(pose) = evaluation.pose() {
                 position.push(pose.position_m);
                 rotation.push(pose.rotation);
-                tracked.extend(Tracked::new(device, pose));
+                let own = device.tool_at(recording, row);
+                tracked.extend(Tracked::new(device, pose, own));
                 for (joint, column) in twist.iter_mut().enumerate() {
                     column.push(evaluation.joint_twist(joint));
                 }
@@ -238,8 +240,8 @@ impl<'a> Context<'a> {
         })
     }
 
-    /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint, and for one that moves
-    /// several rows of the chain.
+    /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint, for one that moves
+    /// several rows of the chain, and where another branch ends at the row's hand.
     pub fn lever(&self, joint: usize, row: usize) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let axis = self.twist.get(joint)?.get(row)?.angular;
         if axis.norm_squared() < 0.5 {

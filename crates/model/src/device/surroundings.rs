@@ -14,6 +14,8 @@ pub struct Surroundings {
     pub tracker_base: Option<Placement>,
     /// What is tracked, seen from the handle frame, where the tool is unknown.
     pub tracker_tool: Option<Placement>,
+    /// The same of what is tracked on each hand, where the device has several: the id is the hand's name.
+    pub tools: Vec<Tool>,
     /// Standard deviation of a coordinate of a touch \[m\].
     pub contact_sd_m: Option<f64>,
     /// Touched points.
@@ -28,6 +30,15 @@ pub struct Surroundings {
     pub fixture_sd_rad: Option<f64>,
     /// Compliance behind the external encoder, joint by joint; empty where every joint is rigid.
     pub compliance: Vec<JointCompliance>,
+}
+
+/// A thing that is tracked, by the id of what it is on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tool {
+    /// Name of the hand.
+    pub id: String,
+    /// What is tracked, seen from the hand; none until a calibration has found a start value.
+    pub placement: Option<Placement>,
 }
 
 /// A rigid transform that may be fitted: a start, and a small turn before it.
@@ -151,6 +162,17 @@ impl Placement {
     }
 }
 
+impl Tool {
+    /// The same without a turn: what a file holds.
+    #[must_use]
+    pub fn settled(&self) -> Self {
+        Self {
+            placement: self.placement.map(|placement| placement.settled()),
+            ..self.clone()
+        }
+    }
+}
+
 impl TouchedPlane {
     /// Two unit vectors across the start normal and across each other.
     pub fn axes(&self) -> [Vector3<f64>; 2] {
@@ -197,9 +219,15 @@ impl Surroundings {
         Self {
             tracker_base: self.tracker_base.map(|placement| placement.settled()),
             tracker_tool: self.tracker_tool.map(|placement| placement.settled()),
+            tools: self.tools.iter().map(Tool::settled).collect(),
             planes: self.planes.iter().map(TouchedPlane::settled).collect(),
             ..self.clone()
         }
+    }
+
+    /// Position of a tool within [`Surroundings::tools`].
+    pub fn tool_index(&self, id: &str) -> Option<usize> {
+        self.tools.iter().position(|tool| tool.id == id)
     }
 
     /// Position of a contact within [`Surroundings::contacts`].

@@ -9,10 +9,11 @@ use crate::file::syntax::syntax_error;
 use crate::{Device, DeviceFileError};
 
 /// What a rig file holds.
-const SECTIONS: [&str; 11] = [
+const SECTIONS: [&str; 12] = [
     "cable_encoder",
     "cable",
     "tracker",
+    "tool",
     "contact_pair",
     "contact",
     "contact_point",
@@ -24,7 +25,7 @@ const SECTIONS: [&str; 11] = [
 ];
 
 /// What stays with the device file.
-const OF_A_DEVICE: [&str; 4] = ["device", "link", "joint", "nominal"];
+const OF_A_DEVICE: [&str; 5] = ["device", "link", "joint", "hand", "nominal"];
 
 impl Device {
     /// The text of a device file with the sections of a rig file (`[cable_encoder]`, `[[cable]]`,

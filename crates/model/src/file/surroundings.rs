@@ -3,7 +3,7 @@
 use crate::DeviceFileError;
 use crate::device::Tracker;
 use crate::device::surroundings::{
-    ContactPoint, JointCompliance, Placement, PlanePair, Surroundings, TouchedPlane,
+    ContactPoint, JointCompliance, Placement, PlanePair, Surroundings, Tool, TouchedPlane,
 };
 use crate::file::reader::Section;
 use crate::file::row::read_origin;
@@ -55,12 +55,14 @@ pub(crate) fn read_surroundings(
             read_placement(&section, PLACEMENT_KEYS[1])?,
         ],
     };
+    let tools = read_tools(root, warnings)?;
     let unknown = tracker.map_or([false; 2], |tracker| {
         [!tracker.base_known, !tracker.tool_known]
     });
     Ok(Surroundings {
         tracker_base: places[0].filter(|_| unknown[0]),
         tracker_tool: places[1].filter(|_| unknown[1]),
+        tools: if unknown[1] { tools } else { Vec::new() },
         contact_sd_m: read_sd(root, "contact", "sd_m", warnings)?,
         contacts: read_contacts(root, warnings)?,
         plane_sd_m: read_sd(root, "plane", "sd_m", warnings)?,
@@ -68,6 +70,19 @@ pub(crate) fn read_surroundings(
         plane_pairs: read_plane_pairs(root, warnings)?,
         fixture_sd_rad: read_sd(root, "fixture", "sd_rad", warnings)?,
         compliance,
+    })
+}
+
+/// Keys of a `[[tool]]` that say where it is on its hand.
+pub(crate) const TOOL_KEYS: [&str; 2] = ["xyz_m", "wxyz"];
+
+fn read_tools(root: &Section<'_, '_>, warnings: &mut Vec<String>) -> Result<Vec<Tool>> {
+    let mut seen = Vec::new();
+    root.each("tool", warnings, |section| {
+        Ok(Tool {
+            id: new_id(section, &mut seen)?,
+            placement: read_placement(section, TOOL_KEYS)?,
+        })
     })
 }
 

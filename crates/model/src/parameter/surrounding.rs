@@ -2,7 +2,7 @@
 
 use crate::Device;
 
-/// A parameter of a cable, the tracker, a touched point or plane.
+/// A parameter of a cable, the tracker, what it sees on a hand, a touched point or plane.
 ///
 /// As for [`crate::ParameterId`] its device must have it; where it does not, the value is NaN and setting
 /// it changes nothing.
@@ -37,6 +37,13 @@ pub enum SurroundingParameter {
     },
     /// What is tracked, seen from the handle: 0 to 2 its position, 3 to 5 its turn.
     TrackerTool {
+        /// Which number.
+        index: usize,
+    },
+    /// The same of what is tracked on one of several hands.
+    Tool {
+        /// Position in [`crate::Surroundings::tools`].
+        tool: usize,
         /// Which number.
         index: usize,
     },
@@ -83,9 +90,14 @@ macro_rules! number {
             Self::CableExitRadius { cable } => {
                 cables.$get(cable).map(|cable| &$($mut)? cable.exit_radius_m)
             }
-            Self::TrackerBase { index } | Self::TrackerTool { index } => {
+            Self::TrackerBase { index }
+            | Self::TrackerTool { index }
+            | Self::Tool { index, .. } => {
                 let placement = match $parameter {
                     Self::TrackerBase { .. } => around.tracker_base.$as(),
+                    Self::Tool { tool, .. } => {
+                        around.tools.$get(tool).and_then(|tool| tool.placement.$as())
+                    }
                     _ => around.tracker_tool.$as(),
                 };
                 placement.and_then(|placement| match index.checked_sub(3) {
@@ -111,12 +123,14 @@ impl SurroundingParameter {
     pub fn unit(self) -> &'static str {
         match self {
             Self::CableScale { .. } | Self::TrackerScale | Self::Plane { index: 0 | 1, .. } => "1",
-            Self::TrackerBase { index: 3.. } | Self::TrackerTool { index: 3.. } => "rad",
+            Self::TrackerBase { index: 3.. }
+            | Self::TrackerTool { index: 3.. }
+            | Self::Tool { index: 3.., .. } => "rad",
             _ => "m",
         }
     }
 
-    /// Short name: `cable2_anchor_x`, `tracker_base_rx`, `contact.socket.z`, `plane.table.offset`.
+    /// Short name: `cable2_anchor_x`, `tracker_base_rx`, `tool.left.x`, `contact.socket.z`, `plane.table.offset`.
     pub fn name(self, device: &Device) -> String {
         let cable = |index: usize| match index {
             0 => "cable".to_owned(),
@@ -132,6 +146,10 @@ impl SurroundingParameter {
             Self::CableExitRadius { cable: of } => format!("{}_exit_radius", cable(of)),
             Self::TrackerBase { index } => format!("tracker_base_{}", part(&PLACEMENT, index)),
             Self::TrackerTool { index } => format!("tracker_tool_{}", part(&PLACEMENT, index)),
+            Self::Tool { tool, index } => {
+                let id = tool_id(device, tool);
+                format!("tool.{id}.{}", part(&PLACEMENT, index))
+            }
             Self::TrackerScale => "tracker_scale".to_owned(),
             Self::Contact { point, axis } => {
                 let id = contact_id(device, point);
@@ -151,16 +169,20 @@ impl SurroundingParameter {
             _ => format!("cable[{}]", index + 1),
         };
         let placed = |place: &str, index: usize| match index {
-            0..3 => format!("tracker.{place}_xyz_m[{index}]"),
-            _ => format!("tracker.{place}_wxyz"),
+            0..3 => format!("{place}xyz_m[{index}]"),
+            _ => format!("{place}wxyz"),
         };
         match self {
             Self::CableAnchor { cable: of, axis } => format!("{}.anchor_m[{axis}]", cable(of)),
             Self::CableZero { cable: of } => format!("{}.zero_m", cable(of)),
             Self::CableScale { cable: of } => format!("{}.scale", cable(of)),
             Self::CableExitRadius { cable: of } => format!("{}.exit_radius_m", cable(of)),
-            Self::TrackerBase { index } => placed("base", index),
-            Self::TrackerTool { index } => placed("tool", index),
+            Self::TrackerBase { index } => placed("tracker.base_", index),
+            Self::TrackerTool { index } => placed("tracker.tool_", index),
+            Self::Tool { tool, index } => {
+                let id = tool_id(device, tool);
+                placed(&format!("tool[{id}]."), index)
+            }
             Self::TrackerScale => "tracker.scale_sd".to_owned(),
             Self::Contact { point, axis } => {
                 let id = contact_id(device, point);
@@ -219,6 +241,11 @@ pub struct LengthScale {
 /// (docs/assumptions.md, A88).
 pub const UNSTATED_SCALE_SD: f64 = 1e-3;
 
+fn tool_id(device: &Device, tool: usize) -> &str {
+    let tool = device.surroundings.tools.get(tool);
+    tool.map_or("?", |tool| &tool.id)
+}
+
 fn contact_id(device: &Device, point: usize) -> &str {
     let point = device.surroundings.contacts.get(point);
     point.map_or("?", |point| &point.id)
@@ -267,6 +294,11 @@ impl Device {
         }
         if surroundings.tracker_tool.is_some() {
             parameters.extend((0..6).map(|index| P::TrackerTool { index }));
+        }
+        for (tool, described) in surroundings.tools.iter().enumerate() {
+            if described.placement.is_some() {
+                parameters.extend((0..6).map(|index| P::Tool { tool, index }));
+            }
         }
         for point in 0..surroundings.contacts.len() {
             parameters.extend((0..3).map(|axis| P::Contact { point, axis }));

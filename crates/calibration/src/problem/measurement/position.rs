@@ -48,7 +48,8 @@ impl Measurement for Position {
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
-        if let Some(tracked) = Tracked::new(at.device, at.evaluation.pose()?) {
+        let own = at.device.tool_at(at.recording, at.row);
+        if let Some(tracked) = Tracked::new(at.device, at.evaluation.pose()?, own) {
             return Ok(tracked.carried(twist).linear.norm_squared() / 3.0);
         }
         Ok(twist.linear.norm_squared() / 3.0)

@@ -18,11 +18,11 @@ use super::kind::Posture;
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
 /// let mut device = Device::load(path.as_ref())?.device;
 /// let handle = Pose::default();
-/// assert!(Tracked::new(&device, &handle).is_none());
+/// assert!(Tracked::new(&device, &handle, None).is_none());
 /// // a marker 0.1 m off the handle: a turn about z moves it along y
 /// let start = Origin { position_m: [0.1, 0.0, 0.0], ..Origin::IDENTITY };
 /// device.surroundings.tracker_tool = Some(Placement { start, ..Placement::default() });
-/// let tracked = Tracked::new(&device, &handle).ok_or("a tool")?;
+/// let tracked = Tracked::new(&device, &handle, None).ok_or("a tool")?;
 /// let turn = Twist { linear: Vector3::zeros(), angular: Vector3::z() };
 /// assert!((tracked.carried(&turn).linear - Vector3::new(0.0, 0.1, 0.0)).norm() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -36,13 +36,15 @@ pub struct Tracked {
     /// Rotation vectors per unit of the tool's turn, in the handle frame.
     tool_turn: Matrix3<f64>,
     handle: Pose,
+    /// Which tool is seen, where each hand has its own.
+    own: Option<usize>,
 }
 
 impl Tracked {
     /// None where the tracker's base and tool are known: then it sees the handle itself in frame (-1).
-    pub fn new(device: &Device, handle: &Pose) -> Option<Self> {
-        let surroundings = &device.surroundings;
-        let (base, tool) = (surroundings.tracker_base, surroundings.tracker_tool);
+    /// `own` is the tool that is seen ([`Device::tool_at`]).
+    pub fn new(device: &Device, handle: &Pose, own: Option<usize>) -> Option<Self> {
+        let (base, tool) = (device.surroundings.tracker_base, device.seen_tool(own));
         if base.is_none() && tool.is_none() {
             return None;
         }
@@ -53,6 +55,7 @@ impl Tracked {
             base_turn: base.turn_axes(),
             tool_turn: tool.turn_axes(),
             handle: *handle,
+            own,
         })
     }
 
@@ -103,7 +106,15 @@ impl Tracked {
                     }
                 })
             }
-            ParameterId::Surrounding(SurroundingParameter::TrackerTool { index }) => {
+            ParameterId::Surrounding(SurroundingParameter::Tool { tool, .. })
+                if Some(tool) != self.own =>
+            {
+                Some(Twist::default())
+            }
+            ParameterId::Surrounding(
+                SurroundingParameter::TrackerTool { index }
+                | SurroundingParameter::Tool { index, .. },
+            ) => {
                 let turned = self.base.rotation * self.handle.rotation;
                 Some(match index.checked_sub(3) {
                     None => slide(turned * unit(index)),
@@ -127,7 +138,8 @@ pub(crate) struct Sight {
 impl Sight {
     pub(crate) fn new(at: &Posture<'_>) -> Result<Self, ModelError> {
         let handle = at.evaluation.pose()?;
-        let tracked = Tracked::new(at.device, handle);
+        let own = at.device.tool_at(at.recording, at.row);
+        let tracked = Tracked::new(at.device, handle, own);
         Ok(Self {
             pose: tracked.map_or(*handle, |tracked| tracked.pose()),
             tracked,
@@ -152,9 +164,9 @@ impl Sight {
 
 /// Whether a number of the surroundings is one of the tracker's own.
 pub(crate) fn is_of_tracker(parameter: SurroundingParameter) -> bool {
-    use SurroundingParameter::{TrackerBase, TrackerScale, TrackerTool};
+    use SurroundingParameter::{Tool, TrackerBase, TrackerScale, TrackerTool};
     matches!(
         parameter,
-        TrackerBase { .. } | TrackerTool { .. } | TrackerScale
+        TrackerBase { .. } | TrackerTool { .. } | Tool { .. } | TrackerScale
     )
 }

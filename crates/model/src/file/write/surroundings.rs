@@ -4,8 +4,9 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value
 
 use crate::Device;
 use crate::device::cable::Cable;
-use crate::device::surroundings::{ContactPoint, Placement, Surroundings, TouchedPlane};
+use crate::device::surroundings::{ContactPoint, Placement, Surroundings, Tool, TouchedPlane};
 use crate::file::sensors::PLACEMENT_KEYS;
+use crate::file::surroundings::TOOL_KEYS;
 use crate::file::write::changes::{rows, set};
 use crate::file::write::whole::{insert_tables, list, number, table, text};
 use crate::parameter::compliance_key;
@@ -14,6 +15,10 @@ use crate::parameter::compliance_key;
 pub(crate) fn write_changes(document: &mut DocumentMut, now: &Device, before: &Device) {
     let (new, old) = (now.surroundings.settled(), before.surroundings.settled());
     write_places(document, &new, &old);
+    if new.tools != old.tools {
+        let tables: ArrayOfTables = new.tools.iter().map(tool_table).collect();
+        document.insert("tool", Item::ArrayOfTables(tables));
+    }
     if new.contacts != old.contacts {
         let tables: ArrayOfTables = new.contacts.iter().map(contact_table).collect();
         document.insert("contact_point", Item::ArrayOfTables(tables));
@@ -54,6 +59,8 @@ pub(crate) fn write_all(document: &mut DocumentMut, device: &Device) {
             document.insert(section, Item::Table(table([(key, number(sd))])));
         }
     }
+    let tools = surroundings.tools.iter().map(tool_table).collect();
+    insert_tables(document, "tool", tools);
     let contacts = surroundings.contacts.iter().map(contact_table).collect();
     insert_tables(document, "contact_point", contacts);
     let planes = surroundings.planes.iter().map(plane_table).collect();
@@ -106,6 +113,16 @@ fn write_places(document: &mut DocumentMut, new: &Surroundings, old: &Surroundin
 
 fn numbers(values: &[f64]) -> Value {
     Value::Array(values.iter().copied().collect())
+}
+
+fn tool_table(tool: &Tool) -> Table {
+    let mut written = table([("id", text(&tool.id))]);
+    if let Some(Placement { start, .. }) = &tool.placement {
+        let [place, turn] = TOOL_KEYS;
+        written.insert(place, value(Array::from_iter(start.position_m)));
+        written.insert(turn, value(Array::from_iter(start.orientation_wxyz)));
+    }
+    written
 }
 
 fn contact_table(point: &ContactPoint) -> Table {
