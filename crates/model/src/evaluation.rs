@@ -3,6 +3,7 @@
 use haptical_kinematics::{LinkDerivatives, Pose, Twist};
 use haptical_transmission::LawError;
 
+use crate::device::chain::Chains;
 use crate::{Device, DeviceChain, JointType, ModelError, ParameterId};
 
 /// Evaluates a device at joint readings; made once, used for every row of a recording.
@@ -273,35 +274,6 @@ impl<'d> Evaluation<'d> {
     /// Derivative of the handle's pose with respect to a joint's motor-side reading.
     pub fn reading_twist(&self, joint: usize) -> Twist {
         scaled(self.joint_twist(joint), self.output_slope(joint))
-    }
-}
-
-/// The chains of a device, one for each hand.
-#[derive(Debug, Clone)]
-struct Chains {
-    all: Vec<DeviceChain>,
-    /// The hand that is looked at; none where nobody has said which.
-    hand: Option<usize>,
-    device: String,
-}
-
-impl Chains {
-    fn new(device: &Device) -> Self {
-        let hands = 0..device.chain_count();
-        Self {
-            all: hands
-                .map(|hand| DeviceChain::of_hand(device, hand))
-                .collect(),
-            hand: (!device.has_hands()).then_some(0),
-            device: device.name.clone(),
-        }
-    }
-
-    fn chosen(&self) -> Result<&DeviceChain, ModelError> {
-        let chain = self.hand.and_then(|hand| self.all.get(hand));
-        chain.ok_or_else(|| ModelError::NoHand {
-            device: self.device.clone(),
-        })
     }
 }
 

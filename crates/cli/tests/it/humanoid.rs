@@ -36,7 +36,7 @@ fn identify(folder: &Folder, out: &str, further: &[&str]) -> Value {
     let log = ["--log", "log.csv.gz", "--out", out];
     run(
         folder,
-        &[&["identify"], &DEVICE[..], &log, &HANDS, further].concat(),
+        &[&["identify"][..], &DEVICE, &log, &HANDS, further].concat(),
     );
     let json = std::fs::read_to_string(folder.path(out).join("identified.json")).unwrap();
     serde_json::from_str(&json).unwrap()
@@ -175,7 +175,7 @@ fn two_arms_tell_more_of_the_torso_than_one() {
         "--with",
         "joint-compliance",
     ];
-    run(&folder, &[&["identify"], &DEVICE[..], &log].concat());
+    run(&folder, &[&["identify"][..], &DEVICE, &log].concat());
     let left = std::fs::read_to_string(folder.path("left/identified.json")).unwrap();
     let left: Value = serde_json::from_str(&left).unwrap();
     let width = |result: &Value, name: &str| {
@@ -213,7 +213,7 @@ fn what_takes_one_chain_refuses_hands() {
     ];
     for (command, out, further) in commands {
         let (status, _, said) =
-            folder.run(&[&[command, "--out", out], &DEVICE[..], &HANDS, further].concat());
+            folder.run(&[&[command, "--out", out][..], &DEVICE, &HANDS, further].concat());
         assert_eq!(status, Some(2), "{command}: {said}");
         assert!(
             said.contains("the device has the hands left_hand, right_hand, and"),
@@ -227,7 +227,7 @@ fn what_takes_one_chain_refuses_hands() {
     }
     // as a file of its own it is the same device
     let export = ["export", "--format", "toml", "--out", "device.toml"];
-    run(&folder, &[&export, &DEVICE[..], &HANDS].concat());
+    run(&folder, &[&export[..], &DEVICE, &HANDS].concat());
     let text = std::fs::read_to_string(folder.path("device.toml")).unwrap();
     assert!(
         text.contains("[[hand]]") && text.contains("parent = 3"),
@@ -254,7 +254,7 @@ fn a_hand_of_no_device_is_refused() {
     let run = |tips: &[&str]| {
         folder.run(
             &[
-                &["check", "robot.urdf", "feet.csv", "--rig", "rig.toml"],
+                &["check", "robot.urdf", "feet.csv", "--rig", "rig.toml"][..],
                 tips,
             ]
             .concat(),

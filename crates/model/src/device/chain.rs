@@ -2,7 +2,7 @@
 
 use haptical_kinematics::{Chain, Convention, KinematicsError, Link, Motion, Pose};
 
-use crate::{Device, Drive};
+use crate::{Device, Drive, ModelError};
 
 /// Rows with their homes, motions, origins and drives. It owns them, so that a [`Chain`] can borrow.
 ///
@@ -169,5 +169,34 @@ impl DeviceChain {
         let mut variables = vec![0.0; self.drives.len()];
         self.variables(outputs, &mut variables);
         self.chain()?.pose(&variables)
+    }
+}
+
+/// The chains of a device, one for each hand.
+#[derive(Debug, Clone)]
+pub(crate) struct Chains {
+    all: Vec<DeviceChain>,
+    /// The hand that is looked at; none where nobody has said which.
+    pub(crate) hand: Option<usize>,
+    device: String,
+}
+
+impl Chains {
+    pub(crate) fn new(device: &Device) -> Self {
+        let hands = 0..device.chain_count();
+        Self {
+            all: hands
+                .map(|hand| DeviceChain::of_hand(device, hand))
+                .collect(),
+            hand: (!device.has_hands()).then_some(0),
+            device: device.name.clone(),
+        }
+    }
+
+    pub(crate) fn chosen(&self) -> Result<&DeviceChain, ModelError> {
+        let chain = self.hand.and_then(|hand| self.all.get(hand));
+        chain.ok_or_else(|| ModelError::NoHand {
+            device: self.device.clone(),
+        })
     }
 }
