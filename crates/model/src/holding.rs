@@ -45,6 +45,14 @@ pub fn holding_torques_nm(
     let mut yielded = vec![0.0; device.joints.len()];
     let compliance = |joint| device.compliance_rad_per_nm(joint);
     for row in 0..rows {
+        // two hands at one posture are two rows of one load
+        let is_same = |column: &Vec<f64>| row > 0 && column[row] == column[row - 1];
+        if force_n.is_none() && recording.joint.iter().all(is_same) {
+            for column in &mut torques {
+                column[row] = column[row - 1];
+            }
+            continue;
+        }
         for (joint, output) in outputs.iter_mut().enumerate() {
             let reading = recording
                 .joint

@@ -127,9 +127,9 @@ pub fn device_from_urdf(
             .map(|row| Some(Origin::from_pose(&row.origin))),
     );
     let hands = hands(&robot, &paths, &rows);
-    if let ([end], true) = (rows.ends.as_slice(), hands.is_empty()) {
-        origins.push(Some(Origin::from_pose(&end.handle)));
-    }
+    // each hand has its own place, and the device none
+    let only = rows.ends.first().filter(|_| hands.is_empty());
+    origins.push(only.map(|end| Origin::from_pose(&end.handle)));
     let joints = rows.drivers.iter().map(|driver| {
         let joint = &robot.joints[*driver];
         let (joint, warning) = device_joint(joint, file);
