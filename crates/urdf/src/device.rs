@@ -62,7 +62,8 @@ pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
 /// nor gravity, and a warning says so.
 ///
 /// With further tips ([`BaseAndTip::further_tips`]) the device is the tree of the chains to all of them: a joint that
-/// several chains pass is one row, and each tip a hand with the name of its link.
+/// several chains pass is one row, and each tip a hand with the name of its link. Its rows are in the modified
+/// convention, whose numbers come before the motion: each branch then has a place of its own on the row that it hangs on.
 ///
 /// Without a tip the chain with the most moving joints is taken; joints that follow one of another branch
 /// (fingers) do not count.
@@ -147,6 +148,11 @@ pub fn device_from_urdf(
     let mut bodies = vec![None];
     bodies.extend(carried.bodies);
     let links = vec![Link::default(); rows.rows.len() + 1];
+    // numbers before a row's motion: each branch has its own place on the row that it hangs on
+    let convention = match hands.is_empty() {
+        true => Convention::Standard,
+        false => Convention::Modified,
+    };
     let device = Device {
         name: robot.name.clone(),
         origins,
@@ -163,7 +169,7 @@ pub fn device_from_urdf(
             scale_sd: None,
         }),
         gravity_mps2,
-        ..Device::new(Convention::Standard, links, joints)
+        ..Device::new(convention, links, joints)
     };
     Ok(UrdfDevice {
         device,

@@ -63,8 +63,12 @@ fn numbered(
     most: usize,
 ) -> Option<(usize, Vec<usize>)> {
     let columns = || recording.joint.iter().zip(tolerance);
+    let hands = recording.hand.as_ref();
     let is_same = |a: usize, b: usize| {
-        columns().all(|(column, tolerance)| (column[a] - column[b]).abs() <= *tolerance)
+        // two hands that are seen at one posture are no dwelling
+        let is_of_one_hand = hands.is_none_or(|hands| hands[a] == hands[b]);
+        is_of_one_hand
+            && columns().all(|(column, tolerance)| (column[a] - column[b]).abs() <= *tolerance)
     };
     let mut firsts: Vec<usize> = Vec::new();
     let mut numbers = Vec::with_capacity(rows.len());
