@@ -6,7 +6,6 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use haptical_model::{Device, ParameterId, Placement, Recording, SurroundingParameter};
 
 use crate::problem::measurement::rotation::{measured_rotation, rotation_vector};
-use crate::start::hands::place_hands;
 use crate::{CalibrationError, Channel, DeviceProblem, Weights};
 
 /// Rounds between turn and offset where positions alone are seen: the error falls by the share of the tool's
@@ -97,9 +96,6 @@ pub(crate) fn place_tracker(
     recording: &Recording,
     poses: &[Pose],
 ) -> Result<(), CalibrationError> {
-    if device.has_tool_per_hand() {
-        return place_hands(device, recording, poses);
-    }
     let Some(rig) = Rig::new(device).filter(|rig| rig.open != [false; 2]) else {
         return Ok(());
     };

@@ -10,6 +10,7 @@ use crate::CalibrationError;
 use crate::error::at_row;
 use crate::problem::loads::Loads;
 use crate::start::hand_eye::place_tracker;
+use crate::start::hands::place_hands;
 use crate::start::points::mean;
 
 /// The device with a start value for everything around the chain that a recording shows and the device file
@@ -59,7 +60,10 @@ pub fn prepare_device(device: &Device, recording: &Recording) -> Result<Device, 
     }
     let poses = handle_poses(device, recording)?;
     if has_tracker {
-        place_tracker(&mut prepared, recording, &poses)?;
+        match device.has_tool_per_hand() {
+            true => place_hands(&mut prepared, recording, &poses)?,
+            false => place_tracker(&mut prepared, recording, &poses)?,
+        }
     }
     place_touches(&mut prepared, recording, &poses);
     Ok(prepared)

@@ -111,7 +111,7 @@ fn both_arms_are_recovered_in_one_fit() {
     }
     // of so many at 95 % one is missed by chance, three are not
     assert!(
-        found >= 10 && missed.len() <= 2,
+        found >= 9 && missed.len() <= 2,
         "{found} found, {missed:?}"
     );
     let noise_m = truth["built"]["noise_m"].as_f64().unwrap();
