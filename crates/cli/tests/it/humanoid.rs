@@ -110,10 +110,7 @@ fn both_arms_are_recovered_in_one_fit() {
         }
     }
     // of so many at 95 % one is missed by chance, three are not
-    assert!(
-        found >= 9 && missed.len() <= 2,
-        "{found} found, {missed:?}"
-    );
+    assert!(found >= 9 && missed.len() <= 2, "{found} found, {missed:?}");
     let noise_m = truth["built"]["noise_m"].as_f64().unwrap();
     let errors = [("rigid", 1.0), ("elastic", 0.5)].map(|(out, most)| {
         let device = load(&folder.path(out).join("identified.toml"));
