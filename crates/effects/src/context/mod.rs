@@ -108,8 +108,7 @@ impl<'a> Context<'a> {
         let ordered = step.is_some_and(|step| step <= STEP_OF_A_MOTION)
             && is_path(recording, &runs)
             && (recording.time_s.is_some() || !streams.iter().any(Stream::is_touch));
-        let load_reach = step.map_or(0, load_reach);
-        let streams = streams.to_vec();
+        let (load_reach, streams) = (step.map_or(0, load_reach), streams.to_vec());
         let joints = device.joints.len();
         let mut output = vec![Vec::with_capacity(rows); joints];
         let has_links = device.has_links();
@@ -135,8 +134,7 @@ impl<'a> Context<'a> {
             if has_links && let Ok(pose) = evaluation.pose() {
                 position.push(pose.position_m);
                 rotation.push(pose.rotation);
-                let own = device.tool_at(recording, row);
-                tracked.extend(Tracked::new(device, pose, own));
+                tracked.extend(Tracked::new(device, pose, device.tool_at(recording, row)));
                 for (joint, column) in twist.iter_mut().enumerate() {
                     column.push(evaluation.joint_twist(joint));
                 }
