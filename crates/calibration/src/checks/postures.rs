@@ -83,6 +83,21 @@ fn dwelling(recording: &Recording) -> Option<Vec<usize>> {
     (found > 1).then_some(numbers)
 }
 
+/// Number of the posture of each row, from 0, where several hands were seen at one; none elsewhere. Rows at one posture,
+/// each of another hand, show the same errors of what the hands share: folds hold them out together.
+pub(crate) fn seen_together(recording: &Recording) -> Option<Vec<usize>> {
+    recording.hand.as_ref()?;
+    let columns = &recording.joint;
+    let is_same = |row: usize| columns.iter().all(|column| column[row] == column[row - 1]);
+    let mut numbers = Vec::with_capacity(recording.len());
+    let mut number = 0;
+    for row in 0..recording.len() {
+        number += usize::from(row > 0 && !is_same(row));
+        numbers.push(number);
+    }
+    (number + 1 < recording.len()).then_some(numbers)
+}
+
 fn numbered(
     recording: &Recording,
     tolerance: &[f64],
@@ -90,8 +105,12 @@ fn numbered(
     most: usize,
 ) -> Option<(usize, Vec<usize>)> {
     let columns = || recording.joint.iter().zip(tolerance);
+    let hands = recording.hand.as_ref();
     let is_same = |a: usize, b: usize| {
-        columns().all(|(column, tolerance)| (column[a] - column[b]).abs() <= *tolerance)
+        // two hands that are seen at one posture are no dwelling
+        let is_of_one_hand = hands.is_none_or(|hands| hands[a] == hands[b]);
+        is_of_one_hand
+            && columns().all(|(column, tolerance)| (column[a] - column[b]).abs() <= *tolerance)
     };
     let mut firsts: Vec<usize> = Vec::new();
     let mut numbers = Vec::with_capacity(rows.len());
