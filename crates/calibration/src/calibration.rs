@@ -171,8 +171,7 @@ fn fit_and_check(
                 loss: LossChoice::Fixed(loss),
                 ..*options
             };
-            let whole = dwelt.or_else(|| postures::seen_together(recording));
-            comparison.cross_validate(&options, (count, whole.as_deref()), &mut warnings)?
+            comparison.cross_validate(&options, (count, dwelt.as_deref()), &mut warnings)?
         }
         None if split.held_out.is_empty() => (Vec::new(), split.description),
         None => {

@@ -186,7 +186,6 @@ fn without_places(device: &Device) -> Device {
     }
     if !tool_known {
         around.tracker_tool = None;
-        around.tools.clear();
     }
     around.run_bases.clear();
     for tool in &mut around.tools {

@@ -179,7 +179,8 @@ impl Device {
 
     /// Whether any row may be about something else on the hand than the handle.
     pub fn has_tools(&self, recording: &Recording) -> bool {
-        let is_put_on = |tool: &Tool| tool.from_line.is_some();
+        let last = recording.line.iter().max();
+        let is_put_on = |tool: &Tool| tool.from_line.is_some_and(|from| last >= Some(&from));
         match &recording.tool {
             Some(ids) => ids.iter().any(|id| !id.is_empty()),
             None => {

@@ -31,6 +31,7 @@ fn what_is_refused_is_typed_and_said() {
     let alone = BaseAndTip {
         base: Some("left_hand"),
         tip: None,
+        further_tips: &[],
     };
     let error = refusal(alone);
     assert!(matches!(error, UrdfError::TipMissing { .. }));
