@@ -50,7 +50,7 @@ pub(crate) fn place_tracker(
 
 /// Base and tool by the sights that are no wild readings, and the rows of those; none where all are. What is left of
 /// the sights by the frames of the others is compared, as wild ones draw the frames to themselves.
-pub(crate) fn trimmed(sights: &[Sight], rig: &Rig) -> (Frames, Option<Vec<usize>>) {
+fn trimmed(sights: &[Sight], rig: &Rig) -> (Frames, Option<Vec<usize>>) {
     let mut frames = closed_form(sights, rig);
     let mut kept: Option<Vec<usize>> = None;
     for _ in 0..TRIMMINGS {

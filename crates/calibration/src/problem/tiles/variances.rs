@@ -16,8 +16,8 @@ use crate::problem::measurement::kind::{Measurement, Posture, is_of_handle};
 use crate::problem::mounts::mounts;
 
 /// Sum over the joints of `quanta`, the variance of each reading's rounding, times the square of the residual's
-/// sensitivity, row by row; zero where a touch has no reading. None where the channel is of no handle, each hand has a chain, or a number is
-/// refused: the form row by row names it.
+/// sensitivity, row by row; zero where a touch has no reading. None where the channel is of no handle, each hand has a
+/// chain, or a number is refused: the form row by row names it.
 pub(crate) fn variances(
     (device, recording, channel): (&Device, &Recording, Channel),
     loads: Option<&Loads>,
