@@ -31,9 +31,8 @@ fn sharing(recording: &Recording) -> Option<Vec<usize>> {
     if tools.is_none() && hands.is_none() {
         return None;
     }
-    let differs = |ids: Option<&Vec<String>>, row: usize| {
-        ids.is_some_and(|ids| ids[row - 1] != ids[row])
-    };
+    let differs =
+        |ids: Option<&Vec<String>>, row: usize| ids.is_some_and(|ids| ids[row - 1] != ids[row]);
     let follows = |row: usize| row > 0 && is_same_reading(recording, row - 1, row);
     let shares = |row: usize| follows(row) && (differs(tools, row) || differs(hands, row));
     if !(0..recording.len()).any(shares) {
