@@ -115,9 +115,7 @@ impl<'a> Context<'a> {
         let mut output = vec![Vec::with_capacity(rows); joints];
         let has_links = device.has_links();
         let mut twist = vec![Vec::with_capacity(rows); if has_links { joints } else { 0 }];
-        let mut position = Vec::new();
-        let mut rotation = Vec::new();
-        let mut tracked = Vec::new();
+        let (mut position, mut rotation, mut tracked) = (Vec::new(), Vec::new(), Vec::new());
         // a place that the device lacks: the channels' problem says which
         let mounts = device.mounts(recording).unwrap_or_default();
         let mut force = recording.force_n.as_ref().map(|_| Vec::with_capacity(rows));
