@@ -118,6 +118,9 @@ fn as_it_was(full: &Calibration) -> Calibration {
         report.rms_after = report.rms_before;
         report.sd_after = report.sd_before;
         report.rms_after_good = report.rms_before_good;
+        for hand in &mut report.hands {
+            hand.rms_after = hand.rms_before;
+        }
         report.reduction_percent = report.reduction_percent.map(|_| 0.0);
         report.reduction_percent_good = report.reduction_percent_good.map(|_| 0.0);
     }
@@ -190,6 +193,13 @@ fn fit_and_check(
         if !outliers.is_empty() {
             warnings.push(warnings::of_wild_held_out(outliers.len()));
         }
+    }
+    for report in fit_channels.iter_mut().chain(&mut held_out_channels) {
+        let wild = outliers
+            .iter()
+            .filter(|own| own.channel.name() == report.channel);
+        let wild: Vec<u64> = wild.map(|own| own.line).collect();
+        report.tell_hands(device, recording, &wild);
     }
     let judged = if held_out_channels.is_empty() {
         &fit_channels

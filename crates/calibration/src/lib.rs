@@ -42,7 +42,7 @@ pub use problem::reduced::{ChannelRows, ReducedProblem};
 pub use problem::residuals::{ChannelResiduals, channel_residuals, rows_with_known_errors};
 pub use problem::weights::Weights;
 pub use report::channel_noise::{ChannelNoise, UnevenNoise};
-pub use report::channel_report::ChannelReport;
+pub use report::channel_report::{ChannelReport, HandReport};
 pub use report::combinations::{Combination, Summand};
 pub use report::force_direction::{ForceDirection, force_direction};
 pub use report::frame_origins::frame_origins_m;

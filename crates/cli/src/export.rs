@@ -106,6 +106,9 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
             .fingerprint_text(input.to_toml())
             .sha256,
     };
+    if !matches!(arguments.format, FormatName::Toml | FormatName::Urdf) {
+        input.refuse_hands("this form")?;
+    }
     let described = || Described::new(&input.model, &arguments.device);
     let content = match arguments.format {
         FormatName::Rust => rust_module::text(&described()?, &provenance),

@@ -65,6 +65,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     let nominal = Device::open(&source, &equipment)?;
     let mut files = nominal.inputs("device");
     refuse_no_links(&nominal)?;
+    nominal.refuse_hands("the drawing")?;
     let mut warnings = nominal.warnings.clone();
     let model = match &arguments.model {
         None => None,

@@ -112,6 +112,7 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let source = Source::given(&arguments.device);
     let equipment = arguments.device_options.equipment();
     let mut device = Device::open(&source, &equipment)?;
+    device.refuse_hands("a simulated log")?;
     let mut files = device.inputs("device");
     let truth_path = arguments.truth.as_ref().unwrap_or(&arguments.device);
     let truth = match &arguments.truth {

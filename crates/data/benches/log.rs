@@ -40,6 +40,7 @@ fn add(criterion: &mut Criterion) -> Result<(), DataError> {
     let shape = LogShape {
         joints: (0..JOINTS).map(joint).collect(),
         cable_count: 1,
+        hands: Vec::new(),
     };
     let recording = recording();
     let mut text = Vec::new();

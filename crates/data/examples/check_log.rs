@@ -40,6 +40,7 @@ fn device(n_joints: usize) -> LogShape {
     LogShape {
         joints: (1..=n_joints).map(joint).collect(),
         cable_count: 1,
+        hands: Vec::new(),
     }
 }
 

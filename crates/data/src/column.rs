@@ -19,6 +19,7 @@ pub(crate) enum Role {
     Cable(usize),
     Position(usize),
     Orientation(usize),
+    Hand,
     Contact,
     Plane,
     Tool,
@@ -38,6 +39,7 @@ impl Role {
             "" => Self::Unnamed,
             "t_s" => Self::Time,
             "run" => Self::Run,
+            "hand" => Self::Hand,
             "contact" => Self::Contact,
             "plane" => Self::Plane,
             "tool" => Self::Tool,
@@ -92,6 +94,7 @@ impl Role {
             Self::Cable(cable) => format!("cable{}_m", cable + 1),
             Self::Position(axis) => part(&POSITION, axis),
             Self::Orientation(index) => part(&ORIENTATION, index),
+            Self::Hand => "hand".to_owned(),
             Self::Contact => "contact".to_owned(),
             Self::Plane => "plane".to_owned(),
             Self::Tool => "tool".to_owned(),
@@ -123,7 +126,7 @@ impl Role {
 
     /// Whether cells are text identifiers.
     pub(crate) fn is_text(self) -> bool {
-        matches!(self, Self::Contact | Self::Plane | Self::Tool)
+        matches!(self, Self::Hand | Self::Contact | Self::Plane | Self::Tool)
     }
 }
 

@@ -9,6 +9,7 @@
 //! let shape = LogShape {
 //!     joints: vec![JointShape { name: "1".into(), prismatic: false, lower: -1.5, upper: 1.5 }],
 //!     cable_count: 1,
+//!     hands: Vec::new(),
 //! };
 //! let text = "t_s,theta1_rad,cable_m\n0.00,0.1,0.25\n0.01,0.2,\n";
 //! let log = read_log_from(text.as_bytes(), "log.csv", &shape)?;

@@ -12,6 +12,8 @@ pub struct LogShape {
     pub joints: Vec<JointShape>,
     /// Number of measurement cables: `cable_m` is the first, `cable2_m` the second.
     pub cable_count: usize,
+    /// Names of the hands, where the device tells several apart: then each row names one in the column `hand`.
+    pub hands: Vec<String>,
 }
 
 /// What the device file says about one joint.
@@ -40,6 +42,7 @@ impl From<&Device> for LogShape {
         Self {
             joints: joints.collect(),
             cable_count: device.cables.len().max(usize::from(device.has_links())),
+            hands: device.hands.iter().map(|hand| hand.name.clone()).collect(),
         }
     }
 }

@@ -149,6 +149,15 @@ pub enum ModelError {
         /// Device name.
         device: String,
     },
+    /// A device with hands, of which none is chosen.
+    #[error(
+        "the device `{device}` has several hands, and nothing says which one is meant: a log has the column \
+         `hand`; what has no hand is made for one chain"
+    )]
+    NoHand {
+        /// Device name.
+        device: String,
+    },
     /// A joint that the device does not have.
     #[error("the device has {joints} joints, no joint {joint}")]
     NoJoint {

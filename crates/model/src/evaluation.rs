@@ -3,6 +3,7 @@
 use haptical_kinematics::{LinkDerivatives, Pose, Twist};
 use haptical_transmission::LawError;
 
+use crate::device::chain::Chains;
 use crate::{Device, DeviceChain, JointType, ModelError, ParameterId};
 
 /// Evaluates a device at joint readings; made once, used for every row of a recording.
@@ -12,15 +13,16 @@ use crate::{Device, DeviceChain, JointType, ModelError, ParameterId};
 #[derive(Debug, Clone)]
 pub struct Evaluation<'d> {
     device: &'d Device,
-    chain: DeviceChain,
+    chains: Chains,
     outputs: Vec<f64>,
     /// Angles of the links: the outputs, less what a joint yields behind its encoder.
     link_angles: Vec<f64>,
     /// Drive torques at this row; empty where nothing yields to them.
     torque_nm: Vec<f64>,
-    /// What the rows but row 0 move by.
+    /// What the rows but row 0 of the hand's chain move by.
     variables: Vec<f64>,
     errors: Vec<JointError>,
+    /// Of the rows of the hand's chain.
     link_derivatives: Vec<LinkDerivatives>,
     pose: Option<Pose>,
 }
@@ -46,7 +48,7 @@ impl<'d> Evaluation<'d> {
             .collect();
         Self {
             device,
-            chain: DeviceChain::new(device),
+            chains: Chains::new(device),
             outputs: vec![0.0; device.joints.len()],
             link_angles: vec![0.0; device.joints.len()],
             torque_nm: Vec::new(),
@@ -54,6 +56,15 @@ impl<'d> Evaluation<'d> {
             errors,
             link_derivatives: vec![LinkDerivatives::default(); device.links.len()],
             pose: None,
+        }
+    }
+
+    /// Chooses the hand (from 0) of the next moves, as [`Device::hand_at`] says for a row of a log. A device without
+    /// hands with names has one, which is chosen.
+    pub fn choose_hand(&mut self, hand: Option<usize>) {
+        if self.device.has_hands() && hand != self.chains.hand {
+            self.chains.hand = hand;
+            self.pose = None;
         }
     }
 
@@ -109,8 +120,9 @@ impl<'d> Evaluation<'d> {
             self.outputs[index] = reading + error;
         }
         if self.device.has_links() {
-            self.take_variables();
-            self.pose = Some(self.chain.chain()?.pose(&self.variables)?);
+            let count = self.take_variables()?;
+            let chain = self.chains.chosen()?.chain()?;
+            self.pose = Some(chain.pose(&self.variables[..count])?);
         }
         Ok(())
     }
@@ -126,12 +138,15 @@ impl<'d> Evaluation<'d> {
         self.torque_nm.resize(self.outputs.len(), 0.0);
     }
 
-    fn take_variables(&mut self) {
+    /// Variables of the chosen hand's chain; how many.
+    fn take_variables(&mut self) -> Result<usize, ModelError> {
         self.link_angles.copy_from_slice(&self.outputs);
         for (joint, torque) in self.torque_nm.iter().enumerate() {
             self.link_angles[joint] -= torque * self.device.compliance_rad_per_nm(joint);
         }
-        self.chain.variables(&self.link_angles, &mut self.variables);
+        let chain = self.chains.chosen()?;
+        chain.variables(&self.link_angles, &mut self.variables);
+        Ok(chain.drives().len())
     }
 
     fn check_count(&self, numbers: &[f64]) -> Result<(), ModelError> {
@@ -147,9 +162,10 @@ impl<'d> Evaluation<'d> {
         // a pose of earlier readings must not outlive a failure below
         self.pose = None;
         if self.device.has_links() {
-            self.take_variables();
-            let chain = self.chain.chain()?;
-            self.pose = Some(chain.derivatives(&self.variables, &mut self.link_derivatives)?);
+            let count = self.take_variables()?;
+            let chain = self.chains.chosen()?.chain()?;
+            let derivatives = &mut self.link_derivatives[..=count];
+            self.pose = Some(chain.derivatives(&self.variables[..count], derivatives)?);
         }
         Ok(())
     }
@@ -189,7 +205,7 @@ impl<'d> Evaluation<'d> {
     /// [`ModelError::NoLinks`], or as [`haptical_kinematics::Chain::pose`].
     pub fn base_pose(&self) -> Result<Pose, ModelError> {
         self.pose()?;
-        Ok(self.chain.part(1)?.pose(&[])?)
+        Ok(self.chains.chosen()?.part(1)?.pose(&[])?)
     }
 
     /// What the external encoder of a joint (from 0) should read: reading + error.
@@ -226,7 +242,10 @@ impl<'d> Evaluation<'d> {
                 scaled(self.joint_twist(joint), -torque)
             }
             ParameterId::Surrounding(_) => Twist::default(),
-            ParameterId::Link { row, parameter } => self.link_derivatives[row].get(parameter),
+            ParameterId::Link { row, parameter } => {
+                let own = self.of_row(row);
+                own.map_or_else(Twist::default, |own| own.get(parameter))
+            }
             ParameterId::Transmission { joint, index } => scaled(
                 self.joint_twist(joint),
                 self.errors[joint].derivatives[index],
@@ -234,23 +253,29 @@ impl<'d> Evaluation<'d> {
         }
     }
 
+    /// Derivatives by the numbers of a row of the device; none on another branch than the chosen hand's.
+    fn of_row(&self, row: usize) -> Option<&LinkDerivatives> {
+        self.link_derivatives
+            .get(self.chains.chosen().ok()?.place(row)?)
+    }
+
     /// Derivative of the handle's pose with respect to a joint's output angle (joint from 0): the sum
-    /// over the rows that it drives, each times its multiplier.
+    /// over the rows that it drives, each times its multiplier. Rows of another branch do not move the hand.
     pub fn joint_twist(&self, joint: usize) -> Twist {
-        let of_row = |row: usize, motion: JointType| {
-            let row = &self.link_derivatives[row];
-            match motion {
-                JointType::Prismatic => row.d,
-                JointType::Revolute => row.theta,
-            }
+        let along = |row: &LinkDerivatives, motion: JointType| match motion {
+            JointType::Prismatic => row.d,
+            JointType::Revolute => row.theta,
         };
         if self.device.drives_are_plain() {
-            return of_row(joint + 1, self.device.joints[joint].joint_type);
+            let motion = self.device.joints[joint].joint_type;
+            let own = self.of_row(joint + 1);
+            return own.map_or_else(Twist::default, |own| along(own, motion));
         }
         let mut sum = Twist::default();
-        for (index, drive) in self.chain.drives().iter().enumerate() {
+        let drives = self.chains.chosen().map_or(&[][..], DeviceChain::drives);
+        for (drive, row) in drives.iter().zip(&self.link_derivatives[1..]) {
             if drive.joint == joint {
-                let twist = of_row(index + 1, drive.motion);
+                let twist = along(row, drive.motion);
                 sum.linear += twist.linear * drive.multiplier;
                 sum.angular += twist.angular * drive.multiplier;
             }

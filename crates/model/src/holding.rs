@@ -1,9 +1,9 @@
 //! The torques with which the drives hold a device at rest against gravity and the hand.
 
 use haptical_kinematics::nalgebra::{Matrix3, Vector3};
-use haptical_kinematics::{Chain, Convention, KinematicsError, Motion, Pose, Twist};
+use haptical_kinematics::{Chain, Convention, KinematicsError, Pose, Twist};
 
-use crate::{Body, Device, DeviceChain, Recording};
+use crate::{Body, Device, DeviceChain, Drive, Recording};
 
 /// Torques of the drives \[N m\] (\[N\] for a prismatic joint), joint by joint and row by row, that hold the
 /// device at rest at the motor-side readings of a recording; positive along +theta.
@@ -11,7 +11,8 @@ use crate::{Body, Device, DeviceChain, Recording};
 /// With m the mass of a row and c its centre, F the force of the hand on the handle at P (the columns
 /// `fx_n`, `fy_n`, `fz_n`, end-effector frame), the torque of joint i is
 /// `-(sum_rows m g . dc/dq_i + F . dP/dq_i)` (virtual work; Siciliano et al. 2009, section 7.1), at the angles
-/// to which joints with a compliance have yielded. The mass of row 0 stands still. `None` where neither masses
+/// to which joints with a compliance have yielded. The mass of row 0 stands still. Of a device that branches the masses
+/// of all branches count, and the force is that on the hand of the row. `None` where neither masses
 /// with gravity nor forces are known.
 ///
 /// ```
@@ -44,6 +45,14 @@ pub fn holding_torques_nm(
     let mut yielded = vec![0.0; device.joints.len()];
     let compliance = |joint| device.compliance_rad_per_nm(joint);
     for row in 0..rows {
+        // two hands at one posture are two rows of one load
+        let is_same = |column: &Vec<f64>| row > 0 && column[row] == column[row - 1];
+        if force_n.is_none() && recording.joint.iter().all(is_same) {
+            for column in &mut torques {
+                column[row] = column[row - 1];
+            }
+            continue;
+        }
         for (joint, output) in outputs.iter_mut().enumerate() {
             let reading = recording
                 .joint
@@ -52,6 +61,7 @@ pub fn holding_torques_nm(
             // a transmission without a value moves its joint by next to nothing here
             *output = reading + device.joints[joint].error_rad(reading).unwrap_or(0.0);
         }
+        statics.choose_hand(device.hand_at(recording, row));
         let hand_n = force_n.map(|axes| Vector3::from(axes.each_ref().map(|axis| axis[row])));
         let hand = |handle: &Pose| hand_n.map(|hand_n| handle.rotation * hand_n);
         yielded.copy_from_slice(&outputs);
@@ -98,7 +108,9 @@ const SETTLED_RAD: f64 = 1e-12;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Statics {
-    chain: DeviceChain,
+    /// One for each hand.
+    chains: Vec<DeviceChain>,
+    hand: usize,
     convention: Convention,
     arms: Vec<Arm>,
     variables: Vec<f64>,
@@ -145,25 +157,35 @@ pub struct Load<'s> {
 impl Statics {
     /// The masses of a device; without `[gravity]` they weigh nothing. The mass of row 0 stands still.
     pub fn new(device: &Device) -> Self {
-        let chain = DeviceChain::new(device);
+        let hands = 0..device.chain_count();
+        let chains: Vec<DeviceChain> = hands
+            .map(|hand| DeviceChain::of_hand(device, hand))
+            .collect();
+        let rows = device.links.len().saturating_sub(1);
         let gravity = device.gravity_mps2.map(Vector3::from);
         let bodies = device.bodies.iter().enumerate();
         let bodies = bodies.filter_map(|(row, body)| Some((row, (*body)?)));
         let heavy = bodies.filter(|(row, body)| *row > 0 && body.mass_kg > 0.0);
         let arms = gravity.map_or_else(Vec::new, |gravity| {
             heavy
-                .map(|(row, body)| Arm::new(device, &chain, row, &body, &gravity))
+                .map(|(row, body)| Arm::new(device, row, &body, &gravity))
                 .collect()
         });
         Self {
             convention: device.convention,
             arms,
-            variables: vec![0.0; chain.drives().len()],
-            columns: vec![Twist::default(); chain.drives().len()],
+            variables: vec![0.0; rows],
+            columns: vec![Twist::default(); rows],
             torques_nm: vec![0.0; device.joints.len()],
             beyond: vec![Beyond::default(); device.joints.len()],
-            chain,
+            chains,
+            hand: 0,
         }
+    }
+
+    /// Chooses the hand (from 0) that the next force is on; the first one without a choice.
+    pub fn choose_hand(&mut self, hand: Option<usize>) {
+        self.hand = hand.unwrap_or(0).min(self.chains.len() - 1);
     }
 
     /// Whether gravity pulls at any moving mass.
@@ -181,14 +203,15 @@ impl Statics {
         outputs: &[f64],
         hand: impl FnOnce(&Pose) -> Option<Vector3<f64>>,
     ) -> Result<Load<'_>, KinematicsError> {
-        self.chain.variables(outputs, &mut self.variables);
         self.torques_nm.fill(0.0);
         self.beyond.fill(Beyond::default());
         let mut base_moment_nm = Vector3::zeros();
-        let base_m = self.chain.part(1)?.pose(&[])?.position_m;
-        let drives = self.chain.drives();
+        let base_m = self.chains[self.hand].part(1)?.pose(&[])?.position_m;
         let (torques_nm, beyond) = (&mut self.torques_nm, &mut self.beyond);
-        let mut bear = |columns: &[Twist], place_m: &Vector3<f64>, force_n: &Vector3<f64>| {
+        let mut bear = |drives: &[Drive],
+                        columns: &[Twist],
+                        place_m: &Vector3<f64>,
+                        force_n: &Vector3<f64>| {
             let moment_nm = place_m.cross(force_n);
             for (index, (column, drive)) in columns.iter().zip(drives).enumerate() {
                 torques_nm[drive.joint] -= drive.multiplier * column.linear.dot(force_n);
@@ -204,20 +227,27 @@ impl Statics {
             base_moment_nm += (place_m - base_m).cross(force_n);
         };
         for arm in &self.arms {
-            let count = arm.motions.len() - 1;
-            let columns = &mut self.columns[..count];
+            let count = arm.chain.drives().len();
+            let (variables, columns) = (&mut self.variables[..count], &mut self.columns[..count]);
+            arm.chain.variables(outputs, variables);
             let centre = arm
                 .chain(self.convention)?
-                .geometric_jacobian(&self.variables[..count], columns)?;
-            bear(columns, &centre.position_m, &arm.weight_n);
+                .geometric_jacobian(variables, columns)?;
+            bear(
+                arm.chain.drives(),
+                columns,
+                &centre.position_m,
+                &arm.weight_n,
+            );
         }
-        let handle = self
-            .chain
-            .chain()?
-            .geometric_jacobian(&self.variables, &mut self.columns)?;
+        let own = &self.chains[self.hand];
+        let count = own.drives().len();
+        let (variables, columns) = (&mut self.variables[..count], &mut self.columns[..count]);
+        own.variables(outputs, variables);
+        let handle = own.chain()?.geometric_jacobian(variables, columns)?;
         let hand_n = hand(&handle).filter(|hand_n| hand_n.iter().all(|part| part.is_finite()));
         if let Some(hand_n) = hand_n {
-            bear(&self.columns, &handle.position_m, &hand_n);
+            bear(own.drives(), columns, &handle.position_m, &hand_n);
         }
         Ok(Load {
             torques_nm: &self.torques_nm,
@@ -230,43 +260,41 @@ impl Statics {
 /// The rows up to a mass, ending at its centre.
 #[derive(Debug, Clone)]
 struct Arm {
-    links: Vec<haptical_kinematics::Link>,
-    motions: Vec<Motion>,
+    chain: DeviceChain,
     origins: Vec<Option<Pose>>,
     weight_n: Vector3<f64>,
 }
 
 impl Arm {
-    fn new(
-        device: &Device,
-        chain: &DeviceChain,
-        row: usize,
-        body: &Body,
-        gravity: &Vector3<f64>,
-    ) -> Self {
-        let mut links = chain.links[..=row].to_vec();
+    fn new(device: &Device, row: usize, body: &Body, gravity: &Vector3<f64>) -> Self {
+        let mut chain = DeviceChain::to_row(device, row);
         let mut origins = chain.origins().to_vec();
-        origins.resize(row + 1, None);
+        origins.resize(chain.row_count(), None);
         // the centre is given behind the turn about z, before the row's own lengths and twists
         origins.push(Some(Pose {
             position_m: Vector3::from(body.centre_of_mass_m),
             rotation: Matrix3::identity(),
         }));
-        let link = &mut links[row];
-        link.d_m -= device.links[row].d_m;
-        if device.convention == Convention::Standard {
-            (link.a_m, link.b_m) = (0.0, 0.0);
-            (link.alpha_rad, link.beta_rad) = (0.0, 0.0);
+        if let Some(link) = chain.links.last_mut() {
+            link.d_m -= device.links[row].d_m;
+            if device.convention == Convention::Standard {
+                (link.a_m, link.b_m) = (0.0, 0.0);
+                (link.alpha_rad, link.beta_rad) = (0.0, 0.0);
+            }
         }
         Self {
-            links,
-            motions: chain.motions()[..=row].to_vec(),
+            chain,
             origins,
             weight_n: gravity * body.mass_kg,
         }
     }
 
     fn chain(&self, convention: Convention) -> Result<Chain<'_>, KinematicsError> {
-        Chain::with_origins(convention, &self.links, &self.motions, &self.origins)
+        Chain::with_origins(
+            convention,
+            &self.chain.links,
+            self.chain.motions(),
+            &self.origins,
+        )
     }
 }

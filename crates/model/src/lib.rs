@@ -19,6 +19,7 @@ pub use device::rows::{Drive, Origin};
 pub use device::surroundings::{
     ContactPoint, JointCompliance, Placement, PlanePair, Surroundings, TouchedPlane,
 };
+pub use device::tree::Hand;
 pub use device::{Body, ContactPair, Device, Tracker};
 pub use error::{DeviceFileError, ModelError, Position};
 pub use evaluation::Evaluation;

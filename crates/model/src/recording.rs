@@ -30,6 +30,9 @@ pub struct Recording {
     pub force_n: Option<[Vec<f64>; 3]>,
     /// Device temperature \[degC\].
     pub temperature_degc: Option<Vec<f64>>,
+    /// Name of the hand that a row's positions, orientations, touches and forces are of; none where the device has
+    /// but one.
+    pub hand: Option<Vec<String>>,
     /// Text identifiers of touched points (`contact`) and planes (`plane`); empty text is none.
     pub contact: Option<Vec<String>>,
     /// See [`Recording::contact`].
@@ -58,6 +61,16 @@ impl Recording {
     /// If the recording has runs and the row is not below [`Recording::len`].
     pub fn run_at(&self, row: usize) -> i64 {
         self.run.as_ref().map_or(0, |runs| runs[row])
+    }
+
+    /// Whether a tracker saw a position or an orientation at a row.
+    ///
+    /// # Panics
+    /// If the recording has such readings and the row is not below [`Recording::len`].
+    pub fn is_seen_by_tracker(&self, row: usize) -> bool {
+        let position = self.position_m.iter().flatten();
+        let mut all = position.chain(self.orientation_wxyz.iter().flatten());
+        all.any(|column| column[row].is_finite())
     }
 
     /// Writes the joint readings of a row into `readings`, one for each joint.
@@ -104,6 +117,7 @@ impl Recording {
                 .as_ref()
                 .map(|axes| axes.each_ref().map(numbers)),
             temperature_degc: self.temperature_degc.as_ref().map(numbers),
+            hand: self.hand.as_ref().map(texts),
             contact: self.contact.as_ref().map(texts),
             plane: self.plane.as_ref().map(texts),
             tool: self.tool.as_ref().map(texts),

@@ -3,7 +3,7 @@
 use std::path::Path as FilePath;
 
 use haptical_model::kinematics::{Convention, Link};
-use haptical_model::{Device, Joint, JointType, Origin, Position, Tracker, read_text_file};
+use haptical_model::{Device, Hand, Joint, JointType, Origin, Position, Tracker, read_text_file};
 
 use crate::UrdfError;
 use crate::chain::gravity::{gravity_mps2, said_of_no_gravity};
@@ -28,7 +28,7 @@ pub struct UrdfDevice {
     pub device: Device,
     /// Link at which its chain begins: frame (-1).
     pub base: String,
-    /// Link at which its chain ends: its handle.
+    /// Link at which its chain ends: its handle, or the first of its hands.
     pub tip: String,
     /// What was chosen or left out.
     pub warnings: Vec<String>,
@@ -61,6 +61,10 @@ pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
 /// that moves with respect to the root has no fixed direction of gravity: such a device has neither masses
 /// nor gravity, and a warning says so.
 ///
+/// With further tips ([`BaseAndTip::further_tips`]) the device is the tree of the chains to all of them: a joint that
+/// several chains pass is one row, and each tip a hand with the name of its link. Its rows are in the modified
+/// convention, whose numbers come before the motion: each branch then has a place of its own on the row that it hangs on.
+///
 /// Without a tip the chain with the most moving joints is taken; joints that follow one of another branch
 /// (fingers) do not count.
 ///
@@ -92,10 +96,11 @@ pub fn device_from_urdf(
     let read = ReadChain::new(text, file, ends)?;
     let ReadChain {
         robot,
-        path,
+        paths,
         rows,
         mut warnings,
     } = read;
+    let path = &paths[0];
     if rows.rows.len() > MOST_JOINTS {
         return Err(UrdfError::Chain {
             file: file.to_owned(),
@@ -107,13 +112,13 @@ pub fn device_from_urdf(
         });
     }
     warnings.extend(numbering(&robot, &rows, file));
-    let gravity_mps2 = gravity_mps2(&robot, &path);
+    let gravity_mps2 = gravity_mps2(&robot, path);
     let carried = match gravity_mps2 {
-        Some(_) => carried(&robot, &path, &rows, file),
-        None => Carried::nothing(&robot, &path, &rows, file),
+        Some(_) => carried(&robot, &paths, &rows, file),
+        None => Carried::nothing(&robot, &paths, &rows, file),
     };
     if gravity_mps2.is_none() {
-        warnings.extend(said_of_no_gravity(&robot, &path, file));
+        warnings.extend(said_of_no_gravity(&robot, path, file));
     }
     warnings.extend(carried.warnings);
     let mut origins = vec![Some(Origin::IDENTITY)];
@@ -122,7 +127,10 @@ pub fn device_from_urdf(
             .iter()
             .map(|row| Some(Origin::from_pose(&row.origin))),
     );
-    origins.push(Some(Origin::from_pose(&rows.handle)));
+    let hands = hands(&robot, &paths, &rows);
+    // each hand has its own place, and the device none
+    let only = rows.ends.first().filter(|_| hands.is_empty());
+    origins.push(only.map(|end| Origin::from_pose(&end.handle)));
     let joints = rows.drivers.iter().map(|driver| {
         let joint = &robot.joints[*driver];
         let (joint, warning) = device_joint(joint, file);
@@ -140,9 +148,16 @@ pub fn device_from_urdf(
     let mut bodies = vec![None];
     bodies.extend(carried.bodies);
     let links = vec![Link::default(); rows.rows.len() + 1];
+    // numbers before a row's motion: each branch has its own place on the row that it hangs on
+    let convention = match hands.is_empty() {
+        true => Convention::Standard,
+        false => Convention::Modified,
+    };
     let device = Device {
         name: robot.name.clone(),
         origins,
+        parents: parents(&rows),
+        hands,
         drives: if is_plain { Vec::new() } else { drives },
         bodies,
         // nobody measures in the base's frame by luck
@@ -155,7 +170,7 @@ pub fn device_from_urdf(
             scale_sd: None,
         }),
         gravity_mps2,
-        ..Device::new(Convention::Standard, links, joints)
+        ..Device::new(convention, links, joints)
     };
     Ok(UrdfDevice {
         device,
@@ -165,11 +180,39 @@ pub fn device_from_urdf(
     })
 }
 
-/// A URDF with its chain.
+/// The hands of a device with several tips: each is called as its link.
+pub(crate) fn hands(robot: &Robot, paths: &[Path], rows: &Rows) -> Vec<Hand> {
+    if paths.len() < 2 {
+        return Vec::new();
+    }
+    let ends = paths.iter().zip(&rows.ends);
+    let hands = ends.map(|(path, end)| Hand {
+        name: robot.links[path.tip].name.clone(),
+        row: end.rows.last().map_or(0, |row| row + 1),
+        handle: Some(Origin::from_pose(&end.handle)),
+    });
+    hands.collect()
+}
+
+/// The row that each row hangs on, as a device has them.
+pub(crate) fn parents(rows: &Rows) -> Vec<usize> {
+    let behind = rows
+        .rows
+        .iter()
+        .map(|row| row.behind.map_or(0, |row| row + 1));
+    let parents: Vec<usize> = behind.collect();
+    match parents.iter().copied().eq(0..parents.len()) {
+        true => Vec::new(),
+        false => parents,
+    }
+}
+
+/// A URDF with its chains.
 #[derive(Debug)]
 pub(crate) struct ReadChain {
     pub(crate) robot: Robot,
-    pub(crate) path: Path,
+    /// One for each tip, from one base.
+    pub(crate) paths: Vec<Path>,
     pub(crate) rows: Rows,
     pub(crate) warnings: Vec<String>,
 }
@@ -177,11 +220,11 @@ pub(crate) struct ReadChain {
 impl ReadChain {
     pub(crate) fn new(text: &str, file: &str, ends: BaseAndTip<'_>) -> Result<Self, UrdfError> {
         let robot = parse(text, file)?;
-        let (path, warning) = choose(&robot, file, ends)?;
-        let rows = rows(&robot, &path, &|byte| position(text, file, byte))?;
+        let (paths, warning) = choose(&robot, file, ends)?;
+        let rows = rows(&robot, &paths, &|byte| position(text, file, byte))?;
         Ok(Self {
             robot,
-            path,
+            paths,
             rows,
             warnings: warning.into_iter().collect(),
         })

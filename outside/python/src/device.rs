@@ -30,7 +30,7 @@ impl Device {
     ) -> PyResult<Self> {
         read(
             read_source(source, "the device")?,
-            BaseAndTip { base, tip },
+            BaseAndTip { base, tip, further_tips: &[] },
             rig,
         )
     }

@@ -266,6 +266,7 @@ fn orientations(
             orientation_wxyz: Some([w.clone(), part(x), part(y), part(z)]),
             line: recording.line.clone(),
             run: recording.run.clone(),
+            hand: recording.hand.clone(),
             tool: recording.tool.clone(),
             ..Recording::default()
         };

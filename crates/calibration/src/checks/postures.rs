@@ -19,17 +19,22 @@ const LOOKED_AT: usize = 1000;
 /// Number of the posture of each row, from 0 in the order of the log; none where the device does not dwell.
 ///
 /// A row belongs to the first posture, in the order of the log, whose readings all lie within [`SAME`] of the
-/// joints' ranges of its own. Where successive rows name different tools at the very same readings, such as three
-/// reflectors one after the other, these are one posture however many there are.
+/// joints' ranges of its own. Where successive rows name different tools or hands at the very same readings, such as three
+/// reflectors one after the other, these are one posture however many there are: what they share has the same errors there.
 pub(crate) fn postures(recording: &Recording) -> Option<Vec<usize>> {
     dwelling(recording).or_else(|| sharing(recording))
 }
 
-/// Number of the posture of each row where successive rows of several tools share their readings.
+/// Number of the posture of each row where successive rows of several tools or hands share their readings.
 fn sharing(recording: &Recording) -> Option<Vec<usize>> {
-    let ids = recording.tool.as_ref()?;
+    let (tools, hands) = (recording.tool.as_ref(), recording.hand.as_ref());
+    if tools.is_none() && hands.is_none() {
+        return None;
+    }
+    let differs =
+        |ids: Option<&Vec<String>>, row: usize| ids.is_some_and(|ids| ids[row - 1] != ids[row]);
     let follows = |row: usize| row > 0 && is_same_reading(recording, row - 1, row);
-    let shares = |row: usize| follows(row) && ids[row - 1] != ids[row];
+    let shares = |row: usize| follows(row) && (differs(tools, row) || differs(hands, row));
     if !(0..recording.len()).any(shares) {
         return None;
     }
@@ -43,7 +48,7 @@ fn sharing(recording: &Recording) -> Option<Vec<usize>> {
     (posture > 0).then_some(numbers)
 }
 
-/// The first row of each row's posture, as several tools share it; the row itself elsewhere.
+/// The first row of each row's posture, as several tools or hands share it; the row itself elsewhere.
 pub(crate) fn starts(recording: &Recording) -> Vec<usize> {
     let mut starts: Vec<usize> = (0..recording.len()).collect();
     let numbers = sharing(recording).unwrap_or_default();
@@ -90,8 +95,12 @@ fn numbered(
     most: usize,
 ) -> Option<(usize, Vec<usize>)> {
     let columns = || recording.joint.iter().zip(tolerance);
+    let hands = recording.hand.as_ref();
     let is_same = |a: usize, b: usize| {
-        columns().all(|(column, tolerance)| (column[a] - column[b]).abs() <= *tolerance)
+        // two hands that are seen at one posture are no dwelling
+        let is_of_one_hand = hands.is_none_or(|hands| hands[a] == hands[b]);
+        is_of_one_hand
+            && columns().all(|(column, tolerance)| (column[a] - column[b]).abs() <= *tolerance)
     };
     let mut firsts: Vec<usize> = Vec::new();
     let mut numbers = Vec::with_capacity(rows.len());
@@ -173,9 +182,9 @@ pub(crate) fn narrow(recording: &Recording) -> Option<String> {
 /// What is said of a log that dwells at few postures; nothing where the rows of each are of different tools.
 pub(crate) fn of_dwelling(recording: &Recording, own: &[usize]) -> Option<String> {
     let mut seen = BTreeSet::new();
-    let ids = recording.tool.as_ref();
-    let tool = |row: usize| ids.map_or("", |ids| &ids[row]);
-    let repeats = (0..recording.len()).any(|row| !seen.insert((own[row], tool(row))));
+    let id = |ids: &Option<Vec<String>>, row: usize| ids.as_ref().map(|ids| ids[row].clone());
+    let subject = |row: usize| (own[row], id(&recording.tool, row), id(&recording.hand, row));
+    let repeats = (0..recording.len()).any(|row| !seen.insert(subject(row)));
     repeats.then(|| format!(
         "the {} rows are at {} different postures: rows at one posture tell its noise, not more of the \
          geometry; record more postures rather than more rows",
@@ -237,6 +246,7 @@ fn distinct_rows(recording: &Recording) -> Vec<usize> {
         .iter()
         .chain(recording.plane.iter())
         .chain(recording.tool.iter())
+        .chain(recording.hand.iter())
         .collect();
     let compare = |a: usize, b: usize| {
         let bits = |column: &&Vec<f64>| column[a].to_bits().cmp(&column[b].to_bits());

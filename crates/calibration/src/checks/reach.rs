@@ -220,7 +220,8 @@ fn reach_m(device: &Device) -> f64 {
 fn links_m(device: &Device) -> f64 {
     let links = device.links.iter();
     let links: f64 = links.map(|link| norm([link.a_m, link.b_m, link.d_m])).sum();
-    let origins = device.origins.iter().flatten();
+    let handles = device.hands.iter().filter_map(|hand| hand.handle.as_ref());
+    let origins = device.origins.iter().flatten().chain(handles);
     links + origins.map(|origin| norm(origin.position_m)).sum::<f64>()
 }
 

@@ -38,7 +38,14 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
     }
     if let Some((id, rows)) = tools.iter().find(|(_, rows)| **rows < TOOL_ROWS) {
         return refuse(
-            "column `tool`".to_owned(),
+            format!(
+                "column `{}`",
+                if device.is_of_hand(id) {
+                    "hand"
+                } else {
+                    "tool"
+                }
+            ),
             format!(
                 "`{id}` is named in {rows} row, which fits wherever it is on the hand: record at least {TOOL_ROWS}, \
                  better 10, or leave it out"
@@ -73,7 +80,9 @@ fn counts<'r>(
         if is_tracked || sees(Channel::Contact) || sees(Channel::Plane) {
             *tools.entry(id).or_default() += 1;
         }
-        refuse_cable(recording, row, id)?;
+        if !device.is_of_hand(id) {
+            refuse_cable(recording, row, id)?;
+        }
     }
     Ok((runs, tools))
 }

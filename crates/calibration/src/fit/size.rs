@@ -196,6 +196,7 @@ fn at_sample(
         let readings: Vec<f64> = columns
             .map(|(joint, column)| column[step(joint) % rows])
             .collect();
+        evaluation.choose_hand(device.hand_at(recording, posture));
         let moved = evaluation.move_to(&readings);
         let pose = moved.and_then(|()| evaluation.pose().map(|pose| pose.position_m));
         if let Ok(position_m) = pose {

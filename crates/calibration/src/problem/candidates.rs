@@ -16,10 +16,9 @@ const PARALLEL_RAD: f64 = 0.02;
 /// 0 they are independent whichever way the axes are, and what is redundant the analysis drops. What the device
 /// holds ([`Device::hold`]) is no candidate.
 pub fn candidate_parameters(device: &Device) -> Vec<ParameterId> {
-    let last = device.links.len().saturating_sub(1);
     // a row's twist leads to the next joint's axis, or in the modified convention to its own
     let has_axes = |row: usize| match device.convention {
-        Convention::Standard => row < last,
+        Convention::Standard => device.has_rows_behind(row),
         Convention::Modified => row > 0,
     };
     let is_parallel = |row: usize| device.links[row].alpha_rad.sin().abs() < PARALLEL_RAD.sin();

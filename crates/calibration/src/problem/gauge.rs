@@ -4,8 +4,8 @@ use haptical_identification::{IdentificationError, Matrix, Problem};
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Convention, Twist};
 use haptical_model::{
-    Device, DeviceChain, Drive, Evaluation, JointType, Parameter, ParameterId,
-    SurroundingParameter, TouchedPlane,
+    Device, Drive, Evaluation, JointType, Parameter, ParameterId, SurroundingParameter,
+    TouchedPlane,
 };
 
 use crate::error::wrap;
@@ -122,11 +122,13 @@ fn log_mobility(
                 .zip(block.subjects.iter().map(plane))
         })
         .collect();
-    let chain = DeviceChain::new(device);
+    let drives: Vec<Drive> = (1..device.links.len())
+        .filter_map(|row| device.drive(row))
+        .collect();
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; device.joints.len()];
     let mut sum = Sum::new(if slopes { problem.parameters.len() } else { 0 });
-    let mut axes = Vec::with_capacity(chain.drives().len());
+    let mut axes = Vec::with_capacity(drives.len());
     let step = touches.len().div_ceil(MOST_TOUCHES).max(1);
     for (row, plane) in touches.into_iter().step_by(step) {
         problem.move_to_row(&mut evaluation, &mut readings, row, true)?;
@@ -139,11 +141,11 @@ fn log_mobility(
         let parameter = Parameter::Theta;
         let axis = |row| evaluation.pose_derivative(ParameterId::Link { row, parameter });
         axes.clear();
-        axes.extend((1..=chain.drives().len()).map(axis));
+        axes.extend((1..=drives.len()).map(axis));
         let at = AtTouch {
             evaluation: &evaluation,
             touching: Touching::of_handle(device, handle, problem.mount(row)),
-            drives: chain.drives(),
+            drives: &drives,
             axes: &axes,
             convention: device.convention,
             torques,

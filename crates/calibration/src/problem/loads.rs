@@ -18,6 +18,7 @@ fn held_torques_nm(
         line: vec![0; recording.len()],
         joint: recording.joint.clone(),
         force_n: recording.force_n.clone(),
+        hand: recording.hand.clone(),
         ..Recording::default()
     };
     let rows: Vec<usize> = (0..recording.len()).collect();

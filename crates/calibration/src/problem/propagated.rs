@@ -150,6 +150,7 @@ fn by_row(
     let mut variances = Vec::with_capacity(rows.len());
     for row in rows {
         recording.read_joints(row, &mut readings);
+        evaluation.choose_hand(device.hand_at(recording, row));
         let refused = at_row(recording, row);
         if let Channel::Output { joint } = channel {
             let moved = evaluation.move_joint(joint, readings[joint]);

@@ -193,6 +193,7 @@ impl DeviceProblem<'_> {
         derivatives: bool,
     ) -> Result<(), IdentificationError> {
         self.recording.read_joints(row, readings);
+        evaluation.choose_hand(self.device.hand_at(self.recording, row));
         if let Some(loads) = &self.loads {
             evaluation.set_torques(loads.of_row(row));
         }

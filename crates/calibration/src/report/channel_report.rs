@@ -1,10 +1,23 @@
 //! One channel before and after a calibration.
 
 use haptical_metrics::gap_reduction_percent;
-use haptical_model::Device;
+use haptical_model::{Device, Recording};
 use serde::Serialize;
 
 use crate::{Channel, ChannelResiduals};
+
+/// What one hand of a device shows of a channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HandReport {
+    /// Name of the hand.
+    pub hand: String,
+    /// Readings.
+    pub readings: usize,
+    /// Root mean square of the nominal device's residuals.
+    pub rms_before: f64,
+    /// Root mean square of the calibrated device's residuals.
+    pub rms_after: f64,
+}
 
 /// One channel before and after.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -39,6 +52,9 @@ pub struct ChannelReport {
     pub reduction_percent: Option<f64>,
     /// The same, outliers left out.
     pub reduction_percent_good: Option<f64>,
+    /// Hand by hand, outliers left out; empty where the device has but one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hands: Vec<HandReport>,
     /// Residuals before, in the order of the rows.
     #[serde(skip)]
     pub before: Vec<f64>,
@@ -79,9 +95,37 @@ impl ChannelReport {
             noise_floor: after.noise_floor,
             reduction_percent,
             reduction_percent_good: reduction_percent,
+            hands: Vec::new(),
             before: before.residuals,
             after: after.residuals,
             rows: before.rows,
+        }
+    }
+
+    /// Says what each hand of a device shows of the channel; the lines `outliers` are left out.
+    pub(crate) fn tell_hands(&mut self, device: &Device, recording: &Recording, outliers: &[u64]) {
+        let Some(named) = &recording.hand else {
+            return;
+        };
+        let width = self.before.len() / self.rows.len().max(1);
+        for hand in &device.hands {
+            let is_own =
+                |row: usize| named[row] == hand.name && !outliers.contains(&recording.line[row]);
+            let own: Vec<usize> = (0..self.before.len())
+                .filter(|place| is_own(self.rows[place / width]))
+                .collect();
+            let rms = |residuals: &[f64]| {
+                let square: f64 = own.iter().map(|place| residuals[*place].powi(2)).sum();
+                (square / own.len() as f64).sqrt()
+            };
+            if !own.is_empty() {
+                self.hands.push(HandReport {
+                    hand: hand.name.clone(),
+                    readings: own.len(),
+                    rms_before: rms(&self.before),
+                    rms_after: rms(&self.after),
+                });
+            }
         }
     }
 

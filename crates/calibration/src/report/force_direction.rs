@@ -58,7 +58,9 @@ pub fn force_direction(
     recording: &Recording,
 ) -> Result<Option<ForceDirection>, CalibrationError> {
     let joints = fit.device.joints.len();
-    if !fit.device.has_links() || !(6..=7).contains(&joints) || fit.fitted.is_empty() {
+    // a wrench of one hand says nothing of another's joints
+    let is_one_arm = fit.device.has_links() && !fit.device.has_hands();
+    if !is_one_arm || !(6..=7).contains(&joints) || fit.fitted.is_empty() {
         return Ok(None);
     }
     let locked = (joints == 7).then_some(LOCKED);

@@ -9,7 +9,7 @@ use crate::error::at_row;
 ///
 /// One entry for each row; in it one point for each frame: frame (-1) itself, the robot base, then
 /// the frame behind each joint. There is one point more than the device has links, and the last is
-/// the handle. The origin of the frame behind row i is the translation of `A_0 A_1 ... A_i`
+/// the handle. Of a device with several hands the frames are those of the row's hand. The origin of the frame behind row i is the translation of `A_0 A_1 ... A_i`
 /// (Baser & Konukseven eq. (4), the product broken off after row i; constant origins
 /// of rows are part of it), at the output angles that the
 /// device predicts from the motor-side readings (eq. (1), (2)).
@@ -43,20 +43,26 @@ pub fn frame_origins_m(
     device: &Device,
     recording: &Recording,
 ) -> Result<Vec<Vec<[f64; 3]>>, CalibrationError> {
-    let chain = DeviceChain::new(device);
-    let mut variables = vec![0.0; chain.row_count().saturating_sub(1)];
+    let hands = 0..device.hands.len().max(1);
+    let chains: Vec<DeviceChain> = hands
+        .map(|hand| DeviceChain::of_hand(device, hand))
+        .collect();
+    let mut variables = vec![0.0; device.links.len().saturating_sub(1)];
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; device.joints.len()];
     let mut outputs = vec![0.0; device.joints.len()];
     let mut rows = Vec::with_capacity(recording.len());
     for row in 0..recording.len() {
         recording.read_joints(row, &mut readings);
+        let hand = device.hand_at(recording, row);
+        evaluation.choose_hand(hand);
         let refused = at_row(recording, row);
         evaluation.move_pose_to(&readings).map_err(&refused)?;
         let handle = evaluation.pose().map_err(&refused)?.position_m;
         for (joint, output) in outputs.iter_mut().enumerate() {
             *output = evaluation.output_rad(joint);
         }
+        let chain = &chains[hand.unwrap_or(0)];
         chain.variables(&outputs, &mut variables);
         let mut origins = Vec::with_capacity(chain.row_count() + 1);
         origins.push([0.0; 3]);

@@ -120,6 +120,7 @@ fn at_each_posture(
     let mut readings = vec![0.0; postures.joint.len()];
     for row in 0..postures.len() {
         postures.read_joints(row, &mut readings);
+        evaluation.choose_hand(fit.device.hand_at(postures, row));
         let moved = evaluation.move_to(&readings);
         moved
             .and_then(|()| look(&evaluation))

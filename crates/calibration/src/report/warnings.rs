@@ -1,5 +1,6 @@
 //! Warnings about a recording and about a result, in sentences.
 
+use haptical_model::kinematics::Convention;
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::checks::sufficiency;
@@ -8,6 +9,24 @@ use crate::fit::size::held_for_size;
 use crate::problem::loads::Loads;
 use crate::report::above_floor;
 use crate::{CalibrationMethod, Channel, ChannelReport, FittedDevice, ParameterFit, Starts};
+
+/// What is said of branches whose places no number can change: those of a standard row come behind its motion.
+fn of_branches(device: &Device) -> Option<String> {
+    let rows = 0..device.links.len();
+    let is_branching = |row: &usize| {
+        let mut behind = rows
+            .clone()
+            .filter(|other| device.parent(*other) == Some(*row));
+        behind.nth(1).is_some()
+    };
+    let row = rows.clone().find(is_branching)?;
+    (device.convention == Convention::Standard).then(|| {
+        format!(
+            "rows branch behind row {row} in the standard convention, whose numbers come behind each row's motion: where each \
+             branch is on row {row} is held; use convention = \"modified\""
+        )
+    })
+}
 
 /// What a recording lacks for this device.
 pub(crate) fn of_recording(
@@ -35,6 +54,7 @@ pub(crate) fn of_recording(
                 .to_owned(),
         );
     }
+    warnings.extend(of_branches(device));
     warnings.extend(of_loads(device, recording));
     let resting = sufficiency::resting_joints(recording);
     if !resting.is_empty() {

@@ -100,6 +100,7 @@ pub(crate) fn handle_poses(
     let mut poses = Vec::with_capacity(recording.len());
     for row in 0..recording.len() {
         recording.read_joints(row, &mut readings);
+        evaluation.choose_hand(device.hand_at(recording, row));
         if let Some(loads) = &loads {
             evaluation.set_torques(loads.of_row(row));
         }

@@ -56,8 +56,9 @@ fn place_tools(device: &mut Device, recording: &Recording, poses: &[Pose]) {
     if !device.has_tools(recording) {
         return;
     }
+    let touching = |row| Some(device.tool_at(recording, row)).filter(|id| !device.is_of_hand(id));
     let ids: Vec<String> = (0..recording.len())
-        .map(|row| device.tool_at(recording, row).to_owned())
+        .map(|row| touching(row).unwrap_or_default().to_owned())
         .collect();
     let around = &device.surroundings;
     let mut open = listed(&ids);

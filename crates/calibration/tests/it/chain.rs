@@ -60,6 +60,8 @@ pub(crate) fn device_of(links: Vec<Link>) -> Device {
         bodies: vec![None; links.len()],
         origins: Vec::new(),
         drives: Vec::new(),
+        parents: Vec::new(),
+        hands: Vec::new(),
         joints: (1..links.len()).map(direct_joint).collect(),
         links,
         cables: vec![cable_at([0.0; 3])],

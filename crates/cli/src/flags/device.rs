@@ -26,9 +26,10 @@ pub(crate) struct ChainOptions {
     /// needs --tip
     #[arg(long, value_name = "LINK")]
     pub(crate) base: Option<String>,
-    /// Link at which the chain of a URDF ends; without it the longest chain is taken
+    /// Link at which the chain of a URDF ends; without it the longest chain is taken. Repeated, as in --tip left_hand
+    /// --tip right_hand, each is a hand of one device, whose chains share what they have in common
     #[arg(long, value_name = "LINK")]
-    pub(crate) tip: Option<String>,
+    pub(crate) tip: Vec<String>,
 }
 
 impl DeviceOptions {
@@ -36,7 +37,8 @@ impl DeviceOptions {
     pub(crate) fn equipment(&self) -> Equipment {
         Equipment {
             base: self.chain.base.clone(),
-            tip: self.chain.tip.clone(),
+            tip: self.chain.tip.first().cloned(),
+            further_tips: self.chain.tip.iter().skip(1).cloned().collect(),
             rig: self.rig.as_deref().map(Source::given),
             ..Equipment::default()
         }

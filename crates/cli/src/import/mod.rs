@@ -181,5 +181,6 @@ fn shape_without_limits(is_prismatic: &[bool], cable_count: usize) -> LogShape {
     LogShape {
         joints: joints.collect(),
         cable_count,
+        hands: Vec::new(),
     }
 }

@@ -1,5 +1,6 @@
 //! Any CSV table to a log: its columns renamed and scaled, then read as every log is.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::path::PathBuf;
 
@@ -17,7 +18,7 @@ Example:
   haptical import poses table.csv --map theta1_rad=q1,theta2_rad=q2 --map x_m=px,y_m=py,z_m=pz \\
     --scale theta*=deg,x_m=mm,y_m=mm,z_m=mm --out log.csv
 
-Names on the left are columns of a log (t_s, run, theta1_rad, out1_rad, cable_m, x_m, qw, contact, plane,
+Names on the left are columns of a log (t_s, run, theta1_rad, out1_rad, cable_m, x_m, qw, hand, contact, plane,
 tool, torque1_nm, fx_n, temp_degc, ...), names on the right columns of the table; #3 is its third column.";
 
 /// Flags of `haptical import poses`.
@@ -40,7 +41,7 @@ pub(super) struct PosesArguments {
 }
 
 /// Columns of which the cells are names.
-const TEXTS: [&str; 3] = ["contact", "plane", "tool"];
+const TEXTS: [&str; 4] = ["hand", "contact", "plane", "tool"];
 
 /// Runs the command.
 pub(super) fn run(arguments: &PosesArguments) -> Result<(), Failure> {
@@ -58,7 +59,8 @@ pub(super) fn run(arguments: &PosesArguments) -> Result<(), Failure> {
         ));
     }
     let log = translated(arguments)?;
-    let shape = shape_without_limits(&slides, cables);
+    let mut shape = shape_without_limits(&slides, cables);
+    shape.hands = hands(&log);
     // its lines are the table's, its columns are not
     let name = format!("{}, renamed", arguments.table.display());
     let read = read_log_from(&log[..], &name, &shape)?;
@@ -132,6 +134,20 @@ fn translated(arguments: &PosesArguments) -> Result<Vec<u8>, Failure> {
             .map_err(Failure::internal)?;
     }
     writer.into_inner().map_err(Failure::internal)
+}
+
+/// Names in the column `hand`: whatever a table has, the device file will declare.
+fn hands(log: &[u8]) -> Vec<String> {
+    let mut rows = csv::Reader::from_reader(log);
+    let headers = rows.headers().ok();
+    let place = headers.and_then(|names| names.iter().position(|name| name == "hand"));
+    let Some(place) = place else {
+        return Vec::new();
+    };
+    let cells = rows.records().flatten();
+    let names = cells.filter_map(|row| Some(row.get(place)?.trim().to_owned()));
+    let names: BTreeSet<String> = names.filter(|name| !name.is_empty()).collect();
+    names.into_iter().collect()
 }
 
 /// The scaled number; none where the cell stays as it is.

@@ -12,7 +12,9 @@ use crate::{haptical, text};
 const RELATIVE: f64 = 0.03;
 
 /// Folders of fixtures/ that a page may name.
-const FOLDERS: [&str; 6] = ["bad", "devices", "effects", "logs", "measured", "rigs"];
+const FOLDERS: [&str; 7] = [
+    "bad", "devices", "effects", "logs", "measured", "rigs", "urdf",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -230,7 +232,7 @@ fn the_table_names_every_guide() {
         assert!(lines.lines().count() <= 120, "{name} is long");
         guides += 1;
     }
-    assert_eq!(guides, 11, "add a test for the new guide");
+    assert_eq!(guides, 12, "add a test for the new guide");
 }
 
 #[test]
@@ -305,6 +307,11 @@ fn a_homing_fixture() {
 #[test]
 fn a_camera_in_the_hand() {
     run("camera.md");
+}
+
+#[test]
+fn two_arms() {
+    run("two-arms.md");
 }
 
 #[test]

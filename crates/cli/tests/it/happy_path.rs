@@ -284,6 +284,7 @@ fn residuals_know_their_rows() {
     let shape = LogShape {
         joints: device.joints.iter().map(joint).collect(),
         cable_count: 1,
+        hands: Vec::new(),
     };
     let recording = read_log(&sandbox.path("log.csv"), &shape)
         .unwrap()

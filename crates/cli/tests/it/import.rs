@@ -45,6 +45,7 @@ fn joints(count: usize) -> LogShape {
     LogShape {
         joints: joints.collect(),
         cable_count: 0,
+        hands: Vec::new(),
     }
 }
 

@@ -64,6 +64,7 @@ fn columns_are_renamed_and_scaled() {
     let shape = LogShape {
         joints: vec![joint("1"), joint("2")],
         cable_count: 1,
+        hands: Vec::new(),
     };
     let log = read_log(&bench.0.path().join("out/log.csv"), &shape).unwrap();
     assert_eq!(log.warnings, Vec::<String>::new());

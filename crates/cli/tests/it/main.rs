@@ -17,6 +17,7 @@ mod happy_path;
 mod hostile_inputs;
 mod hostile_sizes;
 mod hostile_writes;
+mod humanoid;
 mod import;
 mod import_poses;
 mod millimetres;

@@ -93,6 +93,7 @@ impl Played {
                 })
                 .collect(),
             cable_count: 1,
+            hands: Vec::new(),
         };
         let mut log = Vec::new();
         write_log_to(&mut log, &self.recording, &shape).unwrap();

@@ -44,6 +44,7 @@ fn read(path: &Path, device: &Device) -> Recording {
     let shape = LogShape {
         joints: joints.collect(),
         cable_count: device.cables.len(),
+        hands: Vec::new(),
     };
     let log = read_log(path, &shape).unwrap();
     assert!(log.warnings.is_empty(), "{:?}", log.warnings);

@@ -328,6 +328,32 @@ pub enum Fault {
         /// Allowed deviation of the norm from 1.
         allowed: f64,
     },
+    /// A column of hands, and a device that has but one.
+    #[error(
+        "the column says which hand a row is about, and the device file has no [[hand]]; add one for each hand \
+         to the device file, or delete the column"
+    )]
+    HandColumn,
+    /// No column of hands, and a device that has several.
+    #[error(
+        "the device has the hands {}, and no column `hand` says which of them a row is about; add the column",
+        near_miss::list(.hands)
+    )]
+    NoHandColumn {
+        /// The device's hands.
+        hands: Vec<String>,
+    },
+    /// A hand that the device does not have.
+    #[error(
+        "the device has no hand `{found}`; name {} in each row, or declare it with [[hand]] in the device file",
+        near_miss::list(.hands)
+    )]
+    UnknownHand {
+        /// The name.
+        found: String,
+        /// The device's hands.
+        hands: Vec<String>,
+    },
     /// A distance below zero.
     #[error(
         "distance {value_m} m is negative; the column holds the distance from the cable's \

@@ -69,7 +69,7 @@ pub fn read_mcap(
 /// use haptical_data::{JointShape, LogShape, McapOptions, read_mcap_from};
 ///
 /// let joint = JointShape { name: "elbow".into(), prismatic: false, lower: -1.0, upper: 1.0 };
-/// let shape = LogShape { joints: vec![joint], cable_count: 0 };
+/// let shape = LogShape { joints: vec![joint], cable_count: 0, hands: Vec::new() };
 /// let cut = &b"\x89MCAP0\r\n\x01"[..];
 /// let error = read_mcap_from(cut, "bag.mcap", &McapOptions::default(), &shape).unwrap_err();
 /// assert_eq!(error.kind(), "damaged");

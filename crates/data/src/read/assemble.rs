@@ -199,6 +199,11 @@ fn place_column(
     match column.role {
         Role::Time => recording.time_s = column.into_numbers(file, warnings),
         Role::Temperature => recording.temperature_degc = column.into_numbers(file, warnings),
+        Role::Hand => {
+            if let Values::Texts(hands) = column.values {
+                recording.hand = Some(hands);
+            }
+        }
         Role::Contact => recording.contact = column.into_texts(file, warnings),
         Role::Plane => recording.plane = column.into_texts(file, warnings),
         Role::Tool => recording.tool = column.into_texts(file, warnings),

@@ -4,6 +4,7 @@ pub(crate) mod assemble;
 pub(crate) mod cell;
 pub(crate) mod format;
 pub(crate) mod groups;
+pub(crate) mod hands;
 pub(crate) mod header;
 pub(crate) mod limits;
 pub(crate) mod order;
@@ -63,7 +64,7 @@ pub fn read_log(path: &Path, shape: &LogShape) -> Result<LoadedLog, DataError> {
 ///
 /// let limit = std::f64::consts::FRAC_PI_2;
 /// let joint = JointShape { name: "elbow".into(), prismatic: false, lower: -limit, upper: limit };
-/// let shape = LogShape { joints: vec![joint], cable_count: 0 };
+/// let shape = LogShape { joints: vec![joint], cable_count: 0, hands: Vec::new() };
 /// let error = read_log_from("theta1_rad\n0.1\n0,2\n".as_bytes(), "log.csv", &shape).unwrap_err();
 /// assert_eq!((error.kind(), error.line()), ("cell-count", Some(3)));
 /// ```
@@ -138,6 +139,7 @@ mod tests {
         let shape = LogShape {
             joints: vec![joint],
             cable_count: 0,
+            hands: Vec::new(),
         };
         let read = |text: &str, most_bytes| {
             let mut rows = Rows::new(text.as_bytes(), "log.csv").unwrap();

@@ -6,7 +6,7 @@ use crate::error::place::Place;
 use crate::error::{DataError, Fault};
 use crate::read::assemble::{Column, assemble};
 use crate::read::header::Header;
-use crate::read::{LoadedLog, limits, order, orientation};
+use crate::read::{LoadedLog, hands, limits, order, orientation};
 use crate::shape::LogShape;
 use crate::size::{MOST_COLUMNS, MOST_MEMORY_BYTES, NUMBER_BYTES};
 
@@ -44,7 +44,7 @@ impl Cells<'_> {
 /// use haptical_data::{Cells, JointShape, LogShape, log_from_columns};
 ///
 /// let joint = JointShape { name: "1".into(), prismatic: false, lower: -1.5, upper: 1.5 };
-/// let shape = LogShape { joints: vec![joint], cable_count: 1 };
+/// let shape = LogShape { joints: vec![joint], cable_count: 1, hands: Vec::new() };
 /// let columns = [
 ///     ("theta1_rad", Cells::Numbers(&[0.1, 0.2])),
 ///     ("cable_m", Cells::Numbers(&[0.25, f64::NAN])),
@@ -216,6 +216,7 @@ impl<'a> Table<'a> {
             _ => {}
         }
         let mut log = assemble(self.columns, self.lines, name, self.shape)?;
+        hands::check(&log.recording, &header, name, self.shape)?;
         log.warnings.splice(0..0, header.warnings);
         order::check(&log.recording, &header.columns, name)?;
         orientation::normalise(&mut log.recording, &header.columns, name)?;
@@ -258,6 +259,7 @@ mod tests {
         let shape = LogShape {
             joints: vec![joint],
             cable_count: 0,
+            hands: Vec::new(),
         };
         let fill = |most_bytes| {
             let names = ["theta1_rad", "other"];

@@ -108,6 +108,7 @@ pub(crate) fn columns_of<'r>(
     for (part, column) in recording.orientation_wxyz.iter().flatten().enumerate() {
         add(Role::Orientation(part), Some(numbers(column)));
     }
+    add(Role::Hand, recording.hand.as_ref().map(texts));
     add(Role::Contact, recording.contact.as_ref().map(texts));
     add(Role::Plane, recording.plane.as_ref().map(texts));
     add(Role::Tool, recording.tool.as_ref().map(texts));

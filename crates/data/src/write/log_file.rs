@@ -24,7 +24,7 @@ use crate::write::{LogWriter, unwritable};
 /// use haptical_model::Recording;
 ///
 /// let joint = JointShape { name: "1".into(), prismatic: false, lower: -1.0, upper: 1.0 };
-/// let shape = LogShape { joints: vec![joint], cable_count: 0 };
+/// let shape = LogShape { joints: vec![joint], cable_count: 0, hands: Vec::new() };
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("log.csv.gz");
 /// let chunk = Recording { joint: vec![vec![0.25, 0.5]], ..Recording::default() };

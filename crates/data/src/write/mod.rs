@@ -25,7 +25,7 @@ use crate::write::column::{WriteColumn, check_covariate_names, columns_of};
 /// use haptical_model::Recording;
 ///
 /// let joint = JointShape { name: "1".into(), prismatic: true, lower: 0.0, upper: 1.0 };
-/// let shape = LogShape { joints: vec![joint], cable_count: 0 };
+/// let shape = LogShape { joints: vec![joint], cable_count: 0, hands: Vec::new() };
 /// let chunk = Recording { joint: vec![vec![0.25, 0.5]], ..Recording::default() };
 /// let mut writer = LogWriter::new(Vec::new(), "log.csv", &chunk, &shape)?;
 /// writer.write_rows(&chunk)?;

@@ -16,6 +16,7 @@ fn shape(lower: f64, upper: f64) -> LogShape {
     LogShape {
         joints: vec![joint],
         cable_count: 0,
+        hands: Vec::new(),
     }
 }
 
@@ -142,6 +143,7 @@ fn a_prismatic_joint_has_no_degrees() {
     let shape = LogShape {
         joints: vec![joint],
         cable_count: 0,
+        hands: Vec::new(),
     };
     let warning = warns("theta1_m\n-20\n20\n", &shape);
     assert!(warning.contains("-0.5 to 0.5 m"), "{warning}");

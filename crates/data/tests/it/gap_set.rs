@@ -20,6 +20,7 @@ fn haptic7() -> LogShape {
     LogShape {
         joints: LIMITS_DEG.iter().map(joint).collect(),
         cable_count: 1,
+        hands: Vec::new(),
     }
 }
 

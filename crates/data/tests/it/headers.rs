@@ -114,6 +114,7 @@ fn joints_counted_from_zero_are_told_to_shift() {
     let shape = LogShape {
         joints: device().joints[..2].to_vec(),
         cable_count: 0,
+        hands: Vec::new(),
     };
     let error = read("theta0_rad,theta1_rad\n0,0\n0,0\n", &shape).unwrap_err();
     let message = error.to_string();
@@ -206,6 +207,7 @@ fn a_device_without_joints_is_refused() {
     let shape = LogShape {
         joints: Vec::new(),
         cable_count: 1,
+        hands: Vec::new(),
     };
     refused(
         "t_s,cable_m\n0,1\n1,1\n",

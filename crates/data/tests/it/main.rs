@@ -8,6 +8,7 @@ mod degrees;
 mod files;
 mod gap_set;
 mod gzip;
+mod hands;
 mod headers;
 mod hostile;
 #[cfg(feature = "mcap")]

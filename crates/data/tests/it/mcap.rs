@@ -17,6 +17,7 @@ fn shape() -> LogShape {
     LogShape {
         joints: vec![revolute("shoulder"), revolute("elbow")],
         cable_count: 0,
+        hands: Vec::new(),
     }
 }
 

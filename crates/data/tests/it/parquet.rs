@@ -18,6 +18,7 @@ pub(crate) fn fixture_shape() -> LogShape {
     LogShape {
         joints: vec![revolute("shoulder"), revolute("elbow")],
         cable_count: 0,
+        hands: Vec::new(),
     }
 }
 

@@ -135,6 +135,7 @@ fn recordings() -> impl Strategy<Value = Recording> {
                 torque_nm,
                 force_n,
                 temperature_degc,
+                hand: None,
                 contact,
                 plane,
                 tool,

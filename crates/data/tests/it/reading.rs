@@ -202,6 +202,7 @@ fn a_hundred_columns_of_joints_keep_their_order() {
     let shape = LogShape {
         joints,
         cable_count: 0,
+        hands: Vec::new(),
     };
     let header: Vec<String> = (1..=100)
         .rev()

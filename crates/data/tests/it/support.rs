@@ -23,6 +23,7 @@ pub(crate) fn device() -> LogShape {
     LogShape {
         joints: vec![revolute("base"), revolute("elbow"), slide],
         cable_count: 2,
+        hands: Vec::new(),
     }
 }
 
@@ -31,6 +32,7 @@ pub(crate) fn single() -> LogShape {
     LogShape {
         joints: vec![revolute("base")],
         cable_count: 1,
+        hands: Vec::new(),
     }
 }
 

@@ -39,6 +39,7 @@ pub(crate) fn onto_touches(
     let mut readings = vec![0.0; recording.joint.len()];
     for row in 0..recording.len() {
         recording.read_joints(row, &mut readings);
+        evaluation.choose_hand(base.device.hand_at(recording, row));
         // what is wrong with a row, the context says
         if evaluation.move_to(&readings).is_err() {
             continue;

@@ -336,6 +336,12 @@ fn noise_of(context: &Context<'_>, values: &[f64], size: f64) -> Option<(f64, f6
 /// What nothing can be said without.
 fn needed(context: &Context<'_>) -> Result<(), String> {
     let device = context.device;
+    if device.has_hands() {
+        return Err(
+            "the device has several hands; torques of a moving arm are worked out for one chain"
+                .to_owned(),
+        );
+    }
     if !device.has_links() || !device.drives_are_plain() || context.twist.is_empty() {
         return Err("the device file has no [[link]]".to_owned());
     }

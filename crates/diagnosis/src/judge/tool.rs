@@ -30,6 +30,7 @@ pub(crate) fn columns(engine: &Engine<'_>, earlier: &Device) -> Option<Vec<Vec<f
     let rotation: Option<Vec<Matrix3<f64>>> = (0..context.rows())
         .map(|row| {
             context.recording.read_joints(row, &mut readings);
+            evaluation.choose_hand(earlier.hand_at(context.recording, row));
             evaluation.move_pose_to(&readings).ok()?;
             evaluation.pose().ok().map(|pose| pose.rotation)
         })

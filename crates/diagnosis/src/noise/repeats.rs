@@ -116,9 +116,13 @@ fn postures(context: &Context<'_>) -> Vec<usize> {
     };
     let mut order: Vec<usize> = (0..rows).collect();
     order.sort_by(|&a, &b| columns[key][a].total_cmp(&columns[key][b]).then(a.cmp(&b)));
+    let hands = context.recording.hand.as_ref();
     let is_near = |a: usize, b: usize| {
         let mut joints = columns.iter().zip(&near);
+        // what one hand shows of a posture does not repeat what another one does
+        let is_of_one_hand = hands.is_none_or(|hands| hands[a] == hands[b]);
         joints.all(|(column, near)| (column[a] - column[b]).abs() <= *near)
+            && is_of_one_hand
             && context.mount(a) == context.mount(b)
     };
     let mut leaders: Vec<usize> = Vec::new();

@@ -77,6 +77,7 @@ fn shape() -> LogShape {
     LogShape {
         joints: vec![joint(), joint(), joint()],
         cable_count: 1,
+        hands: Vec::new(),
     }
 }
 

@@ -44,6 +44,7 @@ fn set(name: &str) -> Option<Set> {
     let shape = LogShape {
         joints: joints.collect(),
         cable_count: 1,
+        hands: Vec::new(),
     };
     let recording = read_log(&folder.join("log.csv.gz"), &shape)
         .unwrap()

@@ -1,7 +1,7 @@
 //! Frames of the links at every row.
 
-use haptical_model::kinematics::Convention;
 use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::kinematics::{Convention, Pose};
 use haptical_model::{Device, DeviceChain};
 
 /// Frames of a device along a recording.
@@ -21,48 +21,73 @@ impl Frames {
         if !device.has_links() {
             return frames;
         }
-        let chain = DeviceChain::new(device);
-        let drives = chain.drives();
-        let moved_rows = |joint| drives.iter().filter(|drive| drive.joint == joint).count();
-        let is_alone: Vec<bool> = drives
-            .iter()
-            .map(|drive| moved_rows(drive.joint) == 1)
+        // rows 0 to the one that a row hangs on end in the frame that the row's joint moves in
+        let moved: Vec<Moved> = (1..device.links.len())
+            .filter_map(|row| Moved::new(device, row))
             .collect();
+        let base = DeviceChain::to_row(device, 0);
         frames.origin = vec![Vec::with_capacity(rows); output.len()];
         let mut outputs = vec![0.0; output.len()];
-        let mut angles = vec![0.0; drives.len()];
+        let mut angles = vec![0.0; device.links.len()];
         for row in 0..rows {
             for (angle, column) in outputs.iter_mut().zip(output) {
                 *angle = column[row];
             }
-            chain.variables(&outputs, &mut angles);
-            for link in (0..drives.len()).filter(|link| *link == 0 || is_alone[*link]) {
-                // rows 0 to `link` end in the frame that joint link + 1 moves in
-                let pose = chain
-                    .part(link + 1)
-                    .and_then(|chain| chain.pose(&angles[..link]));
-                let Ok(mut pose) = pose else {
+            let Ok(pose) = base.chain().and_then(|chain| chain.pose(&[])) else {
+                return Self::default();
+            };
+            frames.base.push(pose.position_m);
+            for own in &moved {
+                let Some(origin) = own.origin_m(&outputs, &mut angles) else {
                     return Self::default();
                 };
-                if link == 0 {
-                    frames.base.push(pose.position_m);
-                }
-                if !is_alone[link] {
-                    continue;
-                }
-                if let Some(Some(origin)) = chain.origins().get(link + 1) {
-                    pose.position_m += pose.rotation * origin.position_m;
-                    pose.rotation *= origin.rotation;
-                }
-                let own = chain.links[link + 1];
-                let mut origin = pose.position_m;
-                if device.convention == Convention::Modified {
-                    // Craig's rows turn and shift along x before the joint moves
-                    origin += pose.rotation * Vector3::new(own.a_m, own.b_m, 0.0);
-                }
-                frames.origin[drives[link].joint].push(origin);
+                frames.origin[own.joint].push(origin);
             }
         }
         frames
+    }
+}
+
+/// A row that moves alone with its joint.
+struct Moved {
+    joint: usize,
+    /// Up to the row that it hangs on.
+    before: DeviceChain,
+    origin: Pose,
+    /// From the row's frame to its axis: Craig's rows turn and shift along x before the joint moves.
+    shift_m: Vector3<f64>,
+}
+
+impl Moved {
+    /// None for a row that is not its joint's only one.
+    fn new(device: &Device, row: usize) -> Option<Self> {
+        let joint = device.drive(row)?.joint;
+        let mut others = (1..device.links.len()).filter_map(|other| device.drive(other));
+        if others.by_ref().filter(|other| other.joint == joint).count() != 1 {
+            return None;
+        }
+        let origin = device.origins.get(row).copied().flatten();
+        let own = device.links.get(row)?;
+        Some(Self {
+            joint,
+            before: DeviceChain::to_row(device, device.parent(row)?),
+            origin: origin.unwrap_or_default().pose(),
+            shift_m: match device.convention {
+                Convention::Standard => Vector3::zeros(),
+                Convention::Modified => Vector3::new(own.a_m, own.b_m, 0.0),
+            },
+        })
+    }
+
+    fn origin_m(&self, outputs: &[f64], angles: &mut [f64]) -> Option<Vector3<f64>> {
+        let angles = &mut angles[..self.before.drives().len()];
+        self.before.variables(outputs, angles);
+        let pose = self
+            .before
+            .chain()
+            .and_then(|chain| chain.pose(angles))
+            .ok()?;
+        let turned = pose.rotation * self.origin.rotation;
+        Some(pose.position_m + pose.rotation * self.origin.position_m + turned * self.shift_m)
     }
 }

@@ -124,6 +124,7 @@ impl Context<'_> {
             .map(|row| {
                 let output = self.output.iter().zip(errors);
                 let output: Vec<f64> = output.map(|(q, error)| q[row] + error[row]).collect();
+                evaluation.choose_hand(self.device.hand_at(self.recording, row));
                 let pose = evaluation
                     .move_outputs(&output)
                     .and_then(|()| evaluation.pose());

@@ -39,6 +39,7 @@ pub(super) fn loads(
         for (angle, column) in angles.iter_mut().zip(output) {
             *angle = column[row];
         }
+        statics.choose_hand(device.hand_at(recording, row));
         let load = statics.load(&angles, |_| force_n.map(|force| force[row]));
         let load = load.map_err(|source| ContextError::Row {
             line: recording.line.get(row).copied().unwrap_or(0),

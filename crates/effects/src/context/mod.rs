@@ -110,8 +110,7 @@ impl<'a> Context<'a> {
         let ordered = step.is_some_and(|step| step <= STEP_OF_A_MOTION)
             && is_path(recording, &runs)
             && (recording.time_s.is_some() || !streams.iter().any(Stream::is_touch));
-        let load_reach = step.map_or(0, load_reach);
-        let streams = streams.to_vec();
+        let (load_reach, streams) = (step.map_or(0, load_reach), streams.to_vec());
         let joints = device.joints.len();
         let mut output = vec![Vec::with_capacity(rows); joints];
         let has_links = device.has_links();
@@ -124,6 +123,7 @@ impl<'a> Context<'a> {
         let mut readings = vec![0.0; joints];
         for row in 0..rows {
             recording.read_joints(row, &mut readings);
+            evaluation.choose_hand(device.hand_at(recording, row));
             evaluation
                 .move_to(&readings)
                 .map_err(|source| ContextError::Row {
@@ -247,8 +247,8 @@ impl<'a> Context<'a> {
         })
     }
 
-    /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint, and for one that moves
-    /// several rows of the chain.
+    /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint, for one that moves
+    /// several rows of the chain, and where another branch ends at the row's hand.
     pub fn lever(&self, joint: usize, row: usize) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let axis = self.twist.get(joint)?.get(row)?.angular;
         if axis.norm_squared() < 0.5 {

@@ -37,8 +37,11 @@ pub(crate) struct AxisWobble;
 /// Two unit vectors across a joint's axis that the link before it carries along.
 fn across(input: Input<'_, '_>, joint: usize, row: usize) -> Option<[Vector3<f64>; 2]> {
     let (axis, _) = input.context.lever(joint, row)?;
-    let before = match joint.checked_sub(1) {
-        Some(joint) => {
+    let device = input.context.device;
+    let parent = device.first_row(joint).and_then(|row| device.parent(row));
+    let before = match parent.and_then(|row| device.drive(row)) {
+        Some(drive) => {
+            let joint = drive.joint;
             let twist = input.context.twist.get(joint)?.get(row)?;
             let slides = twist.angular.norm_squared() < 0.5;
             if slides { twist.linear } else { twist.angular }

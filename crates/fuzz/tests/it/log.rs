@@ -17,6 +17,7 @@ fn shape() -> LogShape {
     LogShape {
         joints: vec![joint("1"), joint("2")],
         cable_count: 1,
+        hands: Vec::new(),
     }
 }
 

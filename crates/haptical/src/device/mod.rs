@@ -32,6 +32,8 @@ pub struct Equipment {
     pub base: Option<String>,
     /// Link at which the chain of a URDF ends; none for the end of the longest chain.
     pub tip: Option<String>,
+    /// Further links that are measured, each a hand of a device that branches; they need a tip.
+    pub further_tips: Vec<String>,
     /// File with sensors that take the place of the device file's.
     pub rig: Option<Source>,
     /// Input drum denominators of equation (1).
@@ -67,13 +69,15 @@ impl Equipment {
         BaseAndTip {
             base: self.base.as_deref(),
             tip: self.tip.as_deref(),
+            further_tips: &self.further_tips,
         }
     }
 
     /// The flags of the chain's ends, as results record them.
     pub fn chain_flags(&self) -> impl Iterator<Item = String> {
         let base = self.base.iter().map(|base| format!("--base={base}"));
-        base.chain(self.tip.iter().map(|tip| format!("--tip={tip}")))
+        let tips = self.tip.iter().chain(&self.further_tips);
+        base.chain(tips.map(|tip| format!("--tip={tip}")))
     }
 }
 
@@ -150,8 +154,36 @@ impl Device {
         if source.text.is_none() && is_urdf(&source.path) {
             equipment.base.clone_from(&self.equipment.base);
             equipment.tip.clone_from(&self.equipment.tip);
+            let further = &self.equipment.further_tips;
+            equipment.further_tips.clone_from(further);
         }
         Self::open(source, &equipment)
+    }
+
+    /// Refuses a device with several hands for what is made of one chain; `what` says it.
+    ///
+    /// # Errors
+    /// The device has hands.
+    pub fn refuse_hands(&self, what: &str) -> Result<(), Error> {
+        if !self.model.has_hands() {
+            return Ok(());
+        }
+        let hands: Vec<&str> = self
+            .model
+            .hands
+            .iter()
+            .map(|hand| hand.name.as_str())
+            .collect();
+        Err(Error::in_file(
+            "several-hands",
+            format!(
+                "the device has the hands {}, and {what} is of one chain",
+                hands.join(", ")
+            ),
+            &self.source.path,
+            "give a device of one of them: of a URDF with one --tip, of a device file without the rows of the others and \
+             without [[hand]]",
+        ))
     }
 
     /// The text of its device file, TOML; a URDF's is written anew.
@@ -191,11 +223,19 @@ pub fn refuse_other_device(nominal: &Model, model: &Model, path: &Path) -> Resul
             ("links", device.links.len()),
         ]
     };
+    let hands = |device: &Model| -> Vec<(String, usize)> {
+        let hands = device.hands.iter();
+        hands.map(|hand| (hand.name.clone(), hand.row)).collect()
+    };
     let mut counts = counts(nominal).into_iter().zip(counts(model));
     let what = if let Some(((what, wanted), (_, got))) = counts.find(|(own, other)| own != other) {
         format!("the model has {got} {what}, the device has {wanted}")
     } else if nominal.convention != model.convention {
         "the model has another convention of its links than the device".to_owned()
+    } else if nominal.parents != model.parents {
+        "the model's rows branch in another way than the device's".to_owned()
+    } else if hands(nominal) != hands(model) {
+        "the model has other hands than the device".to_owned()
     } else if let Some(joint) = pairs.position(|(own, other)| own.joint_type != other.joint_type) {
         let number = joint + 1;
         format!("joint {number} turns in one of model and device and slides in the other")

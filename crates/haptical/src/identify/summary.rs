@@ -152,7 +152,22 @@ pub(super) fn channel_table(title: &str, channels: &[ChannelReport]) -> Result<T
         let columns = "channel | unit | readings | before | after | noise floor | reduction [%]";
         Table::with_heads(title, columns)
     };
-    Ok(table.with_rows(channels.iter().map(row))?)
+    let mut table = table;
+    for channel in channels {
+        table.push(row(channel))?;
+        let shown = Shown::fine(&channel.unit);
+        for hand in &channel.hands {
+            let mut own = vec![Cell::Missing; table.columns().len()];
+            own[0] = format!("{}, {}", channel.channel, hand.hand).into();
+            own[1] = shown.name.into();
+            own[2] = Cell::number(hand.readings as f64, 0);
+            let before = if has_outliers { 4 } else { 3 };
+            own[before] = shown.cell(hand.rms_before);
+            own[before + 1] = shown.cell(hand.rms_after);
+            table.push(own)?;
+        }
+    }
+    Ok(table)
 }
 
 /// A combination as an equation, with half the width of its 95 % interval.

@@ -55,6 +55,7 @@ pub fn plan_as(
     measured: Option<&Log>,
     step: &dyn Fn(Step<'_>),
 ) -> Result<Planned, Error> {
+    device.refuse_hands("a plan")?;
     let postures = measured.map(postures).unwrap_or_default();
     let plan = plan_rigs(&device.model, request, &postures, step)
         .map_err(|error| Error::design(&error, &device.source().path).with_equipment(device))?;

@@ -2,7 +2,7 @@
 
 use haptical_kinematics::{Chain, Convention, KinematicsError, Link, Motion, Pose};
 
-use crate::{Device, Drive};
+use crate::{Device, Drive, ModelError};
 
 /// Rows with their homes, motions, origins and drives. It owns them, so that a [`Chain`] can borrow.
 ///
@@ -28,20 +28,84 @@ pub struct DeviceChain {
     motions: Vec<Motion>,
     origins: Vec<Option<Pose>>,
     drives: Vec<Drive>,
+    /// Rows of the device that the chain is of, in its order.
+    rows: Vec<usize>,
+    /// Where each row of the device is in the chain.
+    places: Vec<Option<usize>>,
+    joints: usize,
 }
 
 impl DeviceChain {
-    /// The chain of a device.
+    /// The chain of a device; of its first hand, where it has several ([`DeviceChain::of_hand`]).
     pub fn new(device: &Device) -> Self {
+        Self::of_hand(device, 0)
+    }
+
+    /// The chain that ends at a hand (from 0) of a device that branches; the device's only chain otherwise.
+    ///
+    /// ```
+    /// use haptical_model::{Device, DeviceChain};
+    /// let link = |a_m: f64, more: &str| format!("[[link]]\na_m = {a_m}\nalpha_rad = 0.0\nd_m = 0.0\n{more}");
+    /// let rows = [link(0.0, ""), link(1.0, ""), link(0.2, ""), link(0.5, "parent = 1\n")].concat();
+    /// let hands = "[[hand]]\nname = \"left\"\nrow = 2\n[[hand]]\nname = \"right\"\nrow = 3\n";
+    /// let text = format!("{rows}[[joint]]\n[[joint]]\n[[joint]]\n{hands}");
+    /// let device = Device::from_toml(&text, "y.toml")?.device;
+    /// let reach_m = |hand| DeviceChain::of_hand(&device, hand).pose(&[0.0; 3]).map(|pose| pose.position_m.x);
+    /// assert_eq!([reach_m(0)?, reach_m(1)?], [1.2, 1.5]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_hand(device: &Device, hand: usize) -> Self {
+        let handle = device.handle_of(hand);
+        let last = match device.hands.get(hand) {
+            Some(hand) => hand.row,
+            None => device.links.len().saturating_sub(1),
+        };
+        let mut chain = Self::to_row(device, last);
+        if handle.is_some() {
+            chain.origins.resize(chain.links.len(), None);
+            chain.origins.push(handle);
+        }
+        chain
+    }
+
+    /// The rows from row 0 to `row`, without what is behind them.
+    pub fn to_row(device: &Device, row: usize) -> Self {
+        let count = device.links.len();
+        let rows = match count {
+            0 => Vec::new(),
+            _ => device.path_to(row),
+        };
+        let mut places = vec![None; count];
+        for (place, row) in rows.iter().enumerate() {
+            places[*row] = Some(place);
+        }
+        let (links, motions) = (device.chain_links(), device.motions());
+        let origins = device.chain_origins();
+        let origin = |row: &usize| origins.get(*row).copied().flatten();
+        let mut own: Vec<Option<Pose>> = rows.iter().map(origin).collect();
+        if own.iter().all(Option::is_none) {
+            own.clear();
+        }
         Self {
             convention: device.convention,
-            links: device.chain_links(),
-            motions: device.motions(),
-            origins: device.chain_origins(),
-            drives: (1..device.links.len())
-                .filter_map(|row| device.drive(row))
-                .collect(),
+            links: rows.iter().map(|row| links[*row]).collect(),
+            motions: rows.iter().map(|row| motions[*row]).collect(),
+            origins: own,
+            drives: rows.iter().filter_map(|row| device.drive(*row)).collect(),
+            rows,
+            places,
+            joints: if count == 0 { 0 } else { device.joints.len() },
         }
+    }
+
+    /// The device's rows that the chain is of, in its order.
+    pub fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
+    /// Where a row of the device is in the chain; none where it is on another branch.
+    pub fn place(&self, row: usize) -> Option<usize> {
+        self.places.get(row).copied().flatten()
     }
 
     /// Number of rows, row 0 included.
@@ -54,7 +118,7 @@ impl DeviceChain {
         &self.motions
     }
 
-    /// What moves rows 1 to n, in their order.
+    /// What moves the chain's rows behind row 0, in their order.
     pub fn drives(&self) -> &[Drive] {
         &self.drives
     }
@@ -98,13 +162,41 @@ impl DeviceChain {
     /// # Errors
     /// [`KinematicsError::JointCount`] and as [`Chain::pose`].
     pub fn pose(&self, outputs: &[f64]) -> Result<Pose, KinematicsError> {
-        let joints = self.drives.iter().map(|drive| drive.joint + 1).max();
-        let (expected, got) = (joints.unwrap_or(0), outputs.len());
+        let (expected, got) = (self.joints, outputs.len());
         if expected != got {
             return Err(KinematicsError::JointCount { expected, got });
         }
         let mut variables = vec![0.0; self.drives.len()];
         self.variables(outputs, &mut variables);
         self.chain()?.pose(&variables)
+    }
+}
+
+/// The chains of a device, one for each hand.
+#[derive(Debug, Clone)]
+pub(crate) struct Chains {
+    all: Vec<DeviceChain>,
+    /// The hand that is looked at; none where nobody has said which.
+    pub(crate) hand: Option<usize>,
+    device: String,
+}
+
+impl Chains {
+    pub(crate) fn new(device: &Device) -> Self {
+        let hands = 0..device.chain_count();
+        Self {
+            all: hands
+                .map(|hand| DeviceChain::of_hand(device, hand))
+                .collect(),
+            hand: (!device.has_hands()).then_some(0),
+            device: device.name.clone(),
+        }
+    }
+
+    pub(crate) fn chosen(&self) -> Result<&DeviceChain, ModelError> {
+        let chain = self.hand.and_then(|hand| self.all.get(hand));
+        chain.ok_or_else(|| ModelError::NoHand {
+            device: self.device.clone(),
+        })
     }
 }

@@ -6,13 +6,14 @@ pub(crate) mod joint;
 pub(crate) mod mount;
 pub(crate) mod rows;
 pub(crate) mod surroundings;
+pub(crate) mod tree;
 
 use std::collections::BTreeMap;
 
 use haptical_kinematics::{Convention, Link};
 
 use crate::Surroundings;
-use crate::{Cable, Drive, Joint, Origin, Parameter};
+use crate::{Cable, Drive, Hand, Joint, Origin, Parameter};
 
 /// A device as its file describes it. Without links it has transmissions only.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,10 +27,14 @@ pub struct Device {
     /// joint offset alone: home and reading are added when the device is evaluated.
     pub links: Vec<Link>,
     /// Constant rigid transforms: entry i comes before row i, the last one (as many as there are links)
-    /// carries the last row's frame to the handle. Empty where the device has none.
+    /// carries the last row's frame to the handle, where the device has no [`Device::hands`]. Empty where it has none.
     pub origins: Vec<Option<Origin>>,
     /// What drives rows 1 to n; empty where row i moves with joint i alone.
     pub drives: Vec<Drive>,
+    /// The row that each of rows 1 to n hangs on, an earlier one; empty where it is the row before.
+    pub parents: Vec<usize>,
+    /// Where chains end that a log tells apart; empty where the device is one chain up to its last row.
+    pub hands: Vec<Hand>,
     /// Masses of the rows, where known.
     pub bodies: Vec<Option<Body>>,
     /// Joints 1 to n.
@@ -113,6 +118,8 @@ impl Device {
             joints,
             origins: Vec::new(),
             drives: Vec::new(),
+            parents: Vec::new(),
+            hands: Vec::new(),
             cables: Vec::new(),
             tracker: None,
             contact_pairs: Vec::new(),

@@ -87,7 +87,7 @@ impl Device {
     }
 
     /// The id of what is on the hand at a row: the cell of the log's column `tool`, or what the device file says of
-    /// that line; empty for the handle itself.
+    /// that line, or the hand's name where a tracker sees a thing on each hand; empty for the handle itself.
     ///
     /// ```
     /// use haptical_model::{Device, Recording};
@@ -99,7 +99,7 @@ impl Device {
     /// ```
     ///
     /// # Panics
-    /// If the recording has a column `tool` and the row is not below its length.
+    /// If the recording has a column `tool` or `hand` and the row is not below its length.
     pub fn tool_at<'t>(&'t self, recording: &'t Recording, row: usize) -> &'t str {
         if let Some(ids) = &recording.tool {
             return &ids[row];
@@ -109,7 +109,25 @@ impl Device {
         let put_on = put_on.filter_map(|tool| Some((tool.from_line?, tool)));
         let last = put_on.filter(|(from, _)| *from <= line);
         let last = last.max_by_key(|(from, _)| *from);
-        last.map_or("", |(_, tool)| &tool.id)
+        if let Some((_, tool)) = last {
+            return &tool.id;
+        }
+        let hands = recording
+            .hand
+            .as_ref()
+            .filter(|_| self.sees_hands(recording));
+        hands.map_or("", |hands| &hands[row])
+    }
+
+    /// Whether a tracker sees a thing on each of several hands, whose tool goes by the name of its hand.
+    fn sees_hands(&self, recording: &Recording) -> bool {
+        let is_tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
+        self.has_tool_per_hand() && is_tracked && recording.tool.is_none()
+    }
+
+    /// Whether a tool's id is that of what a tracker sees on a hand.
+    pub fn is_of_hand(&self, id: &str) -> bool {
+        self.has_tool_per_hand() && self.hand_index(id).is_some()
     }
 
     /// What each row of a recording is about; empty where every row is about the handle, or the tracker's one tool,
@@ -122,6 +140,7 @@ impl Device {
         let is_tracked = recording.position_m.is_some() || recording.orientation_wxyz.is_some();
         let has_runs = self.has_run_bases() && is_tracked;
         let has_tools = self.has_tools(recording);
+        let has_hands = self.sees_hands(recording);
         if !has_runs && !has_tools {
             return Ok(Vec::new());
         }
@@ -142,9 +161,11 @@ impl Device {
             } else {
                 ""
             };
-            if !id.is_empty() {
-                let own = |tool: &Tool| tool.id == id && tool.placement.is_some();
-                let found = around.tools.iter().position(own);
+            let own = |tool: &Tool| tool.id == id && tool.placement.is_some();
+            let found = around.tools.iter().position(own);
+            let is_unseen =
+                || recording.tool.is_none() && has_hands && !recording.is_seen_by_tracker(row);
+            if !id.is_empty() && (found.is_some() || !is_unseen()) {
                 mount.tool = Some(found.ok_or_else(|| Unplaced {
                     row,
                     column: "tool",
@@ -160,10 +181,15 @@ impl Device {
 
     /// Whether any row may be about something else on the hand than the handle.
     pub fn has_tools(&self, recording: &Recording) -> bool {
-        let is_put_on = |tool: &Tool| tool.from_line.is_some();
+        let last = recording.line.iter().max();
+        let is_put_on = |tool: &Tool| tool.from_line.is_some_and(|from| last >= Some(&from));
         match &recording.tool {
             Some(ids) => ids.iter().any(|id| !id.is_empty()),
-            None => self.surroundings.tools.iter().any(is_put_on),
+            None => {
+                let hands = recording.hand.as_ref();
+                self.surroundings.tools.iter().any(is_put_on)
+                    || hands.is_some_and(|_| self.sees_hands(recording))
+            }
         }
     }
 
@@ -184,11 +210,17 @@ impl Device {
         }
     }
 
-    /// What touches at a row, in the handle frame \[m\]: the handle's origin, unless a tool is on the hand.
+    /// Whether a tool touches things: all do but what a tracker sees on one of several hands.
+    pub fn touches(&self, tool: usize) -> bool {
+        let tool = self.surroundings.tools.get(tool);
+        tool.is_some_and(|tool| !self.is_of_hand(&tool.id))
+    }
+
+    /// What touches at a row, in the handle frame \[m\]: the handle's origin, unless a tool is on the hand. What a tracker
+    /// sees on one of several hands touches nothing.
     pub fn touching_m(&self, mount: Mount) -> Vector3<f64> {
-        let tool = mount
-            .tool
-            .and_then(|tool| self.surroundings.tools.get(tool));
+        let tool = mount.tool.filter(|&tool| self.touches(tool));
+        let tool = tool.and_then(|tool| self.surroundings.tools.get(tool));
         let place = tool.and_then(|tool| tool.placement);
         place.map_or_else(Vector3::zeros, |place| place.start.position_m.into())
     }

@@ -125,10 +125,11 @@ impl Device {
         row < self.links.len() && self.origins.get(row).is_some_and(Option::is_some)
     }
 
-    /// Whether the chain is its table alone: no origins, no rows that follow another's joint, no slide
+    /// Whether the chain is its table alone: no origins, no rows that follow another's joint, no branches, no slide
     /// along y, no joint that yields. What knows nothing of these asks first.
     pub fn is_plain_table(&self) -> bool {
         self.origins.iter().all(Option::is_none)
+            && !self.has_hands()
             && self.drives_are_plain()
             && self.links.iter().all(|link| link.b_m == 0.0)
             && !self.has_compliance()

@@ -99,6 +99,8 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
         links: rows.links,
         origins: rows.origins,
         drives: rows.drives,
+        parents: rows.parents,
+        hands: rows.hands,
         bodies: rows.bodies,
         joints,
         cables: read_cables(root, warnings)?,

@@ -25,12 +25,12 @@ const SECTIONS: [&str; 12] = [
 ];
 
 /// What stays with the device file.
-const OF_A_DEVICE: [&str; 4] = ["device", "link", "joint", "nominal"];
+const OF_A_DEVICE: [&str; 5] = ["device", "link", "joint", "hand", "nominal"];
 
 impl Device {
     /// The text of a device file with the sections of a rig file (`[cable_encoder]`, `[[cable]]`,
-    /// `[tracker]`, `[[tool]]`, `[contact]`, `[[contact_pair]]`, `[plane]`, `[[plane_pair]]`, `[fixture]`, `[gravity]`) in the place of its own; those that the rig file does
-    /// not have stay. A rig with cables replaces all cables. Returns the text, and what is odd about the
+    /// `[tracker]`, `[[tool]]`, `[contact]`, `[[contact_pair]]`, `[plane]`, `[[plane_pair]]`, `[fixture]`, `[gravity]`) in
+    /// the place of its own; those that the rig file does not have stay. A rig with cables replaces all cables. Returns the text, and what is odd about the
     /// rig file. `file` and `rig_file` name the two in errors.
     ///
     /// ```

@@ -8,10 +8,11 @@ use crate::device::Body;
 use crate::device::joint::{Joint, JointType};
 use crate::device::rows::{Drive, Origin};
 use crate::file::JOINT_TYPES;
+use crate::file::hand::{read_hands, read_parents};
 use crate::file::joint::{LARGEST_ANGLE_RAD, angle};
 use crate::file::reader::{SMALLEST, Section};
 use crate::parameter::unknown::{DEVIATION_KEYS, numbers_of};
-use crate::{DeviceFileError, Parameter};
+use crate::{DeviceFileError, Hand, Parameter};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -25,6 +26,8 @@ pub(crate) struct Rows {
     pub(crate) bodies: Vec<Option<Body>>,
     pub(crate) origins: Vec<Option<Origin>>,
     pub(crate) drives: Vec<Drive>,
+    pub(crate) parents: Vec<usize>,
+    pub(crate) hands: Vec<Hand>,
     pub(crate) deviations: BTreeMap<(usize, Parameter), f64>,
 }
 
@@ -54,6 +57,8 @@ pub(crate) fn read_rows(
     if sections.is_empty() || rows.origins.iter().all(Option::is_none) {
         rows.origins.clear();
     }
+    rows.parents = read_parents(&sections)?;
+    rows.hands = read_hands(root, head, &sections, &rows.parents, warnings)?;
     let (drives, is_plain) = read_drives(&sections, joints)?;
     sections.iter().for_each(|row| row.unknown_keys(warnings));
     check_counts(root, &sections, &drives, is_plain, joints)?;

@@ -2,7 +2,7 @@
 
 use crate::Device;
 
-/// A parameter of a cable, the tracker, a touched point or plane.
+/// A parameter of a cable, the tracker, what it sees on a hand, a touched point or plane.
 ///
 /// As for [`crate::ParameterId`] its device must have it; where it does not, the value is NaN and setting
 /// it changes nothing.

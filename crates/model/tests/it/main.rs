@@ -20,5 +20,6 @@ mod rig;
 mod rows;
 mod support;
 mod surroundings;
+mod trees;
 mod warnings;
 mod writer;

@@ -17,6 +17,11 @@ fn every_column_follows_the_chosen_rows() {
         torque_nm: vec![None, Some(column(130.0))],
         force_n: Some([column(140.0), column(150.0), column(160.0)]),
         temperature_degc: Some(column(170.0)),
+        hand: Some(
+            ["left", "right", "left", "left"]
+                .map(str::to_owned)
+                .to_vec(),
+        ),
         contact: Some(["p", "", "q", "p"].map(str::to_owned).to_vec()),
         plane: Some(["", "a", "", "b"].map(str::to_owned).to_vec()),
         tool: Some(["t", "", "t", "u"].map(str::to_owned).to_vec()),
@@ -35,6 +40,7 @@ fn every_column_follows_the_chosen_rows() {
         torque_nm: vec![None, Some(picked(130.0))],
         force_n: Some([picked(140.0), picked(150.0), picked(160.0)]),
         temperature_degc: Some(picked(170.0)),
+        hand: Some(["left", "right"].map(str::to_owned).to_vec()),
         contact: Some(["p", ""].map(str::to_owned).to_vec()),
         plane: Some(["b", "a"].map(str::to_owned).to_vec()),
         tool: Some(["u", ""].map(str::to_owned).to_vec()),

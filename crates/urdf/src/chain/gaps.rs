@@ -61,12 +61,14 @@ pub(crate) fn gaps(robot: &Robot, path: &Path) -> (Vec<Gap>, Gap) {
 }
 
 /// The corrections after which the gaps before the rows have the products `before`, and the one behind them all
-/// `handle`: one for each gap, none of them of the same joint.
+/// `handle`: one for each gap, none of them of the same joint. What is fixed to the tip takes up a correction only where
+/// no other path leads on over it.
 pub(crate) fn corrections(
     robot: &Robot,
     path: &Path,
     before: impl Iterator<Item = Pose>,
     handle: &Pose,
+    others: &[Path],
 ) -> Vec<Correction> {
     let (gaps, last) = gaps(robot, path);
     let mut corrections: Vec<Correction> = gaps
@@ -78,7 +80,9 @@ pub(crate) fn corrections(
             None => Correction::Base(then(&gap.product(), &inverse(&wanted))),
         })
         .collect();
-    corrections.push(match last.taken_up_behind_all(robot) {
+    let is_shared = |place: &(usize, Step)| others.iter().any(|path| path.steps.contains(&place.1));
+    let own = last.taken_up_behind_all(robot);
+    corrections.push(match own.filter(|place| !is_shared(place)) {
         Some(place) => last.with(place, handle),
         None => Correction::Tip(then(&inverse(&last.product()), handle)),
     });

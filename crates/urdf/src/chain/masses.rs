@@ -4,7 +4,7 @@ use haptical_model::Body;
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use crate::chain::path::Path;
+use crate::chain::path::{Path, passed};
 use crate::chain::tip::joined;
 use crate::chain::{Rows, driver};
 use crate::numbers::rounded;
@@ -35,8 +35,8 @@ struct Branch {
 
 impl Carried {
     /// No masses at all, where the base moves with respect to the root, and what moves off the chain.
-    pub(crate) fn nothing(robot: &Robot, path: &Path, rows: &Rows, file: &str) -> Self {
-        let beside = joints_beside(robot, path);
+    pub(crate) fn nothing(robot: &Robot, paths: &[Path], rows: &Rows, file: &str) -> Self {
+        let beside = joints_beside(robot, paths);
         let names = beside
             .iter()
             .filter(|joint| !rows.drivers.contains(joint))
@@ -52,9 +52,9 @@ impl Carried {
 /// were fixed, its joints at 0, or in the middle of their limits where these exclude 0.
 ///
 /// The base is fixed to the root, so that every row is passed downwards.
-pub(crate) fn carried(robot: &Robot, path: &Path, rows: &Rows, file: &str) -> Carried {
-    let mut walk = Walk::new(robot, path);
-    walk.sum(Path::from_root(robot, path.base).base, false);
+pub(crate) fn carried(robot: &Robot, paths: &[Path], rows: &Rows, file: &str) -> Carried {
+    let mut walk = Walk::new(robot, paths);
+    walk.sum(Path::from_root(robot, paths[0].base).base, false);
     let bodies = rows.rows.iter().map(|row| walk.body(row.joint)).collect();
     let mut warnings = Vec::new();
     let (loads, light): (Vec<&Branch>, Vec<&Branch>) = walk
@@ -83,10 +83,10 @@ fn said_of_left_out<'n>(names: impl Iterator<Item = &'n str>, file: &str) -> Opt
 
 /// The joints that move branches against the chain, in the order of the file: those that are met first
 /// on the way from the chain.
-fn joints_beside(robot: &Robot, path: &Path) -> Vec<usize> {
-    let on_path = path.passed(robot);
+fn joints_beside(robot: &Robot, paths: &[Path]) -> Vec<usize> {
+    let on_path = passed(robot, paths);
     let mut seen = vec![false; robot.links.len()];
-    let mut links = vec![path.base];
+    let mut links = vec![paths[0].base];
     let mut beside = Vec::new();
     while let Some(link) = links.pop() {
         seen[link] = true;
@@ -152,10 +152,10 @@ struct Walk<'r> {
 }
 
 impl<'r> Walk<'r> {
-    fn new(robot: &'r Robot, path: &Path) -> Self {
+    fn new(robot: &'r Robot, paths: &[Path]) -> Self {
         Self {
             robot,
-            on_path: path.passed(robot),
+            on_path: passed(robot, paths),
             branches: Vec::new(),
         }
     }

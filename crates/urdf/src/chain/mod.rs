@@ -25,14 +25,26 @@ pub(crate) struct Row {
     /// passed along z.
     pub(crate) origin: Pose,
     pub(crate) drive: Drive,
+    /// The row before it on its path, from 0; none for the first.
+    pub(crate) behind: Option<usize>,
 }
 
-/// A path as rows.
+/// Where a path ends.
 #[derive(Debug, Clone)]
-pub(crate) struct Rows {
-    pub(crate) rows: Vec<Row>,
+pub(crate) struct End {
+    /// Its rows, from 0.
+    pub(crate) rows: Vec<usize>,
     /// From the last row's frame, axis along z, to the tip.
     pub(crate) handle: Pose,
+}
+
+/// Paths as rows.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Rows {
+    /// Those of the first path, then what the others add.
+    pub(crate) rows: Vec<Row>,
+    /// Of each path.
+    pub(crate) ends: Vec<End>,
     /// Joints of the robot whose variables drive the rows, in the order of the device's joints.
     pub(crate) drivers: Vec<usize>,
 }
@@ -40,59 +52,91 @@ pub(crate) struct Rows {
 /// Most mimics one behind another.
 const MOST_MIMICS: usize = 32;
 
-/// Splits a path into its moving rows; `at` gives a byte's place.
+/// Splits paths from one base into their moving rows; `at` gives a byte's place. A joint that several paths pass is one
+/// row: the way to it from the base is the same.
 pub(crate) fn rows(
     robot: &Robot,
-    path: &Path,
+    paths: &[Path],
     at: &dyn Fn(usize) -> Box<Position>,
 ) -> Result<Rows, UrdfError> {
-    let (gaps, handle) = gaps(robot, path);
-    let mut split = Rows {
-        rows: Vec::new(),
-        handle: handle.product(),
-        drivers: Vec::new(),
-    };
-    let moving = path.steps.iter().map(|step| step.joint);
-    let moving = moving.filter(|joint| robot.joints[*joint].moves());
-    for (index, gap) in moving.zip(&gaps) {
-        let joint = &robot.joints[index];
-        let motion = match joint.joint_type {
-            RobotJointType::Fixed => continue,
-            RobotJointType::Revolute | RobotJointType::Continuous => JointType::Revolute,
-            RobotJointType::Prismatic => JointType::Prismatic,
-            RobotJointType::Other => {
-                let message = format!(
-                    "joint `{}` is floating or planar: a chain has one variable per joint",
-                    joint.name
-                );
-                return Err(UrdfError::Tree {
-                    at: at(joint.place),
-                    message,
-                });
-            }
-        };
-        let (driver, multiplier, offset) =
-            driver(robot, index).map_err(|(place, message)| UrdfError::Tree {
-                at: at(place),
-                message,
-            })?;
-        let known = split.drivers.iter().position(|own| *own == driver);
-        let number = known.unwrap_or_else(|| {
-            split.drivers.push(driver);
-            split.drivers.len() - 1
-        });
-        split.rows.push(Row {
-            joint: index,
-            origin: gap.product(),
-            drive: Drive {
-                joint: number,
-                motion,
-                multiplier,
-                offset,
-            },
-        });
+    let mut split = Rows::default();
+    for path in paths {
+        split.add(robot, path, at)?;
     }
     Ok(split)
+}
+
+impl Rows {
+    fn add(
+        &mut self,
+        robot: &Robot,
+        path: &Path,
+        at: &dyn Fn(usize) -> Box<Position>,
+    ) -> Result<(), UrdfError> {
+        let (gaps, handle) = gaps(robot, path);
+        let mut end = End {
+            rows: Vec::new(),
+            handle: handle.product(),
+        };
+        let moving = path.steps.iter().map(|step| step.joint);
+        let moving = moving.filter(|joint| robot.joints[*joint].moves());
+        for (index, gap) in moving.zip(&gaps) {
+            if let Some(known) = self.rows.iter().position(|row| row.joint == index) {
+                end.rows.push(known);
+                continue;
+            }
+            let Some(motion) = motion_of(&robot.joints[index], at)? else {
+                continue;
+            };
+            let (driver, multiplier, offset) =
+                driver(robot, index).map_err(|(place, message)| UrdfError::Tree {
+                    at: at(place),
+                    message,
+                })?;
+            let known = self.drivers.iter().position(|own| *own == driver);
+            let number = known.unwrap_or_else(|| {
+                self.drivers.push(driver);
+                self.drivers.len() - 1
+            });
+            let behind = end.rows.last().copied();
+            end.rows.push(self.rows.len());
+            self.rows.push(Row {
+                joint: index,
+                origin: gap.product(),
+                drive: Drive {
+                    joint: number,
+                    motion,
+                    multiplier,
+                    offset,
+                },
+                behind,
+            });
+        }
+        self.ends.push(end);
+        Ok(())
+    }
+}
+
+/// How a joint moves; none for a fixed one.
+fn motion_of(
+    joint: &RobotJoint,
+    at: &dyn Fn(usize) -> Box<Position>,
+) -> Result<Option<JointType>, UrdfError> {
+    match joint.joint_type {
+        RobotJointType::Fixed => Ok(None),
+        RobotJointType::Revolute | RobotJointType::Continuous => Ok(Some(JointType::Revolute)),
+        RobotJointType::Prismatic => Ok(Some(JointType::Prismatic)),
+        RobotJointType::Other => {
+            let message = format!(
+                "joint `{}` is floating or planar: a chain has one variable per joint",
+                joint.name
+            );
+            Err(UrdfError::Tree {
+                at: at(joint.place),
+                message,
+            })
+        }
+    }
 }
 
 /// The joint whose variable drives a joint, with multiplier and offset; or which byte is wrong, and why.

@@ -31,6 +31,9 @@ pub struct BaseAndTip<'n> {
     pub base: Option<&'n str>,
     /// Link that is the handle; none for the end of the longest chain.
     pub tip: Option<&'n str>,
+    /// Further links that are measured: then the device is the tree of the chains to all tips, and each tip is a hand
+    /// ([`haptical_model::Hand`]) of the link's name.
+    pub further_tips: &'n [String],
 }
 
 impl<'n> BaseAndTip<'n> {
@@ -39,6 +42,7 @@ impl<'n> BaseAndTip<'n> {
         Self {
             base: None,
             tip: Some(tip),
+            further_tips: &[],
         }
     }
 
@@ -47,6 +51,7 @@ impl<'n> BaseAndTip<'n> {
         Self {
             base: Some(base),
             tip: Some(tip),
+            further_tips: &[],
         }
     }
 }
@@ -145,6 +150,15 @@ impl Path {
         self.steps.iter().for_each(|step| passed[step.joint] = true);
         passed
     }
+}
+
+/// Which joints of the robot are passed on any of some paths.
+pub(crate) fn passed(robot: &Robot, paths: &[Path]) -> Vec<bool> {
+    let own: Vec<Vec<bool>> = paths.iter().map(|path| path.passed(robot)).collect();
+    let joints = 0..robot.joints.len();
+    joints
+        .map(|joint| own.iter().any(|own| own[joint]))
+        .collect()
 }
 
 /// Joints above a link, the nearest first, and the link where they end.

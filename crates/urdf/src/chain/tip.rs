@@ -9,8 +9,34 @@ use crate::robot::Robot;
 /// Most names in a warning or an error.
 const MOST_NAMES: usize = 8;
 
-/// The path to the tip, and what is odd about the choice.
+/// The paths to the tips, and what is odd about the choice.
 pub(crate) fn choose(
+    robot: &Robot,
+    file: &str,
+    ends: BaseAndTip<'_>,
+) -> Result<(Vec<Path>, Option<String>), UrdfError> {
+    let (first, warning) = choose_first(robot, file, ends)?;
+    let base = ends.base.map(|_| first.base);
+    let mut paths = vec![first];
+    for name in ends.further_tips {
+        let tip = link(robot, file, name)?;
+        if paths.iter().any(|path| path.tip == tip) {
+            let message = format!("the tip `{name}` is named twice: name each hand once");
+            let file = file.to_owned();
+            return Err(UrdfError::Chain { file, message });
+        }
+        paths.push(named(robot, file, base, tip)?);
+    }
+    if let Some(apart) = paths.iter().find(|path| path.base != paths[0].base) {
+        let [own, other] = [&paths[0], apart].map(|path| &robot.links[path.tip].name);
+        let message = format!("`{own}` and `{other}` are in separate trees: name the tips of one");
+        let file = file.to_owned();
+        return Err(UrdfError::Chain { file, message });
+    }
+    Ok((paths, warning))
+}
+
+fn choose_first(
     robot: &Robot,
     file: &str,
     ends: BaseAndTip<'_>,

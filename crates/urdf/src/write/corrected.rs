@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use haptical_model::kinematics::Pose;
-use haptical_model::{Device, JointType};
+use haptical_model::{Device, Hand, JointType};
 
 use crate::UrdfError;
 use crate::chain::gaps::{Correction, corrections};
 use crate::chain::path::BaseAndTip;
-use crate::device::ReadChain;
+use crate::chain::tip::listed;
+use crate::device::{ReadChain, parents};
 use crate::numbers::{escaped, written};
 use crate::rigid::to_rpy;
 use crate::robot::{Robot, RobotJoint};
@@ -23,6 +24,8 @@ pub struct CorrectedUrdf {
     pub base: String,
     /// Link at which the calibrated chain ends.
     pub tip: String,
+    /// Links at which the further chains of a device with several hands end.
+    pub further_tips: Vec<String>,
     /// What a URDF cannot hold, and what was chosen.
     pub warnings: Vec<String>,
 }
@@ -32,7 +35,7 @@ pub struct CorrectedUrdf {
 const SAME: f64 = 1e-6;
 
 /// The text of a URDF with the origins of the chain's joints, and of the last fixed joint behind them,
-/// replaced so that its forward kinematics is that of `device`. Comments, meshes and all other elements
+/// replaced so that its forward kinematics is that of `device`, of every chain where it has several. Comments, meshes and all other elements
 /// stay as they are.
 ///
 /// `device` must have come from this URDF, this base and this tip: its constant origins are compared. Where no
@@ -75,15 +78,16 @@ pub fn corrected_urdf(
     let segments = segments(device)?;
     let ReadChain {
         robot,
-        path,
+        paths,
+        rows,
         mut warnings,
-        ..
     } = read;
     if has_transmission_errors(device) {
         warnings.push(TRANSMISSIONS.to_owned());
     }
-    let before = segments.rows.iter().map(|row| row.before);
-    let [mut base, mut tip] = [path.base, path.tip].map(|link| robot.links[link].name.clone());
+    let link = |index: usize| robot.links[index].name.clone();
+    let mut base = link(paths[0].base);
+    let mut tips: Vec<String> = paths.iter().map(|path| link(path.tip)).collect();
     // the path has joints, so the robot has a closing tag
     let end = robot.end.unwrap_or(text.len());
     let mut edits = Vec::new();
@@ -95,17 +99,38 @@ pub fn corrected_urdf(
         *link = name;
         (end..end, addition)
     };
-    for correction in corrections(&robot, &path, before, &segments.handle) {
-        edits.push(match correction {
-            Correction::Joint(index, origin) => edit(text, &robot.joints[index], &origin),
-            Correction::Base(origin) => add(&mut base, "base", "before the first", &origin),
-            Correction::Tip(origin) => add(&mut tip, "handle", "behind the last", &origin),
-        });
+    let mut corrected = vec![false; rows.rows.len()];
+    for (index, ((path, end), handle)) in paths
+        .iter()
+        .zip(&rows.ends)
+        .zip(&segments.handles)
+        .enumerate()
+    {
+        let before = end.rows.iter().map(|row| segments.rows[*row].before);
+        let others = [&paths[..index], &paths[index + 1..]].concat();
+        let own = corrections(&robot, path, before, handle, &others);
+        let places = end.rows.iter().map(|row| Some(*row)).chain([None]);
+        for (correction, row) in own.into_iter().zip(places) {
+            // what several chains share is corrected once
+            if row.is_some_and(|row| std::mem::replace(&mut corrected[row], true)) {
+                continue;
+            }
+            edits.push(match correction {
+                Correction::Joint(joint, origin) => edit(text, &robot.joints[joint], &origin),
+                Correction::Base(origin) => add(&mut base, "base", "before the first", &origin),
+                Correction::Tip(origin) => {
+                    add(&mut tips[index], "handle", "behind the last", &origin)
+                }
+            });
+        }
     }
+    let mut tips = tips.into_iter();
+    let tip = tips.next().unwrap_or_default();
     Ok(CorrectedUrdf {
         text: replaced(text, edits),
         base,
         tip,
+        further_tips: tips.collect(),
         warnings,
     })
 }
@@ -122,12 +147,14 @@ pub(crate) fn has_transmission_errors(device: &Device) -> bool {
 }
 
 fn check_same(read: &ReadChain, device: &Device, file: &str) -> Result<(), UrdfError> {
+    let tips = read.paths.iter();
+    let tips = listed(tips.map(|path| read.robot.links[path.tip].name.as_str()));
     let refuse = |what: String| UrdfError::Device {
         device: device.name.clone(),
         message: format!(
             "{what}: give the URDF that it was calibrated from, and the same --base and --tip ({file} was read \
-             from `{}` to `{}`)",
-            read.robot.links[read.path.base].name, read.robot.links[read.path.tip].name
+             from `{}` to {})",
+            read.robot.links[read.paths[0].base].name, tips
         ),
     };
     let rows = &read.rows.rows;
@@ -137,8 +164,25 @@ fn check_same(read: &ReadChain, device: &Device, file: &str) -> Result<(), UrdfE
             "it has {has} moving rows, the URDF's chain {file_has}"
         )));
     }
-    let origins = device.chain_origins();
-    let wanted = rows.iter().map(|row| row.origin).chain([read.rows.handle]);
+    let hands = crate::device::hands(&read.robot, &read.paths, &read.rows);
+    let ends = |hands: &[Hand]| -> Vec<(String, usize)> {
+        hands
+            .iter()
+            .map(|hand| (hand.name.clone(), hand.row))
+            .collect()
+    };
+    if device.parents != parents(&read.rows) || ends(&device.hands) != ends(&hands) {
+        return Err(refuse(
+            "its rows branch in another way, or it has other hands".to_owned(),
+        ));
+    }
+    let mut origins = device.chain_origins();
+    origins.truncate(rows.len() + 1);
+    origins.resize(rows.len() + 1, None);
+    let handles = (0..read.rows.ends.len()).map(|hand| device.handle_of(hand));
+    origins.extend(handles);
+    let wanted = rows.iter().map(|row| row.origin);
+    let wanted = wanted.chain(read.rows.ends.iter().map(|end| end.handle));
     for (index, wanted) in wanted.enumerate() {
         let place = match rows.get(index) {
             Some(row) => format!("joint `{}`", read.robot.joints[row.joint].name),

@@ -28,6 +28,13 @@ use crate::write::urdf::{joint_names, left_out};
 /// # Errors
 /// [`UrdfError::Device`] for a device without links.
 pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
+    if device.has_hands() {
+        return Err(UrdfError::Device {
+            device: device.name.clone(),
+            message: "it has several hands, and an MJCF is written of one chain: write a URDF, which MuJoCo reads too"
+                .to_owned(),
+        });
+    }
     let segments = segments(device)?;
     let names = joint_names(device, segments.rows.len());
     let mut text = format!(
@@ -80,7 +87,7 @@ pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
         text.push_str("/>\n");
     }
     let rows = segments.rows.len();
-    let handle = place(&Origin::from_pose(&segments.handle));
+    let handle = place(&Origin::from_pose(&segments.handles[0]));
     let _ = writeln!(
         text,
         "{}<site name=\"handle\" {handle}/>",

@@ -11,7 +11,7 @@ use crate::write::urdf::own_row;
 /// A moving row: everything constant before its motion, and what is known of its mass.
 #[derive(Debug, Clone)]
 pub(crate) struct Segment {
-    /// From the frame behind the motion of the row before (from frame (-1) for the first) to this row's.
+    /// From the frame behind the motion of the row that it hangs on (from frame (-1) for the first) to this row's.
     pub(crate) before: Pose,
     pub(crate) drive: Drive,
     /// Mass \[kg\] and its centre in the frame behind the motion \[m\].
@@ -50,8 +50,8 @@ impl Segment {
 #[derive(Debug, Clone)]
 pub(crate) struct Segments {
     pub(crate) rows: Vec<Segment>,
-    /// From the frame behind the last motion to the handle.
-    pub(crate) handle: Pose,
+    /// From the frame behind the last motion of each hand's chain to the hand.
+    pub(crate) handles: Vec<Pose>,
 }
 
 impl Segments {
@@ -100,16 +100,18 @@ pub(crate) fn segments(device: &Device) -> Result<Segments, UrdfError> {
     let origins = device.chain_origins();
     let origin = |row: usize| origins.get(row).copied().flatten().unwrap_or_default();
     let mut rows = Vec::new();
-    let mut behind = Pose::default();
+    // from the frame behind each row's motion to the end of the row
+    let mut behind: Vec<Pose> = Vec::with_capacity(device.links.len());
     for (row, link) in device.links.iter().enumerate() {
         let [own_before, own_behind] = parts(device.convention, link)?;
-        behind = then(&behind, &origin(row));
-        behind = then(&behind, &own_before);
+        let parent = device.parent(row).and_then(|parent| behind.get(parent));
+        let before = then(&parent.copied().unwrap_or_default(), &origin(row));
+        let before = then(&before, &own_before);
         let Some(drive) = device.drive(row) else {
             if row > 0 {
                 return Err(refuse("it has rows that no joint drives"));
             }
-            behind = then(&behind, &own_behind);
+            behind.push(then(&before, &own_behind));
             continue;
         };
         let body = device.bodies.get(row).copied().flatten().map(|body| {
@@ -123,14 +125,24 @@ pub(crate) fn segments(device: &Device) -> Result<Segments, UrdfError> {
             )
         });
         rows.push(Segment {
-            before: behind,
+            before,
             drive,
             body,
         });
-        behind = own_behind;
+        behind.push(own_behind);
     }
-    let handle = then(&behind, &origin(device.links.len()));
-    Ok(Segments { rows, handle })
+    let last = |hand: usize| {
+        device
+            .hands
+            .get(hand)
+            .map_or(device.links.len() - 1, |hand| hand.row)
+    };
+    let handle = |hand: usize| {
+        let own = device.handle_of(hand).unwrap_or_default();
+        then(&behind[last(hand)], &own)
+    };
+    let handles = (0..device.hands.len().max(1)).map(handle).collect();
+    Ok(Segments { rows, handles })
 }
 
 /// A centre of mass in the frame behind the motion: the device has it behind Rz(theta), before the

@@ -12,7 +12,8 @@ use crate::write::segments::segments;
 /// Stands where one limit is known and the other is not \[rad\] or \[m\].
 const FAR: f64 = 1000.0;
 
-/// A URDF with a link for each row, joints along z, the masses that are known, and a link `handle`; and
+/// A URDF with a link for each row, joints along z, the masses that are known, and a link `handle`, or one for each hand
+/// by its name; and
 /// what it leaves out. Its joint values are those of the device, home included: where the device's home
 /// is not 0, neither is the URDF's there.
 ///
@@ -37,9 +38,13 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
          known. -->\n  <link name=\"base\"/>\n",
         escaped(&device.name)
     );
-    let mut parent = "base".to_owned();
+    let link_of = |row: usize| match row {
+        0 => "base".to_owned(),
+        _ => format!("link{row}"),
+    };
     for (index, segment) in segments.rows.iter().enumerate() {
-        let link = format!("link{}", index + 1);
+        let (link, parent) = (link_of(index + 1), device.parent(index + 1));
+        let parent = link_of(parent.unwrap_or(0));
         let _ = match segment.body {
             None => writeln!(text, "  <link name=\"{link}\"/>"),
             Some((mass_kg, centre_m)) => writeln!(
@@ -81,14 +86,22 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
             );
         }
         text.push_str("  </joint>\n");
-        parent = link;
     }
-    let _ = write!(
-        text,
-        "  <link name=\"handle\"/>\n  <joint name=\"handle_fixed\" type=\"fixed\">\n    {}\n    \
-         <parent link=\"{parent}\"/>\n    <child link=\"handle\"/>\n  </joint>\n</robot>\n",
-        origin_element(&segments.handle)
-    );
+    for (hand, handle) in segments.handles.iter().enumerate() {
+        let own = device.hands.get(hand);
+        let name = own.map_or("handle", |hand| hand.name.as_str());
+        let (name, parent) = (
+            escaped(name),
+            link_of(own.map_or(segments.rows.len(), |hand| hand.row)),
+        );
+        let _ = write!(
+            text,
+            "  <link name=\"{name}\"/>\n  <joint name=\"{name}_fixed\" type=\"fixed\">\n    {}\n    \
+             <parent link=\"{parent}\"/>\n    <child link=\"{name}\"/>\n  </joint>\n",
+            origin_element(handle)
+        );
+    }
+    text.push_str("</robot>\n");
     Ok((text, left_out(device)))
 }
 

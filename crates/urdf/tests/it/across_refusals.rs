@@ -31,6 +31,7 @@ fn what_is_refused_is_typed_and_said() {
     let alone = BaseAndTip {
         base: Some("left_hand"),
         tip: None,
+        further_tips: &[],
     };
     let error = refusal(alone);
     assert!(matches!(error, UrdfError::TipMissing { .. }));
@@ -67,8 +68,18 @@ fn what_is_refused_is_typed_and_said() {
         "<link name=\"plate\"/>",
         "<link name=\"plate\"/><link name=\"table\"/>",
     );
-    let named =
-        |base, tip| device_from_urdf(&apart, "apart.urdf", BaseAndTip { base, tip }).unwrap_err();
+    let named = |base, tip| {
+        device_from_urdf(
+            &apart,
+            "apart.urdf",
+            BaseAndTip {
+                base,
+                tip,
+                further_tips: &[],
+            },
+        )
+        .unwrap_err()
+    };
     assert_eq!(
         named(Some("table"), Some("head")).to_string(),
         "apart.urdf: no joints lead from `table` to `head`: they are in separate trees"

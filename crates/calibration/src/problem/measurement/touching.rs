@@ -29,7 +29,7 @@ impl Touching {
             position_m: handle.position_m + arm,
             arm,
             rotation: handle.rotation,
-            tool: mount.tool,
+            tool: mount.tool.filter(|&tool| device.touches(tool)),
         }
     }
 

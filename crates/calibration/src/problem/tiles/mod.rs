@@ -50,7 +50,7 @@ struct Room {
 
 impl DeviceProblem<'_> {
     /// What [`DeviceProblem::run`] writes, of some rows; `firsts` is where each block's residuals begin. None where the
-    /// chain is not asked for, or a number is refused, which the form row by row names.
+    /// chain is not asked for, or each hand has one, or a number is refused, which the form row by row names.
     pub(crate) fn run_tiles(
         &self,
         device: &Device,
@@ -59,7 +59,7 @@ impl DeviceProblem<'_> {
         residuals: &mut [f64],
         jacobian: &mut Option<(&[usize], &mut Matrix)>,
     ) -> Option<()> {
-        if !self.sees_chain || rows.len() < FEWEST_ROWS {
+        if !self.sees_chain || rows.len() < FEWEST_ROWS || device.has_hands() {
             return None;
         }
         let free = jacobian.as_ref().map_or(&[][..], |(free, _)| *free);

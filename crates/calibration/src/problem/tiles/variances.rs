@@ -16,15 +16,15 @@ use crate::problem::measurement::kind::{Measurement, Posture, is_of_handle};
 use crate::problem::mounts::mounts;
 
 /// Sum over the joints of `quanta`, the variance of each reading's rounding, times the square of the residual's
-/// sensitivity, row by row; zero where a touch has no reading. None where the channel is of no handle, or a number is
-/// refused: the form row by row names it.
+/// sensitivity, row by row; zero where a touch has no reading. None where the channel is of no handle, each hand has a
+/// chain, or a number is refused: the form row by row names it.
 pub(crate) fn variances(
     (device, recording, channel): (&Device, &Recording, Channel),
     loads: Option<&Loads>,
     quanta: &[f64],
     rows: &Range<usize>,
 ) -> Option<Vec<f64>> {
-    if !with_kind!(channel, kind => is_of_handle(&kind)) {
+    if device.has_hands() || !with_kind!(channel, kind => is_of_handle(&kind)) {
         return None;
     }
     let (mut outputs, mut slopes) = (Vec::new(), Vec::new());

@@ -177,6 +177,7 @@ mod tests {
             noise_floor: 1.0,
             reduction_percent: None,
             reduction_percent_good: None,
+            hands: Vec::new(),
             before: Vec::new(),
             after: Vec::new(),
             rows: rows.to_vec(),

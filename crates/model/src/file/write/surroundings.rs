@@ -50,8 +50,6 @@ pub(crate) fn write_changes(document: &mut DocumentMut, now: &Device, before: &D
 pub(crate) fn write_all(document: &mut DocumentMut, device: &Device) {
     let surroundings = device.surroundings.settled();
     write_places(document, &surroundings, &Surroundings::default());
-    let tools = surroundings.tools.iter().map(tool_table).collect();
-    insert_tables(document, "tool", tools);
     for (section, key, sd) in [
         ("contact", "sd_m", surroundings.contact_sd_m),
         ("plane", "sd_m", surroundings.plane_sd_m),
@@ -61,6 +59,8 @@ pub(crate) fn write_all(document: &mut DocumentMut, device: &Device) {
             document.insert(section, Item::Table(table([(key, number(sd))])));
         }
     }
+    let tools = surroundings.tools.iter().map(tool_table).collect();
+    insert_tables(document, "tool", tools);
     let contacts = surroundings.contacts.iter().map(contact_table).collect();
     insert_tables(document, "contact_point", contacts);
     let planes = surroundings.planes.iter().map(plane_table).collect();

@@ -11,7 +11,7 @@ use crate::file::sensors::fit_words;
 use crate::file::write::changes::{link_table, nominal, set_error};
 use crate::file::{BASES, CONVENTIONS, JOINT_TYPES, PLACES, TRANSMISSIONS, word_for};
 use crate::parameter::unknown::DEVIATION_KEYS;
-use crate::{Device, DeviceFileError};
+use crate::{Device, DeviceFileError, Hand};
 
 impl Device {
     /// A device file (TOML) that holds everything this device does. Reading it gives the same device, bit
@@ -43,7 +43,7 @@ impl Device {
         }
         Err(DeviceFileError::Shape {
             file: file.to_owned(),
-            message: "its lists of rows, joints and masses do not fit each other".to_owned(),
+            message: "its lists of rows, joints, hands and masses do not fit each other".to_owned(),
         })
     }
 
@@ -63,6 +63,11 @@ impl Device {
         document.insert("device", Item::Table(head));
         let rows = (0..self.links.len()).map(|row| self.row_table(row));
         insert_tables(&mut document, "link", rows.collect());
+        insert_tables(
+            &mut document,
+            "hand",
+            self.hands.iter().map(hand_table).collect(),
+        );
         let joints = self.joints.iter().map(joint_table).collect();
         insert_tables(&mut document, "joint", joints);
         let mut cables = self.cables.iter().map(cable_table);
@@ -97,6 +102,10 @@ impl Device {
         let mut table = self.links.get(row).map(link_table).unwrap_or_default();
         if let Some(Some(origin)) = self.origins.get(row) {
             insert_origin(&mut table, "origin_xyz_m", "origin_wxyz", origin);
+        }
+        let parent = self.parent(row);
+        if let Some(parent) = parent.filter(|parent| parent + 1 != row) {
+            table.insert("parent", value(parent as i64));
         }
         for (number, key) in DEVIATION_KEYS {
             if let Some(size) = self.deviation(row, number) {
@@ -159,6 +168,15 @@ fn insert_drive(table: &mut Table, drive: &Drive) {
     table.insert("driven_multiplier", value(drive.multiplier));
     let key = format!("driven_offset_{}", drive.motion.unit());
     table.insert(&key, value(drive.offset));
+}
+
+fn hand_table(hand: &Hand) -> Table {
+    let mut hand_table = table([("name", text(&hand.name))]);
+    hand_table.insert("row", value(hand.row as i64));
+    if let Some(handle) = &hand.handle {
+        insert_origin(&mut hand_table, "handle_xyz_m", "handle_wxyz", handle);
+    }
+    hand_table
 }
 
 fn joint_table(joint: &Joint) -> Table {
