@@ -30,7 +30,11 @@ impl Device {
     ) -> PyResult<Self> {
         read(
             read_source(source, "the device")?,
-            BaseAndTip { base, tip, further_tips: &[] },
+            BaseAndTip {
+                base,
+                tip,
+                further_tips: &[],
+            },
             rig,
         )
     }

@@ -61,7 +61,15 @@ pub(crate) fn identify<'py>(
         loss,
     };
     let request = keywords.request()?;
-    let device = device_of(device, BaseAndTip { base, tip, further_tips: &[] }, rig)?;
+    let device = device_of(
+        device,
+        BaseAndTip {
+            base,
+            tip,
+            further_tips: &[],
+        },
+        rig,
+    )?;
     let log = log_of(log)?;
     let found = py.detach(|| -> Result<Found, Failure> {
         let read = log.read(&device.read)?;

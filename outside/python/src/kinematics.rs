@@ -23,7 +23,15 @@ pub(crate) fn forward_kinematics<'py>(
     tip: Option<&str>,
     rig: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Poses<'py>> {
-    let device = device_of(device, BaseAndTip { base, tip, further_tips: &[] }, rig)?;
+    let device = device_of(
+        device,
+        BaseAndTip {
+            base,
+            tip,
+            further_tips: &[],
+        },
+        rig,
+    )?;
     let readings = readings.as_array().to_owned();
     let (positions, rotations) = py.detach(|| poses(&device.read.model, &readings))?;
     Ok((positions.to_pyarray(py), rotations.to_pyarray(py)))

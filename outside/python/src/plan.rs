@@ -55,7 +55,15 @@ pub(crate) fn plan<'py>(
         known_transmissions,
     }
     .request()?;
-    let device = device_of(device, BaseAndTip { base, tip, further_tips: &[] }, rig)?;
+    let device = device_of(
+        device,
+        BaseAndTip {
+            base,
+            tip,
+            further_tips: &[],
+        },
+        rig,
+    )?;
     let log = log.map(log_of).transpose()?;
     let planned = py.detach(|| -> Result<Planned, Failure> {
         let read = log.map(|log| log.read(&device.read)).transpose()?;

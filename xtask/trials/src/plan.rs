@@ -46,14 +46,14 @@ const QUICK: [(Suite, u64); 22] = [
     (Suite::Force, 3),
     (Suite::ForceWithheld, 3),
     (Suite::ForceUnknown, 6),
-    (Suite::Payload, 4),
-    (Suite::PayloadWithheld, 2),
-    (Suite::PayloadSame, 2),
-    (Suite::Elastic, 3),
-    (Suite::Repeats, 4),
-    (Suite::Moved, 4),
-    (Suite::Coloured, 4),
-    (Suite::Wrist, 3),
+    (Suite::Payload, 2),
+    (Suite::PayloadWithheld, 1),
+    (Suite::PayloadSame, 1),
+    (Suite::Elastic, 2),
+    (Suite::Repeats, 2),
+    (Suite::Moved, 2),
+    (Suite::Coloured, 2),
+    (Suite::Wrist, 2),
 ];
 
 /// Some trials of one suite.
