@@ -1,5 +1,7 @@
 //! Hypotheses that could be in another one's place.
 
+use haptical_effects::{Effect, Family};
+
 use crate::engine::segments::Unseen;
 use crate::select::Selector;
 use crate::select::partial::hypotheses::Hypothesis;
@@ -39,6 +41,7 @@ impl Selector<'_> {
                 Some(rival(other, first.effect, nats_behind.max(0.0)))
             })
             .collect();
+        others.extend(self.loops_between_postures(best));
         others.sort_by(|a, b| a.nats_behind.total_cmp(&b.nats_behind));
         merge_names(&mut others);
         let sum: f64 = 1.0 + others.iter().map(|other| other.probability).sum::<f64>();
@@ -51,6 +54,44 @@ impl Selector<'_> {
             list
         });
         lists.collect()
+    }
+}
+
+impl Selector<'_> {
+    /// Other loops at the joint of a loop: between single postures all are at one end or the other, so that nothing but their
+    /// prior odds and the shapes that were tried tells them apart.
+    fn loops_between_postures(&self, best: &Hypothesis) -> Vec<Rival> {
+        let Some(first) = best.causes.first() else {
+            return Vec::new();
+        };
+        let effect = self.effects[first.effect].as_ref();
+        if self.engine.context.ordered || effect.spec().family != Family::Loop {
+            return Vec::new();
+        }
+        let cost = |effect: &dyn Effect| self.shapes_tried(effect).ln() - effect.spec().log_prior;
+        let others = self
+            .tested
+            .iter()
+            .map(|&index| self.effects[index].as_ref());
+        let twins = others.filter(|other| {
+            let (own, spec) = (effect.spec(), other.spec());
+            spec.family == Family::Loop
+                && (spec.hook, other.joint()) == (own.hook, effect.joint())
+                && spec.name != own.name
+        });
+        twins
+            .map(|other| {
+                let nats_behind = (cost(other) - cost(effect)).max(0.0);
+                Rival {
+                    cause: None,
+                    name: other.name(),
+                    joint: other.joint(),
+                    share: 1.0,
+                    nats_behind,
+                    probability: (-nats_behind).exp(),
+                }
+            })
+            .collect()
     }
 }
 
