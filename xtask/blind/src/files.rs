@@ -7,7 +7,7 @@ use haptical_data::{LogShape, write_log};
 use crate::error::BlindError;
 use crate::trial::Trial;
 
-/// Writes `device.toml`, `log.csv.gz`, `log2.csv.gz`, for an ablation `model.toml`, and with
+/// Writes `device.toml`, `log.csv.gz`, `log2.csv.gz` where there is a second recording, for an ablation `model.toml`, and with
 /// `with_truth` `truth.json` into a folder, which is made if it is not there.
 ///
 /// # Errors
@@ -27,7 +27,9 @@ pub fn write_trial(trial: &Trial, folder: &Path, with_truth: bool) -> Result<(),
     }
     let shape = LogShape::from(&trial.device);
     write_log(&folder.join("log.csv.gz"), &trial.log, &shape)?;
-    write_log(&folder.join("log2.csv.gz"), &trial.log2, &shape)?;
+    if !trial.log2.is_empty() {
+        write_log(&folder.join("log2.csv.gz"), &trial.log2, &shape)?;
+    }
     if with_truth {
         let truth =
             serde_json::to_string_pretty(&trial.truth).map_err(|source| BlindError::Json {

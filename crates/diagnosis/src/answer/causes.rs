@@ -241,17 +241,18 @@ fn parameters(selection: &Selection<'_>, index: usize) -> BTreeMap<String, Param
     });
     let values = with_variances(effect, context, &amplitudes, shape, &covariance);
     let mut answers = BTreeMap::new();
-    for (spec, (value, mut variance)) in effect.spec().parameters.iter().zip(values) {
-        if answers.is_empty() {
-            let law = effect.spec().law_error.amplitude / kept(selection, cause, effect);
-            let relative = effect.scale_uncertainty(context).hypot(law);
-            variance += (value * relative).powi(2);
-        }
+    for (spec, (value, variance)) in effect.spec().parameters.iter().zip(values) {
+        let law = effect.spec().law_error.amplitude / kept(selection, cause, effect);
+        let relative = match answers.is_empty() {
+            true => effect.scale_uncertainty(context).hypot(law),
+            false => 0.0,
+        };
         let mut sd = variance.max(0.0).sqrt();
         if spec.role == Role::Instant {
             sd = sd.max(instant_uncertainty_s(selection.engine(), shape) / 1.96);
         }
-        answers.insert(spec.name.to_owned(), ParameterAnswer::normal(value, sd));
+        let answer = ParameterAnswer::normal(value, sd).off_by_a_factor(relative);
+        answers.insert(spec.name.to_owned(), answer);
     }
     answers
 }
@@ -282,4 +283,27 @@ fn instant_uncertainty_s(engine: &Engine<'_>, row: f64) -> f64 {
         (row + reach).min(times.len() - 1),
     );
     (times[last] - times[first]).abs() / 2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_factor_makes_a_size_wrong_but_not_its_sign() {
+        for value in [3.0, -3.0] {
+            let [low, high] = ParameterAnswer::normal(value, 0.01)
+                .off_by_a_factor(1.5)
+                .ci95;
+            assert!(low * high > 0.0, "{low} {high}");
+            // exp(1.96 x 1.5) is 18.9
+            assert!((low.abs().max(high.abs()) / 3.0 - 18.9).abs() < 0.1);
+        }
+        // where the data do not show it, it may be none
+        let [low, high] = ParameterAnswer::normal(3.0, 3.0).off_by_a_factor(0.1).ci95;
+        assert!(low < 0.0 && high > 8.8);
+        // a small factor is a relative deviation
+        let [low, high] = ParameterAnswer::normal(3.0, 0.0).off_by_a_factor(0.01).ci95;
+        assert!((high - low - 2.0 * 1.96 * 0.03).abs() < 1e-3);
+    }
 }

@@ -256,6 +256,22 @@ impl ParameterAnswer {
             ci95: [value - half, value + half],
         }
     }
+
+    /// With a factor besides, which may be off by exp(+-1.96 `relative`): a law that is wrong by a share of its effect
+    /// makes its size wrong, never its sign.
+    pub(crate) fn off_by_a_factor(self, relative: f64) -> Self {
+        let factor = (1.96 * relative).exp();
+        let ends = [self.value / factor, self.value * factor];
+        let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        let [below, above] = [self.value - self.ci95[0], self.ci95[1] - self.value];
+        Self {
+            ci95: [
+                self.value - below.hypot(self.value - low),
+                self.value + above.hypot(high - self.value),
+            ],
+            ..self
+        }
+    }
 }
 
 impl CauseAnswer {

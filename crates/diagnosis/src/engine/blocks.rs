@@ -21,6 +21,8 @@ struct Entry {
     scale: f64,
     /// The entry before it is the block before it in the same run.
     follows: bool,
+    /// Correlation of its mean with that of the entry before it; 0 where a series begins.
+    colour: f64,
     /// Row in the middle.
     row: usize,
 }
@@ -30,7 +32,6 @@ struct Entry {
 struct StreamBlocks {
     rows: Vec<usize>,
     entries: Vec<Entry>,
-    colour: f64,
     /// Rows in a block.
     size: usize,
     /// Where its entries begin among all streams'.
@@ -73,12 +74,11 @@ impl Blocks {
             let mut blocks = StreamBlocks {
                 rows: Vec::new(),
                 entries: Vec::new(),
-                colour: block_colour(&noise[stream], size).1,
                 size,
                 first: count,
             };
-            let inflation = block_colour(&noise[stream], size).0;
             let mut previous_end = usize::MAX;
+            let mut rows_before = 0;
             for (start, end) in ranges.iter() {
                 let first = blocks.rows.len();
                 let rows = (*start..*end).filter(|&row| usable[stream][row]);
@@ -98,15 +98,23 @@ impl Blocks {
                     })
                     .sum();
                 let rounding = rounding_variance(context, stream, *start, *end);
+                let inflation = inflation(&noise[stream], members.len());
                 let variance = factor * (sensor / number * inflation / number + rounding);
                 let starts_run = context.runs.iter().any(|run| run.start == *start);
+                let follows = !starts_run && previous_end == *start;
+                let colour = match follows {
+                    true => correlation(&noise[stream], rows_before, members.len()),
+                    false => 0.0,
+                };
                 blocks.entries.push(Entry {
                     first,
                     end: last,
                     scale: 1.0 / variance.sqrt().max(1e-300),
-                    follows: !starts_run && previous_end == *start,
+                    follows,
+                    colour,
                     row: members[members.len() / 2],
                 });
+                rows_before = members.len();
                 previous_end = *end;
             }
             count += blocks.entries.len();
@@ -149,17 +157,13 @@ impl Blocks {
     pub(crate) fn compress(&self, stream: usize, value: impl Fn(usize) -> f64) -> Vec<f64> {
         let blocks = &self.streams[stream];
         let mut out = Vec::with_capacity(blocks.entries.len());
-        let whitening = 1.0 / (1.0 - blocks.colour * blocks.colour).sqrt();
         let mut before = 0.0;
         for entry in &blocks.entries {
             let rows = &blocks.rows[entry.first..entry.end];
             let mean = rows.iter().map(|&row| value(row)).sum::<f64>() / rows.len() as f64;
             let scaled = mean * entry.scale;
-            if entry.follows && blocks.colour != 0.0 {
-                out.push((scaled - blocks.colour * before) * whitening);
-            } else {
-                out.push(scaled);
-            }
+            let fresh = (1.0 - entry.colour * entry.colour).sqrt();
+            out.push((scaled - entry.colour * before) / fresh);
             before = scaled;
         }
         out
@@ -235,20 +239,21 @@ fn rounding_variance(context: &Context<'_>, stream: usize, start: usize, end: us
     variance
 }
 
-/// Variance of a mean of `size` rows over that of white rows, and the correlation of successive means.
-fn block_colour(noise: &Noise, size: usize) -> (f64, f64) {
-    let (colour, share) = (noise.colour, noise.coloured_share);
-    if colour == 0.0 || share == 0.0 {
-        return (1.0, 0.0);
-    }
-    let number = size as f64;
-    let inside: f64 = (1..size)
-        .map(|lag| 2.0 * (1.0 - lag as f64 / number) * colour.powi(lag as i32))
-        .sum();
-    let inflation = 1.0 + share * inside;
-    let between =
-        share * colour * (1.0 - colour.powi(size as i32)).powi(2) / (1.0 - colour).powi(2) / number;
-    (inflation, (between / inflation).clamp(-0.95, 0.95))
+/// Variance of a mean of so many successive rows over that of white rows: of a correlation c, summed over all pairs of
+/// them, 1 + 2c/(1 - c) (1 - (1 - c^n) / (n (1 - c))).
+fn inflation(noise: &Noise, rows: usize) -> f64 {
+    let (colour, number) = (noise.colour, rows as f64);
+    let sum = (1.0 - colour.powi(rows as i32)) / (1.0 - colour);
+    1.0 + noise.coloured_share * 2.0 * colour / (1.0 - colour) * (1.0 - sum / number)
+}
+
+/// Correlation of the means of so many rows and of so many that follow them.
+fn correlation(noise: &Noise, before: usize, rows: usize) -> f64 {
+    let colour = noise.colour;
+    let sum = |rows: usize| (1.0 - colour.powi(rows as i32)) / (1.0 - colour);
+    let common = noise.coloured_share * colour * sum(before) * sum(rows);
+    let size = |rows: usize| (rows as f64 * inflation(noise, rows)).sqrt();
+    (common / (size(before) * size(rows))).clamp(-0.95, 0.95)
 }
 
 #[cfg(test)]
@@ -257,16 +262,8 @@ mod tests {
 
     #[test]
     fn colour_of_blocks_agrees_with_the_sums() {
-        let (colour, size) = (0.5_f64, 4_usize);
+        let colour = 0.5_f64;
         let covariance = |a: usize, b: usize| colour.powi((a as i32 - b as i32).abs());
-        let mut own = 0.0;
-        let mut next = 0.0;
-        for a in 0..size {
-            for b in 0..size {
-                own += covariance(a, b) / size as f64;
-                next += covariance(a, b + size) / size as f64;
-            }
-        }
         let noise = Noise {
             ratio: 1.0,
             colour,
@@ -276,9 +273,20 @@ mod tests {
             source: crate::noise::NoiseSource::Motion,
             speed_ratio: 1.0,
         };
-        let (inflation, correlation) = block_colour(&noise, size);
-        assert!((inflation - own).abs() < 1e-12);
-        assert!((correlation - next / own).abs() < 1e-12);
-        assert_eq!(block_colour(&noise, 1), (1.0, 0.5));
+        let between = |a: std::ops::Range<usize>, b: std::ops::Range<usize>| {
+            let count = (a.len() * b.len()) as f64;
+            let pairs = a.flat_map(|a| b.clone().map(move |b| covariance(a, b)));
+            pairs.sum::<f64>() / count
+        };
+        // a rest of many rows beside blocks of few
+        for (before, rows) in [(4, 4), (60, 4), (4, 60), (1, 1)] {
+            let (first, next) = (0..before, before..before + rows);
+            let own = between(next.clone(), next.clone());
+            assert!((inflation(&noise, rows) - own * rows as f64).abs() < 1e-12);
+            let before_it = between(first.clone(), first.clone());
+            let both = between(first, next) / (own * before_it).sqrt();
+            assert!((correlation(&noise, before, rows) - both).abs() < 1e-12);
+        }
+        assert!((inflation(&noise, 1) - 1.0).abs() < 1e-15);
     }
 }

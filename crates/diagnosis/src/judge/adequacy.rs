@@ -34,13 +34,18 @@ pub(crate) fn adequacy(selection: &Selection<'_>) -> Result<Adequacy, DiagnosisE
     let explained: f64 = selection.explained.iter().sum();
     let mut allowed = 0.0;
     let mut own = Vec::new();
+    let springs = of_springs(selection, total - left);
     for (cause, part) in causes.iter().zip(&selection.explained) {
         let effect = selection.effect(cause);
         allowed += effect.spec().law_error.share * part / explained.max(1e-300);
+        let part = match selection.selector.is_spring(cause.effect) {
+            true => part.max(springs),
+            false => *part,
+        };
         own.push(
             selection
                 .selector
-                .broken_law(&selection.system, effect, cause, *part),
+                .broken_law(&selection.system, effect, cause, part),
         );
     }
     let laws_hold = causes
@@ -57,6 +62,14 @@ pub(crate) fn adequacy(selection: &Selection<'_>) -> Result<Adequacy, DiagnosisE
         unexplained,
         total,
     })
+}
+
+/// What the joints that yield explain together, of what all causes do. One weight loads them all: each explains little
+/// beside the others, and what one's law gets wrong follows the torques of its neighbours too.
+fn of_springs(selection: &Selection<'_>, together: f64) -> f64 {
+    let parts = selection.causes().iter().zip(&selection.explained);
+    let others = parts.filter(|(cause, _)| !selection.selector.is_spring(cause.effect));
+    together - others.map(|(_, part)| part).sum::<f64>()
 }
 
 /// Of single postures, whose noise is known to a third only: whether what the causes leave depends on a joint or

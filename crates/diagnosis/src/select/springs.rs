@@ -13,22 +13,43 @@ impl Selector<'_> {
     /// or would but for what it leaves. One by one each explains
     /// too little of what is left to be believed (a wrong effect nibbles at a gap), and the first, alone, has a
     /// stiffness that makes up for the others: so those that were refused too are tried again, and all are judged by what they explain together.
+    ///
+    /// A base that yields, alone, makes up for all the joints: where it was picked, the joints compete with it as one.
     pub(super) fn springs(
         &mut self,
         grown: &mut Grown,
         refused: Option<&Score>,
     ) -> Result<(), DiagnosisError> {
         let picked = grown.refit.model.causes.iter().map(|cause| cause.effect);
-        let mut picked = picked.chain(refused.map(|score| score.effect));
-        if !picked.any(|effect| self.is_spring(effect)) {
-            return Ok(());
+        let mut tried = picked.clone().chain(refused.map(|score| score.effect));
+        if tried.any(|effect| self.is_spring(effect)) {
+            let with = self.extended(grown.clone(), Self::is_spring)?;
+            let (rest, uncertain) = excess(&grown.after);
+            let closed = rest - excess(&with.after).0;
+            if closed >= SHARE_OF_REST * (rest - 2.0 * uncertain).max(0.0) {
+                *grown = with;
+            }
+        } else if picked.clone().any(|effect| self.yields_elsewhere(effect)) {
+            let mut joints = self.without(grown, Self::yields_elsewhere)?;
+            joints = self.extended(joints, Self::is_spring)?;
+            joints = self.extended(joints, Self::yields_elsewhere)?;
+            if self.evidence(&joints) > self.evidence(grown) {
+                *grown = joints;
+            }
         }
-        let before = grown.after.clone();
-        let mut with = grown.clone();
+        Ok(())
+    }
+
+    /// With further causes of some effects, the best first, while each is more than chance.
+    fn extended(
+        &mut self,
+        mut with: Grown,
+        among: fn(&Self, usize) -> bool,
+    ) -> Result<Grown, DiagnosisError> {
         let mut tried = Vec::new();
         for _ in 0..self.engine.context.device.joints.len() {
             let mut scan = self.scan(&with.system, &with.refit.model);
-            scan.retain(|score| self.is_spring(score.effect));
+            scan.retain(|score| among(self, score.effect));
             let Some((refit, score)) = self.best(&with, &scan, &mut tried)? else {
                 break;
             };
@@ -41,16 +62,53 @@ impl Selector<'_> {
             (with.refit, with.system, with.after) = (refit, system, after);
             tried.clear();
         }
-        let (rest, uncertain) = excess(&before);
-        let closed = rest - excess(&with.after).0;
-        if closed >= SHARE_OF_REST * (rest - 2.0 * uncertain).max(0.0) {
-            *grown = with;
-        }
-        Ok(())
+        Ok(with)
+    }
+
+    /// Without the causes of some effects, the others refitted.
+    fn without(
+        &self,
+        grown: &Grown,
+        these: fn(&Self, usize) -> bool,
+    ) -> Result<Grown, DiagnosisError> {
+        let mut left = grown.clone();
+        let mut kept = grown
+            .refit
+            .model
+            .causes
+            .iter()
+            .map(|cause| !these(self, cause.effect));
+        left.explained.retain(|_| kept.next().unwrap_or(false));
+        left.refit
+            .model
+            .causes
+            .retain(|cause| !these(self, cause.effect));
+        left.provisional.retain(|score| !these(self, score.effect));
+        left.refit = match left.refit.model.causes.is_empty() {
+            true => self.engine.start.clone(),
+            false => self.engine.refit(self.effects, &left.refit.model)?,
+        };
+        left.system = self.system_of(&left.refit);
+        left.after = left.system.slow_energy(&left.system.residual);
+        Ok(left)
+    }
+
+    /// Evidence of all causes together in nats, but for a constant (Schwarz 1978).
+    fn evidence(&self, grown: &Grown) -> f64 {
+        let readings = self.engine.system.layout.count().max(2) as f64;
+        let causes = grown.refit.model.causes.iter();
+        let numbers: usize = causes.map(|cause| cause.amplitudes.len()).sum();
+        -0.5 * (self.cost(&grown.refit) + numbers as f64 * readings.ln())
+    }
+
+    /// Whether an effect is something beside the joints that yields: the base, or a link across a joint's axis.
+    fn yields_elsewhere(&self, effect: usize) -> bool {
+        let effect = self.effects[effect].as_ref();
+        effect.spec().family == Family::Load && effect.spec().hook == Hook::Structure
     }
 
     /// Whether an effect is a joint that yields behind its encoders.
-    fn is_spring(&self, effect: usize) -> bool {
+    pub(crate) fn is_spring(&self, effect: usize) -> bool {
         let effect = self.effects[effect].as_ref();
         effect.spec().family == Family::Load
             && effect.spec().hook == Hook::Joint

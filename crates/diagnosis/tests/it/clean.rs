@@ -6,7 +6,11 @@ use haptical_data::{JointShape, LogShape, read_log_from, write_log_to};
 use haptical_diagnosis::{Options, Verdict, diagnose};
 use haptical_model::Recording;
 
-use crate::arm::{Errors, Session, device, diagnosed, every, record, record_yielding, summary};
+use crate::arm::{
+    CABLE_SD_M, Errors, OUTPUT_SD_RAD, STEP_S, Session, device, diagnosed, every, record,
+    record_with_noise, record_yielding, summary,
+};
+use crate::normal::Normal;
 
 fn clean(seed: u64) -> Recording {
     let session = Session {
@@ -115,9 +119,9 @@ fn louder_noise_than_stated_is_noise_and_is_said() {
     // twice the stated noise on one encoder
     let session = Session::default();
     let mut recording = record(&session, |_| Errors::default());
-    let mut noise = crate::normal::Normal::new(77);
+    let mut noise = Normal::new(77);
     for value in recording.output[2].as_mut().unwrap() {
-        *value += 3.0_f64.sqrt() * crate::arm::OUTPUT_SD_RAD * noise.next();
+        *value += 3.0_f64.sqrt() * OUTPUT_SD_RAD * noise.next();
     }
     let diagnosis = diagnosed(&recording);
     assert_eq!(diagnosis.verdict, Verdict::NoGap, "{}", summary(&diagnosis));
@@ -136,13 +140,50 @@ fn louder_noise_than_stated_is_noise_and_is_said() {
     }
 }
 
+/// Noise of the stated size whose successive rows agree to 0.95. The arm rests for two seconds before it moves: a rest is
+/// one long block, and its mean is as uncertain as the memory makes it.
+#[test]
+fn noise_with_a_memory_is_no_gap_after_a_rest() {
+    let session = Session {
+        start_s: 10.0,
+        runs: 1,
+        rows_of_a_run: 4000,
+        ..Session::default()
+    };
+    let still = record_with_noise(&session, 0.0, |_| Errors::default());
+    let rest = 200;
+    let rows: Vec<usize> = std::iter::repeat_n(0, rest).chain(0..still.len()).collect();
+    for seed in 1..=6 {
+        let mut recording = still.select(&rows);
+        let times = recording.time_s.as_mut().unwrap();
+        for (row, time) in times.iter_mut().enumerate() {
+            *time = session.start_s + STEP_S * row as f64;
+        }
+        let mut noise = Normal::new(seed);
+        let mut add = |column: &mut Vec<f64>, sd: f64| {
+            let mut state = noise.next();
+            for value in column {
+                state = 0.95 * state + (1.0_f64 - 0.95 * 0.95).sqrt() * noise.next();
+                *value += sd * state;
+            }
+        };
+        for column in recording.output.iter_mut().flatten() {
+            add(column, OUTPUT_SD_RAD);
+        }
+        add(recording.cable_m[0].as_mut().unwrap(), CABLE_SD_M);
+        let diagnosis = diagnosed(&recording);
+        let summary = summary(&diagnosis);
+        assert_eq!(diagnosis.verdict, Verdict::NoGap, "seed {seed}: {summary}");
+    }
+}
+
 #[test]
 fn outliers_are_left_out_and_counted() {
     let session = Session::default();
     let mut recording = record(&session, |_| Errors::default());
     // one reading in forty is 40 deviations off
     for value in recording.output[0].as_mut().unwrap().iter_mut().step_by(40) {
-        *value += 40.0 * crate::arm::OUTPUT_SD_RAD;
+        *value += 40.0 * OUTPUT_SD_RAD;
     }
     let diagnosis = diagnosed(&recording);
     assert_eq!(diagnosis.verdict, Verdict::NoGap, "{}", summary(&diagnosis));
@@ -160,11 +201,11 @@ fn findings_on_the_data_are_left_out_on_request() {
     let mut recording = record(&Session::default(), |_| Errors::default());
     let output = recording.output[0].as_mut().unwrap();
     for value in output.iter_mut().step_by(40) {
-        *value += 40.0 * crate::arm::OUTPUT_SD_RAD;
+        *value += 40.0 * OUTPUT_SD_RAD;
     }
-    let mut noise = crate::normal::Normal::new(77);
+    let mut noise = Normal::new(77);
     for value in recording.output[2].as_mut().unwrap() {
-        *value += 3.0_f64.sqrt() * crate::arm::OUTPUT_SD_RAD * noise.next();
+        *value += 3.0_f64.sqrt() * OUTPUT_SD_RAD * noise.next();
     }
     let names = |without: &[&str]| -> Vec<String> {
         let options = Options {
