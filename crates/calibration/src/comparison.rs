@@ -1,8 +1,9 @@
 //! Residuals of the nominal and the calibrated device, on rows of the fit or on held-out rows.
 
 use haptical_model::{Device, Recording};
+use rayon::prelude::*;
 
-use crate::checks::held_out::{SHORT_LOG, folds};
+use crate::checks::held_out::{SHORT_LOG, Split, folds};
 use crate::report::warnings;
 use crate::start::prepare::with_unseen_places;
 use crate::{
@@ -63,30 +64,23 @@ impl Comparison<'_> {
         let mut reasons: Vec<String> = Vec::new();
         let mut before: Vec<ChannelResiduals> = Vec::new();
         let mut after: Vec<ChannelResiduals> = Vec::new();
-        for fold in folds {
-            let seen = recording.select(&fold.fit);
-            let fitted = match fit_device(device, &seen, options) {
-                Ok(fitted) => fitted,
+        // each fold as it is alone, merged in their order
+        let made: Vec<_> = folds
+            .par_iter()
+            .map(|fold| self.of_fold(fold, options))
+            .collect();
+        for (fold, made) in folds.iter().zip(made) {
+            let made = match made {
+                Ok(made) => made?,
                 Err(error) => {
                     reasons.push(format!("{} left out: {error}", fold.description));
                     continue;
                 }
             };
             checked += 1;
-            let unseen = recording.select(&fold.held_out);
-            if let Some(warning) = warnings::of_unseen_places(&fitted.device, &unseen)
-                && !warnings.contains(&warning)
-            {
-                warnings.push(warning);
-            }
-            let range_free = without_ranges(&fitted.device);
-            let nominal = crate::prepare_device(device, &seen)?;
-            for (device, kept) in [(&nominal, &mut before), (&fitted.device, &mut after)] {
-                let device = &with_unseen_places(device, &unseen)?;
-                let part =
-                    channel_residuals(device, &range_free, &unseen, self.channels, &self.stated)?;
-                append(kept, part, &fold.held_out);
-            }
+            warnings.extend(made.warning.filter(|warning| !warnings.contains(warning)));
+            append(&mut before, made.before, &fold.held_out);
+            append(&mut after, made.after, &fold.held_out);
         }
         let reports = reports(device, before, after);
         if checked == 0 {
@@ -112,6 +106,38 @@ impl Comparison<'_> {
             format!("{count} folds {kind}, each fitted without its own rows"),
         ))
     }
+
+    /// A fold's own rows as a device that is fitted to the others predicts them; inside, why the fit failed.
+    fn of_fold(
+        &self,
+        fold: &Split,
+        options: &Options,
+    ) -> Result<Result<FoldRows, CalibrationError>, CalibrationError> {
+        let (device, recording) = (self.device, self.recording);
+        let seen = recording.select(&fold.fit);
+        let fitted = fit_device(device, &seen, options)?;
+        let unseen = recording.select(&fold.held_out);
+        let range_free = without_ranges(&fitted.device);
+        let residuals = |device: &Device| {
+            let device = &with_unseen_places(device, &unseen)?;
+            channel_residuals(device, &range_free, &unseen, self.channels, &self.stated)
+        };
+        let predicted = || {
+            Ok(FoldRows {
+                warning: warnings::of_unseen_places(&fitted.device, &unseen),
+                before: residuals(&crate::prepare_device(device, &seen)?)?,
+                after: residuals(&fitted.device)?,
+            })
+        };
+        Ok(predicted())
+    }
+}
+
+/// What nominal and fitted device leave of a fold's own rows.
+struct FoldRows {
+    warning: Option<String>,
+    before: Vec<ChannelResiduals>,
+    after: Vec<ChannelResiduals>,
 }
 
 /// One report for each channel with residuals.

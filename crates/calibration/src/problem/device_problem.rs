@@ -1,6 +1,7 @@
 //! The least-squares problem of a device and a recording: weighted residuals and derivatives.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use haptical_identification::{IdentificationError, Matrix, Problem};
 use haptical_model::{Device, ModelError, Mount, ParameterId, Recording};
@@ -8,6 +9,7 @@ use haptical_model::{Device, ModelError, Mount, ParameterId, Recording};
 use crate::error::at_row;
 use crate::problem::lanes::transmission::outputs_in_bulk;
 use crate::problem::loads::Loads;
+use crate::problem::measurement::tracked::Mountings;
 use crate::problem::mounts::mounts;
 use crate::problem::propagated::propagated_variances;
 use crate::{CalibrationError, Channel, Weights};
@@ -166,6 +168,11 @@ impl<'a> DeviceProblem<'a> {
     /// What a row is about.
     pub(crate) fn mount(&self, row: usize) -> Mount {
         self.mounts.get(row).copied().unwrap_or_default()
+    }
+
+    /// Bases and tools that some rows are about.
+    pub(crate) fn mountings(&self, device: &Device, rows: &Range<usize>) -> Mountings {
+        Mountings::new(device, self.mounts.get(rows.clone()).unwrap_or(&[]))
     }
 
     /// Whether rows differ in where the tracker stood or in what was on the hand.

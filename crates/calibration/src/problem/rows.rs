@@ -125,6 +125,7 @@ impl DeviceProblem<'_> {
             .map(|block| block.rows.partition_point(|&row| row < rows.start))
             .collect();
         let mut cursors = begins.clone();
+        let mountings = self.mountings(device, &rows);
         for row in rows {
             self.move_to_row(&mut evaluation, &mut readings, row, jacobian.is_some())?;
             for (position, (block, cursor)) in self.blocks.iter().zip(&mut cursors).enumerate() {
@@ -145,6 +146,7 @@ impl DeviceProblem<'_> {
                     row,
                     subject: block.subjects.get(*cursor).copied().unwrap_or(0),
                     mount: self.mount(row),
+                    mountings: &mountings,
                 };
                 let width = block.channel.width();
                 let first = firsts[position] + (*cursor - begins[position]) * width;

@@ -4,7 +4,7 @@ use haptical_model::kinematics::Twist;
 use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
 use super::kind::{Measurement, Posture};
-use super::tracked::{Sight, Tracked, is_of_tracker};
+use super::tracked::{Sight, is_of_tracker};
 
 /// The handle's position in frame (-1), or that of what is tracked in the tracker's frame.
 pub(crate) struct Position;
@@ -53,9 +53,7 @@ impl Measurement for Position {
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
-        if let Some(tracked) = Tracked::new(at.device, at.evaluation.pose()?, at.mount) {
-            return Ok(tracked.carried(twist).linear.norm_squared() / 3.0);
-        }
-        Ok(twist.linear.norm_squared() / 3.0)
+        let sight = Sight::new(at)?;
+        Ok(sight.carried(twist).linear.norm_squared() / 3.0)
     }
 }
