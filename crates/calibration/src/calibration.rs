@@ -11,13 +11,13 @@ use crate::checks::held_out::{
 use crate::checks::rejection::{self, Rejected};
 use crate::checks::{postures, sufficiency};
 use crate::comparison::Comparison;
+use crate::fit_device::fit_prepared_device;
 use crate::report::warnings;
 use crate::robust::{automatic, reweighted};
 use crate::steps::device::straighten;
 use crate::{
     CalibrationError, CalibrationMethod, ChannelReport, FittedDevice, HeldOut, LossChoice, Options,
-    Outlier, Robustness, Weights, channels, fit_device, split, with_ordered_noise,
-    without_own_places,
+    Outlier, Robustness, Weights, channels, split, with_ordered_noise, without_own_places,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -152,10 +152,10 @@ fn fit_and_check(
     let count = fold_count(device, whole, options, dwelt.is_some());
     let split = split(whole, count.map_or(options.held_out, |_| HeldOut::None))?;
     let seen = recording.select(&split.fit);
-    let fitted = fit_device(device, &seen, options)?;
+    let nominal = crate::prepare_device(device, &seen)?;
+    let fitted = fit_prepared_device(&nominal, &seen, options)?;
     let fitted = with_ordered_noise(fitted, &seen, options.method)?;
     let fitted = straighten(fitted, &seen, options)?;
-    let nominal = crate::prepare_device(device, &seen)?;
     let comparison = Comparison {
         device,
         recording,

@@ -4,11 +4,12 @@ use haptical_model::{Device, Recording};
 use rayon::prelude::*;
 
 use crate::checks::held_out::{SHORT_LOG, Split, folds};
+use crate::fit_device::fit_prepared_device;
 use crate::report::warnings;
 use crate::start::prepare::with_unseen_places;
 use crate::{
     CalibrationError, Channel, ChannelReport, ChannelResiduals, HeldOut, Options, Weights,
-    channel_residuals, fit_device,
+    channel_residuals,
 };
 
 /// A recording with the channels that devices are compared on.
@@ -115,7 +116,8 @@ impl Comparison<'_> {
     ) -> Result<Result<FoldRows, CalibrationError>, CalibrationError> {
         let (device, recording) = (self.device, self.recording);
         let seen = recording.select(&fold.fit);
-        let fitted = fit_device(device, &seen, options)?;
+        let nominal = crate::prepare_device(device, &seen)?;
+        let fitted = fit_prepared_device(&nominal, &seen, options)?;
         let unseen = recording.select(&fold.held_out);
         let range_free = without_ranges(&fitted.device);
         let residuals = |device: &Device| {
@@ -125,7 +127,7 @@ impl Comparison<'_> {
         let predicted = || {
             Ok(FoldRows {
                 warning: warnings::of_unseen_places(&fitted.device, &unseen),
-                before: residuals(&crate::prepare_device(device, &seen)?)?,
+                before: residuals(&nominal)?,
                 after: residuals(&fitted.device)?,
             })
         };

@@ -30,6 +30,7 @@ const MOST_FITS: usize = 4;
 const GROSS: f64 = 0.02;
 
 /// Refuses a log with which a fit stays doubtful, if it fits several times better after one change of its columns or rows.
+/// A fit that begins where another one ended is of the same log as that one.
 ///
 /// # Errors
 /// [`CalibrationError::MistakenColumns`].
@@ -37,7 +38,8 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
     // transmissions are fitted to external encoders, which show a turned column themselves
     let is_transmission =
         |parameter: &ParameterId| matches!(parameter, ParameterId::Transmission { .. });
-    if fit.starts.doubt_that_remains.is_none() || request.parameters.iter().any(is_transmission) {
+    let is_looked_at = request.start.is_some() || fit.starts.doubt_that_remains.is_none();
+    if is_looked_at || request.parameters.iter().any(is_transmission) {
         return Ok(());
     }
     let rows = spread_rows(request.recording.len(), MOST_ROWS);

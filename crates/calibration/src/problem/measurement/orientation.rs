@@ -46,7 +46,7 @@ impl Measurement for Orientation {
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
         let measured = measured_rotation(at.recording, at.row);
         let sight = Sight::new(at)?;
-        let rest = rotation_vector(&(sight.pose.rotation * measured.transpose()));
+        let rest = rotation_vector(&(sight.pose().rotation * measured.transpose()));
         let seen = Seen {
             inverse: inverse_left_jacobian(&rest),
             weight,

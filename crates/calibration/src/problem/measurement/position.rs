@@ -33,7 +33,7 @@ impl Measurement for Position {
         let mut residuals = [0.0; 3];
         if let Some(axes) = &at.recording.position_m {
             for axis in 0..3 {
-                residuals[axis] = weight * (sight.pose.position_m[axis] - axes[axis][at.row]);
+                residuals[axis] = weight * (sight.pose().position_m[axis] - axes[axis][at.row]);
             }
         }
         Ok((residuals, (weight, sight)))

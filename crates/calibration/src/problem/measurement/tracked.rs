@@ -29,7 +29,9 @@ use super::kind::Posture;
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Tracked {
-    mounting: Mounting,
+    pose: Pose,
+    /// The base's orientation in the tracker's frame.
+    base: Matrix3<f64>,
     /// From the handle to what is tracked, in frame (-1).
     arm: Vector3<f64>,
     /// From frame (-1)'s origin to what is tracked, turned into the tracker's frame.
@@ -91,11 +93,17 @@ impl Mounting {
     /// What is tracked where the handle is at a pose.
     pub(crate) fn at(&self, handle: &Pose) -> Tracked {
         let arm = handle.rotation * self.tool.position_m;
+        let reach = self.base.rotation * (handle.position_m + arm);
+        let turned = self.base.rotation * handle.rotation;
         Tracked {
+            pose: Pose {
+                position_m: reach + self.base.position_m,
+                rotation: turned * self.tool.rotation,
+            },
+            base: self.base.rotation,
             arm,
-            reach: self.base.rotation * (handle.position_m + arm),
-            turned: self.base.rotation * handle.rotation,
-            mounting: *self,
+            reach,
+            turned,
         }
     }
 }
@@ -108,23 +116,20 @@ impl Tracked {
 
     /// What the tracker should see.
     pub fn pose(&self) -> Pose {
-        Pose {
-            position_m: self.reach + self.mounting.base.position_m,
-            rotation: self.turned * self.mounting.tool.rotation,
-        }
+        self.pose
     }
 
     /// How what it sees changes when the handle moves by a twist in frame (-1).
     pub fn carried(&self, twist: &Twist) -> Twist {
         let linear = twist.linear + twist.angular.cross(&self.arm);
         Twist {
-            linear: self.mounting.base.rotation * linear,
-            angular: self.mounting.base.rotation * twist.angular,
+            linear: self.base * linear,
+            angular: self.base * twist.angular,
         }
     }
 
-    /// How what it sees changes with a number of base or tool; none for another parameter.
-    pub(crate) fn derivative(&self, parameter: ParameterId) -> Option<Twist> {
+    /// How what it sees changes with a number of base or tool, those of `own`; none for another parameter.
+    fn derivative(&self, own: &Mounting, parameter: ParameterId) -> Option<Twist> {
         let unit = |index: usize| Vector3::ith(index, 1.0);
         let slide = |linear: Vector3<f64>| Twist {
             linear,
@@ -133,7 +138,6 @@ impl Tracked {
         let ParameterId::Surrounding(parameter) = parameter else {
             return None;
         };
-        let own = &self.mounting;
         if own.mount != mount_of(parameter, own.mount)? {
             return Some(Twist::default());
         }
@@ -181,40 +185,42 @@ fn mount_of(parameter: SurroundingParameter, mount: Mount) -> Option<Mount> {
 }
 
 /// What a tracker sees of the device at a row: the handle itself, or what is tracked.
-pub(crate) struct Sight {
-    pub(crate) pose: Pose,
-    tracked: Option<Tracked>,
-}
+pub(crate) struct Sight(Tracked);
 
 impl Sight {
     pub(crate) fn new(at: &Posture<'_>) -> Result<Self, ModelError> {
         let handle = at.evaluation.pose()?;
-        let tracked = at.mountings.of(at.mount).map(|own| own.at(handle));
-        Ok(Self {
-            pose: tracked.map_or(*handle, |tracked| tracked.pose()),
-            tracked,
-        })
+        let itself = || Tracked {
+            pose: *handle,
+            base: Matrix3::identity(),
+            arm: Vector3::zeros(),
+            reach: handle.position_m,
+            turned: handle.rotation,
+        };
+        let mounting = at.mountings.of(at.mount);
+        Ok(Self(mounting.map_or_else(itself, |own| own.at(handle))))
+    }
+
+    pub(crate) fn pose(&self) -> &Pose {
+        &self.0.pose
     }
 
     /// How it changes when the handle moves by a twist in frame (-1).
     pub(crate) fn carried(&self, twist: &Twist) -> Twist {
-        let tracked = self.tracked.as_ref();
-        tracked.map_or(*twist, |tracked| tracked.carried(twist))
+        self.0.carried(twist)
     }
 
     /// How the pose changes with a parameter of the chain or the tracker.
     pub(crate) fn derivative(&self, at: &Posture<'_>, parameter: ParameterId) -> Twist {
         if parameter == ParameterId::Surrounding(SurroundingParameter::TrackerScale) {
             return Twist {
-                linear: self.pose.position_m,
+                linear: self.0.pose.position_m,
                 angular: Vector3::zeros(),
             };
         }
-        let of_handle = || at.evaluation.pose_derivative(parameter);
-        self.tracked.as_ref().map_or_else(of_handle, |tracked| {
-            let own = tracked.derivative(parameter);
-            own.unwrap_or_else(|| tracked.carried(&of_handle()))
-        })
+        let mounting = at.mountings.of(at.mount);
+        let own = mounting.and_then(|own| self.0.derivative(own, parameter));
+        own.unwrap_or_else(|| self.carried(&at.evaluation.pose_derivative(parameter)))
     }
 }
 

@@ -18,7 +18,7 @@ use crate::{Channel, DeviceProblem};
 use columns::Column;
 use hands::by_hand;
 use joints::JointRows;
-use reading::Part;
+use reading::{Besides, Part};
 
 /// Rows from which a tile is worth it.
 const FEWEST_ROWS: usize = 8;
@@ -90,6 +90,7 @@ impl DeviceProblem<'_> {
             .map(|&index| Column::new(self.parameters[index], chain))
             .collect();
         let wanted: Vec<_> = columns.iter().flat_map(Column::wanted).collect();
+        let besides = Besides::new(free.iter().map(|&index| self.parameters[index]));
         let mut parts: Vec<Part> = self.parts(start, firsts, jacobian.is_some());
         let end = own.last().map_or(start, |last| start + last + 1);
         let mountings = self.mountings(device, &(start..end));
@@ -124,7 +125,7 @@ impl DeviceProblem<'_> {
                 evaluation.place(&outputs, room.tile.pose(posture)).ok()?;
                 self.readings(
                     (start + entry, posture),
-                    (device, &mountings),
+                    (device, &mountings, &besides),
                     &mut evaluation,
                     &mut parts,
                     residuals,

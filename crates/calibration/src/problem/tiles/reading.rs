@@ -31,6 +31,32 @@ pub(super) struct Part {
     pub(super) along: Option<Box<[[TwistLanes; 3]; 2]>>,
 }
 
+/// Free parameters with their columns, whose derivatives are worked out reading by reading.
+pub(super) struct Besides {
+    all: Vec<(usize, ParameterId)>,
+    /// Those that do not move the handle.
+    surroundings: Vec<(usize, ParameterId)>,
+    /// Whether one of them moves the robot's base.
+    has_base: bool,
+}
+
+impl Besides {
+    pub(super) fn new(free: impl Iterator<Item = ParameterId>) -> Self {
+        let all: Vec<(usize, ParameterId)> = free.enumerate().collect();
+        let is_around = |(_, parameter): &&(usize, ParameterId)| {
+            matches!(parameter, ParameterId::Surrounding(_))
+        };
+        let is_of_base = |(_, parameter): &(usize, ParameterId)| {
+            matches!(parameter, ParameterId::Link { row: 0, .. })
+        };
+        Self {
+            surroundings: all.iter().filter(is_around).copied().collect(),
+            has_base: all.iter().any(is_of_base),
+            all,
+        }
+    }
+}
+
 impl Part {
     /// Makes room for the next tile.
     pub(super) fn clear(&mut self) {
@@ -67,7 +93,7 @@ impl DeviceProblem<'_> {
     pub(super) fn readings(
         &self,
         (row, posture): (usize, usize),
-        (device, mountings): (&Device, &Mountings),
+        (device, mountings, besides): (&Device, &Mountings, &Besides),
         evaluation: &mut Evaluation<'_>,
         parts: &mut [Part],
         residuals: &mut [f64],
@@ -103,7 +129,7 @@ impl DeviceProblem<'_> {
             let own = part.first + (part.cursor - part.begin) * part.width;
             let weight = block.weights[part.cursor];
             with_kind!(block.channel, kind => {
-                self.tile_reading(&kind, &at, weight, own, (posture, &mut *part), residuals, jacobian)
+                self.tile_reading(&kind, &at, weight, own, (posture, &mut *part), besides, residuals, jacobian)
             })?;
             part.postures.push(posture);
             part.places.push(own);
@@ -124,40 +150,34 @@ impl DeviceProblem<'_> {
         weight: f64,
         own: usize,
         (posture, part): (usize, &mut Part),
+        besides: &Besides,
         residuals: &mut [f64],
         jacobian: &mut Option<(&[usize], &mut Matrix)>,
     ) -> Option<()> {
         let (values, seen) = kind.see(at, weight).ok()?;
         residuals[own..own + M::WIDTH].copy_from_slice(&values[..M::WIDTH]);
-        let Some((free, matrix)) = jacobian else {
+        let Some((_, matrix)) = jacobian else {
             return Some(());
         };
         if matches!(part.channel, Channel::Output { .. }) {
             return Some(());
         }
         if let Some(along) = &mut part.along {
-            for coordinate in 0..6 {
-                let twist = unit_twist(coordinate);
-                let by = [
-                    kind.by_twist(&seen, &twist),
-                    kind.by_base_twist(&seen, &twist),
-                ];
-                for (along, by) in along.iter_mut().zip(by) {
-                    for (lanes, by) in along.iter_mut().zip(by).take(M::WIDTH) {
-                        let lane = match coordinate.checked_sub(3) {
-                            None => &mut lanes.linear[coordinate],
-                            Some(turn) => &mut lanes.angular[turn],
-                        };
-                        lane[posture] = by;
-                    }
-                }
+            let seen = &seen;
+            let by_twist = |twist: &Twist| kind.by_twist(seen, twist);
+            let by_base_twist = |twist: &Twist| kind.by_base_twist(seen, twist);
+            let [own, of_base] = &mut **along;
+            write_along(own, M::WIDTH, posture, by_twist);
+            if besides.has_base {
+                write_along(of_base, M::WIDTH, posture, by_base_twist);
             }
         }
-        for (position, &index) in free.iter().enumerate() {
-            let parameter = self.parameters[index];
-            if M::IS_OF_HANDLE && !matches!(parameter, ParameterId::Surrounding(_)) {
-                continue;
-            }
+        let entries = if M::IS_OF_HANDLE {
+            &besides.surroundings
+        } else {
+            &besides.all
+        };
+        for &(position, parameter) in entries {
             let values = match kind.sees(parameter) {
                 true => kind.derivative(&seen, at, parameter),
                 false => [0.0; 3],
@@ -169,16 +189,36 @@ impl DeviceProblem<'_> {
     }
 }
 
-/// Velocity 1 along, or angular velocity 1 about, an axis of frame (-1).
-fn unit_twist(coordinate: usize) -> Twist {
-    match coordinate.checked_sub(3) {
-        None => Twist {
-            linear: Vector3::ith(coordinate, 1.0),
-            angular: Vector3::zeros(),
-        },
-        Some(turn) => Twist {
-            linear: Vector3::zeros(),
-            angular: Vector3::ith(turn, 1.0),
-        },
+/// Writes a posture's derivatives along each of the six unit twists.
+fn write_along(
+    along: &mut [TwistLanes; 3],
+    width: usize,
+    posture: usize,
+    by: impl Fn(&Twist) -> [f64; 3],
+) {
+    for axis in 0..3 {
+        let slide = by(&Twist {
+            linear: AXES[axis],
+            angular: Vector3::new(0.0, 0.0, 0.0),
+        });
+        let turn = by(&Twist {
+            linear: Vector3::new(0.0, 0.0, 0.0),
+            angular: AXES[axis],
+        });
+        for (lanes, (slide, turn)) in along
+            .iter_mut()
+            .zip(slide.into_iter().zip(turn))
+            .take(width)
+        {
+            lanes.linear[axis][posture] = slide;
+            lanes.angular[axis][posture] = turn;
+        }
     }
 }
+
+/// Axes of frame (-1).
+const AXES: [Vector3<f64>; 3] = [
+    Vector3::new(1.0, 0.0, 0.0),
+    Vector3::new(0.0, 1.0, 0.0),
+    Vector3::new(0.0, 0.0, 1.0),
+];
