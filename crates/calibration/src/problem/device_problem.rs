@@ -161,6 +161,59 @@ impl<'a> DeviceProblem<'a> {
         device
     }
 
+    /// The problem in parts of the same parameters, with the channels of each: every external encoder by itself, which only
+    /// its own joint's transmission changes, and all other channels together.
+    pub fn apart(self) -> Vec<(Vec<Channel>, Self)> {
+        let is_encoder = |block: &Block| matches!(block.channel, Channel::Output { .. });
+        let (encoders, others): (Vec<Block>, Vec<Block>) =
+            self.blocks.into_iter().partition(is_encoder);
+        let alone = encoders.into_iter().map(|block| Self {
+            device: self.device,
+            recording: self.recording,
+            parameters: self.parameters,
+            residual_count: block.end() - block.first,
+            blocks: vec![Block { first: 0, ..block }],
+            sees_chain: false,
+            outputs: None,
+            loads: None,
+            mounts: Vec::new(),
+        });
+        let mut parts: Vec<Self> = alone.collect();
+        if !others.is_empty() {
+            let mut blocks = others;
+            let mut first = 0;
+            for block in &mut blocks {
+                let count = block.end() - block.first;
+                block.first = first;
+                first += count;
+            }
+            parts.push(Self {
+                device: self.device,
+                recording: self.recording,
+                parameters: self.parameters,
+                residual_count: first,
+                blocks,
+                sees_chain: self.sees_chain,
+                outputs: self.outputs,
+                loads: self.loads,
+                mounts: self.mounts,
+            });
+        }
+        let named = parts.into_iter();
+        named
+            .map(|part| (part.channels().collect(), part))
+            .collect()
+    }
+
+    /// Positions of the parameters that some channel can depend on, ascending.
+    pub fn seen(&self) -> Vec<usize> {
+        let can = |&index: &usize| {
+            let parameter = self.parameters[index];
+            self.channels().any(|channel| channel.can_see(parameter))
+        };
+        (0..self.parameters.len()).filter(can).collect()
+    }
+
     pub(crate) fn channels(&self) -> impl Iterator<Item = Channel> {
         self.blocks.iter().map(|block| block.channel)
     }
