@@ -136,7 +136,7 @@ impl DeviceProblem<'_> {
                     && !self.sees_chain
                 {
                     evaluation
-                        .move_joint(joint, readings[joint])
+                        .move_joint(joint, self.recording.joint[joint][row])
                         .map_err(|error| self.at_row(row, &error))?;
                 }
                 let at = Posture {
@@ -194,13 +194,13 @@ impl DeviceProblem<'_> {
         row: usize,
         derivatives: bool,
     ) -> Result<(), IdentificationError> {
+        if !self.sees_chain {
+            return Ok(());
+        }
         self.recording.read_joints(row, readings);
         evaluation.choose_hand(self.device.hand_at(self.recording, row));
         if let Some(loads) = &self.loads {
             evaluation.set_torques(loads.of_row(row));
-        }
-        if !self.sees_chain {
-            return Ok(());
         }
         let moved = match &self.outputs {
             Some(outputs) => {

@@ -96,7 +96,7 @@ pub(crate) fn fit_once(
                 weights,
                 options,
                 start: Some(&kinematics.device),
-                yielded: None,
+                yielded: Some(&kinematics.device),
             })?;
             if fit.starts.tried == 0 {
                 // it began where step 2 had ended, which may have looked elsewhere
@@ -215,7 +215,7 @@ fn fit_kinematics_from(
         weights,
         options,
         start,
-        yielded: None,
+        yielded: start,
     })
 }
 
