@@ -6,6 +6,7 @@ use haptical_model::{Device, ParameterId, Recording};
 
 use crate::checks::columns::{Change, has_neighbours, of_columns, of_rows};
 use crate::fit::implausible::implausible_links;
+use crate::fit::put_on;
 use crate::fit::request::FitRequest;
 use crate::fit::rows::spread_rows;
 use crate::fit::size;
@@ -17,12 +18,12 @@ const MOST_ROWS: usize = 80;
 const MOST_STEPS: usize = 40;
 /// Share of the residual that a changed log must leave at most: an effect that the model lacks stays, whatever
 /// column is turned.
-const LEFT: f64 = 0.2;
+pub(super) const LEFT: f64 = 0.2;
 
 /// Residual of a mirror image of the device, in shares of which the device's own is as good.
 const AS_GOOD: f64 = 1.5;
 /// Share of the residual before a fit that a changed log must leave at most to be fitted.
-const NEARER: f64 = 0.7;
+pub(super) const NEARER: f64 = 0.7;
 /// Most changed logs that are fitted, the nearest first.
 const MOST_FITS: usize = 4;
 
@@ -33,7 +34,7 @@ const GROSS: f64 = 0.02;
 /// A fit that begins where another one ended is of the same log as that one.
 ///
 /// # Errors
-/// [`CalibrationError::MistakenColumns`].
+/// [`CalibrationError::MistakenColumns`]; [`CalibrationError::Rig`] for a tool that was put on at another line.
 pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(), CalibrationError> {
     // transmissions are fitted to external encoders, which show a turned column themselves
     let is_transmission =
@@ -49,6 +50,7 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
     else {
         return Ok(());
     };
+    put_on::refuse(request, fit, (&bare, unfitted), &rows)?;
     if implausible_links(request.device, fit).is_empty() && !is_gross(request, unfitted, &part) {
         return Ok(());
     }
@@ -116,14 +118,18 @@ fn is_gross(request: &FitRequest<'_>, residual: f64, part: &Recording) -> bool {
 }
 
 /// A device before a log.
-struct Trial<'a> {
+pub(super) struct Trial<'a> {
     request: &'a FitRequest<'a>,
     prepared: Device,
     part: &'a Recording,
 }
 
 impl<'a> Trial<'a> {
-    fn new(request: &'a FitRequest<'a>, device: &Device, part: &'a Recording) -> Option<Self> {
+    pub(super) fn new(
+        request: &'a FitRequest<'a>,
+        device: &Device,
+        part: &'a Recording,
+    ) -> Option<Self> {
         let prepared = prepare_device(device, part).ok()?;
         Some(Self {
             request,
@@ -133,7 +139,7 @@ impl<'a> Trial<'a> {
     }
 
     /// Residual before any parameter of the chain is fitted, in units of the stated noise.
-    fn unfitted(&self) -> Option<f64> {
+    pub(super) fn unfitted(&self) -> Option<f64> {
         let request = self.request;
         let (channels, parameters) = (request.channels, request.parameters);
         let problem = DeviceProblem::new(
@@ -153,7 +159,7 @@ impl<'a> Trial<'a> {
     }
 
     /// Residual after a fit from the device's own values, and how many values are implausible then.
-    fn fitted(&self) -> Option<(f64, usize)> {
+    pub(super) fn fitted(&self) -> Option<(f64, usize)> {
         let mut options = Options {
             starts: 0,
             unfinished: true,

@@ -9,6 +9,7 @@ pub(crate) mod mistakes;
 pub(crate) mod multi_start;
 pub(crate) mod parameter_fit;
 pub(crate) mod profiled;
+mod put_on;
 pub(crate) mod request;
 pub(crate) mod rows;
 pub(crate) mod search;
