@@ -164,6 +164,13 @@ fn fit_and_check(
     };
     let devices = (&nominal, &fitted.device);
     let mut fit_channels = comparison.on_part(devices, &seen, &split.fit)?;
+    let is_plain = fitted.robust.is_none() && options.loss == LossChoice::Auto;
+    let least_squares = match is_plain && count.is_none() {
+        true => Some(automatic::least_squares(&fitted, &seen)?),
+        false => None,
+    };
+    // of a long recording a copy of most rows
+    drop(seen);
     let (mut held_out_channels, held_out) = match count {
         Some(count) => {
             // the folds check the fit that was made, not others
@@ -188,8 +195,8 @@ fn fit_and_check(
     if let Some(robust) = &fitted.robust {
         let reports = [&mut fit_channels, &mut held_out_channels];
         outliers = outliers_of(robust, reports, recording);
-    } else if options.loss == LossChoice::Auto && count.is_none() {
-        outliers = automatic::wild_held_out(&fitted, &seen, &mut held_out_channels, recording)?;
+    } else if let Some(scales) = &least_squares {
+        outliers = automatic::wild_held_out(scales, &mut held_out_channels, recording);
         if !outliers.is_empty() {
             warnings.push(warnings::of_wild_held_out(outliers.len()));
         }

@@ -113,10 +113,15 @@ impl Selector<'_> {
         let mut members = distinct(members, system);
         let products = Products::new(&members, system);
         let mut causes = self.settled(&mut members, &products, system)?;
-        let mut unseen = segments.unseen(&with(system, &members, None));
+        let mut unseen = segments.unseen(&with(system.clone(), &members));
         while members.len() > 1 {
+            // those before the one that is left out are taken once for all that follow
+            let mut before = system.clone();
             let gains = (0..members.len()).map(|index| {
-                let without = segments.unseen(&with(system, &members, Some(index)));
+                let without = segments.unseen(&with(before.clone(), &members[index + 1..]));
+                for column in &members[index].across {
+                    before.take(column.clone());
+                }
                 (index, unseen.gain_on(&without).deviations())
             });
             let (weakest, _) = gains
@@ -126,7 +131,7 @@ impl Selector<'_> {
             let Some(weakest) = weakest else { break };
             members.remove(weakest);
             causes = self.settled(&mut members, &products, system)?;
-            unseen = segments.unseen(&with(system, &members, None));
+            unseen = segments.unseen(&with(system.clone(), &members));
         }
         Some(Hypothesis { causes, unseen })
     }
@@ -283,15 +288,10 @@ impl Products {
     }
 }
 
-/// The system with the members in it, but one.
-fn with(system: &System, members: &[Member<'_>], but: Option<usize>) -> System {
-    let mut system = system.clone();
-    for (index, member) in members.iter().enumerate() {
-        if but != Some(index) {
-            for column in &member.across {
-                system.take(column.clone());
-            }
-        }
+/// The system with members in it.
+fn with(mut system: System, members: &[Member<'_>]) -> System {
+    for column in members.iter().flat_map(|member| &member.across) {
+        system.take(column.clone());
     }
     system
 }
