@@ -15,4 +15,5 @@ pub(crate) mod rows;
 pub(crate) mod search;
 pub(crate) mod settle;
 pub(crate) mod size;
+mod trial;
 pub(crate) mod wider;

@@ -2,8 +2,8 @@
 
 use haptical_model::{Device, Recording};
 
-use crate::fit::mistakes::{LEFT, NEARER, Trial};
 use crate::fit::request::FitRequest;
+use crate::fit::trial::{LEFT, NEARER, Trial};
 use crate::{CalibrationError, ParameterFit};
 
 /// Rows on either side that the line must leave: fewer have a place wherever they were touched.

@@ -5,7 +5,8 @@ use haptical_model::kinematics::nalgebra::Matrix3;
 use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
 use super::kind::{Measurement, Posture};
-use super::tracked::{Sight, is_of_tracker};
+use super::sight::Sight;
+use super::tracked::is_of_tracker;
 use crate::problem::measurement::rotation::{
     inverse_left_jacobian, measured_rotation, rotation_vector,
 };

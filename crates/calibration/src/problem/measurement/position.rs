@@ -4,7 +4,8 @@ use haptical_model::kinematics::Twist;
 use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
 use super::kind::{Measurement, Posture};
-use super::tracked::{Sight, is_of_tracker};
+use super::sight::Sight;
+use super::tracked::is_of_tracker;
 
 /// The handle's position in frame (-1), or that of what is tracked in the tracker's frame.
 pub(crate) struct Position;

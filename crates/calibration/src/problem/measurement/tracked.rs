@@ -2,9 +2,7 @@
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Pose, Twist};
-use haptical_model::{Device, ModelError, Mount, ParameterId, SurroundingParameter};
-
-use super::kind::Posture;
+use haptical_model::{Device, Mount, ParameterId, SurroundingParameter};
 
 /// Pose of what is tracked in the tracker's frame, `B T X`: B frame (-1) seen from the tracker, T the
 /// handle's pose, X what is tracked seen from the handle. Which base and which tool a row is about says its [`Mount`].
@@ -119,6 +117,17 @@ impl Tracked {
         self.pose
     }
 
+    /// The handle itself, in frame (-1).
+    pub(crate) fn itself(handle: &Pose) -> Self {
+        Self {
+            pose: *handle,
+            base: Matrix3::identity(),
+            arm: Vector3::zeros(),
+            reach: handle.position_m,
+            turned: handle.rotation,
+        }
+    }
+
     /// How what it sees changes when the handle moves by a twist in frame (-1).
     pub fn carried(&self, twist: &Twist) -> Twist {
         let linear = twist.linear + twist.angular.cross(&self.arm);
@@ -129,7 +138,7 @@ impl Tracked {
     }
 
     /// How what it sees changes with a number of base or tool, those of `own`; none for another parameter.
-    fn derivative(&self, own: &Mounting, parameter: ParameterId) -> Option<Twist> {
+    pub(crate) fn derivative(&self, own: &Mounting, parameter: ParameterId) -> Option<Twist> {
         let unit = |index: usize| Vector3::ith(index, 1.0);
         let slide = |linear: Vector3<f64>| Twist {
             linear,
@@ -182,46 +191,6 @@ fn mount_of(parameter: SurroundingParameter, mount: Mount) -> Option<Mount> {
         },
         _ => return None,
     })
-}
-
-/// What a tracker sees of the device at a row: the handle itself, or what is tracked.
-pub(crate) struct Sight(Tracked);
-
-impl Sight {
-    pub(crate) fn new(at: &Posture<'_>) -> Result<Self, ModelError> {
-        let handle = at.evaluation.pose()?;
-        let itself = || Tracked {
-            pose: *handle,
-            base: Matrix3::identity(),
-            arm: Vector3::zeros(),
-            reach: handle.position_m,
-            turned: handle.rotation,
-        };
-        let mounting = at.mountings.of(at.mount);
-        Ok(Self(mounting.map_or_else(itself, |own| own.at(handle))))
-    }
-
-    pub(crate) fn pose(&self) -> &Pose {
-        &self.0.pose
-    }
-
-    /// How it changes when the handle moves by a twist in frame (-1).
-    pub(crate) fn carried(&self, twist: &Twist) -> Twist {
-        self.0.carried(twist)
-    }
-
-    /// How the pose changes with a parameter of the chain or the tracker.
-    pub(crate) fn derivative(&self, at: &Posture<'_>, parameter: ParameterId) -> Twist {
-        if parameter == ParameterId::Surrounding(SurroundingParameter::TrackerScale) {
-            return Twist {
-                linear: self.0.pose.position_m,
-                angular: Vector3::zeros(),
-            };
-        }
-        let mounting = at.mountings.of(at.mount);
-        let own = mounting.and_then(|own| self.0.derivative(own, parameter));
-        own.unwrap_or_else(|| self.carried(&at.evaluation.pose_derivative(parameter)))
-    }
 }
 
 /// Whether a number of the surroundings is one of the tracker's own.
