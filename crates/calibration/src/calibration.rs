@@ -11,13 +11,13 @@ use crate::checks::held_out::{
 use crate::checks::rejection::{self, Rejected};
 use crate::checks::{postures, sufficiency};
 use crate::comparison::Comparison;
+use crate::fit_device::fit_prepared_device;
 use crate::report::warnings;
 use crate::robust::{automatic, reweighted};
 use crate::steps::device::straighten;
 use crate::{
     CalibrationError, CalibrationMethod, ChannelReport, FittedDevice, HeldOut, LossChoice, Options,
-    Outlier, Robustness, Weights, channels, fit_device, split, with_ordered_noise,
-    without_own_places,
+    Outlier, Robustness, Weights, channels, split, with_ordered_noise, without_own_places,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -152,10 +152,10 @@ fn fit_and_check(
     let count = fold_count(device, whole, options, dwelt.is_some());
     let split = split(whole, count.map_or(options.held_out, |_| HeldOut::None))?;
     let seen = recording.select(&split.fit);
-    let fitted = fit_device(device, &seen, options)?;
+    let nominal = crate::prepare_device(device, &seen)?;
+    let fitted = fit_prepared_device(&nominal, &seen, options)?;
     let fitted = with_ordered_noise(fitted, &seen, options.method)?;
     let fitted = straighten(fitted, &seen, options)?;
-    let nominal = crate::prepare_device(device, &seen)?;
     let comparison = Comparison {
         device,
         recording,
@@ -164,6 +164,13 @@ fn fit_and_check(
     };
     let devices = (&nominal, &fitted.device);
     let mut fit_channels = comparison.on_part(devices, &seen, &split.fit)?;
+    let is_plain = fitted.robust.is_none() && options.loss == LossChoice::Auto;
+    let least_squares = match is_plain && count.is_none() {
+        true => Some(automatic::least_squares(&fitted, &seen)?),
+        false => None,
+    };
+    // of a long recording a copy of most rows
+    drop(seen);
     let (mut held_out_channels, held_out) = match count {
         Some(count) => {
             // the folds check the fit that was made, not others
@@ -188,8 +195,8 @@ fn fit_and_check(
     if let Some(robust) = &fitted.robust {
         let reports = [&mut fit_channels, &mut held_out_channels];
         outliers = outliers_of(robust, reports, recording);
-    } else if options.loss == LossChoice::Auto && count.is_none() {
-        outliers = automatic::wild_held_out(&fitted, &seen, &mut held_out_channels, recording)?;
+    } else if let Some(scales) = &least_squares {
+        outliers = automatic::wild_held_out(scales, &mut held_out_channels, recording);
         if !outliers.is_empty() {
             warnings.push(warnings::of_wild_held_out(outliers.len()));
         }

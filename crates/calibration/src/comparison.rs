@@ -1,13 +1,15 @@
 //! Residuals of the nominal and the calibrated device, on rows of the fit or on held-out rows.
 
 use haptical_model::{Device, Recording};
+use rayon::prelude::*;
 
-use crate::checks::held_out::{SHORT_LOG, folds};
+use crate::checks::held_out::{SHORT_LOG, Split, folds};
+use crate::fit_device::fit_prepared_device;
 use crate::report::warnings;
 use crate::start::prepare::with_unseen_places;
 use crate::{
     CalibrationError, Channel, ChannelReport, ChannelResiduals, HeldOut, Options, Weights,
-    channel_residuals, fit_device,
+    channel_residuals,
 };
 
 /// A recording with the channels that devices are compared on.
@@ -38,9 +40,17 @@ impl Comparison<'_> {
     ) -> Result<Vec<ChannelReport>, CalibrationError> {
         let nominal = &with_unseen_places(nominal, part)?;
         let fitted = &with_unseen_places(fitted, part)?;
-        let residuals =
-            |device| channel_residuals(device, fitted, part, self.channels, &self.stated);
-        let mut reports = reports(nominal, residuals(nominal)?, residuals(fitted)?);
+        // channel by channel: of a long recording the rows of all of them, twice, are much
+        let mut reports = Vec::new();
+        for channel in self.channels {
+            let one = std::slice::from_ref(channel);
+            let residuals = |device| channel_residuals(device, fitted, part, one, &self.stated);
+            reports.extend(self::reports(
+                nominal,
+                residuals(nominal)?,
+                residuals(fitted)?,
+            ));
+        }
         for row in reports.iter_mut().flat_map(|report| &mut report.rows) {
             *row = rows[*row];
         }
@@ -63,30 +73,23 @@ impl Comparison<'_> {
         let mut reasons: Vec<String> = Vec::new();
         let mut before: Vec<ChannelResiduals> = Vec::new();
         let mut after: Vec<ChannelResiduals> = Vec::new();
-        for fold in folds {
-            let seen = recording.select(&fold.fit);
-            let fitted = match fit_device(device, &seen, options) {
-                Ok(fitted) => fitted,
+        // each fold as it is alone, merged in their order
+        let made: Vec<_> = folds
+            .par_iter()
+            .map(|fold| self.of_fold(fold, options))
+            .collect();
+        for (fold, made) in folds.iter().zip(made) {
+            let made = match made {
+                Ok(made) => made?,
                 Err(error) => {
                     reasons.push(format!("{} left out: {error}", fold.description));
                     continue;
                 }
             };
             checked += 1;
-            let unseen = recording.select(&fold.held_out);
-            if let Some(warning) = warnings::of_unseen_places(&fitted.device, &unseen)
-                && !warnings.contains(&warning)
-            {
-                warnings.push(warning);
-            }
-            let range_free = without_ranges(&fitted.device);
-            let nominal = crate::prepare_device(device, &seen)?;
-            for (device, kept) in [(&nominal, &mut before), (&fitted.device, &mut after)] {
-                let device = &with_unseen_places(device, &unseen)?;
-                let part =
-                    channel_residuals(device, &range_free, &unseen, self.channels, &self.stated)?;
-                append(kept, part, &fold.held_out);
-            }
+            warnings.extend(made.warning.filter(|warning| !warnings.contains(warning)));
+            append(&mut before, made.before, &fold.held_out);
+            append(&mut after, made.after, &fold.held_out);
         }
         let reports = reports(device, before, after);
         if checked == 0 {
@@ -112,6 +115,39 @@ impl Comparison<'_> {
             format!("{count} folds {kind}, each fitted without its own rows"),
         ))
     }
+
+    /// A fold's own rows as a device that is fitted to the others predicts them; inside, why the fit failed.
+    fn of_fold(
+        &self,
+        fold: &Split,
+        options: &Options,
+    ) -> Result<Result<FoldRows, CalibrationError>, CalibrationError> {
+        let (device, recording) = (self.device, self.recording);
+        let seen = recording.select(&fold.fit);
+        let nominal = crate::prepare_device(device, &seen)?;
+        let fitted = fit_prepared_device(&nominal, &seen, options)?;
+        let unseen = recording.select(&fold.held_out);
+        let range_free = without_ranges(&fitted.device);
+        let residuals = |device: &Device| {
+            let device = &with_unseen_places(device, &unseen)?;
+            channel_residuals(device, &range_free, &unseen, self.channels, &self.stated)
+        };
+        let predicted = || {
+            Ok(FoldRows {
+                warning: warnings::of_unseen_places(&fitted.device, &unseen),
+                before: residuals(&nominal)?,
+                after: residuals(&fitted.device)?,
+            })
+        };
+        Ok(predicted())
+    }
+}
+
+/// What nominal and fitted device leave of a fold's own rows.
+struct FoldRows {
+    warning: Option<String>,
+    before: Vec<ChannelResiduals>,
+    after: Vec<ChannelResiduals>,
 }
 
 /// One report for each channel with residuals.

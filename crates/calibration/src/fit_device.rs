@@ -16,7 +16,19 @@ pub fn fit_device(
     recording: &Recording,
     options: &Options,
 ) -> Result<FittedDevice, CalibrationError> {
-    let device = &crate::prepare_device(device, recording)?;
+    fit_prepared_device(
+        &crate::prepare_device(device, recording)?,
+        recording,
+        options,
+    )
+}
+
+/// The same of a device with start values of its surroundings.
+pub(crate) fn fit_prepared_device(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
     match options.loss {
         LossChoice::Fixed(Loss::Squares) => fit_squares(device, recording, options),
         LossChoice::Fixed(loss) => reweighted::fit(device, recording, options, loss),

@@ -5,7 +5,8 @@ use haptical_effects::{Context, catalogue, streams};
 use haptical_model::{Device, JointCompliance, ParameterId, Recording, holding_torques_nm};
 use proptest::prelude::*;
 
-use crate::engine::base::{Base, BaseProblem};
+use crate::engine::base::Base;
+use crate::engine::base_problem::BaseProblem;
 
 const ROWS: usize = 12;
 
@@ -77,7 +78,7 @@ proptest! {
         let streams = streams(&base.device, &channels);
         let weights = Weights::stated(&base.device, &channels);
         let problem = BaseProblem::new(&base, &recording, &recording, &streams, &weights).unwrap();
-        let matrix = problem.evaluate(&problem.start(), true).unwrap().matrix.unwrap();
+        let matrix = problem.evaluate(&problem.start(), true).unwrap().derivatives.unwrap();
         let context = Context::new(&base.device, &recording, &streams).unwrap();
         let effects = catalogue(&base.device);
         let held = holding_torques_nm(&base.device, &recording).unwrap().unwrap();
@@ -95,7 +96,7 @@ proptest! {
                 .unwrap();
             let signal = &effect.derivative(&context, &[0.0], 0.0)[0];
             for stream in 0..streams.len() {
-                let fitted = problem.derivative(&matrix, stream, joint);
+                let fitted = problem.derivative(&matrix, stream, joint).unwrap();
                 let named = signal.on(stream).unwrap();
                 for (row, named) in named.iter().enumerate() {
                     let scale = 1.0 + named.abs();

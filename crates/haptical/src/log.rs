@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::path::Path;
+use std::sync::Arc;
 
 use haptical_calibration::check_reach;
 use haptical_data::{Cells, LoadedLog, LogShape, log_from_columns, read_log, read_log_from};
@@ -15,7 +16,7 @@ use crate::files::{Fingerprint, HashingReader, InputFile, Source};
 #[derive(Debug, Clone)]
 pub struct Log {
     /// Its rows.
-    pub recording: Recording,
+    pub recording: Arc<Recording>,
     /// What is odd about it.
     pub warnings: Vec<String>,
     source: Source,
@@ -93,7 +94,7 @@ impl Log {
             .map_err(|error| Error::calibration(&error, &source.path, &source.path))?;
         source.relabel(&mut log.warnings);
         Ok(Self {
-            recording: log.recording,
+            recording: Arc::new(log.recording),
             warnings: log.warnings,
             source,
             fingerprint,

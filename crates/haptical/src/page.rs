@@ -10,9 +10,9 @@ pub(crate) const FIGURE_PX: (u32, u32) = (860, 340);
 pub(crate) const MOST_POINTS: usize = 800;
 
 /// At most [`MOST_POINTS`] points, evenly chosen.
-pub(crate) fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
-    points.into_iter().step_by(step).collect()
+pub(crate) fn thinned(points: impl Iterator<Item = (f64, f64)> + Clone) -> Vec<(f64, f64)> {
+    let step = points.clone().count().div_ceil(MOST_POINTS).max(1);
+    points.step_by(step).collect()
 }
 
 /// A table of facts: what, and its value.

@@ -2,7 +2,7 @@
 
 use crate::chain::Chain;
 use crate::frame::complete_turn;
-use crate::{KinematicsError, Motion, Parameter, Pose, Twist};
+use crate::{Convention, KinematicsError, Motion, Parameter, Pose, Twist};
 
 /// Derivatives of the end pose with respect to the six parameters of one row.
 ///
@@ -139,6 +139,54 @@ impl Chain<'_> {
                 complete_turn(column, &end.origin);
             }
         }
+        Ok(end.pose())
+    }
+
+    /// Pose of the last frame, with the frame behind each row's turn about z and the screw of each moving row, in one pass:
+    /// what the weights of all rows need.
+    ///
+    /// `frames` has one entry per row; `screws` one per moving row: `[p; z]` of a revolute joint, `p` a point of its axis
+    /// `z`, and `[z; 0]` of a prismatic one, in frame (-1).
+    ///
+    /// ```
+    /// use haptical_kinematics::{Chain, Convention, Link, Motion, Pose, Twist};
+    /// let links = [0.3, 0.2].map(|a_m| Link { a_m, ..Link::default() });
+    /// let chain = Chain::new(Convention::Standard, &links, &[Motion::Revolute; 2])?;
+    /// let (mut frames, mut screws) = ([Pose::default(); 2], [Twist::default(); 2]);
+    /// let end = chain.turned_frames(&[0.0, 0.0], &mut frames, &mut screws)?;
+    /// // the second joint is where the first row ends, the handle another 0.2 m off
+    /// assert_eq!((frames[1].position_m.x, screws[1].linear.x, end.position_m.x), (0.3, 0.3, 0.5));
+    /// assert_eq!(screws[1].angular.z, 1.0);
+    /// # Ok::<(), haptical_kinematics::KinematicsError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`KinematicsError::BufferLength`] for slices of other lengths, otherwise as [`Chain::pose`]. After an overflow
+    /// error the entries have no meaning.
+    pub fn turned_frames(
+        &self,
+        joints: &[f64],
+        frames: &mut [Pose],
+        screws: &mut [Twist],
+    ) -> Result<Pose, KinematicsError> {
+        let (rows, moving) = (self.links().len(), self.joint_count());
+        check_length("the slice of frames", rows, frames.len())?;
+        check_length("the slice of screws", moving, screws.len())?;
+        self.check_joints(joints)?;
+        // what follows the turn about z
+        let behind = match self.convention() {
+            Convention::Standard => Parameter::A,
+            Convention::Modified => Parameter::D,
+        };
+        let end = self.walk(joints, |row, joint, parameter, frame| {
+            if parameter == behind {
+                frames[row] = frame.pose();
+            }
+            if self.motions()[row].variable() == Some(parameter) {
+                screws[joint] = frame.screw(parameter);
+            }
+        })?;
         Ok(end.pose())
     }
 }

@@ -5,20 +5,20 @@ use std::ops::Range;
 use crate::error::check_rhs;
 use crate::pivoted::{back_substitute, thin_factors};
 use crate::reduction::at_least_zero;
-use crate::{Direction, LinalgError, Matrix};
+use crate::{Direction, LinalgError, Matrix, SparseColumns};
 
 /// A = Q R of a tall matrix with its basis Q (m x rank), for projections and for right-hand sides that are
 /// not known yet. [`crate::Reduction`] needs less memory where there is one right-hand side.
 ///
 /// ```
-/// use haptical_linalg::{Matrix, OrthonormalBasis};
+/// use haptical_linalg::{Matrix, OrthonormalBasis, SparseColumns};
 /// // the third column is the sum of the others
 /// let matrix = Matrix::from_fn(4, 3, |row, column| match column {
 ///     0 => 1.0,
 ///     1 => row as f64,
 ///     _ => 1.0 + row as f64,
 /// });
-/// let basis = OrthonormalBasis::new(&matrix, 1e-9)?;
+/// let basis = OrthonormalBasis::new(&SparseColumns::from(&matrix), 1e-9)?;
 /// assert_eq!(basis.directions().count(), 2);
 /// let x = basis.solve(&[1.0, 3.0, 5.0, 7.0])?;
 /// assert!((x[0] + x[2] - 1.0).abs() < 1e-12 && (x[1] + x[2] - 2.0).abs() < 1e-12);
@@ -49,7 +49,7 @@ impl OrthonormalBasis {
     /// # Errors
     /// [`LinalgError`] for an empty matrix, an entry that is not finite, or a column norm that
     /// overflows; [`LinalgError::OutOfRange`] for a bad tolerance.
-    pub fn new(matrix: &Matrix, tolerance: f64) -> Result<Self, LinalgError> {
+    pub fn new(matrix: &SparseColumns, tolerance: f64) -> Result<Self, LinalgError> {
         at_least_zero("tolerance", tolerance)?;
         matrix.check()?;
         let mut norms = vec![0.0; matrix.columns()];
@@ -57,8 +57,13 @@ impl OrthonormalBasis {
         for (rows, columns) in apart(matrix) {
             let mut own = Matrix::zeros(rows.len(), columns.len());
             for (place, &column) in columns.iter().enumerate() {
-                let entries = &matrix.column(column)[rows.clone()];
-                own.column_mut(place).copy_from_slice(entries);
+                let from = matrix.column(column);
+                let first = from.first().max(rows.start);
+                let values = &from.values()[first - from.first()..];
+                let into = &mut own.column_mut(place)[first - rows.start..];
+                for (into, value) in into.iter_mut().zip(values) {
+                    *into = *value;
+                }
             }
             let (scaled, own_norms) = own.into_unit_columns()?;
             for (&column, norm) in columns.iter().zip(own_norms) {
@@ -115,17 +120,18 @@ impl OrthonormalBasis {
 
 /// Ranges of rows without one in common, and the columns, ascending, that have entries in each. A matrix whose columns do
 /// not fall apart is one range of all its rows; columns of zeros belong to the first.
-fn apart(matrix: &Matrix) -> Vec<(Range<usize>, Vec<usize>)> {
+fn apart(matrix: &SparseColumns) -> Vec<(Range<usize>, Vec<usize>)> {
     let is_there = |value: &f64| *value != 0.0;
     let mut supports: Vec<(usize, usize, usize)> = Vec::with_capacity(matrix.columns());
     let mut zeros = Vec::new();
     for column in 0..matrix.columns() {
-        let entries = matrix.column(column);
+        let own = matrix.column(column);
+        let entries = own.values();
         match entries.iter().position(is_there) {
             None => zeros.push(column),
             Some(first) => {
                 let last = entries.iter().rposition(is_there).unwrap_or(first);
-                supports.push((first, last + 1, column));
+                supports.push((own.first() + first, own.first() + last + 1, column));
             }
         }
     }
@@ -152,7 +158,7 @@ fn apart(matrix: &Matrix) -> Vec<(Range<usize>, Vec<usize>)> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Direction, Matrix, OrthonormalBasis};
+    use crate::{Direction, Matrix, OrthonormalBasis, SparseColumns};
 
     /// Entries that follow no pattern.
     fn entry(row: usize, column: usize) -> f64 {
@@ -173,7 +179,7 @@ mod tests {
                 entry(row, column)
             }
         });
-        let basis = OrthonormalBasis::new(&whole, 1e-9).unwrap();
+        let basis = OrthonormalBasis::new(&SparseColumns::from(&whole), 1e-9).unwrap();
         assert_eq!(basis.directions().count(), 8);
         assert!(
             basis
@@ -186,7 +192,7 @@ mod tests {
             let own = Matrix::from_fn(20, 3, |row, column| {
                 whole[(20 * part + row, 3 * column + part)]
             });
-            let alone = OrthonormalBasis::new(&own, 1e-9).unwrap();
+            let alone = OrthonormalBasis::new(&SparseColumns::from(&own), 1e-9).unwrap();
             let expected = alone.solve(&rhs[20 * part..][..20]).unwrap();
             for (column, value) in expected.iter().enumerate() {
                 let found = solution[3 * column + part];

@@ -14,6 +14,7 @@ mod ordered;
 mod panel;
 mod pivoted;
 mod reduction;
+mod sparse;
 mod step;
 mod triangle;
 
@@ -25,6 +26,7 @@ pub use lanes::{dot, take_off};
 pub use matrix::Matrix;
 pub use ordered::{Dependence, OrderedRank};
 pub use reduction::Reduction;
+pub use sparse::SparseColumns;
 pub use step::Solution;
 pub use triangle::{TILE_ROWS, Triangle};
 

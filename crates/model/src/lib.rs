@@ -10,6 +10,7 @@ mod force;
 mod holding;
 mod parameter;
 mod recording;
+mod statics;
 
 pub use device::cable::{Cable, CableFit, CableReading};
 pub use device::chain::DeviceChain;
@@ -30,8 +31,9 @@ pub use force::{ForceTransmission, handle_force_n};
 pub use haptical_kinematics as kinematics;
 pub use haptical_kinematics::Parameter;
 pub use haptical_transmission as transmission;
-pub use holding::{Beyond, Load, Statics, holding_torques_nm};
+pub use holding::holding_torques_nm;
 pub use parameter::ParameterId;
 pub use parameter::surrounding::{LengthScale, SurroundingParameter, UNSTATED_SCALE_SD};
 pub use parameter::unknown::UnknownNumbers;
 pub use recording::Recording;
+pub use statics::{Beyond, Load, Statics};

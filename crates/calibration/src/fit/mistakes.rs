@@ -1,28 +1,22 @@
 //! Mistaken columns of a log that a fit shows: a joint's sign or place, or rows one off, are refused where the correction fits
 //! far better.
 
-use haptical_identification::Problem;
-use haptical_model::{Device, ParameterId, Recording};
+use haptical_model::{ParameterId, Recording};
 
 use crate::checks::columns::{Change, has_neighbours, of_columns, of_rows};
 use crate::fit::implausible::implausible_links;
+use crate::fit::put_on;
 use crate::fit::request::FitRequest;
 use crate::fit::rows::spread_rows;
 use crate::fit::size;
-use crate::{CalibrationError, Channel, DeviceProblem, Options, ParameterFit, prepare_device};
+use crate::fit::trial::{LEFT, NEARER, Trial, without_places};
+use crate::{CalibrationError, Channel, ParameterFit};
 
 /// Rows that the changed logs are tried on.
 const MOST_ROWS: usize = 80;
-/// Steps of a search.
-const MOST_STEPS: usize = 40;
-/// Share of the residual that a changed log must leave at most: an effect that the model lacks stays, whatever
-/// column is turned.
-const LEFT: f64 = 0.2;
 
 /// Residual of a mirror image of the device, in shares of which the device's own is as good.
 const AS_GOOD: f64 = 1.5;
-/// Share of the residual before a fit that a changed log must leave at most to be fitted.
-const NEARER: f64 = 0.7;
 /// Most changed logs that are fitted, the nearest first.
 const MOST_FITS: usize = 4;
 
@@ -30,14 +24,16 @@ const MOST_FITS: usize = 4;
 const GROSS: f64 = 0.02;
 
 /// Refuses a log with which a fit stays doubtful, if it fits several times better after one change of its columns or rows.
+/// A fit that begins where another one ended is of the same log as that one.
 ///
 /// # Errors
-/// [`CalibrationError::MistakenColumns`].
+/// [`CalibrationError::MistakenColumns`]; [`CalibrationError::Rig`] for a tool that was put on at another line.
 pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(), CalibrationError> {
     // transmissions are fitted to external encoders, which show a turned column themselves
     let is_transmission =
         |parameter: &ParameterId| matches!(parameter, ParameterId::Transmission { .. });
-    if fit.starts.doubt_that_remains.is_none() || request.parameters.iter().any(is_transmission) {
+    let is_looked_at = request.start.is_some() || fit.starts.doubt_that_remains.is_none();
+    if is_looked_at || request.parameters.iter().any(is_transmission) {
         return Ok(());
     }
     let rows = spread_rows(request.recording.len(), MOST_ROWS);
@@ -47,6 +43,7 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
     else {
         return Ok(());
     };
+    put_on::refuse(request, fit, (&bare, unfitted), &rows)?;
     if implausible_links(request.device, fit).is_empty() && !is_gross(request, unfitted, &part) {
         return Ok(());
     }
@@ -111,87 +108,4 @@ fn is_gross(request: &FitRequest<'_>, residual: f64, part: &Recording) -> bool {
     let deviations = request.weights.residual_sd(request.device, part, *channel);
     let sd_m = deviations.ok().and_then(|rows| rows.first().copied());
     sd_m.is_none_or(|sd_m| residual * sd_m > GROSS * size::spread_m(request.device, part))
-}
-
-/// A device before a log.
-struct Trial<'a> {
-    request: &'a FitRequest<'a>,
-    prepared: Device,
-    part: &'a Recording,
-}
-
-impl<'a> Trial<'a> {
-    fn new(request: &'a FitRequest<'a>, device: &Device, part: &'a Recording) -> Option<Self> {
-        let prepared = prepare_device(device, part).ok()?;
-        Some(Self {
-            request,
-            prepared,
-            part,
-        })
-    }
-
-    /// Residual before any parameter of the chain is fitted, in units of the stated noise.
-    fn unfitted(&self) -> Option<f64> {
-        let request = self.request;
-        let (channels, parameters) = (request.channels, request.parameters);
-        let problem = DeviceProblem::new(
-            &self.prepared,
-            self.part,
-            channels,
-            parameters,
-            request.weights,
-        );
-        let problem = problem.ok()?;
-        let mut residuals = vec![0.0; problem.residual_count()];
-        problem
-            .evaluate(&problem.start(), &mut residuals, None)
-            .ok()?;
-        let sum: f64 = residuals.iter().map(|value| value * value).sum();
-        Some((sum / residuals.len() as f64).sqrt()).filter(|left| left.is_finite())
-    }
-
-    /// Residual after a fit from the device's own values, and how many values are implausible then.
-    fn fitted(&self) -> Option<(f64, usize)> {
-        let mut options = Options {
-            starts: 0,
-            unfinished: true,
-            ..*self.request.options
-        };
-        options.search.max_iterations = options.search.max_iterations.min(MOST_STEPS);
-        let trial = FitRequest {
-            device: &self.prepared,
-            recording: self.part,
-            options: &options,
-            start: None,
-            yielded: None,
-            ..*self.request
-        };
-        let fit = trial.fit().ok()?;
-        let freedom = fit.residuals.len().checked_sub(fit.fitted.len())?;
-        let left = (fit.cost / freedom as f64).sqrt();
-        let odd = implausible_links(self.request.device, &fit).len();
-        (freedom > 0 && left.is_finite()).then_some((left, odd))
-    }
-}
-
-/// The device without what a log's readings placed around it.
-fn without_places(device: &Device) -> Device {
-    let mut bare = device.clone();
-    let (base_known, tool_known) = device.tracker.as_ref().map_or((true, true), |tracker| {
-        (tracker.base_known, tracker.tool_known)
-    });
-    let around = &mut bare.surroundings;
-    if !base_known {
-        around.tracker_base = None;
-    }
-    if !tool_known {
-        around.tracker_tool = None;
-    }
-    around.run_bases.clear();
-    for tool in &mut around.tools {
-        tool.placement = None;
-    }
-    around.contacts.clear();
-    around.planes.clear();
-    bare
 }

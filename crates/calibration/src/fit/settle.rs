@@ -19,8 +19,14 @@ pub(crate) fn settle(
     request: &FitRequest<'_>,
     mut fit: ParameterFit,
 ) -> Result<ParameterFit, CalibrationError> {
+    // whose compliances decided at which angles the fit's torques were taken
+    let mut taken_at = request.yielded.unwrap_or(request.device).clone();
     for _ in 0..MOST_SETTLINGS {
-        if !yields(request, &fit) || !fit.convergence.was_successful() {
+        let is_settled = compliances(&fit).all(|(parameter, sd)| {
+            let moved = parameter.value(&fit.device) - parameter.value(&taken_at);
+            moved.abs() <= SETTLED * sd
+        });
+        if is_settled || !yields(request, &fit) || !fit.convergence.was_successful() {
             break;
         }
         let again = FitRequest {
@@ -32,10 +38,7 @@ pub(crate) fn settle(
         if !next.convergence.was_successful() {
             break;
         }
-        let is_settled = compliances(&next).all(|(parameter, sd)| {
-            let moved = parameter.value(&next.device) - parameter.value(&fit.device);
-            moved.abs() <= SETTLED * sd
-        });
+        taken_at = fit.device;
         fit = ParameterFit {
             iterations: fit.iterations + next.iterations,
             starts: fit.starts,
@@ -43,9 +46,6 @@ pub(crate) fn settle(
             nominal_identifiability: fit.nominal_identifiability,
             ..next
         };
-        if is_settled {
-            break;
-        }
     }
     Ok(fit)
 }

@@ -1,6 +1,7 @@
 //! The least-squares problem of a device and a recording: weighted residuals and derivatives.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use haptical_identification::{IdentificationError, Matrix, Problem};
 use haptical_model::{Device, ModelError, Mount, ParameterId, Recording};
@@ -8,6 +9,7 @@ use haptical_model::{Device, ModelError, Mount, ParameterId, Recording};
 use crate::error::at_row;
 use crate::problem::lanes::transmission::outputs_in_bulk;
 use crate::problem::loads::Loads;
+use crate::problem::measurement::tracked::Mountings;
 use crate::problem::mounts::mounts;
 use crate::problem::propagated::propagated_variances;
 use crate::{CalibrationError, Channel, Weights};
@@ -159,6 +161,59 @@ impl<'a> DeviceProblem<'a> {
         device
     }
 
+    /// The problem in parts of the same parameters, with the channels of each: every external encoder by itself, which only
+    /// its own joint's transmission changes, and all other channels together.
+    pub fn apart(self) -> Vec<(Vec<Channel>, Self)> {
+        let is_encoder = |block: &Block| matches!(block.channel, Channel::Output { .. });
+        let (encoders, others): (Vec<Block>, Vec<Block>) =
+            self.blocks.into_iter().partition(is_encoder);
+        let alone = encoders.into_iter().map(|block| Self {
+            device: self.device,
+            recording: self.recording,
+            parameters: self.parameters,
+            residual_count: block.end() - block.first,
+            blocks: vec![Block { first: 0, ..block }],
+            sees_chain: false,
+            outputs: None,
+            loads: None,
+            mounts: Vec::new(),
+        });
+        let mut parts: Vec<Self> = alone.collect();
+        if !others.is_empty() {
+            let mut blocks = others;
+            let mut first = 0;
+            for block in &mut blocks {
+                let count = block.end() - block.first;
+                block.first = first;
+                first += count;
+            }
+            parts.push(Self {
+                device: self.device,
+                recording: self.recording,
+                parameters: self.parameters,
+                residual_count: first,
+                blocks,
+                sees_chain: self.sees_chain,
+                outputs: self.outputs,
+                loads: self.loads,
+                mounts: self.mounts,
+            });
+        }
+        let named = parts.into_iter();
+        named
+            .map(|part| (part.channels().collect(), part))
+            .collect()
+    }
+
+    /// Positions of the parameters that some channel can depend on, ascending.
+    pub fn seen(&self) -> Vec<usize> {
+        let can = |&index: &usize| {
+            let parameter = self.parameters[index];
+            self.channels().any(|channel| channel.can_see(parameter))
+        };
+        (0..self.parameters.len()).filter(can).collect()
+    }
+
     pub(crate) fn channels(&self) -> impl Iterator<Item = Channel> {
         self.blocks.iter().map(|block| block.channel)
     }
@@ -166,6 +221,11 @@ impl<'a> DeviceProblem<'a> {
     /// What a row is about.
     pub(crate) fn mount(&self, row: usize) -> Mount {
         self.mounts.get(row).copied().unwrap_or_default()
+    }
+
+    /// Bases and tools that some rows are about.
+    pub(crate) fn mountings(&self, device: &Device, rows: &Range<usize>) -> Mountings {
+        Mountings::new(device, self.mounts.get(rows.clone()).unwrap_or(&[]))
     }
 
     /// Whether rows differ in where the tracker stood or in what was on the hand.

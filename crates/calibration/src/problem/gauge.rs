@@ -163,7 +163,7 @@ fn log_mobility(
                         _ => 0.0,
                     }
                 }
-                parameter => at.slope(parameter, &pulls.of_row),
+                parameter => at.slope(parameter, &pulls),
             };
         }
     }
@@ -193,8 +193,10 @@ impl Sum {
 
 /// Derivatives of the logarithm by the handle's velocity with each driven row, and what planes need besides.
 struct Pulls {
-    /// In the order of the driven rows.
-    of_row: Vec<Vector3<f64>>,
+    /// Sums of `velocity x pull` over a driven row and those behind it, and of `pull x axis` over those before it, in the
+    /// order of the driven rows and one more.
+    behind: Vec<Vector3<f64>>,
+    before: Vec<Vector3<f64>>,
     /// J J^T and, of a plane, what the normal's own square is divided by.
     square: Matrix3<f64>,
     over: f64,
@@ -245,18 +247,30 @@ impl AtTouch<'_> {
         }
         sum.total += log;
         sum.width += width;
-        let of_row = self.drives.iter();
+        let count = self.drives.len();
+        let mut behind = vec![Vector3::zeros(); count + 1];
+        let mut before = behind.clone();
+        let pull = |driven: usize| {
+            let drive = &self.drives[driven];
+            of_joint[drive.joint] * drive.multiplier
+        };
+        for driven in 0..count {
+            before[driven + 1] = before[driven] + pull(driven).cross(&self.axes[driven].angular);
+        }
+        for driven in (0..count).rev() {
+            let velocity = self.touching.carried(&self.axes[driven]);
+            behind[driven] = behind[driven + 1] + velocity.cross(&pull(driven));
+        }
         Some(Pulls {
-            of_row: of_row
-                .map(|drive| of_joint[drive.joint] * drive.multiplier)
-                .collect(),
+            behind,
+            before,
             square,
             over,
         })
     }
 
     /// Derivative of the logarithm by a parameter of the chain.
-    fn slope(&self, parameter: ParameterId, pulls: &[Vector3<f64>]) -> f64 {
+    fn slope(&self, parameter: ParameterId, pulls: &Pulls) -> f64 {
         let of_joint = |joint: usize, factor: f64| -> f64 {
             let rows = self.drives.iter().zip(1..);
             let own = rows.filter(|(drive, _)| drive.joint == joint);
@@ -281,31 +295,26 @@ impl AtTouch<'_> {
     }
 
     /// Derivative by a number of the tool: it moves the touching point behind every row.
-    fn of_tool(&self, moved: &Vector3<f64>, pulls: &[Vector3<f64>]) -> f64 {
-        let rows = self.axes.iter().zip(pulls);
-        rows.map(|(axis, pull)| pull.dot(&axis.angular.cross(moved)))
-            .sum()
+    fn of_tool(&self, moved: &Vector3<f64>, pulls: &Pulls) -> f64 {
+        pulls.before[self.drives.len()].dot(moved)
     }
 
     /// Derivative by a number of a link. What it moves, twist (v, w) of the handle, turns the velocity that a row
     /// behind it gives the handle, by w x L; a row before it has its axis where it was, and the handle moves: o x v.
-    fn of_link(&self, row: usize, parameter: Parameter, pulls: &[Vector3<f64>]) -> f64 {
+    fn of_link(&self, row: usize, parameter: Parameter, pulls: &Pulls) -> f64 {
         let moved = self
             .evaluation
             .pose_derivative(ParameterId::Link { row, parameter });
         let is_before_own_turn = self.convention == Convention::Modified
             && !matches!(parameter, Parameter::Theta | Parameter::D);
-        let mut slope = 0.0;
-        for ((driven, axis), pull) in (1..).zip(self.axes).zip(pulls) {
-            let is_before = row < driven || (row == driven && is_before_own_turn);
-            let change = if is_before {
-                moved.angular.cross(&self.touching.carried(axis))
-            } else {
-                axis.angular.cross(&self.touching.carried(&moved))
-            };
-            slope += pull.dot(&change);
-        }
-        slope
+        // the driven rows are those from row 1 on
+        let first_behind = match is_before_own_turn {
+            true => row.saturating_sub(1),
+            false => row,
+        };
+        let place = first_behind.min(self.drives.len());
+        let carried = self.touching.carried(&moved);
+        moved.angular.dot(&pulls.behind[place]) + carried.dot(&pulls.before[place])
     }
 }
 

@@ -13,6 +13,7 @@ use crate::problem::lanes::cable::cable_model;
 use crate::problem::lanes::transmission::values_and_slopes;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::kind::{Measurement, Posture};
+use crate::problem::measurement::tracked::Mountings;
 use crate::problem::mounts::mounts;
 use crate::problem::tiles::variances::variances;
 use crate::{CalibrationError, Channel};
@@ -145,6 +146,7 @@ fn by_row(
     let quanta = quantum_variances(device);
     let is_touch = |row| channel.subject(device, recording, row).is_some();
     let mounts = mounts(device, recording, &[channel])?;
+    let mountings = Mountings::new(device, mounts.get(rows.clone()).unwrap_or(&[]));
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; device.joints.len()];
     let mut variances = Vec::with_capacity(rows.len());
@@ -181,6 +183,7 @@ fn by_row(
                 .and_then(Result::ok)
                 .unwrap_or(usize::MAX),
             mount: mounts.get(row).copied().unwrap_or_default(),
+            mountings: &mountings,
         };
         let mut sum = 0.0;
         for (joint, quantum) in quanta.iter().enumerate() {

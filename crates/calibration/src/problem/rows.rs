@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::problem::channel::with_kind;
 use crate::problem::device_problem::Block;
+use crate::problem::lanes::transmission::errors_in_bulk;
 use crate::problem::measurement::kind::{Measurement, Posture};
 use crate::{Channel, DeviceProblem};
 
@@ -102,10 +103,52 @@ impl DeviceProblem<'_> {
         residuals: &mut [f64],
         jacobian: &mut Option<(&[usize], &mut Matrix)>,
     ) -> Result<(), IdentificationError> {
-        match self.run_tiles(device, &rows, firsts, residuals, jacobian) {
+        let bulk = match jacobian {
+            None => self.run_encoders(device, &rows, firsts, residuals),
+            Some(_) => None,
+        };
+        match bulk.or_else(|| self.run_tiles(device, &rows, firsts, residuals, jacobian)) {
             Some(()) => Ok(()),
             None => self.run_rows(device, rows, firsts, residuals, jacobian),
         }
+    }
+
+    /// Residuals of external encoders, whose transmissions are worked out in bulk; none where the chain is asked for, or a
+    /// number is refused, which the form row by row names.
+    fn run_encoders(
+        &self,
+        device: &Device,
+        rows: &Range<usize>,
+        firsts: &[usize],
+        residuals: &mut [f64],
+    ) -> Option<()> {
+        if self.sees_chain {
+            return None;
+        }
+        for (block, &first) in self.blocks.iter().zip(firsts) {
+            let Channel::Output { joint } = block.channel else {
+                return None;
+            };
+            let measured = self.recording.output.get(joint)?.as_ref()?;
+            let readings = self.recording.joint.get(joint)?;
+            let own = |row: usize| block.rows.partition_point(|&other| other < row);
+            let own = own(rows.start)..own(rows.end);
+            let at = block.rows.get(own.clone())?;
+            let angles: Vec<f64> = at.iter().map(|&row| readings[row]).collect();
+            if !angles.iter().all(|angle| angle.is_finite()) {
+                return None;
+            }
+            let errors = errors_in_bulk(device, joint, &angles)?;
+            let pairs = angles.iter().zip(errors);
+            let weights = block.weights.get(own.clone())?;
+            let into = residuals.get_mut(first..first + own.len())?.iter_mut();
+            for (into, ((row, weight), (angle, error))) in
+                into.zip(at.iter().zip(weights).zip(pairs))
+            {
+                *into = weight * (angle + error - measured[*row]);
+            }
+        }
+        Some(())
     }
 
     /// Rows of the recording, each block's residuals written from its entry of `firsts` on.
@@ -125,6 +168,7 @@ impl DeviceProblem<'_> {
             .map(|block| block.rows.partition_point(|&row| row < rows.start))
             .collect();
         let mut cursors = begins.clone();
+        let mountings = self.mountings(device, &rows);
         for row in rows {
             self.move_to_row(&mut evaluation, &mut readings, row, jacobian.is_some())?;
             for (position, (block, cursor)) in self.blocks.iter().zip(&mut cursors).enumerate() {
@@ -135,7 +179,7 @@ impl DeviceProblem<'_> {
                     && !self.sees_chain
                 {
                     evaluation
-                        .move_joint(joint, readings[joint])
+                        .move_joint(joint, self.recording.joint[joint][row])
                         .map_err(|error| self.at_row(row, &error))?;
                 }
                 let at = Posture {
@@ -145,6 +189,7 @@ impl DeviceProblem<'_> {
                     row,
                     subject: block.subjects.get(*cursor).copied().unwrap_or(0),
                     mount: self.mount(row),
+                    mountings: &mountings,
                 };
                 let width = block.channel.width();
                 let first = firsts[position] + (*cursor - begins[position]) * width;
@@ -192,13 +237,13 @@ impl DeviceProblem<'_> {
         row: usize,
         derivatives: bool,
     ) -> Result<(), IdentificationError> {
+        if !self.sees_chain {
+            return Ok(());
+        }
         self.recording.read_joints(row, readings);
         evaluation.choose_hand(self.device.hand_at(self.recording, row));
         if let Some(loads) = &self.loads {
             evaluation.set_torques(loads.of_row(row));
-        }
-        if !self.sees_chain {
-            return Ok(());
         }
         let moved = match &self.outputs {
             Some(outputs) => {

@@ -67,6 +67,20 @@ pub struct ChannelReport {
 }
 
 impl ChannelReport {
+    /// The figures without the residuals of the rows, which of a long log are most of the report.
+    #[must_use]
+    pub fn figures(&self) -> Self {
+        Self {
+            channel: self.channel.clone(),
+            unit: self.unit.clone(),
+            hands: self.hands.clone(),
+            before: Vec::new(),
+            after: Vec::new(),
+            rows: Vec::new(),
+            ..*self
+        }
+    }
+
     /// A channel's residuals before and after the calibration.
     pub(crate) fn new(device: &Device, before: ChannelResiduals, after: ChannelResiduals) -> Self {
         let channel = before.channel;

@@ -93,26 +93,32 @@ fn is_at_noise(
 /// Largest share of a channel's held-out readings that are wild ones rather than an effect.
 const FEW: f64 = 0.02;
 
-/// Wild readings among rows that a fit of least squares did not see, which it therefore did not have to weigh: they
-/// are set aside in the reports of these rows, where they are few.
-pub(crate) fn wild_held_out(
+/// The scales of a fit of least squares to the rows that it saw.
+pub(crate) fn least_squares(
     fitted: &FittedDevice,
     seen: &Recording,
-    reports: &mut [ChannelReport],
-    recording: &Recording,
-) -> Result<Vec<Outlier>, CalibrationError> {
+) -> Result<Robustness, CalibrationError> {
     let (channels, _) = judge(fitted, seen, Loss::Squares)?;
-    let least_squares = Robustness {
+    Ok(Robustness {
         loss: Loss::Squares,
         rounds: 0,
         settled: true,
         channels,
         outliers: Vec::new(),
-    };
+    })
+}
+
+/// Wild readings among rows that a fit of least squares did not see, which it therefore did not have to weigh: they
+/// are set aside in the reports of these rows, where they are few.
+pub(crate) fn wild_held_out(
+    least_squares: &Robustness,
+    reports: &mut [ChannelReport],
+    recording: &Recording,
+) -> Vec<Outlier> {
     let mut all = Vec::new();
     for report in reports {
         let mut aside = report.clone();
-        let outliers = set_aside(&mut aside, &least_squares, recording);
+        let outliers = set_aside(&mut aside, least_squares, recording);
         let most = (FEW * report.readings as f64).max(1.0);
         let are_few = !outliers.is_empty() && outliers.len() as f64 <= most;
         if are_few && !are_in_stretches(&outliers, recording) {
@@ -120,7 +126,7 @@ pub(crate) fn wild_held_out(
             all.extend(outliers);
         }
     }
-    Ok(all)
+    all
 }
 
 /// Whether outliers come in consecutive rows, as those of an effect do and wild readings do not.

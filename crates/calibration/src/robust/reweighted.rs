@@ -231,14 +231,24 @@ pub(crate) fn fit(
     }
     let mut rounds = 0;
     let (mut scales, mut settled) = (Vec::new(), false);
+    // weights change little from round to round, and the values with them: each search begins where the last one ended
+    let mut before: Option<Device> = None;
     for (loss, options, limit) in stages {
         for _ in 0..limit {
-            let fitted = fit_once(device, recording, &present, &weights, &options)?;
+            let fitted = fit_once(
+                device,
+                recording,
+                &present,
+                &weights,
+                &options,
+                before.as_ref(),
+            )?;
             rounds += 1;
             let wanted;
             (scales, wanted) = judge(&fitted, recording, loss)?;
             settled = weights.change_to(&wanted) < SETTLED;
             weights = wanted;
+            before = Some(fitted.device);
             if settled {
                 break;
             }
@@ -250,7 +260,14 @@ pub(crate) fn fit(
             *factor *= scale.variance_factor.sqrt();
         }
     }
-    let mut fitted = fit_once(device, recording, &present, &weights, &options)?;
+    let mut fitted = fit_once(
+        device,
+        recording,
+        &present,
+        &weights,
+        &options,
+        before.as_ref(),
+    )?;
     let outliers = far_out(&fitted.device, recording, &scales, &weights)?;
     fitted.weights = weights;
     fitted.robust = Some(Robustness {

@@ -33,7 +33,7 @@ pub(crate) fn fit_squares(
 ) -> Result<FittedDevice, CalibrationError> {
     let channels = channels(device, recording)?;
     let mut weights = Weights::stated(device, &channels);
-    let mut fitted = fit_once(device, recording, &channels, &weights, options)?;
+    let mut fitted = fit_once(device, recording, &channels, &weights, options, None)?;
     if options.weighting == Weighting::Estimated {
         for _ in 0..WEIGHTING_ROUNDS {
             let estimated = Weights {
@@ -44,19 +44,22 @@ pub(crate) fn fit_squares(
                 break;
             }
             weights = estimated;
-            fitted = fit_once(device, recording, &channels, &weights, options)?;
+            let before = Some(&fitted.device);
+            fitted = fit_once(device, recording, &channels, &weights, options, before)?;
         }
     }
     fitted.weights = weights;
     Ok(fitted)
 }
 
+/// One fit with given weights; the search of step 2 begins at the values of `start`, those of a fit with other weights.
 pub(crate) fn fit_once(
     device: &Device,
     recording: &Recording,
     channels: &[Channel],
     weights: &Weights,
     options: &Options,
+    start: Option<&Device>,
 ) -> Result<FittedDevice, CalibrationError> {
     let (compensated, transmissions) =
         fit_transmissions(device, recording, channels, weights, options)?;
@@ -70,7 +73,8 @@ pub(crate) fn fit_once(
     let Some((distant, rows)) = step_two(&fitted.device, recording, channels) else {
         return Ok(fitted);
     };
-    let kinematics = fit_kinematics(&fitted.device, &rows, &distant, weights, options)?;
+    let kinematics =
+        fit_kinematics_from(&fitted.device, &rows, &distant, (weights, options), start)?;
     let whole = match options.method {
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {
@@ -92,7 +96,7 @@ pub(crate) fn fit_once(
                 weights,
                 options,
                 start: Some(&kinematics.device),
-                yielded: None,
+                yielded: Some(&kinematics.device),
             })?;
             if fit.starts.tried == 0 {
                 // it began where step 2 had ended, which may have looked elsewhere
@@ -130,7 +134,7 @@ pub fn check_columns(device: &Device, recording: &Recording) -> Result<(), Calib
     };
     options.search.max_iterations = options.search.max_iterations.min(MOST_STEPS);
     let weights = Weights::stated(device, &channels);
-    match fit_once(device, &part, &channels, &weights, &options) {
+    match fit_once(device, &part, &channels, &weights, &options, None) {
         Err(error @ CalibrationError::MistakenColumns { .. }) => Err(error),
         _ => Ok(()),
     }
@@ -188,6 +192,16 @@ pub fn fit_kinematics(
     weights: &Weights,
     options: &Options,
 ) -> Result<ParameterFit, CalibrationError> {
+    fit_kinematics_from(device, recording, channels, (weights, options), None)
+}
+
+fn fit_kinematics_from(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    (weights, options): (&Weights, &Options),
+    start: Option<&Device>,
+) -> Result<ParameterFit, CalibrationError> {
     let mut parameters = candidate_parameters(device);
     let held = size::held_for_scale(device, recording, channels);
     parameters.retain(|parameter| !held.contains(parameter));
@@ -200,8 +214,8 @@ pub fn fit_kinematics(
         unsupported: &[],
         weights,
         options,
-        start: None,
-        yielded: None,
+        start,
+        yielded: start,
     })
 }
 

@@ -391,6 +391,31 @@ fn a_line_of_the_rig_says_the_same_as_a_column() {
 }
 
 #[test]
+fn a_tool_that_was_put_on_at_another_line_is_refused_with_the_right_one() {
+    let tool_m = Vector3::new(0.02, -0.03, 0.08);
+    let mut nominal = table(5);
+    nominal.surroundings.contact_sd_m = Some(1e-5);
+    let truth = moved_within_sight(&nominal, &balls(&nominal, tool_m, 3), 3);
+    let mut recording = balls(&truth, tool_m, 3);
+    let ids = recording.tool.take().unwrap();
+    let row = ids.iter().position(|id| id == "longer").unwrap();
+    let put_on = |row: usize| {
+        let mut device = nominal.clone();
+        device.surroundings.tools = vec![Tool {
+            from_line: Some(recording.line[row]),
+            ..Tool::new("longer")
+        }];
+        fit_device(&device, &recording, &options())
+    };
+    assert!(put_on(row).is_ok());
+    let right = format!("from_line = {} leaves", recording.line[row]);
+    for other in [row - 20, row + 15] {
+        let refused = put_on(other).unwrap_err().to_string();
+        assert!(refused.contains(&right), "{refused}");
+    }
+}
+
+#[test]
 fn three_rows_at_one_posture_are_held_out_together_however_many_postures_there_are() {
     let mut nominal = general();
     unknown_tracker(&mut nominal);

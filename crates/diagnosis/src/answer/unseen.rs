@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::answer::{Detectable, Hint, Invisible};
 use crate::engine::Engine;
-use crate::engine::system::{Column, dot};
+use crate::engine::system::dot;
 use crate::judge::findings::Findings;
 use crate::select::Selector;
 use crate::select::scan::{Candidate, Score};
@@ -126,17 +126,11 @@ struct Biases {
 impl Biases {
     fn new(engine: &Engine<'_>) -> Self {
         let free = engine.free();
-        let norms: Vec<f64> = (0..free.columns())
-            .map(|column| {
-                dot(free.column(column), free.column(column))
-                    .sqrt()
-                    .max(1e-300)
-            })
-            .collect();
+        let columns: Vec<&Direction> = (0..free.columns()).map(|k| free.column(k)).collect();
+        let length = |column: &&Direction| dot(column.values(), column.values()).sqrt();
+        let norms = columns.iter().map(|column| length(column).max(1e-300));
+        let norms: Vec<f64> = norms.collect();
         // where joints do not know of each other, most products are zero
-        let columns =
-            (0..free.columns()).map(|column| Direction::new(free.column(column).to_vec()));
-        let columns: Vec<Direction> = columns.collect();
         let normal = DMatrix::from_fn(free.columns(), free.columns(), |a, b| {
             let ridge = if a == b { 1e-9 } else { 0.0 };
             let product = columns[a].dot_part(columns[b].values(), columns[b].first());
@@ -155,7 +149,7 @@ impl Biases {
         };
         let free = engine.free();
         let right = DVector::from_fn(free.columns(), |index, _| {
-            product(engine, column, free.column(index)) / self.norms[index]
+            engine.system.dot_direction(column, free.column(index)) / self.norms[index]
         });
         let solution = normal.solve(&right);
         let device = engine.context.device;
@@ -179,10 +173,6 @@ impl Biases {
             .collect();
         names.join(", ")
     }
-}
-
-fn product(engine: &Engine<'_>, column: &Column, other: &[f64]) -> f64 {
-    engine.system.dot(column, other)
 }
 
 /// Fitted lengths and drums that a sound device hardly has: an effect may hide in them.

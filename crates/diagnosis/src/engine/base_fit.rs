@@ -30,8 +30,8 @@ impl Prepared<'_> {
                 ),
             };
             let blocks = Blocks::new(&self.context, &self.usable, &scale, &self.own, &noise);
-            let matrix = self.matrix.as_ref();
-            let whole = Part::new(&self.context, &self.problem, blocks, matrix, self.base)?;
+            let derivatives = self.derivatives.as_ref();
+            let whole = Part::new(&self.context, &self.problem, blocks, derivatives, self.base)?;
             let mut last_step: f64 = 0.0;
             // several steps with one decomposition
             for _ in 0..BASE_PASSES {

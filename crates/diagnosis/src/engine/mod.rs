@@ -2,6 +2,7 @@
 
 pub(crate) mod anchor;
 pub(crate) mod base;
+pub(crate) mod base_problem;
 pub(crate) mod blocks;
 pub(crate) mod earlier_model;
 pub(crate) mod layout;
@@ -18,10 +19,11 @@ mod base_fit;
 mod prepared;
 
 use haptical_effects::{Context, Effect, Stream};
-use haptical_identification::Matrix;
+use haptical_linalg::SparseColumns;
 
 use crate::DiagnosisError;
-use crate::engine::base::{Base, BaseProblem};
+use crate::engine::base::Base;
+use crate::engine::base_problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
 use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::part::{Part, root_mean_square};
@@ -50,7 +52,7 @@ pub(crate) struct Engine<'a> {
     /// What the speed makes of them at each row, where it does.
     scale: Vec<Option<Vec<f64>>>,
     /// Derivatives of all parameters at every row.
-    matrix: Option<Matrix>,
+    derivatives: Option<Derivatives>,
     /// What refits are made with.
     pub(crate) whole: Part,
     /// The base model alone.
@@ -119,12 +121,12 @@ impl Engine<'_> {
             })
             .collect();
         let blocks = Blocks::new(&self.context, &usable, &self.scale, &self.own, &self.noise);
-        let matrix = self.matrix.as_ref();
-        Part::new(&self.context, &self.problem, blocks, matrix, self.base)
+        let derivatives = self.derivatives.as_ref();
+        Part::new(&self.context, &self.problem, blocks, derivatives, self.base)
     }
 
     /// Whitened derivatives of the base model's free parameters.
-    pub(crate) fn free(&self) -> &Matrix {
+    pub(crate) fn free(&self) -> &SparseColumns {
         &self.whole.free
     }
 

@@ -6,7 +6,8 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Evaluation, Recording};
 
 use crate::DiagnosisError;
-use crate::engine::base::{Base, BaseProblem};
+use crate::engine::base::Base;
+use crate::engine::base_problem::BaseProblem;
 
 /// Share of the mean square of the three directions that is added to each: where the handle cannot move, no joint does.
 const RIDGE: f64 = 1e-3;

@@ -2,19 +2,20 @@
 
 use haptical_effects::{Context, Signal};
 use haptical_identification::{Matrix, Reduction};
-use haptical_linalg::{Direction, OrthonormalBasis, RANK_TOLERANCE};
+use haptical_linalg::{Direction, OrthonormalBasis, RANK_TOLERANCE, SparseColumns};
 
 use crate::DiagnosisError;
-use crate::engine::base::{Base, BaseProblem};
+use crate::engine::base::Base;
+use crate::engine::base_problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
-use crate::engine::system::{System, compress_matrix, compress_rows, dot, oscillations, windows};
+use crate::engine::system::{System, compress_columns, compress_rows, dot, oscillations, windows};
 
 /// Rows that a fit sees: their blocks, and the base model's derivatives on them.
 #[derive(Debug, Clone)]
 pub(crate) struct Part {
     pub(crate) blocks: Blocks,
     /// Compressed derivatives of the free parameters.
-    pub(crate) free: Matrix,
+    pub(crate) free: SparseColumns,
     /// Their decomposition, one row for each anchored parameter below them; none without parameters.
     basis: Option<OrthonormalBasis>,
     /// One over the standard deviations of the anchored parameters; empty where none is anchored.
@@ -38,30 +39,28 @@ impl Part {
         context: &Context<'_>,
         problem: &BaseProblem<'_>,
         blocks: Blocks,
-        matrix: Option<&Matrix>,
+        derivatives: Option<&Derivatives>,
         base: &Base,
     ) -> Result<Self, DiagnosisError> {
-        let Some(matrix) = matrix.filter(|_| !base.free.is_empty()) else {
+        let Some(derivatives) = derivatives.filter(|_| !base.free.is_empty()) else {
             return Ok(Self {
-                free: Matrix::zeros(blocks.count(), 0),
+                free: SparseColumns::new(blocks.count(), Vec::new()),
                 basis: None,
                 blocks,
                 stiffness: Vec::new(),
             });
         };
-        let free = compress_matrix(context, problem, &blocks, matrix, &base.free);
+        let free = compress_columns(context, problem, &blocks, derivatives, &base.free);
         let stiffness = base.stiffness().to_vec();
         let rows = free.rows();
         let anchored = (!stiffness.is_empty()).then(|| {
-            Matrix::from_fn(rows + stiffness.len(), free.columns(), |row, column| {
-                if row < rows {
-                    free[(row, column)]
-                } else if row - rows == column {
-                    stiffness[column]
-                } else {
-                    0.0
-                }
-            })
+            let lengthened = stiffness.iter().enumerate().map(|(column, stiffness)| {
+                let mut entries = free.dense(column);
+                entries.resize(rows + free.columns(), 0.0);
+                entries[rows + column] = *stiffness;
+                Direction::new(entries)
+            });
+            SparseColumns::new(rows + stiffness.len(), lengthened.collect())
         });
         let whole = anchored.as_ref().unwrap_or(&free);
         let basis = Some(OrthonormalBasis::new(whole, RANK_TOLERANCE)?);
@@ -87,7 +86,7 @@ impl Part {
     pub(crate) fn system(
         &self,
         context: &Context<'_>,
-        other: Option<&Matrix>,
+        other: Option<&SparseColumns>,
         residual: &[Vec<f64>],
     ) -> Result<System, DiagnosisError> {
         let windows = windows(context, &self.blocks);
@@ -95,12 +94,9 @@ impl Part {
         let mut system = System::bare(self.blocks.clone(), windows, reading);
         system.basis = self.directions()?;
         system.oscillations = oscillations(context, &self.blocks);
-        let columns = other.map_or(0, Matrix::columns);
-        for column in other
-            .iter()
-            .flat_map(|other| (0..columns).map(|k| other.column(k)))
-        {
-            system.take(column.to_vec());
+        let columns = other.map_or(0, SparseColumns::columns);
+        for column in (0..columns).filter_map(|k| Some(other?.dense(k))) {
+            system.take(column);
         }
         system.set_residual(residual);
         Ok(system)

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use haptical_calibration::{Channel, Weights};
 use haptical_effects::{Context, Effect, streams};
-use haptical_identification::Matrix;
 use haptical_model::Recording;
 
 use super::{Engine, beside};
 use crate::DiagnosisError;
-use crate::engine::base::{Base, BaseProblem};
+use crate::engine::base::Base;
+use crate::engine::base_problem::{BaseProblem, Derivatives};
 use crate::engine::model::{Model, Refit};
 use crate::engine::part::Part;
-use crate::engine::system::compress_matrix;
+use crate::engine::system::compress_columns;
 use crate::noise::Noise;
 use crate::noise::measured::{KnownNoise, floors};
 use crate::noise::{self, cleaning::outlying_rows};
@@ -25,7 +25,7 @@ pub(crate) struct Prepared<'a> {
     pub(super) base: &'a Base,
     pub(super) own: Vec<f64>,
     pub(super) usable: Vec<Vec<bool>>,
-    pub(super) matrix: Option<Matrix>,
+    pub(super) derivatives: Option<Derivatives>,
     pub(super) residual: Vec<Vec<f64>>,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Prepared<'a> {
             base,
             own,
             usable,
-            matrix: first.matrix,
+            derivatives: first.derivatives,
             residual: first.residual,
         })
     }
@@ -173,16 +173,16 @@ impl<'a> Prepared<'a> {
             base,
             own,
             usable,
-            matrix,
+            derivatives,
             ..
         } = self;
         let floor = floors(&problem, &noise, &usable);
         let held: Vec<usize> = (0..base.parameters.len())
             .filter(|parameter| !base.free.contains(parameter))
             .collect();
-        let other = matrix
+        let other = derivatives
             .as_ref()
-            .map(|matrix| compress_matrix(&context, &problem, &whole.blocks, matrix, &held));
+            .map(|all| compress_columns(&context, &problem, &whole.blocks, all, &held));
         let system = whole.system(&context, other.as_ref(), &residual)?;
         Ok(Engine {
             context,
@@ -194,7 +194,7 @@ impl<'a> Prepared<'a> {
             system,
             own,
             scale,
-            matrix,
+            derivatives,
             whole,
             start: Refit {
                 model: Model {

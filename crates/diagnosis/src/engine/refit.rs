@@ -114,10 +114,10 @@ impl Engine<'_> {
 
     /// The base model with the causes' columns at other values.
     fn part_at(&self, part: &Part, values: &[f64]) -> Result<Part, DiagnosisError> {
-        let matrix = self.problem.evaluate(values, true)?.matrix;
+        let derivatives = self.problem.evaluate(values, true)?.derivatives;
         let blocks = part.blocks.clone();
-        let matrix = matrix.as_ref();
-        Part::new(&self.context, &self.problem, blocks, matrix, self.base)
+        let derivatives = derivatives.as_ref();
+        Part::new(&self.context, &self.problem, blocks, derivatives, self.base)
     }
 
     /// The model after a step, shortened until the cost falls; none where it never does.

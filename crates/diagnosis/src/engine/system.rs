@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use haptical_effects::{Context, Signal};
-use haptical_linalg::{Direction, Matrix};
+use haptical_linalg::{Direction, SparseColumns};
 pub(crate) use haptical_linalg::{dot, take_off};
 
 use rayon::prelude::*;
 
-use crate::engine::base::BaseProblem;
+use crate::engine::base_problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
 use crate::engine::layout::Layout;
 use crate::thresholds::fit::WINDOW_S;
@@ -264,29 +264,31 @@ pub(crate) fn compress_rows(blocks: &Blocks, rows: &[Vec<f64>]) -> Vec<f64> {
 }
 
 /// Compresses the derivatives of `chosen` parameters.
-pub(crate) fn compress_matrix(
+pub(crate) fn compress_columns(
     context: &Context<'_>,
     problem: &BaseProblem<'_>,
     blocks: &Blocks,
-    matrix: &Matrix,
+    derivatives: &Derivatives,
     chosen: &[usize],
-) -> Matrix {
-    let columns: Vec<Vec<f64>> = chosen
-        .par_iter()
-        .map(|&parameter| {
-            let mut column = Vec::with_capacity(blocks.count());
-            for stream in 0..context.streams.len() {
-                let derivative = problem.derivative(matrix, stream, parameter);
+) -> SparseColumns {
+    let of_parameter = |&parameter: &usize| {
+        // from the first stream that depends on it to the last
+        let mut first = 0;
+        let mut column: Vec<f64> = Vec::new();
+        for stream in 0..context.streams.len() {
+            let range = blocks.range(stream);
+            if let Some(derivative) = problem.derivative(derivatives, stream, parameter) {
+                if column.is_empty() {
+                    first = range.start;
+                }
+                column.resize(range.start - first, 0.0);
                 column.extend(blocks.compress(stream, derivative));
             }
-            column
-        })
-        .collect();
-    let mut compressed = Matrix::zeros(blocks.count(), chosen.len());
-    for (index, column) in columns.iter().enumerate() {
-        compressed.column_mut(index).copy_from_slice(column);
-    }
-    compressed
+        }
+        Direction::from_part(first, column)
+    };
+    let columns: Vec<Direction> = chosen.par_iter().map(of_parameter).collect();
+    SparseColumns::new(blocks.count(), columns)
 }
 
 /// Cosine and sine of every line of every stream, each run's alone.

@@ -216,7 +216,7 @@ fn parts(selection: &Selection<'_>) -> Vec<Vec<Part>> {
     let count = free.columns();
     let of_range = |entries: std::ops::Range<usize>| {
         let columns = DMatrix::from_fn(entries.len(), count, |entry, column| {
-            free.column(column)[entries.start + entry] / norms[column]
+            free.column(column).entry(entries.start + entry) / norms[column]
         });
         let signal = DVector::from_fn(entries.len(), |entry, _| signal[entries.start + entry]);
         Part {
@@ -238,7 +238,12 @@ fn parts(selection: &Selection<'_>) -> Vec<Vec<Part>> {
 fn norms(selection: &Selection<'_>) -> Vec<f64> {
     let free = selection.engine().free();
     let norm = |column: usize| {
-        let squares: f64 = free.column(column).iter().map(|value| value * value).sum();
+        let squares: f64 = free
+            .column(column)
+            .values()
+            .iter()
+            .map(|value| value * value)
+            .sum();
         squares.sqrt().max(f64::MIN_POSITIVE)
     };
     (0..free.columns()).map(norm).collect()

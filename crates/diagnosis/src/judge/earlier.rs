@@ -88,7 +88,8 @@ pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f6
     }
     let tool = tool::columns(engine, model).unwrap_or_default();
     let displaced = displaced(engine);
-    let mut all: Vec<&[f64]> = (0..count).map(|column| free.column(column)).collect();
+    let fitted: Vec<Vec<f64>> = (0..count).map(|column| free.dense(column)).collect();
+    let mut all: Vec<&[f64]> = fitted.iter().map(Vec::as_slice).collect();
     all.extend(tool.iter().map(Vec::as_slice));
     let mut sensors = Vec::new();
     for sensor in &displaced {

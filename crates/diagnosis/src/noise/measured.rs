@@ -4,7 +4,7 @@ use haptical_calibration::Channel;
 use haptical_effects::Context;
 use rayon::prelude::*;
 
-use crate::engine::base::BaseProblem;
+use crate::engine::base_problem::BaseProblem;
 use crate::noise::repeats::{Repeats, pooled};
 use crate::noise::stated::is_stated;
 use crate::noise::{self, Known, Noise};

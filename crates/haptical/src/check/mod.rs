@@ -145,7 +145,11 @@ pub fn check(device: &Device, log: Option<&Log>, request: &Identify) -> Result<C
     });
     Ok(Checked {
         log: found.transpose()?,
-        device: checked_device(&model, log.map(|log| &log.recording), source.label.clone()),
+        device: checked_device(
+            &model,
+            log.map(|log| log.recording.as_ref()),
+            source.label.clone(),
+        ),
         warnings,
     })
 }

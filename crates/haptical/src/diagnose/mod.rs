@@ -127,7 +127,7 @@ pub fn diagnose_as(
         without: without.clone(),
         own_effects: *own_effects,
         model: model.map(|model| &model.model),
-        validation: validate.map(|log| &log.recording),
+        validation: validate.map(|log| log.recording.as_ref()),
     };
     let (device_path, log_path) = (&device.source().path, &log.source().path);
     let mut diagnosis = diagnose_recording(&described, &log.recording, &request)

@@ -6,7 +6,9 @@ mod result;
 mod summary;
 mod transmissions;
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use haptical_calibration::{
     Calibration, CalibrationError, Degree, ForceDirection, HeldOut, LossChoice, Options, Weighting,
@@ -66,7 +68,7 @@ pub struct Found {
     pub calibration: Calibration,
     /// The content of identified.json.
     pub result: Identified,
-    recording: Recording,
+    recording: Arc<Recording>,
     toml: String,
     /// The text of rejected.toml.
     rejected: Option<String>,
@@ -135,8 +137,10 @@ pub fn identify_as(
         device: Device::open(&source, &crate::Equipment::default())?,
         calibration,
         result,
-        // a copy only now that the fit has given its room back
-        recording: recording.into_owned(),
+        recording: match recording {
+            Cow::Borrowed(_) => Arc::clone(&log.recording),
+            Cow::Owned(own) => Arc::new(own),
+        },
         toml,
         rejected,
     })

@@ -263,8 +263,8 @@ pub(super) fn identified(
         held_out: calibration.held_out.clone(),
         convergence: fits.first().map(|fit| fit.convergence),
         iterations: fits.iter().map(|fit| fit.iterations).sum(),
-        channels: calibration.judged_channels().to_vec(),
-        channels_fit: calibration.fit_channels.clone(),
+        channels: figures(calibration.judged_channels()),
+        channels_fit: figures(&calibration.fit_channels),
         transmissions: transmissions(calibration, &parameters),
         combinations,
         not_identified,
@@ -290,12 +290,16 @@ pub(super) fn identified(
         rejected: calibration.rejected.as_ref().map(|rejected| RejectedEntry {
             kept: rejected.kept,
             growth: rejected.growth.clone(),
-            channels: rejected.held_out_channels.clone(),
+            channels: figures(&rejected.held_out_channels),
         }),
         provenance,
     };
     result.answer = answer(&result);
     result
+}
+
+fn figures(channels: &[ChannelReport]) -> Vec<ChannelReport> {
+    channels.iter().map(ChannelReport::figures).collect()
 }
 
 /// The candidates of one fit.

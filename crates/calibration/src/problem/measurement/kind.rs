@@ -5,6 +5,8 @@ use haptical_model::{
     Device, Evaluation, ModelError, Mount, ParameterId, Recording, SurroundingParameter,
 };
 
+use super::tracked::Mountings;
+
 /// One kind of measurement: what a row shows of it, and how that changes with every parameter.
 ///
 /// To add a kind: a file here, a variant of [`crate::Channel`] with its name, an arm of `with_kind`, and where it
@@ -97,6 +99,8 @@ pub(crate) struct Posture<'e> {
     pub(crate) subject: usize,
     /// Where the tracker stood, and what was on the hand.
     pub(crate) mount: Mount,
+    /// Bases and tools of all rows.
+    pub(crate) mountings: &'e Mountings,
 }
 
 /// Whether a column has a number at a row.

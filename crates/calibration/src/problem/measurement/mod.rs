@@ -11,5 +11,6 @@ pub(crate) mod plane;
 pub(crate) mod plane_pair;
 pub(crate) mod position;
 pub(crate) mod rotation;
+pub(crate) mod sight;
 pub(crate) mod touching;
 pub(crate) mod tracked;

@@ -5,7 +5,8 @@ use haptical_model::kinematics::nalgebra::Matrix3;
 use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
 use super::kind::{Measurement, Posture};
-use super::tracked::{Sight, is_of_tracker};
+use super::sight::Sight;
+use super::tracked::is_of_tracker;
 use crate::problem::measurement::rotation::{
     inverse_left_jacobian, measured_rotation, rotation_vector,
 };
@@ -46,7 +47,7 @@ impl Measurement for Orientation {
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], Seen), ModelError> {
         let measured = measured_rotation(at.recording, at.row);
         let sight = Sight::new(at)?;
-        let rest = rotation_vector(&(sight.pose.rotation * measured.transpose()));
+        let rest = rotation_vector(&(sight.pose().rotation * measured.transpose()));
         let seen = Seen {
             inverse: inverse_left_jacobian(&rest),
             weight,

@@ -4,7 +4,8 @@ use haptical_model::kinematics::Twist;
 use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
 use super::kind::{Measurement, Posture};
-use super::tracked::{Sight, Tracked, is_of_tracker};
+use super::sight::Sight;
+use super::tracked::is_of_tracker;
 
 /// The handle's position in frame (-1), or that of what is tracked in the tracker's frame.
 pub(crate) struct Position;
@@ -33,7 +34,7 @@ impl Measurement for Position {
         let mut residuals = [0.0; 3];
         if let Some(axes) = &at.recording.position_m {
             for axis in 0..3 {
-                residuals[axis] = weight * (sight.pose.position_m[axis] - axes[axis][at.row]);
+                residuals[axis] = weight * (sight.pose().position_m[axis] - axes[axis][at.row]);
             }
         }
         Ok((residuals, (weight, sight)))
@@ -53,9 +54,7 @@ impl Measurement for Position {
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
-        if let Some(tracked) = Tracked::new(at.device, at.evaluation.pose()?, at.mount) {
-            return Ok(tracked.carried(twist).linear.norm_squared() / 3.0);
-        }
-        Ok(twist.linear.norm_squared() / 3.0)
+        let sight = Sight::new(at)?;
+        Ok(sight.carried(twist).linear.norm_squared() / 3.0)
     }
 }

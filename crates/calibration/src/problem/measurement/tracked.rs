@@ -2,9 +2,7 @@
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Pose, Twist};
-use haptical_model::{Device, ModelError, Mount, ParameterId, SurroundingParameter};
-
-use super::kind::Posture;
+use haptical_model::{Device, Mount, ParameterId, SurroundingParameter};
 
 /// Pose of what is tracked in the tracker's frame, `B T X`: B frame (-1) seen from the tracker, T the
 /// handle's pose, X what is tracked seen from the handle. Which base and which tool a row is about says its [`Mount`].
@@ -29,19 +27,53 @@ use super::kind::Posture;
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Tracked {
+    pose: Pose,
+    /// The base's orientation in the tracker's frame.
+    base: Matrix3<f64>,
+    /// From the handle to what is tracked, in frame (-1).
+    arm: Vector3<f64>,
+    /// From frame (-1)'s origin to what is tracked, turned into the tracker's frame.
+    reach: Vector3<f64>,
+    /// The handle's orientation in the tracker's frame.
+    turned: Matrix3<f64>,
+}
+
+/// Base and tool of a [`Mount`] as a device has them: the same at all its rows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mounting {
     base: Pose,
     tool: Pose,
     /// Rotation vectors per unit of the base's turn, in the tracker's frame.
     base_turn: Matrix3<f64>,
     /// Rotation vectors per unit of the tool's turn, in the handle frame.
     tool_turn: Matrix3<f64>,
-    handle: Pose,
     mount: Mount,
 }
 
-impl Tracked {
-    /// None where the tracker's base and tool are known: then it sees the handle itself in frame (-1).
-    pub fn new(device: &Device, handle: &Pose, mount: Mount) -> Option<Self> {
+/// The mountings of a problem's rows.
+pub(crate) struct Mountings(Vec<(Mount, Option<Mounting>)>);
+
+impl Mountings {
+    /// `mounts` are those of the rows; empty where all have the default.
+    pub(crate) fn new(device: &Device, mounts: &[Mount]) -> Self {
+        let mut own: Vec<(Mount, Option<Mounting>)> = Vec::new();
+        for mount in mounts.iter().copied().chain([Mount::default()]) {
+            if own.iter().all(|(other, _)| *other != mount) {
+                own.push((mount, Mounting::new(device, mount)));
+            }
+        }
+        Self(own)
+    }
+
+    /// None where the tracker's base and tool are known.
+    pub(crate) fn of(&self, mount: Mount) -> Option<&Mounting> {
+        let own = self.0.iter().find(|(other, _)| *other == mount);
+        own.and_then(|(_, mounting)| mounting.as_ref())
+    }
+}
+
+impl Mounting {
+    fn new(device: &Device, mount: Mount) -> Option<Self> {
         let (base, tool) = (device.base_of(mount), device.seen_tool_of(mount));
         if base.is_none() && tool.is_none() {
             return None;
@@ -52,40 +84,61 @@ impl Tracked {
             tool: tool.pose(),
             base_turn: base.turn_axes(),
             tool_turn: tool.turn_axes(),
-            handle: *handle,
             mount,
         })
     }
 
-    /// From the handle to what is tracked, in frame (-1).
-    fn arm(&self) -> Vector3<f64> {
-        self.handle.rotation * self.tool.position_m
+    /// What is tracked where the handle is at a pose.
+    pub(crate) fn at(&self, handle: &Pose) -> Tracked {
+        let arm = handle.rotation * self.tool.position_m;
+        let reach = self.base.rotation * (handle.position_m + arm);
+        let turned = self.base.rotation * handle.rotation;
+        Tracked {
+            pose: Pose {
+                position_m: reach + self.base.position_m,
+                rotation: turned * self.tool.rotation,
+            },
+            base: self.base.rotation,
+            arm,
+            reach,
+            turned,
+        }
     }
+}
 
-    /// From frame (-1)'s origin to what is tracked, turned into the tracker's frame.
-    fn reach(&self) -> Vector3<f64> {
-        self.base.rotation * (self.handle.position_m + self.arm())
+impl Tracked {
+    /// None where the tracker's base and tool are known: then it sees the handle itself in frame (-1).
+    pub fn new(device: &Device, handle: &Pose, mount: Mount) -> Option<Self> {
+        Some(Mounting::new(device, mount)?.at(handle))
     }
 
     /// What the tracker should see.
     pub fn pose(&self) -> Pose {
-        Pose {
-            position_m: self.reach() + self.base.position_m,
-            rotation: self.base.rotation * self.handle.rotation * self.tool.rotation,
+        self.pose
+    }
+
+    /// The handle itself, in frame (-1).
+    pub(crate) fn itself(handle: &Pose) -> Self {
+        Self {
+            pose: *handle,
+            base: Matrix3::identity(),
+            arm: Vector3::zeros(),
+            reach: handle.position_m,
+            turned: handle.rotation,
         }
     }
 
     /// How what it sees changes when the handle moves by a twist in frame (-1).
     pub fn carried(&self, twist: &Twist) -> Twist {
-        let linear = twist.linear + twist.angular.cross(&self.arm());
+        let linear = twist.linear + twist.angular.cross(&self.arm);
         Twist {
-            linear: self.base.rotation * linear,
-            angular: self.base.rotation * twist.angular,
+            linear: self.base * linear,
+            angular: self.base * twist.angular,
         }
     }
 
-    /// How what it sees changes with a number of base or tool; none for another parameter.
-    pub(crate) fn derivative(&self, parameter: ParameterId) -> Option<Twist> {
+    /// How what it sees changes with a number of base or tool, those of `own`; none for another parameter.
+    pub(crate) fn derivative(&self, own: &Mounting, parameter: ParameterId) -> Option<Twist> {
         let unit = |index: usize| Vector3::ith(index, 1.0);
         let slide = |linear: Vector3<f64>| Twist {
             linear,
@@ -94,7 +147,7 @@ impl Tracked {
         let ParameterId::Surrounding(parameter) = parameter else {
             return None;
         };
-        if self.mount != mount_of(parameter, self.mount)? {
+        if own.mount != mount_of(parameter, own.mount)? {
             return Some(Twist::default());
         }
         match parameter {
@@ -102,24 +155,21 @@ impl Tracked {
             | SurroundingParameter::RunBase { index, .. } => Some(match index.checked_sub(3) {
                 None => slide(unit(index)),
                 Some(turn) => {
-                    let angular = self.base_turn.column(turn).into_owned();
+                    let angular = own.base_turn.column(turn).into_owned();
                     Twist {
-                        linear: angular.cross(&self.reach()),
+                        linear: angular.cross(&self.reach),
                         angular,
                     }
                 }
             }),
             SurroundingParameter::TrackerTool { index }
-            | SurroundingParameter::Tool { index, .. } => {
-                let turned = self.base.rotation * self.handle.rotation;
-                Some(match index.checked_sub(3) {
-                    None => slide(turned * unit(index)),
-                    Some(turn) => Twist {
-                        linear: Vector3::zeros(),
-                        angular: turned * self.tool_turn.column(turn),
-                    },
-                })
-            }
+            | SurroundingParameter::Tool { index, .. } => Some(match index.checked_sub(3) {
+                None => slide(self.turned * unit(index)),
+                Some(turn) => Twist {
+                    linear: Vector3::zeros(),
+                    angular: self.turned * own.tool_turn.column(turn),
+                },
+            }),
             _ => None,
         }
     }
@@ -141,44 +191,6 @@ fn mount_of(parameter: SurroundingParameter, mount: Mount) -> Option<Mount> {
         },
         _ => return None,
     })
-}
-
-/// What a tracker sees of the device at a row: the handle itself, or what is tracked.
-pub(crate) struct Sight {
-    pub(crate) pose: Pose,
-    tracked: Option<Tracked>,
-}
-
-impl Sight {
-    pub(crate) fn new(at: &Posture<'_>) -> Result<Self, ModelError> {
-        let handle = at.evaluation.pose()?;
-        let tracked = Tracked::new(at.device, handle, at.mount);
-        Ok(Self {
-            pose: tracked.map_or(*handle, |tracked| tracked.pose()),
-            tracked,
-        })
-    }
-
-    /// How it changes when the handle moves by a twist in frame (-1).
-    pub(crate) fn carried(&self, twist: &Twist) -> Twist {
-        let tracked = self.tracked.as_ref();
-        tracked.map_or(*twist, |tracked| tracked.carried(twist))
-    }
-
-    /// How the pose changes with a parameter of the chain or the tracker.
-    pub(crate) fn derivative(&self, at: &Posture<'_>, parameter: ParameterId) -> Twist {
-        if parameter == ParameterId::Surrounding(SurroundingParameter::TrackerScale) {
-            return Twist {
-                linear: self.pose.position_m,
-                angular: Vector3::zeros(),
-            };
-        }
-        let of_handle = || at.evaluation.pose_derivative(parameter);
-        self.tracked.as_ref().map_or_else(of_handle, |tracked| {
-            let own = tracked.derivative(parameter);
-            own.unwrap_or_else(|| tracked.carried(&of_handle()))
-        })
-    }
 }
 
 /// Whether a number of the surroundings is one of the tracker's own.

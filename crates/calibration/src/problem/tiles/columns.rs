@@ -1,25 +1,26 @@
 //! How each free parameter moves the handle: the rows of the chain that move with it.
 
 use haptical_batch::{Lane, ScrewTile, TwistLanes};
-use haptical_model::{Drive, JointType, Parameter, ParameterId};
+use haptical_model::{DeviceChain, Drive, JointType, Parameter, ParameterId};
 
 /// What a free parameter does to the handle.
 pub(super) struct Column {
     pub(super) parameter: ParameterId,
-    /// Row, which of its numbers moves, and by how much per unit; none for a number of the surroundings.
+    /// Row of the chain, which of its numbers moves, and by how much per unit; none for a number of the surroundings or of
+    /// another branch.
     terms: Vec<(usize, Parameter, f64)>,
 }
 
 impl Column {
-    /// `drives` are those of the rows from 1 on.
-    pub(super) fn new(parameter: ParameterId, drives: &[Drive]) -> Self {
+    pub(super) fn new(parameter: ParameterId, chain: &DeviceChain) -> Self {
         let terms = match parameter {
-            ParameterId::Link { row, parameter } => vec![(row, parameter, 1.0)],
+            ParameterId::Link { row, parameter } => {
+                let place = chain.place(row).into_iter();
+                place.map(|row| (row, parameter, 1.0)).collect()
+            }
             ParameterId::Transmission { joint, .. } | ParameterId::Compliance { joint } => {
-                let own = drives
-                    .iter()
-                    .zip(1..)
-                    .filter(|(drive, _)| drive.joint == joint);
+                let drives = chain.drives().iter().zip(1..);
+                let own = drives.filter(|(drive, _)| drive.joint == joint);
                 own.map(|(drive, row)| (row, moved(drive), drive.multiplier))
                     .collect()
             }

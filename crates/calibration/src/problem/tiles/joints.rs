@@ -54,17 +54,17 @@ impl JointRows {
         Some(Self { outputs, slopes })
     }
 
-    /// A row's variable, from entry `first` on; behind the last row the last one is repeated.
+    /// A row's variable at a tile's entries; behind the last one it is repeated.
     pub(super) fn variable(
         &self,
         drive: &Drive,
-        first: usize,
+        entries: &[usize],
         yielded: impl Fn(usize) -> f64,
         into: &mut Lane,
     ) {
         let outputs = &self.outputs[drive.joint];
-        for (posture, variable) in into.iter_mut().enumerate() {
-            let entry = (first + posture).min(outputs.len() - 1);
+        let last = entries.last().into_iter().cycle();
+        for (variable, &entry) in into.iter_mut().zip(entries.iter().chain(last)) {
             *variable = drive.multiplier * (outputs[entry] - yielded(entry));
         }
     }
@@ -74,12 +74,12 @@ impl JointRows {
         self.slopes[joint].get(index).map_or(&[], Vec::as_slice)
     }
 
-    /// The same from entry `first` on as a lane.
-    pub(super) fn slope_lane(&self, joint: usize, index: usize, first: usize) -> Lane {
-        let own = self.slope(joint, index).get(first..).unwrap_or(&[]);
+    /// The same at a tile's entries as a lane.
+    pub(super) fn slope_lane(&self, joint: usize, index: usize, entries: &[usize]) -> Lane {
+        let own = self.slope(joint, index);
         let mut lane = [0.0; POSTURES];
-        for (into, slope) in lane.iter_mut().zip(own) {
-            *into = *slope;
+        for (into, &entry) in lane.iter_mut().zip(entries) {
+            *into = own.get(entry).copied().unwrap_or(0.0);
         }
         lane
     }

@@ -178,6 +178,59 @@ proptest! {
     }
 }
 
+/// Two hands on one trunk, whose rows come in no order.
+#[test]
+fn tiles_of_hands_are_the_rows_but_for_rounding() {
+    let mut numbers = Numbers(11);
+    let mut text = "[device]\nconvention = \"modified\"\n".to_owned();
+    for row_of in 0..6 {
+        row(&mut text, &mut numbers, None);
+        if row_of == 4 {
+            text.push_str("parent = 1\n");
+        }
+    }
+    text.push_str(&"[[joint]]\ncompliance_rad_per_nm = 1e-3\nfit = [\"compliance\"]\n".repeat(5));
+    text.push_str("[[hand]]\nname = \"left\"\nrow = 3\n[[hand]]\nname = \"right\"\nrow = 5\n");
+    text.push_str("[tracker]\nbase = \"unknown\"\ntool = \"unknown\"\nposition_sd_m = 1e-4\n");
+    let device = Device::from_toml(&text, "hands.toml").unwrap().device;
+    let mut recording = recording(5, &mut numbers);
+    (
+        recording.contact,
+        recording.plane,
+        recording.orientation_wxyz,
+    ) = (None, None, None);
+    let hand = |_| ["left", "right"][usize::from(numbers.is_one())].to_owned();
+    recording.hand = Some((0..ROWS).map(hand).collect());
+    let device = prepare_device(&device, &recording).unwrap();
+    let channels = [crate::Channel::Position];
+    let mut parameters = device.link_parameters(true);
+    parameters.extend(device.further_parameters());
+    let weights = Weights::stated(&device, &channels);
+    let problem =
+        DeviceProblem::new(&device, &recording, &channels, &parameters, &weights).unwrap();
+    let free: Vec<usize> = (0..parameters.len()).collect();
+    let count = problem.blocks[0].end();
+    let filled = || {
+        (
+            vec![f64::NAN; count],
+            Matrix::from_fn(count, free.len(), |_, _| f64::NAN),
+        )
+    };
+    let ((mut found, mut derivatives), (mut expected, mut by_row)) = (filled(), filled());
+    let mut jacobian = Some((free.as_slice(), &mut derivatives));
+    let tiles = problem.run_tiles(&device, &(0..ROWS), &[0], &mut found, &mut jacobian);
+    assert!(tiles.is_some());
+    let mut jacobian = Some((free.as_slice(), &mut by_row));
+    problem
+        .run_rows(&device, 0..ROWS, &[0], &mut expected, &mut jacobian)
+        .unwrap();
+    assert_near(&found, &expected, 1e4, "position");
+    for (position, parameter) in parameters.iter().enumerate() {
+        let (own, rows) = (derivatives.column(position), by_row.column(position));
+        assert_near(own, rows, 1e4, &parameter.name(&device));
+    }
+}
+
 /// A reading that the chain refuses is left to the form that names its line.
 #[test]
 fn a_number_that_is_refused_is_left_to_the_rows() {

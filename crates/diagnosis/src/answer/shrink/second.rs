@@ -219,8 +219,9 @@ pub(crate) fn model_residual(
 ) -> Result<Vec<Vec<f64>>, DiagnosisError> {
     let weights = haptical_calibration::Weights::stated(&model.device, &model.channels);
     let streams = &engine.context.streams;
-    let problem =
-        crate::engine::base::BaseProblem::new(model, recording, recording, streams, &weights)?;
+    let problem = crate::engine::base_problem::BaseProblem::new(
+        model, recording, recording, streams, &weights,
+    )?;
     Ok(problem.evaluate(&problem.start(), false)?.residual)
 }
 

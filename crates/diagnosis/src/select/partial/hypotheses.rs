@@ -26,6 +26,16 @@ pub(crate) struct Hypothesis {
 struct Member<'c> {
     candidate: &'c Candidate,
     across: Vec<Vec<f64>>,
+    /// First of its columns among those of [`Products`].
+    first: usize,
+}
+
+/// Products of all members' columns with each other and with the residual: members are taken out one by one, and those
+/// that stay keep theirs.
+struct Products {
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    rest: f64,
 }
 
 impl Hypothesis {
@@ -101,11 +111,17 @@ impl Selector<'_> {
         segments: &Segments,
     ) -> Option<Hypothesis> {
         let mut members = distinct(members, system);
-        let mut causes = self.settled(&mut members, system)?;
-        let mut unseen = segments.unseen(&with(system, &members, None));
+        let products = Products::new(&members, system);
+        let mut causes = self.settled(&mut members, &products, system)?;
+        let mut unseen = segments.unseen(&with(system.clone(), &members));
         while members.len() > 1 {
+            // those before the one that is left out are taken once for all that follow
+            let mut before = system.clone();
             let gains = (0..members.len()).map(|index| {
-                let without = segments.unseen(&with(system, &members, Some(index)));
+                let without = segments.unseen(&with(before.clone(), &members[index + 1..]));
+                for column in &members[index].across {
+                    before.take(column.clone());
+                }
                 (index, unseen.gain_on(&without).deviations())
             });
             let (weakest, _) = gains
@@ -114,21 +130,26 @@ impl Selector<'_> {
                 .unzip();
             let Some(weakest) = weakest else { break };
             members.remove(weakest);
-            causes = self.settled(&mut members, system)?;
-            unseen = segments.unseen(&with(system, &members, None));
+            causes = self.settled(&mut members, &products, system)?;
+            unseen = segments.unseen(&with(system.clone(), &members));
         }
         Some(Hypothesis { causes, unseen })
     }
 
     /// Takes out members that nature does not allow, or that chance or the misfit explain, until none is left of these; the
     /// sizes of the others, the surest first.
-    fn settled(&self, members: &mut Vec<Member<'_>>, system: &System) -> Option<Vec<Cause>> {
+    fn settled(
+        &self,
+        members: &mut Vec<Member<'_>>,
+        products: &Products,
+        system: &System,
+    ) -> Option<Vec<Cause>> {
         loop {
             let numbers: usize = members.iter().map(|member| member.across.len()).sum();
             if members.is_empty() || system.layout.count() < READINGS_PER_NUMBER * numbers {
                 return None;
             }
-            let (causes, deviations) = sized(members, system)?;
+            let (causes, deviations) = products.sized(members, system)?;
             let may_be: Vec<bool> = causes.iter().map(|cause| self.may_be(cause)).collect();
             if may_be.contains(&false) {
                 let mut may_be = may_be.into_iter();
@@ -166,7 +187,8 @@ impl Selector<'_> {
 /// The candidates that neither the system nor those before them have already.
 fn distinct<'c>(candidates: &[&'c Candidate], system: &System) -> Vec<Member<'c>> {
     let mut known = system.clone();
-    let mut members = Vec::new();
+    let mut members: Vec<Member<'_>> = Vec::new();
+    let mut first = 0;
     for &candidate in candidates {
         let dense = candidate.columns.iter().map(|column| system.dense(column));
         let dense: Vec<Vec<f64>> = dense.collect();
@@ -186,10 +208,14 @@ fn distinct<'c>(candidates: &[&'c Candidate], system: &System) -> Vec<Member<'c>
                 }
                 column
             });
+            let across: Vec<Vec<f64>> = across.collect();
+            let count = across.len();
             members.push(Member {
                 candidate,
-                across: across.collect(),
+                across,
+                first,
             });
+            first += count;
         }
     }
     members
@@ -210,47 +236,62 @@ fn is_of_a_group(effect: &dyn Effect) -> bool {
     is_linear && effect.joint().is_some()
 }
 
-/// Members with the sizes that fit best together, and how far each is from nothing, in standard deviations of what all
-/// leave; none where they cannot be told apart.
-fn sized(members: &[Member<'_>], system: &System) -> Option<(Vec<Cause>, Vec<f64>)> {
-    let columns: Vec<&Vec<f64>> = members.iter().flat_map(|member| &member.across).collect();
-    let gram = DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
-        dot(columns[a], columns[b])
-    });
-    let right = DVector::from_fn(columns.len(), |k, _| dot(columns[k], &system.residual));
-    let covariance = gram.cholesky()?.inverse();
-    let sizes = &covariance * &right;
-    let rest = dot(&system.residual, &system.residual) - sizes.dot(&right);
-    let misfit = (rest / system.layout.count() as f64).max(1.0);
-    let mut first = 0;
-    let mut causes = Vec::new();
-    let mut deviations = Vec::new();
-    for member in members {
-        let count = member.across.len();
-        let own = sizes.rows(first, count).into_owned();
-        let block = covariance.view((first, first), (count, count)).into_owned();
-        let square = own.dot(&block.cholesky()?.solve(&own));
-        deviations.push((square / misfit / count as f64).sqrt());
-        causes.push(Cause {
-            effect: member.candidate.effect,
-            amplitudes: own.iter().copied().collect(),
-            shape: member.candidate.shape,
-            times: Vec::new(),
-        });
-        first += count;
-    }
-    Some((causes, deviations))
-}
-
-/// The system with the members in it, but one.
-fn with(system: &System, members: &[Member<'_>], but: Option<usize>) -> System {
-    let mut system = system.clone();
-    for (index, member) in members.iter().enumerate() {
-        if but != Some(index) {
-            for column in &member.across {
-                system.take(column.clone());
+impl Products {
+    fn new(members: &[Member<'_>], system: &System) -> Self {
+        let columns: Vec<&Vec<f64>> = members.iter().flat_map(|member| &member.across).collect();
+        let residual = &system.residual;
+        let mut gram = DMatrix::zeros(columns.len(), columns.len());
+        for (a, one) in columns.iter().enumerate() {
+            for (b, other) in columns.iter().enumerate().take(a + 1) {
+                let product = dot(one, other);
+                gram[(a, b)] = product;
+                gram[(b, a)] = product;
             }
         }
+        Self {
+            gram,
+            right: DVector::from_fn(columns.len(), |k, _| dot(columns[k], residual)),
+            rest: dot(residual, residual),
+        }
+    }
+
+    /// Members with the sizes that fit best together, and how far each is from nothing, in standard deviations of what
+    /// all leave; none where they cannot be told apart.
+    fn sized(&self, members: &[Member<'_>], system: &System) -> Option<(Vec<Cause>, Vec<f64>)> {
+        let own = members.iter();
+        let own = own.flat_map(|member| member.first..member.first + member.across.len());
+        let own: Vec<usize> = own.collect();
+        let gram = DMatrix::from_fn(own.len(), own.len(), |a, b| self.gram[(own[a], own[b])]);
+        let right = DVector::from_fn(own.len(), |k, _| self.right[own[k]]);
+        let covariance = gram.cholesky()?.inverse();
+        let sizes = &covariance * &right;
+        let rest = self.rest - sizes.dot(&right);
+        let misfit = (rest / system.layout.count() as f64).max(1.0);
+        let mut first = 0;
+        let mut causes = Vec::new();
+        let mut deviations = Vec::new();
+        for member in members {
+            let count = member.across.len();
+            let own = sizes.rows(first, count).into_owned();
+            let block = covariance.view((first, first), (count, count)).into_owned();
+            let square = own.dot(&block.cholesky()?.solve(&own));
+            deviations.push((square / misfit / count as f64).sqrt());
+            causes.push(Cause {
+                effect: member.candidate.effect,
+                amplitudes: own.iter().copied().collect(),
+                shape: member.candidate.shape,
+                times: Vec::new(),
+            });
+            first += count;
+        }
+        Some((causes, deviations))
+    }
+}
+
+/// The system with members in it.
+fn with(mut system: System, members: &[Member<'_>]) -> System {
+    for column in members.iter().flat_map(|member| &member.across) {
+        system.take(column.clone());
     }
     system
 }

@@ -172,7 +172,7 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
         let pairs = trace.at.iter().zip(residuals);
         let all = pairs.map(|(&at, &residual)| (at, residual * shown.per_si));
         let finite = all.filter(|(at, residual)| at.is_finite() && residual.is_finite());
-        thinned(finite.collect())
+        thinned(finite)
     };
     let column = axis_label(&trace.covariate);
     let words = column.split(" [").next().unwrap_or_default();

@@ -52,17 +52,18 @@ fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Opti
     let held_out = calibration.held_out_channels.iter().find(is_it);
     let unit = fit.or(held_out).map_or("", |report| report.unit.as_str());
     let shown = Shown::fine(unit);
-    let points =
-        |report: &ChannelReport, residuals: &[f64]| points(report, residuals, axis, shown.per_si);
+    let per_si = shown.per_si;
     // Folds of a short log hold out every row once, so that the fit's rows would be drawn twice.
     let folds = matches!((fit, held_out), (Some(fit), Some(held_out))
         if held_out.rows.len() == fit.rows.len());
     let (fit_once, held_out_once) = (fit.filter(|_| !folds), held_out.filter(|_| !folds));
     let all = fit.into_iter().chain(held_out_once);
-    let mut before: Vec<(f64, f64)> = all.flat_map(|own| points(own, &own.before)).collect();
+    let mut before = thinned(all.flat_map(|own| points(own, &own.before, axis, per_si)));
     before.sort_by(|a, b| a.0.total_cmp(&b.0));
     let after = |report: Option<&ChannelReport>| {
-        report.map_or_else(Vec::new, |report| points(report, &report.after))
+        report.map_or_else(Vec::new, |report| {
+            thinned(points(report, &report.after, axis, per_si))
+        })
     };
     let series = [
         ("before", BEFORE, before),
@@ -73,8 +74,8 @@ fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Opti
             after(held_out),
         ),
     ];
-    let series = series
-        .map(|(label, colour, points)| Series::new(label, Mark::Points, colour, thinned(points)));
+    let series =
+        series.map(|(label, colour, points)| Series::new(label, Mark::Points, colour, points));
     let mut series = series.to_vec();
     series.retain(|series| !series.points.is_empty());
     if series.is_empty() {
@@ -98,20 +99,19 @@ fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Opti
 }
 
 /// The points of residuals; those without a place on the axis are left out.
-fn points(
-    report: &ChannelReport,
-    residuals: &[f64],
-    axis: &Axis<'_>,
+fn points<'p>(
+    report: &'p ChannelReport,
+    residuals: &'p [f64],
+    axis: &'p Axis<'_>,
     per_si: f64,
-) -> Vec<(f64, f64)> {
+) -> impl Iterator<Item = (f64, f64)> + Clone + 'p {
     // A position has three residuals a row, one per axis.
     let width = (residuals.len() / report.rows.len().max(1)).max(1);
     residuals
         .iter()
         .enumerate()
-        .map(|(index, residual)| ((axis.at)(report.rows[index / width]), residual * per_si))
+        .map(move |(index, residual)| ((axis.at)(report.rows[index / width]), residual * per_si))
         .filter(|(x, _)| x.is_finite())
-        .collect()
 }
 
 /// Over time, or over the row where there is no time or where it starts again with each run.
@@ -197,7 +197,8 @@ mod tests {
     fn points_stand_at_their_rows() {
         let recording = recording();
         let single = report("out2", Some(2), &[0, 2]);
-        let at = |axis: &Axis<'_>| points(&single, &[1.0, -2.0], axis, 1e3);
+        let at =
+            |axis: &Axis<'_>| points(&single, &[1.0, -2.0], axis, 1e3).collect::<Vec<(f64, f64)>>();
         assert_eq!(at(&over_time(&recording)), [(10.0, 1e3), (30.0, -2e3)]);
         let reading = over_reading(&single, &recording).unwrap();
         assert_eq!(at(&reading), [(1.1, 1e3), (1.3, -2e3)]);
@@ -211,7 +212,8 @@ mod tests {
     fn three_residuals_of_a_position_stand_at_one_row() {
         let recording = recording();
         let position = report("position", None, &[1]);
-        let points = points(&position, &[1.0, 2.0, 3.0], &over_time(&recording), 1.0);
+        let axis = over_time(&recording);
+        let points: Vec<_> = points(&position, &[1.0, 2.0, 3.0], &axis, 1.0).collect();
         assert_eq!(points, [(20.0, 1.0), (20.0, 2.0), (20.0, 3.0)]);
     }
 

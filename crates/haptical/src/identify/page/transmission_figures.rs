@@ -68,14 +68,17 @@ fn figure(
 }
 
 /// Output minus reading over the reading, rows without an output left out (joint from 0).
-fn measured_error(recording: &Recording, joint: usize, per_si: f64) -> Vec<(f64, f64)> {
+fn measured_error(
+    recording: &Recording,
+    joint: usize,
+    per_si: f64,
+) -> impl Iterator<Item = (f64, f64)> + Clone {
     let outputs = recording.output[joint].iter().flatten();
     recording.joint[joint]
         .iter()
         .zip(outputs)
-        .map(|(reading, output)| (*reading, (output - reading) * per_si))
+        .map(move |(reading, output)| (*reading, (output - reading) * per_si))
         .filter(|(_, error)| error.is_finite())
-        .collect()
 }
 
 fn evidence(entry: &TransmissionEntry) -> Result<Table, Error> {
@@ -115,8 +118,8 @@ mod tests {
             output: vec![None, Some(vec![0.75, f64::NAN, 1.0])],
             ..Recording::default()
         };
-        let points = measured_error(&recording, 1, 1e3);
+        let points: Vec<_> = measured_error(&recording, 1, 1e3).collect();
         assert_eq!(points, [(0.5, 250.0), (1.5, -500.0)]);
-        assert_eq!(measured_error(&recording, 0, 1e3), []);
+        assert_eq!(measured_error(&recording, 0, 1e3).count(), 0);
     }
 }

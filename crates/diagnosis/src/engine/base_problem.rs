@@ -1,0 +1,202 @@
+//! Residuals and derivatives of the base model at every row of a recording.
+
+use std::collections::BTreeMap;
+
+use haptical_calibration::{Channel, DeviceProblem, Weights};
+use haptical_effects::Stream;
+use haptical_identification::{Matrix, Problem};
+use haptical_model::{Device, Recording};
+use rayon::prelude::*;
+
+use crate::DiagnosisError;
+use crate::engine::base::Base;
+
+/// Residuals (measured minus model) and derivatives of the base model on one recording.
+///
+/// External encoders depend on their own joints alone: each is worked out by itself, with the few columns that it has.
+#[derive(Debug)]
+pub(crate) struct BaseProblem<'a> {
+    base: &'a Base,
+    groups: Vec<Group<'a>>,
+    /// Per stream: its group; none without a reading.
+    group: Vec<Option<usize>>,
+    /// Per stream and row: place among the group's residuals; `usize::MAX` without a reading.
+    place: Vec<Vec<usize>>,
+    /// Per stream and row: stated standard deviation, quantization included.
+    pub(crate) sd: Vec<Vec<f64>>,
+}
+
+/// Channels that are worked out together.
+#[derive(Debug)]
+struct Group<'a> {
+    channels: Vec<Channel>,
+    problem: DeviceProblem<'a>,
+    /// The same at the postures that derivatives are taken at, where these are others.
+    slopes: Option<DeviceProblem<'a>>,
+    /// Parameters that they depend on, ascending.
+    seen: Vec<usize>,
+}
+
+/// Derivatives of a group's residuals over their standard deviations, by the parameters that it depends on.
+#[derive(Debug)]
+pub(crate) struct Derivatives(Vec<(Vec<usize>, Matrix)>);
+
+impl Group<'_> {
+    /// Residuals and, where they are asked for, derivatives.
+    fn evaluate(
+        &self,
+        values: &[f64],
+        derivatives: bool,
+    ) -> Result<(Vec<f64>, Option<Matrix>), DiagnosisError> {
+        let count = self.problem.residual_count();
+        let mut residuals = vec![0.0; count];
+        if !derivatives {
+            self.problem.evaluate(values, &mut residuals, None)?;
+            return Ok((residuals, None));
+        }
+        let mut matrix = Matrix::zeros(count, self.seen.len());
+        let at = self.slopes.as_ref().unwrap_or(&self.problem);
+        at.evaluate(values, &mut residuals, Some((&self.seen, &mut matrix)))?;
+        if self.slopes.is_some() {
+            self.problem.evaluate(values, &mut residuals, None)?;
+        }
+        Ok((residuals, Some(matrix)))
+    }
+}
+
+impl<'a> BaseProblem<'a> {
+    /// Residuals of `recording`, derivatives at `postures`: the same rows, at the same readings or near them.
+    pub(crate) fn new(
+        base: &'a Base,
+        recording: &'a Recording,
+        postures: &'a Recording,
+        streams: &[Stream],
+        weights: &Weights,
+    ) -> Result<Self, DiagnosisError> {
+        let (device, parameters) = (&base.device, &base.parameters);
+        // touches in metres, as the effects' columns are
+        let problem = |recording: &'a Recording| {
+            DeviceProblem::new(device, recording, &base.channels, parameters, weights)
+        };
+        let mut slopes = match std::ptr::eq(recording, postures) {
+            true => Vec::new(),
+            false => problem(postures)?.apart(),
+        }
+        .into_iter();
+        let groups = problem(recording)?.apart().into_iter();
+        let groups = groups.map(|(channels, problem)| Group {
+            channels,
+            slopes: slopes.next().map(|(_, slopes)| slopes),
+            seen: problem.seen(),
+            problem,
+        });
+        let groups: Vec<Group<'a>> = groups.collect();
+        let mut deviations = BTreeMap::new();
+        for &channel in &base.channels {
+            deviations.insert(channel, weights.residual_sd(device, recording, channel)?);
+        }
+        let layouts: Vec<_> = groups.iter().map(|group| group.problem.layout()).collect();
+        let (mut group, mut place, mut sd) = (Vec::new(), Vec::new(), Vec::new());
+        for stream in streams {
+            let mut places = vec![usize::MAX; recording.len()];
+            let width = stream.channel.width();
+            let own = (groups.iter()).position(|group| group.channels.contains(&stream.channel));
+            let first = own.and_then(|own| layouts[own].get(&stream.channel));
+            if let Some(&(first, _)) = first {
+                let with_reading =
+                    (0..recording.len()).filter(|&row| stream.channel.has_reading(recording, row));
+                for (index, row) in with_reading.enumerate() {
+                    places[row] = first + index * width + stream.axis;
+                }
+            }
+            group.push(own);
+            place.push(places);
+            sd.push(deviations.get(&stream.channel).cloned().unwrap_or_default());
+        }
+        Ok(Self {
+            base,
+            groups,
+            group,
+            place,
+            sd,
+        })
+    }
+
+    pub(crate) fn start(&self) -> Vec<f64> {
+        let parameters = self.base.parameters.iter();
+        parameters
+            .map(|parameter| parameter.value(&self.base.device))
+            .collect()
+    }
+
+    pub(crate) fn device_with(&self, values: &[f64]) -> Device {
+        let mut device = self.base.device.clone();
+        for (parameter, value) in self.base.parameters.iter().zip(values) {
+            parameter.set(&mut device, *value);
+        }
+        device
+    }
+
+    /// Measured minus model per stream and row, in the stream's unit; NaN without a reading. With
+    /// `derivatives`, those of all parameters too.
+    pub(crate) fn evaluate(
+        &self,
+        values: &[f64],
+        derivatives: bool,
+    ) -> Result<Evaluated, DiagnosisError> {
+        let derivatives = derivatives && !self.base.parameters.is_empty();
+        let groups = self.groups.par_iter();
+        let made = groups.map(|group| group.evaluate(values, derivatives));
+        // the first group that is refused is reported, whichever thread met it first
+        let made: Vec<Result<_, DiagnosisError>> = made.collect();
+        let mut residuals = Vec::with_capacity(made.len());
+        let mut matrices = Vec::with_capacity(made.len());
+        for (group, made) in self.groups.iter().zip(made) {
+            let (own, matrix) = made?;
+            residuals.push(own);
+            matrices.extend(matrix.map(|matrix| (group.seen.clone(), matrix)));
+        }
+        let streams = self.group.iter().zip(&self.place).zip(&self.sd);
+        let residual = streams.map(|((group, places), sd)| {
+            let own: &[f64] = group.map_or(&[], |group| &residuals[group]);
+            let rows = places.iter().zip(sd);
+            let of_row = |(&place, sd): (&usize, &f64)| match own.get(place) {
+                Some(scaled) => -scaled * sd,
+                None => f64::NAN,
+            };
+            rows.map(of_row).collect()
+        });
+        Ok(Evaluated {
+            residual: residual.collect(),
+            derivatives: derivatives.then_some(Derivatives(matrices)),
+        })
+    }
+
+    /// Takes a reading out.
+    pub(crate) fn forget(&mut self, stream: usize, row: usize) {
+        if let Some(place) = self.place[stream].get_mut(row) {
+            *place = usize::MAX;
+        }
+    }
+
+    /// One parameter's derivative on one stream, by row, in the stream's unit, 0 without a reading; none where the stream
+    /// does not depend on it.
+    pub(crate) fn derivative<'m>(
+        &'m self,
+        derivatives: &'m Derivatives,
+        stream: usize,
+        parameter: usize,
+    ) -> Option<impl Fn(usize) -> f64 + 'm> {
+        let (seen, matrix) = derivatives.0.get(self.group[stream]?)?;
+        let column = matrix.column(seen.binary_search(&parameter).ok()?);
+        let (place, sd) = (&self.place[stream], &self.sd[stream]);
+        Some(move |row: usize| column.get(place[row]).map_or(0.0, |entry| entry * sd[row]))
+    }
+}
+
+/// Outcome of [`BaseProblem::evaluate`].
+#[derive(Debug)]
+pub(crate) struct Evaluated {
+    pub(crate) residual: Vec<Vec<f64>>,
+    pub(crate) derivatives: Option<Derivatives>,
+}
