@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::posture::{PER_LINK, Posture, Rows};
 use super::recorded::{Besides, Recorded};
 use super::rows::whitener::Whitener;
-use crate::thresholds::torque::{ANGLE_SD_RAD, FORCE_PRIOR, LENGTH_SD_M};
+use crate::thresholds::torque::{ANGLE_SD_RAD, FORCE_PRIOR, LEAST_SCALE_SD, LENGTH_SD_M};
 
 /// Part of the largest inertial column below which one is rounding alone.
 const ROUNDING: f64 = 1e-9;
@@ -285,6 +285,13 @@ impl<'a> Along<'a> {
             }
         }
         torque
+    }
+
+    /// What is stated of each torque's scale: its relative standard deviation.
+    pub(super) fn scale_sds(&self) -> Vec<f64> {
+        let joints = &self.recorded.context.device.joints;
+        let sd = |&joint: &usize| joints[joint].torque_scale_sd.max(LEAST_SCALE_SD);
+        self.recorded.channels.iter().map(sd).collect()
     }
 
     /// What each row parameter of the chain may be wrong by.

@@ -116,7 +116,8 @@ impl Columns {
                 self.add(own(&values), f64::INFINITY);
             }
             let friction = first..self.all.len();
-            let gain = self.add(own(torque_of(along, base, channel)), f64::INFINITY);
+            let gained = pair.gained(along, channel, torque_of(along, base, channel));
+            let gain = self.add(only(channels, channel, gained), f64::INFINITY);
             self.own.push(Own {
                 offset,
                 friction,
