@@ -110,8 +110,9 @@ impl ForceAnswer {
             true => self.unexplained_share * rest,
             false => 0.0,
         };
-        let closed = |share: f64| share + (1.0 - share) * self.closed_unseen_share.unwrap_or(0.0);
-        self.closed_unseen_share = carried.closed_share().map(closed);
+        let of_rest = rest * self.closed_unseen_share.unwrap_or(0.0);
+        let closed = carried.closed_share().map(|share| (1.0 - rest) * share);
+        self.closed_unseen_share = closed.map(|share| share + of_rest);
         own.append(&mut self.findings);
         self.findings = own;
         self.warnings = carried.warnings();

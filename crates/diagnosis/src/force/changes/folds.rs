@@ -17,6 +17,8 @@ use crate::thresholds::payload::{FOLDS, RIDGE};
 pub(in crate::force) struct Folds {
     /// Per fold, per channel.
     parts: Vec<Vec<Normal>>,
+    /// Per fold, all channels weighted together: matrix and right side.
+    sums: Vec<(DMatrix<f64>, DVector<f64>)>,
     /// Length of each column, and the standard deviation that its number is known to have.
     length: Vec<f64>,
     sd: Vec<f64>,
@@ -57,6 +59,7 @@ impl Folds {
             .collect();
         let mut folds = Self {
             parts,
+            sums: Vec::new(),
             length: Vec::new(),
             sd: columns.sd.clone(),
             weight: vec![1.0; channels],
@@ -93,41 +96,42 @@ impl Folds {
         self.measure();
     }
 
-    /// Lengths of the weighted columns.
+    /// Sums over the weighted channels, and the columns' lengths by them.
     fn measure(&mut self) {
-        let square = |column: usize| {
-            let parts = self
-                .parts
-                .iter()
-                .flat_map(|parts| parts.iter().zip(&self.weight));
-            parts
-                .map(|(part, weight)| weight * part.gram[(column, column)])
-                .sum::<f64>()
+        let count = self.sd.len();
+        let sum = |parts: &Vec<Normal>| {
+            let (mut gram, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
+            for (part, &weight) in parts.iter().zip(&self.weight) {
+                let entries = gram.iter_mut().zip(part.gram.iter());
+                entries.for_each(|(sum, entry)| *sum += weight * entry);
+                right.axpy(weight, &part.right, 1.0);
+            }
+            (gram, right)
         };
-        self.length = (0..self.sd.len())
-            .map(|column| square(column).sqrt())
-            .collect();
+        self.sums = self.parts.iter().map(sum).collect();
+        let square = |column: usize| {
+            let folds = self.sums.iter();
+            folds.map(|(gram, _)| gram[(column, column)]).sum::<f64>()
+        };
+        self.length = (0..count).map(|column| square(column).sqrt()).collect();
     }
 
     /// Numbers of the columns, one fold left out.
     fn solve(&self, columns: &[usize], without: Option<usize>) -> Vec<f64> {
-        let count = columns.len();
-        let mut right = DVector::<f64>::zeros(count);
-        for parts in self.kept(without) {
-            for (part, weight) in parts.iter().zip(&self.weight) {
-                for (b, &column) in columns.iter().enumerate() {
-                    right[b] += weight * part.right[column];
-                }
+        let mut right = DVector::<f64>::zeros(columns.len());
+        for (_, own) in self.kept(without) {
+            for (sum, &column) in right.iter_mut().zip(columns) {
+                *sum += own[column];
             }
         }
         self.divided(columns, right, without)
     }
 
-    /// Parts of all folds but one.
-    fn kept(&self, without: Option<usize>) -> impl Iterator<Item = &Vec<Normal>> {
-        let folds = self.parts.iter().enumerate();
+    /// Sums of all folds but one.
+    fn kept(&self, without: Option<usize>) -> impl Iterator<Item = &(DMatrix<f64>, DVector<f64>)> {
+        let folds = self.sums.iter().enumerate();
         let kept = folds.filter(move |(fold, _)| Some(*fold) != without);
-        kept.map(|(_, parts)| parts)
+        kept.map(|(_, sums)| sums)
     }
 
     /// A right side divided by the normal matrix of some columns, one fold left out.
@@ -139,12 +143,10 @@ impl Folds {
     ) -> Vec<f64> {
         let count = columns.len();
         let mut gram = DMatrix::<f64>::zeros(count, count);
-        for parts in self.kept(without) {
-            for (part, weight) in parts.iter().zip(&self.weight) {
-                for (b, &column) in columns.iter().enumerate() {
-                    for (a, &row) in columns.iter().enumerate().skip(b) {
-                        gram[(a, b)] += weight * part.gram[(row, column)];
-                    }
+        for (own, _) in self.kept(without) {
+            for (b, &column) in columns.iter().enumerate() {
+                for (a, &row) in columns.iter().enumerate().skip(b) {
+                    gram[(a, b)] += own[(row, column)];
                 }
             }
         }
@@ -227,17 +229,10 @@ impl Folds {
     /// Normal equations of some columns over all blocks, less what `beside` can take of them.
     pub(super) fn apart(&self, columns: &[usize], beside: &[usize]) -> DMatrix<f64> {
         let sum = |a: &[usize], b: &[usize]| {
-            let parts = self
-                .parts
-                .iter()
-                .flat_map(|parts| parts.iter().zip(&self.weight));
-            let mut sum = DMatrix::<f64>::zeros(a.len(), b.len());
-            for (part, weight) in parts {
-                sum += DMatrix::from_fn(a.len(), b.len(), |row, column| {
-                    weight * part.gram[(a[row], b[column])]
-                });
-            }
-            sum
+            DMatrix::from_fn(a.len(), b.len(), |row, column| {
+                let folds = self.kept(None);
+                folds.map(|(gram, _)| gram[(a[row], b[column])]).sum()
+            })
         };
         let mut known = sum(beside, beside);
         for (place, &column) in beside.iter().enumerate() {
