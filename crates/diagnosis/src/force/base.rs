@@ -5,8 +5,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::along::Along;
-use super::posture::PER_LINK;
+use super::along::{Along, numbers};
 use super::recorded::Besides;
 use super::rows::whitener::Whitener;
 use super::rows::{FastRows, TorqueRows};
@@ -198,7 +197,7 @@ impl Along<'_> {
     }
 
     fn all_parameters(&self, solution: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; PER_LINK * self.recorded.context.device.joints.len()];
+        let mut all = vec![0.0; numbers(self.recorded.context.device.joints.len())];
         for (&parameter, &value) in self.parameters.iter().zip(solution) {
             all[parameter] = value;
         }

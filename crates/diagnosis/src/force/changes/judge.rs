@@ -8,7 +8,7 @@ use super::columns::{Columns, Own, flange};
 use super::folds::{Fitted, Folds};
 use super::hypothesis::{Carrier, Hypothesis, KINDS};
 use super::size::{Size, size};
-use crate::force::along::Along;
+use crate::force::along::{Along, numbers};
 use crate::force::base::Base;
 use crate::force::posture::PER_LINK;
 use crate::thresholds::payload::{
@@ -173,16 +173,17 @@ fn inertia_of(
     carrier: &Carrier,
     fitted: &Fitted,
 ) -> Vec<f64> {
-    let mut inertia = vec![0.0; PER_LINK * along.recorded.context.device.joints.len()];
+    let joints = along.recorded.context.device.joints.len();
+    let mut inertia = vec![0.0; numbers(joints)];
     if let Some(link) = carrier.link {
         for &(column, number) in &columns.links[link] {
             inertia[PER_LINK * link + number] = fitted.number(column);
         }
         return inertia;
     }
-    let first = inertia.len() - PER_LINK;
+    let first = PER_LINK * (joints - 1);
     for (numbers, &column) in flange(&along.flange_m()).iter().zip(&carrier.columns) {
-        for (own, number) in inertia[first..].iter_mut().zip(numbers) {
+        for (own, number) in inertia[first..first + PER_LINK].iter_mut().zip(numbers) {
             *own += fitted.number(column) * number;
         }
     }
