@@ -31,8 +31,17 @@ impl Gain {
     }
 
     pub(in crate::force) fn is_beyond_chance(self) -> bool {
-        let is_large = self.sum >= LEAST_GAIN;
-        is_large && self.is_steady(LEAST_T) && self.share >= LEAST_SHARE_OF_FOLDS
+        self.is_had_by_most() && self.is_steady(LEAST_T)
+    }
+
+    /// The same of a law that was chosen among many by these blocks, whose ranks are no chance's: all folds gain, or by much
+    /// more than they differ.
+    pub(in crate::force) fn is_beyond_choice(self) -> bool {
+        self.is_had_by_most() && (self.t >= LEAST_T || self.share >= 1.0)
+    }
+
+    fn is_had_by_most(self) -> bool {
+        self.sum >= LEAST_GAIN && self.share >= LEAST_SHARE_OF_FOLDS
     }
 
     /// Whether the folds gain alike. A gain that differs much from one to the other has a large standard error, though only

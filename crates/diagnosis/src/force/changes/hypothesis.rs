@@ -108,7 +108,7 @@ impl Hypothesis {
         let best = (0..found.len()).reduce(better)?;
         let as_well = found.iter().filter(|own| !gains(&found[best].1, &own.1));
         let links: Vec<usize> = as_well.filter_map(|own| own.0.link).collect();
-        let links = [links.iter().min(), links.iter().max()].map(|link| link.copied());
+        let links = [links.iter().min(), links.iter().max()].map(Option::<&usize>::copied);
         let (carrier, fitted) = found.into_iter().nth(best)?;
         let own = carrier.link.unwrap_or_default();
         Some(Self {

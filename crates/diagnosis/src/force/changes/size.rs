@@ -40,6 +40,9 @@ fn jackknife(values: impl Iterator<Item = f64>) -> f64 {
     (square * (count - 1.0) / count).sqrt()
 }
 
+/// The number of each column.
+type Numbers<'n> = &'n dyn Fn(usize) -> f64;
+
 /// The mass by what a fit says of it, or within what a mass of that moment can be.
 pub(super) fn size(
     along: &Along<'_>,
@@ -49,7 +52,7 @@ pub(super) fn size(
     fitted: &Fitted,
 ) -> Size {
     // what the folds differ by, and what none of them can tell: the torques' scales, the place of a flange's mass
-    let sd_of = |value: &dyn Fn(&dyn Fn(usize) -> f64) -> f64, sum: &[(usize, f64)]| {
+    let sd_of = |value: &dyn Fn(Numbers<'_>) -> f64, sum: &[(usize, f64)]| {
         let each = (0..fitted.without.len()).map(|fold| value(&|column| fitted.nth(fold, column)));
         jackknife(each).hypot(1.96 / HALF * folds.prior_sd(fitted, sum))
     };
