@@ -57,7 +57,7 @@ pub(crate) fn diagnose(
         let held_out = cause.held_out.take();
         cause.held_out = held_out.map(|held_out| held_out.agreeing(&gap));
     }
-    let mut warnings: Vec<String> = Vec::new();
+    let mut warnings: Vec<String> = force.warnings.clone();
     let not_tested = force.not_tested.iter();
     warnings.extend(not_tested.map(|why| format!("the torques were not tested: {why}")));
     let mut predictions = Vec::new();

@@ -157,6 +157,7 @@ fn warnings(
     warnings.extend(overruled(findings));
     warnings.extend(unstated);
     warnings.extend(on_torques(findings, verdict));
+    warnings.extend(findings.force.warnings.iter().cloned());
     let fitted = engine.problem.device_with(&engine.start.model.values);
     let (parameters, free) = (&engine.base.parameters, &engine.base.free);
     let nominal = findings.inputs.nominal;

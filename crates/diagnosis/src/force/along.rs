@@ -7,10 +7,21 @@ use nalgebra::{Matrix3, Vector3};
 use super::posture::{PER_LINK, Posture, Rows};
 use super::recorded::{Besides, Recorded};
 use super::rows::whitener::Whitener;
-use crate::thresholds::torque::{ANGLE_SD_RAD, FORCE_PRIOR, LENGTH_SD_M};
+use crate::thresholds::torque::{ANGLE_SD_RAD, FORCE_PRIOR, LEAST_SCALE_SD, LENGTH_SD_M};
 
 /// Part of the largest inertial column below which one is rounding alone.
 const ROUNDING: f64 = 1e-9;
+
+/// Inertial numbers of an arm: ten of each link, and the inertia of each drive's rotor and gears at its joint, which no link's
+/// number takes (Khalil & Dombre, *Modeling, Identification and Control of Robots*, section 9.4).
+pub(super) fn numbers(joints: usize) -> usize {
+    (PER_LINK + 1) * joints
+}
+
+/// Place of a rotor among these numbers.
+fn rotor(joints: usize, joint: usize) -> usize {
+    PER_LINK * joints + joint
+}
 
 /// Half a block: the chain is taken for its mean posture.
 #[derive(Debug)]
@@ -50,7 +61,7 @@ impl<'a> Along<'a> {
             halves: Vec::with_capacity(2 * blocks),
             force_n: Vec::with_capacity(2 * blocks),
             hand: Vec::with_capacity(blocks),
-            inertia: vec![vec![0.0; recorded.len()]; PER_LINK * joints],
+            inertia: vec![vec![0.0; recorded.len()]; numbers(joints)],
             parameters: Vec::new(),
             reading: Vec::with_capacity(recorded.len()),
         };
@@ -58,6 +69,7 @@ impl<'a> Along<'a> {
             along.reading.extend(recorded.means(|row| values[row]));
         }
         let place = along.places();
+        let joints_of_arm = joints;
         let mut posture = Posture::default();
         for block in 0..blocks {
             let rows = recorded.blocks[block].rows.clone();
@@ -78,6 +90,10 @@ impl<'a> Along<'a> {
                         inertia[parameter][channel * blocks + block] += 0.5 * torque;
                     }
                 });
+                for (channel, &joint) in recorded.channels.iter().enumerate() {
+                    along.inertia[rotor(joints_of_arm, joint)][channel * blocks + block] +=
+                        0.5 * joints[2][joint];
+                }
                 let hand = recorded
                     .channels
                     .iter()
@@ -287,6 +303,13 @@ impl<'a> Along<'a> {
         torque
     }
 
+    /// What is stated of each torque's scale: its relative standard deviation.
+    pub(super) fn scale_sds(&self) -> Vec<f64> {
+        let joints = &self.recorded.context.device.joints;
+        let sd = |&joint: &usize| joints[joint].torque_scale_sd.max(LEAST_SCALE_SD);
+        self.recorded.channels.iter().map(sd).collect()
+    }
+
     /// What each row parameter of the chain may be wrong by.
     pub(super) fn geometry_sds(&self) -> Vec<f64> {
         let sd = |parameter| match parameter {
@@ -356,6 +379,7 @@ impl<'a> Along<'a> {
     pub(super) fn mass_column(&self, joint: usize, inertia: &[f64]) -> Vec<Vec<f64>> {
         let place = self.places();
         let count = place.len();
+        let own = place[joint].map(|channel| (channel, inertia[rotor(count, joint)]));
         let still = vec![0.0; count];
         let mut unit = still.clone();
         unit[joint] = 1.0;
@@ -371,6 +395,9 @@ impl<'a> Along<'a> {
                         torque[channel] += value * inertia[parameter];
                     }
                 });
+                if let Some((channel, rotor)) = own {
+                    torque[channel] += rotor;
+                }
                 torque
             })
             .collect()

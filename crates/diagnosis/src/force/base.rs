@@ -5,15 +5,14 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::along::Along;
-use super::posture::PER_LINK;
+use super::along::{Along, numbers};
 use super::recorded::Besides;
 use super::rows::whitener::Whitener;
 use super::rows::{FastRows, TorqueRows};
 use crate::engine::regression::Regression;
 use crate::engine::system::{Column, SlowEnergy, dot};
 use crate::select::scan::{Candidate, Score};
-use crate::thresholds::torque::{DELAY_SD_S, LEAST_SCALE_SD, SCALE_ROUNDS};
+use crate::thresholds::torque::{DELAY_SD_S, SCALE_ROUNDS};
 
 /// Part of a column's square that every column has as knowledge beforehand: inertial parameters that only sums of
 /// which show have a smallest solution.
@@ -147,7 +146,7 @@ impl Along<'_> {
 
     /// The torques that the scales multiply are the model's own: takes them from the solution.
     pub(super) fn settle(&self, base: &mut Base) {
-        let device = self.recorded.context.device;
+        let scale_sds = self.scale_sds();
         let blocks = self.recorded.blocks.len();
         for round in 0..=SCALE_ROUNDS {
             if round > 0 {
@@ -155,8 +154,7 @@ impl Along<'_> {
             }
             base.torque_nm = self.drive_torques(&base.inertia, &base.force_n);
             let behind = base.regression.truncate(base.scales);
-            for (channel, &joint) in self.recorded.channels.iter().enumerate() {
-                let sd = device.joints[joint].torque_scale_sd.max(LEAST_SCALE_SD);
+            for (channel, &sd) in scale_sds.iter().enumerate() {
                 let own = channel * blocks..(channel + 1) * blocks;
                 base.add_known(&self.on(channel, &base.torque_nm[own]), sd);
             }
@@ -199,7 +197,7 @@ impl Along<'_> {
     }
 
     fn all_parameters(&self, solution: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; PER_LINK * self.recorded.context.device.joints.len()];
+        let mut all = vec![0.0; numbers(self.recorded.context.device.joints.len())];
         for (&parameter, &value) in self.parameters.iter().zip(solution) {
             all[parameter] = value;
         }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use haptical_metrics::chi_square_p_value;
 
-use super::along::Along;
+use super::along::{Along, numbers};
 use super::base::Base;
 use super::posture::PER_LINK;
 use super::rows::TorqueRows;
@@ -112,7 +112,7 @@ pub(super) fn unbalanced(
     }
     let solution = released.solution();
     let p = chi_square_p_value(score, groups[best].len() as f64)?;
-    let mut change = vec![0.0; PER_LINK * assumed.len()];
+    let mut change = vec![0.0; numbers(assumed.len())];
     for &(column, value, _) in &known[groups[best].clone()] {
         change[along.parameters[column]] = solution[column] - value;
     }

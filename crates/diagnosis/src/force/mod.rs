@@ -8,36 +8,29 @@
 mod along;
 pub(crate) mod answer;
 mod base;
-mod carried;
 mod changes;
 mod effects;
-mod findings;
-mod gaps;
 mod gravity;
 mod grip;
-mod names;
 mod partial;
 mod posture;
-mod reasons;
 mod recorded;
 mod rows;
-mod second;
 mod select;
 #[cfg(test)]
 mod tests;
 mod trust;
-mod values;
 
 use haptical_effects::Context;
 use haptical_model::Recording;
 
 use self::along::Along;
 use self::answer::ForceAnswer;
-use self::carried::Carried;
+use self::changes::carried::Carried;
+use self::changes::second::{Model, OnSecond};
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded};
 use self::rows::fast;
-use self::second::{Model, OnSecond};
 use crate::DiagnosisError;
 
 /// Tests the recorded torques and forces for effects of their own, with some of them left out of

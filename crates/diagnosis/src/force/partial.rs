@@ -58,7 +58,7 @@ impl Comparison {
         };
         let of_free = free(&[]).gain_over(&without, &self.channels).sum;
         let beyond = free(&law.own).gain_over(all, &self.channels).sum;
-        gain.is_beyond_chance()
+        gain.is_beyond_choice()
             && gain.sum >= LAW_OF_FREE * of_free
             && beyond <= LEFT_TO_FREE * gain.sum
     }

@@ -81,6 +81,16 @@ impl Pair {
         self.blocks.iter().map(|&block| column[block]).collect()
     }
 
+    /// What a drive of another gain adds from the change on: a share of the torque that it had, which of a repeated trajectory is
+    /// what was read, else the model's.
+    pub(super) fn gained(&self, along: &Along<'_>, channel: usize, model_nm: &[f64]) -> Vec<f64> {
+        let Some(twin) = &self.twin else {
+            return self.later(model_nm);
+        };
+        let own = &along.reading[channel * model_nm.len()..];
+        twin.iter().map(|&block| own[block]).collect()
+    }
+
     /// The same from the change on alone.
     pub(super) fn later(&self, column: &[f64]) -> Vec<f64> {
         let blocks = self.blocks.iter().zip(&self.is_after);

@@ -116,7 +116,8 @@ impl Columns {
                 self.add(own(&values), f64::INFINITY);
             }
             let friction = first..self.all.len();
-            let gain = self.add(own(torque_of(along, base, channel)), f64::INFINITY);
+            let gained = pair.gained(along, channel, torque_of(along, base, channel));
+            let gain = self.add(only(channels, channel, gained), f64::INFINITY);
             self.own.push(Own {
                 offset,
                 friction,
@@ -136,7 +137,10 @@ impl Columns {
         self.links = vec![Vec::new(); joints];
         for (&parameter, column) in along.parameters.iter().zip(&along.inertia) {
             let index = self.add(later(column), f64::INFINITY);
-            self.links[parameter / PER_LINK].push((index, parameter % PER_LINK));
+            // no rotor is put on a link
+            if let Some(link) = self.links.get_mut(parameter / PER_LINK) {
+                link.push((index, parameter % PER_LINK));
+            }
         }
         let first = self.all.len();
         for numbers in flange(&along.flange_m()) {

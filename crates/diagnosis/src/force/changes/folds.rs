@@ -8,22 +8,17 @@ use rayon::prelude::*;
 
 use super::blocks::Pair;
 use super::columns::Columns;
-use crate::thresholds::payload::{FOLDS, LEAST_GAIN, LEAST_SHARE_OF_FOLDS, LEAST_T, RIDGE};
-
-/// Normal equations of the rows of one fold and channel.
-#[derive(Debug, Clone)]
-struct Normal {
-    gram: DMatrix<f64>,
-    right: DVector<f64>,
-    square: f64,
-    rows: f64,
-}
+use super::gain::Gain;
+use super::normal::Normal;
+use crate::thresholds::payload::{FOLDS, RIDGE};
 
 /// The rows of a comparison in folds of blocks that follow each other.
 #[derive(Debug)]
 pub(in crate::force) struct Folds {
     /// Per fold, per channel.
     parts: Vec<Vec<Normal>>,
+    /// Per fold, all channels weighted together: matrix and right side.
+    sums: Vec<(DMatrix<f64>, DVector<f64>)>,
     /// Length of each column, and the standard deviation that its number is known to have.
     length: Vec<f64>,
     sd: Vec<f64>,
@@ -43,25 +38,6 @@ pub(in crate::force) struct Fitted {
     pub(super) left: Vec<Vec<f64>>,
 }
 
-/// What one hypothesis leaves less than another on unseen blocks.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::force) struct Gain {
-    /// In squares over the variance of a block.
-    pub(in crate::force) sum: f64,
-    /// Mean over folds, over its standard error.
-    pub(super) t: f64,
-    /// Share of the folds that gain.
-    pub(super) share: f64,
-}
-
-impl Gain {
-    pub(in crate::force) fn is_beyond_chance(self) -> bool {
-        // a gain that one fold has most of has a large standard error; that all ten have one is chance once in a thousand
-        let is_steady = self.t >= LEAST_T || self.share >= 1.0;
-        self.sum >= LEAST_GAIN && is_steady && self.share >= LEAST_SHARE_OF_FOLDS
-    }
-}
-
 impl Folds {
     /// `least`: variances that blocks have by noise alone, channel by channel.
     pub(in crate::force) fn new(columns: &Columns, pair: &Pair, least: &[f64]) -> Self {
@@ -74,7 +50,7 @@ impl Folds {
             let rows: Vec<usize> = (0..fold_of.len())
                 .filter(|&row| fold_of[row] == fold)
                 .collect();
-            normal(columns, &pair.reading[channel], channel, &rows)
+            Normal::new(columns, &pair.reading[channel], channel, &rows)
         };
         let all: Vec<Normal> = places.par_iter().map(normal).collect();
         let parts: Vec<Vec<Normal>> = all
@@ -83,6 +59,7 @@ impl Folds {
             .collect();
         let mut folds = Self {
             parts,
+            sums: Vec::new(),
             length: Vec::new(),
             sd: columns.sd.clone(),
             weight: vec![1.0; channels],
@@ -119,37 +96,57 @@ impl Folds {
         self.measure();
     }
 
-    /// Lengths of the weighted columns.
+    /// Sums over the weighted channels, and the columns' lengths by them.
     fn measure(&mut self) {
-        let square = |column: usize| {
-            let parts = self
-                .parts
-                .iter()
-                .flat_map(|parts| parts.iter().zip(&self.weight));
-            parts
-                .map(|(part, weight)| weight * part.gram[(column, column)])
-                .sum::<f64>()
+        let count = self.sd.len();
+        let sum = |parts: &Vec<Normal>| {
+            let (mut gram, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
+            for (part, &weight) in parts.iter().zip(&self.weight) {
+                let entries = gram.iter_mut().zip(part.gram.iter());
+                entries.for_each(|(sum, entry)| *sum += weight * entry);
+                right.axpy(weight, &part.right, 1.0);
+            }
+            (gram, right)
         };
-        self.length = (0..self.sd.len())
-            .map(|column| square(column).sqrt())
-            .collect();
+        self.sums = self.parts.iter().map(sum).collect();
+        let square = |column: usize| {
+            let folds = self.sums.iter();
+            folds.map(|(gram, _)| gram[(column, column)]).sum::<f64>()
+        };
+        self.length = (0..count).map(|column| square(column).sqrt()).collect();
     }
 
     /// Numbers of the columns, one fold left out.
     fn solve(&self, columns: &[usize], without: Option<usize>) -> Vec<f64> {
+        let mut right = DVector::<f64>::zeros(columns.len());
+        for (_, own) in self.kept(without) {
+            for (sum, &column) in right.iter_mut().zip(columns) {
+                *sum += own[column];
+            }
+        }
+        self.divided(columns, right, without)
+    }
+
+    /// Sums of all folds but one.
+    fn kept(&self, without: Option<usize>) -> impl Iterator<Item = &(DMatrix<f64>, DVector<f64>)> {
+        let folds = self.sums.iter().enumerate();
+        let kept = folds.filter(move |(fold, _)| Some(*fold) != without);
+        kept.map(|(_, sums)| sums)
+    }
+
+    /// A right side divided by the normal matrix of some columns, one fold left out.
+    fn divided(
+        &self,
+        columns: &[usize],
+        mut right: DVector<f64>,
+        without: Option<usize>,
+    ) -> Vec<f64> {
         let count = columns.len();
         let mut gram = DMatrix::<f64>::zeros(count, count);
-        let mut right = DVector::<f64>::zeros(count);
-        for (fold, parts) in self.parts.iter().enumerate() {
-            if Some(fold) == without {
-                continue;
-            }
-            for (part, weight) in parts.iter().zip(&self.weight) {
-                for (b, &column) in columns.iter().enumerate() {
-                    right[b] += weight * part.right[column];
-                    for (a, &row) in columns.iter().enumerate().skip(b) {
-                        gram[(a, b)] += weight * part.gram[(row, column)];
-                    }
+        for (own, _) in self.kept(without) {
+            for (b, &column) in columns.iter().enumerate() {
+                for (a, &row) in columns.iter().enumerate().skip(b) {
+                    gram[(a, b)] += own[(row, column)];
                 }
             }
         }
@@ -175,6 +172,21 @@ impl Folds {
             .collect()
     }
 
+    /// What a sum of a fit's numbers, `(column, factor)` each, is wrong by because what is known of its numbers beforehand is
+    /// known to a deviation: of an estimate A^-1 X^T y with prior precisions P the part -A^-1 P theta, with theta as P says.
+    pub(super) fn prior_sd(&self, fitted: &Fitted, sum: &[(usize, f64)]) -> f64 {
+        let columns = &fitted.columns;
+        let mut right = DVector::<f64>::zeros(columns.len());
+        for (place, column) in columns.iter().enumerate() {
+            let own = sum.iter().filter(|(other, _)| other == column);
+            right[place] = own.map(|(_, factor)| factor).sum();
+        }
+        let moved = self.divided(columns, right, None);
+        let pairs = columns.iter().zip(&moved);
+        let square = pairs.map(|(&column, moved)| (moved / self.sd[column]).powi(2));
+        square.sum::<f64>().sqrt()
+    }
+
     /// Fits a hypothesis on all blocks, and on all but each fold.
     pub(in crate::force) fn fit(&self, columns: &[usize]) -> Fitted {
         let mut columns = columns.to_vec();
@@ -198,6 +210,42 @@ impl Folds {
         }
     }
 
+    /// Adds the sum of some columns, channel by channel, with what each of these factors is known to; their places.
+    pub(super) fn scale(&mut self, columns: &[usize], numbers: &[f64], sds: &[f64]) -> Vec<usize> {
+        let first = self.sd.len();
+        for part in self
+            .parts
+            .iter_mut()
+            .flat_map(|parts| parts.iter_mut().enumerate())
+        {
+            let (channel, part) = part;
+            part.add_sum(columns, numbers, first + channel, first + sds.len());
+        }
+        self.sd.extend(sds);
+        self.measure();
+        (first..self.sd.len()).collect()
+    }
+
+    /// Normal equations of some columns over all blocks, less what `beside` can take of them.
+    pub(super) fn apart(&self, columns: &[usize], beside: &[usize]) -> DMatrix<f64> {
+        let sum = |a: &[usize], b: &[usize]| {
+            DMatrix::from_fn(a.len(), b.len(), |row, column| {
+                let folds = self.kept(None);
+                folds.map(|(gram, _)| gram[(a[row], b[column])]).sum()
+            })
+        };
+        let mut known = sum(beside, beside);
+        for (place, &column) in beside.iter().enumerate() {
+            known[(place, place)] += RIDGE * self.length[column].powi(2) + self.sd[column].powi(-2);
+        }
+        let across = sum(beside, columns);
+        let all = sum(columns, columns);
+        match Cholesky::new(known) {
+            Some(factor) => all - across.tr_mul(&factor.solve(&across)),
+            None => all,
+        }
+    }
+
     /// With another standard deviation of a number.
     pub(super) fn knowing(&mut self, column: usize, sd: f64) {
         self.sd[column] = sd;
@@ -215,11 +263,9 @@ impl Fitted {
         self.among(&self.numbers, column)
     }
 
-    /// The numbers of a column without each fold.
-    pub(super) fn each(&self, column: usize) -> impl Iterator<Item = f64> {
-        self.without
-            .iter()
-            .map(move |numbers| self.among(numbers, column))
+    /// The same without a fold.
+    pub(super) fn nth(&self, fold: usize, column: usize) -> f64 {
+        self.among(&self.without[fold], column)
     }
 
     fn among(&self, numbers: &[f64], column: usize) -> f64 {
@@ -240,29 +286,7 @@ impl Fitted {
         let sum = |left: &Vec<f64>| channels.iter().map(|&channel| left[channel]).sum::<f64>();
         let pairs = self.left.iter().zip(&other.left);
         let gains: Vec<f64> = pairs.map(|(own, other)| sum(other) - sum(own)).collect();
-        let count = gains.len().max(2) as f64;
-        let mean = gains.iter().sum::<f64>() / count;
-        let square: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
-        let error = (square / (count - 1.0) / count).sqrt();
-        Gain {
-            sum: mean * count,
-            t: if error > 0.0 { mean / error } else { 0.0 },
-            share: gains.iter().filter(|gain| **gain > 0.0).count() as f64 / count,
-        }
-    }
-}
-
-impl Normal {
-    /// Squares that numbers of some columns leave.
-    fn left(&self, columns: &[usize], numbers: &[f64]) -> f64 {
-        let mut left = self.square;
-        for (&column, number) in columns.iter().zip(numbers) {
-            let own = self.gram.column(column);
-            let others = columns.iter().zip(numbers);
-            let product: f64 = others.map(|(&row, other)| own[row] * other).sum();
-            left += number * (product - 2.0 * self.right[column]);
-        }
-        left.max(0.0)
+        Gain::new(&gains)
     }
 }
 
@@ -278,33 +302,4 @@ fn folds(pair: &Pair) -> Vec<usize> {
         place * FOLDS / counts[side].max(1)
     };
     pair.is_after.iter().map(fold).collect()
-}
-
-fn normal(columns: &Columns, reading: &[f64], channel: usize, rows: &[usize]) -> Normal {
-    let count = columns.all.len();
-    let own: Vec<f64> = rows.iter().map(|&row| reading[row]).collect();
-    // columns that touch the channel, side by side
-    let touching: Vec<usize> = (0..count)
-        .filter(|&index| columns.all[index][channel].is_some())
-        .collect();
-    let dense = DMatrix::from_fn(rows.len(), touching.len(), |row, place| {
-        let column = columns.all[touching[place]][channel].as_ref();
-        column.map_or(0.0, |column| column[rows[row]])
-    });
-    let product = dense.tr_mul(&dense);
-    let along = dense.tr_mul(&DVector::from_row_slice(&own));
-    let mut gram = DMatrix::zeros(count, count);
-    let mut right = DVector::zeros(count);
-    for (a, &row) in touching.iter().enumerate() {
-        right[row] = along[a];
-        for (b, &column) in touching.iter().enumerate() {
-            gram[(row, column)] = product[(a, b)];
-        }
-    }
-    Normal {
-        gram,
-        right,
-        square: own.iter().map(|value| value * value).sum(),
-        rows: rows.len() as f64,
-    }
 }

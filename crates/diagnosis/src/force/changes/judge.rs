@@ -1,16 +1,18 @@
 //! Whether what changed between two groups of runs is a payload: it is, where one mass accounts for unseen blocks of several
 //! joints, and no change of the drives does as well.
 
+use nalgebra::DVector;
+
 use super::blocks::Pair;
 use super::columns::{Columns, Own, flange};
 use super::folds::{Fitted, Folds};
+use super::hypothesis::{Carrier, Hypothesis, KINDS};
 use super::size::{Size, size};
-use crate::force::along::Along;
+use crate::force::along::{Along, numbers};
 use crate::force::base::Base;
 use crate::force::posture::PER_LINK;
 use crate::thresholds::payload::{
-    ALIKE, FLANGE_REACH_M, LEAST_CHANNELS, LEAST_GAIN_OF_CHANNEL, LEAST_SIGNAL, LEAST_T_OF_CHANNEL,
-    SIZE_BESIDE,
+    ALIKE, LEAST_CHANNELS, LEAST_GAIN_OF_CHANNEL, LEAST_SIGNAL, LEAST_T_OF_CHANNEL, SIZE_BESIDE,
 };
 
 /// A payload that differs from a run on.
@@ -20,6 +22,8 @@ pub(in crate::force) struct Payload {
     pub(in crate::force) run: usize,
     /// Link that carries it, from 0; none at the flange.
     pub(in crate::force) link: Option<usize>,
+    /// First and last link that could as well carry it, from 0.
+    pub(in crate::force) links: [usize; 2],
     pub(in crate::force) size: Size,
     /// What it changes of the links' inertial numbers.
     pub(in crate::force) inertia: Vec<f64>,
@@ -42,12 +46,6 @@ pub(in crate::force) struct UnseenBlocks {
     pub(in crate::force) floor: f64,
 }
 
-/// A hypothesis: its columns beside the common ones, and the link that it puts a mass on.
-struct Carrier {
-    link: Option<usize>,
-    columns: Vec<usize>,
-}
-
 /// The payload that changed between two groups of runs, the later one beginning with `run`; none where none did.
 pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -> Option<Payload> {
     let recorded = along.recorded;
@@ -60,29 +58,31 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
         .collect();
     let columns = Columns::new(along, base, pair);
     let mut folds = Folds::new(&columns, pair, &noise);
-    let common: Vec<usize> = columns.common.clone().collect();
-    let null = folds.fit(&common);
-    let (carrier, fitted) = carrier(&columns, &mut folds, &null, &every)?;
+    let Hypothesis {
+        carrier,
+        fitted,
+        null,
+        links,
+    } = Hypothesis::found(along, &columns, &mut folds, &every)?;
     let shown = shown_on(&fitted, &null, &every);
     if shown.len() < LEAST_CHANNELS {
         return None;
     }
+    let common: Vec<usize> = columns.common.clone().collect();
     let with = |more: &[usize]| folds.fit(&[common.as_slice(), more].concat());
     let drives = columns.every(Own::all);
     let beside = with(&drives);
-    let both = with(&[drives.as_slice(), &carrier.columns].concat());
-    let inertia = [&fitted, &both].map(|fit| inertia_of(along, &columns, &carrier, fit));
+    let both = with(&[drives.as_slice(), &carrier.all()].concat());
     let is_more = both.gain_over(&beside, &every).is_beyond_chance();
-    if !is_more || !agree(along, [&inertia[0], &inertia[1]]) {
+    if !is_more || !agree(&folds, &carrier, &beside.columns, [&fitted, &both]) {
         return None;
     }
     let least = least_of_drives(&columns, &with, &shown).min(beside.left_on(&shown));
     if fitted.left_on(&shown) >= least {
         return None;
     }
-    // changes of the drives beside it would take a part of it: a gain resembles weight, an offset its mean
-    let [inertia, _] = inertia;
-    let size = size(along, &columns, carrier.link, &fitted);
+    let inertia = inertia_of(along, &columns, &carrier, &fitted);
+    let size = size(along, &columns, &folds, carrier.link, &fitted);
     let torque_nm = torque_of(along, &inertia, pair.from);
     if !is_large(along, &torque_nm, pair.from) || !size.is_certain() {
         return None;
@@ -104,6 +104,7 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     Some(Payload {
         run,
         link: carrier.link,
+        links,
         inertia,
         torque_nm,
         unseen: UnseenBlocks {
@@ -118,55 +119,9 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     })
 }
 
-/// The place of a mass that does best on unseen blocks: the flange, unless a link does much better.
-fn carrier(
-    columns: &Columns,
-    folds: &mut Folds,
-    null: &Fitted,
-    every: &[usize],
-) -> Option<(Carrier, Fitted)> {
-    let common: Vec<usize> = columns.common.clone().collect();
-    let with = |more: &[usize]| [common.as_slice(), more].concat();
-    // the place of a mass at the flange is known to some centimetres of it: to find its size first
-    let mass = columns.flange.start;
-    let first = folds.fit(&with(&[mass])).number(mass).abs();
-    for (number, column) in columns.flange.clone().enumerate().skip(1) {
-        let reach = if number < 4 { 1 } else { 2 };
-        folds.knowing(column, FLANGE_REACH_M.powi(reach) * first.max(1e-6));
-    }
-    let flange = Carrier {
-        link: None,
-        columns: columns.flange.clone().collect(),
-    };
-    let links = (1..columns.links.len()).map(|link| Carrier {
-        link: Some(link),
-        columns: columns.links[link]
-            .iter()
-            .map(|(column, _)| *column)
-            .collect(),
-    });
-    let mut best: Option<(Carrier, Fitted)> = None;
-    for carrier in std::iter::once(flange).chain(links) {
-        let fitted = folds.fit(&with(&carrier.columns));
-        let is_found = fitted.gain_over(null, every).is_beyond_chance();
-        let is_better = best
-            .as_ref()
-            .is_none_or(|(_, best)| fitted.gain_over(best, every).is_beyond_chance());
-        if is_found && is_better {
-            best = Some((carrier, fitted));
-        }
-    }
-    best
-}
-
 /// What changes of one drive, or of one kind on all drives, leave at least of some channels.
 fn least_of_drives(columns: &Columns, with: &dyn Fn(&[usize]) -> Fitted, shown: &[usize]) -> f64 {
-    let kinds: [fn(&Own) -> Vec<usize>; 3] = [
-        |own| vec![own.offset],
-        |own| own.friction.clone().collect(),
-        |own| vec![own.gain],
-    ];
-    let of_kinds = kinds.iter().map(|kind| columns.every(kind));
+    let of_kinds = KINDS.iter().map(|kind| columns.every(kind));
     let of_drives = columns.own.iter().map(Own::all);
     let left = of_kinds
         .chain(of_drives)
@@ -191,23 +146,22 @@ fn is_large(along: &Along<'_>, torque_nm: &[f64], from: usize) -> bool {
 fn shown_on(fitted: &Fitted, null: &Fitted, every: &[usize]) -> Vec<usize> {
     let is_shown = |channel: &usize| {
         let gain = fitted.gain_over(null, &[*channel]);
-        gain.sum >= LEAST_GAIN_OF_CHANNEL && gain.t >= LEAST_T_OF_CHANNEL
+        gain.sum >= LEAST_GAIN_OF_CHANNEL && gain.is_steady(LEAST_T_OF_CHANNEL)
     };
     every.iter().copied().filter(is_shown).collect()
 }
 
-/// Whether two fits of a carrier give about the same torques, each channel over its noise.
-fn agree(along: &Along<'_>, fits: [&[f64]; 2]) -> bool {
-    let recorded = along.recorded;
-    let count = recorded.blocks.len();
-    let [alone, beside] = fits.map(|inertia| {
-        let torque_nm = along.link_torques(inertia);
-        let channels = torque_nm.chunks_exact(count).zip(&recorded.torque_sd);
-        let scaled = channels.flat_map(|(own, sd)| own.iter().map(move |torque| torque / sd));
-        scaled.collect::<Vec<f64>>()
+/// Whether two fits of a carrier, without and with changes of all drives, give about the same torques: of the part that no
+/// change of a drive can take (Hausman 1978).
+fn agree(folds: &Folds, carrier: &Carrier, drives: &[usize], fits: [&Fitted; 2]) -> bool {
+    let apart = folds.apart(&carrier.columns, drives);
+    let [alone, beside] = fits.map(|fitted| {
+        let numbers = carrier.columns.iter().map(|&column| fitted.number(column));
+        DVector::from_iterator(carrier.columns.len(), numbers)
     });
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (own, other) = (dot(&alone, &alone).sqrt(), dot(&beside, &beside).sqrt());
+    let dot = |a: &DVector<f64>, b: &DVector<f64>| a.dot(&(&apart * b));
+    let own = dot(&alone, &alone).max(0.0).sqrt();
+    let other = dot(&beside, &beside).max(0.0).sqrt();
     let [least, most] = SIZE_BESIDE;
     dot(&alone, &beside) > ALIKE * own * other && (least..most).contains(&(other / own))
 }
@@ -219,16 +173,17 @@ fn inertia_of(
     carrier: &Carrier,
     fitted: &Fitted,
 ) -> Vec<f64> {
-    let mut inertia = vec![0.0; PER_LINK * along.recorded.context.device.joints.len()];
+    let joints = along.recorded.context.device.joints.len();
+    let mut inertia = vec![0.0; numbers(joints)];
     if let Some(link) = carrier.link {
         for &(column, number) in &columns.links[link] {
             inertia[PER_LINK * link + number] = fitted.number(column);
         }
         return inertia;
     }
-    let first = inertia.len() - PER_LINK;
+    let first = PER_LINK * (joints - 1);
     for (numbers, &column) in flange(&along.flange_m()).iter().zip(&carrier.columns) {
-        for (own, number) in inertia[first..].iter_mut().zip(numbers) {
+        for (own, number) in inertia[first..first + PER_LINK].iter_mut().zip(numbers) {
             *own += fitted.number(column) * number;
         }
     }

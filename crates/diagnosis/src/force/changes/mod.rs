@@ -4,9 +4,14 @@
 //! runs alike (friction, springs, cables) is a function of the state that both share.
 
 mod blocks;
+pub(super) mod carried;
 mod columns;
 mod folds;
+mod gain;
+mod hypothesis;
 mod judge;
+mod normal;
+pub(super) mod second;
 mod size;
 
 use std::ops::Range;

@@ -3,7 +3,7 @@
 use haptical_effects::force::PAYLOAD;
 
 use super::columns::Columns;
-use super::folds::Fitted;
+use super::folds::{Fitted, Folds};
 use crate::force::along::Along;
 use crate::thresholds::payload::{CERTAIN, FIXED_MASS, LEVER};
 
@@ -13,8 +13,10 @@ pub(in crate::force) struct Size {
     /// Mass \[kg\], below zero where it was put down, with its 95 % interval.
     pub(in crate::force) mass_kg: f64,
     pub(in crate::force) ci95_kg: [f64; 2],
-    /// First moment about the link's origin \[kg m\] with its standard deviation; none at the flange.
-    pub(in crate::force) moment_kg_m: Option<(f64, f64)>,
+    /// First moment about the link's origin \[kg m\] with its 95 % interval; none at the flange.
+    pub(in crate::force) moment_kg_m: Option<(f64, [f64; 2])>,
+    /// Distances of the mass from the link's origin \[m\] that its interval assumes; none where the torques fix the mass.
+    pub(in crate::force) lever_m: Option<[f64; 2]>,
     /// What a fit can tell of it, over its standard deviation.
     deviations: f64,
 }
@@ -38,30 +40,35 @@ fn jackknife(values: impl Iterator<Item = f64>) -> f64 {
     (square * (count - 1.0) / count).sqrt()
 }
 
+/// The number of each column.
+type Numbers<'n> = &'n dyn Fn(usize) -> f64;
+
 /// The mass by what a fit says of it, or within what a mass of that moment can be.
 pub(super) fn size(
     along: &Along<'_>,
     columns: &Columns,
+    folds: &Folds,
     link: Option<usize>,
     fitted: &Fitted,
 ) -> Size {
-    let device = along.recorded.context.device;
-    let scales = device.joints.iter().map(|joint| joint.torque_scale_sd);
-    // torques in newton metres are known to their scale alone, and so is what they hold
-    let relative = scales
-        .fold(0.0, f64::max)
-        .hypot(PAYLOAD.law_error.amplitude);
-    let known = |mass_kg: f64, sd_kg: f64| {
-        let half = (HALF * sd_kg).hypot(1.96 * relative * mass_kg);
-        [mass_kg - half, mass_kg + half]
+    // what the folds differ by, and what none of them can tell: the torques' scales, the place of a flange's mass
+    let sd_of = |value: &dyn Fn(Numbers<'_>) -> f64, sum: &[(usize, f64)]| {
+        let each = (0..fitted.without.len()).map(|fold| value(&|column| fitted.nth(fold, column)));
+        jackknife(each).hypot(1.96 / HALF * folds.prior_sd(fitted, sum))
+    };
+    let known = |value: f64, sd: f64| {
+        let half = (HALF * sd).hypot(1.96 * PAYLOAD.law_error.amplitude * value);
+        [value - half, value + half]
     };
     let Some(link) = link else {
         let mass = columns.flange.start;
-        let (mass_kg, sd_kg) = (fitted.number(mass), jackknife(fitted.each(mass)));
+        let mass_kg = fitted.number(mass);
+        let sd_kg = sd_of(&|number| number(mass), &[(mass, 1.0)]);
         return Size {
             mass_kg,
             ci95_kg: known(mass_kg, sd_kg),
             moment_kg_m: None,
+            lever_m: None,
             deviations: mass_kg.abs() / sd_kg.max(1e-300),
         };
     };
@@ -75,30 +82,33 @@ pub(super) fn size(
         square.sum::<f64>().sqrt()
     };
     let moment = moment_of(&|column| fitted.number(column));
-    let each = (0..fitted.without.len())
-        .map(|fold| moment_of(&|column| fitted.each(column).nth(fold).unwrap_or(0.0)));
-    let moment_sd = jackknife(each);
+    let along_it = (1..4).filter_map(column).map(|column| {
+        let factor = fitted.number(column) / moment.max(1e-300);
+        (column, factor)
+    });
+    let moment_sd = sd_of(&moment_of, &along_it.collect::<Vec<_>>());
     let sign = sign(fitted, &column);
     let deviations = moment / moment_sd.max(1e-300);
-    let moment_kg_m = Some((moment, moment_sd.hypot(relative * moment)));
+    let [low, high] = known(moment, moment_sd);
+    let moment_kg_m = Some((moment, [low.max(0.0), high]));
     if let Some(mass) = column(0) {
-        let (mass_kg, sd_kg) = (fitted.number(mass), jackknife(fitted.each(mass)));
+        let mass_kg = fitted.number(mass);
+        let sd_kg = sd_of(&|number| number(mass), &[(mass, 1.0)]);
         if sd_kg < FIXED_MASS * mass_kg.abs() {
             return Size {
                 mass_kg,
                 ci95_kg: known(mass_kg, sd_kg),
                 moment_kg_m,
-                deviations,
+                lever_m: None,
+                // of a link that the axes behind it leave free, no moment along them is seen
+                deviations: deviations.max(mass_kg.abs() / sd_kg.max(1e-300)),
             };
         }
     }
     // the drives see the moment alone: of the mass no more than what fits between the axis and the end of the link
     let reach_m = longest_m(along);
     let [least, most] = LEVER.map(|share| share * reach_m);
-    let ends = [
-        (moment - HALF * moment_sd).max(0.0) / most,
-        (moment + HALF * moment_sd) / least,
-    ];
+    let ends = [low.max(0.0) / most, high / least];
     let mass_kg = moment / (least * most).sqrt();
     let ci95_kg = match sign < 0.0 {
         true => [-ends[1], -ends[0]],
@@ -108,6 +118,7 @@ pub(super) fn size(
         mass_kg: sign * mass_kg,
         ci95_kg,
         moment_kg_m,
+        lever_m: Some([least, most]),
         deviations,
     }
 }

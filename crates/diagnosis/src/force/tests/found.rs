@@ -381,3 +381,23 @@ fn a_torque_that_drowns_in_its_noise_is_not_called_tested() {
         gap.warnings
     );
 }
+
+/// Rotors behind gears, as large as the links: what they add is no link's, and no gap.
+#[test]
+fn the_inertia_of_rotors_is_no_gap() {
+    for seed in [61, 62] {
+        let mut scene = Scene::alone(seed, ROWS);
+        for (joint, rotor) in [0.02, 0.015, 0.02, 0.01, 0.006].into_iter().enumerate() {
+            for row in 1..scene.time_s.len() - 1 {
+                let step_s = scene.time_s[row + 1] - scene.time_s[row];
+                let angle = &scene.angle_rad[joint];
+                let bend = angle[row + 1] - 2.0 * angle[row] + angle[row - 1];
+                scene.torque_nm[joint][row] += rotor * bend / (step_s * step_s);
+            }
+        }
+        let mut recording = scene.record();
+        recording.force_n = None;
+        let answer = examined(&recording);
+        assert!(!answer.significant, "{seed}: {answer:?}");
+    }
+}

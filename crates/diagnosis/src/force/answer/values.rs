@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use haptical_effects::{Effect, Family, Hook, LawError, Role};
 use nalgebra::DMatrix;
 
-use super::base::Base;
-use super::effects::{Effects, is_scale};
-use super::select::Pick;
 use crate::answer::ParameterAnswer;
 use crate::answer::delta::with_variances;
+use crate::force::base::Base;
+use crate::force::effects::{Effects, is_scale};
+use crate::force::select::Pick;
 
 /// Coefficients of a model of the torques with their covariance, what is left counting as noise.
 #[derive(Debug)]

@@ -1,20 +1,26 @@
 //! From a selection to findings with values, intervals and shares.
 
+mod findings;
+mod gaps;
+pub(super) mod names;
+mod reasons;
+mod values;
+
 use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
 
-use super::base::Base;
-use super::carried::Carried;
-use super::effects::{Effects, is_scale};
-use super::findings::{of_gravity, of_grip, of_pick};
-use super::gaps::{channels, mean_square};
-use super::grip::Grip;
-use super::names::names;
-use super::reasons::{FALSIFIED, drowned, untestable};
-use super::select::Selection;
-use super::values::Sizes;
-use super::{gravity, grip, trust};
+use self::findings::{of_gravity, of_grip, of_pick};
+use self::gaps::{channels, mean_square};
+use self::names::names;
+use self::reasons::{FALSIFIED, drowned, untestable};
+use self::values::Sizes;
 use crate::DiagnosisError;
 use crate::answer::{CauseAnswer, ChannelGap};
+use crate::force::base::Base;
+use crate::force::changes::carried::Carried;
+use crate::force::effects::{Effects, is_scale};
+use crate::force::grip::Grip;
+use crate::force::select::Selection;
+use crate::force::{gravity, grip, trust};
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
     BEYOND_WRONG_ANGLES, LEAST_STRUCTURE, NOISE_DEVIATIONS, OMNIBUS_DEVIATIONS, STRAINED,
@@ -41,6 +47,8 @@ pub(crate) struct ForceAnswer {
     /// Numbers of the base model, and effects at their places that were tried.
     pub(crate) numbers: usize,
     pub(crate) tested: usize,
+    /// What the findings' numbers rest on that the torques do not fix.
+    pub(crate) warnings: Vec<String>,
     /// Block means of the torques with the largest gap.
     pub(crate) course: Option<Course>,
 }
@@ -65,6 +73,7 @@ impl ForceAnswer {
         let found = squares.map(|square| square.max(0.0)).sum::<f64>().sqrt();
         if found < BEYOND_WRONG_ANGLES * torque_nm {
             self.findings.clear();
+            self.warnings.clear();
             self.significant = false;
         }
         self
@@ -101,16 +110,18 @@ impl ForceAnswer {
             true => self.unexplained_share * rest,
             false => 0.0,
         };
-        let closed = |share: f64| share + (1.0 - share) * self.closed_unseen_share.unwrap_or(0.0);
-        self.closed_unseen_share = carried.closed_share().map(closed);
+        let of_rest = rest * self.closed_unseen_share.unwrap_or(0.0);
+        let closed = carried.closed_share().map(|share| (1.0 - rest) * share);
+        self.closed_unseen_share = closed.map(|share| share + of_rest);
         own.append(&mut self.findings);
         self.findings = own;
+        self.warnings = carried.warnings();
         self.significant = true;
         self
     }
 
     /// Nothing can be said.
-    pub(super) fn untestable(why: &str, has_torques: bool) -> Self {
+    pub(in crate::force) fn untestable(why: &str, has_torques: bool) -> Self {
         Self {
             not_tested: has_torques.then(|| why.to_owned()),
             untestable: names().map(|name| (name, why.to_owned())).collect(),
@@ -185,7 +196,7 @@ impl Picked {
 }
 
 /// Puts the answer together.
-pub(super) fn answer(
+pub(in crate::force) fn answer(
     effects: &Effects<'_, '_>,
     base: &Base,
     selection: &Selection,
@@ -269,6 +280,7 @@ pub(super) fn answer(
         closed_unseen_share: partial.map(|partial| partial.closed_share),
         numbers: base.scales + recorded.channels.len(),
         tested: effects.tested(),
+        warnings: Vec::new(),
         not_tested: match is_falsified && !named {
             true => Some(FALSIFIED.to_owned()),
             false => drowned(recorded, base).filter(|_| !significant),

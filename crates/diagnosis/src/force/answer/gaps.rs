@@ -1,12 +1,12 @@
 //! Size of the torques' gap, joint by joint, row by row.
 
-use super::base::Base;
-use super::carried::Carried;
-use super::effects::{Effects, is_scale};
-use super::rows::fast;
-use super::select::Selection;
 use crate::answer::ChannelGap;
 use crate::answer::floor::Floor;
+use crate::force::base::Base;
+use crate::force::changes::carried::Carried;
+use crate::force::effects::{Effects, is_scale};
+use crate::force::rows::fast;
+use crate::force::select::Selection;
 use crate::noise::NoiseSource;
 
 /// Gaps of every channel. `added`: mean squares of torques that the base model's freedom took, which were there before.

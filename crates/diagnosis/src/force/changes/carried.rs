@@ -4,22 +4,22 @@ use std::collections::BTreeMap;
 
 use haptical_effects::force::{PAYLOAD, PAYLOAD_ON_LINK};
 
-use super::along::Along;
-use super::base::Base;
-use super::changes::{Changes, Payload, UnseenBlocks, changes};
-use super::recorded::Recorded;
+use super::{Changes, Payload, UnseenBlocks, changes};
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoReduction, ParameterAnswer};
+use crate::force::along::Along;
+use crate::force::base::Base;
+use crate::force::recorded::Recorded;
 use crate::select::excess;
 use crate::thresholds::torque::LISTED_PROBABILITY;
 
 /// What the arm carries in some runs and not in others: off the readings from here on.
 #[derive(Debug)]
-pub(super) struct Carried {
-    pub(super) changes: Changes,
+pub(in crate::force) struct Carried {
+    pub(in crate::force) changes: Changes,
     /// What the base model says of the block means, no payload taken off.
-    pub(super) fitted_before: Vec<f64>,
+    pub(in crate::force) fitted_before: Vec<f64>,
     /// What it leaves of them; none where there is no payload.
-    pub(super) rest_before: Option<Vec<f64>>,
+    pub(in crate::force) rest_before: Option<Vec<f64>>,
     /// Structured energy of that.
     energy: f64,
     /// Torque of all payloads together; none where there is none.
@@ -28,7 +28,7 @@ pub(super) struct Carried {
 
 impl Carried {
     /// Looks for payloads, unless their name is left out of the catalogue.
-    pub(super) fn new(along: &Along<'_>, base: &Base, without: &[String]) -> Self {
+    pub(in crate::force) fn new(along: &Along<'_>, base: &Base, without: &[String]) -> Self {
         let rest = base.rest();
         let fitted_before = along.less(&rest);
         let changes = match without.iter().any(|name| name == PAYLOAD.name) {
@@ -53,12 +53,12 @@ impl Carried {
     }
 
     /// Torque of all payloads, block means channel after channel.
-    pub(super) fn torque_nm(&self) -> Option<&[f64]> {
+    pub(in crate::force) fn torque_nm(&self) -> Option<&[f64]> {
         self.torque_nm.as_deref()
     }
 
     /// Torques of a model with those of the payloads.
-    pub(super) fn on(&self, fitted: &[f64]) -> Vec<f64> {
+    pub(in crate::force) fn on(&self, fitted: &[f64]) -> Vec<f64> {
         let mut sum = fitted.to_vec();
         for (sum, torque) in sum.iter_mut().zip(self.torque_nm.iter().flatten()) {
             *sum += torque;
@@ -68,7 +68,7 @@ impl Carried {
 
     /// Share of the gap that the payloads leave for other effects: `left` is its structured energy, `total` the squares that
     /// other effects are asked of.
-    pub(super) fn rest_share(&self, left: f64, total: f64) -> f64 {
+    pub(in crate::force) fn rest_share(&self, left: f64, total: f64) -> f64 {
         if self.torque_nm.is_none() {
             return 1.0;
         }
@@ -77,7 +77,7 @@ impl Carried {
     }
 
     /// Share of the squares beyond noise that the payloads close on unseen blocks: of the change that closes least.
-    pub(super) fn closed_share(&self) -> Option<f64> {
+    pub(in crate::force) fn closed_share(&self) -> Option<f64> {
         let shares = self
             .changes
             .payloads
@@ -86,8 +86,25 @@ impl Carried {
         shares.reduce(f64::min)
     }
 
+    /// What the numbers of a payload rest on that the torques do not fix.
+    pub(in crate::force) fn warnings(&self) -> Vec<String> {
+        let told = |payload: &Payload| {
+            let ([least, most], link) = (payload.size.lever_m?, payload.link? + 1);
+            Some(format!(
+                "payload from run {}: the torques fix its moment about link {link}, mass times distance, and not its mass; the \
+                 interval of mass_kg is what the moment gives at distances of {least:.3} m to {most:.3} m",
+                payload.run + 1
+            ))
+        };
+        self.changes.payloads.iter().filter_map(told).collect()
+    }
+
     /// The payloads as findings, largest first.
-    pub(super) fn findings(&self, recorded: &Recorded<'_>, rest_share: f64) -> Vec<CauseAnswer> {
+    pub(in crate::force) fn findings(
+        &self,
+        recorded: &Recorded<'_>,
+        rest_share: f64,
+    ) -> Vec<CauseAnswer> {
         let payloads = &self.changes.payloads;
         let square = |payload: &Payload| {
             payload
@@ -122,7 +139,11 @@ fn finding(recorded: &Recorded<'_>, payload: &Payload, share: f64) -> CauseAnswe
     let mut parameters = BTreeMap::new();
     let spec = match payload.link {
         Some(link) => {
-            parameters.insert("on_link".to_owned(), exact((link + 1) as f64));
+            let on_link = ParameterAnswer {
+                value: (link + 1) as f64,
+                ci95: payload.links.map(|link| (link + 1) as f64),
+            };
+            parameters.insert("on_link".to_owned(), on_link);
             &PAYLOAD_ON_LINK
         }
         None => &PAYLOAD,
@@ -130,7 +151,7 @@ fn finding(recorded: &Recorded<'_>, payload: &Payload, share: f64) -> CauseAnswe
     for parameter in spec.parameters {
         let value = match (parameter.name, payload.size.moment_kg_m) {
             ("mass_kg", _) => mass,
-            ("moment_kg_m", Some((moment, sd))) => ParameterAnswer::normal(moment, sd),
+            ("moment_kg_m", Some((value, ci95))) => ParameterAnswer { value, ci95 },
             ("from_run", _) => exact((payload.run + 1) as f64),
             _ => continue,
         };
@@ -145,7 +166,7 @@ fn finding(recorded: &Recorded<'_>, payload: &Payload, share: f64) -> CauseAnswe
 }
 
 /// The gap of the channel that gains most, on block means that the fit did not see, with an interval from its folds.
-pub(super) fn held_out(recorded: &Recorded<'_>, unseen: &UnseenBlocks) -> HeldOutAnswer {
+pub(in crate::force) fn held_out(recorded: &Recorded<'_>, unseen: &UnseenBlocks) -> HeldOutAnswer {
     let reduction = |left_out: Option<usize>| {
         let sum = |squares: &[f64]| {
             let kept = squares

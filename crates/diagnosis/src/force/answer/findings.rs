@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use haptical_effects::force::{GRIP_FORCE, UNBALANCED_GRAVITY};
 use haptical_effects::{Effect, Spec};
 
-use super::gravity::Unbalanced;
-use super::grip::Grip;
-use super::select::Pick;
 use super::values::Sizes;
 use crate::answer::{CauseAnswer, IN_NO_CATALOGUE, ParameterAnswer};
+use crate::force::gravity::Unbalanced;
+use crate::force::grip::Grip;
+use crate::force::select::Pick;
 use crate::thresholds::torque::{GRIP_PROBABILITY, LISTED_PROBABILITY};
 
 /// A plausible name with its numbers, and with the probability that it is one of the catalogue's at all.

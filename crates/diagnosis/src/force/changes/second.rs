@@ -3,15 +3,15 @@
 use haptical_effects::Context;
 use haptical_model::{Device, Recording};
 
-use super::along::Along;
-use super::base::Base;
 use super::carried::{Carried, held_out};
-use super::changes::{FOLDS, Payload, UnseenBlocks, changes};
-use super::effects::{Effects, is_scale};
-use super::recorded::{Besides, Recorded};
-use super::select::Selection;
+use super::{FOLDS, Payload, UnseenBlocks, changes};
 use crate::DiagnosisError;
 use crate::answer::{HeldOutAnswer, Prediction};
+use crate::force::along::Along;
+use crate::force::base::Base;
+use crate::force::effects::{Effects, is_scale};
+use crate::force::recorded::{Besides, Recorded};
+use crate::force::select::Selection;
 
 /// What a second recording shows.
 #[derive(Debug, Clone, Default)]
@@ -25,16 +25,19 @@ pub(crate) struct OnSecond {
 
 /// The model of a first recording, its effects included.
 #[derive(Clone, Copy)]
-pub(super) struct Model<'m, 'e, 'a> {
-    pub(super) effects: &'m Effects<'e, 'a>,
-    pub(super) base: &'m Base,
-    pub(super) selection: &'m Selection,
-    pub(super) carried: &'m Carried,
+pub(in crate::force) struct Model<'m, 'e, 'a> {
+    pub(in crate::force) effects: &'m Effects<'e, 'a>,
+    pub(in crate::force) base: &'m Base,
+    pub(in crate::force) selection: &'m Selection,
+    pub(in crate::force) carried: &'m Carried,
 }
 
 impl Model<'_, '_, '_> {
     /// Predicts a second recording, and compares what the arm carries in both.
-    pub(super) fn on_second(self, second: &Recording) -> Result<OnSecond, DiagnosisError> {
+    pub(in crate::force) fn on_second(
+        self,
+        second: &Recording,
+    ) -> Result<OnSecond, DiagnosisError> {
         let first = self.effects.along.recorded;
         let device = first.context.device;
         let context = Context::new(device, second, &[])?;
