@@ -254,7 +254,7 @@ fn counts_that_the_log_refutes_hide_no_gap() {
 #[test]
 fn a_stated_deviation_that_is_far_too_large_is_named() {
     let mut coarse = device();
-    coarse.cables[0].distance_sd_m = Some(100.0 * crate::arm::CABLE_SD_M);
+    coarse.cables[0].distance_sd_m = Some(100.0 * CABLE_SD_M);
     let diagnosis = diagnose(&coarse, &clean(1), &Options::default()).unwrap();
     assert_eq!(diagnosis.verdict, Verdict::NoGap, "{}", summary(&diagnosis));
     let said = |text: &str| diagnosis.warnings.iter().any(|said| said.contains(text));
@@ -265,7 +265,7 @@ fn a_stated_deviation_that_is_far_too_large_is_named() {
         .iter()
         .find(|gap| gap.channel == "cable")
         .unwrap();
-    let floor = cable.noise_floor / crate::arm::CABLE_SD_M;
+    let floor = cable.noise_floor / CABLE_SD_M;
     assert!(floor < 5.0, "{floor}");
     let quiet = diagnose(&device(), &clean(1), &Options::default()).unwrap();
     assert!(quiet.causes.is_empty(), "{}", summary(&quiet));
@@ -287,7 +287,7 @@ fn noise_with_memory_has_no_gap() {
             ..Session::default()
         };
         let mut recording = record(&session, |_| Errors::default());
-        let exact = crate::arm::record_with_noise(&session, 0.0, |_| Errors::default());
+        let exact = record_with_noise(&session, 0.0, |_| Errors::default());
         // the recorded noise, through a filter of correlation 0.5
         let colour = |noisy: &mut Option<Vec<f64>>, exact: &Option<Vec<f64>>| {
             let mut state = 0.0;

@@ -123,6 +123,9 @@ proptest! {
         let is_without = answer.verdict == Verdict::NoGap;
         prop_assert_eq!(channels.iter().all(|channel| !channel.has_gap), is_without, "{}", said);
         prop_assert_eq!(sentence.contains("no larger than noise"), is_without);
+        let is_beyond = |gap: &ChannelGap| gap.held_out && gap.rms_before > gap.noise_floor_ci95[1];
+        let is_told = sentence.contains("it leaves more than noise in");
+        prop_assert_eq!(is_told, is_without && channels.iter().any(is_beyond), "{}", said);
         if let Some(at) = sentence.find("of the gap of ") {
             let name = sentence[at + 14..].split(' ').next().unwrap();
             let own = channels.iter().find(|channel| channel.channel == name).unwrap();

@@ -134,17 +134,35 @@ fn no_gap(diagnosis: &Diagnosis) -> String {
         names.map(|(_, name)| name.to_owned()).collect()
     };
     let (tested, untested) = (names(true), names(false));
-    let mut said = "What the model leaves is no larger than noise in every channel".to_owned();
+    let beyond = beyond_the_log(diagnosis);
+    let of_what = if beyond.is_empty() { "" } else { " of the log" };
+    let mut said =
+        format!("What the model leaves{of_what} is no larger than noise in every channel");
     if !tested.is_empty() {
         said.push_str(&format!(" and depends on no {}", joined(&tested, "or")));
     }
     if !untested.is_empty() {
         said.push_str(&format!("; not tested: {}", listed(&untested)));
     }
-    format!(
+    said = format!(
         "{said} ({} effects at their places were tested).",
         diagnosis.provenance.tested
-    )
+    );
+    if !beyond.is_empty() {
+        said.push_str(&format!(
+            " Of rows that the fit did not see it leaves more than noise in {}: the log fixes the model only where it went. \
+             Diagnose both motions in one log.",
+            listed(&beyond)
+        ));
+    }
+    said
+}
+
+/// Channels without a gap that show more than noise on rows that the fit did not see.
+fn beyond_the_log(diagnosis: &Diagnosis) -> Vec<String> {
+    let channels = diagnosis.gap.channels.iter();
+    let channels = channels.filter(|gap| gap.held_out && gap.rms_before > gap.noise_floor_ci95[1]);
+    channels.map(|gap| gap.channel.clone()).collect()
 }
 
 /// Whether a finding is one on the data: it explains no gap.

@@ -4,11 +4,11 @@ use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
 use haptical_effects::{Follows, Hook};
 
 use super::names::names;
-use super::{gravity, grip};
 use crate::force::base::Base;
 use crate::force::changes::carried::Carried;
 use crate::force::effects::Effects;
 use crate::force::recorded::Recorded;
+use crate::force::{gravity, grip};
 
 /// Why torques say nothing while positions show an effect that is not in the model.
 pub(super) const FALSIFIED: &str =
