@@ -78,7 +78,7 @@ impl Blocks {
                 first: count,
             };
             let mut previous_end = usize::MAX;
-            let mut rows_before = 0;
+            let mut before = 0..0;
             for (start, end) in ranges.iter() {
                 let first = blocks.rows.len();
                 let rows = (*start..*end).filter(|&row| usable[stream][row]);
@@ -98,12 +98,12 @@ impl Blocks {
                     })
                     .sum();
                 let rounding = rounding_variance(context, stream, *start, *end);
-                let inflation = inflation(&noise[stream], members.len());
+                let inflation = inflation(&noise[stream], members);
                 let variance = factor * (sensor / number * inflation / number + rounding);
                 let starts_run = context.runs.iter().any(|run| run.start == *start);
                 let follows = !starts_run && previous_end == *start;
                 let colour = match follows {
-                    true => correlation(&noise[stream], rows_before, members.len()),
+                    true => correlation(&noise[stream], &blocks.rows[before], members),
                     false => 0.0,
                 };
                 blocks.entries.push(Entry {
@@ -114,7 +114,7 @@ impl Blocks {
                     colour,
                     row: members[members.len() / 2],
                 });
-                rows_before = members.len();
+                before = first..last;
                 previous_end = *end;
             }
             count += blocks.entries.len();
@@ -239,21 +239,31 @@ fn rounding_variance(context: &Context<'_>, stream: usize, start: usize, end: us
     variance
 }
 
-/// Variance of a mean of so many successive rows over that of white rows: of a correlation c, summed over all pairs of
-/// them, 1 + 2c/(1 - c) (1 - (1 - c^n) / (n (1 - c))).
-fn inflation(noise: &Noise, rows: usize) -> f64 {
-    let (colour, number) = (noise.colour, rows as f64);
-    let sum = (1.0 - colour.powi(rows as i32)) / (1.0 - colour);
-    1.0 + noise.coloured_share * 2.0 * colour / (1.0 - colour) * (1.0 - sum / number)
+/// Variance of a mean of rows, some of which may be missing between them, over that of white rows: 1 + 2/n times the sum
+/// of c^(j - i) over all pairs i < j.
+fn inflation(noise: &Noise, rows: &[usize]) -> f64 {
+    let (mut pairs, mut with_all_before) = (0.0, 0.0);
+    for pair in rows.windows(2) {
+        with_all_before = (with_all_before + 1.0) * power(noise.colour, pair[1] - pair[0]);
+        pairs += with_all_before;
+    }
+    1.0 + noise.coloured_share * 2.0 * pairs / rows.len() as f64
 }
 
-/// Correlation of the means of so many rows and of so many that follow them.
-fn correlation(noise: &Noise, before: usize, rows: usize) -> f64 {
-    let colour = noise.colour;
-    let sum = |rows: usize| (1.0 - colour.powi(rows as i32)) / (1.0 - colour);
-    let common = noise.coloured_share * colour * sum(before) * sum(rows);
-    let size = |rows: usize| (rows as f64 * inflation(noise, rows)).sqrt();
+/// Correlation of the means of rows and of others that follow them.
+fn correlation(noise: &Noise, before: &[usize], rows: &[usize]) -> f64 {
+    let Some(&last) = before.last() else {
+        return 0.0;
+    };
+    let reach = |row: &usize| power(noise.colour, row.abs_diff(last));
+    let sum = |rows: &[usize]| rows.iter().map(reach).sum::<f64>();
+    let size = |rows: &[usize]| (rows.len() as f64 * inflation(noise, rows)).sqrt();
+    let common = noise.coloured_share * sum(before) * sum(rows);
     (common / (size(before) * size(rows))).clamp(-0.95, 0.95)
+}
+
+fn power(colour: f64, rows: usize) -> f64 {
+    colour.powi(rows as i32)
 }
 
 #[cfg(test)]
@@ -273,20 +283,24 @@ mod tests {
             source: crate::noise::NoiseSource::Motion,
             speed_ratio: 1.0,
         };
-        let between = |a: std::ops::Range<usize>, b: std::ops::Range<usize>| {
+        let between = |a: &[usize], b: &[usize]| {
             let count = (a.len() * b.len()) as f64;
-            let pairs = a.flat_map(|a| b.clone().map(move |b| covariance(a, b)));
+            let pairs = a.iter().flat_map(|a| b.iter().map(|b| covariance(*a, *b)));
             pairs.sum::<f64>() / count
         };
-        // a rest of many rows beside blocks of few
-        for (before, rows) in [(4, 4), (60, 4), (4, 60), (1, 1)] {
-            let (first, next) = (0..before, before..before + rows);
-            let own = between(next.clone(), next.clone());
-            assert!((inflation(&noise, rows) - own * rows as f64).abs() < 1e-12);
-            let before_it = between(first.clone(), first.clone());
-            let both = between(first, next) / (own * before_it).sqrt();
-            assert!((correlation(&noise, before, rows) - both).abs() < 1e-12);
+        // a rest of many rows beside blocks of few, and blocks with rows missing
+        let kinds: [(Vec<usize>, Vec<usize>); 4] = [
+            ((0..4).collect(), (4..8).collect()),
+            ((0..60).collect(), (60..64).collect()),
+            ((0..4).collect(), (4..64).collect()),
+            (vec![0, 3], vec![5, 6, 9]),
+        ];
+        for (before, rows) in kinds {
+            let own = between(&rows, &rows);
+            assert!((inflation(&noise, &rows) - own * rows.len() as f64).abs() < 1e-12);
+            let both = between(&before, &rows) / (own * between(&before, &before)).sqrt();
+            assert!((correlation(&noise, &before, &rows) - both).abs() < 1e-12);
         }
-        assert!((inflation(&noise, 1) - 1.0).abs() < 1e-15);
+        assert!((inflation(&noise, &[7]) - 1.0).abs() < 1e-15);
     }
 }

@@ -34,7 +34,7 @@ impl Selector<'_> {
             .filter(|other| !other.is_part_of(best) && !best.is_part_of(other));
         let mut others: Vec<Rival> = others
             .filter_map(|other| {
-                let lead = best.unseen.gain_on(&other.unseen).deviations().max(0.0);
+                let lead = best.unseen.surely_gains_on(&other.unseen).max(0.0);
                 let first = other.causes.first()?;
                 let more = other.numbers() as f64 - best.numbers() as f64;
                 let nats_behind = LEAD_NATS * (lead * lead + more * (SEGMENTS as f64).ln());
