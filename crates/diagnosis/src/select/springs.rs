@@ -33,7 +33,8 @@ impl Selector<'_> {
             let mut joints = self.without(grown, Self::yields_elsewhere)?;
             joints = self.extended(joints, Self::is_spring)?;
             joints = self.extended(joints, Self::yields_elsewhere)?;
-            if self.evidence(&joints) > self.evidence(grown) {
+            self.trim(&mut joints)?;
+            if self.evidence(&joints) > self.evidence(grown) && self.is_beyond_the_first(&joints) {
                 *grown = joints;
             }
         }
@@ -91,6 +92,15 @@ impl Selector<'_> {
         left.system = self.system_of(&left.refit);
         left.after = left.system.slow_energy(&left.system.residual);
         Ok(left)
+    }
+
+    /// Whether a joint yields that is not the first: what yields about and across the first one's axis alone is the base.
+    fn is_beyond_the_first(&self, grown: &Grown) -> bool {
+        let mut causes = grown.refit.model.causes.iter();
+        causes.any(|cause| {
+            let joint = self.effects[cause.effect].joint();
+            self.is_spring(cause.effect) && joint.is_some_and(|joint| joint > 0)
+        })
     }
 
     /// Evidence of all causes together in nats, but for a constant (Schwarz 1978).
