@@ -3,13 +3,15 @@
 use std::path::PathBuf;
 
 use haptical::files::Source;
-use haptical::urdf::BaseAndTip;
 use haptical::{Device as Read, Equipment, is_urdf};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::failure::Failure;
 use crate::plain::toml_text;
+
+/// Links of a URDF at which the chain begins and ends: base, tip.
+pub(crate) type Ends<'n> = (Option<&'n str>, Option<&'n str>);
 
 /// A device, read once and used many times.
 #[pyclass(frozen, module = "haptical")]
@@ -28,15 +30,7 @@ impl Device {
         tip: Option<&str>,
         rig: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        read(
-            read_source(source, "the device")?,
-            BaseAndTip {
-                base,
-                tip,
-                further_tips: &[],
-            },
-            rig,
-        )
+        read(read_source(source, "the device")?, (base, tip), rig)
     }
 
     /// Name of the device.
@@ -89,7 +83,7 @@ impl Device {
 /// A device from whatever was given.
 pub(crate) fn device_of(
     source: &Bound<'_, PyAny>,
-    ends: BaseAndTip<'_>,
+    ends: Ends<'_>,
     rig: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Device> {
     if let Ok(device) = source.cast::<Device>() {
@@ -105,7 +99,7 @@ pub(crate) fn device_of(
             Some(_) => {
                 let label = &device.read.source().label;
                 let text = Source::text(device.to_toml(), label);
-                read(text, BaseAndTip::default(), rig)
+                read(text, Ends::default(), rig)
             }
         };
     }
@@ -149,15 +143,15 @@ fn read_source(source: &Bound<'_, PyAny>, what: &str) -> PyResult<Source> {
 }
 
 /// The first keyword that names a link.
-fn named(ends: BaseAndTip<'_>) -> Option<&'static str> {
-    match (ends.base, ends.tip) {
+fn named(ends: Ends<'_>) -> Option<&'static str> {
+    match ends {
         (Some(_), _) => Some("base"),
         (None, Some(_)) => Some("tip"),
         (None, None) => None,
     }
 }
 
-fn read(source: Source, ends: BaseAndTip<'_>, rig: Option<&Bound<'_, PyAny>>) -> PyResult<Device> {
+fn read(source: Source, ends: Ends<'_>, rig: Option<&Bound<'_, PyAny>>) -> PyResult<Device> {
     let is_table = source.text.is_some() || !is_urdf(&source.path);
     if let Some(keyword) = named(ends).filter(|_| is_table) {
         return Err(Failure::value(format!(
@@ -166,8 +160,8 @@ fn read(source: Source, ends: BaseAndTip<'_>, rig: Option<&Bound<'_, PyAny>>) ->
         .into());
     }
     let equipment = Equipment {
-        base: ends.base.map(str::to_owned),
-        tip: ends.tip.map(str::to_owned),
+        base: ends.0.map(str::to_owned),
+        tip: ends.1.map(str::to_owned),
         rig: rig.map(|rig| read_source(rig, "the rig")).transpose()?,
         ..Equipment::default()
     };

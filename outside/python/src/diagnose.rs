@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use haptical::urdf::BaseAndTip;
 use haptical::{Diagnose, diagnose as diagnose_device};
 use pyo3::prelude::*;
 
@@ -32,15 +31,7 @@ pub(crate) fn diagnose(
 ) -> PyResult<String> {
     let (joint_compliance, loss) = (fits_compliance(&with_)?, loss_of(loss)?);
     let deviations = deviations_of(&deviation)?;
-    let device = device_of(
-        device,
-        BaseAndTip {
-            base,
-            tip,
-            further_tips: &[],
-        },
-        rig,
-    )?;
+    let device = device_of(device, (base, tip), rig)?;
     let model = model.map(|model| model_of(model, &device)).transpose()?;
     let log = log_of(log)?;
     let validate = validate.map(log_of).transpose()?;

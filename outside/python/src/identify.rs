@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use haptical::calibration::ChannelReport;
-use haptical::urdf::BaseAndTip;
 use haptical::{Found, TransmissionEntry, identify as identify_device};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -61,15 +60,7 @@ pub(crate) fn identify<'py>(
         loss,
     };
     let request = keywords.request()?;
-    let device = device_of(
-        device,
-        BaseAndTip {
-            base,
-            tip,
-            further_tips: &[],
-        },
-        rig,
-    )?;
+    let device = device_of(device, (base, tip), rig)?;
     let log = log_of(log)?;
     let found = py.detach(|| -> Result<Found, Failure> {
         let read = log.read(&device.read)?;

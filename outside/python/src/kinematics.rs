@@ -1,7 +1,6 @@
 //! `haptical.forward_kinematics`: handle poses of many postures.
 
 use haptical::model::Evaluation;
-use haptical::urdf::BaseAndTip;
 use numpy::ndarray::{Array2, Array3};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
@@ -23,15 +22,7 @@ pub(crate) fn forward_kinematics<'py>(
     tip: Option<&str>,
     rig: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Poses<'py>> {
-    let device = device_of(
-        device,
-        BaseAndTip {
-            base,
-            tip,
-            further_tips: &[],
-        },
-        rig,
-    )?;
+    let device = device_of(device, (base, tip), rig)?;
     let readings = readings.as_array().to_owned();
     let (positions, rotations) = py.detach(|| poses(&device.read.model, &readings))?;
     Ok((positions.to_pyarray(py), rotations.to_pyarray(py)))

@@ -3,7 +3,6 @@
 use haptical::design::{
     Figures, NextPoses, ParameterStatus, Posture, RigIdentifiability, Suggestion,
 };
-use haptical::urdf::BaseAndTip;
 use haptical::{Planned, plan as plan_device};
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, ToPyArray};
@@ -55,15 +54,7 @@ pub(crate) fn plan<'py>(
         known_transmissions,
     }
     .request()?;
-    let device = device_of(
-        device,
-        BaseAndTip {
-            base,
-            tip,
-            further_tips: &[],
-        },
-        rig,
-    )?;
+    let device = device_of(device, (base, tip), rig)?;
     let log = log.map(log_of).transpose()?;
     let planned = py.detach(|| -> Result<Planned, Failure> {
         let read = log.map(|log| log.read(&device.read)).transpose()?;

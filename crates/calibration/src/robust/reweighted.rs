@@ -229,20 +229,16 @@ pub(crate) fn fit(
     if options.method == CalibrationMethod::Joint {
         stages.push((loss, options, JOINT_ROUNDS));
     }
+    let fit_with = |weights: &Weights, options: &Options, start: Option<&Device>| {
+        fit_once(device, recording, &present, weights, options, start)
+    };
     let mut rounds = 0;
     let (mut scales, mut settled) = (Vec::new(), false);
     // weights change little from round to round, and the values with them: each search begins where the last one ended
     let mut before: Option<Device> = None;
     for (loss, options, limit) in stages {
         for _ in 0..limit {
-            let fitted = fit_once(
-                device,
-                recording,
-                &present,
-                &weights,
-                &options,
-                before.as_ref(),
-            )?;
+            let fitted = fit_with(&weights, &options, before.as_ref())?;
             rounds += 1;
             let wanted;
             (scales, wanted) = judge(&fitted, recording, loss)?;
@@ -260,14 +256,7 @@ pub(crate) fn fit(
             *factor *= scale.variance_factor.sqrt();
         }
     }
-    let mut fitted = fit_once(
-        device,
-        recording,
-        &present,
-        &weights,
-        &options,
-        before.as_ref(),
-    )?;
+    let mut fitted = fit_with(&weights, &options, before.as_ref())?;
     let outliers = far_out(&fitted.device, recording, &scales, &weights)?;
     fitted.weights = weights;
     fitted.robust = Some(Robustness {
