@@ -91,6 +91,34 @@ fn two_trials_leave_everything_that_is_promised() {
     assert_eq!(json(&alone.join("scores.json"))[0], scores[1]);
 }
 
+/// Names of the causes of one trial.
+fn causes_of(suite: &str, index: &str, seed: &str) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let words = [
+        "--suite", suite, "--first", index, "--count", "1", "--seed", seed, "--out", out,
+    ];
+    let output = blind_check(&words);
+    assert!(output.status.success(), "{output:?}");
+    let scores = json(&folder.path().join("scores.json"));
+    let causes = scores[0]["answer"]["causes"].as_array().unwrap();
+    let names = causes.iter().map(|cause| cause["effect"].as_str().unwrap());
+    names.map(str::to_owned).collect()
+}
+
+/// Draws that were answered wrongly once: joints that yield as a base, and a base as the first joint and its bearing.
+#[test]
+fn joints_that_yield_and_a_base_that_yields_are_told_apart() {
+    let joints = causes_of("sr", "4", "33");
+    assert!(!joints.is_empty());
+    assert!(
+        joints.iter().all(|name| name == "joint-compliance"),
+        "{joints:?}"
+    );
+    let base = causes_of("s4", "13", "3588768297");
+    assert_eq!(base, ["external-encoder-latency", "base-compliance"]);
+}
+
 #[test]
 fn what_cannot_be_done_is_refused_before_anything_is_drawn() {
     for (words, said) in [

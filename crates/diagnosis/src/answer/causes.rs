@@ -299,6 +299,8 @@ mod tests {
             // exp(1.96 x 1.5) is 18.9
             assert!((low.abs().max(high.abs()) / 3.0 - 18.9).abs() < 0.1);
         }
+        let [low, high] = ParameterAnswer::normal(0.0, 1.0).off_by_a_factor(1e9).ci95;
+        assert!((low + 1.96).abs() < 1e-12 && (high - 1.96).abs() < 1e-12);
         // where the data do not show it, it may be none
         let [low, high] = ParameterAnswer::normal(3.0, 3.0).off_by_a_factor(0.1).ci95;
         assert!(low < 0.0 && high > 8.8);

@@ -260,7 +260,8 @@ impl ParameterAnswer {
     /// With a factor besides, which may be off by exp(+-1.96 `relative`): a law that is wrong by a share of its effect
     /// makes its size wrong, never its sign.
     pub(crate) fn off_by_a_factor(self, relative: f64) -> Self {
-        let factor = (1.96 * relative).exp();
+        // beyond a million nothing is known, and no end may be infinite
+        let factor = (1.96 * relative).exp().min(1e6);
         let ends = [self.value / factor, self.value * factor];
         let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
         let [below, above] = [self.value - self.ci95[0], self.ci95[1] - self.value];

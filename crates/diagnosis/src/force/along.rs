@@ -69,7 +69,6 @@ impl<'a> Along<'a> {
             along.reading.extend(recorded.means(|row| values[row]));
         }
         let place = along.places();
-        let joints_of_arm = joints;
         let mut posture = Posture::default();
         for block in 0..blocks {
             let rows = recorded.blocks[block].rows.clone();
@@ -80,10 +79,10 @@ impl<'a> Along<'a> {
                 [rows.start..middle, middle..rows.end]
             };
             for half in halves {
-                let joints = along.mean_joints(&half);
+                let moved = along.mean_joints(&half);
                 along
                     .rows
-                    .place([&joints[0], &joints[1], &joints[2]], &mut posture);
+                    .place([&moved[0], &moved[1], &moved[2]], &mut posture);
                 let (inertia, gravity) = (&mut along.inertia, &along.rows.gravity_mps2);
                 posture.regressor(gravity, |joint, parameter, torque| {
                     if let Some(channel) = place[joint] {
@@ -91,8 +90,8 @@ impl<'a> Along<'a> {
                     }
                 });
                 for (channel, &joint) in recorded.channels.iter().enumerate() {
-                    along.inertia[rotor(joints_of_arm, joint)][channel * blocks + block] +=
-                        0.5 * joints[2][joint];
+                    along.inertia[rotor(joints, joint)][channel * blocks + block] +=
+                        0.5 * moved[2][joint];
                 }
                 let hand = recorded
                     .channels
@@ -100,7 +99,10 @@ impl<'a> Along<'a> {
                     .map(|&joint| posture.hand(joint))
                     .collect();
                 along.force_n.push(mean_force(recorded, block, &half));
-                along.halves.push(Half { joints, hand });
+                along.halves.push(Half {
+                    joints: moved,
+                    hand,
+                });
             }
             let [.., first, second] = along.halves.as_slice() else {
                 continue;

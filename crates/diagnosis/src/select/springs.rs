@@ -9,10 +9,10 @@ use crate::select::scan::Score;
 use crate::thresholds::chance::SHARE_OF_REST;
 
 impl Selector<'_> {
-    /// Takes up further joints that yield, all refitted together, where one does already,
-    /// or would but for what it leaves. One by one each explains
-    /// too little of what is left to be believed (a wrong effect nibbles at a gap), and the first, alone, has a
-    /// stiffness that makes up for the others: so those that were refused too are tried again, and all are judged by what they explain together.
+    /// Takes up further joints that yield, all refitted together, where one does already or would but for what it leaves. One by
+    /// one each explains too little of what is left to be believed (a wrong effect nibbles at a gap), and the first, alone, has
+    /// a stiffness that makes up for the others: those that were refused are tried again, and all are judged by what they
+    /// explain together.
     ///
     /// A base that yields, alone, makes up for all the joints: where it was picked, the joints compete with it as one.
     pub(super) fn springs(
@@ -21,8 +21,8 @@ impl Selector<'_> {
         refused: Option<&Score>,
     ) -> Result<(), DiagnosisError> {
         let picked = grown.refit.model.causes.iter().map(|cause| cause.effect);
-        let mut tried = picked.clone().chain(refused.map(|score| score.effect));
-        if tried.any(|effect| self.is_spring(effect)) {
+        let mut met = picked.clone().chain(refused.map(|score| score.effect));
+        if met.any(|effect| self.is_spring(effect)) {
             let with = self.extended(grown.clone(), Self::is_spring)?;
             let (rest, uncertain) = excess(&grown.after);
             let closed = rest - excess(&with.after).0;
