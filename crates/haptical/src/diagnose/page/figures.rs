@@ -39,7 +39,7 @@ pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
     if channels.is_empty() {
         return Ok(None);
     }
-    let budget = match main_channel(diagnosis) {
+    let budget = match budgeted(diagnosis) {
         Some(channel) if diagnosis.verdict != Verdict::NoGap => budget(diagnosis, channel),
         _ => return beside_noise(channels).map(Some),
     };
@@ -79,6 +79,20 @@ pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
         caption: budget.note.to_owned(),
         svg: bars.to_svg(FIGURE_PX.0)?,
     }))
+}
+
+/// The channel whose gap is drawn: the main one, or where how much of that closes is not known the largest of which it is.
+fn budgeted(diagnosis: &Diagnosis) -> Option<&ChannelGap> {
+    let main = main_channel(diagnosis);
+    let known = diagnosis
+        .gap
+        .channels
+        .iter()
+        .filter(|gap| gap.reduction_percent.is_some());
+    let largest = known.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap));
+    main.filter(|gap| gap.reduction_percent.is_some())
+        .or(largest)
+        .or(main)
 }
 
 /// The channel with most of the gap, where one cause (or none) makes its numbers exact. Several

@@ -203,6 +203,8 @@ fn provenance(diagnosis: &Diagnosis) -> Result<Table, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use haptical_diagnosis::NoReduction;
+
     use crate::diagnose::example_tests::{named, no_gap, unknown};
     use crate::files::InputFile;
     use crate::files::Record;
@@ -249,6 +251,23 @@ mod tests {
         assert_eq!(page.matches("<svg").count(), 3);
         assert!(!page.contains("was left out"), "a figure is missing");
         assert!(!page.contains("not finite"));
+    }
+
+    /// Of a channel that leaves less than its noise floor no share is known: the picture shows one whose share is.
+    #[test]
+    fn the_picture_is_of_a_channel_whose_closed_share_is_known() {
+        let mut diagnosis = named();
+        let out2 = &mut diagnosis.gap.channels[1];
+        (out2.reduction_percent, out2.reduction_ci95) = (None, None);
+        out2.no_reduction = Some(NoReduction::FloorContradicted);
+        out2.noise_floor_ci95[1] = 1e4 * out2.noise_floor;
+        let known = &mut diagnosis.gap.channels[2];
+        known.reduction_percent = Some(99.0);
+        let page = html(&diagnosis);
+        assert!(page.contains(&format!("Gap of {}", diagnosis.gap.channels[2].channel)));
+        assert!(!page.contains("Gap of out2"));
+        // nor is an upper end written that says nothing
+        assert!(page.contains("or more"));
     }
 
     #[test]

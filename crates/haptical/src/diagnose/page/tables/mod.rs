@@ -51,9 +51,16 @@ pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Table, Error> {
     ))
 }
 
+/// Upper end of a floor's interval, in floors, beyond which it is not written.
+const TELLS_NOTHING: f64 = 100.0;
+
 /// The interval of a channel's noise floor.
 fn interval(channel: &ChannelGap, shown: Shown) -> Cell {
     let [low, high] = channel.noise_floor_ci95;
+    // of one or two degrees of freedom the upper end is a number that says nothing
+    if high > TELLS_NOTHING * channel.noise_floor {
+        return format!("{} or more", shown.text(low)).into();
+    }
     format!("{} to {}", shown.text(low), shown.text(high)).into()
 }
 
