@@ -4,6 +4,7 @@ use haptical_identification::{
     Added, Component, Estimate, HeldEffect, Identifiability, IdentificationError, Matrix,
     NoiseScale, Reduction, Status, Uncertainty,
 };
+use haptical_linalg::{OrthonormalBasis, SparseColumns};
 use haptical_model::{Device, ParameterId};
 
 /// Parameters that a fit held and that are not known exactly: "consider" parameters.
@@ -375,13 +376,13 @@ pub(crate) fn sensitivity(
     };
     let free = of(fitted)?;
     let others = of(held)?;
-    let columns: Vec<usize> = (0..fitted.len()).collect();
+    let basis = OrthonormalBasis::new(&SparseColumns::from(&free), SMALLEST_PIVOT)?;
     let mut sensitivity = Matrix::zeros(fitted.len(), held.len());
     let mut rests = Vec::with_capacity(held.len());
     for column in 0..held.len() {
         let whole = others.column(column);
-        let step = Reduction::new(&free, whole)?.solve(&columns, 0.0, SMALLEST_PIVOT)?;
-        let made_up = free.times(&step.values)?;
+        let step = basis.solve(whole)?;
+        let made_up = free.times(&step)?;
         rests.push(
             whole
                 .iter()
@@ -389,7 +390,7 @@ pub(crate) fn sensitivity(
                 .map(|(have, made)| have - made)
                 .collect(),
         );
-        for (row, change) in step.values.iter().enumerate() {
+        for (row, change) in step.iter().enumerate() {
             sensitivity[(row, column)] = -change;
         }
     }

@@ -3,7 +3,7 @@
 
 use haptical_effects::Context;
 use haptical_linalg::Direction;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::engine::system::System;
 use crate::thresholds::partial::{RIDGE, SEGMENTS};
@@ -11,12 +11,20 @@ use crate::thresholds::partial::{RIDGE, SEGMENTS};
 /// The segments of a recording, with what its base model has in each.
 #[derive(Debug)]
 pub(crate) struct Segments {
+    segments: Vec<Segment>,
+    /// Directions of the base model.
+    base: usize,
+}
+
+#[derive(Debug)]
+struct Segment {
     /// Entries of the whitened vectors.
-    entries: Vec<Vec<usize>>,
-    /// The base model's directions at these entries.
-    base: Vec<DMatrix<f64>>,
-    /// Products of these directions with each other.
-    own: Vec<DMatrix<f64>>,
+    entries: Vec<usize>,
+    /// The base model's directions at these entries, as columns and as rows.
+    base: DMatrix<f64>,
+    across: DMatrix<f64>,
+    /// What the other segments have of each direction, decomposed; none where some have nothing.
+    others: Option<Cholesky<f64, Dyn>>,
 }
 
 /// Squared residual of every segment, as the other segments predict it.
@@ -43,12 +51,18 @@ impl Segments {
             }
         }
         entries.retain(|segment| !segment.is_empty());
-        let base: Vec<DMatrix<f64>> = entries
-            .iter()
-            .map(|segment| directions_at(segment, &system.basis))
-            .collect();
-        let own = base.iter().map(|at| at.tr_mul(at)).collect();
-        Self { entries, base, own }
+        let segments = entries.into_iter();
+        Self {
+            segments: segments
+                .map(|entries| Segment::new(entries, &system.basis, RIDGE))
+                .collect(),
+            base: system.basis.len(),
+        }
+    }
+
+    /// What a system has in addition to the base model.
+    pub(crate) fn added<'s>(&self, system: &'s System) -> &'s [Direction] {
+        &system.basis[self.base..]
     }
 
     /// What a system leaves where its segment was left out of the fit.
@@ -57,16 +71,17 @@ impl Segments {
     /// all, that of the fit without s is e_s + B_s (I - B_s^T B_s)^-1 B_s^T e_s (the update of Sherman, Morrison &
     /// Woodbury; Cook & Weisberg 1982, 2.2).
     pub(crate) fn unseen(&self, system: &System) -> Unseen {
-        let more = &system.basis[self.base.first().map_or(0, DMatrix::ncols)..];
-        let squares = (0..self.entries.len()).map(|segment| {
-            let entries = &self.entries[segment];
-            let residual = DVector::from_iterator(
-                entries.len(),
-                entries.iter().map(|&entry| system.residual[entry]),
-            );
-            let (base, own) = (&self.base[segment], &self.own[segment]);
-            let new = directions_at(entries, more);
-            predicted_by_others(residual, base, own, &new, RIDGE).norm_squared()
+        self.unseen_with(&system.residual, self.added(system))
+    }
+
+    /// The same of a residual and of the directions that a fit has in addition to the base model's.
+    pub(crate) fn unseen_with(&self, residual: &[f64], added: &[Direction]) -> Unseen {
+        let squares = self.segments.iter().map(|segment| {
+            let entries = &segment.entries;
+            let own = entries.iter().map(|&entry| residual[entry]);
+            let own = DVector::from_iterator(entries.len(), own);
+            let added = directions_at(entries, added);
+            segment.predicted(own, &added, RIDGE).norm_squared()
         });
         Unseen(squares.collect())
     }
@@ -113,38 +128,39 @@ impl Unseen {
     }
 }
 
-/// The residual of a segment as the fit to the others has it, from that of the fit to all; `base` and `new` are the
-/// orthonormal directions of the fit at the segment, `own` the products of the first with each other.
-fn predicted_by_others(
-    residual: DVector<f64>,
-    base: &DMatrix<f64>,
-    own: &DMatrix<f64>,
-    new: &DMatrix<f64>,
-    ridge: f64,
-) -> DVector<f64> {
-    let (known, all) = (base.ncols(), base.ncols() + new.ncols());
-    let mut normal = DMatrix::zeros(all, all);
-    normal.view_mut((0, 0), (known, known)).copy_from(own);
-    let across = base.tr_mul(new);
-    normal
-        .view_mut((known, 0), (new.ncols(), known))
-        .copy_from(&across.transpose());
-    normal
-        .view_mut((0, known), (known, new.ncols()))
-        .copy_from(&across);
-    normal
-        .view_mut((known, known), (new.ncols(), new.ncols()))
-        .copy_from(&new.tr_mul(new));
-    let left = DMatrix::identity(all, all) * (1.0 + ridge) - normal;
-    let mut seen = DVector::zeros(all);
-    seen.rows_mut(0, known).copy_from(&base.tr_mul(&residual));
-    seen.rows_mut(known, new.ncols())
-        .copy_from(&new.tr_mul(&residual));
-    let moved = match left.cholesky() {
-        Some(factor) => factor.solve(&seen),
-        None => seen,
-    };
-    residual + base * moved.rows(0, known) + new * moved.rows(known, all - known)
+impl Segment {
+    fn new(entries: Vec<usize>, directions: &[Direction], ridge: f64) -> Self {
+        let base = directions_at(&entries, directions);
+        let across = base.transpose();
+        let others = DMatrix::identity(base.ncols(), base.ncols()) * (1.0 + ridge);
+        Self {
+            others: (others - &across * &base).cholesky(),
+            entries,
+            base,
+            across,
+        }
+    }
+
+    /// The residual as the fit to the other segments has it, from that of the fit to all; `added` are the directions of
+    /// the fit here besides the base model's. The base model's part of I - B_s^T B_s is decomposed once; its Schur
+    /// complement is that of the others (Golub & Van Loan 2013, section 4.2).
+    fn predicted(&self, residual: DVector<f64>, added: &DMatrix<f64>, ridge: f64) -> DVector<f64> {
+        let (base, added_rows) = (&self.base, added.transpose());
+        let (of_base, of_added) = (&self.across * &residual, &added_rows * &residual);
+        let solved = self.others.as_ref().and_then(|others| {
+            let lower = others.l_dirty();
+            let shared = lower.solve_lower_triangular(&(&self.across * added))?;
+            let known = lower.solve_lower_triangular(&of_base)?;
+            let count = added.ncols();
+            let own = DMatrix::identity(count, count) * (1.0 + ridge) - &added_rows * added;
+            let own = (own - shared.tr_mul(&shared)).cholesky()?;
+            let by_added = own.solve(&(&of_added + shared.tr_mul(&known)));
+            let by_base = lower.tr_solve_lower_triangular(&(known + &shared * &by_added))?;
+            Some((by_base, by_added))
+        });
+        let (by_base, by_added) = solved.unwrap_or((of_base, of_added));
+        residual + base * by_base + added * by_added
+    }
 }
 
 fn directions_at(entries: &[usize], directions: &[Direction]) -> DMatrix<f64> {
@@ -155,9 +171,10 @@ fn directions_at(entries: &[usize], directions: &[Direction]) -> DMatrix<f64> {
 
 #[cfg(test)]
 mod tests {
+    use haptical_linalg::Direction;
     use nalgebra::{DMatrix, DVector};
 
-    use super::predicted_by_others;
+    use super::Segment;
 
     /// Against fits to the other rows by the normal equations.
     #[test]
@@ -177,15 +194,18 @@ mod tests {
             let length = segment.len();
             let unseen =
                 reading.rows(segment.start, length) - design.rows(segment.start, length) * fitted;
-            let at = basis.rows(segment.start, length).into_owned();
-            let predicted = predicted_by_others(
-                residual.rows(segment.start, length).into_owned(),
-                &at,
-                &at.tr_mul(&at),
-                &DMatrix::zeros(length, 0),
-                0.0,
-            );
-            assert!((predicted - unseen).norm() < 1e-9);
+            let residual = residual.rows(segment.start, length).into_owned();
+            // whichever of the directions are the base model's
+            for known in 0..=3 {
+                let at = basis.rows(segment.start, length);
+                let directions = (0..known)
+                    .map(|column| Direction::new(basis.column(column).iter().copied().collect()));
+                let entries = segment.clone().collect();
+                let own = Segment::new(entries, &directions.collect::<Vec<_>>(), 0.0);
+                let added = at.columns_range(known..).into_owned();
+                let predicted = own.predicted(residual.clone(), &added, 0.0);
+                assert!((predicted - &unseen).norm() < 1e-9, "{known}");
+            }
         }
     }
 }

@@ -2,12 +2,13 @@
 //! (docs/diagnosis.md, "Partial causes").
 
 use haptical_effects::{Effect, Family, Shape};
+use haptical_linalg::Direction;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::engine::model::Cause;
 use crate::engine::segments::{Segments, Unseen};
-use crate::engine::system::{ALWAYS, System, dot};
+use crate::engine::system::{ALWAYS, System, across, dot, take_off};
 use crate::select::Selector;
 use crate::select::scan::{Candidate, Score};
 use crate::thresholds::partial::{
@@ -113,15 +114,14 @@ impl Selector<'_> {
         let mut members = distinct(members, system);
         let products = Products::new(&members, system);
         let mut causes = self.settled(&mut members, &products, system)?;
-        let mut unseen = segments.unseen(&with(system.clone(), &members));
+        let alone = Beside::nothing(system, segments);
+        let mut unseen = alone.with(&members).unseen(segments);
         while members.len() > 1 {
             // those before the one that is left out are taken once for all that follow
-            let mut before = system.clone();
+            let mut before = alone.clone();
             let gains = (0..members.len()).map(|index| {
-                let without = segments.unseen(&with(before.clone(), &members[index + 1..]));
-                for column in &members[index].across {
-                    before.take(column.clone());
-                }
+                let without = before.with(&members[index + 1..]).unseen(segments);
+                before.take(&members[index]);
                 (index, unseen.gain_on(&without).deviations())
             });
             let (weakest, _) = gains
@@ -131,7 +131,7 @@ impl Selector<'_> {
             let Some(weakest) = weakest else { break };
             members.remove(weakest);
             causes = self.settled(&mut members, &products, system)?;
-            unseen = segments.unseen(&with(system.clone(), &members));
+            unseen = alone.with(&members).unseen(segments);
         }
         Some(Hypothesis { causes, unseen })
     }
@@ -186,39 +186,46 @@ impl Selector<'_> {
 
 /// The candidates that neither the system nor those before them have already.
 fn distinct<'c>(candidates: &[&'c Candidate], system: &System) -> Vec<Member<'c>> {
-    let mut known = system.clone();
+    let mut known: Vec<Direction> = Vec::new();
     let mut members: Vec<Member<'_>> = Vec::new();
     let mut first = 0;
     for &candidate in candidates {
-        let dense = candidate.columns.iter().map(|column| system.dense(column));
-        let dense: Vec<Vec<f64>> = dense.collect();
-        let is_new = dense.iter().all(|column| {
-            let length = dot(column, column).sqrt();
-            let products = known.take_again_below(ALWAYS, column.clone());
-            products.is_some_and(|products| {
-                products
-                    .last()
-                    .is_some_and(|left| *left > DISTINCT * length)
-            })
-        });
-        if is_new {
-            let across = dense.into_iter().map(|mut column| {
-                for direction in &system.basis {
-                    direction.take_off(&mut column);
-                }
-                column
-            });
-            let across: Vec<Vec<f64>> = across.collect();
-            let count = across.len();
+        let mut columns = Vec::new();
+        for column in &candidate.columns {
+            let dense = system.dense(column);
+            let length = dot(&dense, &dense).sqrt();
+            let Some(own) = beyond(dense, &system.basis) else {
+                break;
+            };
+            let Some(new) = across(own.clone(), ALWAYS, || known.iter()) else {
+                break;
+            };
+            let left = new.products.last().copied().unwrap_or(0.0);
+            known.push(Direction::new(new.direction));
+            if left <= DISTINCT * length {
+                break;
+            }
+            columns.push(own);
+        }
+        if columns.len() == candidate.columns.len() {
+            let count = columns.len();
             members.push(Member {
                 candidate,
-                across,
+                across: columns,
                 first,
             });
             first += count;
         }
     }
     members
+}
+
+/// The part of a column across a system's directions, with its length; none where nothing is left.
+fn beyond(column: Vec<f64>, basis: &[Direction]) -> Option<Vec<f64>> {
+    let mut own = across(column, ALWAYS, || basis.iter())?;
+    let left = own.products.last().copied()?;
+    own.direction.iter_mut().for_each(|entry| *entry *= left);
+    Some(own.direction)
 }
 
 /// Whether several joints of a device may have an effect at once, and its first size is that of a linear model.
@@ -263,9 +270,10 @@ impl Products {
         let own: Vec<usize> = own.collect();
         let gram = DMatrix::from_fn(own.len(), own.len(), |a, b| self.gram[(own[a], own[b])]);
         let right = DVector::from_fn(own.len(), |k, _| self.right[own[k]]);
-        let covariance = gram.cholesky()?.inverse();
-        let sizes = &covariance * &right;
-        let rest = self.rest - sizes.dot(&right);
+        let inverse = lower_inverse(&gram.cholesky()?.l());
+        let along = &inverse * &right;
+        let sizes = inverse.tr_mul(&along);
+        let rest = self.rest - along.norm_squared();
         let misfit = (rest / system.layout.count() as f64).max(1.0);
         let mut first = 0;
         let mut causes = Vec::new();
@@ -273,7 +281,8 @@ impl Products {
         for member in members {
             let count = member.across.len();
             let own = sizes.rows(first, count).into_owned();
-            let block = covariance.view((first, first), (count, count)).into_owned();
+            let columns = inverse.columns(first, count);
+            let block = columns.tr_mul(&columns);
             let square = own.dot(&block.cholesky()?.solve(&own));
             deviations.push((square / misfit / count as f64).sqrt());
             causes.push(Cause {
@@ -288,10 +297,62 @@ impl Products {
     }
 }
 
-/// The system with members in it.
-fn with(mut system: System, members: &[Member<'_>]) -> System {
-    for column in members.iter().flat_map(|member| &member.across) {
-        system.take(column.clone());
+/// The inverse of a lower triangle, a column at a time: a third of what the inverse of the product takes, of which the
+/// blocks on the diagonal are needed alone.
+fn lower_inverse(lower: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = lower.nrows();
+    let mut inverse = DMatrix::identity(count, count);
+    for column in 0..count {
+        let mut own = inverse.column_mut(column);
+        for pivot in column..count {
+            let value: f64 = own[pivot] / lower[(pivot, pivot)];
+            own[pivot] = value;
+            own.rows_range_mut(pivot + 1..).axpy(
+                -value,
+                &lower.column(pivot).rows_range(pivot + 1..),
+                1.0,
+            );
+        }
     }
-    system
+    inverse
+}
+
+/// A system with members in it: what they leave, and the directions beside the base model's.
+#[derive(Clone)]
+struct Beside {
+    residual: Vec<f64>,
+    added: Vec<Direction>,
+    /// The first of them that is a member's: the members' columns are across those before it.
+    first: usize,
+}
+
+impl Beside {
+    fn nothing(system: &System, segments: &Segments) -> Self {
+        let added = segments.added(system).to_vec();
+        Self {
+            residual: system.residual.clone(),
+            first: added.len(),
+            added,
+        }
+    }
+
+    fn with(&self, members: &[Member<'_>]) -> Self {
+        let mut own = self.clone();
+        members.iter().for_each(|member| own.take(member));
+        own
+    }
+
+    fn take(&mut self, member: &Member<'_>) {
+        for column in &member.across {
+            let before = || self.added[self.first..].iter();
+            if let Some(own) = across(column.clone(), ALWAYS, before) {
+                take_off(&mut self.residual, &own.direction);
+                self.added.push(Direction::new(own.direction));
+            }
+        }
+    }
+
+    fn unseen(&self, segments: &Segments) -> Unseen {
+        segments.unseen_with(&self.residual, &self.added)
+    }
 }
