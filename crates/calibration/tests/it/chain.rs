@@ -186,11 +186,28 @@ pub(crate) fn measure_at(device: &Device, rig: Rig, joint: Vec<Vec<f64>>) -> Rec
 
 /// The verdict on all candidate parameters at the device itself.
 pub(crate) fn judge(device: &Device, recording: &Recording) -> Identifiability {
+    judge_by(&IdentifiabilityRules::default(), device, recording)
+}
+
+/// What the rows see of the parameters, however well the noise lets them be known: a parameter that is held because it is
+/// weak gives way to one that depends on it.
+pub(crate) fn structure(device: &Device, recording: &Recording) -> Identifiability {
+    let rules = IdentifiabilityRules {
+        weak_share: 1e12,
+        ..IdentifiabilityRules::default()
+    };
+    judge_by(&rules, device, recording)
+}
+
+fn judge_by(
+    rules: &IdentifiabilityRules,
+    device: &Device,
+    recording: &Recording,
+) -> Identifiability {
     let channels = channels(device, recording).unwrap();
     let parameters = candidate_parameters(device);
     let weights = Weights::stated(device, &channels);
-    let rules = IdentifiabilityRules::default();
-    identifiability_at(device, recording, &channels, &parameters, &weights, &rules).unwrap()
+    identifiability_at(device, recording, &channels, &parameters, &weights, rules).unwrap()
 }
 
 /// Derivatives, names and order of preference of all candidate parameters.

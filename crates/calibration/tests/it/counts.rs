@@ -7,8 +7,8 @@ use haptical_model::{Device, Evaluation, JointType};
 use proptest::prelude::*;
 
 use crate::chain::{
-    ROWS, Rig, cable_at, columns, combination, generic_chain, judge, measure, measure_at, pruned,
-    turned_when_locked,
+    ROWS, Rig, cable_at, columns, combination, generic_chain, measure, measure_at, pruned,
+    structure, turned_when_locked,
 };
 use crate::haptic;
 
@@ -25,7 +25,7 @@ fn structural_count(rig: Rig, joints: usize) -> usize {
 }
 
 fn rank(device: &Device, rig: Rig, seed: u64) -> usize {
-    let judged = judge(device, &measure(device, rig, ROWS, seed));
+    let judged = structure(device, &measure(device, rig, ROWS, seed));
     assert!(
         judged.is_clear(),
         "{} by singular values",
@@ -41,7 +41,7 @@ proptest! {
     fn generic_chains_have_the_structural_count(device in generic_chain(2..=7), seed: u64) {
         let n = device.joints.len();
         for rig in crate::chain::RIGS {
-            let judged = judge(&device, &measure(&device, rig, ROWS, seed));
+            let judged = structure(&device, &measure(&device, rig, ROWS, seed));
             prop_assert!(judged.is_clear());
             prop_assert_eq!(judged.rank, structural_count(rig, n), "{:?}", rig);
             let last_twist = format!("alpha{n}");
@@ -64,7 +64,7 @@ proptest! {
     fn a_turn_about_the_anchor_is_named_with_its_coefficients(
         device in generic_chain(2..=6), seed: u64,
     ) {
-        let judged = judge(&device, &measure(&device, Rig::Cable, ROWS, seed));
+        let judged = structure(&device, &measure(&device, Rig::Cable, ROWS, seed));
         let Link { a_m: a, d_m: d, alpha_rad, .. } = device.links[0];
         let (s, c) = (alpha_rad.sin(), alpha_rad.cos());
         let expected = [
@@ -141,7 +141,7 @@ proptest! {
         for rig in [Rig::Cable, Rig::Position] {
             // Of two joints only the first moves the handle then: one more for a distance.
             let flat = usize::from(n == 2 && rig == Rig::Cable);
-            let judged = judge(&device, &measure(&device, rig, ROWS, seed));
+            let judged = structure(&device, &measure(&device, rig, ROWS, seed));
             prop_assert_eq!(judged.rank, structural_count(rig, n) - 3 - flat);
             let theta = format!("theta{n}");
             prop_assert!(pruned(&judged).0.contains(&theta.as_str()));
@@ -166,7 +166,7 @@ proptest! {
         for rig in crate::chain::RIGS {
             let mut readings = measure(&device, rig, ROWS, seed).joint;
             readings[joint] = vec![0.3; ROWS];
-            let judged = judge(&device, &measure_at(&device, rig, readings));
+            let judged = structure(&device, &measure_at(&device, rig, readings));
             let tool = if rig == Rig::Pose && joint + 1 == n { 2 } else { 0 };
             prop_assert_eq!(judged.rank, structural_count(rig, n) - 4 + tool,
                 "joint {} of {}, {:?}", joint + 1, n, rig);
@@ -204,7 +204,7 @@ fn the_haptic_device_has_twenty_eight() {
         return;
     };
     let device = haptic::exact_readings(device);
-    let judged = judge(&device, &measure(&device, Rig::Cable, 300, 1));
+    let judged = structure(&device, &measure(&device, Rig::Cable, 300, 1));
     assert_eq!((judged.rank, judged.singular_rank), (28, 28));
     assert_eq!(
         pruned(&judged),
@@ -228,7 +228,7 @@ fn the_haptic_device_has_twenty_eight() {
     let mut readings = measure(&device, Rig::Cable, 300, 1).joint;
     readings[2] = vec![0.0; 300];
     assert_eq!(
-        judge(&device, &measure_at(&device, Rig::Cable, readings)).rank,
+        structure(&device, &measure_at(&device, Rig::Cable, readings)).rank,
         24
     );
 }
