@@ -175,10 +175,12 @@ fn fit_and_check(
         Some(count) => {
             // the folds check the fit that was made, not others
             let loss = fitted.robust.as_ref().map_or(Loss::Squares, |r| r.loss);
-            let options = Options {
+            let mut options = Options {
                 loss: LossChoice::Fixed(loss),
                 ..*options
             };
+            // nobody reads those of a fold
+            options.rules.singular_values = false;
             comparison.cross_validate(&options, (count, dwelt.as_deref()), &mut warnings)?
         }
         None if split.held_out.is_empty() => (Vec::new(), split.description),
