@@ -139,21 +139,39 @@ struct Cleaned {
     gone: Vec<(Channel, usize)>,
 }
 
-/// The diagnosis against a fitted base model. Where it ends with an unknown gap it is made again with a noise that has a memory,
-/// if there may be one: that may be all of the gap, or of what a cause leaves.
+/// The diagnosis against a fitted base model. Where it leaves a gap, or a part of one, without a cause, it is made again with
+/// a noise that has a memory, if there may be one: that may be all of the gap, or of what a cause leaves.
 fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis, DiagnosisError> {
     let (found, memory) = by_noise(case, base, None)?;
-    let Some(noise) = memory.filter(|_| found.verdict == Verdict::Unknown) else {
+    let is_open = found.verdict == Verdict::Unknown || found.closed_unseen_share.is_some();
+    let Some(noise) = memory.filter(|_| is_open) else {
         return Ok(found);
     };
     let (again, _) = by_noise(case, base, Some(&noise))?;
-    let name = |diagnosis: &Diagnosis| diagnosis.causes.first().map(|cause| cause.effect.clone());
-    let is_answer = match again.verdict {
-        Verdict::NoGap => true,
-        Verdict::Named => name(&again) == name(&found),
-        Verdict::Ambiguous | Verdict::Unknown => false,
-    };
-    Ok(if is_answer { again } else { found })
+    Ok(match accounts_for(&again, &found) {
+        true => again,
+        false => found,
+    })
+}
+
+/// Whether the diagnosis with another noise leaves nothing of the gap that the first one left, and does not contradict it: what
+/// the first one named, if anything, is among what it names.
+fn accounts_for(again: &Diagnosis, first: &Diagnosis) -> bool {
+    match again.verdict {
+        Verdict::NoGap => first.verdict == Verdict::Unknown,
+        Verdict::Named | Verdict::Ambiguous => {
+            let found = (first.causes.first()).filter(|_| !first.candidates.is_empty());
+            let names = |name: &String| {
+                let named = again.causes.first();
+                named.is_some_and(|cause| {
+                    cause.effect == *name || cause.confusable_with.contains(name)
+                })
+            };
+            let is_whole = again.closed_unseen_share.is_none();
+            is_whole && found.is_none_or(|cause| names(&cause.effect))
+        }
+        Verdict::Unknown => false,
+    }
 }
 
 /// Prepare, fit, select, judge, answer; with the noise with a memory that is left.
