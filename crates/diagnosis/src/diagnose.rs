@@ -15,6 +15,7 @@ use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
 use crate::noise::cleaning::without_readings;
 use crate::noise::measured::KnownNoise;
+use crate::noise::stated::is_stated;
 use crate::select::{Selection, Selector};
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
@@ -139,21 +140,41 @@ struct Cleaned {
     gone: Vec<(Channel, usize)>,
 }
 
-/// The diagnosis against a fitted base model. Where it ends with an unknown gap it is made again with a noise that has a memory,
-/// if there may be one: that may be all of the gap, or of what a cause leaves.
+/// The diagnosis against a fitted base model. Where it leaves a gap, or a part of one, without a cause, it is made again with
+/// a noise that has a memory, if there may be one: that may be all of the gap, or of what a cause leaves.
 fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis, DiagnosisError> {
     let (found, memory) = by_noise(case, base, None)?;
-    let Some(noise) = memory.filter(|_| found.verdict == Verdict::Unknown) else {
+    // a noise of no stated size is made of what is left: it would account for the rest of any part
+    let is_bounded = (base.channels.iter()).all(|channel| is_stated(case.device, *channel));
+    let leaves_a_rest = found.closed_unseen_share.is_some();
+    let is_open = found.verdict == Verdict::Unknown || (leaves_a_rest && is_bounded);
+    let Some(noise) = memory.filter(|_| is_open) else {
         return Ok(found);
     };
     let (again, _) = by_noise(case, base, Some(&noise))?;
-    let name = |diagnosis: &Diagnosis| diagnosis.causes.first().map(|cause| cause.effect.clone());
-    let is_answer = match again.verdict {
-        Verdict::NoGap => true,
-        Verdict::Named => name(&again) == name(&found),
-        Verdict::Ambiguous | Verdict::Unknown => false,
-    };
-    Ok(if is_answer { again } else { found })
+    Ok(match accounts_for(&again, &found, is_bounded) {
+        true => again,
+        false => found,
+    })
+}
+
+/// Whether the diagnosis with another noise leaves nothing of the gap that the first one left, and does not contradict it: what
+/// the first one found is among what it names. A cause where the first one found none needs a noise of a stated size.
+fn accounts_for(again: &Diagnosis, first: &Diagnosis, is_bounded: bool) -> bool {
+    match again.verdict {
+        Verdict::NoGap => first.verdict == Verdict::Unknown,
+        Verdict::Named | Verdict::Ambiguous => {
+            // without candidates there is no cause but findings on the data
+            let found = (first.causes.first()).filter(|_| !first.candidates.is_empty());
+            let names = |name: &String| {
+                let mut named = again.causes.iter().take(1);
+                named.any(|cause| cause.effect == *name || cause.confusable_with.contains(name))
+            };
+            let agrees = found.map_or(is_bounded, |cause| names(&cause.effect));
+            agrees && again.closed_unseen_share.is_none()
+        }
+        Verdict::Unknown => false,
+    }
 }
 
 /// Prepare, fit, select, judge, answer; with the noise with a memory that is left.
