@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use haptical_identification::Loss;
 use haptical_model::{Device, Recording};
 
-use crate::robust::reweighted::{far_out, fit, judge, set_aside};
+use crate::robust::reweighted::{far_out, fit, judge, judge_residuals, set_aside};
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, ChannelReport, FittedDevice, Options, Outlier,
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice, Options, Outlier,
     RobustChannel, Robustness,
 };
 
@@ -32,9 +32,10 @@ pub(crate) fn automatic(
 ) -> Result<FittedDevice, CalibrationError> {
     let (mut wild, mut disturbed) = (true, Vec::new());
     if let Ok(fitted) = &plain {
-        let (scales, _) = judge(fitted, recording, Loss::Squares)?;
-        wild = !far_out(&fitted.device, recording, &scales, &fitted.weights)?.is_empty();
-        disturbed = above_floor(fitted, recording)?;
+        let residuals = fitted.residuals(recording)?;
+        let (scales, _) = judge_residuals(fitted, recording, &residuals, Loss::Squares);
+        wild = !far_out(&residuals, recording, &scales).is_empty();
+        disturbed = above_floor(&residuals);
         if !wild && disturbed.is_empty() {
             return plain;
         }
@@ -145,12 +146,9 @@ fn are_in_stretches(outliers: &[Outlier], recording: &Recording) -> bool {
 }
 
 /// Channels whose residuals are above their noise floor.
-fn above_floor(
-    fitted: &FittedDevice,
-    recording: &Recording,
-) -> Result<Vec<Channel>, CalibrationError> {
-    let residuals = fitted.residuals(recording)?.into_iter();
+fn above_floor(residuals: &[ChannelResiduals]) -> Vec<Channel> {
     let above = residuals
+        .iter()
         .filter(|channel| channel.rms().unwrap_or(0.0) > ABOVE_FLOOR * channel.noise_floor);
-    Ok(above.map(|channel| channel.channel).collect())
+    above.map(|channel| channel.channel).collect()
 }
