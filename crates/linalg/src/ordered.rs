@@ -157,22 +157,64 @@ impl<'r> OrderedColumns<'r> {
     }
 
     /// Takes a column away, as if it had never been offered.
+    ///
+    /// The triangle of the kept columns behind it is made upper again by plane rotations (Golub & Van Loan, *Matrix
+    /// Computations*, section 6.5.2). A column that depended on it is judged again, with all behind that one.
     pub fn take_away(&mut self, column: usize) {
         let place = self.columns().position(|other| other == column);
         let Some(place) = place else {
             return;
         };
-        if !matches!(self.offered[place].outcome, Outcome::Kept) {
-            self.offered.remove(place);
+        let behind = self.offered.split_off(place);
+        if !matches!(behind[0].outcome, Outcome::Kept) {
+            self.offered.extend(behind.into_iter().skip(1));
             return;
         }
-        let behind: Vec<usize> = self.columns().skip(place + 1).collect();
-        self.offered.truncate(place);
         let kept = self.independent().count();
-        self.basis.truncate(kept);
-        self.triangle.truncate(kept);
         self.inverse_squares.truncate(kept);
-        behind.into_iter().for_each(|column| self.offer(column));
+        let mut triangle = self.triangle.split_off(kept).into_iter().skip(1);
+        let mut basis = self.basis.split_off(kept).into_iter();
+        // the direction that no column has any more
+        let mut freed = basis.next().unwrap_or_default();
+        let mut turns: Vec<[f64; 2]> = Vec::new();
+        let mut behind = behind.into_iter().skip(1);
+        while let Some(Offered { column, outcome }) = behind.next() {
+            let outcome = match outcome {
+                Outcome::Zero => Outcome::Zero,
+                Outcome::Kept => {
+                    let (Some(mut components), Some(mut next)) = (triangle.next(), basis.next())
+                    else {
+                        return;
+                    };
+                    turn_all(&turns, &mut components[kept..]);
+                    let size = components.pop().unwrap_or_default();
+                    let Some(last) = components.last_mut() else {
+                        return;
+                    };
+                    let length = last.hypot(size);
+                    let turn = [*last / length, size / length];
+                    *last = length;
+                    for (a, b) in freed.iter_mut().zip(&mut next) {
+                        turned(turn, a, b);
+                    }
+                    self.basis.push(std::mem::replace(&mut freed, next));
+                    self.triangle.push(components);
+                    turns.push(turn);
+                    Outcome::Kept
+                }
+                Outcome::Dropped(mut components, size) => {
+                    turn_all(&turns, &mut components[kept..]);
+                    let size = size.hypot(components.pop().unwrap_or_default());
+                    if size > self.tolerance {
+                        self.offer(column);
+                        behind.for_each(|own| self.offer(own.column));
+                        return;
+                    }
+                    Outcome::Dropped(components, size)
+                }
+            };
+            self.offered.push(Offered { column, outcome });
+        }
     }
 
     /// Squared norms of the rows of the inverse of the independent columns' triangle: their variances for unit noise, at
@@ -240,6 +282,20 @@ impl<'r> OrderedColumns<'r> {
     }
 }
 
+/// Turns two numbers in their plane, the first towards the second.
+fn turned([cosine, sine]: [f64; 2], a: &mut f64, b: &mut f64) {
+    (*a, *b) = (cosine * *a + sine * *b, cosine * *b - sine * *a);
+}
+
+/// Turns each number with the one behind it, one after the other.
+fn turn_all(turns: &[[f64; 2]], values: &mut [f64]) {
+    for (index, turn) in turns.iter().enumerate() {
+        if let [a, b, ..] = &mut values[index..] {
+            turned(*turn, a, b);
+        }
+    }
+}
+
 /// Solves R x = b of the leading rows of an upper triangle, column by column, in place.
 fn solve_triangle(triangle: &[Vec<f64>], values: &mut [f64]) {
     for index in (0..values.len()).rev() {
@@ -267,4 +323,66 @@ fn combination(
         .filter(|(value, _)| value.abs() > COEFFICIENT_CUT * largest)
         .map(|(value, &column)| (column, value / norms[column]))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Matrix;
+
+    /// Numbers that repeat themselves at no entry.
+    fn entry(row: usize, column: usize) -> f64 {
+        (1.0 + 7.3 * row as f64 + 1.7 * (column * column) as f64 + (row * column) as f64).sin()
+    }
+
+    /// The columns left are judged as if the one taken away had never been there: also where another one takes its place,
+    /// and where one depends on columns around it.
+    #[test]
+    fn what_is_taken_away_was_never_offered() {
+        const COLUMNS: usize = 12;
+        let matrix = Matrix::from_fn(30, COLUMNS, |row, column| match column {
+            4 => entry(row, 1) - 2.0 * entry(row, 3),
+            7 => entry(row, 5) + entry(row, 6),
+            9 => entry(row, 2) + entry(row, 8) - entry(row, 6),
+            10 => 0.0,
+            _ => entry(row, column),
+        });
+        let reduction = Reduction::new(&matrix, &[1.0; 30]).unwrap();
+        let all: Vec<usize> = (0..COLUMNS).collect();
+        for taken in [
+            vec![0, 5],
+            vec![1, 2],
+            vec![10, 4, 6],
+            vec![3, 8, 11],
+            vec![2, 7],
+        ] {
+            let mut ordered = OrderedColumns::new(&reduction, &all, 1e-9).unwrap();
+            ordered.inverse_row_squares();
+            taken.iter().for_each(|&column| ordered.take_away(column));
+            let left: Vec<usize> = all
+                .iter()
+                .copied()
+                .filter(|own| !taken.contains(own))
+                .collect();
+            let mut fresh = OrderedColumns::new(&reduction, &left, 1e-9).unwrap();
+            let (a, b) = (ordered.rank().unwrap(), fresh.rank().unwrap());
+            assert_eq!(
+                (&a.independent, &a.zero),
+                (&b.independent, &b.zero),
+                "{taken:?}"
+            );
+            assert!((a.smallest_kept - b.smallest_kept).abs() < 1e-12);
+            assert_eq!(a.dependent.len(), b.dependent.len());
+            for (a, b) in a.dependent.iter().zip(&b.dependent) {
+                assert_eq!(a.column, b.column);
+                for (a, b) in a.combination.iter().zip(&b.combination) {
+                    assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-9, "{a:?} for {b:?}");
+                }
+            }
+            let squares = ordered.inverse_row_squares().into_iter();
+            for (a, b) in squares.zip(fresh.inverse_row_squares()) {
+                assert!((a - b).abs() < 1e-9 * b, "{a} for {b}");
+            }
+        }
+    }
 }

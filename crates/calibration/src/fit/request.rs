@@ -64,7 +64,9 @@ impl FitRequest<'_> {
             if prepared.is_in_lanes()
                 && let Ok(first) = reduce(prepared.searched(), &problem.start())
             {
-                let few = some.as_ref().and_then(|some| self.few(some, &problem).ok()?);
+                let few = some
+                    .as_ref()
+                    .and_then(|some| self.few(some, &problem).ok()?);
                 let few = few.as_ref().and_then(|few| Prepared::new(few).ok());
                 return self.fit_prepared(&prepared, &first, few.as_ref());
             }

@@ -84,12 +84,7 @@ impl DeviceProblem<'_> {
         let parts: Vec<usize> = (0..rows.div_ceil(ROWS_AT_ONCE).max(1)).collect();
         let made = parts.par_iter().map(|&part| {
             let mut room = PartRoom::default();
-            self.run_part(
-                &device,
-                &part_of(part, ROWS_AT_ONCE, rows),
-                free,
-                &mut room,
-            )?;
+            self.run_part(&device, &part_of(part, ROWS_AT_ONCE, rows), free, &mut room)?;
             Ok((room.residuals, room.derivatives))
         });
         let made: Vec<Result<_, IdentificationError>> = made.collect();

@@ -11,8 +11,8 @@ use crate::problem::residuals::lengths;
 use crate::steps::device::fit_once;
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice, Options, Outlier,
-    RobustChannel, Robustness, Weighting, Weights, channels,
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice,
+    Options, Outlier, RobustChannel, Robustness, Weighting, Weights, channels,
 };
 
 /// Reweightings with one loss, in two steps and in the joint fit, which begins with the others' weights.
