@@ -58,10 +58,10 @@ impl DeviceProblem<'_> {
         }
         let free = jacobian.as_ref().map(|(free, _)| *free);
         let parts = self.by_part(values, free)?;
-        for (index, (part, derivatives)) in parts.iter().enumerate() {
+        for (index, part) in parts.iter().enumerate() {
             for (whole, own) in self.places(&part_of(index, ROWS_AT_ONCE, rows)) {
-                residuals[whole.clone()].copy_from_slice(&part[own.clone()]);
-                if let (Some((_, matrix)), Some(derivatives)) = (&mut jacobian, derivatives) {
+                residuals[whole.clone()].copy_from_slice(&part.residuals[own.clone()]);
+                if let (Some((_, matrix)), Some(derivatives)) = (&mut jacobian, &part.derivatives) {
                     for column in 0..derivatives.columns() {
                         matrix.column_mut(column)[whole.clone()]
                             .copy_from_slice(&derivatives.column(column)[own.clone()]);
@@ -78,14 +78,14 @@ impl DeviceProblem<'_> {
         &self,
         values: &[f64],
         free: Option<&[usize]>,
-    ) -> Result<Vec<(Vec<f64>, Option<Matrix>)>, IdentificationError> {
+    ) -> Result<Vec<PartRoom>, IdentificationError> {
         let device = self.device_with(values);
         let rows = self.recording.len();
         let parts: Vec<usize> = (0..rows.div_ceil(ROWS_AT_ONCE).max(1)).collect();
         let made = parts.par_iter().map(|&part| {
             let mut room = PartRoom::default();
             self.run_part(&device, &part_of(part, ROWS_AT_ONCE, rows), free, &mut room)?;
-            Ok((room.residuals, room.derivatives))
+            Ok(room)
         });
         let made: Vec<Result<_, IdentificationError>> = made.collect();
         made.into_iter().collect()
