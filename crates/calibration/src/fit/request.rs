@@ -12,10 +12,10 @@ use crate::error::wrap;
 use crate::fit::considered::Considered;
 use crate::fit::free_set::{enough, hold, parameter_shares, worth_fitting};
 use crate::fit::parameter_fit::{ParameterFit, Profiled, Starts};
-use crate::fit::rows::some_of_long;
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
 use crate::problem::loads::Loads;
+use crate::problem::some_rows::some_of_long;
 use crate::{
     CalibrationError, Channel, DeviceProblem, Options, Weighting, Weights, parameter_infos,
     preference_order,

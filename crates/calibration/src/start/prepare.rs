@@ -8,8 +8,8 @@ use haptical_model::{Device, DeviceChain, Evaluation, Recording};
 
 use crate::CalibrationError;
 use crate::error::at_row;
-use crate::fit::rows::some_of_long;
 use crate::problem::loads::Loads;
+use crate::problem::some_rows::some_of_long;
 use crate::start::hand_eye::place_tracker;
 use crate::start::touches::place_touches;
 

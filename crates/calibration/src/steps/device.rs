@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::fit::profiled::profile;
-use crate::fit::rows::{some_of_long, spread_rows};
 use crate::fit::size;
+use crate::problem::some_rows::{some_of_long, spread_rows};
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{
     CalibrationError, CalibrationMethod, Channel, FitRequest, FittedDevice, Options, ParameterFit,
