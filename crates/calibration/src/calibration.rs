@@ -156,6 +156,11 @@ fn fit_and_check(
     let fitted = fit_prepared_device(&nominal, &seen, options)?;
     let fitted = with_ordered_noise(fitted, &seen, options.method)?;
     let fitted = straighten(fitted, &seen, options)?;
+    let is_plain = fitted.robust.is_none() && options.loss == LossChoice::Auto;
+    let least_squares = match is_plain && count.is_none() {
+        true => Some(automatic::least_squares(&fitted, &seen)?),
+        false => None,
+    };
     let comparison = Comparison {
         device,
         recording,
@@ -164,11 +169,6 @@ fn fit_and_check(
     };
     let devices = (&nominal, &fitted.device);
     let mut fit_channels = comparison.on_part(devices, &seen, &split.fit)?;
-    let is_plain = fitted.robust.is_none() && options.loss == LossChoice::Auto;
-    let least_squares = match is_plain && count.is_none() {
-        true => Some(automatic::least_squares(&fitted, &seen)?),
-        false => None,
-    };
     // of a long recording a copy of most rows
     drop(seen);
     let (mut held_out_channels, held_out) = match count {

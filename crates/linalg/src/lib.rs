@@ -24,7 +24,7 @@ pub use direction::Direction;
 pub use error::LinalgError;
 pub use lanes::{dot, take_off};
 pub use matrix::Matrix;
-pub use ordered::{Dependence, OrderedRank};
+pub use ordered::{Dependence, OrderedColumns, OrderedRank};
 pub use reduction::Reduction;
 pub use sparse::SparseColumns;
 pub use step::Solution;

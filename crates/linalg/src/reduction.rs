@@ -2,7 +2,7 @@
 
 use crate::error::{check_length, check_rhs};
 use crate::pivoted::{PivotedQr, singular_vectors};
-use crate::{LinalgError, Matrix, OrderedRank, covariance, ordered};
+use crate::{LinalgError, Matrix, OrderedColumns, OrderedRank, covariance};
 
 /// A least-squares problem min |A x - b| reduced to a small triangle.
 ///
@@ -148,16 +148,7 @@ impl Reduction {
         order: &[usize],
         tolerance: f64,
     ) -> Result<OrderedRank, LinalgError> {
-        at_least_zero("tolerance", tolerance)?;
-        let chosen = self.chosen(order)?;
-        let rank = ordered::ordered_rank(&chosen, order, &self.column_norms, tolerance);
-        let mut coefficients = rank.dependent.iter().flat_map(|found| &found.combination);
-        if coefficients.any(|(_, value)| !value.is_finite()) {
-            return Err(LinalgError::Overflow {
-                what: "the coefficient of a dependence",
-            });
-        }
-        Ok(rank)
+        OrderedColumns::new(self, order, tolerance)?.rank()
     }
 
     /// The small factor of the chosen columns, each brought to the norm `norms[k]`.
@@ -178,7 +169,8 @@ impl Reduction {
         Ok(factor)
     }
 
-    pub(crate) fn chosen(&self, columns: &[usize]) -> Result<Matrix, LinalgError> {
+    /// Refuses columns that are not there, or chosen twice, or none.
+    pub(crate) fn check_chosen(&self, columns: &[usize]) -> Result<(), LinalgError> {
         let available = self.factor.columns();
         let mut seen = vec![false; available];
         for &column in columns {
@@ -198,6 +190,11 @@ impl Reduction {
                 columns: 0,
             });
         }
+        Ok(())
+    }
+
+    pub(crate) fn chosen(&self, columns: &[usize]) -> Result<Matrix, LinalgError> {
+        self.check_chosen(columns)?;
         let mut chosen = Matrix::zeros(self.factor.rows(), columns.len());
         for (position, &column) in columns.iter().enumerate() {
             let into = chosen.column_mut(position);

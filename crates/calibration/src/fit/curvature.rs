@@ -5,9 +5,9 @@ use haptical_model::Recording;
 
 use crate::error::wrap;
 use crate::fit::considered::{Held, sensitivity, set_variance};
-use crate::fit::rows::spread_rows;
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
+use crate::problem::some_rows::spread_rows;
 use crate::{CalibrationError, Channel, DeviceProblem, ParameterFit, Weights};
 
 /// Counts the second order of what a fit held: with errors d of the held parameters a fitted one errs by

@@ -7,9 +7,9 @@ use crate::checks::columns::{Change, has_neighbours, of_columns, of_rows};
 use crate::fit::implausible::implausible_links;
 use crate::fit::put_on;
 use crate::fit::request::FitRequest;
-use crate::fit::rows::spread_rows;
 use crate::fit::size;
 use crate::fit::trial::{LEFT, NEARER, Trial, without_places};
+use crate::problem::some_rows::spread_rows;
 use crate::{CalibrationError, Channel, ParameterFit};
 
 /// Rows that the changed logs are tried on.

@@ -11,7 +11,6 @@ pub(crate) mod parameter_fit;
 pub(crate) mod profiled;
 mod put_on;
 pub(crate) mod request;
-pub(crate) mod rows;
 pub(crate) mod search;
 pub(crate) mod settle;
 pub(crate) mod size;

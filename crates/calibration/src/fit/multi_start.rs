@@ -8,10 +8,10 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::wrap;
 use crate::fit::implausible::{IMPLAUSIBLE, implausible_links};
 use crate::fit::request::FitRequest;
-use crate::fit::rows::spread_rows;
 use crate::fit::size;
 use crate::problem::device_problem::values_of;
 use crate::problem::form::Prepared;
+use crate::problem::some_rows::spread_rows;
 use crate::{CalibrationError, DeviceProblem, ParameterFit, Starts};
 
 /// Residual over stated noise beyond which a search may have ended at a wrong minimum.

@@ -12,10 +12,10 @@ use crate::error::wrap;
 use crate::fit::considered::Considered;
 use crate::fit::free_set::{enough, hold, parameter_shares, worth_fitting};
 use crate::fit::parameter_fit::{ParameterFit, Profiled, Starts};
-use crate::fit::rows::spread_rows;
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
 use crate::problem::loads::Loads;
+use crate::problem::some_rows::some_of_long;
 use crate::{
     CalibrationError, Channel, DeviceProblem, Options, Weighting, Weights, parameter_infos,
     preference_order,
@@ -23,10 +23,6 @@ use crate::{
 
 /// Rounds of pruning at the solution before the set is accepted as it is.
 const MAX_ROUNDS: usize = 6;
-
-/// Rows from which a search begins where that on some of them ended, and how many these are.
-const LONG: usize = 100_000;
-const SOME: usize = 10_000;
 
 /// A fit of chosen parameters to chosen channels of a recording; [`crate::fit_parameters`] answers it.
 #[derive(Debug, Clone, Copy)]
@@ -59,6 +55,7 @@ impl FitRequest<'_> {
     pub(crate) fn fit(&self) -> Result<ParameterFit, CalibrationError> {
         let (device, recording, channels) = (self.device, self.recording, self.channels);
         let (parameters, weights) = (self.parameters, self.weights);
+        let some = some_of_long(recording);
         if let Some(problem) =
             DeviceProblem::in_bulk(device, recording, channels, parameters, weights)
         {
@@ -67,7 +64,11 @@ impl FitRequest<'_> {
             if prepared.is_in_lanes()
                 && let Ok(first) = reduce(prepared.searched(), &problem.start())
             {
-                return self.fit_prepared(&prepared, &first);
+                let few = some
+                    .as_ref()
+                    .and_then(|some| self.few(some, &problem).ok()?);
+                let few = few.as_ref().and_then(|few| Prepared::new(few).ok());
+                return self.fit_prepared(&prepared, &first, few.as_ref());
             }
         }
         let mut problem = DeviceProblem::new(device, recording, channels, parameters, weights)?;
@@ -75,16 +76,38 @@ impl FitRequest<'_> {
             problem.loads = Loads::new(yielded, recording)?;
         }
         let prepared = Prepared::new(&problem)?;
-        let first = reduce(prepared.searched(), &problem.start());
+        let few = match &some {
+            Some(some) => self.few(some, &problem)?,
+            None => None,
+        };
+        let few = few.as_ref().map(Prepared::new).transpose()?;
+        let first = few.as_ref().unwrap_or(&prepared).searched();
+        let first = reduce(first, &problem.start());
         let first = first.map_err(|source| wrap(self.what, source))?;
-        self.fit_prepared(&prepared, &first)
+        self.fit_prepared(&prepared, &first, few.as_ref())
     }
 
-    /// Fits a problem that is linearised to `first` at the device's values.
+    /// The problem of some rows, which stand for all of them; none where a channel has no reading in them.
+    fn few<'s>(
+        &'s self,
+        some: &'s Recording,
+        all: &DeviceProblem<'_>,
+    ) -> Result<Option<DeviceProblem<'s>>, CalibrationError> {
+        let (device, channels) = (self.device, self.channels);
+        let mut few = DeviceProblem::new(device, some, channels, self.parameters, self.weights)?;
+        if let Some(yielded) = self.yielded {
+            few.loads = Loads::new(yielded, some)?;
+        }
+        Ok(few.weigh_as(all).then_some(few))
+    }
+
+    /// Fits a problem that is linearised to `first` at the device's values; `few` is that of some rows of a long
+    /// recording.
     fn fit_prepared(
         &self,
         prepared: &Prepared<'_>,
         first: &Reduction,
+        few: Option<&Prepared<'_>>,
     ) -> Result<ParameterFit, CalibrationError> {
         let (what, options) = (self.what, self.options);
         let wrap = |source| wrap(what, source);
@@ -116,7 +139,7 @@ impl FitRequest<'_> {
         let mut free = supported(&nominal_identifiability);
         let mut values = values_of(parameters, self.start.unwrap_or(self.device));
         hold(&mut values, &free, &start);
-        if let Some(begun) = self.begun(&values, &free) {
+        if let Some(begun) = few.and_then(|few| self.begun(few, &values, &free)) {
             values = begun;
         }
         let mut iterations = 0;
@@ -183,19 +206,13 @@ impl FitRequest<'_> {
         })
     }
 
-    /// Where a search on some rows of a long recording ends: all of its rows then take a step or two. None for a short
-    /// recording, or where that search finds no minimum.
-    fn begun(&self, values: &[f64], free: &[usize]) -> Option<Vec<f64>> {
-        if self.recording.len() < LONG || free.is_empty() {
+    /// Where a search on some rows of a long recording ends: all of its rows then take a step or two. None where that
+    /// search finds no minimum.
+    fn begun(&self, few: &Prepared<'_>, values: &[f64], free: &[usize]) -> Option<Vec<f64>> {
+        if free.is_empty() {
             return None;
         }
-        let rows = spread_rows(self.recording.len(), SOME);
-        let part = self.recording.select(&rows);
-        let (device, channels) = (self.device, self.channels);
-        let problem = DeviceProblem::new(device, &part, channels, self.parameters, self.weights);
-        let problem = problem.ok()?;
-        let prepared = Prepared::new(&problem).ok()?;
-        let fit = solve(prepared.searched(), values, free, &self.options.search).ok()?;
+        let fit = solve(few.searched(), values, free, &self.options.search).ok()?;
         fit.convergence.was_successful().then_some(fit.parameters)
     }
 

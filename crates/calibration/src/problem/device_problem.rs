@@ -147,6 +147,20 @@ impl<'a> DeviceProblem<'a> {
         })
     }
 
+    /// Lets every reading weigh as much as those of `all` that it stands for, where this problem is of some of its rows:
+    /// to a search, and to what the readings fix, it is then the same but for chance. False where a channel has none of
+    /// its readings.
+    pub(crate) fn weigh_as(&mut self, all: &DeviceProblem<'_>) -> bool {
+        for (own, all) in self.blocks.iter_mut().zip(&all.blocks) {
+            if own.rows.is_empty() {
+                return false;
+            }
+            let factor = (all.rows.len() as f64 / own.rows.len() as f64).sqrt();
+            own.weights.iter_mut().for_each(|weight| *weight *= factor);
+        }
+        true
+    }
+
     /// The values that the device itself has.
     pub fn start(&self) -> Vec<f64> {
         values_of(self.parameters, self.device)

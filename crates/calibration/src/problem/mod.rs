@@ -13,5 +13,6 @@ pub(crate) mod propagated;
 pub(crate) mod reduced;
 pub(crate) mod residuals;
 pub(crate) mod rows;
+pub(crate) mod some_rows;
 pub(crate) mod tiles;
 pub(crate) mod weights;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use haptical_batch::PoseBatch;
 use haptical_model::kinematics::Parameter;
-use haptical_model::{Device, Evaluation, JointType, Recording};
+use haptical_model::{Device, Evaluation, JointType, Mount, Recording};
 use rayon::prelude::*;
 
 use crate::error::at_row;
@@ -39,6 +39,8 @@ pub(crate) fn propagated_variances(
     if quanta.iter().all(|quantum| *quantum == 0.0) && recording.joint.iter().all(is_sound) {
         return Ok(vec![0.0; recording.len()]);
     }
+    let mounts = mounts(device, recording, &[channel])?;
+    let around = (loads, mounts.as_slice());
     let starts: Vec<usize> = (0..recording.len()).step_by(ROWS_AT_ONCE).collect();
     let parts: Vec<Result<Vec<f64>, CalibrationError>> = starts
         .into_par_iter()
@@ -50,10 +52,10 @@ pub(crate) fn propagated_variances(
                 Some(_) => None,
             };
             let whole = (device, recording, channel);
-            let tiles = || variances(whole, loads, &quanta, &rows);
+            let tiles = || variances(whole, around, &quanta, &rows);
             lanes
                 .or_else(tiles)
-                .map_or_else(|| by_row(device, recording, channel, loads, rows), Ok)
+                .map_or_else(|| by_row(whole, around, rows), Ok)
         })
         .collect();
     let mut variances = Vec::with_capacity(recording.len());
@@ -137,15 +139,12 @@ fn in_lanes(
 }
 
 fn by_row(
-    device: &Device,
-    recording: &Recording,
-    channel: Channel,
-    loads: Option<&Loads>,
+    (device, recording, channel): (&Device, &Recording, Channel),
+    (loads, mounts): (Option<&Loads>, &[Mount]),
     rows: Range<usize>,
 ) -> Result<Vec<f64>, CalibrationError> {
     let quanta = quantum_variances(device);
     let is_touch = |row| channel.subject(device, recording, row).is_some();
-    let mounts = mounts(device, recording, &[channel])?;
     let mountings = Mountings::new(device, mounts.get(rows.clone()).unwrap_or(&[]));
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; device.joints.len()];
@@ -246,7 +245,7 @@ mod tests {
         for channel in outputs.chain([Channel::Cable { index: 0 }]) {
             let all = 0..recording.len();
             let lanes = in_lanes(&device, &recording, channel, all.clone()).unwrap();
-            let rows = by_row(&device, &recording, channel, None, all).unwrap();
+            let rows = by_row((&device, &recording, channel), (None, &[]), all).unwrap();
             assert_eq!((lanes.len(), rows.len()), (2500, 2500));
             for (a, b) in lanes.iter().zip(&rows) {
                 assert!(
@@ -286,8 +285,8 @@ mod tests {
         let quanta = quantum_variances(&device);
         for channel in [Channel::Position, Channel::Orientation, Channel::Contact] {
             let whole = (&device, &recording, channel);
-            let tiles = variances(whole, None, &quanta, &(0..150)).unwrap();
-            let rows = by_row(&device, &recording, channel, None, 0..150).unwrap();
+            let tiles = variances(whole, (None, &[]), &quanta, &(0..150)).unwrap();
+            let rows = by_row(whole, (None, &[]), 0..150).unwrap();
             assert!(rows[0] > 0.0 && rows.len() == 150);
             for (a, b) in tiles.iter().zip(&rows) {
                 assert!(

@@ -1,11 +1,13 @@
 //! The problem of a device reduced channel by channel to triangles, and these to one.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::ops::Range;
 
 use haptical_identification::{IdentificationError, Matrix, Problem, Triangle, TriangleProblem};
 
 use crate::problem::lanes::all_rows::{ChannelTriangle, Lanes, merge_parts};
 use crate::problem::lanes::plan::seen_columns;
+use crate::problem::rows::PartRoom;
 use crate::{Channel, DeviceProblem};
 
 /// A [`DeviceProblem`] whose derivative matrix is never held.
@@ -30,6 +32,8 @@ pub struct ReducedProblem<'p> {
     problem: &'p DeviceProblem<'p>,
     /// Made when first asked for; none where the problem has no form in lanes.
     lanes: OnceCell<Option<Lanes>>,
+    /// Values that the rows of all channels were last made at by all parameters, and these.
+    last: RefCell<Option<(Vec<f64>, Vec<Matrix>)>>,
 }
 
 /// Some successive rows of one channel, as [`ReducedProblem::visit`] hands them over.
@@ -53,6 +57,7 @@ impl<'p> ReducedProblem<'p> {
         Self {
             problem,
             lanes: OnceCell::new(),
+            last: RefCell::new(None),
         }
     }
 
@@ -66,17 +71,20 @@ impl<'p> ReducedProblem<'p> {
         parameters: &[f64],
         free: &[usize],
     ) -> Result<Vec<(Channel, Matrix)>, IdentificationError> {
+        let channels = self.problem.channels();
+        if let Some((at, all)) = &*self.last.borrow()
+            && at == parameters
+        {
+            let chosen = |all: &Matrix| {
+                Matrix::from_fn(all.rows(), free.len(), |row, column| {
+                    all[(row, free[column])]
+                })
+            };
+            return Ok(channels.zip(all.iter().map(chosen)).collect());
+        }
         let triangles = self.triangles(parameters, free)?;
-        let channels = self.problem.channels().zip(triangles);
-        let spread = |(channel, own): (Channel, ChannelTriangle)| {
-            let rows = own.triangle.as_rows();
-            let mut matrix = Matrix::zeros(rows.rows(), free.len());
-            for (&column, &of) in own.columns.iter().zip(&own.of) {
-                matrix.column_mut(column).copy_from_slice(rows.column(of));
-            }
-            (channel, matrix)
-        };
-        Ok(channels.map(spread).collect())
+        let rows = triangles.iter().map(|own| own.spread(free.len()));
+        Ok(channels.zip(rows).collect())
     }
 
     /// Every channel's triangle, in lanes or row by row: what the lanes refuse is refused there with its line of the log.
@@ -92,35 +100,31 @@ impl<'p> ReducedProblem<'p> {
             return Ok(triangles);
         }
         let columns = seen_columns(self.problem, free);
-        let parts = self
-            .problem
-            .by_part(parameters, Some(free), |start, residuals, matrix| {
-                let places = self.problem.places(start).zip(&columns);
-                let folded = places.map(|((whole, own), columns)| {
-                    let entries = |column: &usize| {
-                        let matrix = matrix.as_ref();
-                        matrix.map_or(&[][..], |matrix| &matrix.column(*column)[own.clone()])
-                    };
-                    let derivatives: Vec<&[f64]> = columns.iter().map(entries).collect();
-                    let residuals = &residuals[own.clone()];
-                    let names = columns.iter().map(|&column| free[column]);
-                    let names = names.chain([self.problem.parameter_count()]);
-                    let all = derivatives.iter().copied().chain([residuals]);
-                    for (values, column) in all.zip(names) {
-                        if let Some(row) = values.iter().position(|value| !value.is_finite()) {
-                            return Err(IdentificationError::NotFinite {
-                                row: whole.start + row,
-                                column,
-                                value: values[row],
-                            });
-                        }
-                    }
-                    let mut triangle = Triangle::new(columns.len());
-                    triangle.fold_rows(&derivatives, residuals)?;
-                    Ok(triangle)
-                });
-                folded.collect::<Result<Vec<Triangle>, IdentificationError>>()
-            })?;
+        let new = || -> Vec<Triangle> {
+            let counts = columns.iter().map(Vec::len);
+            counts.map(Triangle::new).collect()
+        };
+        let problem = self.problem;
+        let fold = |triangles: &mut Vec<Triangle>, rows: &Range<usize>, room: &PartRoom| {
+            let places = problem.places(rows).zip(&columns);
+            for (triangle, ((whole, own), columns)) in triangles.iter_mut().zip(places) {
+                let entries = |column: &usize| {
+                    let matrix = room.derivatives.as_ref();
+                    matrix.map_or(&[][..], |matrix| &matrix.column(*column)[own.clone()])
+                };
+                let derivatives: Vec<&[f64]> = columns.iter().map(entries).collect();
+                let residuals = &room.residuals[own.clone()];
+                let names = columns.iter().map(|&column| free[column]);
+                let names = names.chain([problem.parameter_count()]);
+                let all = derivatives.iter().copied().chain([residuals]);
+                for (values, column) in all.zip(names) {
+                    all_finite(values, whole.start, column)?;
+                }
+                triangle.fold_rows(&derivatives, residuals)?;
+            }
+            Ok(())
+        };
+        let parts = problem.fold_parts(parameters, free, new, fold)?;
         let channels = columns.into_iter().zip(merge_parts(parts)?);
         let finish = |(columns, triangle): (Vec<usize>, Triangle)| ChannelTriangle {
             of: (0..columns.len()).collect(),
@@ -178,6 +182,35 @@ impl<'p> ReducedProblem<'p> {
     }
 }
 
+impl ChannelTriangle {
+    /// Its rows with a column for each of the free parameters.
+    fn spread(&self, free: usize) -> Matrix {
+        let rows = self.triangle.as_rows();
+        let mut matrix = Matrix::zeros(rows.rows(), free);
+        for (&column, &of) in self.columns.iter().zip(&self.of) {
+            matrix.column_mut(column).copy_from_slice(rows.column(of));
+        }
+        matrix
+    }
+}
+
+/// Refuses a column that has an entry without a value; it begins at row `first`.
+fn all_finite(values: &[f64], first: usize, column: usize) -> Result<(), IdentificationError> {
+    // some at a time without a way out between them, so that they are looked at in lanes
+    let is_finite = |part: &[f64]| part.iter().fold(true, |all, x| all & x.is_finite());
+    if values.chunks(64).all(is_finite) {
+        return Ok(());
+    }
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(row) => Err(IdentificationError::NotFinite {
+            row: first + row,
+            column,
+            value: values[row],
+        }),
+    }
+}
+
 impl TriangleProblem for ReducedProblem<'_> {
     fn columns(&self) -> usize {
         self.problem.parameter_count()
@@ -190,6 +223,11 @@ impl TriangleProblem for ReducedProblem<'_> {
         into: &mut Triangle,
     ) -> Result<(), IdentificationError> {
         let mut channels = self.triangles(parameters, free)?;
+        if free.iter().copied().eq(0..self.problem.parameter_count()) {
+            let rows = channels.iter().map(|own| own.spread(free.len()));
+            let rows = (parameters.to_vec(), rows.collect());
+            self.last.replace(Some(rows));
+        }
         // a channel that sees all parameters has the total's columns: the others are folded into it
         let mut columns = channels.iter().map(|channel| channel.triangle.columns());
         *into = match columns.position(|count| count == free.len()) {

@@ -13,15 +13,33 @@ use crate::problem::measurement::kind::{Measurement, Posture};
 use crate::{Channel, DeviceProblem};
 
 /// Rows that one thread works out at a time.
-pub(crate) const ROWS_AT_ONCE: usize = 512;
+const ROWS_AT_ONCE: usize = 512;
 
-/// Where a block's residuals of a part's rows are, from row `start` on.
-fn within(block: &Block, start: usize) -> Range<usize> {
+/// Rows of a part where triangles are made of many, so that its derivatives stay in a core's memory, and parts of a triangle.
+const ROWS_OF_MANY: usize = 128;
+const PARTS_OF_MANY: usize = 64;
+/// Rows that are many.
+const MANY: usize = 100_000;
+
+/// Where a block's residuals of some rows are.
+fn within(block: &Block, rows: &Range<usize>) -> Range<usize> {
     let place = |row: usize| {
         let before = block.rows.partition_point(|&other| other < row);
         block.first + before * block.channel.width()
     };
-    place(start)..place(start + ROWS_AT_ONCE)
+    place(rows.start)..place(rows.end)
+}
+
+/// Rows of a part.
+fn part_of(part: usize, length: usize, rows: usize) -> Range<usize> {
+    part * length..((part + 1) * length).min(rows)
+}
+
+/// Residuals and derivatives of some rows.
+#[derive(Default)]
+pub(crate) struct PartRoom {
+    pub(crate) residuals: Vec<f64>,
+    pub(crate) derivatives: Option<Matrix>,
 }
 
 impl DeviceProblem<'_> {
@@ -39,11 +57,11 @@ impl DeviceProblem<'_> {
             return self.run_some(&device, 0..rows, &firsts, residuals, &mut jacobian);
         }
         let free = jacobian.as_ref().map(|(free, _)| *free);
-        let parts = self.by_part(values, free, |_, part, matrix| Ok((part, matrix)))?;
-        for (index, (part, derivatives)) in parts.iter().enumerate() {
-            for (whole, own) in self.places(index * ROWS_AT_ONCE) {
-                residuals[whole.clone()].copy_from_slice(&part[own.clone()]);
-                if let (Some((_, matrix)), Some(derivatives)) = (&mut jacobian, derivatives) {
+        let parts = self.by_part(values, free)?;
+        for (index, part) in parts.iter().enumerate() {
+            for (whole, own) in self.places(&part_of(index, ROWS_AT_ONCE, rows)) {
+                residuals[whole.clone()].copy_from_slice(&part.residuals[own.clone()]);
+                if let (Some((_, matrix)), Some(derivatives)) = (&mut jacobian, &part.derivatives) {
                     for column in 0..derivatives.columns() {
                         matrix.column_mut(column)[whole.clone()]
                             .copy_from_slice(&derivatives.column(column)[own.clone()]);
@@ -54,40 +72,88 @@ impl DeviceProblem<'_> {
         Ok(())
     }
 
-    /// What `each` makes of every part of the rows, in their order: of its first row, all blocks' residuals one block
-    /// after the other, and their derivatives. The first part that is refused is reported, whichever thread met it first.
-    pub(crate) fn by_part<T: Send>(
+    /// Residuals and derivatives of every part of the rows, in their order: all blocks' residuals of the part, one block
+    /// after the other. The first part that is refused is reported, whichever thread met it first.
+    fn by_part(
         &self,
         values: &[f64],
         free: Option<&[usize]>,
-        each: impl Fn(usize, Vec<f64>, Option<Matrix>) -> Result<T, IdentificationError> + Sync,
+    ) -> Result<Vec<PartRoom>, IdentificationError> {
+        let device = self.device_with(values);
+        let rows = self.recording.len();
+        let parts: Vec<usize> = (0..rows.div_ceil(ROWS_AT_ONCE).max(1)).collect();
+        let made = parts.par_iter().map(|&part| {
+            let mut room = PartRoom::default();
+            self.run_part(&device, &part_of(part, ROWS_AT_ONCE, rows), free, &mut room)?;
+            Ok(room)
+        });
+        let made: Vec<Result<_, IdentificationError>> = made.collect();
+        made.into_iter().collect()
+    }
+
+    /// What `fold` makes of successive parts of the rows, begun with `new`, in their order: of each part's rows, residuals
+    /// and derivatives as [`DeviceProblem::by_part`] has them. Of many rows one result is of many parts.
+    pub(crate) fn fold_parts<T: Send>(
+        &self,
+        values: &[f64],
+        free: &[usize],
+        new: impl Fn() -> T + Sync,
+        fold: impl Fn(&mut T, &Range<usize>, &PartRoom) -> Result<(), IdentificationError> + Sync,
     ) -> Result<Vec<T>, IdentificationError> {
         let device = self.device_with(values);
         let rows = self.recording.len();
-        let starts: Vec<usize> = (0..rows.max(1)).step_by(ROWS_AT_ONCE).collect();
-        let made = starts.par_iter().map(|&start| {
-            let places: Vec<Range<usize>> = self.places(start).map(|(_, own)| own).collect();
-            let firsts: Vec<usize> = places.iter().map(|own| own.start).collect();
-            let count = places.last().map_or(0, |own| own.end);
-            let mut part = vec![0.0; count];
-            let mut matrix = free.map(|free| Matrix::zeros(count, free.len()));
-            let end = (start + ROWS_AT_ONCE).min(rows);
-            let mut jacobian = free.zip(matrix.as_mut());
-            self.run_some(&device, start..end, &firsts, &mut part, &mut jacobian)?;
-            each(start, part, matrix)
+        let (length, count) = match rows > MANY {
+            true => (ROWS_OF_MANY, PARTS_OF_MANY),
+            false => (ROWS_AT_ONCE, 1),
+        };
+        let parts: Vec<usize> = (0..rows.div_ceil(length).max(1)).collect();
+        let made = parts.par_chunks(count).map(|parts| {
+            let (mut folded, mut room) = (new(), PartRoom::default());
+            for &part in parts {
+                let rows = part_of(part, length, rows);
+                self.run_part(&device, &rows, Some(free), &mut room)?;
+                fold(&mut folded, &rows, &room)?;
+            }
+            Ok(folded)
         });
         let made: Vec<Result<T, IdentificationError>> = made.collect();
         made.into_iter().collect()
     }
 
-    /// Ranges of each block's residuals of the part from row `start` on: within the problem, and within the part.
+    /// Residuals of a part's rows, and their derivatives by what is `free`.
+    fn run_part(
+        &self,
+        device: &Device,
+        rows: &Range<usize>,
+        free: Option<&[usize]>,
+        room: &mut PartRoom,
+    ) -> Result<(), IdentificationError> {
+        let places: Vec<Range<usize>> = self.places(rows).map(|(_, own)| own).collect();
+        let firsts: Vec<usize> = places.iter().map(|own| own.start).collect();
+        let count = places.last().map_or(0, |own| own.end);
+        room.residuals.clear();
+        room.residuals.resize(count, 0.0);
+        match (&mut room.derivatives, free) {
+            (Some(matrix), Some(free))
+                if matrix.rows() == count && matrix.columns() == free.len() =>
+            {
+                (0..free.len()).for_each(|column| matrix.column_mut(column).fill(0.0));
+            }
+            (matrix, _) => *matrix = free.map(|free| Matrix::zeros(count, free.len())),
+        }
+        let mut jacobian = free.zip(room.derivatives.as_mut());
+        let residuals = &mut room.residuals;
+        self.run_some(device, rows.clone(), &firsts, residuals, &mut jacobian)
+    }
+
+    /// Ranges of each block's residuals of a part's rows: within the problem, and within the part.
     pub(crate) fn places(
         &self,
-        start: usize,
+        rows: &Range<usize>,
     ) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         let mut first = 0;
         self.blocks.iter().map(move |block| {
-            let whole = within(block, start);
+            let whole = within(block, rows);
             let own = first..first + whole.len();
             first = own.end;
             (whole, own)

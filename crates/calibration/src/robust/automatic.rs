@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use haptical_identification::Loss;
 use haptical_model::{Device, Recording};
 
-use crate::robust::reweighted::{far_out, fit, judge, set_aside};
+use crate::robust::reweighted::{far_out, fit, judge_residuals, set_aside};
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, ChannelReport, FittedDevice, Options, Outlier,
-    RobustChannel, Robustness,
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice,
+    Options, Outlier, RobustChannel, Robustness, channels,
 };
 
 /// Rows on which it is tried whether a robust loss is needed.
@@ -32,9 +32,14 @@ pub(crate) fn automatic(
 ) -> Result<FittedDevice, CalibrationError> {
     let (mut wild, mut disturbed) = (true, Vec::new());
     if let Ok(fitted) = &plain {
-        let (scales, _) = judge(fitted, recording, Loss::Squares)?;
-        wild = !far_out(&fitted.device, recording, &scales, &fitted.weights)?.is_empty();
-        disturbed = above_floor(fitted, recording)?;
+        wild = false;
+        // channel by channel: of a long recording the residuals of all are much
+        for channel in channels(&fitted.device, recording)? {
+            let residuals = fitted.residuals_of(recording, &[channel])?;
+            let (scales, _) = judge_residuals(fitted, recording, &residuals, Loss::Squares);
+            wild |= !far_out(&residuals, recording, &scales).is_empty();
+            disturbed.extend(above_floor(&residuals));
+        }
         if !wild && disturbed.is_empty() {
             return plain;
         }
@@ -98,12 +103,16 @@ pub(crate) fn least_squares(
     fitted: &FittedDevice,
     seen: &Recording,
 ) -> Result<Robustness, CalibrationError> {
-    let (channels, _) = judge(fitted, seen, Loss::Squares)?;
+    let mut scales = Vec::new();
+    for channel in channels(&fitted.device, seen)? {
+        let residuals = fitted.residuals_of(seen, &[channel])?;
+        scales.extend(judge_residuals(fitted, seen, &residuals, Loss::Squares).0);
+    }
     Ok(Robustness {
         loss: Loss::Squares,
         rounds: 0,
         settled: true,
-        channels,
+        channels: scales,
         outliers: Vec::new(),
     })
 }
@@ -145,12 +154,9 @@ fn are_in_stretches(outliers: &[Outlier], recording: &Recording) -> bool {
 }
 
 /// Channels whose residuals are above their noise floor.
-fn above_floor(
-    fitted: &FittedDevice,
-    recording: &Recording,
-) -> Result<Vec<Channel>, CalibrationError> {
-    let residuals = fitted.residuals(recording)?.into_iter();
+fn above_floor(residuals: &[ChannelResiduals]) -> Vec<Channel> {
     let above = residuals
+        .iter()
         .filter(|channel| channel.rms().unwrap_or(0.0) > ABOVE_FLOOR * channel.noise_floor);
-    Ok(above.map(|channel| channel.channel).collect())
+    above.map(|channel| channel.channel).collect()
 }

@@ -11,8 +11,8 @@ use crate::problem::residuals::lengths;
 use crate::steps::device::fit_once;
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, ChannelReport, FittedDevice, Options, Outlier,
-    RobustChannel, Robustness, Weighting, Weights, channel_residuals, channels,
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice,
+    Options, Outlier, RobustChannel, Robustness, Weighting, Weights, channels,
 };
 
 /// Reweightings with one loss, in two steps and in the joint fit, which begins with the others' weights.
@@ -61,16 +61,12 @@ fn limit(readings: usize) -> f64 {
 ///
 /// The limit leaves one recording in a thousand of each channel with a false alarm, if the noise is normal.
 ///
-/// # Errors
-/// [`CalibrationError`] where the device has no value.
+/// `residuals` are those of the scales' channels.
 pub(crate) fn far_out(
-    device: &Device,
+    residuals: &[ChannelResiduals],
     recording: &Recording,
     scales: &[RobustChannel],
-    weights: &Weights,
-) -> Result<Vec<Outlier>, CalibrationError> {
-    let present: Vec<Channel> = scales.iter().map(|channel| channel.channel).collect();
-    let residuals = channel_residuals(device, device, recording, &present, weights)?;
+) -> Vec<Outlier> {
     let mut outliers = Vec::new();
     for (channel, scale) in residuals.iter().zip(scales) {
         let (rows, own) = (&channel.rows, &channel.residuals);
@@ -83,7 +79,7 @@ pub(crate) fn far_out(
         ));
     }
     outliers.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
-    Ok(outliers)
+    outliers
 }
 
 fn outliers_of(
@@ -153,9 +149,19 @@ pub(crate) fn judge(
     loss: Loss,
 ) -> Result<(Vec<RobustChannel>, Weights), CalibrationError> {
     let residuals = fitted.residuals(recording)?;
+    Ok(judge_residuals(fitted, recording, &residuals, loss))
+}
+
+/// The same where the residuals are there.
+pub(crate) fn judge_residuals(
+    fitted: &FittedDevice,
+    recording: &Recording,
+    residuals: &[ChannelResiduals],
+    loss: Loss,
+) -> (Vec<RobustChannel>, Weights) {
     let mut weights = fitted.weights.trusting();
     let mut scales = Vec::with_capacity(residuals.len());
-    for channel in &residuals {
+    for channel in residuals {
         let sizes = sizes(channel.channel, &channel.residuals);
         let parameters = parameters_paid_by(fitted, channel.channel);
         if channel.residuals.len() as f64 - parameters < LEAST_FREEDOM {
@@ -191,7 +197,7 @@ pub(crate) fn judge(
             variance_factor,
         });
     }
-    Ok((scales, weights))
+    (scales, weights)
 }
 
 /// Fits with a robust loss: Huber's first, then the one asked for, each until the weights stand still, in two
@@ -257,8 +263,8 @@ pub(crate) fn fit(
         }
     }
     let mut fitted = fit_with(&weights, &options, before.as_ref())?;
-    let outliers = far_out(&fitted.device, recording, &scales, &weights)?;
     fitted.weights = weights;
+    let outliers = far_out(&fitted.residuals(recording)?, recording, &scales);
     fitted.robust = Some(Robustness {
         loss,
         rounds,

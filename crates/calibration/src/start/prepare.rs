@@ -9,6 +9,7 @@ use haptical_model::{Device, DeviceChain, Evaluation, Recording};
 use crate::CalibrationError;
 use crate::error::at_row;
 use crate::problem::loads::Loads;
+use crate::problem::some_rows::some_of_long;
 use crate::start::hand_eye::place_tracker;
 use crate::start::touches::place_touches;
 
@@ -63,6 +64,9 @@ pub fn prepare_device(device: &Device, recording: &Recording) -> Result<Device, 
         return Ok(prepared);
     }
     forget_absent(&mut prepared, recording);
+    // start values: some rows of a long recording are enough
+    let some = some_of_long(recording);
+    let recording = some.as_ref().unwrap_or(recording);
     let poses = handle_poses(device, recording)?;
     if has_tracker {
         place_tracker(&mut prepared, recording, &poses)?;

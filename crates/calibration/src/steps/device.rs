@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::fit::profiled::profile;
-use crate::fit::rows::spread_rows;
 use crate::fit::size;
+use crate::problem::some_rows::{some_of_long, spread_rows};
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{
     CalibrationError, CalibrationMethod, Channel, FitRequest, FittedDevice, Options, ParameterFit,
@@ -73,8 +73,14 @@ pub(crate) fn fit_once(
     let Some((distant, rows)) = step_two(&fitted.device, recording, channels) else {
         return Ok(fitted);
     };
+    // where the joint fit has the last word, step 2 is its start
+    let some = match options.method {
+        CalibrationMethod::Joint => some_of_long(&rows),
+        CalibrationMethod::TwoStep => None,
+    };
+    let rows = some.as_ref().unwrap_or(&rows);
     let kinematics =
-        fit_kinematics_from(&fitted.device, &rows, &distant, (weights, options), start)?;
+        fit_kinematics_from(&fitted.device, rows, &distant, (weights, options), start)?;
     let whole = match options.method {
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {

@@ -79,9 +79,17 @@ impl FittedDevice {
         &self,
         recording: &Recording,
     ) -> Result<Vec<ChannelResiduals>, CalibrationError> {
+        self.residuals_of(recording, &channels(&self.device, recording)?)
+    }
+
+    /// Residuals of some channels.
+    pub(crate) fn residuals_of(
+        &self,
+        recording: &Recording,
+        channels: &[Channel],
+    ) -> Result<Vec<ChannelResiduals>, CalibrationError> {
         let (device, weights) = (&self.device, &self.weights);
-        let present = channels(device, recording)?;
-        channel_residuals(device, device, recording, &present, weights)
+        channel_residuals(device, device, recording, channels, weights)
     }
 }
 

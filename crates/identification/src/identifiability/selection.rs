@@ -1,6 +1,6 @@
 //! The columns that are kept: independent in the order of preference, and fixed to a useful size.
 
-use haptical_linalg::{LinalgError, OrderedRank, Reduction};
+use haptical_linalg::{LinalgError, OrderedColumns, OrderedRank, Reduction};
 
 use crate::identifiability::proven::{Variances, variances};
 use crate::identifiability::rules::IdentifiabilityRules;
@@ -39,33 +39,40 @@ pub(crate) fn keep_strong(
     rules: &IdentifiabilityRules,
     statuses: &mut [Status],
 ) -> Result<(OrderedRank, f64), IdentificationError> {
-    let mut candidates = visible.to_vec();
-    let (mut ordered, mut spread) = independent_columns(reduction, &candidates, rules)?;
-    let structural = (ordered.clone(), spread.least);
+    let mut levels = vec![OrderedColumns::new(
+        reduction,
+        visible,
+        rules.rank_tolerance,
+    )?];
+    let (mut level, mut spread) = independent_columns(&mut levels)?;
+    let structural = (levels[level].rank()?, spread.least);
     loop {
+        let independent: Vec<usize> = levels[level].independent().collect();
         let deviation = |position: usize| spread.variances[position].sqrt();
-        let weak = (0..ordered.independent.len()).rev().find(|&position| {
-            let size = parameters[ordered.independent[position]].plausible_size;
+        let weak = (0..independent.len()).rev().find(|&position| {
+            let size = parameters[independent[position]].plausible_size;
             deviation(position) > rules.weak_share * size
         });
         if let Some(position) = weak {
-            let index = ordered.independent[position];
+            let index = independent[position];
             statuses[index] = Status::Weak {
                 standard_deviation: deviation(position),
             };
-            candidates.retain(|&candidate| candidate != index);
-            if candidates.is_empty() {
+            for level in &mut levels {
+                level.take_away(index);
+            }
+            if levels.iter().all(|level| level.columns().next().is_none()) {
                 return Ok(structural);
             }
-            (ordered, spread) = independent_columns(reduction, &candidates, rules)?;
+            (level, spread) = independent_columns(&mut levels)?;
             continue;
         }
-        for (position, &index) in ordered.independent.iter().enumerate() {
+        for (position, &index) in independent.iter().enumerate() {
             statuses[index] = Status::Identifiable {
                 standard_deviation: deviation(position),
             };
         }
-        for dependence in &ordered.dependent {
+        for dependence in &levels[level].rank()?.dependent {
             let combination = dependence
                 .combination
                 .iter()
@@ -85,19 +92,24 @@ pub(crate) fn keep_strong(
 ///
 /// A column that depends on nearly dependent ones leaves a remainder of rounding times their
 /// condition number, which can exceed the tolerance. Then the kept set has no covariance; the
-/// tolerance is raised until it has one.
+/// tolerance is raised until it has one. `levels` are the columns at each tolerance so far; the
+/// answer says at which.
 fn independent_columns(
-    reduction: &Reduction,
-    candidates: &[usize],
-    rules: &IdentifiabilityRules,
-) -> Result<(OrderedRank, Variances), IdentificationError> {
-    let mut tolerance = rules.rank_tolerance;
+    levels: &mut Vec<OrderedColumns<'_>>,
+) -> Result<(usize, Variances), IdentificationError> {
+    let mut level = 0;
     loop {
-        let ordered = reduction.ordered_rank(candidates, tolerance)?;
-        match variances(reduction, &ordered.independent, SMALLEST_PIVOT) {
-            Ok(variances) => return Ok((ordered, variances)),
+        let tolerance = levels[level].tolerance();
+        match variances(&mut levels[level], SMALLEST_PIVOT) {
+            Ok(variances) => return Ok((level, variances)),
             Err(LinalgError::RankDeficient { .. }) if tolerance < LARGEST_REMAINDER => {
-                tolerance *= 10.0;
+                level += 1;
+                if level == levels.len() {
+                    let before = &levels[level - 1];
+                    let columns: Vec<usize> = before.columns().collect();
+                    let reduction = before.reduction();
+                    levels.push(OrderedColumns::new(reduction, &columns, 10.0 * tolerance)?);
+                }
             }
             Err(error) => return Err(error.into()),
         }

@@ -9,6 +9,7 @@ mod covariance_and_damping;
 mod extremes;
 mod faer_traps;
 mod nalgebra_oracle;
+mod ordered_columns;
 mod planted;
 mod refusals;
 mod support;

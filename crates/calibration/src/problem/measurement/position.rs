@@ -4,7 +4,7 @@ use haptical_model::kinematics::Twist;
 use haptical_model::{Device, ModelError, ParameterId, Recording, SurroundingParameter};
 
 use super::kind::{Measurement, Posture};
-use super::sight::Sight;
+use super::sight::{Sight, arm};
 use super::tracked::is_of_tracker;
 
 /// The handle's position in frame (-1), or that of what is tracked in the tracker's frame.
@@ -54,7 +54,8 @@ impl Measurement for Position {
     }
 
     fn sensitivity_square(&self, at: &Posture<'_>, twist: &Twist) -> Result<f64, ModelError> {
-        let sight = Sight::new(at)?;
-        Ok(sight.carried(twist).linear.norm_squared() / 3.0)
+        // a turn into the tracker's frame changes no length
+        let linear = twist.linear + twist.angular.cross(&arm(at)?);
+        Ok(linear.norm_squared() / 3.0)
     }
 }

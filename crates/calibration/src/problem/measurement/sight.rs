@@ -10,6 +10,13 @@ use super::tracked::Tracked;
 /// What a tracker sees of the device at a row: the handle itself, or what is tracked.
 pub(crate) struct Sight(Tracked);
 
+/// From the handle to what the tracker sees, in frame (-1).
+pub(crate) fn arm(at: &Posture<'_>) -> Result<Vector3<f64>, ModelError> {
+    let handle = at.evaluation.pose()?;
+    let mounting = at.mountings.of(at.mount);
+    Ok(mounting.map_or_else(Vector3::zeros, |own| own.arm(handle)))
+}
+
 impl Sight {
     pub(crate) fn new(at: &Posture<'_>) -> Result<Self, ModelError> {
         let handle = at.evaluation.pose()?;

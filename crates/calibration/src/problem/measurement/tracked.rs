@@ -88,9 +88,14 @@ impl Mounting {
         })
     }
 
+    /// From the handle to what is tracked, in frame (-1).
+    pub(crate) fn arm(&self, handle: &Pose) -> Vector3<f64> {
+        handle.rotation * self.tool.position_m
+    }
+
     /// What is tracked where the handle is at a pose.
     pub(crate) fn at(&self, handle: &Pose) -> Tracked {
-        let arm = handle.rotation * self.tool.position_m;
+        let arm = self.arm(handle);
         let reach = self.base.rotation * (handle.position_m + arm);
         let turned = self.base.rotation * handle.rotation;
         Tracked {

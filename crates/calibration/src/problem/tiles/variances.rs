@@ -15,14 +15,13 @@ use crate::problem::lanes::transmission::values_and_slopes;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::kind::{Measurement, Posture, is_of_handle};
 use crate::problem::measurement::tracked::Mountings;
-use crate::problem::mounts::mounts;
 
 /// Sum over the joints of `quanta`, the variance of each reading's rounding, times the square of the residual's
 /// sensitivity, row by row; zero where a touch has no reading. None where the channel is of no handle, a row does not say
-/// which hand it is about, or a number is refused: the form row by row names it.
+/// which hand it is about, or a number is refused: the form row by row names it. `mounts` are those of the recording.
 pub(crate) fn variances(
     (device, recording, channel): (&Device, &Recording, Channel),
-    loads: Option<&Loads>,
+    (loads, mounts): (Option<&Loads>, &[Mount]),
     quanta: &[f64],
     rows: &Range<usize>,
 ) -> Option<Vec<f64>> {
@@ -40,7 +39,6 @@ pub(crate) fn variances(
         outputs.push(sums.collect::<Vec<f64>>());
         slopes.push(own_slopes);
     }
-    let mounts = mounts(device, recording, &[channel]).ok()?;
     let stepped: Vec<usize> = (0..quanta.len())
         .filter(|&joint| quanta[joint] != 0.0)
         .collect();
@@ -74,7 +72,7 @@ struct Run<'a> {
     /// Joint by joint.
     outputs: Vec<Vec<f64>>,
     slopes: Vec<Vec<f64>>,
-    mounts: Vec<Mount>,
+    mounts: &'a [Mount],
     mountings: Mountings,
     /// Joints whose readings come in steps.
     stepped: Vec<usize>,
