@@ -111,7 +111,7 @@ impl Selector<'_> {
         system: &System,
         segments: &Segments,
     ) -> Option<Hypothesis> {
-        let mut members = distinct(members, system);
+        let mut members = distinct(members, system)?;
         let products = Products::new(&members, system);
         let mut causes = self.settled(&mut members, &products, system)?;
         let alone = Beside::nothing(system, segments);
@@ -146,7 +146,7 @@ impl Selector<'_> {
     ) -> Option<Vec<Cause>> {
         loop {
             let numbers: usize = members.iter().map(|member| member.across.len()).sum();
-            if members.is_empty() || system.layout.count() < READINGS_PER_NUMBER * numbers {
+            if members.is_empty() || !is_enough(system, numbers) {
                 return None;
             }
             let (causes, deviations) = products.sized(members, system)?;
@@ -184,8 +184,13 @@ impl Selector<'_> {
     }
 }
 
-/// The candidates that neither the system nor those before them have already.
-fn distinct<'c>(candidates: &[&'c Candidate], system: &System) -> Vec<Member<'c>> {
+/// Whether the log is long enough for so many numbers.
+fn is_enough(system: &System, numbers: usize) -> bool {
+    system.layout.count() >= READINGS_PER_NUMBER * numbers
+}
+
+/// The candidates that neither the system nor those before them have already; none where they are too many for the log.
+fn distinct<'c>(candidates: &[&'c Candidate], system: &System) -> Option<Vec<Member<'c>>> {
     let mut known: Vec<Direction> = Vec::new();
     let mut members: Vec<Member<'_>> = Vec::new();
     let mut first = 0;
@@ -215,9 +220,13 @@ fn distinct<'c>(candidates: &[&'c Candidate], system: &System) -> Vec<Member<'c>
                 first,
             });
             first += count;
+            // a coupling of every joint with every other is thousands: not worth their products
+            if !is_enough(system, first) {
+                return None;
+            }
         }
     }
-    members
+    Some(members)
 }
 
 /// The part of a column across a system's directions, with its length; none where nothing is left.
