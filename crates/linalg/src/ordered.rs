@@ -37,6 +37,22 @@ pub struct Dependence {
 /// Coefficients below this share of the largest (both scaled to unit-norm columns) are rounding.
 const COEFFICIENT_CUT: f64 = 1e-6;
 
+impl Reduction {
+    /// Which columns are independent when they are taken in the given order of preference:
+    /// Khalil & Dombre's rule (first come, first kept), judged on unit-norm columns.
+    ///
+    /// # Errors
+    /// [`LinalgError::Column`] for a bad index, [`LinalgError::OutOfRange`] for a bad tolerance,
+    /// [`LinalgError::Overflow`] for a coefficient beyond 1e308.
+    pub fn ordered_rank(
+        &self,
+        order: &[usize],
+        tolerance: f64,
+    ) -> Result<OrderedRank, LinalgError> {
+        OrderedColumns::new(self, order, tolerance)?.rank()
+    }
+}
+
 /// Columns of a reduction that are taken one by one in an order of preference, each judged by what is left of it beside
 /// those that were kept before: where one is taken away, only those behind it are judged again.
 ///

@@ -2,7 +2,7 @@
 
 use crate::error::{check_length, check_rhs};
 use crate::pivoted::{PivotedQr, singular_vectors};
-use crate::{LinalgError, Matrix, OrderedColumns, OrderedRank, covariance};
+use crate::{LinalgError, Matrix, covariance};
 
 /// A least-squares problem min |A x - b| reduced to a small triangle.
 ///
@@ -135,20 +135,6 @@ impl Reduction {
             .map(|&column| self.column_norms.get(column).copied().unwrap_or(0.0))
             .collect();
         covariance::covariance(&self.chosen(columns)?, &norms, tolerance)
-    }
-
-    /// Which columns are independent when they are taken in the given order of preference:
-    /// Khalil & Dombre's rule (first come, first kept), judged on unit-norm columns.
-    ///
-    /// # Errors
-    /// [`LinalgError::Column`] for a bad index, [`LinalgError::OutOfRange`] for a bad tolerance,
-    /// [`LinalgError::Overflow`] for a coefficient beyond 1e308.
-    pub fn ordered_rank(
-        &self,
-        order: &[usize],
-        tolerance: f64,
-    ) -> Result<OrderedRank, LinalgError> {
-        OrderedColumns::new(self, order, tolerance)?.rank()
     }
 
     /// The small factor of the chosen columns, each brought to the norm `norms[k]`.
