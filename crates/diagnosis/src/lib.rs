@@ -11,6 +11,7 @@ mod judge;
 mod noise;
 mod options;
 mod select;
+mod start_values;
 #[cfg(test)]
 mod statics_tests;
 mod thresholds;
@@ -28,3 +29,4 @@ pub use error::DiagnosisError;
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use noise::NoiseSource;
 pub use options::{Catalogue, Options};
+pub use start_values::start_values;

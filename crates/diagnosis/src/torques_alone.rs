@@ -4,6 +4,7 @@ use haptical_calibration::{CalibrationError, channels, check_recording};
 use haptical_effects::{Context, Effect};
 use haptical_model::{Device, Recording};
 
+use crate::answer::corrected::of_drives;
 use crate::answer::place::in_torques;
 use crate::answer::{Diagnosis, Gap, Place, Provenance, Trace, Untestable, Verdict, Whiteness};
 use crate::force::answer::ForceAnswer;
@@ -111,6 +112,7 @@ pub(crate) fn diagnose(
             without: options.without.clone(),
         },
         device: model.clone(),
+        corrected: of_drives(device, verdict, &causes),
         predictions,
         gap,
         place,

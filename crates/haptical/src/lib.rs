@@ -35,8 +35,9 @@ pub use device::{Device, Equipment, InputDrumDenominators, is_urdf, refuse_other
 pub use diagnose::{Cause, Diagnose, Diagnosed, diagnose, diagnose_as};
 pub use error::{Error, ErrorKind, Place};
 pub use identify::{
-    Found, IdentifiabilityEntry, Identified, Identify, LossEntry, NoiseEntry, NotIdentified,
-    ParameterEntry, RankEntry, RejectedEntry, TransmissionEntry, identify, identify_as,
+    EffectEntry, EffectNumber, Found, IdentifiabilityEntry, Identified, Identify, LossEntry,
+    NoiseEntry, NotIdentified, ParameterEntry, RankEntry, RejectedEntry, TransmissionEntry,
+    identify, identify_as,
 };
 pub use log::Log;
 pub use plan::{Planned, plan, plan_as};

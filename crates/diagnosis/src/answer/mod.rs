@@ -3,7 +3,7 @@
 pub(crate) mod advice;
 pub(crate) mod assemble;
 pub(crate) mod causes;
-pub(crate) mod delta;
+pub(crate) mod corrected;
 pub(crate) mod floor;
 pub(crate) mod floors;
 pub(crate) mod gap;
@@ -96,6 +96,10 @@ pub struct Diagnosis {
     /// The base model.
     #[serde(skip)]
     pub device: Device,
+    /// The device with the causes, geometry and drives fitted together with them; none where no cause is named that is part of
+    /// a device.
+    #[serde(skip)]
+    pub corrected: Option<Device>,
     /// For pictures.
     #[serde(skip)]
     pub traces: Vec<Trace>,
