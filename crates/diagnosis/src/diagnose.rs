@@ -1,7 +1,7 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
 use haptical_calibration::{CalibrationError, Channel, channels, check_recording, check_rig};
-use haptical_effects::device::attached;
+use haptical_effects::device::attached_at;
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Absorbed, Effect, catalogue};
 use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recording};
@@ -40,10 +40,10 @@ pub fn diagnose(
         // numbers of the base model then, as lengths and angles are
         device.effects.clone_from(&model.effects);
     }
-    let recording = attached(&mut device, recording)?;
-    let validation = options
-        .validation
-        .map(|second| attached(&mut device.clone(), second));
+    let at = options.model.unwrap_or(&device).clone();
+    let recording = attached_at(&mut device, &at, recording)?;
+    let second = options.validation;
+    let validation = second.map(|second| attached_at(&mut device.clone(), &at, second));
     let validation = validation.transpose()?;
     let options = &Options {
         validation: validation.as_deref(),

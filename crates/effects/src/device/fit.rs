@@ -118,7 +118,6 @@ pub fn settle(
         }
         let spec = effect.spec();
         entry.numbers = crate::device::entry(effect, &context, &amplitudes, shape).numbers;
-        entry.fitted.clear();
         entry.intervals.clear();
         let Some(covariance) = covariance(own.index) else {
             continue;

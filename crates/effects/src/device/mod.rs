@@ -6,7 +6,7 @@ mod error;
 mod fit;
 mod resolve;
 
-pub use added::{attached, bare};
+pub use added::{attached, attached_at, bare};
 pub use entry::entry;
 pub use error::DeviceEffectError;
 pub use fit::{settle, with_variances};

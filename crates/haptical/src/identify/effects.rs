@@ -1,12 +1,14 @@
 //! Effects that are fitted with geometry and drives.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use haptical_calibration::{
-    Calibration, CalibrationError, CalibrationMethod, LossChoice, Options, ParameterFit, calibrate,
+    Calibration, CalibrationError, CalibrationMethod, HeldOut, Options, ParameterFit, Weights,
+    calibrate,
 };
 use haptical_diagnosis::{DiagnosisError, start_values};
-use haptical_effects::device::{DeviceEffectError, attached, settle};
+use haptical_effects::device::{DeviceEffectError, attached_at, settle};
 use haptical_effects::{Unit, spec};
 use haptical_kinematics::nalgebra::{DMatrix, DVector};
 use haptical_metrics::chi_square_p_value;
@@ -15,7 +17,7 @@ use serde::Serialize;
 
 /// Most fits: each leaves what the laws' curvature makes of the error before.
 const MOST_FITS: usize = 4;
-/// A number has settled where it moves by less than this part of its standard deviation.
+/// What effects add has settled where it moves by less than this part of the noise.
 const SETTLED: f64 = 0.1;
 /// Probability by chance below which an effect is shown: one in a thousand, because its shape was looked for too.
 const SHOWN: f64 = 1e-3;
@@ -147,6 +149,8 @@ struct Fitted<'r> {
     /// The device with the numbers that the laws were straightened about.
     start: Model,
     recording: &'r Recording,
+    /// The device whose geometry they were straightened at.
+    at: Model,
 }
 
 fn fitted<'r>(
@@ -154,16 +158,16 @@ fn fitted<'r>(
     recording: &'r Recording,
     options: &Options,
 ) -> Result<Fitted<'r>, EffectFitError> {
-    let loss = match options.loss {
-        LossChoice::Auto => LossChoice::Auto,
-        fixed => fixed,
-    };
-    let mut start = start_values(model, recording, loss)?;
+    let mut start = start_values(model, recording, options.loss)?;
+    // effects of a nominal device are not where those of the real one are: a spring that gives by a degree, at a length that is a
+    // millimetre off, moves the handle by more than noise
+    let mut at = start.clone();
+    let mut before: Option<Cow<'_, Recording>> = None;
     let mut round = 0;
     loop {
         round += 1;
         let mut there = start.clone();
-        let with = attached(&mut there, recording)?;
+        let with = attached_at(&mut there, &at, recording)?;
         for index in 0..there.effects.len() {
             if is_new(model, index) {
                 // before the fit the device has none of it
@@ -171,45 +175,55 @@ fn fitted<'r>(
                 numbers.for_each(|number| number.value = 0.0);
             }
         }
+        let is_last = round == MOST_FITS
+            || before.as_ref().is_some_and(|before| is_same(before, &with, &at));
+        let options = &Options {
+            held_out: match is_last {
+                true => options.held_out,
+                false => HeldOut::None,
+            },
+            ..*options
+        };
         let calibration = calibrate(&there, &with, options)?;
         let mut found = Fitted {
             calibration,
             start,
             recording,
+            at,
         };
-        if round == MOST_FITS || found.calibration.rejected.is_some() || found.has_settled(&with) {
+        if is_last {
             found.settle()?;
             return Ok(found);
         }
-        let mut next = found.calibration.device.clone();
-        settle(&mut next, recording, &|_| None)?;
+        found.settle()?;
         start = found.start;
-        start.effects = next.effects;
+        start.effects.clone_from(&found.calibration.device.effects);
+        at = found.calibration.device;
+        before = Some(with);
     }
+}
+
+/// Whether effects add the same as in the round before, to a small part of the channels' noise.
+fn is_same(before: &Recording, now: &Recording, device: &Model) -> bool {
+    let channels = haptical_calibration::channels(device, now).unwrap_or_default();
+    let weights = Weights::stated(device, &channels);
+    let noise = |name: &str| {
+        let mut own = weights.channel_sd.iter();
+        own.find(|(channel, _)| channel.name() == name).map(|(_, sd)| *sd)
+    };
+    let pairs = before.added.iter().zip(&now.added);
+    let mut moved = pairs.map(|(before, now)| {
+        let pairs = before.readings.iter().zip(&now.readings);
+        let square: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
+        let rms = (square / before.readings.len().max(1) as f64).sqrt();
+        noise(&now.channel).map_or(0.0, |sd| rms / sd)
+    });
+    moved.all(|moved| moved <= SETTLED)
 }
 
 impl Fitted<'_> {
     fn fit(&self) -> Option<&ParameterFit> {
         self.calibration.fitted.whole.as_ref()
-    }
-
-    /// Whether no fitted number of an effect is far from where its law was straightened.
-    fn has_settled(&self, with: &Recording) -> bool {
-        let Some(fit) = self.fit() else { return true };
-        let mut numbers = fit.fitted.iter();
-        numbers.all(|&index| {
-            let ParameterId::Effect { effect, number } = fit.parameters[index] else {
-                return true;
-            };
-            let at = with.added.iter().find(|own| own.effect == effect);
-            let at = at.and_then(|own| own.at.get(number)).copied();
-            let value = fit.parameters[index].value(&fit.device);
-            let sd = fit.estimates[index].standard_deviation;
-            match (at, sd) {
-                (Some(at), Some(sd)) => (value - at).abs() <= SETTLED * sd,
-                _ => true,
-            }
-        })
     }
 
     /// Covariance of an effect's fitted numbers; none where one of them is not fixed.
@@ -247,7 +261,8 @@ impl Fitted<'_> {
             .collect();
         // what the numbers are worked out from is the device that the laws were straightened about
         let own = |effect: usize| covariances.get(effect).cloned().flatten();
-        let mut device = self.calibration.device.clone();
+        let mut device = self.at.clone();
+        device.effects.clone_from(&self.calibration.device.effects);
         for (effect, start) in device.effects.iter_mut().zip(&self.start.effects) {
             effect.numbers.clone_from(&start.numbers);
         }
