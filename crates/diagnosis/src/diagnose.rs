@@ -1,7 +1,7 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
 use haptical_calibration::{CalibrationError, Channel, channels, check_recording, check_rig};
-use haptical_effects::device::attached_at;
+use haptical_effects::device::{attached_at, bare};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Absorbed, Effect, catalogue};
 use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recording};
@@ -17,6 +17,7 @@ use crate::judge::too_coarse::Corrected;
 use crate::noise::cleaning::without_readings;
 use crate::noise::measured::KnownNoise;
 use crate::noise::stated::is_stated;
+use crate::own_effects::within_laws;
 use crate::select::{Selection, Selector};
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
@@ -30,6 +31,27 @@ use crate::{DiagnosisError, Options, torques_alone};
 /// [`DiagnosisError`]; [`DiagnosisError::is_unidentifiable`] tells recordings that fix nothing from
 /// input that is wrong.
 pub fn diagnose(
+    device: &Device,
+    recording: &Recording,
+    options: &Options<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let found = diagnose_all(device, recording, options)?;
+    let own = match device.effects.is_empty() {
+        true => options.model.map_or(&[][..], |model| &model.effects),
+        false => &device.effects,
+    };
+    let mut names: Vec<String> = own.iter().map(|effect| effect.name.clone()).collect();
+    let mut rigid = bare(device);
+    if let Some(model) = options.model.filter(|_| !device.has_compliance())
+        && model.has_compliance()
+    {
+        names.push(JOINT_COMPLIANCE.name.to_owned());
+        rigid.surroundings.compliance.clear();
+    }
+    within_laws(found, &names, (&rigid, recording), options.loss)
+}
+
+fn diagnose_all(
     device: &Device,
     recording: &Recording,
     options: &Options<'_>,

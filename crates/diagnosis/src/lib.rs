@@ -10,6 +10,7 @@ mod force;
 mod judge;
 mod noise;
 mod options;
+mod own_effects;
 mod select;
 mod start_values;
 #[cfg(test)]

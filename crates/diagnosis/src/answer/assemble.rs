@@ -89,6 +89,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
                 .map(|partial| partial.share),
             false => findings.force.closed_unseen_share,
         },
+        own_effects_leave: None,
         probability_unknown: adequacy.probability_unknown(verdict),
         untestable: untestable(&findings),
         invisible,

@@ -176,7 +176,9 @@ fn fitted<'r>(
             }
         }
         let is_last = round == MOST_FITS
-            || before.as_ref().is_some_and(|before| is_same(before, &with, &at));
+            || before
+                .as_ref()
+                .is_some_and(|before| is_same(before, &with, &at));
         let options = &Options {
             held_out: match is_last {
                 true => options.held_out,
@@ -209,7 +211,8 @@ fn is_same(before: &Recording, now: &Recording, device: &Model) -> bool {
     let weights = Weights::stated(device, &channels);
     let noise = |name: &str| {
         let mut own = weights.channel_sd.iter();
-        own.find(|(channel, _)| channel.name() == name).map(|(_, sd)| *sd)
+        own.find(|(channel, _)| channel.name() == name)
+            .map(|(_, sd)| *sd)
     };
     let pairs = before.added.iter().zip(&now.added);
     let mut moved = pairs.map(|(before, now)| {
