@@ -11,6 +11,7 @@ mod identify;
 mod log;
 mod page;
 mod plan;
+mod replay;
 pub mod units;
 
 pub use haptical_batch as batch;
@@ -41,6 +42,7 @@ pub use identify::{
 };
 pub use log::Log;
 pub use plan::{Planned, plan, plan_as};
+pub use replay::{Replayed, ReplayedChannel, replay};
 
 /// What a program needs from a device file to a cause: `use haptical::prelude::*;`.
 pub mod prelude {

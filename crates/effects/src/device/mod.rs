@@ -5,9 +5,11 @@ mod entry;
 mod error;
 mod fit;
 mod resolve;
+mod simulated;
 
 pub use added::{attached, attached_at, bare};
 pub use entry::entry;
 pub use error::DeviceEffectError;
 pub use fit::{settle, with_variances};
 pub use resolve::{OwnEffect, effects_of, is_law, laws};
+pub use simulated::add_effects;
