@@ -6,7 +6,10 @@ use haptical::{Device, EffectEntry, Identify, Log, identify};
 use haptical_calibration::HeldOut;
 use haptical_model::{Device as Model, DeviceEffect};
 use haptical_report::{Cell, Table};
-use haptical_simulator::{HandMotion, MotionSettings, record_motion};
+use haptical_simulator::{
+    CableSigma, Effects, Encoders, HandMotion, MotionSettings, Noise, Settings, record_motion,
+    simulated_effects,
+};
 use rand::RngExt;
 use rayon::prelude::*;
 use xtask_output::{Output, Progress};
@@ -159,6 +162,24 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
     Ok(())
 }
 
+/// Effects as the simulator has them; loops are led by the motor.
+fn simulated(effects: &[DeviceEffect]) -> Result<Effects> {
+    let mut text = String::new();
+    for effect in effects {
+        text.push_str(&format!("[[effect]]\nname = \"{}\"\n", effect.name));
+        if let Some(joint) = effect.joint {
+            text.push_str(&format!("joint = {}\n", joint + 1));
+        }
+        for (name, value) in &effect.numbers {
+            text.push_str(&format!("{name} = {value:?}\n"));
+        }
+        if ["backlash", "hysteresis"].contains(&effect.name.as_str()) {
+            text.push_str("driven_by = \"motor\"\n");
+        }
+    }
+    Ok(Effects::from_toml(&text, "effects")?)
+}
+
 impl Kind {
     fn device(&self, nominal: &Model, seed: u64) -> Result<Outcome> {
         let mut truth = true_device(nominal, seed);
@@ -170,24 +191,18 @@ impl Kind {
             numbers.insert((*name).to_owned(), low * (high / low).powf(share));
         }
         let size = numbers[self.numbers[0].0];
-        if self.name == "joint-compliance" {
-            let joint = self.joint.context("a joint")? - 1;
-            truth.fit_compliance();
-            for own in &mut truth.surroundings.compliance {
-                own.fit = false;
-            }
-            truth.surroundings.compliance[joint].rad_per_nm = 1.0 / size;
-        } else {
-            truth.effects.push(DeviceEffect {
-                name: self.name.to_owned(),
-                joint: self.joint.map(|joint| joint - 1),
-                numbers,
-                ..DeviceEffect::default()
-            });
-        }
+        truth.effects.push(DeviceEffect {
+            name: self.name.to_owned(),
+            joint: self.joint.map(|joint| joint - 1),
+            numbers,
+            ..DeviceEffect::default()
+        });
         let there = self.fitted(nominal, &truth, seed)?;
         let number = there.parameters.get(self.numbers[0].0);
         let interval = number.and_then(|number| number.ci95);
+        if std::env::var_os("DEBUG_EFFECTS").is_some() {
+            eprintln!("{seed} {} true {size} found {number:?}", self.name);
+        }
         let holds = interval.map(|[low, high]| {
             low.is_none_or(|low| low <= size) && high.is_none_or(|high| size <= high)
         });
@@ -212,18 +227,28 @@ impl Kind {
                 rests: 1,
                 ..HandMotion::default()
             },
+            // counts of a device at rest err by the same again and again
+            encoders: Encoders::Same(Settings {
+                output_noise: Noise::Gaussian,
+                cable_noise: Noise::Gaussian,
+                motor_counts: false,
+                cable_sigma: CableSigma::Stated,
+                ..Settings::paper()
+            }),
             ..MotionSettings::default()
         };
         let mut rigid = truth.clone();
-        rigid.effects.clear();
-        rigid.surroundings.compliance.clear();
-        let mut recording = record_motion(
-            &rigid,
-            &haptical_simulator::Effects::none(),
-            &settings,
-            seed,
-        )?;
-        add_effects(truth, &mut recording)?;
+        let own = std::mem::take(&mut rigid.effects);
+        // by the simulator's own laws where it has them
+        let names = simulated_effects();
+        let by_simulator = own.iter().all(|own| names.contains(&own.name.as_str()));
+        let recording = if by_simulator {
+            record_motion(&rigid, &simulated(&own)?, &settings, seed)?
+        } else {
+            let mut recording = record_motion(&rigid, &Effects::none(), &settings, seed)?;
+            add_effects(truth, &mut recording)?;
+            recording
+        };
         let device = Device::from_toml(&nominal.to_new_toml()?, "nominal.toml")?;
         let log = Log::from_recording(recording, "simulated", &device)?;
         let word = match self.joint {

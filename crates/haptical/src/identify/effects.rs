@@ -370,6 +370,13 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
         let p_value = covariance
             .as_ref()
             .and_then(|covariance| by_chance(&values[..sizes], covariance));
+        // nature has no spring of negative stiffness
+        let is_possible = !effect.numbers.is_empty()
+            && effect
+                .numbers
+                .keys()
+                .any(|name| !matches!(name.as_str(), "from_joint" | "order"));
+        let p_value = p_value.map(|p| if is_possible { p } else { 1.0 });
         let shown = p_value.is_some_and(|p| p < SHOWN) && found.calibration.rejected.is_none();
         let number = |(name, value): (&String, &f64)| {
             let number = EffectNumber {
