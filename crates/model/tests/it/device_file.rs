@@ -163,6 +163,7 @@ fn head_and_links() {
         Some(Body {
             mass_kg,
             centre_of_mass_m,
+            inertia_kgm2: None,
         })
     };
     let bodies = [

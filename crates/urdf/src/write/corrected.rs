@@ -73,7 +73,7 @@ pub fn corrected_urdf(
     ends: BaseAndTip<'_>,
     device: &Device,
 ) -> Result<CorrectedUrdf, UrdfError> {
-    let read = ReadChain::new(text, file, ends)?;
+    let read = ReadChain::of_urdf(text, file, ends)?;
     check_same(&read, device, file)?;
     let segments = segments(device)?;
     let ReadChain {
