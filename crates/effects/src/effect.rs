@@ -50,6 +50,21 @@ pub trait Effect: Debug + Send + Sync {
         self.spec().amplitudes_at(values)
     }
 
+    /// The numbers that its law has beside the reported ones, as many as [`Spec::further`] names.
+    fn further(&self, _context: &Context<'_>, _amplitudes: &[f64], _shape: f64) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Amplitudes and shape that have these values and further numbers.
+    fn whole(&self, context: &Context<'_>, values: &[f64], _further: &[f64]) -> (Vec<f64>, f64) {
+        self.amplitudes(context, values)
+    }
+
+    /// What it adds to the measured streams, with the chain moved as far as it is: [`Effect::signal`] is that to first order.
+    fn exact_signal(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Signal {
+        self.signal(context, amplitudes, shape)
+    }
+
     /// Whether nature allows these amplitudes.
     fn is_possible(&self, _context: &Context<'_>, amplitudes: &[f64]) -> bool {
         !self.spec().is_positive || amplitudes[0] > 0.0

@@ -5,6 +5,7 @@
 pub mod base_model;
 pub mod cable;
 mod context;
+pub mod device;
 mod effect;
 mod error;
 pub mod external_encoder;
@@ -30,7 +31,7 @@ pub use error::ContextError;
 pub use laws::under_load;
 pub use listing::markdown;
 pub use need::Need;
-pub use parameter::{Parameter, Role};
+pub use parameter::{Further, Parameter, Role};
 pub use registry::{catalogue, drive_catalogue, names, parameter, plausible_range, spec, specs};
 pub use signal::Signal;
 pub use spec::{Absorbed, Family, Follows, Hook, LawError, Shape, Spec};

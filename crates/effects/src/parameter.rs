@@ -19,6 +19,33 @@ pub enum Role {
     Transition,
 }
 
+/// A number that a law has beside those that are reported: with them it is whole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Further {
+    /// Name, which ends with its unit.
+    pub name: &'static str,
+    /// What it is where nobody says; none where it must be said.
+    pub default: Option<f64>,
+}
+
+impl Further {
+    /// A number that has a usual value.
+    pub const fn usually(name: &'static str, default: f64) -> Self {
+        Self {
+            name,
+            default: Some(default),
+        }
+    }
+
+    /// A number that must be said.
+    pub const fn needed(name: &'static str) -> Self {
+        Self {
+            name,
+            default: None,
+        }
+    }
+}
+
 /// A number of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {

@@ -1,6 +1,6 @@
 //! Facts of an effect that need no recording.
 
-use crate::{Need, Parameter};
+use crate::{Further, Need, Parameter};
 
 /// Where an effect enters the chain from motor encoder to measured streams (docs/diagnosis.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
@@ -223,6 +223,8 @@ pub struct Spec {
     pub needs: &'static [Need],
     /// Reported numbers, the size first.
     pub parameters: &'static [Parameter],
+    /// Numbers that its law has besides: an effect of a device file has them too.
+    pub further: &'static [Further],
     /// Number of amplitudes that its law is fitted with.
     pub amplitudes: usize,
     /// What else its law is fitted with.
@@ -259,6 +261,7 @@ impl Spec {
         family: Family::Stated,
         needs: &[],
         parameters: &[],
+        further: &[],
         amplitudes: 1,
         shape: Shape::NONE,
         follows: Follows::Time,

@@ -234,14 +234,14 @@ impl<'d> Evaluation<'d> {
     }
 
     /// Derivative of the handle's pose with respect to any parameter, as a twist in frame (-1). The tracker,
-    /// cables and what is touched do not move the handle.
+    /// cables and what is touched do not move the handle; what effects do is not part of this evaluation.
     pub fn pose_derivative(&self, parameter: ParameterId) -> Twist {
         match parameter {
             ParameterId::Compliance { joint } => {
                 let torque = self.torque_nm.get(joint).copied().unwrap_or(0.0);
                 scaled(self.joint_twist(joint), -torque)
             }
-            ParameterId::Surrounding(_) => Twist::default(),
+            ParameterId::Surrounding(_) | ParameterId::Effect { .. } => Twist::default(),
             ParameterId::Link { row, parameter } => {
                 let own = self.of_row(row);
                 own.map_or_else(Twist::default, |own| own.get(parameter))

@@ -14,6 +14,7 @@ mod statics;
 
 pub use device::cable::{Cable, CableFit, CableReading};
 pub use device::chain::DeviceChain;
+pub use device::effect::{DeviceEffect, FitNumber};
 pub use device::joint::{Joint, JointType, TransmissionError, TransmissionKind};
 pub use device::mount::{Mount, RunBase, Tool, Unplaced};
 pub use device::rows::{Drive, Origin};
@@ -35,5 +36,5 @@ pub use holding::holding_torques_nm;
 pub use parameter::ParameterId;
 pub use parameter::surrounding::{LengthScale, SurroundingParameter, UNSTATED_SCALE_SD};
 pub use parameter::unknown::UnknownNumbers;
-pub use recording::Recording;
+pub use recording::{AddedReadings, Recording};
 pub use statics::{Beyond, Load, Statics};

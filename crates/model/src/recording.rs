@@ -42,6 +42,27 @@ pub struct Recording {
     pub tool: Option<Vec<String>>,
     /// Any other numeric column, by its header, kept as a covariate.
     pub covariates: Vec<(String, Vec<f64>)>,
+    /// What the effects of a device ([`crate::Device::effects`]) add to the readings. Worked out on a whole recording: a play
+    /// knows where its joint was before.
+    pub added: Vec<AddedReadings>,
+}
+
+/// What one effect adds to the readings of one axis of a channel, linear about the values of its numbers at which it was
+/// worked out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AddedReadings {
+    /// Position of the effect within [`crate::Device::effects`].
+    pub effect: usize,
+    /// Channel by name: `out2`, `position`.
+    pub channel: String,
+    /// Axis of a channel with several.
+    pub axis: usize,
+    /// What it adds at [`AddedReadings::at`], row by row, in the channel's unit.
+    pub readings: Vec<f64>,
+    /// Values of its numbers ([`crate::DeviceEffect::fitted`]).
+    pub at: Vec<f64>,
+    /// Derivatives by each of its numbers, row by row.
+    pub slopes: Vec<Vec<f64>>,
 }
 
 impl Recording {
@@ -123,6 +144,24 @@ impl Recording {
             tool: self.tool.as_ref().map(texts),
             covariates: covariates
                 .map(|(name, column)| (name.clone(), numbers(column)))
+                .collect(),
+            added: self.added.iter().map(|own| own.select(indices)).collect(),
+        }
+    }
+}
+
+impl AddedReadings {
+    fn select(&self, indices: &[usize]) -> Self {
+        Self {
+            effect: self.effect,
+            channel: self.channel.clone(),
+            axis: self.axis,
+            readings: take(&self.readings, indices),
+            at: self.at.clone(),
+            slopes: self
+                .slopes
+                .iter()
+                .map(|slope| take(slope, indices))
                 .collect(),
         }
     }

@@ -70,7 +70,7 @@ pub fn preference_order(parameters: &[ParameterId]) -> Vec<usize> {
             ParameterId::Transmission { index: 0, .. } => 6,
             ParameterId::Transmission { .. } => 5,
             // as much as a joint's other terms that are not constant
-            ParameterId::Compliance { .. } => 5,
+            ParameterId::Compliance { .. } | ParameterId::Effect { .. } => 5,
             ParameterId::Surrounding(SurroundingParameter::CableScale { .. }) => 10,
             ParameterId::Surrounding(_) => -1,
         }

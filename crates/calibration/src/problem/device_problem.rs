@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use haptical_identification::{IdentificationError, Matrix, Problem};
-use haptical_model::{Device, ModelError, Mount, ParameterId, Recording};
+use haptical_model::{AddedReadings, Device, ModelError, Mount, ParameterId, Recording};
 
 use crate::error::at_row;
+use crate::problem::added::added_to;
 use crate::problem::lanes::transmission::outputs_in_bulk;
 use crate::problem::loads::Loads;
 use crate::problem::measurement::tracked::Mountings;
@@ -48,6 +49,8 @@ pub(crate) struct Block {
     pub(crate) subjects: Vec<usize>,
     /// First residual.
     pub(crate) first: usize,
+    /// What effects add to its readings, per entry of `rows`.
+    pub(crate) added: Vec<AddedReadings>,
 }
 
 impl Block {
@@ -125,6 +128,9 @@ impl<'a> DeviceProblem<'a> {
         let &[channel] = channels else {
             return None;
         };
+        if !recording.added.is_empty() {
+            return None;
+        }
         let weight = 1.0 / weights.common_sd(device, channel)?;
         let mut blocks = Vec::with_capacity(1);
         add_block(&mut blocks, recording, channel, |_| weight);
@@ -309,6 +315,7 @@ fn add_block(
     blocks.push(Block {
         channel,
         weights: rows.iter().map(|&row| weight(row)).collect(),
+        added: added_to(recording, channel, &rows),
         rows,
         subjects: Vec::new(),
         first: blocks.last().map_or(0, Block::end),

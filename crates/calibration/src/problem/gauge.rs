@@ -291,6 +291,8 @@ impl AtTouch<'_> {
                 let own = self.touching.own(parameter);
                 own.map_or(0.0, |linear| self.of_tool(&linear, pulls))
             }
+            // what it adds to readings is no part of the device's size
+            ParameterId::Effect { .. } => 0.0,
         }
     }
 

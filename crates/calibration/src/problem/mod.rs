@@ -1,5 +1,6 @@
 //! The least-squares problem of a device and a recording: measured channels, residuals, derivatives.
 
+pub(crate) mod added;
 pub(crate) mod candidates;
 pub(crate) mod channel;
 pub(crate) mod device_problem;

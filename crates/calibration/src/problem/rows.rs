@@ -174,9 +174,11 @@ impl DeviceProblem<'_> {
             Some(_) => None,
         };
         match bulk.or_else(|| self.run_tiles(device, &rows, firsts, residuals, jacobian)) {
-            Some(()) => Ok(()),
-            None => self.run_rows(device, rows, firsts, residuals, jacobian),
+            Some(()) => {}
+            None => self.run_rows(device, rows.clone(), firsts, residuals, jacobian)?,
         }
+        self.add_effects(device, &rows, firsts, residuals, jacobian);
+        Ok(())
     }
 
     /// Residuals of external encoders, whose transmissions are worked out in bulk; none where the chain is asked for, or a

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use haptical_model::{Device, ParameterId, Recording, TransmissionKind};
 
+use crate::problem::added::added_readings;
 use crate::steps::evidence::{form, range_of, weigh};
 use crate::{
     CalibrationError, Channel, Degree, EvidenceEntry, FitRequest, Options, ParameterFit,
@@ -89,11 +90,17 @@ pub fn fit_transmission(
     };
     let readings = part.joint[joint].clone();
     let output = part.output[joint].clone().unwrap_or_default();
-    let differences: Vec<f64> = output
+    let mut differences: Vec<f64> = output
         .iter()
         .zip(&readings)
         .map(|(out, at)| out - at)
         .collect();
+    // what effects do is no term of the transmission
+    if let Some(added) = added_readings(device, &part, channel) {
+        for (difference, added) in differences.iter_mut().zip(added) {
+            *difference -= added;
+        }
+    }
     let range_rad = range_of(&readings);
     let trusted: Vec<usize> = (0..part.len())
         .filter(|&row| {

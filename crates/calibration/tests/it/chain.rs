@@ -78,6 +78,7 @@ pub(crate) fn device_of(links: Vec<Link>) -> Device {
         nominal_links: None,
         deviations: Default::default(),
         surroundings: Default::default(),
+        effects: Vec::new(),
     }
 }
 

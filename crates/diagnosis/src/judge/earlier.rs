@@ -414,8 +414,8 @@ fn groups(engine: &Engine<'_>) -> Vec<Group> {
         let (name, joint, in_drive) = match engine.base.parameters[position] {
             ParameterId::Link { row, .. } => (LINK_GEOMETRY.name, row.checked_sub(1), false),
             ParameterId::Compliance { joint } => (JOINT_COMPLIANCE.name, Some(joint), false),
-            // the place of a rig is no effect of the device
-            ParameterId::Surrounding(_) => continue,
+            // the place of a rig is no effect of the device, and the device's own effects are no deviation from it
+            ParameterId::Surrounding(_) | ParameterId::Effect { .. } => continue,
             ParameterId::Transmission { joint, index } => {
                 (term_name(device, joint, index), Some(joint), true)
             }

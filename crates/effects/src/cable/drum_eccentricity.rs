@@ -2,7 +2,7 @@
 //! reading was set where the drum had turned already.
 
 use crate::laws::{Input, Law, from_polar, polar, waves};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
+use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cable-drum-eccentricity",
@@ -17,6 +17,7 @@ pub(crate) const SPEC: Spec = Spec {
         Parameter::size("amplitude_m", 0.0, 5e-3),
         Parameter::phase(),
     ],
+    further: &[Further::usually("constant_m", 0.0)],
     amplitudes: 3,
     shape: Shape::Given,
     follows: Follows::Length,
@@ -56,6 +57,16 @@ impl Law for DrumEccentricity {
             from_polar(values),
             radius_m.first().copied().unwrap_or(0.015),
         )
+    }
+
+    fn further(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+        vec![amplitudes[2]]
+    }
+
+    fn whole(&self, input: Input<'_, '_>, values: &[f64], further: &[f64]) -> (Vec<f64>, f64) {
+        let (mut amplitudes, radius_m) = self.amplitudes(input, values);
+        amplitudes.push(further[0]);
+        (amplitudes, radius_m)
     }
 
     /// The constant is the turn at the zero: no larger than the amplitude, its own uncertainty allowed for.

@@ -1,8 +1,8 @@
 //! Friction and spring of the cable encoder: a loop in the distance.
 
-use crate::laws::{Input, Law};
+use crate::laws::{AHEAD, Input, Law, ahead, signed};
 use crate::signal::{dahl, smooth};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
+use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cable-hysteresis",
@@ -14,6 +14,7 @@ pub(crate) const SPEC: Spec = Spec {
     family: Family::Loop,
     needs: &[Need::Motion, Need::Cable],
     parameters: &[Parameter::size("amplitude_m", 0.0, 1e-2)],
+    further: &[Further::usually("transition_m", 2e-3), AHEAD],
     shape: Shape::Continuous(&[2e-4, 2e-3, 0.01, 0.05, 0.2]),
     follows: Follows::CableSpeed,
     law_error: LawError::LOOP,
@@ -39,5 +40,13 @@ impl Law for Hysteresis {
 
     fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![values[0]], 2e-3)
+    }
+
+    fn further(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        vec![shape, ahead(amplitudes)]
+    }
+
+    fn whole(&self, _: Input<'_, '_>, values: &[f64], further: &[f64]) -> (Vec<f64>, f64) {
+        (vec![signed(values[0], further[1])], further[0])
     }
 }

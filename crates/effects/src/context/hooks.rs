@@ -116,14 +116,23 @@ impl Context<'_> {
         for (joint, error) in errors.iter().enumerate() {
             signal.add(&self.upstream(joint, error), 1.0);
         }
+        let errors: Vec<(usize, &[f64])> = errors.iter().map(Vec::as_slice).enumerate().collect();
+        self.exactly(signal, &errors)
+    }
+
+    /// A signal of errors of joints (from 0), of which the chain's part is worked out with the chain moved so far; its
+    /// orientations stay those to first order.
+    pub(crate) fn exactly(&self, mut signal: Signal, errors: &[(usize, &[f64])]) -> Signal {
         if self.position.is_empty() {
             return signal;
         }
         let mut evaluation = Evaluation::new(self.device);
         let moved: Vec<Pose> = (0..self.rows())
             .map(|row| {
-                let output = self.output.iter().zip(errors);
-                let output: Vec<f64> = output.map(|(q, error)| q[row] + error[row]).collect();
+                let mut output: Vec<f64> = self.output.iter().map(|q| q[row]).collect();
+                for (joint, error) in errors {
+                    output[*joint] += error[row];
+                }
                 evaluation.choose_hand(self.device.hand_at(self.recording, row));
                 let pose = evaluation
                     .move_outputs(&output)

@@ -75,8 +75,10 @@ pub struct Context<'a> {
     pub torque_nm: Vec<Option<Vec<f64>>>,
     /// Force of the hand on the handle, frame (-1).
     pub force_n: Option<Vec<Vector3<f64>>>,
-    /// Temperature less its mean.
+    /// Temperature less [`Context::reference_degc`].
     pub warming_k: Option<Vec<f64>>,
+    /// Temperature at which nothing has grown: the recording's mean, unless [`Context::set_reference_degc`] says otherwise.
+    pub reference_degc: f64,
     touches: Touches,
     /// Spectral lines of what the base model leaves; none until they are looked for.
     pub lines: Vec<Line>,
@@ -176,10 +178,12 @@ impl<'a> Context<'a> {
         let (base_moment_nm, joint_moment_nm) = loads
             .map(|loads| (loads.base_moment_nm, loads.joint_moment_nm))
             .unzip();
+        let mut reference_degc = 0.0;
         let warming_k = recording.temperature_degc.as_ref().map(|column| {
             let smoothed = smoothed(column, TEMPERATURE_REACH);
-            let mean = smoothed.iter().sum::<f64>() / smoothed.len().max(1) as f64;
-            smoothed.into_iter().map(|value| value - mean).collect()
+            reference_degc = smoothed.iter().sum::<f64>() / smoothed.len().max(1) as f64;
+            let warming = smoothed.into_iter().map(|value| value - reference_degc);
+            warming.collect()
         });
         Ok(Self {
             device,
@@ -202,9 +206,19 @@ impl<'a> Context<'a> {
             torque_nm,
             force_n,
             warming_k,
+            reference_degc,
             touches: Touches::new(device, recording),
             lines: Vec::new(),
         })
+    }
+
+    /// Takes another temperature for the one at which nothing has grown.
+    pub fn set_reference_degc(&mut self, reference_degc: f64) {
+        let less = reference_degc - self.reference_degc;
+        for warming in self.warming_k.iter_mut().flatten() {
+            *warming -= less;
+        }
+        self.reference_degc = reference_degc;
     }
 
     /// Number of rows.

@@ -3,7 +3,7 @@
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::force::SENSOR;
-use crate::laws::{InStreams, Input};
+use crate::laws::{InStreams, Input, REFERENCE, Warm};
 use crate::{Follows, Need, Parameter, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -33,6 +33,7 @@ pub(crate) const WARM: Spec = Spec {
         Parameter::size("y_n_per_k", 0.0, f64::MAX),
         Parameter::size("z_n_per_k", 0.0, f64::MAX),
     ],
+    further: &[REFERENCE],
     amplitudes: 6,
     follows: Follows::Temperature,
     ..SPEC
@@ -40,12 +41,12 @@ pub(crate) const WARM: Spec = Spec {
 
 pub(crate) const LAW: InStreams = InStreams(|input| Some(constant(input)));
 /// The constant, and the growth.
-pub(crate) const WARM_LAW: InStreams = InStreams(|input| {
+pub(crate) const WARM_LAW: Warm<InStreams> = Warm(InStreams(|input| {
     let warming_k = input.context.warming_k.as_deref().unwrap_or_default();
     let kelvin = |row: usize| warming_k.get(row).copied().unwrap_or(0.0);
     let warm = |axis: usize| input.context.sensor(|row| Vector3::ith(axis, kelvin(row)));
     Some([constant(input), (0..3).map(warm).collect()].concat())
-});
+}));
 
 fn constant(input: Input<'_, '_>) -> Vec<Signal> {
     let axis = |axis: usize| input.context.sensor(|_| Vector3::ith(axis, 1.0));

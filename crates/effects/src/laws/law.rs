@@ -5,7 +5,7 @@ use std::fmt::Debug;
 
 use crate::context::Context;
 use crate::signal::LocalMotion;
-use crate::{Effect, Signal, Spec};
+use crate::{Effect, Hook, Signal, Spec};
 
 /// Inputs of a law.
 #[derive(Debug, Clone, Copy)]
@@ -102,6 +102,16 @@ pub(crate) trait Law: Debug + Send + Sync {
         input.spec.amplitudes_at(values)
     }
 
+    /// Further numbers, as [`Effect::further`].
+    fn further(&self, _: Input<'_, '_>, _amplitudes: &[f64], _shape: f64) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// As [`Effect::whole`], with amplitudes that are left out 0.
+    fn whole(&self, input: Input<'_, '_>, values: &[f64], _further: &[f64]) -> (Vec<f64>, f64) {
+        self.amplitudes(input, values)
+    }
+
     /// Whether nature allows these amplitudes.
     fn is_possible(&self, _: Input<'_, '_>, _amplitudes: &[f64]) -> bool {
         true
@@ -176,6 +186,42 @@ impl<L: Law> Effect for Placed<L> {
         let (mut amplitudes, shape) = self.law.amplitudes(self.input(context), values);
         amplitudes.resize(self.spec.amplitudes, 0.0);
         (amplitudes, shape)
+    }
+
+    fn further(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        self.law.further(self.input(context), amplitudes, shape)
+    }
+
+    fn whole(&self, context: &Context<'_>, values: &[f64], further: &[f64]) -> (Vec<f64>, f64) {
+        let (mut amplitudes, shape) = self.law.whole(self.input(context), values, further);
+        amplitudes.resize(self.spec.amplitudes, 0.0);
+        (amplitudes, shape)
+    }
+
+    fn exact_signal(&self, context: &Context<'_>, amplitudes: &[f64], shape: f64) -> Signal {
+        let moves_chain = matches!(self.spec.hook, Hook::Transmission | Hook::Joint);
+        let input = self.input(context);
+        let error = || {
+            let whole = self.law.error(input, amplitudes);
+            whole.or_else(|| {
+                let columns = self.law.columns(input, amplitudes, shape)?;
+                let mut sum = vec![0.0; context.rows()];
+                for (column, amplitude) in columns.iter().zip(amplitudes) {
+                    for (sum, entry) in sum.iter_mut().zip(column) {
+                        *sum += amplitude * entry;
+                    }
+                }
+                Some(sum)
+            })
+        };
+        let joint = self.joint.filter(|_| moves_chain);
+        match joint.and_then(|joint| Some((joint, error()?))) {
+            Some((joint, error)) => {
+                let signal = self.enter(context, &error);
+                context.exactly(signal, &[(joint, error.as_slice())])
+            }
+            None => self.signal(context, amplitudes, shape),
+        }
     }
 
     fn is_possible(&self, context: &Context<'_>, amplitudes: &[f64]) -> bool {

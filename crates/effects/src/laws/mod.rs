@@ -8,13 +8,15 @@ mod linear;
 mod reversal;
 mod spring;
 mod step;
+mod warm;
 
 pub(crate) use course::Drift;
 pub(crate) use delay::{Delay, moved, slope};
 pub(crate) use harmonic::{Harmonic, from_polar, polar, waves};
 pub(crate) use law::{Input, Law, Placed};
 pub(crate) use linear::{InStreams, Linear};
-pub(crate) use reversal::Reversal;
+pub(crate) use reversal::{AHEAD, Reversal, ahead, signed};
 pub(crate) use spring::Spring;
 pub(crate) use step::Step;
 pub use step::under_load;
+pub(crate) use warm::{REFERENCE, Warm};

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::{Vector2, Vector3};
 
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
+use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "axis-wobble",
@@ -20,6 +20,10 @@ pub(crate) const SPEC: Spec = Spec {
         Parameter::size("amplitude_rad", 0.0, 2e-2),
         Parameter::phase(),
         Parameter::number("order", 100.0),
+    ],
+    further: &[
+        Further::usually("across_cos_rad", 0.0),
+        Further::usually("across_sin_rad", 0.0),
     ],
     amplitudes: 4,
     shape: Shape::Listed(&[1.0, 2.0]),
@@ -94,5 +98,31 @@ impl Law for AxisWobble {
     fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         let (sin, cos) = values[1].sin_cos();
         (vec![values[0] * cos, values[0] * sin], values[2])
+    }
+
+    /// What of the ellipse amplitude and phase do not say: the tilts about the second direction, and how the long axis lies.
+    fn further(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
+        vec![amplitudes[2], amplitudes[3]]
+    }
+
+    /// Tilts of a given size and place whose part about the second direction is known: the part about the first one is
+    /// what makes the long axis so long, and there.
+    fn whole(&self, _: Input<'_, '_>, values: &[f64], further: &[f64]) -> (Vec<f64>, f64) {
+        let (sin, cos) = values[1].sin_cos();
+        let along = further[0] * cos + further[1] * sin;
+        let across = further[1] * cos - further[0] * sin;
+        let first = (values[0] * values[0] - along * along).max(0.0).sqrt();
+        // the two axes of an ellipse are at right angles
+        let second = match first > 0.0 {
+            true => -along * across / first,
+            false => 0.0,
+        };
+        let amplitudes = vec![
+            first * cos - second * sin,
+            first * sin + second * cos,
+            further[0],
+            further[1],
+        ];
+        (amplitudes, values[2])
     }
 }

@@ -1,5 +1,6 @@
 //! Effects of joints behind their external encoders, of links, base and handle: the chain alone sees them.
 
+use crate::Further;
 use crate::laws::Input;
 
 pub(crate) mod axis_wobble;
@@ -21,6 +22,19 @@ const RUNS: usize = 8;
 fn later_runs(input: Input<'_, '_>) -> Vec<f64> {
     let later = 1..input.context.runs.len().min(RUNS + 1);
     later.map(|run| run as f64).collect()
+}
+
+/// From which run on a displacement is there: its number, from 1, in the order of the log.
+const FROM_RUN: Further = Further::usually("from_run", 1.0);
+
+/// The run of its number, from 0; the first one where the log has fewer: it was recorded later.
+fn run_of(input: Input<'_, '_>, from_run: f64) -> f64 {
+    let run = (from_run - 1.0).max(0.0);
+    if (run as usize) < input.context.runs.len() {
+        run
+    } else {
+        0.0
+    }
 }
 
 /// First row of a run.

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::laws::{Input, Law};
-use crate::structure::{first_row, later_runs, norm};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
+use crate::structure::{FROM_RUN, first_row, later_runs, norm, run_of};
+use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
 
 /// The last link or the handle is not the same in all runs, or not the earlier model's.
 pub const SPEC: Spec = Spec {
@@ -16,6 +16,12 @@ pub const SPEC: Spec = Spec {
     family: Family::Tool,
     needs: &[Need::Chain, Need::Runs],
     parameters: &[Parameter::size("shift_m", 0.0, 1.0)],
+    further: &[
+        Further::needed("x_m"),
+        Further::needed("y_m"),
+        Further::needed("z_m"),
+        FROM_RUN,
+    ],
     amplitudes: 3,
     shape: Shape::Given,
     follows: Follows::Run,
@@ -55,5 +61,13 @@ impl Law for ToolChanged {
 
     fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![values[0]], 1.0)
+    }
+
+    fn further(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        [amplitudes, &[shape + 1.0]].concat()
+    }
+
+    fn whole(&self, input: Input<'_, '_>, _: &[f64], further: &[f64]) -> (Vec<f64>, f64) {
+        (further[..3].to_vec(), run_of(input, further[3]))
     }
 }

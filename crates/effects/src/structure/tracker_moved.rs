@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::laws::{Input, Law};
-use crate::structure::{first_row, later_runs, norm};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
+use crate::structure::{FROM_RUN, first_row, later_runs, norm, run_of};
+use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "tracker-moved",
@@ -17,6 +17,15 @@ pub(crate) const SPEC: Spec = Spec {
     parameters: &[
         Parameter::size("shift_m", 0.0, 1.0),
         Parameter::size("tilt_rad", 0.0, 1.0),
+    ],
+    further: &[
+        Further::needed("x_m"),
+        Further::needed("y_m"),
+        Further::needed("z_m"),
+        Further::needed("tilt_x_rad"),
+        Further::needed("tilt_y_rad"),
+        Further::needed("tilt_z_rad"),
+        FROM_RUN,
     ],
     amplitudes: 6,
     shape: Shape::Given,
@@ -55,5 +64,13 @@ impl Law for TrackerMoved {
 
     fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![values[0], 0.0, 0.0, values[1]], 1.0)
+    }
+
+    fn further(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        [amplitudes, &[shape + 1.0]].concat()
+    }
+
+    fn whole(&self, input: Input<'_, '_>, _: &[f64], further: &[f64]) -> (Vec<f64>, f64) {
+        (further[..6].to_vec(), run_of(input, further[6]))
     }
 }

@@ -42,6 +42,7 @@ fn every_effect_conforms(catalogue: Catalogue) {
                 assert_is_felt(effect, &context);
                 assert_adds_nothing_at_zero_size(effect, &context);
                 assert_parameters_survive_the_way_through_amplitudes(effect, &context);
+                assert_whole_numbers_are_whole(effect, &context);
                 assert_typical_sizes_are_plausible(effect, &context);
                 assert_derivative_agrees_with_differences(effect, &context);
                 assert_changes_smoothly_with_its_shape(effect, &context);
@@ -178,6 +179,45 @@ fn assert_parameters_survive_the_way_through_amplitudes(effect: &AnyEffect, cont
                     );
                 }
             }
+        }
+    }
+}
+
+/// Reported and further numbers together give the same signal again, whatever the amplitudes.
+fn assert_whole_numbers_are_whole(effect: &AnyEffect, context: &Context<'_>) {
+    // each run and axis has a phase of its own, which no number says
+    if effect.name() == "periodic-disturbance" {
+        return;
+    }
+    let (amplitudes, first) = amplitudes(effect, context);
+    let shapes = effect.shapes(context).into_iter();
+    let is_event = effect.spec().shape == Shape::Event;
+    for shape in shapes.map(|shape| if is_event { first } else { shape }) {
+        for sign in [1.0, -1.0] {
+            let mut given: Vec<f64> = amplitudes.iter().map(|own| sign * own).collect();
+            for (index, own) in given.iter_mut().enumerate().skip(1) {
+                *own = *own * 0.8 + 0.3 * amplitudes[0] * (index as f64).cos();
+            }
+            if !effect.is_possible(context, &given) || effect.name() == "backlash" && sign < 0.0 {
+                continue;
+            }
+            let values = effect.values(context, &given, shape);
+            let further = effect.further(context, &given, shape);
+            assert_eq!(
+                further.len(),
+                effect.spec().further.len(),
+                "{}",
+                effect.label()
+            );
+            let (again, there) = effect.whole(context, &values, &further);
+            let before = effect.signal(context, &given, shape);
+            let after = effect.signal(context, &again, there);
+            let (error, scale) = (distance(&before, &after), size(&before));
+            assert!(
+                error <= 1e-9 * scale,
+                "{}: {given:?} at {shape} comes back as {again:?} at {there}: {error:e} of {scale:e}",
+                effect.label()
+            );
         }
     }
 }

@@ -3,11 +3,13 @@
 
 use crate::laws::{Input, Law};
 use crate::signal::{play, smooth};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
+use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Spec};
 
 /// The play is driven by the motor, or by the hand on the link.
 const DRIVEN_BY_MOTOR: f64 = 0.0;
 const DRIVEN_BY_LINK: f64 = 1.0;
+/// Which of them: in a device file a word.
+pub(crate) const DRIVEN_BY: Further = Further::usually("driven_by", DRIVEN_BY_MOTOR);
 
 /// Half-width at which the score scan linearises: small against any motion \[rad\].
 const SMALL_PLAY: f64 = 5e-5;
@@ -22,6 +24,7 @@ pub(crate) const SPEC: Spec = Spec {
     family: Family::Loop,
     needs: &[Need::Order],
     parameters: &[Parameter::size("width_rad", 0.0, 0.1)],
+    further: &[DRIVEN_BY],
     shape: Shape::Sides,
     follows: Follows::Angle,
     law_error: LawError::LOOP,
@@ -65,5 +68,13 @@ impl Law for Backlash {
 
     fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![0.5 * values[0]], DRIVEN_BY_MOTOR)
+    }
+
+    fn further(&self, _: Input<'_, '_>, _: &[f64], shape: f64) -> Vec<f64> {
+        vec![shape]
+    }
+
+    fn whole(&self, _: Input<'_, '_>, values: &[f64], further: &[f64]) -> (Vec<f64>, f64) {
+        (vec![0.5 * values[0]], further[0])
     }
 }

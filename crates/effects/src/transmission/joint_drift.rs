@@ -1,6 +1,6 @@
 //! The zero of a drive drifts in time, steadily or until it settles, or follows the temperature.
 
-use crate::laws::{Drift, Linear};
+use crate::laws::{Drift, Linear, REFERENCE, Warm};
 use crate::{Follows, Hook, Need, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
@@ -19,6 +19,7 @@ pub(crate) const WARM: Spec = Spec {
     source: "A14",
     needs: &[Need::Temperature],
     parameters: &[Parameter::size("rad_per_degc", 0.0, 2e-3)],
+    further: &[REFERENCE],
     shape: Shape::NONE,
     follows: Follows::Temperature,
     look_alikes: &[],
@@ -27,4 +28,5 @@ pub(crate) const WARM: Spec = Spec {
 
 pub(crate) const LAW: Drift = Drift;
 
-pub(crate) const WARM_LAW: Linear = Linear(|input| Some(vec![input.context.warming_k.clone()?]));
+pub(crate) const WARM_LAW: Warm<Linear> =
+    Warm(Linear(|input| Some(vec![input.context.warming_k.clone()?])));

@@ -2,6 +2,7 @@
 
 pub(crate) mod cable;
 pub(crate) mod chain;
+pub(crate) mod effect;
 pub(crate) mod joint;
 pub(crate) mod mount;
 pub(crate) mod rows;
@@ -13,7 +14,7 @@ use std::collections::BTreeMap;
 use haptical_kinematics::{Convention, Link};
 
 use crate::Surroundings;
-use crate::{Cable, Drive, Hand, Joint, Origin, Parameter};
+use crate::{Cable, DeviceEffect, Drive, Hand, Joint, Origin, Parameter};
 
 /// A device as its file describes it. Without links it has transmissions only.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +55,8 @@ pub struct Device {
     pub deviations: BTreeMap<(usize, Parameter), f64>,
     /// Numbers outside the chain that may have to be fitted with it: the tracker's place, touched points.
     pub surroundings: Surroundings,
+    /// What it has beside geometry and drives: plays, springs, drifts.
+    pub effects: Vec<DeviceEffect>,
 }
 
 /// Mass of one link.
@@ -130,6 +133,7 @@ impl Device {
             nominal_links: None,
             deviations: BTreeMap::new(),
             surroundings: Surroundings::default(),
+            effects: Vec::new(),
         }
     }
 

@@ -7,8 +7,9 @@ use toml::de::DeTable;
 
 use crate::DeviceFileError;
 use crate::device::Device;
-use crate::device::joint::Joint;
+use crate::device::joint::{Joint, JointType};
 use crate::file::CONVENTIONS;
+use crate::file::effect::read_effects;
 use crate::file::joint::read_joint;
 use crate::file::reader::{Section, Source};
 use crate::file::row::{read_link, read_rows};
@@ -71,7 +72,7 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
         return Err(root.refuse("joint", found, &allowed));
     }
     // before the joints are read: they name every key that nobody asked for
-    let compliance = crate::file::surroundings::read_compliance(&joints)?;
+    let mut compliance = crate::file::surroundings::read_compliance(&joints)?;
     let joints = joints
         .iter()
         .enumerate()
@@ -83,6 +84,8 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
             message: "there is no [[joint]]: add one table for each joint".to_owned(),
         });
     }
+    let types: Vec<JointType> = joints.iter().map(|joint| joint.joint_type).collect();
+    let effects = read_effects(root, &types, &mut compliance)?;
     let rows = read_rows(root, head.as_ref(), &joints, warnings)?;
     let tracker = read_tracker(root, warnings)?;
     let surroundings =
@@ -108,6 +111,7 @@ fn read_device(root: &Section<'_, '_>, file: &str, warnings: &mut Vec<String>) -
         contact_pairs: read_contact_pairs(root, warnings)?,
         gravity_mps2: read_gravity(root, warnings)?,
         surroundings,
+        effects,
     })
 }
 

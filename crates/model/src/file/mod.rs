@@ -1,6 +1,7 @@
 //! Device files in TOML: reading, checking, writing.
 
 pub(crate) mod device;
+pub(crate) mod effect;
 pub(crate) mod hand;
 pub(crate) mod joint;
 pub(crate) mod reader;

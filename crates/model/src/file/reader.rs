@@ -267,6 +267,42 @@ impl<'s, 't> Section<'s, 't> {
         }
     }
 
+    /// All keys, in the order of the file's table.
+    pub(crate) fn keys(&self) -> Vec<&'t str> {
+        let names = self.table.iter();
+        names.map(|(name, _)| name.get_ref().as_ref()).collect()
+    }
+
+    /// True or false, if the key is there.
+    pub(crate) fn truth(&self, key: &str) -> Result<Option<bool>> {
+        match self.find(key) {
+            None => Ok(None),
+            Some((DeValue::Boolean(truth), _)) => Ok(Some(*truth)),
+            Some((value, offset)) => {
+                Err(self.refuse_at(offset, key, literal(value), "true or false is expected"))
+            }
+        }
+    }
+
+    /// Two ends of an interval that must be there; an end that is not finite is open.
+    pub(crate) fn ends(&self, key: &str) -> Result<[Option<f64>; 2]> {
+        let wrong =
+            |found: String| self.refuse(key, found, "two numbers are expected, low and high");
+        let Some((DeValue::Array(items), _)) = self.find(key) else {
+            return Err(wrong("no list".to_owned()));
+        };
+        let end = |index: usize| -> Result<Option<f64>> {
+            let Some(item) = items.get(index).filter(|_| items.len() == 2) else {
+                return Err(wrong(format!("a list of {}", items.len())));
+            };
+            match item.get_ref() {
+                DeValue::Float(number) if number.as_str().contains("inf") => Ok(None),
+                value => self.to_number(key, value, item.span().start).map(Some),
+            }
+        };
+        Ok([end(0)?, end(1)?])
+    }
+
     /// A list of texts.
     pub(crate) fn texts(&self, key: &str) -> Result<Option<Vec<&'t str>>> {
         let wrong = |value: &DeValue<'_>, offset: usize| {

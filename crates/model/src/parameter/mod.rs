@@ -37,6 +37,13 @@ pub enum ParameterId {
     },
     /// A number of a cable, the tracker, a touched point or plane.
     Surrounding(SurroundingParameter),
+    /// A number of an effect ([`Device::effects`]), in the form in which it is fitted.
+    Effect {
+        /// Position of the effect.
+        effect: usize,
+        /// Position of the number within [`crate::DeviceEffect::fitted`].
+        number: usize,
+    },
 }
 
 /// Keys of a `[[link]]` for its numbers, in the order in which they are written.
@@ -72,6 +79,7 @@ impl ParameterId {
                 crate::JointType::Prismatic => "m/N",
             },
             Self::Surrounding(parameter) => parameter.unit(),
+            Self::Effect { effect, number } => device.effects[effect].fitted[number].unit,
             Self::Link { .. } => "rad",
             Self::Transmission { joint, index } => {
                 let joint = &device.joints[joint];
@@ -91,6 +99,7 @@ impl ParameterId {
         match self {
             Self::Compliance { joint } => format!("joint_compliance{}", joint + 1),
             Self::Surrounding(parameter) => parameter.name(device),
+            Self::Effect { effect, number } => device.effects[effect].fitted[number].name.clone(),
             Self::Link { row, parameter } => format!("{}{row}", parameter.name()),
             Self::Transmission { joint, index } => {
                 let number = joint + 1;
@@ -113,6 +122,10 @@ impl ParameterId {
                 format!("joint[{}].{key}", joint + 1)
             }
             Self::Surrounding(parameter) => parameter.key(device),
+            Self::Effect { effect, number } => {
+                let effect = &device.effects[effect];
+                format!("effect.{}", effect.fitted[number].name)
+            }
             Self::Link { row, parameter } => {
                 let mut keys = LINK_KEYS.iter();
                 let key = keys.find(|(number, _)| *number == parameter);
@@ -147,6 +160,7 @@ impl ParameterId {
             Self::Link { .. } => PLAUSIBLE_ANGLE_RAD,
             Self::Compliance { .. } => PLAUSIBLE_COMPLIANCE,
             Self::Surrounding(parameter) => parameter.plausible_size(),
+            Self::Effect { effect, number } => device.effects[effect].fitted[number].plausible_size,
             Self::Transmission { joint, index } => {
                 let joint = &device.joints[joint];
                 let drum = joint.drum_distance_m.is_some();
@@ -167,6 +181,7 @@ impl ParameterId {
         match self {
             Self::Compliance { joint } => device.compliance_rad_per_nm(joint),
             Self::Surrounding(parameter) => parameter.value(device),
+            Self::Effect { effect, number } => device.effects[effect].fitted[number].value,
             Self::Link { row, parameter } => device.links[row].get(parameter),
             Self::Transmission { joint, index } => match &device.joints[joint].transmission_error {
                 TransmissionError::Capstan(error) => error.to_array()[index],
@@ -192,6 +207,7 @@ impl ParameterId {
                 compliance[joint].rad_per_nm = value;
             }
             Self::Surrounding(parameter) => parameter.set(device, value),
+            Self::Effect { effect, number } => device.effects[effect].fitted[number].value = value,
             Self::Link { row, parameter } => device.links[row].set(parameter, value),
             Self::Transmission { joint, index } => {
                 match &mut device.joints[joint].transmission_error {
@@ -256,13 +272,19 @@ impl Device {
     }
 
     /// What may be fitted with links and transmissions: what cables, tracker, touched points and planes
-    /// leave open, and compliances that are to be found.
+    /// leave open, and compliances and effects that are to be found.
     pub fn further_parameters(&self) -> Vec<ParameterId> {
         let open = self.surrounding_parameters().into_iter();
         let yielding = self.surroundings.compliance.iter().enumerate();
         let yielding = yielding.filter(|(_, joint)| joint.fit);
         let yielding = yielding.map(|(joint, _)| ParameterId::Compliance { joint });
-        open.map(ParameterId::Surrounding).chain(yielding).collect()
+        let effects = self.effects.iter().enumerate();
+        let numbers = effects.flat_map(|(effect, own)| {
+            let numbers = 0..own.fitted.len();
+            numbers.map(move |number| ParameterId::Effect { effect, number })
+        });
+        let open = open.map(ParameterId::Surrounding);
+        open.chain(yielding).chain(numbers).collect()
     }
 
     /// Finds a parameter by its short name.

@@ -1,6 +1,18 @@
 //! Rows of a recording chosen and put in another order.
 
-use haptical_model::Recording;
+use haptical_model::{AddedReadings, Recording};
+
+/// What an effect adds to an encoder.
+fn added(readings: Vec<f64>, slopes: Vec<Vec<f64>>) -> AddedReadings {
+    AddedReadings {
+        effect: 1,
+        channel: "out2".to_owned(),
+        axis: 0,
+        readings,
+        at: vec![0.5, -0.5],
+        slopes,
+    }
+}
 
 #[test]
 fn every_column_follows_the_chosen_rows() {
@@ -26,6 +38,7 @@ fn every_column_follows_the_chosen_rows() {
         plane: Some(["", "a", "", "b"].map(str::to_owned).to_vec()),
         tool: Some(["t", "", "t", "u"].map(str::to_owned).to_vec()),
         covariates: vec![("humidity".to_owned(), column(180.0))],
+        added: vec![added(column(190.0), vec![column(200.0), column(210.0)])],
     };
     let picked = |offset: f64| vec![offset + 3.0, offset + 1.0];
     let expected = Recording {
@@ -45,6 +58,7 @@ fn every_column_follows_the_chosen_rows() {
         plane: Some(["b", "a"].map(str::to_owned).to_vec()),
         tool: Some(["u", ""].map(str::to_owned).to_vec()),
         covariates: vec![("humidity".to_owned(), picked(180.0))],
+        added: vec![added(picked(190.0), vec![picked(200.0), picked(210.0)])],
     };
     assert_eq!(recording.select(&[3, 1]), expected);
     assert_eq!(

@@ -159,6 +159,7 @@ pub(crate) fn any_device(joints: usize) -> impl Strategy<Value = Device> {
             nominal_links: None,
             deviations: Default::default(),
             surroundings: Default::default(),
+            effects: Vec::new(),
             hands: Vec::new(),
             parents: Vec::new(),
         })

@@ -106,6 +106,7 @@ impl LaneRows {
         let is_plain = !problem.sees_chain || (device.is_plain_table() && problem.loads.is_none());
         if !is_plain
             || problem.has_mounts()
+            || !recording.added.is_empty()
             || !problem.parameters.iter().all(is_known)
             || recording.joint.len() != device.joints.len()
         {

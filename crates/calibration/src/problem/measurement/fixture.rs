@@ -61,6 +61,7 @@ impl Measurement for Fixture {
             ParameterId::Link { parameter, .. } => {
                 matches!(parameter, Parameter::Theta | Parameter::D)
             }
+            ParameterId::Effect { .. } => true,
             _ => false,
         }
     }

@@ -34,7 +34,11 @@ impl Measurement for Output {
     }
 
     fn sees(&self, parameter: ParameterId) -> bool {
-        matches!(parameter, ParameterId::Transmission { joint, .. } if joint == self.joint)
+        match parameter {
+            ParameterId::Transmission { joint, .. } => joint == self.joint,
+            ParameterId::Effect { .. } => true,
+            _ => false,
+        }
     }
 
     fn see(&self, at: &Posture<'_>, weight: f64) -> Result<([f64; 3], f64), ModelError> {

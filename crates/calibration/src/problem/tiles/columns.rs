@@ -24,7 +24,7 @@ impl Column {
                 own.map(|(drive, row)| (row, moved(drive), drive.multiplier))
                     .collect()
             }
-            ParameterId::Surrounding(_) => Vec::new(),
+            ParameterId::Surrounding(_) | ParameterId::Effect { .. } => Vec::new(),
         };
         Self { parameter, terms }
     }
@@ -38,7 +38,10 @@ impl Column {
 
     /// Whether it moves the handle.
     pub(super) fn is_of_chain(&self) -> bool {
-        !matches!(self.parameter, ParameterId::Surrounding(_))
+        !matches!(
+            self.parameter,
+            ParameterId::Surrounding(_) | ParameterId::Effect { .. }
+        )
     }
 
     /// Whether the base moves with it.

@@ -6,6 +6,7 @@ use crate::Device;
 use crate::device::cable::Cable;
 use crate::device::mount::{RunBase, Tool};
 use crate::device::surroundings::{ContactPoint, Placement, Surroundings, TouchedPlane};
+use crate::file::effect::{write_compliance, write_effects};
 use crate::file::sensors::{BASE_OF_RUN, PLACE_KEYS, PLACEMENT_KEYS};
 use crate::file::write::changes::{rows, set};
 use crate::file::write::whole::{insert_tables, list, number, table, text};
@@ -44,6 +45,9 @@ pub(crate) fn write_changes(document: &mut DocumentMut, now: &Device, before: &D
         set_cable(table, cable, was);
     }
     set_compliances(document, now, before);
+    if now.effects != before.effects {
+        write_effects(document, &now.effects);
+    }
 }
 
 /// Writes everything into a file that has none of it.
@@ -79,6 +83,7 @@ pub(crate) fn write_all(document: &mut DocumentMut, device: &Device) {
         ..device.clone()
     };
     set_compliances(document, device, &rigid);
+    write_effects(document, &device.effects);
     for (table, compliance) in rows(document, "joint")
         .into_iter()
         .zip(&surroundings.compliance)
@@ -184,13 +189,17 @@ fn set_cable(table: &mut dyn TableLike, now: &Cable, was: &Cable) {
 }
 
 fn set_compliances(document: &mut DocumentMut, now: &Device, before: &Device) {
-    let tables = rows(document, "joint").into_iter().enumerate();
-    for ((index, table), joint) in tables.zip(&now.joints) {
+    for (index, joint) in now.joints.iter().enumerate() {
         let (new, old) = (
             now.compliance_rad_per_nm(index),
             before.compliance_rad_per_nm(index),
         );
-        if new.to_bits() != old.to_bits() {
+        if new.to_bits() == old.to_bits()
+            || write_compliance(document, index, joint.joint_type, new)
+        {
+            continue;
+        }
+        if let Some(table) = rows(document, "joint").into_iter().nth(index) {
             set(table, compliance_key(joint.joint_type), new);
         }
     }

@@ -11,7 +11,7 @@ use crate::file::sensors::fit_words;
 use crate::file::write::changes::{link_table, nominal, set_error};
 use crate::file::{BASES, CONVENTIONS, JOINT_TYPES, PLACES, TRANSMISSIONS, word_for};
 use crate::parameter::unknown::DEVIATION_KEYS;
-use crate::{Device, DeviceFileError, Hand};
+use crate::{Device, DeviceEffect, DeviceFileError, Hand};
 
 impl Device {
     /// A device file (TOML) that holds everything this device does. Reading it gives the same device, bit
@@ -36,6 +36,7 @@ impl Device {
         let again = Self::from_toml(&text, file)?.device;
         let written = Self {
             surroundings: self.surroundings.settled(),
+            effects: self.effects.iter().map(DeviceEffect::as_written).collect(),
             ..self.clone()
         };
         if again == written {
