@@ -120,7 +120,7 @@ impl Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct IdentifyArguments {
-    /// Device file (TOML or URDF)
+    /// Device file (TOML, URDF or MJCF)
     #[arg(long, value_name = "FILE")]
     pub(crate) device: PathBuf,
     #[command(flatten)]
@@ -171,7 +171,7 @@ pub(crate) struct IdentifyArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct DiagnoseArguments {
-    /// Device file (TOML or URDF)
+    /// Device file (TOML, URDF or MJCF)
     #[arg(
         long,
         value_name = "FILE",
@@ -237,7 +237,7 @@ pub(crate) struct DiagnoseArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArguments {
-    /// Device file (TOML or URDF)
+    /// Device file (TOML, URDF or MJCF)
     pub(crate) device: PathBuf,
     #[command(flatten)]
     pub(crate) device_options: DeviceOptions,

@@ -17,4 +17,5 @@ pub use device::{UrdfDevice, device_from_mjcf, device_from_urdf, read_urdf_text}
 pub use error::UrdfError;
 pub use write::corrected::{CorrectedUrdf, corrected_urdf};
 pub use write::mjcf::new_mjcf;
+pub use write::patched::{CorrectedMjcf, corrected_mjcf};
 pub use write::urdf::new_urdf;

@@ -68,3 +68,16 @@ pub(crate) fn escaped(text: &str) -> String {
     }
     escaped
 }
+
+/// Text as part of a line of a comment, which it cannot end.
+pub(crate) fn commented(text: &str) -> String {
+    let plain: String = text
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    let mut plain = plain.replace("--", "- -").replace("--", "- -");
+    if plain.ends_with('-') {
+        plain.push(' ');
+    }
+    plain
+}

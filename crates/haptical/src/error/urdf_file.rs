@@ -1,4 +1,4 @@
-//! Refusals of URDFs.
+//! Refusals of URDFs and MJCFs.
 
 use std::path::Path;
 
@@ -19,6 +19,10 @@ impl Error {
             ),
             UrdfError::NotUrdf { at, found, advice } => {
                 text = format!("{at}: the outermost element is <{found}>, not <robot>");
+                ("shape", *advice)
+            }
+            UrdfError::NotMjcf { at, found, advice } => {
+                text = format!("{at}: the outermost element is <{found}>, not <mujoco>");
                 ("shape", *advice)
             }
             UrdfError::Missing { what, .. } => ("missing-key", &*format!("add its {what}")),
@@ -57,7 +61,7 @@ impl Error {
             }
             UrdfError::Device { .. } => (
                 "other-device",
-                "give --urdf, --base and --tip as the device came from them",
+                "give --urdf or --mjcf, --base and --tip as the device came from them",
             ),
             _ => ("shape", "correct the file"),
         };

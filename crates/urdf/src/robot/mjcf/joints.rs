@@ -57,6 +57,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
         if joints.is_empty() {
             return self.fixed(body, (parent, pose, Some(placed_by)), placed_by.place);
         }
+        let own_place = placed_by.place;
         let (mut at, mut before, mut placed_by) = (parent, pose, Some(placed_by));
         let mut last: Option<(Own, usize)> = None;
         let count = joints.len();
@@ -78,7 +79,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
                 false => format!("{body}/{name}"),
             };
             let place = part.own.node.range().start;
-            let child = self.link(link, place)?;
+            let child = self.link(link, own_place)?;
             let placed = placed_by.take().map(|placed| PlacedBy { behind, ..placed });
             let joint = self.joint(RobotJoint {
                 joint_type: self.joint_type(part, own.as_ref()),
@@ -97,8 +98,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
         if self.robot.links[at].name == body {
             return Ok(at);
         }
-        let place = self.robot.links[at].place;
-        self.fixed(body, (at, before, None), place)
+        self.fixed(body, (at, before, None), own_place)
     }
 
     fn joint_type(&self, part: &Part<'d, 'input>, own: Option<&Own>) -> RobotJointType {
