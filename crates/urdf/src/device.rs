@@ -275,19 +275,11 @@ pub(crate) struct ReadChain {
 }
 
 impl ReadChain {
-    pub(crate) fn of_urdf(
-        text: &str,
-        file: &str,
-        ends: BaseAndTip<'_>,
-    ) -> Result<Self, UrdfError> {
+    pub(crate) fn of_urdf(text: &str, file: &str, ends: BaseAndTip<'_>) -> Result<Self, UrdfError> {
         Self::new(parse::parse(text, file)?, text, file, ends)
     }
 
-    pub(crate) fn of_mjcf(
-        text: &str,
-        file: &str,
-        ends: BaseAndTip<'_>,
-    ) -> Result<Self, UrdfError> {
+    pub(crate) fn of_mjcf(text: &str, file: &str, ends: BaseAndTip<'_>) -> Result<Self, UrdfError> {
         Self::new(mjcf::parse(text, file)?, text, file, ends)
     }
 

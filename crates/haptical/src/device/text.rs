@@ -95,7 +95,10 @@ fn read_toml(source: &Source) -> Result<String, Error> {
     text.unwrap_or_else(|| read_toml_text(&source.path).map_err(refuse))
 }
 
-fn read_description(source: &Source, equipment: &Equipment) -> Result<(String, Vec<String>), Error> {
+fn read_description(
+    source: &Source,
+    equipment: &Equipment,
+) -> Result<(String, Vec<String>), Error> {
     let refuse = |error| Error::urdf(&error, &source.path);
     let text = match &source.text {
         Some(text) => text.clone(),

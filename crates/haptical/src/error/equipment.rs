@@ -23,7 +23,12 @@ impl Error {
             self.place.file = rig.path.display().to_string();
         }
         let path = &device.source().path;
-        if let Some(columns) = self.place.joint_columns.take().filter(|_| is_description(path)) {
+        if let Some(columns) = self
+            .place
+            .joint_columns
+            .take()
+            .filter(|_| is_description(path))
+        {
             // the device was read from it just now; if it cannot be read again, the log's error remains
             let _ = self.name_chains(path, equipment, columns);
         }

@@ -84,7 +84,12 @@ impl Reader<'_, '_> {
         value.ok_or_else(|| self.missing(element, place, key))
     }
 
-    pub(crate) fn missing(&self, element: Element<'_, '_>, place: &str, what: &'static str) -> UrdfError {
+    pub(crate) fn missing(
+        &self,
+        element: Element<'_, '_>,
+        place: &str,
+        what: &'static str,
+    ) -> UrdfError {
         UrdfError::Missing {
             at: self.position_at(element.range().start),
             place: place.to_owned(),
@@ -129,7 +134,12 @@ impl Reader<'_, '_> {
         Err(self.refuse(element, place, "the mass", &found, allowed))
     }
 
-    pub(crate) fn one(&self, element: Element<'_, '_>, place: &str, key: &'static str) -> Result<Option<f64>> {
+    pub(crate) fn one(
+        &self,
+        element: Element<'_, '_>,
+        place: &str,
+        key: &'static str,
+    ) -> Result<Option<f64>> {
         let Some(text) = element.attribute(key) else {
             return Ok(None);
         };

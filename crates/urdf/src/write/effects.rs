@@ -90,12 +90,17 @@ impl<'d> Effects<'d> {
 
     /// Takes an effect; none where MuJoCo has no means for it.
     fn take(&mut self, device: &Device, effect: &DeviceEffect) -> Option<()> {
-        let number = |keys: [&str; 2]| keys.iter().find_map(|key| effect.numbers.get(*key).copied());
+        let number = |keys: [&str; 2]| {
+            keys.iter()
+                .find_map(|key| effect.numbers.get(*key).copied())
+        };
         let positive = |keys| number(keys).filter(|number| *number > 0.0 && number.is_finite());
         let late = || positive(["delay_s"; 2]).filter(|delay_s| *delay_s <= LATEST_S);
         if effect.name == "encoder-latency" {
             let delay_s = late()?;
-            self.encoder_delay_s.iter_mut().for_each(|own| *own = delay_s);
+            self.encoder_delay_s
+                .iter_mut()
+                .for_each(|own| *own = delay_s);
             return Some(());
         }
         // where a joint has no row whose value is its reading, its numbers are no row's
@@ -130,7 +135,8 @@ impl<'d> Effects<'d> {
             "cross-coupling" => {
                 let from = number(["from_joint"; 2])?;
                 let from = (0..device.joints.len()).find(|own| (own + 1) as f64 == from)?;
-                let from = Some(from).filter(|from| *from != joint && has_own_row(device, *from))?;
+                let from =
+                    Some(from).filter(|from| *from != joint && has_own_row(device, *from))?;
                 let gain = number(["gain"; 2]).filter(|gain| gain.is_finite() && *gain != 0.0)?;
                 YieldKind::Coupling(gain, from)
             }

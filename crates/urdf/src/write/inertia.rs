@@ -58,7 +58,9 @@ pub(crate) fn row_bodies(device: &Device, segments: &Segments) -> Vec<RowBody> {
             reach_m,
             plausible: match (sound, inertia) {
                 (Some(_), _) => None,
-                (None, Some(_)) => Some("inertia, because the one that is given is that of no body,"),
+                (None, Some(_)) => {
+                    Some("inertia, because the one that is given is that of no body,")
+                }
                 (None, None) if own.mass_kg > 0.0 => Some("inertia"),
                 (None, None) => Some("mass, which is given as 0, and inertia"),
             },
@@ -120,13 +122,18 @@ mod tests {
         let inertia = rod(3.0, &Vector3::new(0.0, 0.5, 0.0));
         assert!((inertia[(1, 1)] - 3.0 * 0.02 * 0.02 / 2.0).abs() < 1e-15);
         let across = 3.0 * (3.0 * 0.02 * 0.02 + 0.25) / 12.0;
-        assert!((inertia[(0, 0)] - across).abs() < 1e-15 && (inertia[(2, 2)] - across).abs() < 1e-15);
+        assert!(
+            (inertia[(0, 0)] - across).abs() < 1e-15 && (inertia[(2, 2)] - across).abs() < 1e-15
+        );
     }
 
     #[test]
     fn an_inertia_that_no_body_has_is_not_taken() {
         let diagonal = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
-        assert_eq!(sound(&diagonal(1.0, 1.0, 1.5)), Some(diagonal(1.0, 1.0, 1.5)));
+        assert_eq!(
+            sound(&diagonal(1.0, 1.0, 1.5)),
+            Some(diagonal(1.0, 1.0, 1.5))
+        );
         // one moment is above the sum of the others
         assert_eq!(sound(&diagonal(1.0, 1.0, 2.5)), None);
         assert_eq!(sound(&diagonal(0.0, 0.0, 0.0)), None);

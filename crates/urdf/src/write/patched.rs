@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use haptical_model::Device;
-use haptical_model::kinematics::Pose;
 use haptical_model::Origin;
+use haptical_model::kinematics::Pose;
 
 use crate::UrdfError;
 use crate::chain::gaps::Correction;
@@ -15,9 +15,7 @@ use crate::rigid::{inverse, then};
 use crate::robot::mjcf::frames::ORIENTATIONS;
 use crate::robot::xml::{Element, document};
 use crate::robot::{PlacedBy, Robot, RobotJoint};
-use crate::write::corrected::{
-    TRANSMISSIONS, all_corrections, has_transmission_errors, replaced,
-};
+use crate::write::corrected::{TRANSMISSIONS, all_corrections, has_transmission_errors, replaced};
 use crate::write::effects::Effects;
 
 /// A corrected MJCF.
@@ -142,7 +140,10 @@ fn not_put_in(device: &Device, effects: &Effects<'_>) -> Vec<String> {
             )
         }));
     }
-    let late = effects.encoder_delay_s.iter().chain(&effects.external_delay_s);
+    let late = effects
+        .encoder_delay_s
+        .iter()
+        .chain(&effects.external_delay_s);
     if late.into_iter().any(|delay_s| *delay_s > 0.0) {
         said.push("late encoders are attributes of sensors (delay, nsample), which are not put into your file".to_owned());
     }
@@ -178,8 +179,13 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
     /// The element that begins at a byte.
     fn element(&self, place: usize) -> Option<Element<'d, 'input>> {
         // in the order of the document
-        let found = self.elements.binary_search_by_key(&place, |own| own.range().start);
-        found.ok().and_then(|index| self.elements.get(index)).copied()
+        let found = self
+            .elements
+            .binary_search_by_key(&place, |own| own.range().start);
+        found
+            .ok()
+            .and_then(|index| self.elements.get(index))
+            .copied()
     }
 
     /// Puts a joint's origin into the element that places it.
@@ -187,7 +193,9 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
         if is_same(&joint.origin, wanted) {
             return Ok(Vec::new());
         }
-        let found = joint.placed_by.and_then(|own| Some((own, self.element(own.place)?)));
+        let found = joint
+            .placed_by
+            .and_then(|own| Some((own, self.element(own.place)?)));
         let Some((PlacedBy { before, behind, .. }, node)) = found else {
             return Err(self.refuse(format!(
                 "the correction before joint `{}` belongs between two joints of one body, where an MJCF has no place for it: \
@@ -202,7 +210,9 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
             edits.push(set(node, "pos", "pos", &written(&then.position_m)));
         }
         if (now.rotation - own(wanted).rotation).amax() > SAME {
-            let stated = ORIENTATIONS.into_iter().find(|key| node.has_attribute(*key));
+            let stated = ORIENTATIONS
+                .into_iter()
+                .find(|key| node.has_attribute(*key));
             let quaternion = written(&then.orientation_wxyz);
             edits.push(set(node, stated.unwrap_or("quat"), "quat", &quaternion));
         }
@@ -228,7 +238,10 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
             Some(range.start + end)
         });
         let Some(end) = end else {
-            let message = format!("nothing can be added to the body `{}` for the {what}", own.name);
+            let message = format!(
+                "nothing can be added to the body `{}` for the {what}",
+                own.name
+            );
             return Err(self.refuse(message));
         };
         let origin = Origin::from_pose(origin);
@@ -254,9 +267,13 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
         let Some(node) = self.element(own.place) else {
             return Vec::new();
         };
-        let numbers = [("frictionloss", friction.coulomb), ("damping", friction.viscous)];
+        let numbers = [
+            ("frictionloss", friction.coulomb),
+            ("damping", friction.viscous),
+        ];
         let stated = numbers.into_iter();
-        let edits = stated.filter_map(|(key, number)| Some(set(node, key, key, &written(&[number?]))));
+        let edits =
+            stated.filter_map(|(key, number)| Some(set(node, key, key, &written(&[number?]))));
         join(edits.collect())
     }
 }
@@ -268,7 +285,11 @@ fn set(node: Element<'_, '_>, stated: &str, key: &str, value: &str) -> Edit {
         Some(attribute) => (attribute.range(), format!("{key}=\"{value}\"")),
         None => {
             let start = node.range().start + 1;
-            let tag = node.document().input_text().get(start..).unwrap_or_default();
+            let tag = node
+                .document()
+                .input_text()
+                .get(start..)
+                .unwrap_or_default();
             let is_end = |c: char| c.is_ascii_whitespace() || c == '/' || c == '>';
             let at = start + tag.find(is_end).unwrap_or(0);
             (at..at, format!(" {key}=\"{value}\""))
@@ -280,7 +301,10 @@ fn set(node: Element<'_, '_>, stated: &str, key: &str, value: &str) -> Edit {
 fn join(edits: Vec<Edit>) -> Vec<Edit> {
     let mut joined: Vec<Edit> = Vec::new();
     for (range, new) in edits {
-        match joined.iter_mut().find(|(own, _)| range.is_empty() && *own == range) {
+        match joined
+            .iter_mut()
+            .find(|(own, _)| range.is_empty() && *own == range)
+        {
             Some((_, text)) => text.push_str(&new),
             None => joined.push((range, new)),
         }

@@ -113,8 +113,12 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
     text.push_str("</robot>\n");
     let mut warnings = left_out(device);
     let inertias = bodies.iter().zip(&segments.rows).enumerate();
-    let inertias = inertias.filter(|(_, (body, row))| body.plausible.is_some() && row.body.is_some_and(|own| own.mass_kg > 0.0));
-    let inertias: Vec<String> = inertias.map(|(row, _)| format!("link{}", row + 1)).collect();
+    let inertias = inertias.filter(|(_, (body, row))| {
+        body.plausible.is_some() && row.body.is_some_and(|own| own.mass_kg > 0.0)
+    });
+    let inertias: Vec<String> = inertias
+        .map(|(row, _)| format!("link{}", row + 1))
+        .collect();
     if !inertias.is_empty() {
         warnings.push(format!(
             "plausible inertia of {}, which the device file does not give (inertia_kgm2)",
@@ -136,7 +140,9 @@ fn inertial(body: &RowBody) -> String {
     let centre: [f64; 3] = body.centre_m.into();
     let [xx, yy, zz, xy, xz, yz] = full(&body.inertia_kgm2).map(|entry| written(&[entry]));
     let plausible = body.plausible.map(|what| what.trim_end_matches(','));
-    let plausible = plausible.map_or(String::new(), |what| format!("      <!-- plausible: {what} -->\n"));
+    let plausible = plausible.map_or(String::new(), |what| {
+        format!("      <!-- plausible: {what} -->\n")
+    });
     format!(
         "    <inertial>\n{plausible}      <origin xyz=\"{}\"/>\n      <mass value=\"{}\"/>\n      <inertia ixx=\"{xx}\" \
          ixy=\"{xy}\" ixz=\"{xz}\" iyy=\"{yy}\" iyz=\"{yz}\" izz=\"{zz}\"/>\n    </inertial>\n",

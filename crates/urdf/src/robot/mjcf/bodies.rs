@@ -83,7 +83,11 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
     }
 
     /// What is in a body or the world, out of its frames.
-    fn parts(&mut self, body: Element<'d, 'input>, around: ClassId) -> Result<Vec<Part<'d, 'input>>> {
+    fn parts(
+        &mut self,
+        body: Element<'d, 'input>,
+        around: ClassId,
+    ) -> Result<Vec<Part<'d, 'input>>> {
         let mjcf = self.mjcf;
         let children = |node: Element<'d, 'input>, frame: Pose, around: ClassId| {
             let own: Vec<_> = node.children().filter(|child| child.is_element()).collect();
@@ -106,7 +110,9 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             }
             if NOT_READ.contains(&tag) {
                 let at = mjcf.reader.position_at(node.range().start);
-                self.robot.notes.push(format!("{at}: <{tag}> is left out, and what it makes"));
+                self.robot
+                    .notes
+                    .push(format!("{at}: <{tag}> is left out, and what it makes"));
                 continue;
             }
             let class = match tag {
@@ -123,7 +129,11 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
     }
 
     /// Adds a body behind its joints; gives its parts and its link.
-    fn body(&mut self, part: &Part<'d, 'input>, parent: usize) -> Result<(Vec<Part<'d, 'input>>, usize)> {
+    fn body(
+        &mut self,
+        part: &Part<'d, 'input>,
+        parent: usize,
+    ) -> Result<(Vec<Part<'d, 'input>>, usize)> {
         let node = part.own.node;
         self.bodies += 1;
         let name = match node.attribute("name") {
@@ -203,7 +213,9 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             let message = format!("there are two bodies `{name}`: rename one");
             return Err(self.mjcf.reader.tree(place, message));
         }
-        self.mjcf.reader.count("bodies and sites", self.robot.links.len() + 1, place)?;
+        self.mjcf
+            .reader
+            .count("bodies and sites", self.robot.links.len() + 1, place)?;
         self.robot.links.push(RobotLink {
             name,
             place,

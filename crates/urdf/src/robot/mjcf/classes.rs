@@ -39,9 +39,8 @@ impl<'d> Classes<'d> {
         });
         classes.by_name.insert(MAIN, 0);
         let root = reader.document.root_element();
-        let mut open: Vec<(Element<'d, '_>, Option<usize>)> = elements(root, "default")
-            .map(|node| (node, None))
-            .collect();
+        let mut open: Vec<(Element<'d, '_>, Option<usize>)> =
+            elements(root, "default").map(|node| (node, None)).collect();
         open.reverse();
         while let Some((node, parent)) = open.pop() {
             let own = classes.open(reader, node, parent)?;
@@ -77,7 +76,8 @@ impl<'d> Classes<'d> {
         };
         let name = name.ok_or_else(|| reader.missing(node, "a <default>", "class"))?;
         if self.classes.len() > MOST_CLASSES {
-            let message = format!("more than {MOST_CLASSES} default classes, the most that are read");
+            let message =
+                format!("more than {MOST_CLASSES} default classes, the most that are read");
             return Err(reader.tree(node.range().start, message));
         }
         if self.by_name.contains_key(name) {

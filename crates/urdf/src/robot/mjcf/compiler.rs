@@ -56,7 +56,13 @@ impl Compiler {
             let axes: Vec<char> = text.chars().collect();
             match <[char; 3]>::try_from(axes) {
                 Ok(axes) if axes.iter().all(|axis| "xyzXYZ".contains(*axis)) => self.euler = axes,
-                _ => return refuse("the eulerseq", text, "three of x, y, z, X, Y, Z are expected"),
+                _ => {
+                    return refuse(
+                        "the eulerseq",
+                        text,
+                        "three of x, y, z, X, Y, Z are expected",
+                    );
+                }
             }
         }
         if let Some(text) = node.attribute("autolimits") {

@@ -44,8 +44,9 @@ impl<'d> Mjcf<'d, '_> {
             return Ok(None);
         };
         exactly(text).map(Some).ok_or_else(|| {
-            let allowed =
-                format!("{N} finite numbers of at most 1e6 in size are expected, separated by blanks");
+            let allowed = format!(
+                "{N} finite numbers of at most 1e6 in size are expected, separated by blanks"
+            );
             let found = format!("\"{text}\"");
             self.reader.refuse(own.node, place, key, &found, &allowed)
         })
@@ -55,7 +56,8 @@ impl<'d> Mjcf<'d, '_> {
         let stated = |key: &&&str| own.node.has_attribute(**key);
         let keys: Vec<&&str> = ORIENTATIONS.iter().filter(stated).collect();
         if let [first, second, ..] = keys[..] {
-            let message = format!("{place} has both {first} and {second}: one orientation is expected");
+            let message =
+                format!("{place} has both {first} and {second}: one orientation is expected");
             return Err(self.reader.tree(own.node.range().start, message));
         }
         // an orientation of its own takes the place of its class's
@@ -80,7 +82,9 @@ impl<'d> Mjcf<'d, '_> {
                         Some(turn.to_rotation_matrix().into_inner())
                     })
                 }
-                "euler" => self.three(own, place, key)?.map(|angles| Some(self.euler(angles))),
+                "euler" => self
+                    .three(own, place, key)?
+                    .map(|angles| Some(self.euler(angles))),
                 "xyaxes" => self.some(own, place, key)?.map(from_two_axes),
                 _ => self.three(own, place, key)?.map(from_one_axis),
             };

@@ -66,6 +66,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
             if let (Some((first, joint)), Some(own)) = (&last, &own)
                 && self.is_yield(first, own)
             {
+                self.joint_name(part, own.name.clone())?;
                 self.take_yield(part, own, *joint);
                 continue;
             }
@@ -116,7 +117,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
     fn joint_name(&mut self, part: &Part<'d, 'input>, stated: Option<String>) -> Result<String> {
         let place = part.own.node.range().start;
         let stated = stated.or_else(|| part.own.node.attribute("name").map(str::to_owned));
-        let name = stated.unwrap_or_else(|| format!("joint{}", self.robot.joints.len() + 1));
+        let name = stated.unwrap_or_else(|| format!("joint{}", self.joint_names.len() + 1));
         if self.joint_names.insert(name.clone()) {
             return Ok(name);
         }
@@ -143,12 +144,22 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
                 return Err(reader.refuse(own.node, &place, "the type", &found, allowed));
             }
         };
-        let unit = if is_slide { 1.0 } else { mjcf.compiler.angle_rad };
+        let unit = if is_slide {
+            1.0
+        } else {
+            mjcf.compiler.angle_rad
+        };
         let axis = mjcf.three(own, &place, "axis")?.unwrap_or([0.0, 0.0, 1.0]);
         let axis = direction(part.frame.rotation * Vector3::from(axis));
         let axis = axis.ok_or_else(|| {
             let found = format!("\"{}\"", mjcf.attribute(own, "axis").unwrap_or_default());
-            reader.refuse(own.node, &place, "the axis", &found, "it must have a direction")
+            reader.refuse(
+                own.node,
+                &place,
+                "the axis",
+                &found,
+                "it must have a direction",
+            )
         })?;
         let position_m = mjcf.three(own, &place, "pos")?.unwrap_or([0.0; 3]);
         let stiffness = mjcf.attribute(own, "stiffness");

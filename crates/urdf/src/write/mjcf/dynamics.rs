@@ -65,7 +65,9 @@ struct Carried {
 fn frames(device: &Device, segments: &Segments) -> Vec<Pose> {
     let mut frames: Vec<Pose> = Vec::with_capacity(segments.rows.len());
     for (row, segment) in segments.rows.iter().enumerate() {
-        let parent = device.parent(row + 1).and_then(|parent| parent.checked_sub(1));
+        let parent = device
+            .parent(row + 1)
+            .and_then(|parent| parent.checked_sub(1));
         let parent = parent.and_then(|parent| frames.get(parent)).copied();
         let origin = segment.origin(device);
         frames.push(then(&parent.unwrap_or_default(), &origin));
@@ -94,7 +96,9 @@ fn carried(device: &Device, segments: &Segments, bodies: &[RowBody], gravity: f6
                     own.load += gravity * body.mass_kg;
                 }
             }
-            next = device.parent(joint + 1).and_then(|parent| parent.checked_sub(1));
+            next = device
+                .parent(joint + 1)
+                .and_then(|parent| parent.checked_sub(1));
         }
     }
     // a joint moves those that follow it too
@@ -156,14 +160,19 @@ pub(crate) fn row_dynamics(
             damping: friction.viscous.unwrap_or(inertia / COASTING_S),
             is_damping_known: friction.viscous.is_some(),
             friction_loss: friction.coulomb.unwrap_or(0.0),
-            gains: [stiffness, 2.0 * libm::sqrt(stiffness * (inertia + armature))],
+            gains: [
+                stiffness,
+                2.0 * libm::sqrt(stiffness * (inertia + armature)),
+            ],
             yields: yields.collect(),
         }
     });
     let mut rows: Vec<RowDynamics> = rows.collect();
     let step_s = step(&rows, &carried);
     for row in &mut rows {
-        row.armature = row.armature.max(needed(step_s, row.gains[0], row.damping + row.gains[1]));
+        row.armature = row
+            .armature
+            .max(needed(step_s, row.gains[0], row.damping + row.gains[1]));
         for own in &mut row.yields {
             if let YieldKind::Spring(stiffness) = own.of.kind {
                 own.armature = own.armature.max(needed(step_s, stiffness, own.damping));

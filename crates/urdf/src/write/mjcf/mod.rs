@@ -160,7 +160,12 @@ impl Model<'_> {
             }
             self.body(row - 1, depth, text);
             open.push((row, depth, true));
-            open.extend(children[row].iter().rev().map(|own| (*own, depth + 1, false)));
+            open.extend(
+                children[row]
+                    .iter()
+                    .rev()
+                    .map(|own| (*own, depth + 1, false)),
+            );
         }
     }
 
@@ -306,14 +311,19 @@ impl Model<'_> {
             ));
         }
         if self.device.gravity_mps2.is_none() {
-            warnings.push("plausible gravity, z of frame (-1) being up: the device file gives none".to_owned());
+            warnings.push(
+                "plausible gravity, z of frame (-1) being up: the device file gives none"
+                    .to_owned(),
+            );
         }
         warnings.push(
             "plausible armature, damping and gains of the joints: the file marks what is plausible and not known".to_owned(),
         );
         warnings.extend(self.effects.said.iter().cloned());
         if self.effects.has_delays() {
-            warnings.push("late sensors: MuJoCo has had `delay` and `nsample` since version 3.5".to_owned());
+            warnings.push(
+                "late sensors: MuJoCo has had `delay` and `nsample` since version 3.5".to_owned(),
+            );
         }
         warnings.extend(self.effects.left_out.iter().map(|effect| {
             format!(

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use crate::numbers::{escaped, written};
-use crate::write::mjcf::Model;
 use crate::write::effects::{YieldKind, has_own_row};
+use crate::write::mjcf::Model;
 use crate::write::urdf::own_row;
 
 impl Model<'_> {
@@ -12,7 +12,10 @@ impl Model<'_> {
     pub(super) fn equalities(&self, text: &mut String) {
         let mut bonds = String::new();
         // as stiff as the time step allows: MuJoCo's own would let a weight pull rows apart
-        let stiff = format!("solref=\"{} 1\" solimp=\"0.999 0.9999 0.001 0.5 2\"", written(&[2.0 * self.step_s]));
+        let stiff = format!(
+            "solref=\"{} 1\" solimp=\"0.999 0.9999 0.001 0.5 2\"",
+            written(&[2.0 * self.step_s])
+        );
         let mut bond = |first: &str, second: &str, multiplier: f64| {
             let _ = writeln!(
                 bonds,
@@ -64,9 +67,16 @@ impl Model<'_> {
             let (number, unit) = (joint + 1, self.device.joints[joint].unit());
             let _ = writeln!(tendons, "    <fixed name=\"out{number}_{unit}\">");
             let _ = writeln!(tendons, "      <joint joint=\"{name}\" coef=\"1\"/>");
-            for own in self.rows[row - 1].yields.iter().filter(|own| own.of.is_before_encoder) {
+            for own in self.rows[row - 1]
+                .yields
+                .iter()
+                .filter(|own| own.of.is_before_encoder)
+            {
                 let suffix = own.of.suffix;
-                let _ = writeln!(tendons, "      <joint joint=\"{name}{suffix}\" coef=\"1\"/>");
+                let _ = writeln!(
+                    tendons,
+                    "      <joint joint=\"{name}{suffix}\" coef=\"1\"/>"
+                );
             }
             tendons.push_str("    </fixed>\n");
         }
@@ -117,8 +127,14 @@ impl Model<'_> {
             let unit = self.segments.rows[row].drive.motion.unit();
             let is_own = has_own_row(self.device, joint);
             let (of, force) = match (is_own, unit) {
-                (true, "m") => (format!("theta{}_m", joint + 1), format!("force{}_n", joint + 1)),
-                (true, _) => (format!("theta{}_rad", joint + 1), format!("torque{}_nm", joint + 1)),
+                (true, "m") => (
+                    format!("theta{}_m", joint + 1),
+                    format!("force{}_n", joint + 1),
+                ),
+                (true, _) => (
+                    format!("theta{}_rad", joint + 1),
+                    format!("torque{}_nm", joint + 1),
+                ),
                 // its value is no reading
                 (false, _) => (format!("{name}_{unit}"), format!("{name}_drive")),
             };

@@ -12,9 +12,7 @@ pub(crate) fn comment(device: &Device, left_out: &[&DeviceEffect], outs: &[bool]
     if left_out.is_empty() {
         return String::new();
     }
-    let mut text = String::from(
-        "  <!-- Not in this model, because MuJoCo has no means for it:\n",
-    );
+    let mut text = String::from("  <!-- Not in this model, because MuJoCo has no means for it:\n");
     for effect in left_out {
         let _ = writeln!(text, "       {}", commented(&described(effect)));
     }
@@ -54,11 +52,17 @@ fn added(device: &Device, effect: &DeviceEffect, outs: &[bool]) -> Option<String
     let own = effect.joint?;
     let joint = device.joints.get(own)?;
     let (number, unit) = (own + 1, joint.unit());
-    let (theta, out) = (format!("r[\"theta{number}_{unit}\"]"), format!("r[\"out{number}_{unit}\"]"));
+    let (theta, out) = (
+        format!("r[\"theta{number}_{unit}\"]"),
+        format!("r[\"out{number}_{unit}\"]"),
+    );
     let value = |key: &str| Some(written(&[*effect.numbers.get(key)?]));
     let wave = |periods: f64| {
         let (amplitude, phase) = (value("amplitude_rad")?, value("phase_rad")?);
-        Some(format!("{amplitude} * np.cos({} * {theta} - {phase})", written(&[periods])))
+        Some(format!(
+            "{amplitude} * np.cos({} * {theta} - {phase})",
+            written(&[periods])
+        ))
     };
     let has_out = outs.get(own).copied().unwrap_or(false);
     Some(match effect.name.as_str() {
@@ -73,7 +77,10 @@ fn added(device: &Device, effect: &DeviceEffect, outs: &[bool]) -> Option<String
             let square = value("quadratic_per_rad")?;
             format!("{theta} -= {square} * {theta} ** 2 + {cubic} * {theta} ** 3")
         }
-        "viscous-lag" => format!("{theta} += {} * r[\"theta{number}_{unit}_per_s\"]", value("delay_s")?),
+        "viscous-lag" => format!(
+            "{theta} += {} * r[\"theta{number}_{unit}_per_s\"]",
+            value("delay_s")?
+        ),
         "joint-drift" => format!("{theta} -= {} * data.time", value("rad_per_s")?),
         "external-encoder-drift" if has_out => {
             format!("{out} += {} * data.time", value("rad_per_s")?)
