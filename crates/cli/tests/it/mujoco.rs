@@ -21,7 +21,7 @@ const SAG: f64 = 0.012;
 /// How far a joint may be behind its target, at 0.6 rad/s: velocity over half the natural frequency, and the sag.
 const LAG: f64 = 0.05;
 /// How long is simulated \[s\]. The models that the command wrote before had no inertias, and left the number range after
-/// 0.17 s.
+/// 0.23 s.
 const SECONDS: f64 = 10.0;
 
 /// An interpreter with MuJoCo; none is said on standard output.

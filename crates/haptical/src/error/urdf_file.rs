@@ -5,6 +5,7 @@ use std::path::Path;
 use haptical_urdf::UrdfError;
 
 use super::Error;
+use crate::device::is_mjcf;
 
 impl Error {
     /// A refused URDF, or a device that is not of it.
@@ -36,6 +37,10 @@ impl Error {
                 text = format!("{at}: {place}: {what} is {found}");
                 ("value", &*format!("correct it: {allowed}"))
             }
+            UrdfError::Tree { .. } if is_mjcf(path) => (
+                "shape",
+                "correct this element, or name other ends of the chain with --base and --tip",
+            ),
             UrdfError::Tree { .. } => (
                 "shape",
                 "correct links and joints: one root, one parent for each link, no joint that follows \

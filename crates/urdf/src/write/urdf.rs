@@ -2,14 +2,14 @@
 
 use std::fmt::Write;
 
-use haptical_model::Device;
+use haptical_model::{Device, DeviceEffect};
 
 use crate::UrdfError;
 use crate::numbers::{escaped, written};
 use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors, origin_element, type_name};
 use crate::write::effects::{Effects, Friction};
 use crate::write::inertia::{RowBody, full, row_bodies};
-use crate::write::segments::segments;
+use crate::write::segments::{Segments, segments};
 
 /// Stands where one limit is known and the other is not \[rad\] or \[m\].
 pub(crate) const FAR: f64 = 1000.0;
@@ -20,7 +20,7 @@ pub(crate) const FAR: f64 = 1000.0;
 /// is not 0, neither is the URDF's there.
 ///
 /// ```
-/// use haptical_model::Device;
+/// use haptical_model::{Device, DeviceEffect};
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
 /// let device = Device::load(path.as_ref())?.device;
 /// let (text, _) = haptical_urdf::new_urdf(&device)?;
@@ -111,6 +111,17 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
         );
     }
     text.push_str("</robot>\n");
+    let warnings = said(device, &segments, &bodies, &effects);
+    Ok((text, warnings))
+}
+
+/// What the file makes up or leaves out.
+fn said(
+    device: &Device,
+    segments: &Segments,
+    bodies: &[RowBody],
+    effects: &Effects<'_>,
+) -> Vec<String> {
     let mut warnings = left_out(device);
     let inertias = bodies.iter().zip(&segments.rows).enumerate();
     let inertias = inertias.filter(|(_, (body, row))| {
@@ -126,14 +137,14 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
         ));
     }
     warnings.extend(effects.said.iter().cloned());
-    let other = |effect: &&haptical_model::DeviceEffect| effect.name != "joint-friction";
+    let other = |effect: &&DeviceEffect| effect.name != "joint-friction";
     warnings.extend(device.effects.iter().filter(other).map(|effect| {
         format!(
             "`{}` is not in a URDF, which has no means for it; an MJCF has for some effects",
             effect.label()
         )
     }));
-    Ok((text, warnings))
+    warnings
 }
 
 fn inertial(body: &RowBody) -> String {

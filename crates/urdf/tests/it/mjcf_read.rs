@@ -217,7 +217,7 @@ fn the_reason_and_the_place_are_said() {
         ),
         (
             with_body("<include file=\"arm.xml\"/>"),
-            "robot.xml:4:1: <include>: a part of the model is in another file",
+            "robot.xml:4:1: <include>: the file is \"arm.xml\", but other files are not read",
         ),
         (
             with_body(hinge).replace("<body name=\"b\">", "<body name=\"b\" quat=\"0 0 0 0\">"),

@@ -90,7 +90,7 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
     ) -> Result<Vec<Part<'d, 'input>>> {
         let mjcf = self.mjcf;
         let children = |node: Element<'d, 'input>, frame: Pose, around: ClassId| {
-            let own: Vec<_> = node.children().filter(|child| child.is_element()).collect();
+            let own: Vec<_> = node.children().filter(Element::is_element).collect();
             own.into_iter().rev().map(move |node| (node, frame, around))
         };
         let mut open: Vec<_> = children(body, Pose::default(), around).collect();

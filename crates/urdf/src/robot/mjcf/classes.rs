@@ -44,7 +44,7 @@ impl<'d> Classes<'d> {
         open.reverse();
         while let Some((node, parent)) = open.pop() {
             let own = classes.open(reader, node, parent)?;
-            for child in node.children().filter(|child| child.is_element()) {
+            for child in node.children().filter(Element::is_element) {
                 let tag = child.tag_name().name();
                 if tag == "default" {
                     continue;

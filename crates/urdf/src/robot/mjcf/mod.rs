@@ -56,9 +56,10 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
     };
     let includes = |node: &Element<'_, '_>| node.has_tag_name("include");
     if let Some(include) = document.descendants().find(includes) {
-        let message = "<include>: a part of the model is in another file, which is not read: save the model as one \
-             file, as MuJoCo's mj_saveLastXML does";
-        return Err(reader.tree(include.range().start, message.to_owned()));
+        let found = format!("\"{}\"", include.attribute("file").unwrap_or_default());
+        let allowed =
+            "other files are not read: save the model as one file, as MuJoCo's mj_saveLastXML does";
+        return Err(reader.refuse(include, "<include>", "the file", &found, allowed));
     }
     let mjcf = Mjcf {
         reader,

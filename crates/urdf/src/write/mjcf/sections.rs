@@ -171,7 +171,7 @@ impl Model<'_> {
 
     /// Attributes of a late sensor.
     fn late(&self, delay_s: f64) -> String {
-        if !(delay_s > 0.0) {
+        if delay_s <= 0.0 {
             return String::new();
         }
         let samples = libm::ceil(delay_s / self.step_s) + 1.0;
