@@ -1,4 +1,4 @@
-//! Robot descriptions in XML: a device from a chain of a URDF, and URDF or MJCF from a device.
+//! Robot descriptions in XML: a device from a chain of a URDF or an MJCF, and URDF or MJCF from a device.
 //!
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]

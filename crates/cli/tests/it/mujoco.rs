@@ -129,10 +129,8 @@ fn stands(python: &str, model: &Device, case: &Case) -> Value {
         poses.push(values);
         expected.push(DeviceChain::new(model).pose(&readings).unwrap());
     }
-    let amplitude = |joint: &haptical_model::Joint| {
-        let room = (-joint.lower_rad).min(joint.upper_rad).max(0.0);
-        (0.5 * room).min(0.3)
-    };
+    let amplitude =
+        |joint: &haptical_model::Joint| (0.25 * (joint.upper_rad - joint.lower_rad)).min(0.3);
     let amplitudes: Vec<f64> = (model.joints.iter().zip(&case.per_reading))
         .map(|(joint, scale)| amplitude(joint) * scale)
         .collect();
@@ -205,11 +203,13 @@ fn arms_of_urdfs_stand() {
     // a spindle turns a slide, whose value in the file is the slide's
     let linkage = vec![1.0, 0.01, 1.0];
     for (name, tip, scales) in [
-        ("arm", None, None),
-        ("linkage", None, Some(linkage)),
-        ("humanoid", Some("left_hand"), None),
+        ("urdf/arm", None, None),
+        ("urdf/linkage", None, Some(linkage)),
+        ("urdf/humanoid", Some("left_hand"), None),
+        // a maker's arm; the limits of two joints exclude 0
+        ("measured/camera/panda", None, None),
     ] {
-        let Some(device) = repository(&format!("urdf/{name}.urdf")) else {
+        let Some(device) = repository(&format!("{name}.urdf")) else {
             return;
         };
         let urdf = std::fs::read_to_string(&device).unwrap();
@@ -220,18 +220,12 @@ fn arms_of_urdfs_stand() {
         let model = haptical_urdf::device_from_urdf(&urdf, name, ends)
             .unwrap()
             .device;
+        let tip = tip.map(|tip| ["--tip".to_owned(), tip.to_owned()]);
         let case = Case {
             device,
-            flags: tip
-                .iter()
-                .flat_map(|tip| ["--tip".to_owned(), (*tip).to_owned()])
-                .collect(),
+            flags: tip.into_iter().flatten().collect(),
             site: "handle",
-            names: model
-                .joints
-                .iter()
-                .map(|joint| joint.name.clone())
-                .collect(),
+            names: model.joints.iter().map(|own| own.name.clone()).collect(),
             per_reading: scales.unwrap_or_else(|| vec![1.0; model.joints.len()]),
         };
         stands(&python, &model, &case);

@@ -294,7 +294,7 @@ fn what_is_left_out_is_said() {
     let said = read(&text, BaseAndTip::to("b")).warnings.join("\n");
     for part in [
         "robot.xml:5:1: <replicate> is left out",
-        "robot.xml:6:1: site `b` is no end of a chain: a body has its name",
+        "robot.xml: no ends of a chain, because a body or another site has their name, or fromto places them: the sites `b`",
         "robot.xml:7:1: joint `slack` moves along the axis of `j`",
         "joint `j` is bound by more than a multiple of another joint",
     ] {

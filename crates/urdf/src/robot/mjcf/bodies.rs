@@ -33,10 +33,14 @@ pub(crate) struct Bodies<'m, 'd, 'input> {
     pub(crate) robot: &'m mut Robot,
     pub(crate) references: References,
     link_names: BTreeSet<String>,
+    /// Names that bodies have: a site of the same name is no link.
+    body_names: BTreeSet<&'d str>,
     pub(crate) joint_names: BTreeSet<String>,
     bodies: usize,
     /// Bodies whose masses MuJoCo works out from geoms.
     of_geoms: Vec<String>,
+    /// Sites that share a name, or have no place.
+    no_ends: Vec<String>,
 }
 
 impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
@@ -47,9 +51,15 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             robot,
             references: References::new(),
             link_names: BTreeSet::new(),
+            body_names: (mjcf.reader.document.descendants())
+                .filter(|node| node.has_tag_name("body"))
+                .filter_map(|node| node.attribute("name"))
+                .chain([WORLD])
+                .collect(),
             joint_names: BTreeSet::new(),
             bodies: 0,
             of_geoms: Vec::new(),
+            no_ends: Vec::new(),
         };
         let root = mjcf.reader.document.root_element();
         bodies.link(WORLD.to_owned(), root.range().start)?;
@@ -71,15 +81,26 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
                 _ => {}
             }
         }
-        if !bodies.of_geoms.is_empty() {
-            let names = joined(&bodies.of_geoms);
-            bodies.robot.notes.push(format!(
-                "{}: no <inertial>, so MuJoCo works out the masses of {names} from their geoms, and here they have none: \
-                 save the compiled model (mj_saveLastXML), which has them written out, where masses matter",
-                mjcf.reader.file
+        bodies.say_what_is_left_out();
+        Ok(bodies.references)
+    }
+
+    fn say_what_is_left_out(&mut self) {
+        let file = self.mjcf.reader.file;
+        if !self.of_geoms.is_empty() {
+            let names = joined(&self.of_geoms);
+            self.robot.notes.push(format!(
+                "{file}: no <inertial>, so MuJoCo works out the masses of {names} from their geoms, and here they have none: add \
+                 <inertial> elements where masses matter (MuJoCo's numbers are body_mass, body_ipos, body_iquat, body_inertia of \
+                 its compiled model)"
             ));
         }
-        Ok(bodies.references)
+        if !self.no_ends.is_empty() {
+            let names = joined(&self.no_ends);
+            self.robot.notes.push(format!(
+                "{file}: no ends of a chain, because a body or another site has their name, or fromto places them: the sites {names}"
+            ));
+        }
     }
 
     /// What is in a body or the world, out of its frames.
@@ -169,15 +190,9 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
         };
         let place = format!("site `{name}`");
         let is_line = self.mjcf.attribute(&part.own, "fromto").is_some();
-        // bodies and sites may share a name; the body, which came first, is meant
-        if is_line || self.link_names.contains(name) {
-            let at = self.mjcf.reader.position_at(node.range().start);
-            let why = match is_line {
-                true => "it is placed by fromto",
-                false => "a body has its name, or another site",
-            };
-            let note = format!("{at}: {place} is no end of a chain: {why}");
-            self.robot.notes.push(note);
+        // bodies and sites may share a name: the body is meant
+        if is_line || self.body_names.contains(name) || self.link_names.contains(name) {
+            self.no_ends.push(format!("`{name}`"));
             return Ok(());
         }
         let pose = then(&part.frame, &self.mjcf.pose(&part.own, &place)?);

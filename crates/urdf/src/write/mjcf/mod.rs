@@ -134,6 +134,7 @@ impl Model<'_> {
         self.tendons(&mut text);
         self.actuators(&mut text);
         self.sensors(&mut text);
+        self.keyframe(&mut text);
         text.push_str(&snippet::comment(
             self.device,
             &self.effects.left_out,
@@ -145,28 +146,35 @@ impl Model<'_> {
 
     /// Bodies one in another, along the branches of the device.
     fn tree(&self, text: &mut String) {
+        let mut open: Vec<usize> = Vec::new();
+        for (row, depth) in self.order() {
+            while open.len() > depth {
+                open.pop();
+                let _ = writeln!(text, "{}</body>", "  ".repeat(open.len() + 2));
+            }
+            self.body(row, depth + 2, text);
+            open.push(row);
+        }
+        for depth in (0..open.len()).rev() {
+            let _ = writeln!(text, "{}</body>", "  ".repeat(depth + 2));
+        }
+    }
+
+    /// Rows (from 0) in the order of their bodies in the file, and how many bodies each is in.
+    fn order(&self) -> Vec<(usize, usize)> {
         let rows = self.segments.rows.len();
         let mut children: Vec<Vec<usize>> = vec![Vec::new(); rows + 1];
         for row in 1..=rows {
-            let parent = self.device.parent(row).unwrap_or(0);
-            children[parent].push(row);
+            children[self.device.parent(row).unwrap_or(0)].push(row);
         }
-        let mut open: Vec<(usize, usize, bool)> = Vec::new();
-        open.extend(children[0].iter().rev().map(|row| (*row, 2, false)));
-        while let Some((row, depth, is_written)) = open.pop() {
-            if is_written {
-                let _ = writeln!(text, "{}</body>", "  ".repeat(depth));
-                continue;
-            }
-            self.body(row - 1, depth, text);
-            open.push((row, depth, true));
-            open.extend(
-                children[row]
-                    .iter()
-                    .rev()
-                    .map(|own| (*own, depth + 1, false)),
-            );
+        let behind = |row: usize, depth| children[row].iter().rev().map(move |own| (*own, depth));
+        let mut open: Vec<(usize, usize)> = behind(0, 0).collect();
+        let mut order = Vec::new();
+        while let Some((row, depth)) = open.pop() {
+            order.push((row - 1, depth));
+            open.extend(behind(row, depth + 1));
         }
+        order
     }
 
     /// A body with everything in it but the bodies behind it.
@@ -319,6 +327,18 @@ impl Model<'_> {
         warnings.push(
             "plausible armature, damping and gains of the joints: the file marks what is plausible and not known".to_owned(),
         );
+        let outside: Vec<String> = (0..self.rows.len())
+            .filter(|row| {
+                self.start(*row) != 0.0 && self.segments.followed(self.device, *row).is_none()
+            })
+            .map(|row| format!("`{}`", self.names[row]))
+            .collect();
+        if !outside.is_empty() {
+            warnings.push(format!(
+                "the limits of {} exclude 0: begin with the keyframe `start` (mj_resetDataKeyframe), in the middle of their limits",
+                outside.join(", ")
+            ));
+        }
         warnings.extend(self.effects.said.iter().cloned());
         if self.effects.has_delays() {
             warnings.push(

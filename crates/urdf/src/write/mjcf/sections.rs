@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::numbers::{escaped, written};
 use crate::write::effects::{YieldKind, has_own_row};
 use crate::write::mjcf::Model;
-use crate::write::urdf::own_row;
+use crate::write::urdf::{FAR, own_row};
 
 impl Model<'_> {
     /// Rows that follow another's joint, and joints that another one moves.
@@ -167,6 +167,51 @@ impl Model<'_> {
             );
         }
         text.push_str("  </sensor>\n");
+    }
+
+    /// Where a row can begin: at 0, or in the middle of limits that exclude it.
+    pub(super) fn start(&self, row: usize) -> f64 {
+        if let Some((source, multiplier)) = self.segments.followed(self.device, row) {
+            return multiplier * self.start(source);
+        }
+        match self.range(row) {
+            Some([lower, upper]) if lower < upper && (lower > 0.0 || upper < 0.0) => {
+                let [nearer, farther] = [lower.max(-FAR), upper.min(FAR)];
+                // of one limit alone, what is next to it
+                match (lower <= -FAR, upper >= FAR) {
+                    (true, _) => farther,
+                    (_, true) => nearer,
+                    _ => 0.5 * (nearer + farther),
+                }
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// A keyframe within the limits, where 0 is not.
+    pub(super) fn keyframe(&self, text: &mut String) {
+        let mut positions = Vec::new();
+        for (row, _) in self.order() {
+            positions.push(self.start(row));
+            positions.extend(self.rows[row].yields.iter().map(|own| match own.of.kind {
+                YieldKind::Coupling(gain, from) => {
+                    own_row(self.device, from).map_or(0.0, |source| gain * self.start(source - 1))
+                }
+                _ => 0.0,
+            }));
+        }
+        if positions.iter().all(|own| *own == 0.0) {
+            return;
+        }
+        let rows = 0..self.rows.len();
+        let is_driven = |row: &usize| self.segments.followed(self.device, *row).is_none();
+        let targets: Vec<f64> = rows.filter(is_driven).map(|row| self.start(row)).collect();
+        let _ = write!(
+            text,
+            "  <keyframe>\n    <key name=\"start\" qpos=\"{}\" ctrl=\"{}\"/>\n  </keyframe>\n",
+            written(&positions),
+            written(&targets)
+        );
     }
 
     /// Attributes of a late sensor.
