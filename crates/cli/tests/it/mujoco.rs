@@ -244,7 +244,9 @@ fn what_the_drives_yield_is_simulated() {
         [[effect]]\nname = \"backlash\"\njoint = 2\nwidth_rad = 0.004\n\
         [[effect]]\nname = \"backlash\"\njoint = 5\nwidth_rad = 0.002\n\
         [[effect]]\nname = \"cross-coupling\"\njoint = 3\ngain = 0.02\nfrom_joint = 2\n\
-        [[effect]]\nname = \"joint-friction\"\njoint = 1\ncoulomb_nm = 0.05\nviscous_nm_s_per_rad = 0.02\n\
+        [[effect]]\nname = \"joint-friction\"\njoint = 1\ncoulomb_nm = 0.05\nviscous_nm_s_per_rad = 0.02\nstribeck_nm = 0.0\n\
+        transition_rad_per_s = 0.02\n\
+        [[effect]]\nname = \"input-drum-harmonic\"\njoint = 1\namplitude_rad = 0.0004\nphase_rad = 0.3\norder = 2\n\
         [[effect]]\nname = \"encoder-latency\"\ndelay_s = 0.004\n\
         [[effect]]\nname = \"external-encoder-latency\"\njoint = 2\ndelay_s = 0.002\n";
     let folder = tempfile::tempdir().unwrap();
@@ -285,6 +287,11 @@ fn what_the_drives_yield_is_simulated() {
     let sum = value("joint2") + value("joint2_cable") + value("joint2_play");
     let out = held["sensors"]["out2_rad"][0].as_f64().unwrap();
     assert!((out - sum).abs() < 1e-6, "{out} {sum}");
+    // what MuJoCo has no means for is added by the Python in the file: the drum turns 8 times as far
+    let theta = held["sensors"]["theta1_rad"][0].as_f64().unwrap();
+    let reading = held["readings"]["theta1_rad"][0].as_f64().unwrap();
+    let expected = theta - 0.0004 * (2.0 * 8.0 * theta - 0.3).cos();
+    assert!((reading - expected).abs() < 1e-15, "{reading} {expected}");
     // a late encoder shows what was true 4 ms ago; MuJoCo reads sensors a step before, and keeps them for one
     let run = &found["follow"];
     let now = run["joints"]["joint4"][0].as_f64().unwrap();

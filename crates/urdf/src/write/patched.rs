@@ -16,7 +16,7 @@ use crate::robot::mjcf::frames::ORIENTATIONS;
 use crate::robot::xml::{Element, document};
 use crate::robot::{PlacedBy, Robot, RobotJoint};
 use crate::write::corrected::{TRANSMISSIONS, all_corrections, has_transmission_errors, replaced};
-use crate::write::effects::Effects;
+use crate::write::effects::{Effects, Yield, YieldKind};
 
 /// A corrected MJCF.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,7 +116,10 @@ pub fn corrected_mjcf(
         edits.extend(patch.friction(&effects, joint, &robot.joints[*driver]));
     }
     warnings.extend(effects.said.iter().cloned());
-    warnings.extend(not_put_in(device, &effects));
+    let springs: Vec<f64> = (rows.drivers.iter())
+        .map(|driver| robot.joints[*driver].compliance)
+        .collect();
+    warnings.extend(not_put_in(device, &effects, &springs));
     let mut tips = tips.into_iter();
     Ok(CorrectedMjcf {
         text: replaced(text, edits),
@@ -128,11 +131,18 @@ pub fn corrected_mjcf(
 }
 
 /// What would need joints or sensors of its own.
-fn not_put_in(device: &Device, effects: &Effects<'_>) -> Vec<String> {
+///
+/// `springs` are the compliances that the file has already.
+fn not_put_in(device: &Device, effects: &Effects<'_>, springs: &[f64]) -> Vec<String> {
     let mut said = Vec::new();
     for (joint, yields) in effects.yields.iter().enumerate() {
         let name = &device.joints[joint].name;
-        said.extend(yields.iter().map(|own| {
+        let has = springs.get(joint).copied().unwrap_or(0.0);
+        let is_there = |own: &&Yield| match own.kind {
+            YieldKind::Spring(stiffness) => (has * stiffness - 1.0).abs() < 1e-9,
+            _ => false,
+        };
+        said.extend(yields.iter().filter(|own| !is_there(own)).map(|own| {
             format!(
                 "joint `{name}`: its `{name}{}` is a joint of its own, which is not put into your file: take it from `haptical \
                  export --format mjcf` without --mjcf",
