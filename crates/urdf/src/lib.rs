@@ -9,6 +9,7 @@ mod error;
 mod numbers;
 mod rigid;
 mod robot;
+mod words;
 mod write;
 
 pub use chain::ends::{ChainEnd, chain_ends};

@@ -44,6 +44,8 @@ fn ask(python: &str, question: &Value) -> Value {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/mujoco_stands.py");
     let mut child = Command::new(python)
         .arg(script)
+        // MuJoCo writes its log where it runs
+        .current_dir(std::env::temp_dir())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

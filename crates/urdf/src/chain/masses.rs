@@ -5,11 +5,11 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::chain::path::{Path, passed};
-use crate::chain::tip::joined;
 use crate::chain::{Rows, driver};
 use crate::numbers::rounded;
 use crate::rigid::{about_z, then, turn, z_to};
 use crate::robot::{Inertial, Robot, RobotJoint, RobotJointType};
+use crate::words::joined;
 
 /// A limit beyond this is none \[rad\] or \[m\].
 const LARGEST_LIMIT: f64 = 1e6;

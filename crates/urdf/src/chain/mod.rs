@@ -13,8 +13,8 @@ use haptical_model::{Drive, JointType, Position};
 use crate::UrdfError;
 use crate::chain::gaps::gaps;
 use crate::chain::path::Path;
-use crate::chain::tip::joined;
 use crate::robot::{Robot, RobotJoint, RobotJointType};
+use crate::words::joined;
 
 /// A moving joint of the path.
 #[derive(Debug, Clone)]

@@ -8,11 +8,11 @@ use haptical_model::{Device, Hand, JointType};
 use crate::UrdfError;
 use crate::chain::gaps::{Correction, corrections};
 use crate::chain::path::BaseAndTip;
-use crate::chain::tip::listed;
 use crate::device::{ReadChain, parents};
 use crate::numbers::{escaped, written};
 use crate::rigid::to_rpy;
 use crate::robot::{Robot, RobotJoint};
+use crate::words::listed;
 use crate::write::segments::segments;
 
 /// A corrected URDF.

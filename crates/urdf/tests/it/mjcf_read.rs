@@ -176,7 +176,6 @@ fn with_body(inside: &str) -> String {
 
 #[test]
 fn the_reason_and_the_place_are_said() {
-    let to_b = BaseAndTip::to("b");
     let hinge = "<joint name=\"j\"/>";
     let cases = [
         (
@@ -219,6 +218,21 @@ fn the_reason_and_the_place_are_said() {
             with_body("<include file=\"arm.xml\"/>"),
             "robot.xml:4:1: <include>: the file is \"arm.xml\", but other files are not read",
         ),
+    ];
+    all_are_said(&cases);
+}
+
+fn all_are_said(cases: &[(String, &str)]) {
+    for (text, said) in cases {
+        let error = refused(text, BaseAndTip::to("b"));
+        assert!(error.contains(said), "{error}\n{text}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_body_or_a_file_is_said() {
+    let hinge = "<joint name=\"j\"/>";
+    let cases = [
         (
             with_body(hinge).replace("<body name=\"b\">", "<body name=\"b\" quat=\"0 0 0 0\">"),
             "robot.xml:3:1: body `b`: quat is \"0 0 0 0\", but it must have a direction",
@@ -275,10 +289,7 @@ fn the_reason_and_the_place_are_said() {
         ("<mujoco>".to_owned(), "not XML that is read"),
         ("<!DOCTYPE a><mujoco/>".to_owned(), "not XML that is read"),
     ];
-    for (text, said) in cases {
-        let error = refused(&text, to_b);
-        assert!(error.contains(said), "{error}\n{text}");
-    }
+    all_are_said(&cases);
 }
 
 /// What stands beside the chain is said with its line, and is no reason to refuse.
