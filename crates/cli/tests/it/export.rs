@@ -218,7 +218,16 @@ fn joints_that_yield_are_told_where_the_form_has_rigid_ones() {
         assert!(output.status.success(), "{}", text(&output.stderr));
         text(&output.stderr)
     };
-    for format in ["rust", "c-header", "json", "urdf", "mjcf"] {
+    // an MJCF has a spring there
+    let soft = said("soft.toml", "mjcf");
+    assert!(!soft.contains("yield"), "{soft}");
+    let written = std::fs::read_to_string(sandbox.path("out")).unwrap();
+    assert!(
+        written.contains(
+            "<joint name=\"joint2_spring\" type=\"hinge\" axis=\"0 0 1\" stiffness=\"400\""
+        )
+    );
+    for format in ["rust", "c-header", "json", "urdf"] {
         let warned = said("soft.toml", format).contains("joint 2 yields to torque");
         assert!(warned, "{format}");
         assert!(!said("device.toml", format).contains("yield"), "{format}");
