@@ -1,6 +1,7 @@
 //! The least-squares problem of a device and a recording: measured channels, residuals, derivatives.
 
 pub(crate) mod added;
+mod added_rows;
 pub(crate) mod candidates;
 pub(crate) mod channel;
 pub(crate) mod device_problem;

@@ -5,18 +5,11 @@ use std::borrow::Cow;
 use haptical_calibration::channels;
 use haptical_model::{AddedReadings, Device, Recording};
 
-use crate::device::DeviceEffectError;
+use crate::device::bare::bare;
+use crate::device::error::DeviceEffectError;
 use crate::device::fit::fit_numbers;
 use crate::device::resolve::{OwnEffect, effects_of};
 use crate::{Context, Signal, Stream, streams};
-
-/// The device without its effects.
-pub fn bare(device: &Device) -> Device {
-    Device {
-        effects: Vec::new(),
-        ..device.clone()
-    }
-}
 
 /// A recording with what the effects of a device add to its readings ([`Recording::added`]); `device` gets the numbers
 /// with which each effect that is to be fitted is fitted. The recording itself for a device without effects.

@@ -3,8 +3,10 @@
 use haptical_model::{Device, FitNumber, Recording};
 use nalgebra::{DMatrix, DVector};
 
-use crate::device::resolve::{OwnEffect, effects_of};
-use crate::device::{DeviceEffectError, bare};
+use crate::device::bare::bare;
+use crate::device::entry::entry as written;
+use crate::device::error::DeviceEffectError;
+use crate::device::resolve::{OwnEffect, effects_of, is_place};
 use crate::{Context, Effect, Parameter, Role, Unit, streams};
 
 /// Share of the largest plausible size that is a typical one.
@@ -123,7 +125,7 @@ pub fn settle(
             entry.numbers.retain(|name, _| is_place(name));
             continue;
         }
-        entry.numbers = crate::device::entry(effect, &context, &amplitudes, shape).numbers;
+        entry.numbers = written(effect, &context, &amplitudes, shape).numbers;
         let Some(covariance) = covariance(own.index) else {
             continue;
         };
@@ -140,11 +142,6 @@ pub fn settle(
         }
     }
     Ok(())
-}
-
-/// Whether a number says where an effect is, not how large.
-pub(super) fn is_place(name: &str) -> bool {
-    name == "from_joint" || name == "order"
 }
 
 /// Two-sided 95 % of a normal distribution.

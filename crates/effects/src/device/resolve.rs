@@ -2,8 +2,7 @@
 
 use haptical_model::{Device, DeviceEffect};
 
-use crate::device::DeviceEffectError;
-use crate::device::fit::is_place;
+use crate::device::error::DeviceEffectError;
 use crate::{
     Context, Effect, Hook, Parameter, Role, Shape, Spec, catalogue, drive_catalogue, names, specs,
 };
@@ -154,6 +153,11 @@ fn resolved(
         values,
         further,
     })
+}
+
+/// Whether a number says where an effect is, not how large.
+pub(super) fn is_place(name: &str) -> bool {
+    name == "from_joint" || name == "order"
 }
 
 /// Every effect at every place of a device.

@@ -4,8 +4,9 @@ use haptical_calibration::{Channel, channels};
 use haptical_model::kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use haptical_model::{Device, DeviceEffect, Recording};
 
+use crate::device::bare::bare;
+use crate::device::error::DeviceEffectError;
 use crate::device::resolve::effects_of;
-use crate::device::{DeviceEffectError, bare};
 use crate::structure::JOINT_COMPLIANCE;
 use crate::{Context, Signal, Stream, streams};
 

@@ -34,7 +34,8 @@ pub(super) fn add(model: &mut Model, word: &str) -> Result<(), Error> {
         }
     };
     if name == JOINT_COMPLIANCE.name || name == ALIAS {
-        return Ok(yielding(model, joint));
+        yielding(model, joint);
+        return Ok(());
     }
     let before = model.effects.len();
     let mut last = push(model, one(name, joint)).err();
