@@ -106,7 +106,7 @@ fn resolved(
     let is_it = |effect: &Box<dyn Effect>| {
         let number = |joint: usize| (joint + 1) as f64;
         let from = effect.other_joint().map(number);
-        std::ptr::eq(effect.spec(), spec)
+        effect.spec() == spec
             && effect.joint() == entry.joint
             && (from.is_none() || from == entry.numbers.get("from_joint").copied())
     };
@@ -121,7 +121,7 @@ fn resolved(
             && ["time_s", "order", "from_joint", "from_run"]
                 .into_iter()
                 .all(same)
-            && spec_of(other).is_ok_and(|own| std::ptr::eq(own, spec))
+            && spec_of(other).is_ok_and(|own| own == spec)
     };
     if device.effects[..index].iter().any(is_again) {
         return Err(DeviceEffectError::Twice { label });
