@@ -29,6 +29,7 @@ use self::rows::{STEP_OF_A_MOTION, is_path, load_reach, runs_of, step_of_range};
 use self::stream::stream_of;
 
 pub use self::cable::CableGeometry;
+pub use self::frames::joint_origin_m;
 pub use self::lines::Line;
 pub use self::stream::{Stream, streams};
 pub use self::touches::Touches;

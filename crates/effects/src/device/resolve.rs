@@ -4,7 +4,8 @@ use haptical_model::{Device, DeviceEffect};
 
 use crate::device::DeviceEffectError;
 use crate::{
-    Context, Effect, Hook, Parameter, Role, Shape, Spec, catalogue, drive_catalogue, names, specs,
+    Context, Effect, Further, Hook, Parameter, Role, Shape, Spec, catalogue, drive_catalogue,
+    names, specs,
 };
 
 /// An effect of a device with its law.
@@ -181,7 +182,12 @@ fn spec_of(entry: &DeviceEffect) -> Result<&'static Spec, DeviceEffectError> {
         keys().all(|key| has(spec, key)) && needed
     };
     let all: Vec<&'static Spec> = lawful().collect();
-    if let Some(spec) = all.iter().find(fits) {
+    // of several that the keys fit, the one of which none is missing
+    let is_whole = |spec: &&&'static Spec| {
+        let has = |own: &Further| own.default.is_some() || entry.numbers.contains_key(own.name);
+        fits(spec) && spec.further.iter().all(has)
+    };
+    if let Some(spec) = all.iter().find(is_whole).or_else(|| all.iter().find(fits)) {
         return Ok(spec);
     }
     // the one that most keys are of says what is wrong

@@ -8,8 +8,10 @@
               in the compiler alone"
 )]
 
+mod against_effects;
 mod against_model;
 mod devices;
+mod effect_lists;
 mod exported;
 mod instructions;
 mod no_allocation;
