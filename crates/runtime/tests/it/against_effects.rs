@@ -17,7 +17,7 @@ use crate::effect_lists::{Seed, any_seed, compensated, drive_effect, structure_e
 /// Angles and lengths here are of the size of 1; both sides round some hundred times.
 const TOLERANCE: f64 = 1e-12;
 /// Rows of each of two runs.
-const RUN: usize = 150;
+const RUN: usize = 100;
 const STEP_S: f64 = 0.01;
 
 /// A device and what drives its motion.
@@ -177,7 +177,7 @@ fn near(ours: f64, theirs: f64, what: &str, case: &Case) -> f64 {
         .device
         .effects
         .iter()
-        .map(|effect| format!("{effect:?}"))
+        .map(|effect| format!("{} {:?}", effect.label(), effect.numbers))
         .collect();
     assert!(
         gap <= TOLERANCE * theirs.abs().max(1.0),

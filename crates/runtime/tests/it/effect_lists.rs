@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use haptical_effects::joint_origin_m;
-use haptical_model::{Device, DeviceEffect, Evaluation, JointType, Statics};
+use haptical_model::{Device, DeviceChain, DeviceEffect, JointType, Statics};
 use haptical_runtime::{CompensatedModel, CoupledModel, Effect, Side, Turnover};
 use proptest::prelude::*;
 
@@ -73,8 +73,8 @@ fn runtime_effect(device: &Device, effect: &DeviceEffect) -> Effect {
     };
     let from = || n("from_joint") as usize - 1;
     let base_m = || {
-        let evaluation = Evaluation::new(device);
-        evaluation.base_pose().unwrap().position_m.into()
+        let base = DeviceChain::to_row(device, 0);
+        base.chain().unwrap().pose(&[]).unwrap().position_m.into()
     };
     let origin_m = || joint_origin_m(device, joint).unwrap().into();
     match effect.name.as_str() {
