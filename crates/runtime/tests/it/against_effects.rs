@@ -308,7 +308,7 @@ fn compare<const JOINTS: usize>(case: &Case) -> Option<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(2000) })]
 
     #[test]
     fn every_row_of_every_device_with_effects(case in any_case()) {
