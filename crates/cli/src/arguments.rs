@@ -145,8 +145,9 @@ pub(crate) struct IdentifyArguments {
     /// Check by folds instead: fold k holds out the rows k, k + N, ..., each fitted without its own rows
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=100), conflicts_with = "held_out")]
     pub(crate) folds: Option<u64>,
-    /// Fit this too: what joints yield to their torque behind the external encoder
-    #[arg(long, value_name = "EFFECT", value_parser = [JOINT_COMPLIANCE.name])]
+    /// Fit this effect too, together with geometry and drives: a law of `haptical diagnose --list`, at one joint or at every
+    /// joint that can have it; or the causes of a gap.json. Repeatable
+    #[arg(long, value_name = "EFFECT[@JOINT]|GAP.JSON")]
     pub(crate) with: Vec<String>,
     #[command(flatten)]
     pub(crate) hold: HoldOptions,

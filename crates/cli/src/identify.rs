@@ -33,6 +33,9 @@ impl ResultCommand for IdentifyArguments {
             ("log", Some(&self.log)),
             ("rig", self.device_options.rig.as_ref()),
         ])
+        .into_iter()
+        .chain(self.causes().map(|path| ("with", path)))
+        .collect()
     }
 
     fn make(
@@ -45,7 +48,9 @@ impl ResultCommand for IdentifyArguments {
         let log = inputs.log(&device)?;
         let (joints, rows) = (device.model.joints.len(), log.recording.len());
         progress.say(format!("calibrating {joints} joints from {rows} rows"));
-        let found = identify_as(version, &device, &log, &self.request())?;
+        let mut request = self.request();
+        request.with_causes = inputs.optional("with").cloned();
+        let found = identify_as(version, &device, &log, &request)?;
         Ok(MadeResult {
             files: found.files()?,
             warnings: found.warnings().to_vec(),

@@ -49,6 +49,11 @@ impl Inputs {
         all.find(|(own, _)| *own == flag).map(|(_, source)| source)
     }
 
+    /// The file of a flag, where it is given.
+    pub(crate) fn optional(&self, flag: &str) -> Option<&Source> {
+        self.find(flag)
+    }
+
     fn required(&self, flag: &str) -> Result<&Source, Failure> {
         let missing = || Failure::internal(format!("--{flag} is not among the inputs"));
         self.find(flag).ok_or_else(missing)

@@ -1,29 +1,27 @@
 //! `haptical simulate`: a log of a device that a hand moves, written row by row.
 
+mod made;
+mod replay;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptical::files::{
     Fingerprint, InputFile, Overwrite, Record, Source, VERSION, check_outputs, check_own_record,
-    file_name, make_folder, sealed_json,
+    file_name, sealed_json,
 };
 use haptical::{Device, Equipment};
-use haptical_data::{LogFile, LogShape};
 use haptical_model::{Device as Model, check_toml_syntax, read_toml_text};
 use haptical_simulator::{
-    Effect, EffectError, Effects, HandMotion, MotionSettings, SimulatorError, simulate_motion,
-    simulated_effects,
+    Effect, EffectError, Effects, HandMotion, SimulatorError, simulated_effects,
 };
 use serde::Serialize;
 
 use crate::arguments::{above_zero, whole_number};
 use crate::failure::Failure;
 use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
-use crate::interrupt::{Writing, write_all};
-use crate::terminal::{self, Progress};
-
-/// Rows made at a time: enough that progress costs nothing, few enough to take no memory.
-const ROWS_AT_A_TIME: usize = 1000;
+use crate::interrupt::write_all;
+use crate::terminal;
 
 /// Its name.
 const COMMAND: &str = "simulate";
@@ -45,6 +43,10 @@ pub(crate) struct SimulateArguments {
     /// Effects that the model leaves out (TOML)
     #[arg(long, value_name = "FILE")]
     effects: Option<PathBuf>,
+    /// Log whose motion, loads and times are run through the device with its effects, in place of a hand's motion: predicted
+    /// channels go to --out, and OUT.residuals.csv has them beside the measured ones
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["truth", "effects", "seconds", "rate_hz", "seed"])]
+    replay: Option<PathBuf>,
     /// Length of the recording in s
     #[arg(long, value_name = "SECONDS", default_value_t = 100.0, value_parser = above_zero, allow_negative_numbers = true)]
     seconds: f64,
@@ -87,6 +89,11 @@ pub(crate) fn help() -> String {
 Example:
   haptical simulate --device device.toml --effects effects.toml --out log.csv.gz
 
+  haptical simulate --device corrected.toml --out log.csv.gz
+  haptical simulate --device corrected.toml --replay log.csv.gz --out predicted.csv.gz
+
+Effects of the device file (`[[effect]]`) are part of the device, every law of `haptical diagnose --list`; an arm
+with a [tracker] gets its positions and orientations. --effects adds others by laws of the simulator's own,
 with an effects.toml such as
   [[effect]]
   name = \"capstan-compliance\"
@@ -100,6 +107,9 @@ Names of effects: {}",
 
 /// Runs the command.
 pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
+    if let Some(log) = &arguments.replay {
+        return replay::run(arguments, log);
+    }
     check_outputs(std::slice::from_ref(&arguments.out), &arguments.inputs())?;
     let (folder, name) = folder_and_name(&arguments.out)?;
     // a log cannot say itself how it came about
@@ -134,41 +144,8 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
             effects
         }
     };
-    let settings = MotionSettings {
-        motion: HandMotion {
-            seconds: arguments.seconds,
-            rate_hz: arguments.rate_hz,
-            ..HandMotion::default()
-        },
-        ..MotionSettings::default()
-    };
     let refuse = |error: SimulatorError| refusal(&error, truth_path, arguments);
-    let progress = Progress::start("preparing the motion");
-    let mut simulation =
-        simulate_motion(truth, &effects, &settings, arguments.seed).map_err(refuse)?;
-    let rows = simulation.rows();
-    let mut chunk = simulation.no_rows();
-    {
-        // Declared before the log, so that its temporary file is gone first.
-        let writing = Writing::begin();
-        let _folder = make_folder(arguments.out.parent().unwrap_or(Path::new("")))?;
-        let mut log = LogFile::create(&arguments.out, &chunk, &LogShape::from(truth))?;
-        let mut written = 0;
-        loop {
-            writing.go_on(&arguments.out)?;
-            let count = simulation
-                .fill(&mut chunk, ROWS_AT_A_TIME)
-                .map_err(refuse)?;
-            if count == 0 {
-                break;
-            }
-            log.write_rows(&chunk)?;
-            written += count;
-            progress.say(format!("{written} of {rows} rows"));
-        }
-        progress.say("closing the log");
-        log.finish()?;
-    }
+    let rows = made::write(arguments, truth, &effects, &refuse)?;
     let log = Source::given(&arguments.out);
     let hashed = Fingerprint::of_file(&arguments.out)
         .map_err(|error| Failure::internal(format!("the log that was written: {error}")))?;
@@ -187,7 +164,6 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     };
     let json = sealed_json(&summary)?;
     write_all(folder, &[(beside.as_str(), json.into_bytes())])?;
-    drop(progress);
     terminal::warn(&device.warnings);
     summary.log = arguments.out.display().to_string();
     if arguments.json {

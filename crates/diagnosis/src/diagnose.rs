@@ -1,9 +1,10 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
 use haptical_calibration::{CalibrationError, Channel, channels, check_recording, check_rig};
+use haptical_effects::device::{attached_at, bare};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Absorbed, Effect, catalogue};
-use haptical_model::{Device, JointCompliance, ParameterId, Recording};
+use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recording};
 
 use crate::answer::assemble::answer;
 use crate::answer::{Diagnosis, Verdict};
@@ -16,6 +17,7 @@ use crate::judge::too_coarse::Corrected;
 use crate::noise::cleaning::without_readings;
 use crate::noise::measured::KnownNoise;
 use crate::noise::stated::is_stated;
+use crate::own_effects::within_laws;
 use crate::select::{Selection, Selector};
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
@@ -33,10 +35,45 @@ pub fn diagnose(
     recording: &Recording,
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
+    let found = diagnose_all(device, recording, options)?;
+    let own = match device.effects.is_empty() {
+        true => options.model.map_or(&[][..], |model| &model.effects),
+        false => &device.effects,
+    };
+    let mut names: Vec<String> = own.iter().map(|effect| effect.name.clone()).collect();
+    let mut rigid = bare(device);
+    if let Some(model) = options.model.filter(|_| !device.has_compliance())
+        && model.has_compliance()
+    {
+        names.push(JOINT_COMPLIANCE.name.to_owned());
+        rigid.surroundings.compliance.clear();
+    }
+    within_laws(found, &names, (&rigid, recording), options.loss)
+}
+
+fn diagnose_all(
+    device: &Device,
+    recording: &Recording,
+    options: &Options<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
     let yielding = options.model.and_then(|model| yielding_as(device, model));
-    let device = yielding.as_ref().unwrap_or(device);
-    let thinned = thinned(recording);
-    let recording = thinned.as_ref().unwrap_or(recording);
+    let mut device = yielding.unwrap_or_else(|| device.clone());
+    if let Some(model) = options.model.filter(|_| device.effects.is_empty()) {
+        // numbers of the base model then, as lengths and angles are
+        device.effects.clone_from(&model.effects);
+    }
+    let at = options.model.unwrap_or(&device).clone();
+    let recording = attached_at(&mut device, &at, recording)?;
+    let second = options.validation;
+    let validation = second.map(|second| attached_at(&mut device.clone(), &at, second));
+    let validation = validation.transpose()?;
+    let options = &Options {
+        validation: validation.as_deref(),
+        ..options.clone()
+    };
+    let device = &device;
+    let thinned = thinned(&recording);
+    let recording = thinned.as_ref().unwrap_or(&recording);
     let effects = effects_of(device, options)?;
     if torques_alone::applies(device, recording) {
         return torques_alone::diagnose(device, recording, &effects, options);
@@ -284,6 +321,10 @@ fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {
             .iter()
             .any(|parameter| matches!(parameter, ParameterId::Transmission { joint: of, .. } if *of == joint))
     };
+    let is_own = |own: &DeviceEffect| own.name == effect.name() && own.joint == effect.joint();
+    if base.device.effects.iter().any(is_own) {
+        return true;
+    }
     let yields = |joint: usize| base.parameters.contains(&ParameterId::Compliance { joint });
     match effect.spec().absorbed_by {
         Absorbed::ByTransmission | Absorbed::ByInputDrum => effect.joint().is_some_and(fitted),

@@ -2,6 +2,7 @@
 
 use haptical_calibration::CalibrationError;
 use haptical_effects::ContextError;
+use haptical_effects::device::DeviceEffectError;
 use haptical_identification::IdentificationError;
 use haptical_linalg::LinalgError;
 use haptical_metrics::MetricsError;
@@ -39,6 +40,9 @@ pub enum DiagnosisError {
         /// The name that it resembles most.
         nearest: Option<String>,
     },
+    /// An effect of the device has no meaning.
+    #[error(transparent)]
+    Effect(#[from] DeviceEffectError),
     /// Too few readings are left for a test of anything.
     #[error(
         "{readings} usable readings cannot be tested against a model of {parameters} parameters: \

@@ -10,7 +10,9 @@ mod force;
 mod judge;
 mod noise;
 mod options;
+mod own_effects;
 mod select;
+mod start_values;
 #[cfg(test)]
 mod statics_tests;
 mod thresholds;
@@ -28,3 +30,4 @@ pub use error::DiagnosisError;
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use noise::NoiseSource;
 pub use options::{Catalogue, Options};
+pub use start_values::start_values;

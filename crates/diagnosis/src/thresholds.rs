@@ -386,6 +386,8 @@ pub(crate) mod earlier_model {
     pub(crate) const TWO_FITS: f64 = 2.0;
     /// Squared standard deviations beyond which a group of one parameter is more than chance. Chance: one in 16 000.
     pub(crate) const BEYOND_CHANCE: f64 = 16.0;
+    /// Standard deviations over blocks of unseen rows from which a difference makes them better. Choice.
+    pub(crate) const CONFIRMED_SD: f64 = 2.0;
     /// Share of the difference that another tool alone must explain to be its name: what is left is what an earlier fit did
     /// not fix.
     pub(crate) const NEARLY_ALL: f64 = 0.97;

@@ -4,6 +4,7 @@ use haptical_calibration::{CalibrationError, channels, check_recording};
 use haptical_effects::{Context, Effect};
 use haptical_model::{Device, Recording};
 
+use crate::answer::corrected::of_drives;
 use crate::answer::place::in_torques;
 use crate::answer::{Diagnosis, Gap, Place, Provenance, Trace, Untestable, Verdict, Whiteness};
 use crate::force::answer::ForceAnswer;
@@ -86,6 +87,7 @@ pub(crate) fn diagnose(
         closed_unseen_share: force
             .closed_unseen_share
             .filter(|_| verdict != Verdict::Unknown),
+        own_effects_leave: None,
         probability_unknown: match (verdict, causes.first()) {
             (Verdict::NoGap, _) => 0.0,
             (Verdict::Unknown, _) | (_, None) => 1.0,
@@ -111,6 +113,7 @@ pub(crate) fn diagnose(
             without: options.without.clone(),
         },
         device: model.clone(),
+        corrected: of_drives(device, verdict, &causes),
         predictions,
         gap,
         place,

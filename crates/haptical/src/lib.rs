@@ -11,6 +11,7 @@ mod identify;
 mod log;
 mod page;
 mod plan;
+mod replay;
 pub mod units;
 
 pub use haptical_batch as batch;
@@ -35,11 +36,13 @@ pub use device::{Device, Equipment, InputDrumDenominators, is_urdf, refuse_other
 pub use diagnose::{Cause, Diagnose, Diagnosed, diagnose, diagnose_as};
 pub use error::{Error, ErrorKind, Place};
 pub use identify::{
-    Found, IdentifiabilityEntry, Identified, Identify, LossEntry, NoiseEntry, NotIdentified,
-    ParameterEntry, RankEntry, RejectedEntry, TransmissionEntry, identify, identify_as,
+    EffectEntry, EffectNumber, Found, IdentifiabilityEntry, Identified, Identify, LossEntry,
+    NoiseEntry, NotIdentified, ParameterEntry, RankEntry, RejectedEntry, TransmissionEntry,
+    identify, identify_as,
 };
 pub use log::Log;
 pub use plan::{Planned, plan, plan_as};
+pub use replay::{Replayed, ReplayedChannel, replay};
 
 /// What a program needs from a device file to a cause: `use haptical::prelude::*;`.
 pub mod prelude {

@@ -54,6 +54,7 @@ mod sensor;
 mod settings;
 mod simulate;
 mod streams;
+mod track;
 mod truth;
 mod waves;
 
@@ -68,4 +69,5 @@ pub use motion::settings::{Encoders, HandMotion, MotionSettings, Temperature};
 pub use motion::simulate::{MotionSimulation, record_motion, simulate_motion};
 pub use settings::{CableSigma, Noise, Sampling, Settings};
 pub use simulate::{simulate, simulate_transmission};
+pub use track::{UNSTATED_TRACKER_SD, add_tracker};
 pub use truth::{apply_deviations, true_poses};

@@ -40,6 +40,12 @@ pub(crate) enum Stream {
     MotionForce = 12,
     /// Noise of the thermometer.
     Temperature = 13,
+    /// Where a tracker stands and what it sees, where neither is known.
+    TrackerPlace = 14,
+    /// Noise of a tracker's positions.
+    TrackerPosition = 15,
+    /// Noise of its orientations.
+    TrackerOrientation = 16,
 }
 
 impl Stream {

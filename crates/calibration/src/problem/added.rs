@@ -53,15 +53,20 @@ pub(crate) fn added_readings(
 
 /// How far the numbers of an effect are from where its readings were worked out.
 struct Change {
-    /// Whether the effect is absent: all its numbers are 0, which is exact however bent its law is.
+    /// Whether the device has no such effect, or all its numbers are 0, which is exact however bent its law is.
     is_absent: bool,
     by: Vec<f64>,
 }
 
 impl Change {
     fn new(device: &Device, own: &AddedReadings) -> Self {
-        let fitted = device.effects.get(own.effect).map(|effect| &effect.fitted);
-        let values: Vec<f64> = fitted.into_iter().flatten().map(|own| own.value).collect();
+        let Some(effect) = device.effects.get(own.effect) else {
+            return Self {
+                is_absent: true,
+                by: Vec::new(),
+            };
+        };
+        let values: Vec<f64> = effect.fitted.iter().map(|own| own.value).collect();
         Self {
             is_absent: !values.is_empty() && values.iter().all(|value| *value == 0.0),
             by: values

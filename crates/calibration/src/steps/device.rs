@@ -71,7 +71,7 @@ pub(crate) fn fit_once(
         robust: None,
     };
     let Some((distant, rows)) = step_two(&fitted.device, recording, channels) else {
-        return Ok(fitted);
+        return with_effects(fitted, recording, channels, options);
     };
     // where the joint fit has the last word, step 2 is its start
     let some = match options.method {
@@ -118,6 +118,49 @@ pub(crate) fn fit_once(
     Ok(FittedDevice {
         device: whole.device.clone(),
         whole: Some(whole),
+        ..fitted
+    })
+}
+
+/// Transmissions and effects together, where nothing sees the chain: an effect may be of several joints. What step 1 found
+/// where the device has no effect to be fitted.
+fn with_effects(
+    fitted: FittedDevice,
+    recording: &Recording,
+    channels: &[Channel],
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
+    let (mut parameters, mut unsupported) = joint_candidates(&fitted.device, &fitted.transmissions);
+    let is_shown = |parameter: &ParameterId| {
+        matches!(
+            parameter,
+            ParameterId::Transmission { .. } | ParameterId::Effect { .. }
+        )
+    };
+    parameters.retain(is_shown);
+    unsupported.retain(is_shown);
+    let is_effect = |parameter: &ParameterId| matches!(parameter, ParameterId::Effect { .. });
+    if !parameters.iter().any(is_effect) {
+        return Ok(fitted);
+    }
+    let first = parameters.len();
+    parameters.extend(unsupported);
+    let unsupported: Vec<usize> = (first..parameters.len()).collect();
+    let fit = fit_parameters(&FitRequest {
+        what: "joint identification",
+        device: &fitted.device,
+        recording,
+        channels,
+        parameters: &parameters,
+        unsupported: &unsupported,
+        weights: &fitted.weights,
+        options,
+        start: None,
+        yielded: None,
+    })?;
+    Ok(FittedDevice {
+        device: fit.device.clone(),
+        whole: Some(fit),
         ..fitted
     })
 }

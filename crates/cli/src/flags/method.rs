@@ -1,5 +1,7 @@
 //! The flags of `haptical identify` as what the library is asked for.
 
+use std::path::Path;
+
 use haptical::{Equipment, Identify, InputDrumDenominators};
 use haptical_calibration::{CalibrationMethod, HeldOut, LossChoice, Options, Weighting};
 use haptical_identification::Loss;
@@ -11,10 +13,22 @@ impl IdentifyArguments {
     pub(crate) fn request(&self) -> Identify {
         Identify {
             options: self.options(),
-            joint_compliance: !self.with.is_empty(),
+            with: self
+                .with
+                .iter()
+                .filter(|word| !is_gap(word))
+                .cloned()
+                .collect(),
+            with_causes: None,
             hold: self.hold.hold.clone(),
             deviations: self.hold.deviation.clone(),
         }
+    }
+
+    /// The gap.json whose causes are fitted too.
+    pub(crate) fn causes(&self) -> Option<&Path> {
+        let word = self.with.iter().find(|word| is_gap(word))?;
+        Some(Path::new(word))
     }
 
     fn options(&self) -> Options {
@@ -49,6 +63,13 @@ impl IdentifyArguments {
             ..self.device_options.equipment()
         }
     }
+}
+
+/// Whether what is to be fitted is named by a file.
+fn is_gap(word: &str) -> bool {
+    Path::new(word)
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
 }
 
 impl LossName {

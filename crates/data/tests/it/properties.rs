@@ -140,6 +140,7 @@ fn recordings() -> impl Strategy<Value = Recording> {
                 plane,
                 tool,
                 covariates: vec![("a \"b\", c".into(), covariate), ("humidity".into(), other)],
+                added: Vec::new(),
             }
         })
     })

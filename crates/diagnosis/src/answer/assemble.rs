@@ -6,6 +6,7 @@ use haptical_effects::Stream;
 use crate::DiagnosisError;
 use crate::answer::advice::next_experiment;
 use crate::answer::causes::{noise_findings, position_causes};
+use crate::answer::corrected::corrected;
 use crate::answer::place::{Located, in_torques, locate};
 use crate::answer::place_touched::{by_dependence, of_base_term};
 use crate::answer::tables::{candidates, channels, noise, traces, untestable};
@@ -88,6 +89,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
                 .map(|partial| partial.share),
             false => findings.force.closed_unseen_share,
         },
+        own_effects_leave: None,
         probability_unknown: adequacy.probability_unknown(verdict),
         untestable: untestable(&findings),
         invisible,
@@ -104,6 +106,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         place,
         provenance: provenance(&findings),
         device: engine.problem.device_with(&engine.start.model.values),
+        corrected: corrected(&findings.selection, verdict, &causes)?,
         causes,
         held_out: findings.shrink.description,
         predictions: findings.shrink.predictions,

@@ -7,7 +7,6 @@ use haptical_effects::{Effect, Family, Hook, Need, Role, Spec};
 
 use nalgebra::DMatrix;
 
-use crate::answer::delta::with_variances;
 use crate::answer::shrink::{Shrink, Unseen};
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
 use crate::engine::Engine;
@@ -25,6 +24,7 @@ use crate::thresholds::noise::{DATA_PROBABILITY, LEVEL_SD};
 use crate::thresholds::noise::{GROWS_WITH_SPEED, LOUD, MANY_OUTLIERS};
 use crate::thresholds::rivals::{SETTLING, STEADY};
 use crate::thresholds::unseen::SHOWN_BY_ENCODER;
+use haptical_effects::device::with_variances;
 
 /// The causes that positions show, strongest first.
 pub(crate) fn position_causes(findings: &Findings<'_>) -> Vec<CauseAnswer> {

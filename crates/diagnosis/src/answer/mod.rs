@@ -3,7 +3,7 @@
 pub(crate) mod advice;
 pub(crate) mod assemble;
 pub(crate) mod causes;
-pub(crate) mod delta;
+pub(crate) mod corrected;
 pub(crate) mod floor;
 pub(crate) mod floors;
 pub(crate) mod gap;
@@ -68,6 +68,10 @@ pub struct Diagnosis {
     /// Where named causes leave a part of the gap: the share of its squares beyond noise that they close on rows that their fit
     /// did not see; none where they account for the gap, or where none is named.
     pub closed_unseen_share: Option<f64>,
+    /// Of a device with effects of its own, where their laws leave more than noise and that is no gap: the share of the squares
+    /// beyond noise that they leave of what a device without them does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_effects_leave: Option<f64>,
     /// Probability that the cause is none of the catalogue's.
     pub probability_unknown: f64,
     /// Effects that the recording cannot test.
@@ -96,6 +100,10 @@ pub struct Diagnosis {
     /// The base model.
     #[serde(skip)]
     pub device: Device,
+    /// The device with the causes, geometry and drives fitted together with them; none where no cause is named that is part of
+    /// a device.
+    #[serde(skip)]
+    pub corrected: Option<Device>,
     /// For pictures.
     #[serde(skip)]
     pub traces: Vec<Trace>,

@@ -7,9 +7,9 @@ use haptical_effects::{Effect, Family, catalogue};
 use nalgebra::DMatrix;
 
 use crate::answer::ParameterAnswer;
-use crate::answer::delta::with_variances;
 use crate::engine::Engine;
 use crate::engine::part::dense;
+use haptical_effects::device::with_variances;
 
 /// A sensor that is elsewhere throughout the recording.
 #[derive(Debug)]

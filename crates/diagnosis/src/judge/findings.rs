@@ -7,7 +7,7 @@ use haptical_model::{Device, Recording};
 use crate::answer::AbsorbedAnswer;
 use crate::answer::floor::Floor;
 use crate::answer::floors::floors;
-use crate::answer::shrink::{Shrink, model_residual, on_held_back, on_second};
+use crate::answer::shrink::{Shrink, Unseen, model_residual, on_held_back, on_second};
 use crate::engine::Engine;
 use crate::engine::base::Base;
 use crate::force::answer::ForceAnswer;
@@ -19,6 +19,7 @@ use crate::judge::wrong_angles::torque_nm;
 use crate::select::partial::Partial;
 use crate::select::rival::Rival;
 use crate::select::{Selection, excess};
+use crate::thresholds::earlier_model::CONFIRMED_SD;
 use crate::{DiagnosisError, Options};
 
 /// Inputs of a diagnosis in addition to the fitted base model.
@@ -112,6 +113,7 @@ impl<'f> Findings<'f> {
             || crate::force::examine(&engine.context, &inputs.options.without),
         );
         (findings.shrink, findings.force) = (shrink?, force?);
+        findings.forget_what_no_row_confirms();
         findings.floors = floors(&findings.selection, &findings.shrink.channels);
         for unseen in &mut findings.shrink.channels {
             let mut floors = findings.floors.iter();
@@ -124,6 +126,17 @@ impl<'f> Findings<'f> {
             findings.force = findings.force.beside_wrong_angles(wrong_nm);
         }
         Ok(findings)
+    }
+
+    /// Takes a difference from the earlier model back that makes nothing better on rows that its fit did not see: it is what
+    /// two fits of one device differ by.
+    fn forget_what_no_row_confirms(&mut self) {
+        let channels = &self.shrink.channels;
+        let confirms = |unseen: &Unseen| unseen.gain_sd() > CONFIRMED_SD;
+        let is_alone = self.selection.causes().is_empty() && !self.base_terms.terms.is_empty();
+        if is_alone && !channels.is_empty() && !channels.iter().any(confirms) {
+            self.base_terms = Difference::default();
+        }
     }
 
     fn on_unseen_rows(&self) -> Result<Shrink, DiagnosisError> {

@@ -30,11 +30,25 @@ pub fn attached<'r>(
     device: &mut Device,
     recording: &'r Recording,
 ) -> Result<Cow<'r, Recording>, DeviceEffectError> {
+    let at = device.clone();
+    attached_at(device, &at, recording)
+}
+
+/// The same with postures and loads by the geometry of another device, `at`: the nominal lengths of a device that yields by
+/// centimetres are no good to say how far its handle moves.
+///
+/// # Errors
+/// [`DeviceEffectError`].
+pub fn attached_at<'r>(
+    device: &mut Device,
+    at: &Device,
+    recording: &'r Recording,
+) -> Result<Cow<'r, Recording>, DeviceEffectError> {
     let own = effects_of(device)?;
     if own.is_empty() {
         return Ok(Cow::Borrowed(recording));
     }
-    let base = bare(device);
+    let base = bare(at);
     let channels = channels(&base, recording).unwrap_or_default();
     let streams = streams(&base, &channels);
     let mut context = Context::new(&base, recording, &streams)?;

@@ -117,15 +117,7 @@ pub fn settle(
             shape *= log.clamp(-0.7, 0.7).exp();
         }
         let spec = effect.spec();
-        let values = effect.values(&context, &amplitudes, shape);
-        let further = effect.further(&context, &amplitudes, shape);
-        let names = spec.parameters.iter().map(|own| own.name);
-        let names = names.chain(spec.further.iter().map(|own| own.name));
-        entry.numbers = names
-            .zip(values.iter().chain(&further))
-            .map(|(name, value)| (name.to_owned(), *value))
-            .collect();
-        entry.fitted.clear();
+        entry.numbers = crate::device::entry(effect, &context, &amplitudes, shape).numbers;
         entry.intervals.clear();
         let Some(covariance) = covariance(own.index) else {
             continue;

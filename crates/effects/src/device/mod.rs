@@ -1,11 +1,15 @@
 //! Effects of a device (`[[effect]]`): from names and numbers to laws, and what they add to a recording.
 
 mod added;
+mod entry;
 mod error;
 mod fit;
 mod resolve;
+mod simulated;
 
-pub use added::{attached, bare};
+pub use added::{attached, attached_at, bare};
+pub use entry::entry;
 pub use error::DeviceEffectError;
 pub use fit::{settle, with_variances};
 pub use resolve::{OwnEffect, effects_of, is_law, laws};
+pub use simulated::add_effects;

@@ -56,7 +56,7 @@ pub fn is_law(spec: &Spec) -> Result<(), &'static str> {
             "its phase is another one in each run; take the source of the disturbance away, or filter the channel",
         ),
         (Hook::Readings, _) => Err("it is said of the readings, not of the device"),
-        _ if ["unbalanced-gravity", "grip-force", "payload-on-link"].contains(&spec.name)
+        _ if ["unbalanced-gravity", "grip-force"].contains(&spec.name)
             || *spec == crate::force::PAYLOAD_ON_LINK =>
         {
             Err("give the masses and their centres in [[link]]")

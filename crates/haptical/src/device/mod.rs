@@ -133,6 +133,7 @@ impl Device {
         if model.name == name {
             model.name.clone_from(&source.label);
         }
+        Error::refuse_effects(&model, &read.text, &source.path)?;
         source.relabel(&mut read.warnings);
         let own = source.input("device", source.fingerprint_text(&read.text));
         Ok(Self {

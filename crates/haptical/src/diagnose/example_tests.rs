@@ -52,6 +52,8 @@ pub(crate) fn no_gap() -> Diagnosis {
         place: None,
         causes: vec![],
         unexplained_share: 0.0,
+        own_effects_leave: None,
+        corrected: None,
         probability_unknown: 0.0,
         untestable: vec![Untestable {
             effect: "thermal-drift".to_owned(),

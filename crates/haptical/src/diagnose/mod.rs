@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod agreement_tests;
+mod corrected;
 #[cfg(test)]
 mod example_tests;
 mod page;
@@ -16,6 +17,7 @@ use haptical_diagnosis::{
     BOOTSTRAP_SEED, Catalogue, CauseAnswer, ChannelGap, Diagnosis, Options, Prediction, Provenance,
     Verdict, diagnose as diagnose_recording,
 };
+use haptical_effects::structure::JOINT_COMPLIANCE;
 
 use serde::Serialize;
 
@@ -62,6 +64,9 @@ pub struct Diagnosed {
     pub diagnosis: Diagnosis,
     /// The verdict in a sentence or two.
     pub answer: String,
+    /// The text of corrected.toml.
+    #[serde(skip)]
+    corrected: Option<String>,
     provenance: GapProvenance,
     haptical_version: String,
     device: String,
@@ -151,7 +156,10 @@ pub fn diagnose_as(
     let flag = || format!("--without={}", without.join(","));
     arguments.extend((!without.is_empty()).then(flag));
     arguments.extend((*loss != LossChoice::Auto).then(|| flag_of_loss(*loss)));
-    arguments.extend(flags_of_fit(*joint_compliance, kept, deviations));
+    let with: Vec<String> = (joint_compliance.then(|| JOINT_COMPLIANCE.name.to_owned()))
+        .into_iter()
+        .collect();
+    arguments.extend(flags_of_fit(&with, kept, deviations));
     let mut record = Record::new(version, "diagnose", arguments, files);
     record.seeds.insert("bootstrap", BOOTSTRAP_SEED);
     Ok(Diagnosed {
@@ -160,6 +168,7 @@ pub fn diagnose_as(
             record,
         },
         answer: summary::answer(&diagnosis),
+        corrected: corrected::text(device, &diagnosis)?,
         diagnosis,
         haptical_version: version.to_owned(),
         device: device.source().label.clone(),
@@ -170,8 +179,9 @@ pub fn diagnose_as(
 }
 
 impl Diagnosed {
-    /// Names of the files that are written; the last with a second log only.
-    pub const FILES: [&str; 3] = DIAGNOSIS_FILES;
+    /// Names of the files that are written; the third with a second log only, the last where a cause is named that is part of
+    /// a device.
+    pub const FILES: [&str; 4] = DIAGNOSIS_FILES;
 
     /// What is odd about the device, the logs and the result.
     pub fn warnings(&self) -> &[String] {
@@ -189,7 +199,7 @@ impl Diagnosed {
     /// # Errors
     /// A fault of this library alone.
     pub fn files(&self) -> Result<Vec<NewFile<'static>>, Error> {
-        let [json_name, page_name, predictions_name] = Self::FILES;
+        let [json_name, page_name, predictions_name, corrected_name] = Self::FILES;
         let mut files = vec![(
             page_name,
             page::page(&self.diagnosis, &self.provenance.record)?.into_bytes(),
@@ -198,14 +208,18 @@ impl Diagnosed {
             let predictions = predictions_csv(&self.diagnosis.predictions)?;
             files.push((predictions_name, predictions));
         }
+        if let Some(corrected) = &self.corrected {
+            let text = self.provenance.record.toml_comments()? + corrected;
+            files.push((corrected_name, text.into_bytes()));
+        }
         let mut sealed = self.clone();
         sealed.provenance.record = self.provenance.record.with_outputs(&files);
         files.insert(0, (json_name, sealed_json(&sealed)?.into_bytes()));
         Ok(files)
     }
 
-    /// Writes gap.json, gap.html, with a second log predictions.csv, and report.html, an index of the results in the
-    /// folder: all of them or none. A predictions.csv of an earlier run is removed.
+    /// Writes gap.json, gap.html, with a second log predictions.csv, with a cause that is part of a device corrected.toml, and
+    /// report.html, an index of the results in the folder: all of them or none. A file of these of an earlier run is removed.
     ///
     /// # Errors
     /// The folder cannot be written to, or a file of these names in it is none that an earlier run wrote:

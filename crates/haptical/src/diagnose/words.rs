@@ -120,6 +120,13 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
 
 /// What the model leaves passes for noise, by which tests.
 fn no_gap(diagnosis: &Diagnosis) -> String {
+    if let Some(share) = diagnosis.own_effects_leave {
+        return format!(
+            "What the model's own effects leave, {:.1} % of the squares beyond noise that a device without them does, is no \
+             more than their laws may get wrong.",
+            100.0 * share
+        );
+    }
     let tested = &diagnosis.whiteness.over;
     let names = |are_tested: bool| -> Vec<String> {
         let all = [

@@ -2,6 +2,7 @@
 
 mod design;
 mod device_file;
+mod effect;
 mod equipment;
 mod log;
 mod place;

@@ -9,8 +9,9 @@ pub(crate) const IDENTIFICATION_FILES: [&str; 4] = [
     "identify.html",
     "rejected.toml",
 ];
-/// The last one is written with a second log only.
-pub(crate) const DIAGNOSIS_FILES: [&str; 3] = ["gap.json", "gap.html", "predictions.csv"];
+/// The third is written with a second log only, the last one where a cause is named that is part of a device.
+pub(crate) const DIAGNOSIS_FILES: [&str; 4] =
+    ["gap.json", "gap.html", "predictions.csv", "corrected.toml"];
 /// The last one is written where poses are asked for only.
 pub(crate) const PLAN_FILES: [&str; 4] = ["plan.json", "plan.html", "rigs.svg", "poses.csv"];
 

@@ -8,6 +8,10 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::OutputFile;
+use crate::error::Error;
+
+/// Most that is read of a result.
+const LARGEST_TEXT_BYTES: u64 = 64 << 20;
 
 /// A file to read, and the name that results give it.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,6 +78,24 @@ impl Source {
             label: label.to_owned(),
             text: Some(text.into()),
         }
+    }
+
+    /// Its text.
+    ///
+    /// # Errors
+    /// It cannot be read, or is too large.
+    pub(crate) fn read_text(&self) -> Result<String, Error> {
+        if let Some(text) = &self.text {
+            return Ok(text.clone());
+        }
+        let unreadable = |error: io::Error| {
+            Error::unreadable(&error, &self.path, "check the path and its permissions")
+        };
+        let mut text = String::new();
+        let file = File::open(&self.path).map_err(unreadable)?;
+        let mut part = file.take(LARGEST_TEXT_BYTES);
+        part.read_to_string(&mut text).map_err(unreadable)?;
+        Ok(text)
     }
 
     /// The path as messages give it.

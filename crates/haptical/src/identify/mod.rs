@@ -1,10 +1,12 @@
 //! Identification: a device and a log in; values, intervals, reasons, files and the table of residuals out.
 
+mod effects;
 pub(crate) mod intervals;
 mod page;
 mod result;
 mod summary;
 mod transmissions;
+mod with;
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -12,11 +14,12 @@ use std::sync::Arc;
 
 use haptical_calibration::{
     Calibration, CalibrationError, Degree, ForceDirection, HeldOut, LossChoice, Options, Weighting,
-    calibrate, force_direction, without_copies,
+    force_direction, without_copies,
 };
-use haptical_effects::structure::JOINT_COMPLIANCE;
-use haptical_model::{Device as Model, Recording, TransmissionKind};
+use haptical_model::{Device as Model, ParameterId, Recording, TransmissionKind};
 
+pub use self::effects::{EffectEntry, EffectNumber};
+use self::effects::{EffectFitError, calibrate_with_effects};
 use self::result::identified;
 pub use self::result::{
     IdentifiabilityEntry, Identified, LossEntry, NoiseEntry, NotIdentified, ParameterEntry,
@@ -36,8 +39,10 @@ use crate::log::Log;
 pub struct Identify {
     /// Method, weights, loss, held-out rows.
     pub options: Options,
-    /// Whether to fit what joints yield to their torque behind the external encoder.
-    pub joint_compliance: bool,
+    /// Effects to fit with geometry and drives: `EFFECT` or `EFFECT@JOINT`, each a law of the catalogue.
+    pub with: Vec<String>,
+    /// A gap.json whose causes are fitted too.
+    pub with_causes: Option<Source>,
     /// Numbers of the links that are kept: `lengths`, `twists`, `offsets`, `a`, `theta`, ..., or one row's, `a3`.
     pub hold: Vec<String>,
     /// How far such numbers may plausibly be off \[m\] or \[rad\].
@@ -52,7 +57,8 @@ impl Default for Identify {
                 held_out: HeldOut::Share(0.2),
                 ..Options::default()
             },
-            joint_compliance: false,
+            with: Vec::new(),
+            with_causes: None,
             hold: Vec::new(),
             deviations: Vec::new(),
         }
@@ -95,12 +101,19 @@ pub fn identify_as(
 ) -> Result<Found, Error> {
     let (recording, copies) = without_copies(&log.recording);
     let mut model = device.model.clone();
-    options.apply(&mut model)?;
+    let causes = options.apply(&mut model)?;
     let (device_path, log_path) = (&device.source().path, &log.source().path);
     let refuse = |error: CalibrationError| {
         Error::calibration(&error, device_path, log_path).with_equipment(device)
     };
-    let calibration = calibrate(&model, &recording, &options.options).map_err(refuse)?;
+    let found = calibrate_with_effects(&model, &recording, &options.options);
+    let (calibration, effects) = found.map_err(|error| match error {
+        EffectFitError::Calibration(error) => refuse(error),
+        EffectFitError::Diagnosis(error) => {
+            Error::diagnosis(&error, device_path, log_path).with_equipment(device)
+        }
+        EffectFitError::Effect(error) => Error::effect(&error, device_path, log_path),
+    })?;
     refuse_overflow(&calibration, &recording, log_path)?;
     let warnings = [&device.warnings, &log.warnings, &calibration.warnings];
     let mut warnings = warnings.map(Clone::clone);
@@ -108,6 +121,7 @@ pub fn identify_as(
     let mut inputs = device.inputs("device");
     // behind the device, before the rig: the order of the flags
     inputs.splice(1..1, log.input("log"));
+    inputs.extend(causes);
     let mut record = Record::new(version, "identify", options.flags(device, &inputs), inputs);
     record.thresholds = Some(Thresholds::from_options(&options.options));
     let force = force(&model, &calibration, &recording).map_err(refuse)?;
@@ -116,7 +130,8 @@ pub fn identify_as(
         Calibration::method_name(options.options.method),
         recording.len(),
     );
-    let result = identified(&calibration, labels, fit, force, warnings.concat(), record);
+    let mut result = identified(&calibration, labels, fit, force, warnings.concat(), record);
+    result.tell_effects(effects);
     let written = |model: &Model| {
         model
             .to_toml(without_comments(device.to_toml()), &device.source().label)
@@ -154,7 +169,11 @@ fn force(
 ) -> Result<Option<ForceDirection>, CalibrationError> {
     let mut drives = model.joints.iter().map(|joint| joint.transmission);
     match &calibration.fitted.whole {
-        Some(whole) if drives.any(|drive| drive != TransmissionKind::Direct) => {
+        // a fit of drives and their effects alone has no handle
+        Some(whole)
+            if drives.any(|drive| drive != TransmissionKind::Direct)
+                && (whole.parameters.iter()).any(|id| matches!(id, ParameterId::Link { .. })) =>
+        {
             force_direction(whole, recording)
         }
         _ => Ok(None),
@@ -162,11 +181,19 @@ fn force(
 }
 
 impl Identify {
-    fn apply(&self, model: &mut Model) -> Result<(), Error> {
-        if self.joint_compliance {
-            model.fit_compliance();
+    /// Adds what is to be fitted; the file that says it, where it is one.
+    fn apply(&self, model: &mut Model) -> Result<Option<InputFile>, Error> {
+        for word in &self.with {
+            with::add(model, word)?;
         }
-        self.hold(model)
+        let mut causes = None;
+        if let Some(source) = &self.with_causes {
+            let text = source.read_text()?;
+            with::add_causes(model, &text, &source.name())?;
+            causes = Some(source.input("with", source.fingerprint_text(&text)));
+        }
+        self.hold(model)?;
+        Ok(causes)
     }
 
     /// Keeps the numbers that are held, and notes how far others may be off.
@@ -198,11 +225,7 @@ impl Identify {
             },
             flag_of_loss(options.loss),
         ]);
-        flags.extend(flags_of_fit(
-            self.joint_compliance,
-            &self.hold,
-            &self.deviations,
-        ));
+        flags.extend(flags_of_fit(&self.with, &self.hold, &self.deviations));
         let equipment = device.equipment();
         if let InputDrumDenominators::Same(length_m) = equipment.denominators {
             flags.push(format!("--input-drum-denominator-m={length_m}"));
@@ -233,12 +256,12 @@ pub(crate) fn hold(
 
 /// The flags of what a model's fit starts from, where they are given.
 pub(crate) fn flags_of_fit(
-    joint_compliance: bool,
+    with: &[String],
     kept: &[String],
     deviations: &[(String, f64)],
 ) -> Vec<String> {
     let mut flags = Vec::new();
-    flags.extend(joint_compliance.then(|| format!("--with={}", JOINT_COMPLIANCE.name)));
+    flags.extend(with.iter().map(|word| format!("--with={word}")));
     let deviations = deviations.iter();
     flags.extend(deviations.map(|(word, size)| format!("--deviation={word}={size}")));
     flags.extend(kept.iter().map(|word| format!("--hold={word}")));

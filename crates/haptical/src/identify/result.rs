@@ -10,6 +10,7 @@ use haptical_identification::{Convergence, Identifiability, Loss, Observability,
 use haptical_model::{Device, ParameterId, TransmissionError};
 use serde::Serialize;
 
+use super::effects::EffectEntry;
 use super::summary::answer;
 use super::transmissions::{TransmissionEntry, transmissions};
 use crate::files::Record;
@@ -44,6 +45,9 @@ pub struct Identified {
     pub transmissions: Vec<TransmissionEntry>,
     /// All candidates.
     pub parameters: Vec<ParameterEntry>,
+    /// Effects that were fitted, with their own numbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectEntry>,
     /// What the data fix of parameters that they do not fix alone.
     pub combinations: Vec<Combination>,
     /// Those that kept their nominal values.
@@ -86,6 +90,12 @@ pub struct RejectedEntry {
 }
 
 impl Identified {
+    /// Takes up what was found of effects.
+    pub(super) fn tell_effects(&mut self, effects: Vec<EffectEntry>) {
+        self.effects = effects;
+        self.answer = answer(self);
+    }
+
     /// Channels of the fit that no row outside it checks.
     pub fn unchecked(&self) -> impl Iterator<Item = &ChannelReport> {
         let is_checked = |name: &str| self.channels.iter().any(|checked| checked.channel == name);
@@ -266,6 +276,7 @@ pub(super) fn identified(
         channels: figures(calibration.judged_channels()),
         channels_fit: figures(&calibration.fit_channels),
         transmissions: transmissions(calibration, &parameters),
+        effects: Vec::new(),
         combinations,
         not_identified,
         intervals: fits.first().map(|first| Intervals {

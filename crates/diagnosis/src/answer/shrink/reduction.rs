@@ -137,6 +137,19 @@ impl Unseen {
         square / self.floor.rms.max(1e-300).powi(2)
     }
 
+    /// By how much less is left, in standard deviations of what blocks of rows gain.
+    pub(crate) fn gain_sd(&self) -> f64 {
+        let length = BOOTSTRAP_BLOCK_ROWS.min(self.before.len() / 4).max(1);
+        let blocks = self.before.chunks(length).zip(self.after.chunks(length));
+        let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+        let gains: Vec<f64> = blocks.map(|(a, b)| squares(a) - squares(b)).collect();
+        let count = gains.len() as f64;
+        let mean = gains.iter().sum::<f64>() / count;
+        let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>();
+        let sd = (variance / (count - 1.0).max(1.0) / count).sqrt();
+        if sd > 0.0 { mean / sd } else { 0.0 }
+    }
+
     /// Half of the 95 % interval of the floor's square, relative.
     fn spread(&self) -> f64 {
         1.96 * (2.0 / self.floor.freedom).sqrt()

@@ -2,6 +2,7 @@
 
 use haptical_calibration::{Channel, channels, with_unseen_places};
 use haptical_effects::Effect;
+use haptical_effects::device::attached;
 use haptical_model::Recording;
 
 use super::Shrink;
@@ -219,8 +220,10 @@ pub(crate) fn model_residual(
 ) -> Result<Vec<Vec<f64>>, DiagnosisError> {
     let weights = haptical_calibration::Weights::stated(&model.device, &model.channels);
     let streams = &engine.context.streams;
+    let mut model = model.clone();
+    let recording = &attached(&mut model.device, recording)?;
     let problem = crate::engine::base_problem::BaseProblem::new(
-        model, recording, recording, streams, &weights,
+        &model, recording, recording, streams, &weights,
     )?;
     Ok(problem.evaluate(&problem.start(), false)?.residual)
 }

@@ -6,10 +6,10 @@ use haptical_effects::{Effect, Family, Hook, LawError, Role};
 use nalgebra::DMatrix;
 
 use crate::answer::ParameterAnswer;
-use crate::answer::delta::with_variances;
 use crate::force::base::Base;
 use crate::force::effects::{Effects, is_scale};
 use crate::force::select::Pick;
+use haptical_effects::device::with_variances;
 
 /// Coefficients of a model of the torques with their covariance, what is left counting as noise.
 #[derive(Debug)]

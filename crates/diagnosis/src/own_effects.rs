@@ -1,0 +1,86 @@
+//! What the laws of a device's own effects leave: a spring hardens, a loop has no single form.
+
+use haptical_calibration::{LossChoice, Weights, channel_residuals};
+use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
+use haptical_effects::spec;
+use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
+use haptical_model::{Device, Recording};
+
+use crate::DiagnosisError;
+use crate::answer::{Diagnosis, Gap, Verdict};
+use crate::engine::base::Base;
+
+/// The answer on a device with effects of its own: what is left is no gap where it is no more than what their laws get wrong,
+/// and nothing but numbers of the base model explains it.
+///
+/// A law is right up to a share of the squares that its effect has beyond noise ([`haptical_effects::LawError`]); these are what a
+/// device without the effects, fitted to the same recording, leaves. `device` and `recording` are without effects.
+///
+/// # Errors
+/// [`DiagnosisError`] where the device without effects cannot be fitted.
+pub(crate) fn within_laws(
+    found: Diagnosis,
+    names: &[String],
+    (device, recording): (&Device, &Recording),
+    loss: LossChoice,
+) -> Result<Diagnosis, DiagnosisError> {
+    let of_base = [
+        LINK_GEOMETRY.name,
+        JOINT_OFFSET.name,
+        PARALLELOGRAM_ERROR.name,
+        DRUM_ECCENTRICITY.name,
+        RATIO_ERROR.name,
+    ];
+    let is_of_base = |effect: &String| of_base.contains(&effect.as_str());
+    let is_open = match found.verdict {
+        Verdict::NoGap => false,
+        Verdict::Unknown | Verdict::Ambiguous => true,
+        Verdict::Named => found.causes.iter().all(|cause| is_of_base(&cause.effect)),
+    };
+    if !is_open || names.is_empty() {
+        return Ok(found);
+    }
+    let base = Base::fit(device, recording, loss)?;
+    let weights = Weights::stated(&base.device, &base.channels);
+    let (own, model) = (&base.device, &base.channels);
+    let residuals = channel_residuals(own, own, recording, model, &weights)?;
+    let (mut left, mut whole) = (0.0, 0.0);
+    for channel in &found.gap.channels {
+        let name =
+            |own: &&haptical_calibration::ChannelResiduals| own.channel.name() == channel.channel;
+        let Some(without) = residuals.iter().find(name) else {
+            // a torque
+            if channel.has_gap {
+                return Ok(found);
+            }
+            continue;
+        };
+        let count = without.residuals.len() as f64;
+        let beyond = |rms: f64| count * ((rms / channel.noise_floor).powi(2) - 1.0).max(0.0);
+        left += beyond(channel.rms_before);
+        whole += beyond(without.rms().unwrap_or(0.0));
+    }
+    let shares = names.iter().filter_map(|name| spec(name));
+    let allowed = shares.map(|spec| spec.law_error.share).fold(0.0, f64::max);
+    let share = left / whole.max(1e-300);
+    if share > allowed {
+        return Ok(found);
+    }
+    let channels = found.gap.channels.clone();
+    Ok(Diagnosis {
+        verdict: Verdict::NoGap,
+        gap: Gap::new(Verdict::NoGap, None, channels),
+        place: None,
+        causes: Vec::new(),
+        absorbed: None,
+        unexplained_share: 0.0,
+        closed_unseen_share: None,
+        probability_unknown: 0.0,
+        candidates: Vec::new(),
+        next_experiment: None,
+        traces: Vec::new(),
+        corrected: None,
+        own_effects_leave: Some(share),
+        ..found
+    })
+}

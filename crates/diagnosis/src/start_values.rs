@@ -1,0 +1,86 @@
+//! Start values of effects that a calibration is to fit: by the refit of a diagnosis.
+
+use haptical_calibration::LossChoice;
+use haptical_effects::Effect;
+use haptical_effects::device::{bare, effects_of, entry};
+use haptical_model::{Device, Recording};
+
+use crate::DiagnosisError;
+use crate::engine::Prepared;
+use crate::engine::base::Base;
+use crate::engine::model::{Cause, Refit};
+use crate::thresholds::chance::OUTLIER_SD;
+
+/// The device with numbers for those of its effects that are to be fitted and have none: base model and effects are fitted
+/// together, a law with a shape from each shape of its grid. An effect of which the recording shows nothing gets none.
+///
+/// # Errors
+/// [`DiagnosisError`].
+pub fn start_values(
+    device: &Device,
+    recording: &Recording,
+    loss: LossChoice,
+) -> Result<Device, DiagnosisError> {
+    let own = effects_of(device)?;
+    if own.iter().all(|effect| effect.values.is_some()) {
+        return Ok(device.clone());
+    }
+    let rigid = bare(device);
+    let base = Base::fit(&rigid, recording, loss)?;
+    let prepared = Prepared::new(&base, recording, recording)?;
+    let gone = prepared.outlying(OUTLIER_SD);
+    let cleaned = crate::noise::cleaning::without_readings(recording, &gone);
+    let engine = prepared.without(&gone, &cleaned).fit(None)?;
+    let mut indices = Vec::new();
+    let mut wanted = Vec::new();
+    let mut effects: Vec<Box<dyn Effect>> = Vec::new();
+    let mut refit = Refit {
+        model: engine.start.model.clone(),
+        residual: engine.start.residual.clone(),
+        covariance: None,
+        last_step: engine.start.last_step,
+    };
+    for own in own {
+        let is_on_drives = own.effect.spec().hook.is_on_drives();
+        if is_on_drives || own.effect.untestable(&engine.context).is_some() {
+            continue;
+        }
+        let (amplitudes, shape) = own.amplitudes(&engine.context);
+        indices.push(own.index);
+        wanted.push(own.values.is_none());
+        effects.push(own.effect);
+        refit.model.causes.push(Cause {
+            effect: effects.len() - 1,
+            amplitudes,
+            shape,
+            times: Vec::new(),
+        });
+    }
+    for place in (0..effects.len()).filter(|&place| wanted[place]) {
+        let mut best: Option<Refit> = None;
+        for shape in effects[place].shapes(&engine.context) {
+            let mut model = refit.model.clone();
+            model.causes[place].shape = shape;
+            let Ok(fitted) = engine.refit(&effects, &model) else {
+                continue;
+            };
+            let is_better = best
+                .as_ref()
+                .is_none_or(|best| engine.cost(&fitted) < engine.cost(best));
+            if is_better {
+                best = Some(fitted);
+            }
+        }
+        refit = best.unwrap_or(refit);
+    }
+    let mut device = device.clone();
+    for (place, (&index, effect)) in indices.iter().zip(&effects).enumerate() {
+        let cause = &refit.model.causes[place];
+        if wanted[place] && cause.amplitudes.iter().any(|amplitude| *amplitude != 0.0) {
+            let (amplitudes, shape) = (&cause.amplitudes, cause.shape);
+            let found = entry(effect.as_ref(), &engine.context, amplitudes, shape);
+            device.effects[index].numbers = found.numbers;
+        }
+    }
+    Ok(device)
+}

@@ -1,0 +1,343 @@
+//! Effects that are fitted with geometry and drives.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use haptical_calibration::{
+    Calibration, CalibrationError, CalibrationMethod, HeldOut, Options, ParameterFit, Weights,
+    calibrate,
+};
+use haptical_diagnosis::{DiagnosisError, start_values};
+use haptical_effects::device::{DeviceEffectError, attached_at, settle};
+use haptical_effects::{Unit, spec};
+use haptical_kinematics::nalgebra::{DMatrix, DVector};
+use haptical_metrics::chi_square_p_value;
+use haptical_model::{Device as Model, ParameterId, Recording};
+use serde::Serialize;
+
+/// Most fits: each leaves what the laws' curvature makes of the error before.
+const MOST_FITS: usize = 4;
+/// What effects add has settled where it moves by less than this part of the noise.
+const SETTLED: f64 = 0.1;
+/// Probability by chance below which an effect is shown: one in a thousand, because its shape was looked for too.
+const SHOWN: f64 = 1e-3;
+
+/// An effect that was fitted.
+#[derive(Debug, Clone, Serialize)]
+pub struct EffectEntry {
+    /// Name in the catalogue.
+    pub effect: String,
+    /// Joint, from 1, where it has one.
+    pub joint: Option<usize>,
+    /// Its numbers by name; none where the log says nothing of it.
+    pub parameters: BTreeMap<String, EffectNumber>,
+    /// Probability that noise alone gives an effect of this size; none where the log does not fix it.
+    pub p_value: Option<f64>,
+    /// Whether the log shows it. One that it does not show is left out of the identified device.
+    pub shown: bool,
+    /// The same in words.
+    pub why: String,
+}
+
+/// A number of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct EffectNumber {
+    /// Value.
+    pub value: f64,
+    /// SI unit.
+    pub unit: &'static str,
+    /// 95 % interval; an end that the log leaves open is none.
+    pub ci95: Option<[Option<f64>; 2]>,
+}
+
+/// Why there is no fit with effects.
+#[derive(Debug)]
+pub(super) enum EffectFitError {
+    Calibration(CalibrationError),
+    Diagnosis(DiagnosisError),
+    Effect(DeviceEffectError),
+}
+
+impl From<CalibrationError> for EffectFitError {
+    fn from(error: CalibrationError) -> Self {
+        Self::Calibration(error)
+    }
+}
+
+impl From<DiagnosisError> for EffectFitError {
+    fn from(error: DiagnosisError) -> Self {
+        Self::Diagnosis(error)
+    }
+}
+
+impl From<DeviceEffectError> for EffectFitError {
+    fn from(error: DeviceEffectError) -> Self {
+        Self::Effect(error)
+    }
+}
+
+/// Calibrates a device together with its effects, and says of each whether the log shows it; the device that is found has
+/// those that it shows.
+///
+/// The laws are taken as straight about numbers that a refit of the diagnosis finds, and the fit is repeated until they
+/// stand still.
+pub(super) fn calibrate_with_effects(
+    model: &Model,
+    recording: &Recording,
+    options: &Options,
+) -> Result<(Calibration, Vec<EffectEntry>), EffectFitError> {
+    if model.effects.is_empty() {
+        return Ok((calibrate(model, recording, options)?, Vec::new()));
+    }
+    let is_fitted = model.effects.iter().any(|effect| effect.fit);
+    if is_fitted && options.method == CalibrationMethod::TwoStep {
+        return Err(CalibrationError::Option {
+            name: "method",
+            value: "two-step".to_owned(),
+            allowed: "effects are fitted with everything else at once, by the method joint",
+        }
+        .into());
+    }
+    let found = fitted(model, recording, options)?;
+    let entries = entries(&found)?;
+    let is_kept = |index: &usize| {
+        let new = is_new(model, *index);
+        !new || entries
+            .iter()
+            .any(|(own, entry)| own == index && entry.shown)
+    };
+    let kept: Vec<usize> = (0..model.effects.len()).filter(is_kept).collect();
+    let entries: Vec<EffectEntry> = entries.into_iter().map(|(_, entry)| entry).collect();
+    if kept.len() == model.effects.len() {
+        return Ok((found.calibration, entries));
+    }
+    let mut without = model.clone();
+    without.effects = kept
+        .iter()
+        .map(|&index| found.start.effects[index].clone())
+        .collect();
+    if without.effects.is_empty() {
+        return Ok((calibrate(&without, recording, options)?, entries));
+    }
+    let again = fitted(&without, recording, options)?;
+    let told = self::entries(&again)?;
+    // what was left out keeps what was found of it
+    let of_place = |entry: &EffectEntry| {
+        let own = told.iter().map(|(_, own)| own);
+        let mut own = own.filter(|own| own.effect == entry.effect && own.joint == entry.joint);
+        own.next().filter(|_| entry.shown).cloned()
+    };
+    let entries = entries.into_iter();
+    let entries = entries
+        .map(|entry| of_place(&entry).unwrap_or(entry))
+        .collect();
+    Ok((again.calibration, entries))
+}
+
+/// Whether an effect was asked for without a size: the device as it was does not have it.
+fn is_new(model: &Model, index: usize) -> bool {
+    let effect = &model.effects[index];
+    let own = spec(&effect.name);
+    let sizes = own.into_iter().flat_map(|spec| spec.parameters);
+    let mut sizes = sizes.filter(|parameter| parameter.is_size());
+    effect.fit && !sizes.any(|size| effect.numbers.contains_key(size.name))
+}
+
+/// A finished fit.
+struct Fitted<'r> {
+    calibration: Calibration,
+    /// The device with the numbers that the laws were straightened about.
+    start: Model,
+    recording: &'r Recording,
+    /// The device whose geometry they were straightened at.
+    at: Model,
+}
+
+fn fitted<'r>(
+    model: &Model,
+    recording: &'r Recording,
+    options: &Options,
+) -> Result<Fitted<'r>, EffectFitError> {
+    let mut start = start_values(model, recording, options.loss)?;
+    // effects of a nominal device are not where those of the real one are: a spring that gives by a degree, at a length that is a
+    // millimetre off, moves the handle by more than noise
+    let mut at = start.clone();
+    let mut before: Option<Cow<'_, Recording>> = None;
+    let mut round = 0;
+    loop {
+        round += 1;
+        let mut there = start.clone();
+        let with = attached_at(&mut there, &at, recording)?;
+        for index in 0..there.effects.len() {
+            if is_new(model, index) {
+                // before the fit the device has none of it
+                let numbers = there.effects[index].fitted.iter_mut();
+                numbers.for_each(|number| number.value = 0.0);
+            }
+        }
+        let is_last = round == MOST_FITS
+            || before
+                .as_ref()
+                .is_some_and(|before| is_same(before, &with, &at));
+        let options = &Options {
+            held_out: match is_last {
+                true => options.held_out,
+                false => HeldOut::None,
+            },
+            ..*options
+        };
+        let calibration = calibrate(&there, &with, options)?;
+        let mut found = Fitted {
+            calibration,
+            start,
+            recording,
+            at,
+        };
+        if is_last {
+            found.settle()?;
+            return Ok(found);
+        }
+        found.settle()?;
+        start = found.start;
+        start.effects.clone_from(&found.calibration.device.effects);
+        at = found.calibration.device;
+        before = Some(with);
+    }
+}
+
+/// Whether effects add the same as in the round before, to a small part of the channels' noise.
+fn is_same(before: &Recording, now: &Recording, device: &Model) -> bool {
+    let channels = haptical_calibration::channels(device, now).unwrap_or_default();
+    let weights = Weights::stated(device, &channels);
+    let noise = |name: &str| {
+        let mut own = weights.channel_sd.iter();
+        own.find(|(channel, _)| channel.name() == name)
+            .map(|(_, sd)| *sd)
+    };
+    let pairs = before.added.iter().zip(&now.added);
+    let mut moved = pairs.map(|(before, now)| {
+        let pairs = before.readings.iter().zip(&now.readings);
+        let square: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
+        let rms = (square / before.readings.len().max(1) as f64).sqrt();
+        noise(&now.channel).map_or(0.0, |sd| rms / sd)
+    });
+    moved.all(|moved| moved <= SETTLED)
+}
+
+impl Fitted<'_> {
+    fn fit(&self) -> Option<&ParameterFit> {
+        self.calibration.fitted.whole.as_ref()
+    }
+
+    /// Covariance of an effect's fitted numbers; none where one of them is not fixed.
+    fn covariance(&self, effect: usize, count: usize) -> Option<DMatrix<f64>> {
+        let fit = self.fit()?;
+        let (uncertain, covariance) = fit.uncertain();
+        let place = |number: usize| {
+            let id = ParameterId::Effect { effect, number };
+            let at = fit.parameters.iter().position(|own| *own == id)?;
+            fit.fitted.contains(&at).then_some(())?;
+            let sd = fit.estimates[at].standard_deviation?;
+            Some((uncertain.iter().position(|own| *own == id)?, sd))
+        };
+        let places: Option<Vec<(usize, f64)>> = (0..count).map(place).collect();
+        let places = places.filter(|places| !places.is_empty())?;
+        // the estimates' deviations count more than the covariance does: noise with a memory, curvature
+        let scaled =
+            |(at, sd): (usize, f64)| (at, sd / covariance[(at, at)].max(f64::MIN_POSITIVE).sqrt());
+        let places: Vec<(usize, f64)> = places.into_iter().map(scaled).collect();
+        Some(DMatrix::from_fn(count, count, |a, b| {
+            let ((a, by_a), (b, by_b)) = (places[a], places[b]);
+            covariance[(a, b)] * by_a * by_b
+        }))
+    }
+
+    /// Puts names and intervals in the place of the fitted numbers.
+    fn settle(&mut self) -> Result<(), DeviceEffectError> {
+        let counts: Vec<usize> = (self.calibration.device.effects.iter())
+            .map(|effect| effect.fitted.len())
+            .collect();
+        let covariances: Vec<Option<DMatrix<f64>>> = counts
+            .iter()
+            .enumerate()
+            .map(|(effect, &count)| self.covariance(effect, count))
+            .collect();
+        // what the numbers are worked out from is the device that the laws were straightened about
+        let own = |effect: usize| covariances.get(effect).cloned().flatten();
+        let mut device = self.at.clone();
+        device.effects.clone_from(&self.calibration.device.effects);
+        for (effect, start) in device.effects.iter_mut().zip(&self.start.effects) {
+            effect.numbers.clone_from(&start.numbers);
+        }
+        settle(&mut device, self.recording, &own)?;
+        self.calibration.device.effects = device.effects;
+        if let Some(rejected) = &mut self.calibration.rejected {
+            settle(&mut rejected.device, self.recording, &|_| None)?;
+        }
+        Ok(())
+    }
+}
+
+/// What is said of each fitted effect, with its position in the device.
+fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitError> {
+    let device = &found.calibration.device;
+    let Some(fit) = found.fit() else {
+        return Ok(Vec::new());
+    };
+    let mut entries = Vec::new();
+    for (index, effect) in device.effects.iter().enumerate() {
+        let of_effect = |id: &&ParameterId| matches!(id, ParameterId::Effect { effect, .. } if *effect == index);
+        let values: Vec<f64> = fit
+            .parameters
+            .iter()
+            .filter(of_effect)
+            .map(|id| id.value(&fit.device))
+            .collect();
+        if values.is_empty() {
+            continue;
+        }
+        // the logarithm of a shape says nothing of whether there is an effect
+        let names = fit
+            .parameters
+            .iter()
+            .filter(of_effect)
+            .map(|id| id.name(&fit.device));
+        let sizes = names.filter(|name| !name.ends_with(".log_shape")).count();
+        let covariance = found.covariance(index, values.len());
+        let p_value = covariance
+            .as_ref()
+            .and_then(|covariance| by_chance(&values[..sizes], covariance));
+        let shown = p_value.is_some_and(|p| p < SHOWN) && found.calibration.rejected.is_none();
+        let number = |(name, value): (&String, &f64)| {
+            let number = EffectNumber {
+                value: *value,
+                unit: Unit::by_name(name).symbol(),
+                ci95: effect.intervals.get(name).copied(),
+            };
+            (name.clone(), number)
+        };
+        let entry = EffectEntry {
+            effect: effect.name.clone(),
+            joint: effect.joint.map(|joint| joint + 1),
+            parameters: effect.numbers.iter().map(number).collect(),
+            p_value,
+            shown,
+            why: match p_value {
+                None => "the log does not fix it beside geometry and drives".to_owned(),
+                Some(p) if shown => format!("the log shows it (p = {p:.1e})"),
+                Some(p) => format!("noise alone gives as much with probability {p:.2}"),
+            },
+        };
+        entries.push((index, entry));
+    }
+    Ok(entries)
+}
+
+/// Probability that noise alone gives amplitudes of this size.
+fn by_chance(amplitudes: &[f64], covariance: &DMatrix<f64>) -> Option<f64> {
+    let count = amplitudes.len();
+    let own = covariance.view((0, 0), (count, count)).into_owned();
+    let values = DVector::from_column_slice(amplitudes);
+    let square = values.dot(&own.cholesky()?.solve(&values));
+    chi_square_p_value(square, count as f64).ok()
+}

@@ -1,0 +1,155 @@
+//! Effects that an identification is asked to fit: `EFFECT`, `EFFECT@JOINT`, or the causes of a gap.json.
+
+use haptical_effects::device::{DeviceEffectError, effects_of, laws};
+use haptical_effects::structure::JOINT_COMPLIANCE;
+use haptical_model::{Device as Model, DeviceEffect, JointCompliance};
+use serde_json::Value;
+
+use crate::error::Error;
+
+/// Another name of the joints' compliance.
+const ALIAS: &str = "link-compliance";
+
+/// Adds the effects of a word to a model, to be fitted.
+///
+/// # Errors
+/// A name that is no law, a joint that cannot have it.
+pub(super) fn add(model: &mut Model, word: &str) -> Result<(), Error> {
+    let refuse = |what: String, next: &str| Error::command_line("with", what, next);
+    let (name, joint) = match word.split_once('@') {
+        None => (word, None),
+        Some((name, number)) => {
+            let joints = model.joints.len();
+            let index = number
+                .parse::<usize>()
+                .ok()
+                .and_then(|joint| joint.checked_sub(1));
+            let index = index.filter(|index| *index < joints).ok_or_else(|| {
+                let what = format!("--with {word}: `{number}` is no joint");
+                refuse(what, &format!("give a joint from 1 to {joints}"))
+            })?;
+            (name, Some(index))
+        }
+    };
+    if name == JOINT_COMPLIANCE.name || name == ALIAS {
+        return Ok(yielding(model, joint));
+    }
+    if let Some(joint) = joint {
+        return push(model, one(name, Some(joint))).map_err(|error| refused(word, &error));
+    }
+    let before = model.effects.len();
+    let mut last = push(model, one(name, None)).err();
+    // of an effect of joints: every joint that can have it
+    if last.is_some() && laws().any(|spec| spec.name == name) {
+        for joint in 0..model.joints.len() {
+            last = push(model, one(name, Some(joint))).err();
+        }
+    }
+    match last {
+        Some(error) if model.effects.len() == before => Err(refused(word, &error)),
+        _ => Ok(()),
+    }
+}
+
+/// Adds the causes of a gap.json.
+///
+/// # Errors
+/// It is none, or has no cause that is a law.
+pub(super) fn add_causes(model: &mut Model, text: &str, file: &str) -> Result<(), Error> {
+    let refuse = |what: &str| {
+        let next = "give a gap.json that `haptical diagnose` wrote, with causes";
+        Error::bad_input("with", what, file, next)
+    };
+    let gap: Value = serde_json::from_str(text).map_err(|_| refuse("it is no JSON"))?;
+    let causes = gap.get("causes").and_then(Value::as_array);
+    let causes = causes.ok_or_else(|| refuse("it has no `causes`"))?;
+    let mut count = 0;
+    for cause in causes {
+        let name = cause.get("effect").and_then(Value::as_str);
+        let name = name.ok_or_else(|| refuse("a cause has no `effect`"))?;
+        let number = cause.get("joint").and_then(Value::as_u64);
+        let joint = number.and_then(|joint| usize::try_from(joint).ok()?.checked_sub(1));
+        if name == JOINT_COMPLIANCE.name {
+            yielding(model, joint);
+            count += 1;
+            continue;
+        }
+        let mut effect = one(name, joint);
+        // where it is, not how large: that is fitted
+        for key in ["from_joint", "order"] {
+            let parameter = cause.get("parameters").and_then(|all| all.get(key));
+            let value = parameter
+                .and_then(|own| own.get("value"))
+                .and_then(Value::as_f64);
+            effect
+                .numbers
+                .extend(value.map(|value| (key.to_owned(), value)));
+        }
+        match push(model, effect) {
+            Ok(()) => count += 1,
+            // what is said of the readings, or of the base model, is nothing to add
+            Err(DeviceEffectError::NoLaw { .. }) => {}
+            Err(error) => return Err(refused(name, &error)),
+        }
+    }
+    match count {
+        0 => Err(refuse("none of its causes is a law that a device can have")),
+        _ => Ok(()),
+    }
+}
+
+/// Lets a joint, or every joint, yield to its torque.
+fn yielding(model: &mut Model, joint: Option<usize>) {
+    match joint {
+        None => model.fit_compliance(),
+        Some(joint) => {
+            let joints = model.joints.len();
+            let compliance = &mut model.surroundings.compliance;
+            compliance.resize(joints, JointCompliance::default());
+            if let Some(own) = compliance.get_mut(joint) {
+                own.fit = true;
+            }
+        }
+    }
+}
+
+fn one(name: &str, joint: Option<usize>) -> DeviceEffect {
+    DeviceEffect {
+        name: name.to_owned(),
+        joint,
+        fit: true,
+        ..DeviceEffect::default()
+    }
+}
+
+/// Adds an effect, or lets one that the model has be fitted.
+fn push(model: &mut Model, effect: DeviceEffect) -> Result<(), DeviceEffectError> {
+    let is_same = |own: &&mut DeviceEffect| {
+        own.name == effect.name
+            && own.joint == effect.joint
+            && effect
+                .numbers
+                .iter()
+                .all(|(key, value)| own.numbers.get(key) == Some(value))
+    };
+    if let Some(own) = model.effects.iter_mut().find(is_same) {
+        own.fit = true;
+        return Ok(());
+    }
+    model.effects.push(effect);
+    let found = effects_of(model);
+    if found.is_err() {
+        model.effects.pop();
+    }
+    found.map(|_| ())
+}
+
+fn refused(word: &str, error: &DeviceEffectError) -> Error {
+    let text = error.to_string();
+    let what = text.strip_prefix("[[effect]] ").unwrap_or(&text);
+    let (what, next) = what.split_once("; ").unwrap_or((
+        what,
+        "`haptical diagnose --list` has the effects with their places",
+    ));
+    Error::command_line("with", format!("--with {word}: {what}"), next)
+}

@@ -1,0 +1,199 @@
+//! A recorded motion through a model: what its channels should have read.
+
+use haptical_calibration::{Channel, Weights, channel_residuals, channels, prepare_device};
+use haptical_data::LogShape;
+use haptical_effects::device::attached;
+use haptical_kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use haptical_model::Recording;
+use serde::Serialize;
+
+use crate::device::Device;
+use crate::error::Error;
+use crate::log::Log;
+
+/// What a model predicts of a log.
+#[derive(Debug)]
+pub struct Replayed {
+    /// The log with what the model predicts in the place of what was measured.
+    pub predicted: Recording,
+    /// Channel by channel.
+    pub channels: Vec<ReplayedChannel>,
+    /// What is not predicted, and what is odd.
+    pub warnings: Vec<String>,
+}
+
+/// One channel of a replay.
+#[derive(Debug, Clone, Serialize)]
+pub struct ReplayedChannel {
+    /// `out2`, `cable`, `position`, `orientation`.
+    pub channel: String,
+    /// SI unit.
+    pub unit: String,
+    /// Readings, each with all its axes.
+    pub readings: usize,
+    /// Root mean square of prediction minus measurement, of one axis.
+    pub rms: f64,
+    /// The same of the noise that the device file states.
+    pub noise_floor: f64,
+    /// Prediction minus measurement, by row: axis after axis.
+    #[serde(skip)]
+    pub residuals: Vec<(usize, Vec<f64>)>,
+}
+
+/// Runs the motion, the loads and the times of a log through a device with its effects.
+///
+/// External encoders, cables, positions and orientations are predicted; what touches something is not.
+///
+/// # Errors
+/// The device has no value at a row, an effect lacks what drives it, or nothing that the log measures can be predicted.
+pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
+    let (device_path, log_path) = (&device.source().path, &log.source().path);
+    let refuse = |error: &haptical_calibration::CalibrationError| {
+        Error::calibration(error, device_path, log_path).with_equipment(device)
+    };
+    let mut warnings = Vec::new();
+    let recording = log.recording.as_ref();
+    let found = channels(&device.model, recording).map_err(|error| refuse(&error))?;
+    let (found, touches): (Vec<Channel>, Vec<Channel>) = found.into_iter().partition(is_predicted);
+    if !touches.is_empty() {
+        let names: Vec<String> = touches.iter().map(|channel| channel.name()).collect();
+        warnings.push(format!("not predicted: {}", names.join(", ")));
+    }
+    let mut model = device.model.clone();
+    let is_seen = found
+        .iter()
+        .any(|channel| matches!(channel, Channel::Position | Channel::Orientation));
+    let is_open = model.tracker.is_some_and(|tracker| {
+        let around = &model.surroundings;
+        (!tracker.base_known && around.tracker_base.is_none() && around.run_bases.is_empty())
+            || (!tracker.tool_known && around.tracker_tool.is_none())
+    });
+    if is_seen && is_open {
+        model = prepare_device(&model, recording).map_err(|error| refuse(&error))?;
+        warnings.push(
+            "the device file does not say where the tracker stands or what it sees: both are fitted to this log".to_owned(),
+        );
+    }
+    let with = attached(&mut model, recording)
+        .map_err(|error| Error::effect(&error, device_path, log_path))?;
+    let weights = Weights::stated(&model, &found);
+    let residuals = channel_residuals(&model, &model, &with, &found, &weights)
+        .map_err(|error| refuse(&error))?;
+    let mut predicted = recording.clone();
+    let mut told = Vec::new();
+    for own in &residuals {
+        let width = own.channel.width();
+        let rows = own.rows.iter().zip(own.residuals.chunks_exact(width));
+        let rows: Vec<(usize, Vec<f64>)> =
+            rows.map(|(row, values)| (*row, values.to_vec())).collect();
+        put(&mut predicted, own.channel, &rows);
+        if own.outside_range > 0 {
+            warnings.push(format!(
+                "{}: {} readings lie outside the range that a polynomial was fitted on and are not predicted",
+                own.channel.name(),
+                own.outside_range
+            ));
+        }
+        told.push(ReplayedChannel {
+            channel: own.channel.name(),
+            unit: own.channel.unit(&model).to_owned(),
+            readings: rows.len(),
+            rms: own.rms().unwrap_or(0.0),
+            noise_floor: own.noise_floor,
+            residuals: rows,
+        });
+    }
+    Ok(Replayed {
+        predicted,
+        channels: told,
+        warnings,
+    })
+}
+
+impl Replayed {
+    /// `row,channel,measured,predicted,residual` for every reading; of an orientation the residual alone, as the rotation
+    /// vector from what was measured to what is predicted.
+    pub fn residuals_csv(&self, log: &Log) -> String {
+        let mut text = String::from("row,channel,measured,predicted,residual\n");
+        for channel in &self.channels {
+            for (row, values) in &channel.residuals {
+                for (axis, residual) in values.iter().enumerate() {
+                    let name = match values.len() {
+                        1 => channel.channel.clone(),
+                        _ => format!("{}.{}", channel.channel, ["x", "y", "z"][axis.min(2)]),
+                    };
+                    let measured = measured(&log.recording, &channel.channel, *row, axis);
+                    let both = measured.map_or_else(
+                        || ",".to_owned(),
+                        |measured| format!("{measured},{}", measured + residual),
+                    );
+                    text.push_str(&format!("{row},{name},{both},{residual}\n"));
+                }
+            }
+        }
+        text
+    }
+
+    /// Columns of the predicted log.
+    pub fn shape(&self, device: &Device) -> LogShape {
+        LogShape::from(&device.model)
+    }
+}
+
+fn is_predicted(channel: &Channel) -> bool {
+    matches!(
+        channel,
+        Channel::Output { .. } | Channel::Cable { .. } | Channel::Position | Channel::Orientation
+    )
+}
+
+/// A reading, where it is a number; an orientation is none.
+fn measured(recording: &Recording, channel: &str, row: usize, axis: usize) -> Option<f64> {
+    if channel == "position" {
+        return recording.position_m.as_ref().map(|axes| axes[axis][row]);
+    }
+    let outputs = recording.output.iter().enumerate();
+    let outputs = outputs.map(|(joint, column)| (Channel::Output { joint }.name(), column));
+    let cables = recording.cable_m.iter().enumerate();
+    let cables = cables.map(|(index, column)| (Channel::Cable { index }.name(), column));
+    let mut all = outputs.chain(cables);
+    let (_, column) = all.find(|(name, _)| name == channel)?;
+    column.as_ref().map(|column| column[row])
+}
+
+/// Adds the residuals to what was measured.
+fn put(recording: &mut Recording, channel: Channel, rows: &[(usize, Vec<f64>)]) {
+    for (row, values) in rows {
+        let row = *row;
+        match channel {
+            Channel::Output { joint } => {
+                if let Some(column) = &mut recording.output[joint] {
+                    column[row] += values[0];
+                }
+            }
+            Channel::Cable { index } => {
+                if let Some(column) = &mut recording.cable_m[index] {
+                    column[row] += values[0];
+                }
+            }
+            Channel::Position => {
+                for (column, value) in recording.position_m.iter_mut().flatten().zip(values) {
+                    column[row] += value;
+                }
+            }
+            Channel::Orientation => {
+                if let Some(parts) = &mut recording.orientation_wxyz {
+                    let [w, x, y, z] = parts.each_ref().map(|part| part[row]);
+                    let read = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+                    let turn = Vector3::new(values[0], values[1], values[2]);
+                    let there = (UnitQuaternion::from_scaled_axis(turn) * read).into_inner();
+                    for (part, value) in parts.iter_mut().zip([there.w, there.i, there.j, there.k])
+                    {
+                        part[row] = value;
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
