@@ -104,14 +104,15 @@ fn resolved(
 ) -> Result<OwnEffect, DeviceEffectError> {
     let label = entry.label();
     let spec = spec_of(entry)?;
-    let is_it = |effect: &Box<dyn Effect>| {
+    let is_it = |effect: &dyn Effect| {
         let number = |joint: usize| (joint + 1) as f64;
         let from = effect.other_joint().map(number);
         effect.spec() == spec
             && effect.joint() == entry.joint
             && (from.is_none() || from == entry.numbers.get("from_joint").copied())
     };
-    let Some(effect) = everywhere(device).into_iter().find(is_it) else {
+    let mut all = everywhere(device).into_iter();
+    let Some(effect) = all.find(|effect| is_it(effect.as_ref())) else {
         return Err(refused_place(device, entry, spec));
     };
     // an event happens more than once: it has an instant
