@@ -16,10 +16,9 @@ pub(crate) const ROOM: usize = 32;
 pub(crate) fn compensated<const JOINTS: usize>(
     device: &Device,
 ) -> CompensatedModel<JOINTS, JOINTS, ROOM> {
+    let own = runtime_effects(device);
     let mut effects = [Effect::None; ROOM];
-    for (place, effect) in effects.iter_mut().zip(runtime_effects(device)) {
-        *place = effect;
-    }
+    effects[..own.len()].copy_from_slice(&own);
     CompensatedModel::new(CoupledModel::of_rows(model::<JOINTS>(device)), effects).unwrap()
 }
 
@@ -43,7 +42,6 @@ pub(crate) fn runtime_effects(device: &Device) -> Vec<Effect> {
         place_m: weight.place_m.into(),
         force_n: weight.force_n.into(),
     }));
-    assert!(effects.len() <= ROOM);
     effects
 }
 
