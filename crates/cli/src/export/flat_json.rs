@@ -6,6 +6,7 @@ use haptical_runtime::{
 };
 use serde_json::{Map, Value, json};
 
+use super::compensation::Compensation;
 use super::described::{Described, row_by_row};
 use super::{COMMAND, Provenance, VERSION};
 use crate::failure::Failure;
@@ -37,7 +38,7 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
             .map(|limit| limit.is_finite().then_some(limit))
             .collect::<Vec<_>>()
     };
-    let mut export = json!({
+    let export = json!({
         "format": "haptical-runtime",
         "format_version": 1,
         "command": COMMAND,
@@ -113,21 +114,24 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
             }),
         },
     });
-    let compensation = &described.compensation;
-    if let (Some(object), false) = (
-        export.as_object_mut(),
-        compensation.effects.is_empty() && compensation.left_out.is_empty(),
-    ) {
-        let effects = compensation.effects.iter();
-        let effects: Vec<Value> = effects.map(|(label, own)| effect(label, own)).collect();
-        let left_out = compensation.left_out.iter();
-        let left_out: Vec<Value> = left_out
-            .map(|own| json!({"effect": own.label, "why": own.why}))
-            .collect();
-        object.insert("effects".to_owned(), Value::Array(effects));
-        object.insert("effects_left_out".to_owned(), Value::Array(left_out));
-    }
-    sealed_json(&export)
+    sealed_json(&with_effects(export, &described.compensation))
+}
+
+/// With the effects, where there are any, and what is left out.
+fn with_effects(mut export: Value, compensation: &Compensation) -> Value {
+    let has_none = compensation.effects.is_empty() && compensation.left_out.is_empty();
+    let Some(object) = export.as_object_mut().filter(|_| !has_none) else {
+        return export;
+    };
+    let effects = compensation.effects.iter();
+    let effects: Vec<Value> = effects.map(|(label, own)| effect(label, own)).collect();
+    let left_out = compensation.left_out.iter();
+    let left_out: Vec<Value> = left_out
+        .map(|own| json!({"effect": own.label, "why": own.why}))
+        .collect();
+    object.insert("effects".to_owned(), Value::Array(effects));
+    object.insert("effects_left_out".to_owned(), Value::Array(left_out));
+    export
 }
 
 /// An effect: its label, and the law of haptical-runtime with its numbers; joints and rows count from 1.

@@ -1,5 +1,6 @@
 //! A device with its effects: readings and loads in; true joint values, pose and torques out, and back.
 
+mod check;
 mod drives;
 mod effect;
 mod inputs;
