@@ -48,7 +48,6 @@ pub(crate) fn runtime_effects(device: &Device) -> Vec<Effect> {
 fn runtime_effect(device: &Device, effect: &DeviceEffect) -> Effect {
     let number = |name: &str| effect.numbers.get(name).copied();
     let n = |name: &str| number(name).unwrap_or_else(|| panic!("{}: no {name}", effect.label()));
-    let vector = |names: [&str; 3]| names.map(n);
     let joint = effect.joint.unwrap_or(0);
     let polar = |size: &str| {
         let (sine, cosine) = n("phase_rad").sin_cos();
@@ -70,11 +69,6 @@ fn runtime_effect(device: &Device, effect: &DeviceEffect) -> Effect {
         }
     };
     let from = || n("from_joint") as usize - 1;
-    let base_m = || {
-        let base = DeviceChain::to_row(device, 0);
-        base.chain().unwrap().pose(&[]).unwrap().position_m.into()
-    };
-    let origin_m = || joint_origin_m(device, joint).unwrap().into();
     match effect.name.as_str() {
         "capstan-compliance" => Effect::CapstanCompliance {
             joint,
@@ -140,6 +134,20 @@ fn runtime_effect(device: &Device, effect: &DeviceEffect) -> Effect {
             },
             (Some(rad_per_s), None) => Effect::Drift { joint, rad_per_s },
         },
+        _ => structure_law(device, effect, joint, ratio),
+    }
+}
+
+/// Effects of the structure.
+fn structure_law(device: &Device, effect: &DeviceEffect, joint: usize, ratio: f64) -> Effect {
+    let number = |name: &str| effect.numbers.get(name).copied();
+    let n = |name: &str| number(name).unwrap_or_else(|| panic!("{}: no {name}", effect.label()));
+    let base_m = || {
+        let base = DeviceChain::to_row(device, 0);
+        base.chain().unwrap().pose(&[]).unwrap().position_m.into()
+    };
+    let origin_m = || joint_origin_m(device, joint).unwrap().into();
+    match effect.name.as_str() {
         "lateral-compliance" => Effect::LateralCompliance {
             joint,
             rad_per_nm: 1.0 / n("stiffness_nm_per_rad"),
@@ -154,7 +162,10 @@ fn runtime_effect(device: &Device, effect: &DeviceEffect) -> Effect {
         },
         // without tilts about the second direction
         "axis-wobble" => {
-            let (cosine, sine) = polar("amplitude_rad");
+            let (cosine, sine) = {
+                let (sine, cosine) = n("phase_rad").sin_cos();
+                (n("amplitude_rad") * cosine, n("amplitude_rad") * sine)
+            };
             Effect::AxisWobble {
                 joint,
                 order: n("order"),
@@ -169,7 +180,7 @@ fn runtime_effect(device: &Device, effect: &DeviceEffect) -> Effect {
             base_m: base_m(),
         },
         "tool-changed" => Effect::ToolChanged {
-            shift_m: vector(["x_m", "y_m", "z_m"]),
+            shift_m: ["x_m", "y_m", "z_m"].map(n),
         },
         _ => torque_effect(device, effect, joint, ratio),
     }
