@@ -44,6 +44,7 @@ impl Place {
         joint_before: None,
     };
 
+    #[inline]
     fn within(&self, frames: &[Pose]) -> Option<Vector3<f64>> {
         let frame = frames.get(self.row)?;
         Some(frame.position_m + frame.rotation * Vector3::from(self.local_m))
@@ -51,6 +52,7 @@ impl Place {
 }
 
 /// Moment \[Nm\] about a place of the hand and of the weights behind a row.
+#[inline]
 fn moment_nm(
     stance: &Stance<'_>,
     effects: &[Effect],
@@ -72,6 +74,7 @@ fn moment_nm(
 }
 
 /// Two unit vectors across a joint's axis that the link before it carries along.
+#[inline]
 fn across(stance: &Stance<'_>, axis: &Vector3<f64>, place: &Place) -> Option<[Vector3<f64>; 2]> {
     let before = match place
         .joint_before
