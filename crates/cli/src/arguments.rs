@@ -75,10 +75,12 @@ Example:
 
 Writes demo/device.toml and demo/log.csv.")]
     Init(InitArguments),
-    /// Write a calibrated device as numbers for a control loop: Rust, C or JSON
+    /// Write a calibrated device as numbers for a control loop (Rust, C, JSON) or for a simulator (URDF, MJCF)
     #[command(after_help = "\
-Example:
-  haptical export --device result/identified.toml --format c-header --out model.h")]
+Examples:
+  haptical export --device result/identified.toml --format c-header --out model.h
+  haptical export --device result/identified.toml --format mjcf --out model.xml
+  haptical export --device result/identified.toml --format mjcf --mjcf robot.xml --tip tool --out calibrated.xml")]
     Export(ExportArguments),
     /// Write recordings of other makers as a log
     #[command(after_help = crate::import::HELP)]
@@ -120,7 +122,7 @@ impl Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct IdentifyArguments {
-    /// Device file (TOML or URDF)
+    /// Device file (TOML, URDF or MJCF)
     #[arg(long, value_name = "FILE")]
     pub(crate) device: PathBuf,
     #[command(flatten)]
@@ -172,7 +174,7 @@ pub(crate) struct IdentifyArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct DiagnoseArguments {
-    /// Device file (TOML or URDF)
+    /// Device file (TOML, URDF or MJCF)
     #[arg(
         long,
         value_name = "FILE",
@@ -238,7 +240,7 @@ pub(crate) struct DiagnoseArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArguments {
-    /// Device file (TOML or URDF)
+    /// Device file (TOML, URDF or MJCF)
     pub(crate) device: PathBuf,
     #[command(flatten)]
     pub(crate) device_options: DeviceOptions,

@@ -28,7 +28,7 @@ const COMMAND: &str = "export";
 /// Flags of `haptical export`.
 #[derive(Debug, Args)]
 pub(crate) struct ExportArguments {
-    /// Device file (TOML or URDF), usually identified.toml
+    /// Device file (TOML, URDF or MJCF), usually identified.toml
     #[arg(long, value_name = "FILE")]
     device: PathBuf,
     #[command(flatten)]
@@ -45,6 +45,10 @@ pub(crate) struct ExportArguments {
     /// --base and --tip name the links between which the chain ran
     #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
+    /// MJCF that the device came from, with --format mjcf: its text with corrected places of bodies, and with the friction
+    /// of joints, is written; --base and --tip name the bodies or sites between which the chain ran
+    #[arg(long, value_name = "FILE")]
+    mjcf: Option<PathBuf>,
     /// Print what was written as JSON
     #[arg(long)]
     json: bool,
@@ -63,7 +67,7 @@ enum FormatName {
     Toml,
     /// The URDF given by --urdf with corrected origins, or a minimal new one
     Urdf,
-    /// A minimal model for MuJoCo
+    /// The MJCF given by --mjcf with corrected places, or a new model for MuJoCo that can be simulated
     Mjcf,
 }
 
@@ -97,6 +101,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     check_folder(folder)?;
     let mut inputs: Vec<&Path> = vec![&arguments.device];
     inputs.extend(arguments.urdf.as_deref());
+    inputs.extend(arguments.mjcf.as_deref());
     inputs.extend(arguments.device_options.rig.as_deref());
     check_outputs(std::slice::from_ref(&arguments.out), &inputs)?;
     arguments.overwrite.check_file(&arguments.out, COMMAND)?;
@@ -108,7 +113,8 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
             .fingerprint_text(input.to_toml())
             .sha256,
     };
-    if !matches!(arguments.format, FormatName::Toml | FormatName::Urdf) {
+    let takes_hands = [FormatName::Toml, FormatName::Urdf, FormatName::Mjcf];
+    if !takes_hands.contains(&arguments.format) {
         input.refuse_hands("this form")?;
     }
     let mut left_out = Vec::new();
@@ -129,7 +135,8 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         }
     };
     input.warnings.extend(left_out);
-    if matches!(arguments.format, FormatName::Urdf | FormatName::Mjcf) {
+    // an MJCF has its springs and effects, or a list of them
+    if arguments.format == FormatName::Urdf {
         input.warnings.extend(compliance_warning(&input.model));
         input.warnings.extend(effects_warning(&input.model));
     }

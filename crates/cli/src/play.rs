@@ -31,7 +31,7 @@ const COMMAND: &str = "play";
 
 #[derive(Debug, Args)]
 pub(crate) struct PlayArguments {
-    /// Device file (TOML or URDF): the nominal device
+    /// Device file (TOML, URDF or MJCF): the nominal device
     #[arg(long, value_name = "FILE")]
     device: PathBuf,
     #[command(flatten)]

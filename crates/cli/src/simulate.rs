@@ -32,7 +32,7 @@ const LARGEST_SIZE: f64 = 1e12;
 /// The arguments of the command.
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArguments {
-    /// Device file (TOML or URDF): what the log is to be read with
+    /// Device file (TOML, URDF or MJCF): what the log is to be read with
     #[arg(long, value_name = "FILE")]
     device: PathBuf,
     #[command(flatten)]

@@ -11,6 +11,9 @@ use crate::engine::base::Base;
 use crate::engine::model::{Cause, Refit};
 use crate::thresholds::chance::OUTLIER_SD;
 
+/// Squared standard deviations by which a shape must fit better than those before it: a likelihood ratio of 100.
+const BETTER: f64 = 9.21;
+
 /// The device with numbers for those of its effects that are to be fitted and have none: base model and effects are fitted
 /// together, a law with a shape from each shape of its grid. An effect of which the recording shows nothing gets none.
 ///
@@ -64,9 +67,10 @@ pub fn start_values(
             let Ok(fitted) = engine.refit(&effects, &model) else {
                 continue;
             };
+            // the first shape is the plainest: another one must be better beyond chance
             let is_better = best
                 .as_ref()
-                .is_none_or(|best| engine.cost(&fitted) < engine.cost(best));
+                .is_none_or(|best| engine.cost(&fitted) + BETTER < engine.cost(best));
             if is_better {
                 best = Some(fitted);
             }
@@ -76,7 +80,9 @@ pub fn start_values(
     let mut device = device.clone();
     for (place, (&index, effect)) in indices.iter().zip(&effects).enumerate() {
         let cause = &refit.model.causes[place];
-        if wanted[place] && cause.amplitudes.iter().any(|amplitude| *amplitude != 0.0) {
+        let is_there = cause.amplitudes.iter().any(|amplitude| *amplitude != 0.0)
+            && effect.is_possible(&engine.context, &cause.amplitudes);
+        if wanted[place] && is_there {
             let (amplitudes, shape) = (&cause.amplitudes, cause.shape);
             let found = entry(effect.as_ref(), &engine.context, amplitudes, shape);
             device.effects[index].numbers = found.numbers;

@@ -1,9 +1,12 @@
-//! A device from a chain of a URDF.
+//! A device from a chain of a URDF or an MJCF.
 
 use std::path::Path as FilePath;
 
 use haptical_model::kinematics::{Convention, Link};
-use haptical_model::{Device, Hand, Joint, JointType, Origin, Position, Tracker, read_text_file};
+use haptical_model::{
+    Device, Hand, Joint, JointCompliance, JointType, Origin, Position, Surroundings, Tracker,
+    read_text_file,
+};
 
 use crate::UrdfError;
 use crate::chain::gravity::{gravity_mps2, said_of_no_gravity};
@@ -11,8 +14,7 @@ use crate::chain::masses::{Carried, carried};
 use crate::chain::path::{BaseAndTip, Path};
 use crate::chain::tip::choose;
 use crate::chain::{Rows, numbering, rows};
-use crate::robot::parse::parse;
-use crate::robot::{Robot, RobotJoint};
+use crate::robot::{Robot, RobotJoint, mjcf, parse};
 
 /// Largest file \[MiB\]: a humanoid's has some hundred kilobytes.
 const LARGEST_MEBIBYTES: u64 = 8;
@@ -21,7 +23,7 @@ const MOST_JOINTS: usize = 256;
 /// Largest joint limit that a device file takes \[rad\]: what is beyond it is no limit.
 const LARGEST_LIMIT_RAD: f64 = 29.0;
 
-/// A device from a URDF.
+/// A device from a URDF or an MJCF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfDevice {
     /// The device.
@@ -93,7 +95,47 @@ pub fn device_from_urdf(
     file: &str,
     ends: BaseAndTip<'_>,
 ) -> Result<UrdfDevice, UrdfError> {
-    let read = ReadChain::new(text, file, ends)?;
+    device_of(ReadChain::of_urdf(text, file, ends)?, file)
+}
+
+/// The chain of an MJCF (MuJoCo's XML) between two bodies or sites as a device; `file` names it in errors.
+///
+/// As [`device_from_urdf`], with bodies in the place of links: frame (-1) is the world, or the body that is named. A site
+/// with a name is a place that a chain may end at. A body without joints is fixed to its parent. A hinge or slide with
+/// `ref` moves by its value less `ref`. What several joints of one body do is done in the order of the file. A hinge or
+/// slide that is bound to another one by an `<equality>` of the first degree follows it. A second hinge along the first
+/// one's axis, without an actuator, is what the drive yields: its stiffness is the joint's compliance, a play is left out.
+///
+/// Gravity is that of `<option>`. Masses are those of `<inertial>`; those that MuJoCo works out from geoms are left out,
+/// and a warning says so.
+///
+/// ```
+/// let text = r#"<mujoco model="lever">
+///   <compiler angle="radian"/>
+///   <worldbody>
+///     <body name="arm" pos="0 0 0.4">
+///       <joint name="shoulder" axis="0 1 0" range="-1 1"/>
+///       <site name="tool" pos="0.1 0 0"/>
+///     </body>
+///   </worldbody>
+/// </mujoco>"#;
+/// let lever = haptical_urdf::device_from_mjcf(text, "lever.xml", haptical_urdf::BaseAndTip::default())?;
+/// assert_eq!((lever.tip.as_str(), lever.device.joints[0].name.as_str()), ("tool", "shoulder"));
+/// let pose = haptical_model::DeviceChain::new(&lever.device).pose(&[0.5])?;
+/// assert!((pose.position_m.z - (0.4 - 0.1 * 0.5_f64.sin())).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`UrdfError`] with line and column, or with what there is to choose from.
+pub fn device_from_mjcf(
+    text: &str,
+    file: &str,
+    ends: BaseAndTip<'_>,
+) -> Result<UrdfDevice, UrdfError> {
+    device_of(ReadChain::of_mjcf(text, file, ends)?, file)
+}
+fn device_of(read: ReadChain, file: &str) -> Result<UrdfDevice, UrdfError> {
     let ReadChain {
         robot,
         paths,
@@ -153,6 +195,14 @@ pub fn device_from_urdf(
         true => Convention::Standard,
         false => Convention::Modified,
     };
+    let yields: Vec<JointCompliance> = rows
+        .drivers
+        .iter()
+        .map(|driver| JointCompliance {
+            rad_per_nm: robot.joints[*driver].compliance,
+            fit: false,
+        })
+        .collect();
     let device = Device {
         name: robot.name.clone(),
         origins,
@@ -170,6 +220,13 @@ pub fn device_from_urdf(
             scale_sd: None,
         }),
         gravity_mps2,
+        surroundings: Surroundings {
+            compliance: match yields.iter().any(|own| own.rad_per_nm != 0.0) {
+                true => yields,
+                false => Vec::new(),
+            },
+            ..Surroundings::default()
+        },
         ..Device::new(convention, links, joints)
     };
     Ok(UrdfDevice {
@@ -218,15 +275,29 @@ pub(crate) struct ReadChain {
 }
 
 impl ReadChain {
-    pub(crate) fn new(text: &str, file: &str, ends: BaseAndTip<'_>) -> Result<Self, UrdfError> {
-        let robot = parse(text, file)?;
+    pub(crate) fn of_urdf(text: &str, file: &str, ends: BaseAndTip<'_>) -> Result<Self, UrdfError> {
+        Self::new(parse::parse(text, file)?, text, file, ends)
+    }
+
+    pub(crate) fn of_mjcf(text: &str, file: &str, ends: BaseAndTip<'_>) -> Result<Self, UrdfError> {
+        Self::new(mjcf::parse(text, file)?, text, file, ends)
+    }
+
+    fn new(
+        mut robot: Robot,
+        text: &str,
+        file: &str,
+        ends: BaseAndTip<'_>,
+    ) -> Result<Self, UrdfError> {
+        let mut warnings = std::mem::take(&mut robot.notes);
         let (paths, warning) = choose(&robot, file, ends)?;
         let rows = rows(&robot, &paths, &|byte| position(text, file, byte))?;
+        warnings.extend(warning);
         Ok(Self {
             robot,
             paths,
             rows,
-            warnings: warning.into_iter().collect(),
+            warnings,
         })
     }
 }

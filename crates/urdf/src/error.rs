@@ -28,6 +28,16 @@ pub enum UrdfError {
         /// What it probably is and what to do.
         advice: &'static str,
     },
+    /// The text is XML of another kind than MJCF.
+    #[error("{at}: the outermost element is <{found}>, not <mujoco>: {advice}")]
+    NotMjcf {
+        /// Where.
+        at: Box<Position>,
+        /// Outermost element.
+        found: String,
+        /// What it probably is and what to do.
+        advice: &'static str,
+    },
     /// An attribute or element that must be there is not.
     #[error("{at}: {place} has no {what}")]
     Missing {
@@ -132,6 +142,7 @@ impl UrdfError {
             Self::File(error) => error.position(),
             Self::Xml { at, .. }
             | Self::NotUrdf { at, .. }
+            | Self::NotMjcf { at, .. }
             | Self::Missing { at, .. }
             | Self::Value { at, .. }
             | Self::Tree { at, .. } => Some(at),

@@ -1,4 +1,4 @@
-//! Robot descriptions in XML: a device from a chain of a URDF, and URDF or MJCF from a device.
+//! Robot descriptions in XML: a device from a chain of a URDF or an MJCF, and URDF or MJCF from a device.
 //!
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
@@ -9,12 +9,14 @@ mod error;
 mod numbers;
 mod rigid;
 mod robot;
+mod words;
 mod write;
 
 pub use chain::ends::{ChainEnd, chain_ends};
 pub use chain::path::BaseAndTip;
-pub use device::{UrdfDevice, device_from_urdf, read_urdf_text};
+pub use device::{UrdfDevice, device_from_mjcf, device_from_urdf, read_urdf_text};
 pub use error::UrdfError;
 pub use write::corrected::{CorrectedUrdf, corrected_urdf};
 pub use write::mjcf::new_mjcf;
+pub use write::patched::{CorrectedMjcf, corrected_mjcf};
 pub use write::urdf::new_urdf;

@@ -17,12 +17,17 @@ pub(crate) fn number(text: &str) -> Option<f64> {
 
 /// Exactly three numbers.
 pub(crate) fn three(text: &str) -> Option<[f64; 3]> {
+    exactly(text)
+}
+
+/// Exactly `N` numbers.
+pub(crate) fn exactly<const N: usize>(text: &str) -> Option<[f64; N]> {
     let mut words = text.split_ascii_whitespace();
-    let numbers = [words.next()?, words.next()?, words.next()?].map(number);
-    let [Some(x), Some(y), Some(z)] = numbers else {
-        return None;
-    };
-    words.next().is_none().then_some([x, y, z])
+    let mut numbers = [0.0; N];
+    for own in &mut numbers {
+        *own = number(words.next()?)?;
+    }
+    words.next().is_none().then_some(numbers)
 }
 
 /// Numbers as the value of an attribute.
@@ -62,4 +67,17 @@ pub(crate) fn escaped(text: &str) -> String {
         }
     }
     escaped
+}
+
+/// Text as part of a line of a comment, which it cannot end.
+pub(crate) fn commented(text: &str) -> String {
+    let plain: String = text
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    let mut plain = plain.replace("--", "- -").replace("--", "- -");
+    if plain.ends_with('-') {
+        plain.push(' ');
+    }
+    plain
 }

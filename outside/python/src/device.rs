@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use haptical::files::Source;
-use haptical::{Device as Read, Equipment, is_urdf};
+use haptical::{Device as Read, Equipment, is_mjcf, is_urdf};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
@@ -152,7 +152,8 @@ fn named(ends: Ends<'_>) -> Option<&'static str> {
 }
 
 fn read(source: Source, ends: Ends<'_>, rig: Option<&Bound<'_, PyAny>>) -> PyResult<Device> {
-    let is_table = source.text.is_some() || !is_urdf(&source.path);
+    let is_description = is_urdf(&source.path) || is_mjcf(&source.path);
+    let is_table = source.text.is_some() || !is_description;
     if let Some(keyword) = named(ends).filter(|_| is_table) {
         return Err(Failure::value(format!(
             "{keyword} names a link of a URDF, and this device is none; leave it out"

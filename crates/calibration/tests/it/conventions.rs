@@ -134,6 +134,7 @@ fn compliant(truth_rad_per_nm: f64, has_masses: bool) -> Calibration {
     let body = Body {
         mass_kg: 2.0,
         centre_of_mass_m: [0.1, 0.02, -0.03],
+        inertia_kgm2: None,
     };
     truth.bodies = vec![Some(body); JOINTS + 1];
     if has_masses {

@@ -216,6 +216,7 @@ fn compliant() -> Device {
             (row > 0).then_some(Body {
                 mass_kg: 4.0 - 0.5 * row as f64,
                 centre_of_mass_m: [0.1, 0.02, -0.03],
+                inertia_kgm2: None,
             })
         })
         .collect();

@@ -1,14 +1,16 @@
-//! Robot descriptions of a device: a corrected URDF, a new one, or an MJCF.
+//! Robot descriptions of a device: a corrected URDF or MJCF, or a new one.
 
 use haptical::files::Source;
-use haptical::{Equipment, is_urdf};
+use haptical::{Equipment, is_mjcf, is_urdf};
 use haptical_model::Device;
-use haptical_urdf::{corrected_urdf, new_mjcf, new_urdf, read_urdf_text};
+use haptical_urdf::{
+    UrdfError, corrected_mjcf, corrected_urdf, new_mjcf, new_urdf, read_urdf_text,
+};
 
 use super::{ExportArguments, FormatName};
 use crate::failure::Failure;
 
-/// Reads the device. `--base` and `--tip` are about whichever URDF is given.
+/// Reads the device. `--base` and `--tip` are about whichever URDF or MJCF is given.
 pub(super) fn read(arguments: &ExportArguments) -> Result<haptical::Device, Failure> {
     if arguments.urdf.is_some() && !matches!(arguments.format, FormatName::Urdf) {
         return Err(Failure::command_line(
@@ -17,8 +19,16 @@ pub(super) fn read(arguments: &ExportArguments) -> Result<haptical::Device, Fail
             "leave --urdf out, or write --format urdf",
         ));
     }
+    if arguments.mjcf.is_some() && !matches!(arguments.format, FormatName::Mjcf) {
+        return Err(Failure::command_line(
+            "arguments",
+            "--mjcf is for --format mjcf alone",
+            "leave --mjcf out, or write --format mjcf",
+        ));
+    }
     let options = &arguments.device_options;
-    if arguments.urdf.is_none() || is_urdf(&arguments.device) {
+    let is_new = arguments.urdf.is_none() && arguments.mjcf.is_none();
+    if is_new || is_urdf(&arguments.device) || is_mjcf(&arguments.device) {
         return options.read_by_path(&arguments.device);
     }
     let equipment = Equipment {
@@ -34,17 +44,28 @@ pub(super) fn text(
     device: &Device,
 ) -> Result<(String, Vec<String>), Failure> {
     let path = &arguments.device;
-    let refuse = |error: haptical_urdf::UrdfError| Failure::urdf(&error, path);
-    match (&arguments.format, &arguments.urdf) {
-        (FormatName::Mjcf, _) => new_mjcf(device).map_err(refuse),
-        (_, None) => new_urdf(device).map_err(refuse),
-        (_, Some(original)) => {
-            let refuse = |error: haptical_urdf::UrdfError| Failure::urdf(&error, original);
-            let text = read_urdf_text(original).map_err(refuse)?;
-            let equipment = arguments.device_options.equipment();
-            let name = original.display().to_string();
-            let corrected =
-                corrected_urdf(&text, &name, equipment.ends(), device).map_err(refuse)?;
+    let refuse = |error: UrdfError| Failure::urdf(&error, path);
+    let given = match arguments.format {
+        FormatName::Mjcf => &arguments.mjcf,
+        _ => &arguments.urdf,
+    };
+    let Some(original) = given else {
+        return match arguments.format {
+            FormatName::Mjcf => new_mjcf(device).map_err(refuse),
+            _ => new_urdf(device).map_err(refuse),
+        };
+    };
+    let refuse = |error: UrdfError| Failure::urdf(&error, original);
+    let text = read_urdf_text(original).map_err(refuse)?;
+    let equipment = arguments.device_options.equipment();
+    let (name, ends) = (original.display().to_string(), equipment.ends());
+    match arguments.format {
+        FormatName::Mjcf => {
+            let corrected = corrected_mjcf(&text, &name, ends, device).map_err(refuse)?;
+            Ok((corrected.text, corrected.warnings))
+        }
+        _ => {
+            let corrected = corrected_urdf(&text, &name, ends, device).map_err(refuse)?;
             Ok((corrected.text, corrected.warnings))
         }
     }

@@ -1,4 +1,4 @@
-//! Flags that go with `--device`: the chain of a URDF, a rig file.
+//! Flags that go with `--device`: the chain of a URDF or an MJCF, a rig file.
 
 use std::path::{Path, PathBuf};
 
@@ -19,14 +19,14 @@ pub(crate) struct DeviceOptions {
     pub(crate) rig: Option<PathBuf>,
 }
 
-/// Links between which the chain of a URDF runs.
+/// Links between which the chain of a URDF or an MJCF runs.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ChainOptions {
-    /// Link at which the chain of a URDF begins, frame (-1), such as the other hand; without it the root link;
-    /// needs --tip
+    /// Link of a URDF or body of an MJCF at which the chain begins, frame (-1), such as the other hand; without it the
+    /// root link or the world; needs --tip
     #[arg(long, value_name = "LINK")]
     pub(crate) base: Option<String>,
-    /// Link at which the chain of a URDF ends; without it the longest chain is taken. Repeated, as in --tip left_hand
+    /// Link of a URDF, or body or site of an MJCF, at which the chain ends; without it the longest chain is taken. Repeated, as in --tip left_hand
     /// --tip right_hand, each is a hand of one device, whose chains share what they have in common
     #[arg(long, value_name = "LINK")]
     pub(crate) tip: Vec<String>,

@@ -23,7 +23,7 @@ pub(super) struct McapArguments {
     /// Recording (MCAP with sensor_msgs/msg/JointState)
     #[arg(value_name = "FILE")]
     recording: PathBuf,
-    /// Device file (TOML or URDF)
+    /// Device file (TOML, URDF or MJCF)
     #[arg(long, value_name = "FILE")]
     device: PathBuf,
     #[command(flatten)]

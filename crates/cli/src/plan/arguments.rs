@@ -14,7 +14,7 @@ use crate::flags::{DeviceOptions, OverwriteOptions};
 /// The arguments of the command.
 #[derive(Debug, Args)]
 pub(crate) struct PlanArguments {
-    /// Device file (TOML or URDF)
+    /// Device file (TOML, URDF or MJCF)
     #[arg(long, value_name = "FILE")]
     pub(crate) device: PathBuf,
     #[command(flatten)]

@@ -22,6 +22,7 @@ mod import;
 mod import_poses;
 mod millimetres;
 mod moving_log;
+mod mujoco;
 mod other_commands;
 mod overwriting;
 mod plan;

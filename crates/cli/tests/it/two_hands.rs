@@ -88,7 +88,7 @@ fn touching_hands_tell_the_elbows() {
     let (status, _, said) = export(&["--tip", "right_finger"]);
     assert_eq!(status, Some(2));
     assert!(
-        said.contains("next: give --urdf, --base and --tip as the device came from them"),
+        said.contains("next: give --urdf or --mjcf, --base and --tip as the device came from them"),
         "{said}"
     );
     let (status, _, said) = export(&ENDS);
@@ -209,7 +209,9 @@ fn a_base_is_refused_with_what_to_do() {
     folder.write("device.toml", "[[joint]]\n");
     let table = said(&["check", "device.toml", "--base", "trunk"]);
     assert!(
-        table.starts_with("error: --base names a link of a URDF, and device.toml is none\n"),
+        table.starts_with(
+            "error: --base names a link of a URDF or an MJCF, and device.toml is none\n"
+        ),
         "{table}"
     );
     // a log of another chain: the chains from this base are counted

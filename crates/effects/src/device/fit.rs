@@ -117,8 +117,13 @@ pub fn settle(
             shape *= log.clamp(-0.7, 0.7).exp();
         }
         let spec = effect.spec();
-        entry.numbers = crate::device::entry(effect, &context, &amplitudes, shape).numbers;
         entry.intervals.clear();
+        if !effect.is_possible(&context, &amplitudes) {
+            // nature has no spring of negative stiffness: the data show none of it
+            entry.numbers.retain(|name, _| is_place(name));
+            continue;
+        }
+        entry.numbers = crate::device::entry(effect, &context, &amplitudes, shape).numbers;
         let Some(covariance) = covariance(own.index) else {
             continue;
         };
@@ -135,6 +140,11 @@ pub fn settle(
         }
     }
     Ok(())
+}
+
+/// Whether a number says where an effect is, not how large.
+pub(super) fn is_place(name: &str) -> bool {
+    name == "from_joint" || name == "order"
 }
 
 /// Two-sided 95 % of a normal distribution.

@@ -3,6 +3,7 @@
 use haptical_model::{Device, DeviceEffect};
 
 use crate::device::DeviceEffectError;
+use crate::device::fit::is_place;
 use crate::{
     Context, Effect, Further, Hook, Parameter, Role, Shape, Spec, catalogue, drive_catalogue,
     names, specs,
@@ -28,7 +29,12 @@ impl OwnEffect {
             Some(values) => self.effect.whole(context, values, &self.further),
             None => {
                 let shapes = self.effect.shapes(context);
-                let shape = shapes.get(shapes.len() / 2).copied().unwrap_or(0.0);
+                // the plainest of a list, one in the middle of a range
+                let place = match self.effect.spec().shape {
+                    Shape::Continuous(_) => shapes.len() / 2,
+                    _ => 0,
+                };
+                let shape = shapes.get(place).copied().unwrap_or(0.0);
                 (vec![0.0; self.effect.spec().amplitudes], shape)
             }
         }
@@ -224,8 +230,7 @@ fn values_of(
     entry: &DeviceEffect,
     spec: &'static Spec,
 ) -> Result<Option<Vec<f64>>, DeviceEffectError> {
-    let is_place = |own: &&Parameter| own.name == "from_joint" || own.name == "order";
-    let mut stated = spec.parameters.iter().filter(|own| !is_place(own));
+    let mut stated = spec.parameters.iter().filter(|own| !is_place(own.name));
     if entry.fit && !stated.any(|own| entry.numbers.contains_key(own.name)) {
         return Ok(None);
     }

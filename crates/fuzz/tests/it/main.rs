@@ -4,5 +4,6 @@
 mod device_file;
 mod effects;
 mod log;
+mod mjcf;
 mod rig;
 mod urdf;

@@ -7,7 +7,8 @@ use std::path::Path;
 use haptical_model::Device as Model;
 use haptical_urdf::BaseAndTip;
 
-pub use self::text::is_urdf;
+pub(crate) use self::text::{is_description, read_chain};
+pub use self::text::{is_mjcf, is_urdf};
 use self::text::{read, with_denominators};
 use crate::error::Error;
 use crate::files::{InputFile, Source};
@@ -82,8 +83,8 @@ impl Equipment {
 }
 
 impl Device {
-    /// Reads a device file, TOML or, where its name ends in `.urdf`, URDF: there the longest chain from the root
-    /// link is the device.
+    /// Reads a device file, TOML or, where its name ends in `.urdf` or `.xml`, URDF or MJCF: there the longest chain from
+    /// the root link or the world is the device.
     ///
     /// # Errors
     /// A file that cannot be read, or that is no device file; the place is in the error.
@@ -152,7 +153,7 @@ impl Device {
     /// As [`Device::load`].
     pub fn open_model(&self, source: &Source) -> Result<Self, Error> {
         let mut equipment = Equipment::default();
-        if source.text.is_none() && is_urdf(&source.path) {
+        if source.text.is_none() && is_description(&source.path) {
             equipment.base.clone_from(&self.equipment.base);
             equipment.tip.clone_from(&self.equipment.tip);
             let further = &self.equipment.further_tips;

@@ -1,9 +1,9 @@
-//! The text of a device file from whatever was given: TOML or URDF, the sensors of a rig file in it.
+//! The text of a device file from whatever was given: TOML, URDF or MJCF, the sensors of a rig file in it.
 
 use std::path::Path;
 
 use haptical_model::{Device as Model, read_toml_text};
-use haptical_urdf::{device_from_urdf, read_urdf_text};
+use haptical_urdf::{UrdfDevice, UrdfError, device_from_mjcf, device_from_urdf, read_urdf_text};
 use toml_edit::{DocumentMut, Item, value};
 
 use super::{Equipment, InputDrumDenominators};
@@ -19,23 +19,53 @@ pub(super) struct DeviceText {
 
 /// Whether a file is a URDF, by its name.
 pub fn is_urdf(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("urdf"))
+    has_extension(path, "urdf")
 }
 
-/// The device file's text, the rig's sensors in it; that of a URDF is written anew.
+/// Whether a file is an MJCF, MuJoCo's XML, by its name.
+pub fn is_mjcf(path: &Path) -> bool {
+    has_extension(path, "xml")
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+/// Whether a file describes a robot in XML, in which a chain is chosen.
+pub(crate) fn is_description(path: &Path) -> bool {
+    is_urdf(path) || is_mjcf(path)
+}
+
+/// The chain of a robot's description; a file whose name ends in `.xml` is an MJCF.
+///
+/// # Errors
+/// As [`device_from_urdf`] and [`device_from_mjcf`].
+pub(crate) fn read_chain(
+    text: &str,
+    name: &str,
+    path: &Path,
+    equipment: &Equipment,
+) -> Result<UrdfDevice, UrdfError> {
+    match is_mjcf(path) {
+        true => device_from_mjcf(text, name, equipment.ends()),
+        false => device_from_urdf(text, name, equipment.ends()),
+    }
+}
+
+/// The device file's text, the rig's sensors in it; that of a URDF or an MJCF is written anew.
 pub(super) fn read(source: &Source, equipment: &Equipment) -> Result<DeviceText, Error> {
     let name = source.name();
     let refuse = |error: &_| Error::device_file(error, &source.path);
-    let (mut text, mut warnings) = if is_urdf(&source.path) {
-        read_urdf(source, equipment)?
+    let (mut text, mut warnings) = if is_description(&source.path) {
+        read_description(source, equipment)?
     } else {
         let flags = [("--base", &equipment.base), ("--tip", &equipment.tip)];
         if let Some((flag, _)) = flags.iter().find(|(_, link)| link.is_some()) {
             return Err(Error::command_line(
                 "arguments",
-                format!("{flag} names a link of a URDF, and {name} is none"),
-                format!("leave {flag} out, or give a .urdf file"),
+                format!("{flag} names a link of a URDF or an MJCF, and {name} is none"),
+                format!("leave {flag} out, or give a .urdf or .xml file"),
             ));
         }
         (read_toml(source)?, Vec::new())
@@ -65,13 +95,16 @@ fn read_toml(source: &Source) -> Result<String, Error> {
     text.unwrap_or_else(|| read_toml_text(&source.path).map_err(refuse))
 }
 
-fn read_urdf(source: &Source, equipment: &Equipment) -> Result<(String, Vec<String>), Error> {
+fn read_description(
+    source: &Source,
+    equipment: &Equipment,
+) -> Result<(String, Vec<String>), Error> {
     let refuse = |error| Error::urdf(&error, &source.path);
-    let urdf = match &source.text {
+    let text = match &source.text {
         Some(text) => text.clone(),
         None => read_urdf_text(&source.path).map_err(refuse)?,
     };
-    let read = device_from_urdf(&urdf, &source.name(), equipment.ends()).map_err(refuse)?;
+    let read = read_chain(&text, &source.name(), &source.path, equipment).map_err(refuse)?;
     let text = read.device.to_new_toml();
     let text = text.map_err(|error| Error::device_file(&error, &source.path))?;
     Ok((text, read.warnings))

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use haptical_model::read_toml_text;
-use haptical_urdf::{chain_ends, device_from_urdf, read_urdf_text};
+use haptical_urdf::{chain_ends, read_urdf_text};
 use toml_edit::DocumentMut;
 
 use super::Error;
-use crate::device::{Device, Equipment, is_urdf};
+use crate::device::{Device, Equipment, is_description, read_chain};
 
 /// Most joints, and most links, that a sentence names.
 const MOST_NAMES: usize = 8;
@@ -23,7 +23,12 @@ impl Error {
             self.place.file = rig.path.display().to_string();
         }
         let path = &device.source().path;
-        if let Some(columns) = self.place.joint_columns.take().filter(|_| is_urdf(path)) {
+        if let Some(columns) = self
+            .place
+            .joint_columns
+            .take()
+            .filter(|_| is_description(path))
+        {
             // the device was read from it just now; if it cannot be read again, the log's error remains
             let _ = self.name_chains(path, equipment, columns);
         }
@@ -33,7 +38,7 @@ impl Error {
     fn name_chains(&mut self, urdf: &Path, chain: &Equipment, columns: usize) -> Option<()> {
         let text = read_urdf_text(urdf).ok()?;
         let file = urdf.display().to_string();
-        let taken = device_from_urdf(&text, &file, chain.ends()).ok()?.tip;
+        let taken = read_chain(&text, &file, urdf, chain).ok()?.tip;
         let from = chain.base.as_ref();
         let from = from.map_or(String::new(), |base| format!(" from `{base}`"));
         self.what += &match chain.tip {

@@ -1,10 +1,11 @@
-//! Refusals of URDFs.
+//! Refusals of URDFs and MJCFs.
 
 use std::path::Path;
 
 use haptical_urdf::UrdfError;
 
 use super::Error;
+use crate::device::is_mjcf;
 
 impl Error {
     /// A refused URDF, or a device that is not of it.
@@ -21,6 +22,10 @@ impl Error {
                 text = format!("{at}: the outermost element is <{found}>, not <robot>");
                 ("shape", *advice)
             }
+            UrdfError::NotMjcf { at, found, advice } => {
+                text = format!("{at}: the outermost element is <{found}>, not <mujoco>");
+                ("shape", *advice)
+            }
             UrdfError::Missing { what, .. } => ("missing-key", &*format!("add its {what}")),
             UrdfError::Value {
                 at,
@@ -32,6 +37,10 @@ impl Error {
                 text = format!("{at}: {place}: {what} is {found}");
                 ("value", &*format!("correct it: {allowed}"))
             }
+            UrdfError::Tree { .. } if is_mjcf(path) => (
+                "shape",
+                "correct this element, or name other ends of the chain with --base and --tip",
+            ),
             UrdfError::Tree { .. } => (
                 "shape",
                 "correct links and joints: one root, one parent for each link, no joint that follows \
@@ -57,7 +66,7 @@ impl Error {
             }
             UrdfError::Device { .. } => (
                 "other-device",
-                "give --urdf, --base and --tip as the device came from them",
+                "give --urdf or --mjcf, --base and --tip as the device came from them",
             ),
             _ => ("shape", "correct the file"),
         };

@@ -66,6 +66,9 @@ pub struct Body {
     pub mass_kg: f64,
     /// Centre of mass in the frame after Rz(theta_i), before the translation \[m\].
     pub centre_of_mass_m: [f64; 3],
+    /// Moments and products of inertia ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, along the axes of the same
+    /// frame \[kg m^2\]; none where nobody says. Nothing that is at rest depends on them: they are for simulators.
+    pub inertia_kgm2: Option<[f64; 6]>,
 }
 
 /// An external tracker of the handle.

@@ -112,9 +112,14 @@ pub(crate) fn read_link(section: &Section<'_, '_>, warnings: &mut Vec<String>) -
 fn read_body(section: &Section<'_, '_>) -> Result<Option<Body>> {
     let centre = section.vector("centre_of_mass_m")?;
     let mass = section.not_negative("mass_kg", "a mass")?;
+    let inertia_kgm2 = section.vector("inertia_kgm2")?;
+    if mass.is_none() && inertia_kgm2.is_some() {
+        return Err(section.missing("mass_kg", "`inertia_kgm2` is that of a mass: give it too"));
+    }
     Ok(mass.map(|mass_kg| Body {
         mass_kg,
         centre_of_mass_m: centre.unwrap_or([0.0; 3]),
+        inertia_kgm2,
     }))
 }
 

@@ -19,6 +19,7 @@ d_m = 1
 theta_offset_rad = 0.01
 beta_rad = 0.02
 mass_kg = 0.35
+inertia_kgm2 = [0.02, 0.03, 0.04, 0.001, -0.002, 0.003]
 centre_of_mass_m = [0.1, 0.2, 0.3]
 [[link]]
 a_m = 0.1
@@ -159,16 +160,18 @@ fn head_and_links() {
         (device.links[3].theta_rad, device.links[3].beta_rad),
         (0.0, 0.0)
     );
-    let body = |mass_kg, centre_of_mass_m| {
+    let body = |mass_kg, centre_of_mass_m, inertia_kgm2| {
         Some(Body {
             mass_kg,
             centre_of_mass_m,
+            inertia_kgm2,
         })
     };
+    let inertia = [0.02, 0.03, 0.04, 0.001, -0.002, 0.003];
     let bodies = [
-        body(0.35, [0.1, 0.2, 0.3]),
+        body(0.35, [0.1, 0.2, 0.3], Some(inertia)),
         None,
-        body(0.1, [0.0; 3]),
+        body(0.1, [0.0; 3], None),
         None,
         None,
     ];

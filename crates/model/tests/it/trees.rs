@@ -288,6 +288,7 @@ fn tree() -> impl Strategy<Value = (Device, Vec<f64>)> {
                 bodies.push((mass_kg > 0.0).then_some(Body {
                     mass_kg,
                     centre_of_mass_m: place,
+                    inertia_kgm2: None,
                 }));
                 let (follows, multiplier, offset, slides) = drive;
                 // the first rows have joints of their own, the others follow them

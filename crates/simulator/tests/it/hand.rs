@@ -15,6 +15,7 @@ pub(crate) fn heavy_arm() -> Device {
         Some(Body {
             mass_kg,
             centre_of_mass_m,
+            inertia_kgm2: None,
         })
     };
     device.bodies = vec![

@@ -1,11 +1,10 @@
-//! The chains that a URDF offers: where each ends, and how many joints a log of it has.
+//! The chains that a URDF or an MJCF offers: where each ends, and how many joints a log of it has.
 
 use crate::UrdfError;
 use crate::chain::driver;
 use crate::chain::path::Step as Way;
 use crate::chain::tip::link;
-use crate::robot::parse::parse;
-use crate::robot::{Robot, RobotJointType};
+use crate::robot::{Robot, RobotJointType, read_any};
 
 /// A chain of a URDF from its root or a base.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,7 +16,7 @@ pub struct ChainEnd {
     pub joints: usize,
 }
 
-/// All chains of a URDF with a joint that moves, from the root or from the link `base`, in the order in which the
+/// All chains of a URDF or an MJCF with a joint that moves, from the root or from the link `base`, in the order in which the
 /// file's joints lead to them, downwards first; `file` names it in errors.
 ///
 /// ```
@@ -39,7 +38,7 @@ pub struct ChainEnd {
 /// # Errors
 /// [`UrdfError`] with line and column for a text that is no URDF; [`UrdfError::UnknownLink`].
 pub fn chain_ends(text: &str, file: &str, base: Option<&str>) -> Result<Vec<ChainEnd>, UrdfError> {
-    let robot = parse(text, file)?;
+    let robot = read_any(text, file)?;
     let base = base.map(|name| link(&robot, file, name)).transpose()?;
     let is_root = |link: &usize| robot.links[*link].parent_joint.is_none();
     let starts: Vec<usize> = match base {
@@ -122,7 +121,7 @@ impl Walk<'_> {
         let Ok((driver, _, _)) = driver(self.robot, index) else {
             return;
         };
-        if joint.joint_type == RobotJointType::Other {
+        if matches!(joint.joint_type, RobotJointType::Other(_)) {
             return;
         }
         self.joints += usize::from(self.uses[driver] == 0);

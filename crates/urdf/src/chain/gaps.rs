@@ -10,7 +10,7 @@ use crate::robot::Robot;
 #[derive(Debug, Clone, Copy)]
 struct Part {
     pose: Pose,
-    /// Whose origin it is; none for the turn of an axis.
+    /// Whose origin it is; none for the turn of an axis, and for a part of the joint before.
     of: Option<Step>,
 }
 
@@ -39,7 +39,8 @@ pub(crate) fn gaps(robot: &Robot, path: &Path) -> (Vec<Gap>, Gap) {
         let joint = &robot.joints[step.joint];
         let origin = Part {
             pose: step.origin(joint),
-            of: Some(*step),
+            // what no element places takes up no correction
+            of: (!joint.is_part).then_some(*step),
         };
         if !joint.moves() {
             gap.parts.push(origin);

@@ -2,14 +2,14 @@
 
 use haptical_model::Body;
 use haptical_model::kinematics::Pose;
-use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::chain::path::{Path, passed};
-use crate::chain::tip::joined;
 use crate::chain::{Rows, driver};
 use crate::numbers::rounded;
 use crate::rigid::{about_z, then, turn, z_to};
-use crate::robot::{Robot, RobotJoint, RobotJointType};
+use crate::robot::{Inertial, Robot, RobotJoint, RobotJointType};
+use crate::words::joined;
 
 /// A limit beyond this is none \[rad\] or \[m\].
 const LARGEST_LIMIT: f64 = 1e6;
@@ -160,22 +160,25 @@ impl<'r> Walk<'r> {
         }
     }
 
-    /// Mass \[kg\] and moment \[kg m\], in the frame of `start`, of everything behind it that no later row
-    /// of the chain carries; none where no mass is given.
-    fn sum(&mut self, start: usize, is_load: bool) -> Option<(f64, Vector3<f64>)> {
-        let mut total: Option<(f64, Vector3<f64>)> = None;
+    /// Everything with mass behind `start`, in its frame, that no later row of the chain carries.
+    fn sum(&mut self, start: usize, is_load: bool) -> Vec<Inertial> {
+        let mut parts = Vec::new();
         let mut visits = vec![Visit {
             link: start,
             pose: Pose::default(),
             branch: None,
         }];
         while let Some(Visit { link, pose, branch }) = visits.pop() {
-            if let Some((own_kg, centre_m)) = self.robot.links[link].mass {
-                let (mass_kg, moment) = total.get_or_insert_with(Default::default);
-                *mass_kg += own_kg;
-                *moment += (pose.position_m + pose.rotation * Vector3::from(centre_m)) * own_kg;
+            if let Some(own) = self.robot.links[link].inertial {
+                let centre = pose.position_m + pose.rotation * Vector3::from(own.centre_m);
+                let turned = |inertia| pose.rotation * inertia * pose.rotation.transpose();
+                parts.push(Inertial {
+                    mass_kg: own.mass_kg,
+                    centre_m: centre.into(),
+                    inertia_kgm2: own.inertia_kgm2.map(turned),
+                });
                 if let Some(branch) = branch {
-                    self.branches[branch].mass_kg += own_kg;
+                    self.branches[branch].mass_kg += own.mass_kg;
                 }
             }
             let first = visits.len();
@@ -206,23 +209,54 @@ impl<'r> Walk<'r> {
             // the last is visited first, but the order of the file is wanted
             visits[first..].reverse();
         }
-        total
+        parts
     }
 
     /// The body of a row: its centre is in the frame behind the joint's motion, axis along z.
     fn body(&mut self, joint: usize) -> Option<Body> {
         let joint = &self.robot.joints[joint];
-        let (mass_kg, moment) = self.sum(joint.child, true)?;
+        let parts = self.sum(joint.child, true);
+        if parts.is_empty() {
+            return None;
+        }
+        let mass_kg: f64 = parts.iter().map(|part| part.mass_kg).sum();
+        let moment = parts.iter().fold(Vector3::zeros(), |moment, part| {
+            moment + Vector3::from(part.centre_m) * part.mass_kg
+        });
         let centre = match mass_kg > 0.0 {
             true => moment / mass_kg,
             false => Vector3::zeros(),
         };
-        let centre = z_to(&joint.axis).transpose() * centre;
+        let to_row = z_to(&joint.axis).transpose();
+        let inertia = inertia_about(&centre, &parts);
+        let inertia_kgm2 = inertia.map(|own| six(&(to_row * own * to_row.transpose())));
         Some(Body {
             mass_kg,
-            centre_of_mass_m: centre.into(),
+            centre_of_mass_m: (to_row * centre).into(),
+            inertia_kgm2,
         })
     }
+}
+
+/// Inertia of all parts about a point \[kg m^2\]; none where that of a part with mass is not known.
+fn inertia_about(centre: &Vector3<f64>, parts: &[Inertial]) -> Option<Matrix3<f64>> {
+    let mut total = Matrix3::zeros();
+    for part in parts.iter().filter(|part| part.mass_kg > 0.0) {
+        // exporters write zeros where they know nothing
+        let own = part.inertia_kgm2.filter(|own| *own != Matrix3::zeros())?;
+        let arm = Vector3::from(part.centre_m) - centre;
+        let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();
+        total += own + steiner * part.mass_kg;
+    }
+    (total != Matrix3::zeros()).then_some(total)
+}
+
+/// A symmetric matrix as xx, yy, zz, xy, xz, yz.
+fn six(matrix: &Matrix3<f64>) -> [f64; 6] {
+    let mean = |row, column| 0.5 * (matrix[(row, column)] + matrix[(column, row)]);
+    let diagonal = [0, 1, 2].map(|axis| matrix[(axis, axis)]);
+    let [xx, yy, zz] = diagonal;
+    [xx, yy, zz, mean(0, 1), mean(0, 2), mean(1, 2)]
 }
 
 /// Where a joint off the chain is taken \[rad\] or \[m\]: where the one that it follows puts it, or at
@@ -262,6 +296,6 @@ fn motion(joint: &RobotJoint, position: f64) -> Pose {
             let along_z = z_to(&joint.axis);
             turn(along_z * about_z(position) * along_z.transpose())
         }
-        RobotJointType::Fixed | RobotJointType::Other => Pose::default(),
+        RobotJointType::Fixed | RobotJointType::Other(_) => Pose::default(),
     }
 }

@@ -13,8 +13,8 @@ use haptical_model::{Drive, JointType, Position};
 use crate::UrdfError;
 use crate::chain::gaps::gaps;
 use crate::chain::path::Path;
-use crate::chain::tip::joined;
 use crate::robot::{Robot, RobotJoint, RobotJointType};
+use crate::words::joined;
 
 /// A moving joint of the path.
 #[derive(Debug, Clone)]
@@ -126,9 +126,9 @@ fn motion_of(
         RobotJointType::Fixed => Ok(None),
         RobotJointType::Revolute | RobotJointType::Continuous => Ok(Some(JointType::Revolute)),
         RobotJointType::Prismatic => Ok(Some(JointType::Prismatic)),
-        RobotJointType::Other => {
+        RobotJointType::Other(what) => {
             let message = format!(
-                "joint `{}` is floating or planar: a chain has one variable per joint",
+                "joint `{}` is {what}: a chain has one variable per joint",
                 joint.name
             );
             Err(UrdfError::Tree {
@@ -150,7 +150,7 @@ pub(crate) fn driver(robot: &Robot, joint: usize) -> Result<(usize, f64, f64), (
         let is_source = |joint: &RobotJoint| joint.name == mimic.joint;
         let source = robot.joints.iter().position(is_source);
         let source = source.filter(|source| match robot.joints[*source].joint_type {
-            RobotJointType::Fixed | RobotJointType::Other => false,
+            RobotJointType::Fixed | RobotJointType::Other(_) => false,
             RobotJointType::Revolute | RobotJointType::Continuous | RobotJointType::Prismatic => {
                 true
             }

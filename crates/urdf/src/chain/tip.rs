@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use crate::UrdfError;
 use crate::chain::path::{BaseAndTip, Path};
 use crate::robot::Robot;
-
-/// Most names in a warning or an error.
-const MOST_NAMES: usize = 8;
+use crate::words::listed;
 
 /// The paths to the tips, and what is odd about the choice.
 pub(crate) fn choose(
@@ -202,20 +200,5 @@ impl Hands {
             }
         }
         hands
-    }
-}
-
-/// Names in quotes, the first few of them.
-pub(crate) fn listed<'n>(names: impl Iterator<Item = &'n str>) -> String {
-    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
-    joined(&names)
-}
-
-/// Words with commas between, the first few of them.
-pub(crate) fn joined(words: &[String]) -> String {
-    let shown = words[..words.len().min(MOST_NAMES)].join(", ");
-    match words.len().checked_sub(MOST_NAMES) {
-        Some(more @ 1..) => format!("{shown} and {more} more"),
-        _ => shown,
     }
 }

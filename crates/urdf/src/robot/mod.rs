@@ -1,11 +1,14 @@
-//! A URDF as it is read: links and joints with their places in the text.
+//! A robot description as it is read, URDF or MJCF: links and joints with their places in the text.
 
 mod limits;
+pub(crate) mod mjcf;
 pub(crate) mod parse;
+pub(crate) mod xml;
 
 use std::ops::Range;
 
 use haptical_model::kinematics::Pose;
+use haptical_model::kinematics::nalgebra::Matrix3;
 
 /// Links and joints in the order of the file.
 #[derive(Debug, Clone, Default)]
@@ -15,6 +18,20 @@ pub(crate) struct Robot {
     pub(crate) joints: Vec<RobotJoint>,
     /// Byte at which an element can be added: before the closing tag; none for `<robot/>`.
     pub(crate) end: Option<usize>,
+    /// Gravity in the root's frame \[m/s^2\], where the file states another one than (0, 0, -9.81).
+    pub(crate) stated_gravity_mps2: Option<[f64; 3]>,
+    /// What was left out of an MJCF.
+    pub(crate) notes: Vec<String>,
+}
+
+/// Mass of a link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Inertial {
+    pub(crate) mass_kg: f64,
+    /// Centre of mass in the link's frame \[m\].
+    pub(crate) centre_m: [f64; 3],
+    /// Inertia about the centre of mass along the axes of the link's frame \[kg m^2\].
+    pub(crate) inertia_kgm2: Option<Matrix3<f64>>,
 }
 
 /// A link.
@@ -23,8 +40,7 @@ pub(crate) struct RobotLink {
     pub(crate) name: String,
     /// Byte of its element.
     pub(crate) place: usize,
-    /// Mass \[kg\] and centre of mass in the link's frame \[m\].
-    pub(crate) mass: Option<(f64, [f64; 3])>,
+    pub(crate) inertial: Option<Inertial>,
     /// Joint whose child it is, from 0.
     pub(crate) parent_joint: Option<usize>,
     /// Joints whose parent it is, from 0, in the order of the file.
@@ -38,8 +54,8 @@ pub(crate) enum RobotJointType {
     Revolute,
     Continuous,
     Prismatic,
-    /// Floating or planar: more than one variable.
-    Other,
+    /// More than one variable: what it is, in words.
+    Other(&'static str),
 }
 
 /// A joint that takes its variable from another one.
@@ -70,6 +86,21 @@ pub(crate) struct RobotJoint {
     pub(crate) axis: [f64; 3],
     pub(crate) limits: Option<(f64, f64)>,
     pub(crate) mimic: Option<Mimic>,
+    /// Element of an MJCF that places it; none in a URDF, and for what no single element places.
+    pub(crate) placed_by: Option<PlacedBy>,
+    /// Whether it is a constant part of the joint before it, which is not placed by itself.
+    pub(crate) is_part: bool,
+    /// Angle per torque of a spring behind it \[rad/(N m)\], \[m/N\].
+    pub(crate) compliance: f64,
+}
+
+/// An element of an MJCF with `pos` and an orientation: the origin is `before` its place `behind`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PlacedBy {
+    /// Byte of the element.
+    pub(crate) place: usize,
+    pub(crate) before: Pose,
+    pub(crate) behind: Pose,
 }
 
 impl RobotJoint {
@@ -84,5 +115,14 @@ impl RobotJoint {
             RobotJointType::Prismatic => "m",
             _ => "rad",
         }
+    }
+}
+
+/// Reads a URDF or, by its outermost element, an MJCF; `file` names it in errors.
+pub(crate) fn read_any(text: &str, file: &str) -> xml::Result<Robot> {
+    let document = xml::document(text, file)?;
+    match document.root_element().tag_name().name() {
+        "mujoco" => mjcf::parse(text, file),
+        _ => parse::parse(text, file),
     }
 }

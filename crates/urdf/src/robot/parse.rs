@@ -2,49 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use haptical_model::Position;
 use haptical_model::kinematics::Pose;
-use haptical_model::kinematics::nalgebra::Vector3;
-use roxmltree::{Document, Node, ParsingOptions, TextPos};
+use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::UrdfError;
-use crate::numbers::{ONE_NUMBER, THREE_NUMBERS, number, three};
+use crate::numbers::ONE_NUMBER;
 use crate::rigid::from_rpy;
-use crate::robot::limits::{place_of, too_many};
-use crate::robot::{Mimic, Robot, RobotJoint, RobotJointType, RobotLink};
-
-type Result<T> = std::result::Result<T, UrdfError>;
-
-/// Most nodes of a document: a humanoid with its meshes and materials has some ten thousand.
-const MOST_NODES: u32 = 1_000_000;
-/// Most links, and most joints.
-const MOST_PARTS: usize = 4096;
-
-/// A document and its name, for positions.
-struct Reader<'d, 'input> {
-    document: &'d Document<'input>,
-    file: &'d str,
-}
-
-type Element<'d, 'input> = Node<'d, 'input>;
+use crate::robot::xml::{Element, Reader, Result, document, elements};
+use crate::robot::{Inertial, Mimic, Robot, RobotJoint, RobotJointType, RobotLink};
 
 /// Reads a URDF; `file` names it in errors.
 pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
-    if let Some((byte, message)) = too_many(text) {
-        return Err(UrdfError::Xml {
-            at: place_of(text, file, byte),
-            message,
-        });
-    }
-    let options = ParsingOptions {
-        allow_dtd: false,
-        nodes_limit: MOST_NODES,
-        ..ParsingOptions::default()
-    };
-    let document = Document::parse_with_options(text, options).map_err(|error| UrdfError::Xml {
-        at: position(file, error.pos()),
-        message: error.to_string(),
-    })?;
+    let document = document(text, file)?;
     let reader = Reader {
         document: &document,
         file,
@@ -52,34 +21,17 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
     reader.robot(text)
 }
 
-fn position(file: &str, at: TextPos) -> Box<Position> {
-    Box::new(Position {
-        file: file.to_owned(),
-        line: at.row as usize,
-        column: at.col as usize,
-    })
-}
-
 /// What a document is that is no URDF.
 fn what_it_is(root: &str) -> &'static str {
     match root {
-        "mujoco" => "it looks like MJCF: give the URDF",
+        "mujoco" => "it looks like MJCF: name it .xml, or give the URDF",
         "sdf" => "it looks like SDF: convert it to URDF",
         "COLLADA" => "it looks like a mesh: give the URDF",
         _ => "give a URDF",
     }
 }
 
-impl<'d, 'input> Reader<'d, 'input> {
-    fn position_at(&self, byte: usize) -> Box<Position> {
-        position(self.file, self.document.text_pos_at(byte))
-    }
-
-    fn tree(&self, byte: usize, message: String) -> UrdfError {
-        let at = self.position_at(byte);
-        UrdfError::Tree { at, message }
-    }
-
+impl Reader<'_, '_> {
     fn robot(&self, text: &str) -> Result<Robot> {
         let root = self.document.root_element();
         if root.tag_name().name() != "robot" {
@@ -107,7 +59,7 @@ impl<'d, 'input> Reader<'d, 'input> {
                 return Err(self.tree(link.place, message));
             }
             robot.links.push(link);
-            self.count("links", robot.links.len(), element)?;
+            self.count("links", robot.links.len(), element.range().start)?;
         }
         let mut names = BTreeMap::new();
         for element in elements(root, "joint") {
@@ -119,18 +71,10 @@ impl<'d, 'input> Reader<'d, 'input> {
             }
             self.attach(&mut robot, &joint, index)?;
             robot.joints.push(joint);
-            self.count("joints", robot.joints.len(), element)?;
+            self.count("joints", robot.joints.len(), element.range().start)?;
         }
         self.no_loops(&robot)?;
         Ok(robot)
-    }
-
-    fn count(&self, what: &str, found: usize, element: Element<'_, '_>) -> Result<()> {
-        if found <= MOST_PARTS {
-            return Ok(());
-        }
-        let message = format!("more than {MOST_PARTS} {what}, the most that are read");
-        Err(self.tree(element.range().start, message))
     }
 
     fn attach(&self, robot: &mut Robot, joint: &RobotJoint, index: usize) -> Result<()> {
@@ -177,44 +121,50 @@ impl<'d, 'input> Reader<'d, 'input> {
         Ok(())
     }
 
-    fn name(&self, element: Element<'_, '_>) -> Result<String> {
-        let kind = element.tag_name().name();
-        let name = self.required(element, &format!("a <{kind}>"), "name")?;
-        Ok(name.to_owned())
-    }
-
     fn link(&self, element: Element<'_, '_>) -> Result<RobotLink> {
         let name = self.name(element)?;
         let place = format!("link `{name}`");
-        let mut mass = None;
-        if let Some(inertial) = elements(element, "inertial").next()
-            && let Some(node) = elements(inertial, "mass").next()
-        {
-            let mass_kg = self.one(node, &place, "value")?;
-            let mass_kg = mass_kg.ok_or_else(|| self.missing(node, &place, "mass value"))?;
-            if mass_kg < 0.0 {
-                let found = mass_kg.to_string();
-                return Err(self.refuse(
-                    node,
-                    &place,
-                    "the mass",
-                    &found,
-                    "a mass is not negative",
-                ));
-            }
-            let centre_m = match elements(inertial, "origin").next() {
-                Some(origin) => self.vector(origin, &place, "xyz")?.unwrap_or([0.0; 3]),
-                None => [0.0; 3],
-            };
-            mass = Some((mass_kg, centre_m));
-        }
+        let inertial = match elements(element, "inertial").next() {
+            Some(inertial) => self.inertial(inertial, &place)?,
+            None => None,
+        };
         Ok(RobotLink {
             name,
             place: element.range().start,
-            mass,
+            inertial,
             parent_joint: None,
             child_joints: Vec::new(),
         })
+    }
+
+    fn inertial(&self, element: Element<'_, '_>, place: &str) -> Result<Option<Inertial>> {
+        let Some(node) = elements(element, "mass").next() else {
+            return Ok(None);
+        };
+        let mass_kg = self.one(node, place, "value")?;
+        let mass_kg = mass_kg.ok_or_else(|| self.missing(node, place, "mass value"))?;
+        self.not_negative_mass(node, place, mass_kg)?;
+        let origin = match elements(element, "origin").next() {
+            Some(origin) => self.origin(origin, place)?,
+            None => Pose::default(),
+        };
+        let inertia_kgm2 = match elements(element, "inertia").next() {
+            Some(node) => Some(self.inertia(node, place)?),
+            None => None,
+        };
+        Ok(Some(Inertial {
+            mass_kg,
+            centre_m: origin.position_m.into(),
+            inertia_kgm2: inertia_kgm2
+                .map(|own| origin.rotation * own * origin.rotation.transpose()),
+        }))
+    }
+
+    fn inertia(&self, node: Element<'_, '_>, place: &str) -> Result<Matrix3<f64>> {
+        let one = |key| -> Result<f64> { Ok(self.one(node, place, key)?.unwrap_or(0.0)) };
+        let [xx, yy, zz] = [one("ixx")?, one("iyy")?, one("izz")?];
+        let [xy, xz, yz] = [one("ixy")?, one("ixz")?, one("iyz")?];
+        Ok(Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
     }
 
     fn joint(
@@ -229,7 +179,7 @@ impl<'d, 'input> Reader<'d, 'input> {
             "revolute" => RobotJointType::Revolute,
             "continuous" => RobotJointType::Continuous,
             "prismatic" => RobotJointType::Prismatic,
-            "floating" | "planar" => RobotJointType::Other,
+            "floating" | "planar" => RobotJointType::Other("floating or planar"),
             other => {
                 let found = format!("\"{other}\"");
                 let allowed =
@@ -270,6 +220,9 @@ impl<'d, 'input> Reader<'d, 'input> {
             },
             limits: self.limits(element, &place)?,
             mimic: self.mimic(element, &place)?,
+            placed_by: None,
+            is_part: false,
+            compliance: 0.0,
             name,
         })
     }
@@ -330,75 +283,4 @@ impl<'d, 'input> Reader<'d, 'input> {
             place: node.range().start,
         }))
     }
-
-    fn required<'n>(
-        &self,
-        element: Element<'n, '_>,
-        place: &str,
-        key: &'static str,
-    ) -> Result<&'n str> {
-        let value = element.attribute(key);
-        value.ok_or_else(|| self.missing(element, place, key))
-    }
-
-    fn missing(&self, element: Element<'_, '_>, place: &str, what: &'static str) -> UrdfError {
-        UrdfError::Missing {
-            at: self.position_at(element.range().start),
-            place: place.to_owned(),
-            what,
-        }
-    }
-
-    fn refuse(
-        &self,
-        element: Element<'_, '_>,
-        place: &str,
-        what: &'static str,
-        found: &str,
-        allowed: &str,
-    ) -> UrdfError {
-        let allowed = if found.contains("${") {
-            "this is xacro: expand it first (`xacro file.xacro > file.urdf`)"
-        } else {
-            allowed
-        };
-        UrdfError::Value {
-            at: self.position_at(element.range().start),
-            place: place.to_owned(),
-            what,
-            // whoever wrote a megabyte need not read it again
-            found: found.chars().take(60).collect(),
-            allowed: allowed.to_owned(),
-        }
-    }
-
-    fn one(&self, element: Element<'_, '_>, place: &str, key: &'static str) -> Result<Option<f64>> {
-        let Some(text) = element.attribute(key) else {
-            return Ok(None);
-        };
-        let refuse = || self.refuse(element, place, key, &format!("\"{text}\""), ONE_NUMBER);
-        number(text).map(Some).ok_or_else(refuse)
-    }
-
-    fn vector(
-        &self,
-        element: Element<'_, '_>,
-        place: &str,
-        key: &'static str,
-    ) -> Result<Option<[f64; 3]>> {
-        let Some(text) = element.attribute(key) else {
-            return Ok(None);
-        };
-        let refuse = || self.refuse(element, place, key, &format!("\"{text}\""), THREE_NUMBERS);
-        three(text).map(Some).ok_or_else(refuse)
-    }
-}
-
-/// Child elements of one name.
-fn elements<'d, 'input>(
-    node: Node<'d, 'input>,
-    name: &'static str,
-) -> impl Iterator<Item = Node<'d, 'input>> {
-    node.children()
-        .filter(move |child| child.is_element() && child.tag_name().name() == name)
 }

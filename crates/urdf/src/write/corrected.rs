@@ -8,11 +8,11 @@ use haptical_model::{Device, Hand, JointType};
 use crate::UrdfError;
 use crate::chain::gaps::{Correction, corrections};
 use crate::chain::path::BaseAndTip;
-use crate::chain::tip::listed;
 use crate::device::{ReadChain, parents};
 use crate::numbers::{escaped, written};
 use crate::rigid::to_rpy;
 use crate::robot::{Robot, RobotJoint};
+use crate::words::listed;
 use crate::write::segments::segments;
 
 /// A corrected URDF.
@@ -73,14 +73,13 @@ pub fn corrected_urdf(
     ends: BaseAndTip<'_>,
     device: &Device,
 ) -> Result<CorrectedUrdf, UrdfError> {
-    let read = ReadChain::new(text, file, ends)?;
-    check_same(&read, device, file)?;
-    let segments = segments(device)?;
+    let read = ReadChain::of_urdf(text, file, ends)?;
+    let corrections = all_corrections(&read, device, (file, "URDF"))?;
     let ReadChain {
         robot,
         paths,
-        rows,
         mut warnings,
+        ..
     } = read;
     if has_transmission_errors(device) {
         warnings.push(TRANSMISSIONS.to_owned());
@@ -99,30 +98,12 @@ pub fn corrected_urdf(
         *link = name;
         (end..end, addition)
     };
-    let mut corrected = vec![false; rows.rows.len()];
-    for (index, ((path, end), handle)) in paths
-        .iter()
-        .zip(&rows.ends)
-        .zip(&segments.handles)
-        .enumerate()
-    {
-        let before = end.rows.iter().map(|row| segments.rows[*row].before);
-        let others = [&paths[..index], &paths[index + 1..]].concat();
-        let own = corrections(&robot, path, before, handle, &others);
-        let places = end.rows.iter().map(|row| Some(*row)).chain([None]);
-        for (correction, row) in own.into_iter().zip(places) {
-            // what several chains share is corrected once
-            if row.is_some_and(|row| std::mem::replace(&mut corrected[row], true)) {
-                continue;
-            }
-            edits.push(match correction {
-                Correction::Joint(joint, origin) => edit(text, &robot.joints[joint], &origin),
-                Correction::Base(origin) => add(&mut base, "base", "before the first", &origin),
-                Correction::Tip(origin) => {
-                    add(&mut tips[index], "handle", "behind the last", &origin)
-                }
-            });
-        }
+    for (path, correction) in corrections {
+        edits.push(match correction {
+            Correction::Joint(joint, origin) => edit(text, &robot.joints[joint], &origin),
+            Correction::Base(origin) => add(&mut base, "base", "before the first", &origin),
+            Correction::Tip(origin) => add(&mut tips[path], "handle", "behind the last", &origin),
+        });
     }
     let mut tips = tips.into_iter();
     let tip = tips.next().unwrap_or_default();
@@ -133,6 +114,34 @@ pub fn corrected_urdf(
         further_tips: tips.collect(),
         warnings,
     })
+}
+
+/// What a device asks of the description that it came from, and for which path; `file` and its kind name it in refusals.
+pub(crate) fn all_corrections(
+    read: &ReadChain,
+    device: &Device,
+    (file, kind): (&str, &str),
+) -> Result<Vec<(usize, Correction)>, UrdfError> {
+    check_same(read, device, (file, kind))?;
+    let segments = segments(device)?;
+    let (paths, rows) = (&read.paths, &read.rows);
+    let mut corrected = vec![false; rows.rows.len()];
+    let mut all = Vec::new();
+    let ends = rows.ends.iter().zip(&segments.handles);
+    for (index, (path, (end, handle))) in paths.iter().zip(ends).enumerate() {
+        let before = end.rows.iter().map(|row| segments.rows[*row].before);
+        let others = [&paths[..index], &paths[index + 1..]].concat();
+        let own = corrections(&read.robot, path, before, handle, &others);
+        let places = end.rows.iter().map(|row| Some(*row)).chain([None]);
+        for (correction, row) in own.into_iter().zip(places) {
+            // what several chains share is corrected once
+            if row.is_some_and(|row| std::mem::replace(&mut corrected[row], true)) {
+                continue;
+            }
+            all.push((index, correction));
+        }
+    }
+    Ok(all)
 }
 
 /// Said where a device has transmission errors.
@@ -146,13 +155,17 @@ pub(crate) fn has_transmission_errors(device: &Device) -> bool {
     joints.any(|joint| joint.transmission_error != none)
 }
 
-fn check_same(read: &ReadChain, device: &Device, file: &str) -> Result<(), UrdfError> {
+fn check_same(
+    read: &ReadChain,
+    device: &Device,
+    (file, kind): (&str, &str),
+) -> Result<(), UrdfError> {
     let tips = read.paths.iter();
     let tips = listed(tips.map(|path| read.robot.links[path.tip].name.as_str()));
     let refuse = |what: String| UrdfError::Device {
         device: device.name.clone(),
         message: format!(
-            "{what}: give the URDF that it was calibrated from, and the same --base and --tip ({file} was read \
+            "{what}: give the {kind} that it was calibrated from, and the same --base and --tip ({file} was read \
              from `{}` to {})",
             read.robot.links[read.paths[0].base].name, tips
         ),
@@ -161,7 +174,7 @@ fn check_same(read: &ReadChain, device: &Device, file: &str) -> Result<(), UrdfE
     if device.links.len() != rows.len() + 1 {
         let (has, file_has) = (device.links.len().saturating_sub(1), rows.len());
         return Err(refuse(format!(
-            "it has {has} moving rows, the URDF's chain {file_has}"
+            "it has {has} moving rows, the {kind}'s chain {file_has}"
         )));
     }
     let hands = crate::device::hands(&read.robot, &read.paths, &read.rows);
@@ -252,7 +265,7 @@ fn added_link(robot: &Robot, parent: &str, what: &str, origin: &Pose) -> (String
     (addition, name)
 }
 
-fn replaced(text: &str, mut edits: Vec<(Range<usize>, String)>) -> String {
+pub(crate) fn replaced(text: &str, mut edits: Vec<(Range<usize>, String)>) -> String {
     edits.sort_by_key(|(range, _)| range.start);
     let mut written = String::with_capacity(text.len() + 64 * edits.len());
     let mut done = 0;

@@ -1,6 +1,9 @@
-//! Robot descriptions of a device: a corrected URDF, a new URDF, MJCF.
+//! Robot descriptions of a device: a corrected URDF or MJCF, a new one.
 
 pub(crate) mod corrected;
+pub(crate) mod effects;
+pub(crate) mod inertia;
 pub(crate) mod mjcf;
+pub(crate) mod patched;
 pub(crate) mod segments;
 pub(crate) mod urdf;

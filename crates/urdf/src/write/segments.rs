@@ -1,6 +1,6 @@
 //! A device's chain as joints along z with constant transforms between them, whatever its convention.
 
-use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Chain, Convention, Link, Motion, Pose};
 use haptical_model::{Device, Drive, JointType};
 
@@ -14,8 +14,17 @@ pub(crate) struct Segment {
     /// From the frame behind the motion of the row that it hangs on (from frame (-1) for the first) to this row's.
     pub(crate) before: Pose,
     pub(crate) drive: Drive,
-    /// Mass \[kg\] and its centre in the frame behind the motion \[m\].
-    pub(crate) body: Option<(f64, [f64; 3])>,
+    pub(crate) body: Option<SegmentBody>,
+}
+
+/// What a row carries, in the frame behind its motion.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SegmentBody {
+    pub(crate) mass_kg: f64,
+    /// Centre of mass \[m\].
+    pub(crate) centre_m: Vector3<f64>,
+    /// Inertia about the centre of mass \[kg m^2\].
+    pub(crate) inertia_kgm2: Option<Matrix3<f64>>,
 }
 
 impl Segment {
@@ -119,10 +128,11 @@ pub(crate) fn segments(device: &Device) -> Result<Segments, UrdfError> {
                 .joints
                 .get(drive.joint)
                 .map_or(0.0, |own| own.home_rad);
-            (
-                body.mass_kg,
-                centre(link, &drive, home, body.centre_of_mass_m),
-            )
+            SegmentBody {
+                mass_kg: body.mass_kg,
+                centre_m: Vector3::from(centre(link, &drive, home, body.centre_of_mass_m)),
+                inertia_kgm2: body.inertia_kgm2.map(|own| turned(link, &own)),
+            }
         });
         rows.push(Segment {
             before,
@@ -154,4 +164,14 @@ fn centre(link: &Link, drive: &Drive, home: f64, [x, y, z]: [f64; 3]) -> [f64; 3
         JointType::Prismatic => drive.multiplier * home + drive.offset,
     };
     [x * cosine - y * sine, x * sine + y * cosine, z - slide]
+}
+
+/// An inertia xx, yy, zz, xy, xz, yz in the frame behind the motion: as its centre, it is given behind Rz(theta).
+fn turned(link: &Link, [xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> Matrix3<f64> {
+    let own = Matrix3::new(*xx, *xy, *xz, *xy, *yy, *yz, *xz, *yz, *zz);
+    if link.theta_rad == 0.0 {
+        return own;
+    }
+    let turn = about_z(link.theta_rad);
+    turn * own * turn.transpose()
 }

@@ -2,15 +2,17 @@
 
 use std::fmt::Write;
 
-use haptical_model::Device;
+use haptical_model::{Device, DeviceEffect};
 
 use crate::UrdfError;
 use crate::numbers::{escaped, written};
 use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors, origin_element, type_name};
-use crate::write::segments::segments;
+use crate::write::effects::{Effects, Friction};
+use crate::write::inertia::{RowBody, full, row_bodies};
+use crate::write::segments::{Segments, segments};
 
 /// Stands where one limit is known and the other is not \[rad\] or \[m\].
-const FAR: f64 = 1000.0;
+pub(crate) const FAR: f64 = 1000.0;
 
 /// A URDF with a link for each row, joints along z, the masses that are known, and a link `handle`, or one for each hand
 /// by its name; and
@@ -18,7 +20,7 @@ const FAR: f64 = 1000.0;
 /// is not 0, neither is the URDF's there.
 ///
 /// ```
-/// use haptical_model::Device;
+/// use haptical_model::{Device, DeviceEffect};
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
 /// let device = Device::load(path.as_ref())?.device;
 /// let (text, _) = haptical_urdf::new_urdf(&device)?;
@@ -32,10 +34,12 @@ const FAR: f64 = 1000.0;
 pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
     let segments = segments(device)?;
     let names = joint_names(device, segments.rows.len());
+    let bodies = row_bodies(device, &segments);
+    let effects = Effects::new(device);
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <!-- Lengths in m, angles in rad. Joint values are \
-         the readings of a log, 0 at home. Inertia tensors and\n       limits of effort and velocity are not \
-         known. -->\n  <link name=\"base\"/>\n",
+         the readings of a log, 0 at home. Limits of effort and\n       velocity are not \
+         known, and what is marked as plausible. -->\n  <link name=\"base\"/>\n",
         escaped(&device.name)
     );
     let link_of = |row: usize| match row {
@@ -47,13 +51,14 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
         let parent = link_of(parent.unwrap_or(0));
         let _ = match segment.body {
             None => writeln!(text, "  <link name=\"{link}\"/>"),
-            Some((mass_kg, centre_m)) => writeln!(
+            Some(own) if own.mass_kg > 0.0 => writeln!(
                 text,
-                "  <link name=\"{link}\">\n    <inertial>\n      <origin xyz=\"{}\"/>\n      \
-                 <mass value=\"{}\"/>\n      <inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" \
-                 izz=\"0\"/>\n    </inertial>\n  </link>",
-                written(&centre_m),
-                written(&[mass_kg])
+                "  <link name=\"{link}\">\n{}  </link>",
+                inertial(&bodies[index])
+            ),
+            Some(_) => writeln!(
+                text,
+                "  <link name=\"{link}\">\n    <inertial>\n      <mass value=\"0\"/>\n    </inertial>\n  </link>"
             ),
         };
         let limits = segment.limits(device);
@@ -76,6 +81,10 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
                 written(&[lower]),
                 written(&[upper])
             );
+        }
+        if segments.followed(device, index).is_none() {
+            let friction = effects.friction.get(segment.drive.joint);
+            text.push_str(&dynamics(friction.copied().unwrap_or_default()));
         }
         if let Some((source, multiplier)) = segments.followed(device, index) {
             let _ = writeln!(
@@ -102,7 +111,68 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
         );
     }
     text.push_str("</robot>\n");
-    Ok((text, left_out(device)))
+    let warnings = said(device, &segments, &bodies, &effects);
+    Ok((text, warnings))
+}
+
+/// What the file makes up or leaves out.
+fn said(
+    device: &Device,
+    segments: &Segments,
+    bodies: &[RowBody],
+    effects: &Effects<'_>,
+) -> Vec<String> {
+    let mut warnings = left_out(device);
+    let inertias = bodies.iter().zip(&segments.rows).enumerate();
+    let inertias = inertias.filter(|(_, (body, row))| {
+        body.plausible.is_some() && row.body.is_some_and(|own| own.mass_kg > 0.0)
+    });
+    let inertias: Vec<String> = inertias
+        .map(|(row, _)| format!("link{}", row + 1))
+        .collect();
+    if !inertias.is_empty() {
+        warnings.push(format!(
+            "plausible inertia of {}, which the device file does not give (inertia_kgm2)",
+            inertias.join(", ")
+        ));
+    }
+    warnings.extend(effects.said.iter().cloned());
+    let other = |effect: &&DeviceEffect| effect.name != "joint-friction";
+    warnings.extend(device.effects.iter().filter(other).map(|effect| {
+        format!(
+            "`{}` is not in a URDF, which has no means for it; an MJCF has for some effects",
+            effect.label()
+        )
+    }));
+    warnings
+}
+
+fn inertial(body: &RowBody) -> String {
+    let centre: [f64; 3] = body.centre_m.into();
+    let [xx, yy, zz, xy, xz, yz] = full(&body.inertia_kgm2).map(|entry| written(&[entry]));
+    let plausible = body.plausible.map(|what| what.trim_end_matches(','));
+    let plausible = plausible.map_or(String::new(), |what| {
+        format!("      <!-- plausible: {what} -->\n")
+    });
+    format!(
+        "    <inertial>\n{plausible}      <origin xyz=\"{}\"/>\n      <mass value=\"{}\"/>\n      <inertia ixx=\"{xx}\" \
+         ixy=\"{xy}\" ixz=\"{xz}\" iyy=\"{yy}\" iyz=\"{yz}\" izz=\"{zz}\"/>\n    </inertial>\n",
+        written(&centre),
+        written(&[body.mass_kg])
+    )
+}
+
+/// What a joint's friction is in a URDF.
+fn dynamics(friction: Friction) -> String {
+    if friction == Friction::default() {
+        return String::new();
+    }
+    let number = |own: Option<f64>| written(&[own.unwrap_or(0.0)]);
+    format!(
+        "    <dynamics damping=\"{}\" friction=\"{}\"/>\n",
+        number(friction.viscous),
+        number(friction.coulomb)
+    )
 }
 
 /// What a robot description of a device does not hold, and where its values are no readings.

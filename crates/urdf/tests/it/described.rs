@@ -1,9 +1,11 @@
 //! New URDFs and MJCFs of devices, read back: URDF by the crate, MJCF by a reader of its own here.
 
-use haptical_model::kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use haptical_model::kinematics::nalgebra::{
+    Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3,
+};
 use haptical_model::kinematics::{Convention, Link, Pose};
 use haptical_model::{Device, Joint, JointType};
-use haptical_urdf::{BaseAndTip, device_from_urdf, new_mjcf, new_urdf};
+use haptical_urdf::{BaseAndTip, device_from_mjcf, device_from_urdf, new_mjcf, new_urdf};
 use proptest::prelude::*;
 use roxmltree::{Document, Node};
 
@@ -136,6 +138,13 @@ proptest! {
         let value = |name: &str| readings[name.trim_start_matches("joint").parse::<usize>().unwrap() - 1];
         let mjcf_gap = gap(&handle_of_mjcf(&mjcf, value), &expected);
         prop_assert!(mjcf_gap < ROUNDING, "{mjcf_gap:e}\n{mjcf}");
+        let again = device_from_mjcf(&mjcf, "new.xml", BaseAndTip::to("handle")).unwrap().device;
+        let mjcf_gap = gap(&pose(&again, readings), &expected);
+        prop_assert!(mjcf_gap < ROUNDING, "{mjcf_gap:e}\n{mjcf}");
+        for (own, was) in again.joints.iter().zip(&device.joints) {
+            prop_assert_eq!(own.joint_type, was.joint_type);
+            prop_assert_eq!((own.lower_rad, own.upper_rad), (was.lower_rad, was.upper_rad));
+        }
     }
 }
 
@@ -157,12 +166,16 @@ fn rows_that_follow_are_written_as_such() {
          reading in rad";
     assert_eq!(warnings, [said]);
     let (mjcf, warnings) = new_mjcf(&device).unwrap();
-    assert_eq!(warnings, [said]);
+    assert_eq!(warnings[0], said);
     assert_eq!(mjcf.matches("polycoef").count(), 2);
+    let read_back = device_from_mjcf(&mjcf, "new.xml", BaseAndTip::to("handle"))
+        .unwrap()
+        .device;
     for readings in [[0.0; 3], [0.4, -0.7, 1.1], [-0.9, 2.0, 0.3]] {
         let values = [readings[0], 0.01 * readings[1], readings[2]];
         let expected = pose(&device, &readings);
         assert!(gap(&pose(&again, &values), &expected) < ROUNDING);
+        assert!(gap(&pose(&read_back, &values), &expected) < ROUNDING);
         let value = |name: &str| {
             // the second row is the lift itself
             let row = match name {
@@ -234,6 +247,126 @@ fn masses_stand_where_the_device_has_them() {
     for (found, expected) in body.centre_of_mass_m.into_iter().zip([0.0, 0.1, 0.02]) {
         assert!((found - expected).abs() < 1e-15, "{body:?}");
     }
+}
+
+/// Masses, centres, inertias, gravity and compliances come back from both descriptions.
+#[test]
+fn what_a_device_weighs_comes_back() {
+    let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\
+        [[link]]\na_m = 0.2\nalpha_rad = 0.5\nd_m = 0.1\ntheta_offset_rad = 0.7\nmass_kg = 2.0\n\
+        centre_of_mass_m = [0.1, 0.0, 0.02]\ninertia_kgm2 = [0.03, 0.02, 0.015, 0.001, -0.002, 0.0005]\n\
+        [[joint]]\nhome_rad = 0.4\ncompliance_rad_per_nm = 0.002\n[gravity]\nvector_mps2 = [1.0, -9.0, 2.0]\n";
+    let device = Device::from_toml(text, "device.toml").unwrap().device;
+    let turned = |inertia: [f64; 6]| {
+        // behind the joint's motion, before the offset theta
+        let [xx, yy, zz, xy, xz, yz] = inertia;
+        let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.7).into_inner();
+        turn * own * turn.transpose()
+    };
+    let expected = turned(device.bodies[1].unwrap().inertia_kgm2.unwrap());
+    let (urdf, warnings) = new_urdf(&device).unwrap();
+    assert_eq!(warnings, Vec::<String>::new());
+    let (mjcf, _) = new_mjcf(&device).unwrap();
+    let urdf = device_from_urdf(&urdf, "new.urdf", BaseAndTip::to("handle"))
+        .unwrap()
+        .device;
+    let mjcf = device_from_mjcf(&mjcf, "new.xml", BaseAndTip::to("handle"))
+        .unwrap()
+        .device;
+    assert_eq!(mjcf.gravity_mps2, device.gravity_mps2);
+    assert!((mjcf.compliance_rad_per_nm(0) - 0.002).abs() < 1e-17);
+    for again in [urdf, mjcf] {
+        let body = again.bodies[1].unwrap();
+        assert_eq!(body.mass_kg, 2.0);
+        let [xx, yy, zz, xy, xz, yz] = body.inertia_kgm2.unwrap();
+        let found = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        assert!((found - expected).amax() < 1e-15, "{body:?}");
+    }
+}
+
+/// Without a mass a link is a rod of 2 kg/m from joint to joint, and its file says so beside it.
+#[test]
+fn what_is_made_up_is_marked() {
+    let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n[[link]]\na_m = 0.5\nalpha_rad = 0.0\nd_m = 0.0\n\
+        [[link]]\na_m = 0.01\nalpha_rad = 0.0\nd_m = 0.0\nmass_kg = 0.0\n[[joint]]\n[[joint]]\n";
+    let device = Device::from_toml(text, "device.toml").unwrap().device;
+    let (text, warnings) = new_mjcf(&device).unwrap();
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let after = |what: &str| {
+        let at = lines.iter().position(|line| *line == what).unwrap();
+        lines[at + 1]
+    };
+    let rod = after("<!-- plausible: mass and inertia -->");
+    assert!(
+        rod.starts_with("<inertial pos=\"0.25 0 0\" mass=\"1\""),
+        "{rod}"
+    );
+    let light = after("<!-- plausible: mass, which is given as 0, and inertia -->");
+    assert!(light.contains("mass=\"0.001\""), "{light}");
+    assert!(after("<!-- plausible: gravity, z being up -->").contains("gravity=\"0 0 -9.81\""));
+    let said = warnings.join("\n");
+    for part in [
+        "plausible mass and inertia of link1,",
+        "plausible gravity",
+        "plausible armature, damping and gains",
+    ] {
+        assert!(said.contains(part), "{said}");
+    }
+}
+
+#[test]
+fn effects_are_joints_or_listed() {
+    let effects = "[[effect]]\nname = \"capstan-compliance\"\njoint = 1\nstiffness_nm_per_rad = 260.0\n\
+        [[effect]]\nname = \"backlash\"\njoint = 2\nwidth_rad = 0.002\n\
+        [[effect]]\nname = \"cross-coupling\"\njoint = 2\ngain = 0.02\nfrom_joint = 1\n\
+        [[effect]]\nname = \"joint-friction\"\njoint = 1\ncoulomb_nm = 0.05\nviscous_nm_s_per_rad = 0.3\n\
+        [[effect]]\nname = \"encoder-latency\"\ndelay_s = 0.004\n\
+        [[effect]]\nname = \"input-drum-harmonic\"\njoint = 2\namplitude_rad = 0.0004\nphase_rad = 0.3\norder = 2\n\
+        [[effect]]\nname = \"a--b\"\nsize_m = 1.0\n";
+    let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n[[link]]\na_m = 0.5\nalpha_rad = 0.0\nd_m = 0.0\n\
+        [[link]]\na_m = 0.3\nalpha_rad = 0.0\nd_m = 0.0\n[[joint]]\n[[joint]]\ntransmission_ratio = 8.0\n";
+    let device = Device::from_toml(&format!("{text}{effects}"), "device.toml")
+        .unwrap()
+        .device;
+    let (text, warnings) = new_mjcf(&device).unwrap();
+    Document::parse(&text).unwrap();
+    for part in [
+        "name=\"joint1_cable\" type=\"hinge\" axis=\"0 0 1\" stiffness=\"260\"",
+        "name=\"joint2_play\" type=\"hinge\" axis=\"0 0 1\" range=\"-0.001 0.001\"",
+        "joint1=\"joint2_coupling\" joint2=\"joint1\" polycoef=\"0 0.02 0 0 0\"",
+        "damping=\"0.3\" frictionloss=\"0.05\"",
+        "<jointpos name=\"theta2_rad\" joint=\"joint2\" delay=\"0.004\" nsample=\"",
+        "<joint joint=\"joint2_play\" coef=\"1\"/>",
+        "r[\"theta2_rad\"] -= 0.0004 * np.cos(16 * r[\"theta2_rad\"] - 0.3)",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let said = warnings.join("\n");
+    assert!(said.contains("`input-drum-harmonic@2 ("), "{said}");
+    assert!(!said.contains("backlash"), "{said}");
+    // the spring comes back as the joint's compliance, the play is said, the coupling follows
+    let again = device_from_mjcf(&text, "new.xml", BaseAndTip::to("handle")).unwrap();
+    assert_eq!(again.device.joints.len(), 2);
+    assert_eq!(again.device.compliance_rad_per_nm(0), 1.0 / 260.0);
+    assert!(
+        again
+            .warnings
+            .iter()
+            .any(|said| said.contains("`joint2_play` moves along"))
+    );
+}
+
+/// Numbers from a hostile file end in a refusal, not in a file with inf or NaN in it.
+#[test]
+fn what_leaves_the_number_range_is_refused() {
+    let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n[[link]]\na_m = 0.5\nalpha_rad = 0.0\nd_m = 0.0\n\
+        mass_kg = 1.0\n[[joint]]\n";
+    let mut device = Device::from_toml(text, "device.toml").unwrap().device;
+    device.links[1].a_m = 1e140;
+    device.bodies[1].as_mut().unwrap().mass_kg = 1e200;
+    let error = new_mjcf(&device).unwrap_err().to_string();
+    assert!(error.contains("too large to be simulated"), "{error}");
 }
 
 #[test]

@@ -12,6 +12,8 @@ mod branches;
 mod corrected;
 mod described;
 mod hands;
+mod mjcf_patch;
+mod mjcf_read;
 mod pinocchio;
 mod random;
 mod refusals;

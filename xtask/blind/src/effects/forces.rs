@@ -323,6 +323,7 @@ impl Effect for Unbalanced {
         let before = slot.unwrap_or(Body {
             mass_kg: 0.0,
             centre_of_mass_m: self.centre_m,
+            inertia_kgm2: None,
         });
         let mass_kg = before.mass_kg + self.mass_kg;
         if mass_kg > 0.0 {
@@ -334,6 +335,7 @@ impl Effect for Unbalanced {
             *slot = Some(Body {
                 mass_kg,
                 centre_of_mass_m: [0, 1, 2].map(centre),
+                inertia_kgm2: None,
             });
         }
     }

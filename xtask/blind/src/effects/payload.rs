@@ -60,6 +60,7 @@ impl Effect for Payload {
             *slot = Some(Body {
                 mass_kg: self.mass_kg,
                 centre_of_mass_m: self.centre_m,
+                inertia_kgm2: None,
             });
         }
         let change = Self::changes_at(scene);

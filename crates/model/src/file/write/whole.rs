@@ -119,6 +119,9 @@ impl Device {
         if let Some(Some(body)) = self.bodies.get(row) {
             insert(&mut table, "mass_kg", number(body.mass_kg));
             insert(&mut table, "centre_of_mass_m", list(&body.centre_of_mass_m));
+            if let Some(inertia) = &body.inertia_kgm2 {
+                insert(&mut table, "inertia_kgm2", list(inertia));
+            }
         }
         table
     }

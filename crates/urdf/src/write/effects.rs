@@ -1,0 +1,168 @@
+//! What a device's effects are in MuJoCo's means, and the list of those that it has no means for.
+
+use haptical_model::{Device, DeviceEffect, JointType};
+
+use crate::write::urdf::own_row;
+
+/// Latest that a sensor may be \[s\]: MuJoCo keeps every reading in between.
+const LATEST_S: f64 = 1.0;
+/// Stiffness from which a spring is rigid \[Nm/rad\], \[N/m\].
+const RIGID: f64 = 1e9;
+
+/// A motion of its own along a joint's axis, between its motor and its link.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Yield {
+    /// What the joint's name is followed by.
+    pub(crate) suffix: &'static str,
+    pub(crate) kind: YieldKind,
+    /// Whether the external encoder sees it.
+    pub(crate) is_before_encoder: bool,
+}
+
+/// What it does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum YieldKind {
+    /// A spring \[Nm/rad\], \[N/m\].
+    Spring(f64),
+    /// A play of a total width \[rad\], \[m\].
+    Play(f64),
+    /// It moves with another joint (from 0), this much.
+    Coupling(f64, usize),
+}
+
+/// Friction of a joint.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Friction {
+    /// \[Nm\], \[N\].
+    pub(crate) coulomb: Option<f64>,
+    /// \[Nm s/rad\], \[N s/m\].
+    pub(crate) viscous: Option<f64>,
+}
+
+/// What the effects of a device give, joint by joint.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Effects<'d> {
+    pub(crate) yields: Vec<Vec<Yield>>,
+    pub(crate) friction: Vec<Friction>,
+    /// How late each joint's reading is \[s\].
+    pub(crate) encoder_delay_s: Vec<f64>,
+    /// How late each external encoder is \[s\].
+    pub(crate) external_delay_s: Vec<f64>,
+    /// What MuJoCo has no means for.
+    pub(crate) left_out: Vec<&'d DeviceEffect>,
+    /// What is carried in part.
+    pub(crate) said: Vec<String>,
+}
+
+impl<'d> Effects<'d> {
+    pub(crate) fn new(device: &'d Device) -> Self {
+        let joints = device.joints.len();
+        let mut effects = Self {
+            yields: vec![Vec::new(); joints],
+            friction: vec![Friction::default(); joints],
+            encoder_delay_s: vec![0.0; joints],
+            external_delay_s: vec![0.0; joints],
+            ..Self::default()
+        };
+        for effect in &device.effects {
+            if effects.take(device, effect).is_none() {
+                effects.left_out.push(effect);
+            }
+        }
+        for joint in 0..joints {
+            let compliance = device.compliance_rad_per_nm(joint);
+            if compliance > 1.0 / RIGID {
+                effects.yields[joint].push(Yield {
+                    suffix: "_spring",
+                    kind: YieldKind::Spring(1.0 / compliance),
+                    is_before_encoder: false,
+                });
+            }
+        }
+        effects
+    }
+
+    /// Whether any channel is late.
+    pub(crate) fn has_delays(&self) -> bool {
+        let mut all = self.encoder_delay_s.iter().chain(&self.external_delay_s);
+        all.any(|delay_s| *delay_s > 0.0)
+    }
+
+    /// Takes an effect; none where MuJoCo has no means for it.
+    fn take(&mut self, device: &Device, effect: &DeviceEffect) -> Option<()> {
+        let number = |keys: [&str; 2]| {
+            keys.iter()
+                .find_map(|key| effect.numbers.get(*key).copied())
+        };
+        let positive = |keys| number(keys).filter(|number| *number > 0.0 && number.is_finite());
+        let late = || positive(["delay_s"; 2]).filter(|delay_s| *delay_s <= LATEST_S);
+        if effect.name == "encoder-latency" {
+            let delay_s = late()?;
+            self.encoder_delay_s
+                .iter_mut()
+                .for_each(|own| *own = delay_s);
+            return Some(());
+        }
+        // where a joint has no row whose value is its reading, its numbers are no row's
+        let joint = effect.joint.filter(|joint| has_own_row(device, *joint))?;
+        let kind = match effect.name.as_str() {
+            "joint-friction" => {
+                let friction = Friction {
+                    coulomb: positive(["coulomb_nm", "coulomb_n"]),
+                    viscous: positive(["viscous_nm_s_per_rad", "viscous_n_s_per_m"]),
+                };
+                if friction == Friction::default() {
+                    return None;
+                }
+                self.friction[joint] = friction;
+                if positive(["stribeck_nm", "stribeck_n"]).is_some() {
+                    self.said.push(format!(
+                        "`{}`: friction loss and damping have no Stribeck part, which is left out",
+                        effect.label()
+                    ));
+                }
+                return Some(());
+            }
+            "external-encoder-latency" => {
+                self.external_delay_s[joint] = late()?;
+                return Some(());
+            }
+            "capstan-compliance" => {
+                let stiffness = positive(["stiffness_nm_per_rad", "stiffness_n_per_m"])?;
+                YieldKind::Spring(Some(stiffness).filter(|own| *own < RIGID)?)
+            }
+            "backlash" => YieldKind::Play(positive(["width_rad", "width_m"])?),
+            "cross-coupling" => {
+                let from = number(["from_joint"; 2])?;
+                let from = (0..device.joints.len()).find(|own| (own + 1) as f64 == from)?;
+                let from =
+                    Some(from).filter(|from| *from != joint && has_own_row(device, *from))?;
+                let gain = number(["gain"; 2]).filter(|gain| gain.is_finite() && *gain != 0.0)?;
+                YieldKind::Coupling(gain, from)
+            }
+            _ => return None,
+        };
+        let suffix = match kind {
+            YieldKind::Spring(_) => "_cable",
+            YieldKind::Play(_) => "_play",
+            YieldKind::Coupling(..) => "_coupling",
+        };
+        // a second one of the same kind would need a name of its own
+        if self.yields[joint].iter().any(|own| own.suffix == suffix) {
+            return None;
+        }
+        self.yields[joint].push(Yield {
+            suffix,
+            kind,
+            is_before_encoder: true,
+        });
+        Some(())
+    }
+}
+
+/// Whether a row moves as the joint reads.
+pub(crate) fn has_own_row(device: &Device, joint: usize) -> bool {
+    let motion: Option<JointType> = device.joints.get(joint).map(|own| own.joint_type);
+    let drive = own_row(device, joint).and_then(|row| device.drive(row));
+    drive.is_some_and(|drive| drive.multiplier == 1.0 && Some(drive.motion) == motion)
+}

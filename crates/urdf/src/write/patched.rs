@@ -1,0 +1,323 @@
+//! An MJCF with the calibrated geometry and the device's friction in place: attributes change, the rest of the text stays.
+
+use std::ops::Range;
+
+use haptical_model::Device;
+use haptical_model::Origin;
+use haptical_model::kinematics::Pose;
+
+use crate::UrdfError;
+use crate::chain::gaps::Correction;
+use crate::chain::path::BaseAndTip;
+use crate::device::ReadChain;
+use crate::numbers::{escaped, written};
+use crate::rigid::{inverse, then};
+use crate::robot::mjcf::frames::ORIENTATIONS;
+use crate::robot::xml::{Element, document};
+use crate::robot::{PlacedBy, Robot, RobotJoint};
+use crate::write::corrected::{TRANSMISSIONS, all_corrections, has_transmission_errors, replaced};
+use crate::write::effects::{Effects, Yield, YieldKind};
+
+/// A corrected MJCF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CorrectedMjcf {
+    /// The text.
+    pub text: String,
+    /// Body or site at which the calibrated chain begins.
+    pub base: String,
+    /// Body or site at which the calibrated chain ends.
+    pub tip: String,
+    /// Those at which the further chains of a device with several hands end.
+    pub further_tips: Vec<String>,
+    /// What an MJCF cannot hold by attributes alone, and what was chosen.
+    pub warnings: Vec<String>,
+}
+
+/// Below this a place is the one that the file has: rounding of two ways to it, in m and as an entry of a rotation.
+const SAME: f64 = 1e-12;
+
+type Edit = (Range<usize>, String);
+
+/// The text of an MJCF with `pos` and `quat` of the chain's bodies, and of the site or fixed body at its end, replaced so
+/// that its forward kinematics is that of `device`, of every chain where it has several; and with `frictionloss` and `damping`
+/// of joints whose friction the device knows. All other bytes stay as they are; an attribute whose value is right is not
+/// touched.
+///
+/// `device` must have come from this MJCF, this base and this tip. Where the chain ends at a body that moves itself, a site
+/// for the handle is added to it, and a warning says so. An orientation that is not a quaternion becomes one. What a joint
+/// yields, a play and other effects are joints and sensors of their own, which are listed and not put in.
+///
+/// ```
+/// use haptical_urdf::{BaseAndTip, corrected_mjcf, device_from_mjcf};
+/// let text = r#"<mujoco> <!-- kept -->
+///   <worldbody>
+///     <body name="arm" pos="0 0 0.4"> <joint name="shoulder" axis="0 1 0"/> <site name="tool" pos="0.1 0 0"/> </body>
+///   </worldbody>
+/// </mujoco>"#;
+/// let mut lever = device_from_mjcf(text, "lever.xml", BaseAndTip::to("tool"))?.device;
+/// lever.links[1].d_m = 0.002; // along the axis, y
+/// let corrected = corrected_mjcf(text, "lever.xml", BaseAndTip::to("tool"), &lever)?;
+/// assert_eq!(corrected.text, text.replace("0.1 0 0", "0.1 0.002 0"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`UrdfError`] as [`device_from_mjcf`](crate::device_from_mjcf); [`UrdfError::Device`] for a device that is not of this MJCF,
+/// or whose correction belongs between two joints of one body.
+pub fn corrected_mjcf(
+    text: &str,
+    file: &str,
+    ends: BaseAndTip<'_>,
+    device: &Device,
+) -> Result<CorrectedMjcf, UrdfError> {
+    let read = ReadChain::of_mjcf(text, file, ends)?;
+    let corrections = all_corrections(&read, device, (file, "MJCF"))?;
+    let ReadChain {
+        robot,
+        paths,
+        rows,
+        mut warnings,
+    } = read;
+    if has_transmission_errors(device) {
+        warnings.push(TRANSMISSIONS.to_owned());
+    }
+    let document = document(text, file)?;
+    let patch = Patch {
+        device,
+        robot: &robot,
+        elements: document.descendants().filter(Element::is_element).collect(),
+    };
+    let link = |index: usize| robot.links[index].name.clone();
+    let mut base = link(paths[0].base);
+    let mut tips: Vec<String> = paths.iter().map(|path| link(path.tip)).collect();
+    let mut edits = Vec::new();
+    for (path, correction) in corrections {
+        let (name, index, what, origin) = match correction {
+            Correction::Joint(joint, origin) => {
+                edits.extend(patch.place(&robot.joints[joint], &origin)?);
+                continue;
+            }
+            Correction::Base(origin) => (&mut base, paths[path].base, "base", origin),
+            Correction::Tip(origin) => (&mut tips[path], paths[path].tip, "handle", origin),
+        };
+        // where it is already, nothing is added
+        if is_same(&origin, &Pose::default()) {
+            continue;
+        }
+        let (edit, site) = patch.site(text, index, what, &origin)?;
+        warnings.push(format!(
+            "{file}: the body `{name}` moves itself, so the site `{site}` was added to it for the {what}"
+        ));
+        *name = site;
+        edits.push(edit);
+    }
+    let effects = Effects::new(device);
+    for (joint, driver) in rows.drivers.iter().enumerate() {
+        edits.extend(patch.friction(&effects, joint, &robot.joints[*driver]));
+    }
+    warnings.extend(effects.said.iter().cloned());
+    let springs: Vec<f64> = (rows.drivers.iter())
+        .map(|driver| robot.joints[*driver].compliance)
+        .collect();
+    warnings.extend(not_put_in(device, &effects, &springs));
+    let mut tips = tips.into_iter();
+    Ok(CorrectedMjcf {
+        text: replaced(text, edits),
+        base,
+        tip: tips.next().unwrap_or_default(),
+        further_tips: tips.collect(),
+        warnings,
+    })
+}
+
+/// What would need joints or sensors of its own.
+///
+/// `springs` are the compliances that the file has already.
+fn not_put_in(device: &Device, effects: &Effects<'_>, springs: &[f64]) -> Vec<String> {
+    let mut said = Vec::new();
+    for (joint, yields) in effects.yields.iter().enumerate() {
+        let name = &device.joints[joint].name;
+        let has = springs.get(joint).copied().unwrap_or(0.0);
+        let is_there = |own: &&Yield| match own.kind {
+            YieldKind::Spring(stiffness) => (has * stiffness - 1.0).abs() < 1e-9,
+            _ => false,
+        };
+        said.extend(yields.iter().filter(|own| !is_there(own)).map(|own| {
+            format!(
+                "joint `{name}`: its `{name}{}` is a joint of its own, which is not put into your file: take it from `haptical \
+                 export --format mjcf` without --mjcf",
+                own.suffix
+            )
+        }));
+    }
+    let late = effects
+        .encoder_delay_s
+        .iter()
+        .chain(&effects.external_delay_s);
+    if late.into_iter().any(|delay_s| *delay_s > 0.0) {
+        said.push("late encoders are attributes of sensors (delay, nsample), which are not put into your file".to_owned());
+    }
+    said.extend(effects.left_out.iter().map(|effect| {
+        format!(
+            "`{}` is not in the model, because MuJoCo has no means for it",
+            effect.label()
+        )
+    }));
+    said
+}
+
+fn is_same(left: &Pose, right: &Pose) -> bool {
+    (left.position_m - right.position_m).amax() <= SAME
+        && (left.rotation - right.rotation).amax() <= SAME
+}
+
+/// A document to be changed.
+struct Patch<'p, 'd, 'input> {
+    device: &'p Device,
+    robot: &'p Robot,
+    elements: Vec<Element<'d, 'input>>,
+}
+
+impl<'d, 'input> Patch<'_, 'd, 'input> {
+    fn refuse(&self, message: String) -> UrdfError {
+        UrdfError::Device {
+            device: self.device.name.clone(),
+            message,
+        }
+    }
+
+    /// The element that begins at a byte.
+    fn element(&self, place: usize) -> Option<Element<'d, 'input>> {
+        // in the order of the document
+        let found = self
+            .elements
+            .binary_search_by_key(&place, |own| own.range().start);
+        found
+            .ok()
+            .and_then(|index| self.elements.get(index))
+            .copied()
+    }
+
+    /// Puts a joint's origin into the element that places it.
+    fn place(&self, joint: &RobotJoint, wanted: &Pose) -> Result<Vec<Edit>, UrdfError> {
+        if is_same(&joint.origin, wanted) {
+            return Ok(Vec::new());
+        }
+        let found = joint
+            .placed_by
+            .and_then(|own| Some((own, self.element(own.place)?)));
+        let Some((PlacedBy { before, behind, .. }, node)) = found else {
+            return Err(self.refuse(format!(
+                "the correction before joint `{}` belongs between two joints of one body, where an MJCF has no place for it: \
+                 give each joint a body of its own, and calibrate with that file",
+                joint.name
+            )));
+        };
+        let own = |origin: &Pose| then(&then(&inverse(&before), origin), &inverse(&behind));
+        let (now, then) = (own(&joint.origin), Origin::from_pose(&own(wanted)));
+        let mut edits = Vec::new();
+        if (now.position_m - own(wanted).position_m).amax() > SAME {
+            edits.push(set(node, "pos", "pos", &written(&then.position_m)));
+        }
+        if (now.rotation - own(wanted).rotation).amax() > SAME {
+            let stated = ORIENTATIONS
+                .into_iter()
+                .find(|key| node.has_attribute(*key));
+            let quaternion = written(&then.orientation_wxyz);
+            edits.push(set(node, stated.unwrap_or("quat"), "quat", &quaternion));
+        }
+        Ok(join(edits))
+    }
+
+    /// Adds a site to a body; gives its name too.
+    fn site(
+        &self,
+        text: &str,
+        link: usize,
+        what: &str,
+        origin: &Pose,
+    ) -> Result<(Edit, String), UrdfError> {
+        let own = &self.robot.links[link];
+        let mut name = format!("{}_{what}", own.name);
+        while self.robot.links.iter().any(|link| link.name == name) {
+            name.push('_');
+        }
+        let end = self.element(own.place).and_then(|node| {
+            let range = node.range();
+            let end = text.get(range.clone())?.rfind("</")?;
+            Some(range.start + end)
+        });
+        let Some(end) = end else {
+            let message = format!(
+                "nothing can be added to the body `{}` for the {what}",
+                own.name
+            );
+            return Err(self.refuse(message));
+        };
+        let origin = Origin::from_pose(origin);
+        let site = format!(
+            "<site name=\"{}\" pos=\"{}\" quat=\"{}\"/>",
+            escaped(&name),
+            written(&origin.position_m),
+            written(&origin.orientation_wxyz)
+        );
+        // on a line of its own where the closing tag is
+        let before = text.get(..end).unwrap_or_default();
+        let indent = before.rsplit('\n').next().unwrap_or_default();
+        let addition = match before.contains('\n') && indent.trim().is_empty() {
+            true => format!("  {site}\n{indent}"),
+            false => site,
+        };
+        Ok(((end..end, addition), name))
+    }
+
+    /// Friction that the device knows.
+    fn friction(&self, effects: &Effects<'_>, joint: usize, own: &RobotJoint) -> Vec<Edit> {
+        let friction = effects.friction.get(joint).copied().unwrap_or_default();
+        let Some(node) = self.element(own.place) else {
+            return Vec::new();
+        };
+        let numbers = [
+            ("frictionloss", friction.coulomb),
+            ("damping", friction.viscous),
+        ];
+        let stated = numbers.into_iter();
+        let edits =
+            stated.filter_map(|(key, number)| Some(set(node, key, key, &written(&[number?]))));
+        join(edits.collect())
+    }
+}
+
+/// Sets an attribute: in the place of the one called `stated`, or behind the element's name.
+fn set(node: Element<'_, '_>, stated: &str, key: &str, value: &str) -> Edit {
+    match node.attribute_node(stated) {
+        Some(attribute) if stated == key => (attribute.range_value(), value.to_owned()),
+        Some(attribute) => (attribute.range(), format!("{key}=\"{value}\"")),
+        None => {
+            let start = node.range().start + 1;
+            let tag = node
+                .document()
+                .input_text()
+                .get(start..)
+                .unwrap_or_default();
+            let is_end = |c: char| c.is_ascii_whitespace() || c == '/' || c == '>';
+            let at = start + tag.find(is_end).unwrap_or(0);
+            (at..at, format!(" {key}=\"{value}\""))
+        }
+    }
+}
+
+/// Insertions at one place in their order, as one.
+fn join(edits: Vec<Edit>) -> Vec<Edit> {
+    let mut joined: Vec<Edit> = Vec::new();
+    for (range, new) in edits {
+        match joined
+            .iter_mut()
+            .find(|(own, _)| range.is_empty() && *own == range)
+        {
+            Some((_, text)) => text.push_str(&new),
+            None => joined.push((range, new)),
+        }
+    }
+    joined
+}

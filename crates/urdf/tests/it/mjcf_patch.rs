@@ -1,0 +1,199 @@
+//! Corrected MJCFs: the calibrated kinematics, friction, and not a byte more.
+
+use std::collections::BTreeMap;
+
+use haptical_model::DeviceEffect;
+use haptical_urdf::{BaseAndTip, corrected_mjcf};
+use proptest::prelude::*;
+
+use crate::mjcf_read::{fixture, read};
+use crate::support::{calibrated, gap, pose};
+
+/// Two ways to a pose through the digits of a file: rounding of some forty transforms.
+const WRITTEN: f64 = 1e-12;
+
+/// An arm with a body for each joint, written in several ways.
+const ARM: &str = r#"<mujoco model="arm"> <!-- kept: pos="1 2 3" -->
+  <default><default class="k"><joint axis="0 1 0" damping="3"/></default></default>
+  <worldbody>
+    <body name="one" pos="0.1 0 0.4" euler="10 20 30" childclass="k">
+      <joint name="a" pos="0.02 0 0.1" ref="20" axis='0 0 1'/>
+      <geom type="capsule" size="0.03" fromto="0 0 0 0 0 0.3"/>
+      <frame pos="0 0 0.1" euler="0 0 45"><body name="two" axisangle="1 0 0 30"><joint name="b"/>
+        <body name="three" pos="0 0 0.3"><joint type="slide" name="c" damping="2" /><site name="tool" zaxis="1 1 0"/>
+        </body></body>
+      </frame>
+    </body>
+  </worldbody>
+  <actuator><position joint="a" kp="10"/></actuator>
+</mujoco>
+"#;
+
+/// Pieces of a text outside the values of attributes that a correction may set.
+fn skeleton(text: &str) -> String {
+    let mut rest = text;
+    let mut kept = String::new();
+    while let Some(at) = rest.find('<') {
+        let end = rest[at..].find('>').map_or(rest.len(), |end| at + end + 1);
+        let (before, tag) = (&rest[..at], &rest[at..end]);
+        kept.push_str(before);
+        let is_placed = ["<body", "<site", "<joint"]
+            .iter()
+            .any(|own| tag.starts_with(own));
+        let keys = [
+            "pos",
+            "quat",
+            "euler",
+            "axisangle",
+            "zaxis",
+            "xyaxes",
+            "frictionloss",
+            "damping",
+        ];
+        let mut tag = tag.to_owned();
+        for key in keys.iter().filter(|_| is_placed) {
+            while let Some(start) = tag.find(&format!(" {key}=\"")) {
+                let value = start + key.len() + 3;
+                let Some(length) = tag[value..].find('"') else {
+                    break;
+                };
+                tag.replace_range(start..=value + length, "");
+            }
+        }
+        kept.push_str(&tag);
+        rest = &rest[end..];
+    }
+    kept + rest
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn the_calibrated_kinematics_are_in_it_and_nothing_else_is(
+        deviations in prop::collection::vec(-0.03..0.03_f64, 12..40),
+        values in prop::array::uniform3(-0.8..0.8_f64),
+    ) {
+        let nominal = read(ARM, BaseAndTip::to("tool")).device;
+        let device = calibrated(&nominal, &deviations);
+        let corrected = corrected_mjcf(ARM, "arm.xml", BaseAndTip::to("tool"), &device).unwrap();
+        let again = read(&corrected.text, BaseAndTip::to("tool")).device;
+        let gap = gap(&pose(&again, &values), &pose(&device, &values));
+        prop_assert!(gap < WRITTEN, "{gap:e}\n{}", corrected.text);
+        prop_assert_eq!(skeleton(&corrected.text), skeleton(ARM));
+        prop_assert_eq!(again.joints, device.joints);
+    }
+
+    /// The hand is a body that moves itself: the handle becomes a site on it.
+    #[test]
+    fn a_site_is_added_where_nothing_is_fixed(
+        deviations in prop::collection::vec(-0.03..0.03_f64, 12..40),
+        values in prop::array::uniform3(-0.8..0.8_f64),
+    ) {
+        let nominal = read(ARM, BaseAndTip::to("three")).device;
+        let mut device = calibrated(&nominal, &deviations);
+        // the last row's numbers, behind its motion, are what moves the handle
+        device.links[3].a_m += 0.1;
+        let corrected = corrected_mjcf(ARM, "arm.xml", BaseAndTip::to("three"), &device).unwrap();
+        prop_assert_eq!(&corrected.tip, "three_handle");
+        let said = corrected.warnings.join("
+");
+        prop_assert!(said.contains("the site `three_handle` was added"), "{said}");
+        let again = read(&corrected.text, BaseAndTip::to("three_handle")).device;
+        let gap = gap(&pose(&again, &values), &pose(&device, &values));
+        prop_assert!(gap < WRITTEN, "{gap:e}\n{}", corrected.text);
+    }
+}
+
+#[test]
+fn the_same_device_changes_no_byte() {
+    for tip in ["tool", "three"] {
+        let device = read(ARM, BaseAndTip::to(tip)).device;
+        let corrected = corrected_mjcf(ARM, "arm.xml", BaseAndTip::to(tip), &device).unwrap();
+        assert_eq!(corrected.text, ARM);
+        assert_eq!(corrected.tip, tip);
+    }
+    if let Some(text) = fixture("arm.xml") {
+        let device = read(&text, BaseAndTip::to("tool")).device;
+        let corrected = corrected_mjcf(&text, "arm.xml", BaseAndTip::to("tool"), &device).unwrap();
+        assert_eq!(corrected.text, text);
+    }
+}
+
+#[test]
+fn friction_is_attributes_and_the_rest_is_listed() {
+    let mut device = read(ARM, BaseAndTip::to("tool")).device;
+    let effect = |name: &str, joint, numbers: &[(&str, f64)]| DeviceEffect {
+        name: name.to_owned(),
+        joint: Some(joint),
+        numbers: numbers
+            .iter()
+            .map(|(key, value)| ((*key).to_owned(), *value))
+            .collect::<BTreeMap<_, _>>(),
+        ..DeviceEffect::default()
+    };
+    device.effects = vec![
+        effect(
+            "joint-friction",
+            1,
+            &[("coulomb_nm", 0.25), ("viscous_nm_s_per_rad", 0.5)],
+        ),
+        effect("joint-friction", 2, &[("viscous_n_s_per_m", 4.0)]),
+        effect("backlash", 0, &[("width_rad", 0.002)]),
+        effect(
+            "drum-eccentricity",
+            0,
+            &[("amplitude_rad", 0.002), ("phase_rad", 0.1)],
+        ),
+    ];
+    let corrected = corrected_mjcf(ARM, "arm.xml", BaseAndTip::to("tool"), &device).unwrap();
+    let expected = ARM
+        .replace(
+            "<joint name=\"b\"/>",
+            "<joint frictionloss=\"0.25\" damping=\"0.5\" name=\"b\"/>",
+        )
+        .replace("damping=\"2\"", "damping=\"4\"");
+    assert_eq!(corrected.text, expected);
+    let said = corrected.warnings.join("\n");
+    assert!(
+        said.contains("its `a_play` is a joint of its own, which is not put into your file"),
+        "{said}"
+    );
+    assert!(
+        said.contains("`drum-eccentricity@1` is not in the model"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_device_that_is_not_of_it_is_refused() {
+    let device = read(ARM, BaseAndTip::to("tool")).device;
+    let error = corrected_mjcf(ARM, "arm.xml", BaseAndTip::to("two"), &device).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("it has 3 moving rows, the MJCF's chain 2"),
+        "{error}"
+    );
+    let moved = ARM.replace("0.1 0 0.4", "0.1 0 0.5");
+    let error = corrected_mjcf(&moved, "arm.xml", BaseAndTip::to("tool"), &device).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("joint `a` is elsewhere in it: give the MJCF"),
+        "{error}"
+    );
+    // between two joints of one body there is no place for a correction
+    let Some(text) = fixture("arm.xml") else {
+        return;
+    };
+    let mut device = read(&text, BaseAndTip::to("tool")).device;
+    device.links[1].a_m = 0.001;
+    let error = corrected_mjcf(&text, "arm.xml", BaseAndTip::to("tool"), &device).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("before joint `lift` belongs between two joints"),
+        "{error}"
+    );
+}
