@@ -49,6 +49,7 @@ fn any_case() -> impl Strategy<Value = Case> {
                         Some(Body {
                             mass_kg,
                             centre_of_mass_m,
+                            inertia_kgm2: None,
                         })
                     });
                     device.bodies = bodies.take(device.links.len()).collect();
