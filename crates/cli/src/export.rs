@@ -1,6 +1,8 @@
 //! `haptical export`: a calibrated device for a control loop (Rust, C, JSON) or a simulator (URDF, MJCF).
 
+mod c_effects;
 mod c_header;
+mod compensation;
 mod described;
 mod description;
 mod flat_json;
@@ -115,7 +117,12 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     if !takes_hands.contains(&arguments.format) {
         input.refuse_hands("this form")?;
     }
-    let described = || Described::new(&input.model, &arguments.device);
+    let mut left_out = Vec::new();
+    let mut described = || {
+        let described = Described::new(&input.model, &arguments.device)?;
+        left_out.extend(described.compensation.warnings());
+        Ok::<_, Failure>(described)
+    };
     let content = match arguments.format {
         FormatName::Rust => rust_module::text(&described()?, &provenance),
         FormatName::CHeader => c_header::text(&described()?, &provenance)?,
@@ -127,9 +134,11 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
             text
         }
     };
-    // an MJCF has its springs, or a list of them
-    if !matches!(arguments.format, FormatName::Toml | FormatName::Mjcf) {
+    input.warnings.extend(left_out);
+    // an MJCF has its springs and effects, or a list of them
+    if arguments.format == FormatName::Urdf {
         input.warnings.extend(compliance_warning(&input.model));
+        input.warnings.extend(effects_warning(&input.model));
     }
     let content = match arguments.format.comment() {
         Some(comment) => sealed_text(&content, &format!("haptical {COMMAND}"), comment),
@@ -170,6 +179,21 @@ fn compliance_warning(device: &Device) -> Option<String> {
         "{which} to torque, and this form has rigid joints: take compliance times torque off each joint's angle before you \
          use it; the compliances are in the device file"
     ))
+}
+
+/// What an export without effects leaves out.
+fn effects_warning(device: &Device) -> Option<String> {
+    let labels: Vec<String> = device
+        .effects
+        .iter()
+        .map(|effect| format!("`{}`", effect.label()))
+        .collect();
+    (!labels.is_empty()).then(|| {
+        format!(
+            "this form has no effects: {} are left out; --format rust, c-header and json have them",
+            labels.join(", ")
+        )
+    })
 }
 
 /// Neither a control character nor one that changes the direction of text, which rustc refuses.

@@ -25,7 +25,7 @@ mod tests;
 pub mod transmission;
 mod unit;
 
-pub use context::{CableGeometry, Context, Line, Stream, Touches, streams};
+pub use context::{CableGeometry, Context, Line, Stream, Touches, joint_origin_m, streams};
 pub use effect::Effect;
 pub use error::ContextError;
 pub use laws::under_load;

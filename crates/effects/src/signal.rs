@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use haptical_model::transmission::loops::{Dahl, Play};
 use nalgebra::{Matrix4, Vector4};
 
 /// An effect's contribution to measured streams: per stream one value for each row of the recording,
@@ -163,47 +164,23 @@ pub fn smooth(values: &[f64], reach: usize, runs: &[Range<usize>]) -> Vec<f64> {
 /// motion, the output of a play much smaller than the travel.
 pub fn dahl(travel: &[f64], transition: f64, runs: &[Range<usize>]) -> Vec<f64> {
     let mut state = vec![0.0; travel.len()];
-    let scale = transition.max(1e-12);
     for run in runs {
-        let mut z: f64 = 0.0;
-        for row in run.clone().skip(1) {
-            let step = travel[row] - travel[row - 1];
-            // exact for a step in one direction: dz = (1 - z sgn) |dx| / scale
-            let direction = step.signum();
-            if step != 0.0 {
-                z = direction + (z - direction) * decay(step.abs() / scale);
-            }
-            state[row] = z;
+        let mut own = Dahl::default();
+        for row in run.clone() {
+            state[row] = own.step_with(transition, travel[row], f64::exp);
         }
     }
     state
-}
-
-/// exp(-x) for x at least 0: by the first terms of its reciprocal where they are exact to 1e-5, and 0
-/// where it is below 1e-13.
-fn decay(x: f64) -> f64 {
-    if x > 30.0 {
-        0.0
-    } else if x < 0.1 {
-        1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0)))
-    } else {
-        (-x).exp()
-    }
 }
 
 /// Output of a play (Prandtl's element) of half-width `half_width` minus its input, scaled by the
 /// half-width: -1 after a long motion forward, +1 after one back.
 pub fn play(travel: &[f64], half_width: f64, runs: &[Range<usize>]) -> Vec<f64> {
     let mut lost = vec![0.0; travel.len()];
-    let half_width = half_width.max(1e-12);
     for run in runs {
-        let Some(&start) = travel.get(run.start) else {
-            continue;
-        };
-        let mut output = start;
+        let mut own = Play::default();
         for row in run.clone() {
-            output = output.clamp(travel[row] - half_width, travel[row] + half_width);
-            lost[row] = (output - travel[row]) / half_width;
+            lost[row] = own.step(half_width, travel[row]);
         }
     }
     lost

@@ -41,6 +41,50 @@ pub struct ChainConstants<const JOINTS: usize> {
     pub end_cosine: f64,
 }
 
+impl<const JOINTS: usize> ChainConstants<JOINTS> {
+    /// Coordinates of a point \[m\] that the link behind the first `joints` joints carries, in the frame there (the one in
+    /// which the next joint moves), from where it is in frame (-1) when all joint variables are 0. Usable in a constant.
+    ///
+    /// ```
+    /// use haptical_kinematics::{Convention, Link, Motion, Preparation};
+    /// let arm = Link { a_m: 0.3, ..Link::IDENTITY };
+    /// let rows = Preparation::<1>::EMPTY.row(Convention::Standard, &arm, Motion::Revolute);
+    /// let local_m = rows.finish().local_m(1, [0.5, 0.1, 0.0]);
+    /// assert!((local_m[0] - 0.2).abs() < 1e-15 && (local_m[1] - 0.1).abs() < 1e-15);
+    /// ```
+    pub const fn local_m(&self, joints: usize, point_m: [f64; 3]) -> [f64; 3] {
+        let [mut origin] = self.start.position_m.data.0;
+        let [mut x, mut y, mut z] = self.start.rotation.data.0;
+        let mut index = 0;
+        while index < joints && index < JOINTS {
+            let joint = &self.joints[index];
+            let (sine, cosine) = sine_cosine(joint.offset_rad);
+            [x, y] = turned(x, y, sine, cosine);
+            origin = sum(sum(origin, 1.0, x, joint.x_m), 1.0, y, joint.y_m);
+            [y, z] = turned(y, z, joint.twist_sine, joint.twist_cosine);
+            index += 1;
+        }
+        let [a, b, c] = sum(point_m, 1.0, origin, -1.0);
+        [
+            x[0] * a + x[1] * b + x[2] * c,
+            y[0] * a + y[1] * b + y[2] * c,
+            z[0] * a + z[1] * b + z[2] * c,
+        ]
+    }
+}
+
+const fn sum([a, b, c]: [f64; 3], s: f64, [d, e, f]: [f64; 3], t: f64) -> [f64; 3] {
+    [a * s + d * t, b * s + e * t, c * s + f * t]
+}
+
+/// Two axes turned in their plane, the first towards the second.
+const fn turned(first: [f64; 3], second: [f64; 3], sine: f64, cosine: f64) -> [[f64; 3]; 2] {
+    [
+        sum(first, cosine, second, sine),
+        sum(second, cosine, first, -sine),
+    ]
+}
+
 /// The transform between a joint and the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointConstants {

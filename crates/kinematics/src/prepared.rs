@@ -51,6 +51,16 @@ struct Walker {
     origin: f64x4,
 }
 
+impl Walker {
+    #[inline(always)]
+    fn pose(&self) -> Pose {
+        Pose {
+            position_m: vector(self.origin),
+            rotation: Matrix3::from_columns(&[vector(self.x), vector(self.y), vector(self.z)]),
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Behind {
     x_m: f64x4,
@@ -131,7 +141,7 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
     }
 
     /// What is left of the chain: the same motions, fewer of them.
-    pub fn constants(&self) -> &ChainConstants<JOINTS> {
+    pub const fn constants(&self) -> &ChainConstants<JOINTS> {
         &self.constants
     }
 
@@ -169,6 +179,33 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
         joints: &[f64; JOINTS],
         out: &mut [Twist; JOINTS],
     ) -> Pose {
+        self.visited(joints, out, |_, _| {})
+    }
+
+    /// As [`Self::pose_and_jacobian_in_range`], with the frame behind each joint: where the chain is after the joint's
+    /// turn or slide, the slides and the twist behind it ([`ChainConstants`]). A point that the link behind the joint
+    /// carries has constant coordinates in it.
+    #[inline]
+    pub fn pose_jacobian_and_frames_in_range(
+        &self,
+        joints: &[f64; JOINTS],
+        out: &mut [Twist; JOINTS],
+        frames: &mut [Pose; JOINTS],
+    ) -> Pose {
+        self.visited(joints, out, |joint, walker| {
+            if let Some(frame) = frames.get_mut(joint) {
+                *frame = walker.pose();
+            }
+        })
+    }
+
+    #[inline(always)]
+    fn visited(
+        &self,
+        joints: &[f64; JOINTS],
+        out: &mut [Twist; JOINTS],
+        visit: impl FnMut(usize, &Walker),
+    ) -> Pose {
         if self.has_prismatic {
             let angles_rad = core::array::from_fn(|joint| {
                 let variable = if self.constants.joints[joint].is_prismatic {
@@ -179,11 +216,11 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
                 self.offsets_rad[joint] + variable
             });
             let (sines, cosines) = sines_cosines(&angles_rad);
-            return self.walk::<true>(joints, &sines, &cosines, out);
+            return self.walk::<true>(joints, &sines, &cosines, out, visit);
         }
         let angles_rad = core::array::from_fn(|joint| self.offsets_rad[joint] + joints[joint]);
         let (sines, cosines) = sines_cosines(&angles_rad);
-        self.walk::<false>(joints, &sines, &cosines, out)
+        self.walk::<false>(joints, &sines, &cosines, out, visit)
     }
 
     /// As [`Self::pose_and_jacobian`], for joint variables of any size.
@@ -215,7 +252,7 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
                 return Err(KinematicsError::PositionOutOfRange { row, limit_m });
             };
         }
-        Ok(self.walk::<true>(joints, &sines, &cosines, out))
+        Ok(self.walk::<true>(joints, &sines, &cosines, out, |_, _| {}))
     }
 
     /// The walk along the chain; a chain without prismatic joints needs no `SLIDES`.
@@ -226,6 +263,7 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
         sines: &[f64; JOINTS],
         cosines: &[f64; JOINTS],
         out: &mut [Twist; JOINTS],
+        mut visit: impl FnMut(usize, &Walker),
     ) -> Pose {
         let Walker {
             mut x,
@@ -245,6 +283,7 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
             let behind = &self.behind[joint];
             origin = origin + x * behind.x_m + y * behind.y_m;
             turn(&mut y, &mut z, behind.sine, behind.cosine);
+            visit(joint, &Walker { x, y, z, origin });
         }
         let [end_sine, end_cosine] = self.end;
         turn(&mut x, &mut y, end_sine, end_cosine);
@@ -262,9 +301,6 @@ impl<const JOINTS: usize> PreparedChain<JOINTS> {
                 }
             };
         }
-        Pose {
-            position_m: vector(origin),
-            rotation: Matrix3::from_columns(&[vector(x), vector(y), vector(z)]),
-        }
+        Walker { x, y, z, origin }.pose()
     }
 }

@@ -37,4 +37,4 @@ pub use parameter::ParameterId;
 pub use parameter::surrounding::{LengthScale, SurroundingParameter, UNSTATED_SCALE_SD};
 pub use parameter::unknown::UnknownNumbers;
 pub use recording::{AddedReadings, Recording};
-pub use statics::{Beyond, Load, Statics};
+pub use statics::{Beyond, Load, Statics, Weight};

@@ -57,6 +57,19 @@ struct Mass {
     weight_n: Vector3<f64>,
 }
 
+impl Mass {
+    /// Where it is, from the turned frames and the variables of its chain.
+    fn place_m(&self, frames: &[Pose], variables: &[f64]) -> Vector3<f64> {
+        let frame = &frames[self.place];
+        let slide_m = if self.slides {
+            variables[self.place - 1]
+        } else {
+            0.0
+        };
+        frame.position_m + frame.rotation * (self.centre_m + slide_m * Vector3::z())
+    }
+}
+
 /// A row of the device but row 0, with what pulls at it and at all rows behind it.
 #[derive(Debug, Clone)]
 struct Row {
@@ -101,6 +114,17 @@ impl Beyond {
     pub fn moment_about_nm(&self, place_m: &Vector3<f64>) -> Vector3<f64> {
         self.moment_nm - place_m.cross(&self.force_n)
     }
+}
+
+/// The weight of a row's mass at one posture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weight {
+    /// Row of the device.
+    pub row: usize,
+    /// Where the mass is, frame (-1).
+    pub place_m: Vector3<f64>,
+    /// What gravity pulls at it with, frame (-1).
+    pub force_n: Vector3<f64>,
 }
 
 /// What drives and base bear at one posture.
@@ -213,14 +237,7 @@ impl Statics {
                 self.rows[row - 1].screw = *screw;
             }
             for mass in &own.masses {
-                let frame = &frames[mass.place];
-                let slide_m = if mass.slides {
-                    variables[mass.place - 1]
-                } else {
-                    0.0
-                };
-                let centre_m = mass.centre_m + slide_m * Vector3::z();
-                let place_m = frame.position_m + frame.rotation * centre_m;
+                let place_m = mass.place_m(frames, variables);
                 base.bear(&(place_m - base_m), &mass.weight_n);
                 self.rows[rows[mass.place] - 1]
                     .pulled
@@ -245,6 +262,40 @@ impl Statics {
             beyond: &self.beyond,
             base_moment_nm: base.moment_nm,
         })
+    }
+
+    /// The weights of all moving masses at output angles; none without gravity.
+    ///
+    /// ```
+    /// use haptical_model::{Device, Statics};
+    /// let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\
+    ///     [[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\nmass_kg = 2.0\ncentre_of_mass_m = [0.3, 0.0, 0.0]\n\
+    ///     [[joint]]\n[gravity]\nvector_mps2 = [0.0, -10.0, 0.0]\n";
+    /// let lever = Device::from_toml(text, "lever.toml")?.device;
+    /// let weights = Statics::new(&lever).weights(&[0.0])?;
+    /// assert_eq!((weights[0].row, weights[0].place_m.x, weights[0].force_n.y), (1, 0.3, -20.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`KinematicsError`] where the chain has no pose.
+    pub fn weights(&mut self, outputs: &[f64]) -> Result<Vec<Weight>, KinematicsError> {
+        let mut weights = Vec::new();
+        for own in self.chains.iter().filter(|own| !own.masses.is_empty()) {
+            let count = own.chain.drives().len();
+            let (variables, screws) = (&mut self.variables[..count], &mut self.screws[..count]);
+            let frames = &mut self.frames[..own.chain.row_count()];
+            own.chain.variables(outputs, variables);
+            own.chain
+                .chain()?
+                .turned_frames(variables, frames, screws)?;
+            weights.extend(own.masses.iter().map(|mass| Weight {
+                row: own.chain.rows()[mass.place],
+                place_m: mass.place_m(frames, variables),
+                force_n: mass.weight_n,
+            }));
+        }
+        Ok(weights)
     }
 
     /// Carries what pulls at each row inwards, and gives each drive its part.

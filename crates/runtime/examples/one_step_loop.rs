@@ -9,7 +9,8 @@
 //! (or `perf stat -e instructions:u` with more steps). The difference of the two counts over 10 000 is the cost of one step with its torques, the loop
 //! and the change of the readings included. A second argument chooses the device: `polynomial` (joint
 //! 4 as identified from a log, the default), `parallelogram` (joint 4 by equation (2)), `costliest`
-//! (a capstan and a parallelogram at every joint: no device of seven joints takes more).
+//! (a capstan and a parallelogram at every joint: no device of seven joints takes more), `effects` (a play, a cable that
+//! stretches and a harmonic of the motor at each of three joints).
 #![allow(
     clippy::print_stdout,
     unreachable_pub,
@@ -22,7 +23,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use haptical_runtime::{
-    Capstan, Convention, Joint, Link, Model, Motion, Parallelogram, Transmission,
+    Capstan, Convention, Inputs, Joint, Link, Model, Motion, Parallelogram, Transmission,
 };
 
 /// As `haptical export --format rust` writes it.
@@ -33,6 +34,10 @@ mod polynomial {
 mod parallelogram {
     include!("../tests/fixtures/parallelogram.rs");
 }
+/// The same device with three effects at three joints.
+mod effects {
+    include!("../tests/fixtures/effects.rs");
+}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -41,6 +46,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         None => 1_000_000,
     };
     let device = arguments.next().unwrap_or_else(|| "polynomial".to_owned());
+    if device == "effects" {
+        return with_effects(steps);
+    }
     let costliest = seven_parallelograms()?;
     let model: &Model<7> = match device.as_str() {
         "polynomial" => &polynomial::MODEL,
@@ -61,6 +69,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!(
         "{device}: {steps} steps, mean torque of joint 1 {:.6} Nm, {:.0} ns per step",
+        sum_nm / f64::from(steps),
+        start.elapsed().as_secs_f64() * 1e9 / f64::from(steps)
+    );
+    Ok(())
+}
+
+/// Steps of the device with effects.
+fn with_effects(steps: u32) -> Result<(), Box<dyn Error>> {
+    let model = &effects::COMPENSATED;
+    let mut state = model.start();
+    let mut inputs = Inputs::at([0.3, -0.2, 0.4, -0.5, 0.6, -0.7, 0.8]);
+    inputs.torque_nm = [0.5; 7];
+    let start = Instant::now();
+    let mut sum_nm = 0.0;
+    for _ in 0..steps {
+        for reading in &mut inputs.readings {
+            *reading = 1e-7 - *reading;
+        }
+        let device = model.forward(black_box(&inputs), &mut state)?;
+        let torques_nm = device.drive_torques_nm(black_box([1.0, -2.0, 3.0]), [0.0; 3])?;
+        sum_nm += black_box(&torques_nm)[0];
+    }
+    println!(
+        "effects: {steps} steps, mean torque of joint 1 {:.6} Nm, {:.0} ns per step",
         sum_nm / f64::from(steps),
         start.elapsed().as_secs_f64() * 1e9 / f64::from(steps)
     );

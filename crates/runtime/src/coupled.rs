@@ -27,10 +27,10 @@ pub struct RowDrive {
 /// each times its multiplier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoupledModel<const JOINTS: usize, const ROWS: usize> {
-    transmissions: Transmissions<JOINTS>,
-    chain: PreparedChain<ROWS>,
-    drives: [RowDrive; ROWS],
-    limits: Limits<JOINTS>,
+    pub(crate) transmissions: Transmissions<JOINTS>,
+    pub(crate) chain: PreparedChain<ROWS>,
+    pub(crate) drives: [RowDrive; ROWS],
+    pub(crate) limits: Limits<JOINTS>,
 }
 
 impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
@@ -132,6 +132,26 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
     #[inline]
     pub fn step(&self, readings: &[f64; JOINTS]) -> Result<State<JOINTS>, RuntimeError> {
         let (outputs, output_slopes) = self.transmissions.outputs(readings)?;
+        let variables = self.variables(&outputs, readings)?;
+        let mut of_rows = [Twist::default(); ROWS];
+        let pose = self
+            .chain
+            .pose_and_jacobian_in_range(&variables, &mut of_rows);
+        let jacobian = self.of_joints(&of_rows);
+        Ok(State {
+            outputs,
+            output_slopes,
+            pose,
+            jacobian,
+        })
+    }
+    /// The rows' variables at joint values; readings are for the error.
+    #[inline]
+    pub(crate) fn variables(
+        &self,
+        outputs: &[f64; JOINTS],
+        readings: &[f64; JOINTS],
+    ) -> Result<[f64; ROWS], RuntimeError> {
         let mut variables = [0.0; ROWS];
         for (joint, (&output, &reading)) in outputs.iter().zip(readings).enumerate() {
             for (variable, drive) in variables.iter_mut().zip(&self.drives) {
@@ -147,24 +167,58 @@ impl<const JOINTS: usize, const ROWS: usize> CoupledModel<JOINTS, ROWS> {
                 }
             }
         }
-        let mut of_rows = [Twist::default(); ROWS];
-        let pose = self
-            .chain
-            .pose_and_jacobian_in_range(&variables, &mut of_rows);
+        Ok(variables)
+    }
+
+    /// The joints' columns of a Jacobian from those of the rows.
+    #[inline]
+    pub(crate) fn of_joints(&self, of_rows: &[Twist; ROWS]) -> [Twist; JOINTS] {
         let mut jacobian = [Twist::default(); JOINTS];
         for (joint, column) in jacobian.iter_mut().enumerate() {
-            for (drive, row) in self.drives.iter().zip(&of_rows) {
+            for (drive, row) in self.drives.iter().zip(of_rows) {
                 if drive.joint == joint {
                     column.linear += row.linear * drive.multiplier;
                     column.angular += row.angular * drive.multiplier;
                 }
             }
         }
-        Ok(State {
-            outputs,
-            output_slopes,
-            pose,
-            jacobian,
-        })
+        jacobian
+    }
+}
+
+impl<const JOINTS: usize> CoupledModel<JOINTS, JOINTS> {
+    /// A device whose every joint moves a row of its own, as one of rows and drives. Usable in a constant.
+    ///
+    /// ```
+    /// use haptical_runtime::*;
+    /// let arm = Link { a_m: 0.3, ..Link::IDENTITY };
+    /// let joint = Joint { motion: Motion::Revolute, home: 0.0, transmission: Transmission::Exact };
+    /// let model = Model::new(Convention::Standard, Link::IDENTITY, [arm], [joint])?;
+    /// let coupled = CoupledModel::of_rows(model);
+    /// assert_eq!(coupled.step(&[0.4])?, model.step(&[0.4])?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub const fn of_rows(model: crate::Model<JOINTS>) -> Self {
+        let mut drives = [RowDrive {
+            motion: Motion::Revolute,
+            joint: 0,
+            multiplier: 1.0,
+            offset: 0.0,
+        }; JOINTS];
+        let mut row = 0;
+        while row < JOINTS {
+            drives[row].joint = row;
+            if model.chain.constants().joints[row].is_prismatic {
+                drives[row].motion = Motion::Prismatic;
+            }
+            row += 1;
+        }
+        Self {
+            transmissions: model.transmissions,
+            chain: model.chain,
+            drives,
+            limits: model.limits,
+        }
     }
 }

@@ -45,6 +45,40 @@ pub enum DeviceError {
         /// The range.
         allowed: &'static str,
     },
+    /// A number of an effect is out of its range.
+    #[error("effect {effect}: {quantity} is {value}; allowed: {allowed}")]
+    Effect {
+        /// Position in the list, from 1.
+        effect: usize,
+        /// Field.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range.
+        allowed: &'static str,
+    },
+    /// An effect is of a joint or a row that the device does not have.
+    #[error("effect {effect} is of {what} {number}; the device has {count}")]
+    EffectPlace {
+        /// Position in the list, from 1.
+        effect: usize,
+        /// `"joint"` or `"moving row"`.
+        what: &'static str,
+        /// Its number, from 1.
+        number: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// An effect of a joint's axis, of a joint that has none of its own: it slides, or moves several rows.
+    #[error(
+        "effect {effect} is of the axis of joint {joint}, which slides or moves several rows: leave the effect out"
+    )]
+    EffectAxis {
+        /// Position in the list, from 1.
+        effect: usize,
+        /// Joint, from 1.
+        joint: usize,
+    },
 }
 
 /// A step that has no answer. Joints count from 1, as in texts for people.
@@ -116,6 +150,48 @@ pub enum RuntimeError {
         quantity: &'static str,
         /// The component.
         value: f64,
+    },
+    /// An input beside the readings is not a number, or above 1e12 in size.
+    #[error("{quantity} {number} is {value}; a number of at most 1e12 in size is needed")]
+    Input {
+        /// What it is.
+        quantity: &'static str,
+        /// Joint or axis, from 1.
+        number: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The state of the effects is that of another model.
+    #[error(
+        "the state is of another model: it does not fit effect {effect}; start with the model's own"
+    )]
+    ForeignState {
+        /// Position of the effect in the list, from 1.
+        effect: usize,
+    },
+    /// Effects displace the handle by more than 1e6.
+    #[error("the effects displace the handle by more than 1e6 m or rad; check the inputs")]
+    DisplacementOutOfRange,
+    /// No reading gives a wanted joint value.
+    #[error(
+        "joint {joint}: no reading within the model's range gives the value {output}; ask for another"
+    )]
+    NotReached {
+        /// Joint, from 1.
+        joint: usize,
+        /// The wanted value.
+        output: f64,
+    },
+    /// No joint values near the start give a wanted pose.
+    #[error(
+        "the pose was not reached: {position_m} m and {rotation_rad} rad are left; start nearer, or ask for a pose within \
+         reach"
+    )]
+    PoseNotReached {
+        /// What is left of the position \[m\].
+        position_m: f64,
+        /// What is left of the orientation \[rad\].
+        rotation_rad: f64,
     },
     /// A wanted force or moment is finite, the torque for it is not.
     #[error("joint {joint}: the torque for the wanted wrench is too large; ask for less")]

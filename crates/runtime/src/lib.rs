@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod capstan;
+mod compensated;
 mod coupled;
 mod device;
 mod error;
@@ -15,6 +16,9 @@ mod state;
 mod transmission;
 
 pub use capstan::Capstan;
+pub use compensated::{
+    CompensatedModel, CompensatedState, Effect, EffectState, Inputs, Side, Turnover,
+};
 pub use coupled::{CoupledModel, RowDrive};
 pub use device::{GeneralRow, Joint, Motion};
 pub use error::{DeviceError, RuntimeError};

@@ -14,9 +14,9 @@ use crate::{GeneralRow, Joint, Motion, RuntimeError, State};
 /// per step, whichever the convention.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model<const JOINTS: usize> {
-    transmissions: Transmissions<JOINTS>,
-    chain: PreparedChain<JOINTS>,
-    limits: Limits<JOINTS>,
+    pub(crate) transmissions: Transmissions<JOINTS>,
+    pub(crate) chain: PreparedChain<JOINTS>,
+    pub(crate) limits: Limits<JOINTS>,
 }
 
 impl<const JOINTS: usize> Model<JOINTS> {

@@ -201,6 +201,16 @@ impl<const JOINTS: usize> Transmissions<JOINTS> {
         Ok(prepared)
     }
 
+    /// The value of one joint and its slope; none for a joint that is not there.
+    pub(crate) fn output(
+        &self,
+        joint: usize,
+        reading: f64,
+    ) -> Option<Result<(f64, f64), RuntimeError>> {
+        let (transmission, range) = self.transmissions.get(joint).zip(self.ranges.get(joint))?;
+        Some(transmission.output(joint + 1, *range, reading))
+    }
+
     /// Joint values and d(joint value)/d(reading).
     #[inline]
     pub(crate) fn outputs(

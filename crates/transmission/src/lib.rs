@@ -12,6 +12,7 @@
 //! | [`chebyshev`] | polynomial over a stated range | the paper's 10th-order polynomial |
 //! | [`CapstanTerms`], [`FourBar`] | eqs. (1) and (2) without sines and arctangents, for other forms of them | |
 //! | [`CapstanRows`] | eq. (1) at many angles at once | |
+//! | [`loops`] | play, Dahl's loop, creep, delay: one sample after the other | Prandtl, Dahl 1968 |
 //! | [`invert`] | angle of the encoder for a wanted angle of the output | safeguarded Newton |
 #![no_std]
 
@@ -24,6 +25,7 @@ mod error;
 mod evaluation;
 mod four_bar;
 mod inverse;
+pub mod loops;
 mod parallelogram;
 
 pub use capstan::{Capstan, CapstanError};

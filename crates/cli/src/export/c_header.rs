@@ -7,11 +7,14 @@ use haptical_model::transmission::{Drum, FourBar};
 use haptical_runtime::{Capstan, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, Transmission};
 
 use super::described::Described;
-use super::{Provenance, VERSION, one_line};
+use super::{Provenance, VERSION, c_effects, one_line};
 use crate::failure::Failure;
 
 /// Types and functions, with marks where the device's numbers go.
 const TEMPLATE: &str = include_str!("../../assets/step.h");
+
+/// Its last line.
+const END: &str = "#endif\n";
 
 /// The text of the header.
 pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<String, Failure> {
@@ -31,7 +34,11 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
         .replacen("/*@TERMS@*/", &POLYNOMIAL_TERMS.to_string(), 1)
         .replacen("/*@DATA@*/\n", &data(described, &constants), 1)
         .replacen("/*@PROVENANCE@*/", &comment, 1);
-    Ok(text)
+    let effects = c_effects::text(described, &constants);
+    match text.rfind(END) {
+        Some(end) if !effects.is_empty() => Ok(text[..end].to_owned() + &effects + END),
+        _ => Ok(text),
+    }
 }
 
 /// Rows that move, at most: the chain's constants are worked out in memory of fixed size.

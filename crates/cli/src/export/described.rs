@@ -8,6 +8,7 @@ use haptical_runtime::{
     RowDrive, Transmission,
 };
 
+use super::compensation::Compensation;
 use crate::failure::Failure;
 
 /// The content of an export.
@@ -33,6 +34,7 @@ pub(super) struct Described {
     pub(super) ranges: Vec<[f64; 2]>,
     /// Lowest and highest reading of each joint by the device file; infinite where it gives none.
     pub(super) limits: Vec<[f64; 2]>,
+    pub(super) compensation: Compensation,
 }
 
 impl Described {
@@ -65,6 +67,7 @@ impl Described {
             names: Vec::new(),
             ranges: Vec::new(),
             limits: Vec::new(),
+            compensation: Compensation::new(device, path)?,
         };
         let advice = "correct this number in the device file, or identify the device again";
         let rows = std::iter::once(&described.base).chain(&described.rows);

@@ -1,9 +1,12 @@
 //! Writes a device as JSON: one flat array per quantity, with names and units.
 
 use haptical::files::{UNSEALED, sealed_json};
-use haptical_runtime::{Capstan, Convention, GeneralRow, Joint, Motion, Pose, Transmission};
-use serde_json::{Value, json};
+use haptical_runtime::{
+    Capstan, Convention, Effect, GeneralRow, Joint, Motion, Pose, Transmission,
+};
+use serde_json::{Map, Value, json};
 
+use super::compensation::Compensation;
 use super::described::{Described, row_by_row};
 use super::{COMMAND, Provenance, VERSION};
 use crate::failure::Failure;
@@ -111,7 +114,70 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
             }),
         },
     });
-    sealed_json(&export)
+    sealed_json(&with_effects(export, &described.compensation))
+}
+
+/// With the effects, where there are any, and what is left out.
+fn with_effects(mut export: Value, compensation: &Compensation) -> Value {
+    let has_none = compensation.effects.is_empty() && compensation.left_out.is_empty();
+    let Some(object) = export.as_object_mut().filter(|_| !has_none) else {
+        return export;
+    };
+    let effects = compensation.effects.iter();
+    let effects: Vec<Value> = effects.map(|(label, own)| effect(label, own)).collect();
+    let left_out = compensation.left_out.iter();
+    let left_out: Vec<Value> = left_out
+        .map(|own| json!({"effect": own.label, "why": own.why}))
+        .collect();
+    object.insert("effects".to_owned(), Value::Array(effects));
+    object.insert("effects_left_out".to_owned(), Value::Array(left_out));
+    export
+}
+
+/// An effect: its label, and the law of haptical-runtime with its numbers; joints and rows count from 1.
+fn effect(label: &str, effect: &Effect) -> Value {
+    let mut object = Map::new();
+    object.insert("effect".to_owned(), json!(label));
+    // `Backlash { joint: 0, width_rad: 0.002, driven_by: Motor }`, as Rust writes it
+    let debug = format!("{effect:?}");
+    let (law, fields) = debug.split_once(" { ").unwrap_or((&debug, ""));
+    object.insert("law".to_owned(), json!(law));
+    for field in split_fields(fields.trim_end_matches(" }")) {
+        let Some((key, value)) = field.split_once(": ") else {
+            continue;
+        };
+        let number: Result<Value, _> = serde_json::from_str(value);
+        let value = match (key, number, value.split_once('(')) {
+            ("joint" | "from" | "row", Ok(index), _) => json!(index.as_u64().map(|own| own + 1)),
+            (_, Ok(number), _) => number,
+            // `Travel(0.01)`
+            (_, Err(_), Some((over, size))) => {
+                let size: f64 = size.trim_end_matches(')').parse().unwrap_or(0.0);
+                json!({over.to_lowercase(): size})
+            }
+            (_, Err(_), None) => json!(value.to_lowercase()),
+        };
+        object.insert(key.to_owned(), value);
+    }
+    Value::Object(object)
+}
+
+/// Fields, with commas of lists within them left alone.
+fn split_fields(fields: &str) -> Vec<&str> {
+    let (mut parts, mut start, mut depth) = (Vec::new(), 0, 0_i32);
+    for (index, character) in fields.char_indices() {
+        match character {
+            '[' | '(' => depth += 1,
+            ']' | ')' => depth -= 1,
+            ',' if depth == 0 => {
+                parts.push(fields[start..index].trim());
+                start = index + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(fields[start..].trim());
+    parts
 }
 
 fn motion(motion: Motion) -> &'static str {

@@ -97,7 +97,48 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
          Err(_) => panic!(\"a lower limit is not below the upper one\"),\n    },\n    \
          Err(_) => panic!(\"this is not a device that the runtime can hold\"),\n};\n",
     );
+    push_effects(&mut text, described);
     text
+}
+
+/// The device with its effects, where it has any; and what is left out.
+fn push_effects(text: &mut String, described: &Described) {
+    let compensation = &described.compensation;
+    for left_out in &compensation.left_out {
+        let _ = write!(text, "\n// {}\n", one_line(&left_out.warning()));
+    }
+    if compensation.effects.is_empty() {
+        return;
+    }
+    let (rows, model) = match described.is_plain_table || described.drives_are_plain {
+        true => ("JOINTS", "haptical_runtime::CoupledModel::of_rows(MODEL)"),
+        false => ("ROWS", "MODEL"),
+    };
+    let _ = write!(
+        text,
+        "\n/// Number of effects.\npub const EFFECTS: usize = {};\n\n\
+         /// The device with its effects.\n\
+         #[allow(\n    clippy::approx_constant,\n    clippy::panic,\n    \
+         reason = \"numbers of a device; the compiler alone meets the panic\"\n)]\n\
+         pub static COMPENSATED: haptical_runtime::CompensatedModel<JOINTS, {rows}, EFFECTS> = \
+         match haptical_runtime::CompensatedModel::new(\n    {model},\n    [\n",
+        compensation.effects.len(),
+    );
+    for (label, effect) in &compensation.effects {
+        // as Rust writes it, with the paths of the enums
+        let debug = format!("{effect:?}")
+            .replace("driven_by: ", "driven_by: haptical_runtime::Side::")
+            .replace("side: ", "side: haptical_runtime::Turnover::");
+        let _ = write!(
+            text,
+            "        // {}\n        haptical_runtime::Effect::{debug},\n",
+            one_line(label)
+        );
+    }
+    text.push_str(
+        "    ],\n) {\n    Ok(model) => model,\n    \
+         Err(_) => panic!(\"these are no effects that the runtime can hold\"),\n};\n",
+    );
 }
 
 /// A joint limit as Rust writes it.

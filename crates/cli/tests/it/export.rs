@@ -44,7 +44,14 @@ fn exported(device: &Path, format: &str) -> String {
 #[test]
 fn the_committed_modules_are_what_the_command_writes() {
     // they are compiled and compared with the model in the runtime's tests
-    for name in ["identified", "parallelogram", "general", "coupled"] {
+    for name in [
+        "identified",
+        "parallelogram",
+        "general",
+        "coupled",
+        "effects",
+        "every_effect",
+    ] {
         let (Some(device), Some(module)) = (
             fixture(&format!("{name}.toml")),
             fixture(&format!("{name}.rs")),
@@ -57,6 +64,70 @@ fn the_committed_modules_are_what_the_command_writes() {
             "export {name}.rs again"
         );
     }
+}
+
+#[test]
+fn the_committed_header_is_what_the_command_writes() {
+    // it is compiled and compared with the module in the runtime's tests
+    let (Some(device), Some(header)) = (fixture("every_effect.toml"), fixture("every_effect.h"))
+    else {
+        return;
+    };
+    let committed = std::fs::read_to_string(header).unwrap();
+    assert!(
+        exported(&device, "c-header") == committed,
+        "export every_effect.h again"
+    );
+}
+
+#[test]
+fn effects_that_a_loop_cannot_use_are_left_out_and_named() {
+    let Some(path) = fixture("every_effect.toml") else {
+        return;
+    };
+    let sandbox = Sandbox::new();
+    for format in ["rust", "c-header", "json"] {
+        let output = export(&path, format, &sandbox.path("out"), &[]);
+        let said = text(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        let expected = "effect `cable-scale` is left out: it shows on a sensor that a control loop does not read";
+        assert!(said.contains(expected), "{said}");
+        assert_eq!(said.matches("left out").count(), 1, "{said}");
+        assert!(
+            std::fs::read_to_string(sandbox.path("out"))
+                .unwrap()
+                .contains("cable-scale")
+        );
+    }
+    let json: Value = serde_json::from_str(&exported(&path, "json")).unwrap();
+    assert_eq!(json["effects_left_out"][0]["effect"], "cable-scale");
+    let effects = json["effects"].as_array().unwrap();
+    let of = |label: &str| {
+        let found = effects.iter().find(|effect| effect["effect"] == label);
+        found.unwrap_or_else(|| panic!("no {label}"))
+    };
+    let play = of("backlash@2");
+    assert_eq!(
+        (&play["law"], &play["joint"]),
+        (&Value::from("Backlash"), &Value::from(2))
+    );
+    assert_eq!(
+        (&play["width_rad"], &play["driven_by"]),
+        (&Value::from(5e-4), &Value::from("hand"))
+    );
+    assert_eq!(
+        of("tool-changed")["shift_m"],
+        serde_json::json!([0.001, 0.002, -0.003])
+    );
+    assert_eq!(of("joint-friction@1")["side"]["travel"], 0.02);
+    assert_eq!(of("joint-compliance@1")["rad_per_nm"], 1e-3);
+    // a form without effects says so
+    let output = export(&path, "urdf", &sandbox.path("out"), &[]);
+    let said = text(&output.stderr);
+    assert!(
+        said.contains("this form has no effects: `capstan-compliance@1`"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -227,10 +298,26 @@ fn joints_that_yield_are_told_where_the_form_has_rigid_ones() {
             "<joint name=\"joint2_spring\" type=\"hinge\" axis=\"0 0 1\" stiffness=\"400\""
         )
     );
-    for format in ["rust", "c-header", "json", "urdf"] {
+    for format in ["urdf"] {
         let warned = said("soft.toml", format).contains("joint 2 yields to torque");
         assert!(warned, "{format}");
         assert!(!said("device.toml", format).contains("yield"), "{format}");
+    }
+    // these have joints that yield
+    for (format, effect) in [
+        (
+            "rust",
+            "Effect::JointCompliance { joint: 1, rad_per_nm: 0.0025 }",
+        ),
+        ("c-header", ".kind = HAPTICAL_JOINT_COMPLIANCE, .joint = 1"),
+        ("json", "\"joint-compliance@2\""),
+    ] {
+        assert_eq!(said("soft.toml", format), "", "{format}");
+        let written = std::fs::read_to_string(sandbox.path("out")).unwrap();
+        assert!(written.contains(effect), "{written}");
+        assert_eq!(said("device.toml", format), "", "{format}");
+        let written = std::fs::read_to_string(sandbox.path("out")).unwrap();
+        assert!(!written.to_lowercase().contains("effect"), "{written}");
     }
     assert_eq!(said("soft.toml", "toml"), "");
 }

@@ -48,6 +48,25 @@ impl Frames {
     }
 }
 
+/// Origin of the frame that a joint (from 0) turns in \[m\], frame (-1), when all joint values are 0; none of a joint that is
+/// not there, or that moves several rows of the chain.
+///
+/// ```
+/// let text = "[[link]]\na_m = 0.2\nalpha_rad = 0.0\nd_m = 0.1\n\
+///     [[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\n[[joint]]\n";
+/// let device = haptical_model::Device::from_toml(text, "lever.toml")?.device;
+/// let origin_m = haptical_effects::joint_origin_m(&device, 0).ok_or("none")?;
+/// assert_eq!((origin_m.x, origin_m.z), (0.2, 0.1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn joint_origin_m(device: &Device, joint: usize) -> Option<Vector3<f64>> {
+    let of_joint = |row: &usize| device.drive(*row).is_some_and(|drive| drive.joint == joint);
+    let row = (1..device.links.len()).find(of_joint)?;
+    let outputs = vec![0.0; device.joints.len()];
+    let mut angles = vec![0.0; device.links.len()];
+    Moved::new(device, row)?.origin_m(&outputs, &mut angles)
+}
+
 /// A row that moves alone with its joint.
 struct Moved {
     joint: usize,

@@ -29,6 +29,7 @@ use self::rows::{STEP_OF_A_MOTION, is_path, load_reach, runs_of, step_of_range};
 use self::stream::stream_of;
 
 pub use self::cable::CableGeometry;
+pub use self::frames::joint_origin_m;
 pub use self::lines::Line;
 pub use self::stream::{Stream, streams};
 pub use self::touches::Touches;
@@ -93,6 +94,13 @@ fn by_axes(vectors: &[Vector3<f64>], change: impl Fn(&Vec<f64>) -> Vec<f64>) -> 
     let (x, y, z) = (axis(0), axis(1), axis(2));
     let rows = x.into_iter().zip(y).zip(z);
     rows.map(|((x, y), z)| Vector3::new(x, y, z)).collect()
+}
+
+/// Temperatures less their mean, and the mean.
+fn warming(degc: Vec<f64>) -> (Vec<f64>, f64) {
+    let mean_degc = degc.iter().sum::<f64>() / degc.len().max(1) as f64;
+    let warming = degc.into_iter().map(|value| value - mean_degc);
+    (warming.collect(), mean_degc)
 }
 
 impl<'a> Context<'a> {
@@ -172,22 +180,18 @@ impl<'a> Context<'a> {
             &frames.origin,
             force_n.as_deref(),
         )?;
+        let at_rest = |joint: usize| loads.as_ref().map(|loads| loads.torque_nm[joint].clone());
+        let recorded = |joint: usize| recording.torque_nm.get(joint)?.as_ref();
+        let read = |joint: usize| recorded(joint).map(|column| smoothed(column, load_reach));
         let torque_nm = (0..joints)
-            .map(|joint| match recording.torque_nm.get(joint) {
-                Some(Some(column)) => Some(smoothed(column, load_reach)),
-                _ => loads.as_ref().map(|loads| loads.torque_nm[joint].clone()),
-            })
+            .map(|joint| read(joint).or_else(|| at_rest(joint)))
             .collect();
         let (base_moment_nm, joint_moment_nm) = loads
             .map(|loads| (loads.base_moment_nm, loads.joint_moment_nm))
             .unzip();
-        let mut reference_degc = 0.0;
-        let warming_k = recording.temperature_degc.as_ref().map(|column| {
-            let smoothed = smoothed(column, TEMPERATURE_REACH);
-            reference_degc = smoothed.iter().sum::<f64>() / smoothed.len().max(1) as f64;
-            let warming = smoothed.into_iter().map(|value| value - reference_degc);
-            warming.collect()
-        });
+        let temperature = recording.temperature_degc.as_ref();
+        let warming = temperature.map(|column| warming(smoothed(column, TEMPERATURE_REACH)));
+        let (warming_k, reference_degc) = warming.unzip();
         Ok(Self {
             device,
             recording,
@@ -209,7 +213,7 @@ impl<'a> Context<'a> {
             torque_nm,
             force_n,
             warming_k,
-            reference_degc,
+            reference_degc: reference_degc.unwrap_or(0.0),
             touches: Touches::new(device, recording),
             lines: Vec::new(),
         })

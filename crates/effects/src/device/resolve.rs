@@ -4,7 +4,8 @@ use haptical_model::{Device, DeviceEffect};
 
 use crate::device::error::DeviceEffectError;
 use crate::{
-    Context, Effect, Hook, Parameter, Role, Shape, Spec, catalogue, drive_catalogue, names, specs,
+    Context, Effect, Further, Hook, Parameter, Role, Shape, Spec, catalogue, drive_catalogue,
+    names, specs,
 };
 
 /// An effect of a device with its law.
@@ -108,14 +109,15 @@ fn resolved(
 ) -> Result<OwnEffect, DeviceEffectError> {
     let label = entry.label();
     let spec = spec_of(entry)?;
-    let is_it = |effect: &Box<dyn Effect>| {
+    let is_it = |effect: &dyn Effect| {
         let number = |joint: usize| (joint + 1) as f64;
         let from = effect.other_joint().map(number);
         effect.spec() == spec
             && effect.joint() == entry.joint
             && (from.is_none() || from == entry.numbers.get("from_joint").copied())
     };
-    let Some(effect) = everywhere(device).into_iter().find(is_it) else {
+    let mut all = everywhere(device).into_iter();
+    let Some(effect) = all.find(|effect| is_it(effect.as_ref())) else {
         return Err(refused_place(device, entry, spec));
     };
     // an event happens more than once: it has an instant
@@ -191,7 +193,12 @@ fn spec_of(entry: &DeviceEffect) -> Result<&'static Spec, DeviceEffectError> {
         keys().all(|key| has(spec, key)) && needed
     };
     let all: Vec<&'static Spec> = lawful().collect();
-    if let Some(spec) = all.iter().find(fits) {
+    // of several that the keys fit, the one of which none is missing
+    let is_whole = |spec: &&&'static Spec| {
+        let has = |own: &Further| own.default.is_some() || entry.numbers.contains_key(own.name);
+        fits(spec) && spec.further.iter().all(has)
+    };
+    if let Some(spec) = all.iter().find(is_whole).or_else(|| all.iter().find(fits)) {
         return Ok(spec);
     }
     // the one that most keys are of says what is wrong

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use haptical_model::JointType;
+use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
 
 use crate::laws::{Input, Law};
 use crate::signal::{LocalMotion, dahl};
@@ -71,9 +72,6 @@ pub(crate) const SLIDING_OF_SLIDE: Spec = Spec {
     ..SLIDING
 };
 
-/// Rates within which friction is that of rest rather than of motion \[rad/s\], \[m/s\].
-const STRIBECK_RAD_PER_S: f64 = 0.1;
-const STRIBECK_M_PER_S: f64 = 0.01;
 /// Share of the power that Coulomb's friction may seem to give back where it is hard to tell from viscous friction.
 const GIVEN_BACK: f64 = 0.25;
 

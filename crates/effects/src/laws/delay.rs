@@ -1,6 +1,8 @@
 //! A channel that shows what was true a delay ago: x(t - delay) - x(t), to second order. The first order alone
 //! leaves, at 4 ms and the accelerations of a hand, more than the noise of a cable encoder.
 
+use haptical_model::transmission::loops::delayed;
+
 use crate::laws::{Input, Law};
 use crate::signal::LocalMotion;
 use crate::{Family, Follows, LawError, Parameter, Spec};
@@ -8,9 +10,7 @@ use crate::{Family, Follows, LawError, Parameter, Spec};
 /// -delay v + delay^2 a / 2.
 pub(crate) fn moved(motion: &LocalMotion, delay_s: f64) -> Vec<f64> {
     let pairs = motion.velocity.iter().zip(&motion.acceleration);
-    pairs
-        .map(|(v, a)| delay_s * (0.5 * delay_s * a - v))
-        .collect()
+    pairs.map(|(v, a)| delayed(delay_s, *v, *a)).collect()
 }
 
 /// Its derivative with respect to the delay.

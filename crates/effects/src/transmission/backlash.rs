@@ -1,6 +1,8 @@
 //! A play of total width 2b. Driven by the motor the link follows late; driven by the hand the motor does, so that
 //! the link leads.
 
+use haptical_model::transmission::loops::SMALLEST_HALF_WIDTH;
+
 use crate::laws::{Input, Law};
 use crate::signal::{play, smooth};
 use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Spec};
@@ -10,9 +12,6 @@ const DRIVEN_BY_MOTOR: f64 = 0.0;
 const DRIVEN_BY_LINK: f64 = 1.0;
 /// Which of them: in a device file a word.
 pub(crate) const DRIVEN_BY: Further = Further::usually("driven_by", DRIVEN_BY_MOTOR);
-
-/// Half-width at which the score scan linearises: small against any motion \[rad\].
-const SMALL_PLAY: f64 = 5e-5;
 
 pub(crate) const SPEC: Spec = Spec {
     name: "backlash",
@@ -43,7 +42,8 @@ impl Law for Backlash {
         amplitudes: &[f64],
         shape: f64,
     ) -> Option<Vec<Vec<f64>>> {
-        let half_width = amplitudes.first().map_or(0.0, |b| b.abs()).max(SMALL_PLAY);
+        let half_width = amplitudes.first().map_or(0.0, |b| b.abs());
+        let half_width = half_width.max(SMALLEST_HALF_WIDTH);
         let runs = &input.context.runs;
         Some(vec![
             match input.output().filter(|_| shape == DRIVEN_BY_LINK) {

@@ -1,5 +1,7 @@
 //! The wrap slips a little with every loaded travel: d(theta) = kappa tau |d(theta)|.
 
+use haptical_model::transmission::loops::Creep;
+
 use crate::laws::Linear;
 use crate::{Family, Hook, LawError, Need, Parameter, Spec};
 
@@ -24,11 +26,9 @@ pub(crate) const LAW: Linear = Linear(|input| {
     let (torque, travel) = (input.torque_nm()?, input.reading()?);
     let mut error = vec![0.0; travel.len()];
     for run in &input.context.runs {
-        let mut crept = 0.0;
-        for row in run.clone().skip(1) {
-            let mean = 0.5 * (torque[row] + torque[row - 1]);
-            crept -= mean * (travel[row] - travel[row - 1]).abs();
-            error[row] = crept;
+        let mut creep = Creep::default();
+        for row in run.clone() {
+            error[row] = creep.step(torque[row], travel[row]);
         }
     }
     Some(vec![error])

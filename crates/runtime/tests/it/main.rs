@@ -8,9 +8,13 @@
               in the compiler alone"
 )]
 
+mod against_effects;
 mod against_model;
 mod devices;
+mod effect_lists;
+mod effects_of_torques;
 mod exported;
+mod exported_effects;
 mod instructions;
 mod no_allocation;
 mod no_panic;

@@ -3,6 +3,7 @@
 use std::hint::black_box;
 
 use crate::exported::{identified, parallelogram};
+use crate::exported_effects::{every_effect, inputs};
 
 #[test]
 fn a_step_allocates_nothing_whether_it_answers_or_refuses() {
@@ -20,6 +21,22 @@ fn a_step_allocates_nothing_whether_it_answers_or_refuses() {
         assert!(torques_nm.unwrap().is_ok());
         assert_eq!(counted.count_total, 0, "{counted:?}");
     }
+}
+
+#[test]
+fn effects_allocate_nothing_forward_and_back() {
+    let model = &every_effect::COMPENSATED;
+    let mut state = model.start();
+    let now = inputs::<3>(7);
+    let counted = allocation_counter::measure(|| {
+        let before = state;
+        let there = model.forward(black_box(&now), &mut state).unwrap();
+        let torques = there.drive_torques_nm(black_box([1.0, 2.0, 3.0]), [0.0; 3]);
+        let back = model.inverse(black_box(&there.state.outputs), &now, &before);
+        let pose = model.inverse_pose(black_box(&there.state.pose), &now, &before);
+        assert!(black_box((torques, back, pose)).0.is_ok());
+    });
+    assert_eq!(counted.count_total, 0, "{counted:?}");
 }
 
 #[test]

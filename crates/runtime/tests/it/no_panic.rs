@@ -29,6 +29,8 @@ fn needed_symbols(features: &[&str]) -> Option<Vec<String>> {
         .arg("--target-dir")
         .arg(&target)
         .args(["--features", &features.join(",")])
+        // an incremental build keeps what nothing calls
+        .env("CARGO_INCREMENTAL", "0")
         .output()
         .unwrap();
     assert!(

@@ -6,6 +6,7 @@ use anyhow::Result;
 use haptical_batch::PoseLanes;
 use haptical_model::kinematics::{Chain, PreparedChain, Twist};
 use haptical_model::transmission::{Capstan, CapstanError};
+use haptical_runtime::Inputs;
 use xtask_paper::nominal_device;
 
 use super::{Job, Workload, spread};
@@ -20,11 +21,21 @@ mod exported {
     include!("../../../../../crates/runtime/tests/fixtures/identified.rs");
 }
 
+/// The same with a play, a cable that stretches and a harmonic of the motor at each of three joints.
+#[allow(
+    unreachable_pub,
+    dead_code,
+    reason = "an exported module is public, and not all of it is used here"
+)]
+mod exported_effects {
+    include!("../../../../../crates/runtime/tests/fixtures/effects.rs");
+}
+
 const JOINTS: usize = 7;
 /// Calls of one formula, all at other arguments.
 const CALLS: usize = 1000;
 
-pub(crate) const WORKLOADS: [Workload; 5] = [
+pub(crate) const WORKLOADS: [Workload; 6] = [
     Workload {
         name: "capstan-error",
         what: "error of a capstan with slope and six derivatives, eq. (1)",
@@ -64,6 +75,14 @@ pub(crate) const WORKLOADS: [Workload; 5] = [
         units: CALLS as u64,
         is_long: false,
         prepare: runtime_step,
+    },
+    Workload {
+        name: "runtime-step-effects",
+        what: "the same of the device with three effects at each of three joints",
+        unit: "step",
+        units: CALLS as u64,
+        is_long: false,
+        prepare: runtime_step_effects,
     },
 ];
 
@@ -142,6 +161,24 @@ fn runtime_step() -> Result<Job> {
         for reading in &readings {
             let state = exported::MODEL.step(reading)?;
             black_box(state.reading_torques_nm(black_box([1.0, -2.0, 3.0]), [0.0; 3])?);
+        }
+        Ok(())
+    }))
+}
+
+fn runtime_step_effects() -> Result<Job> {
+    let inputs: Vec<Inputs<JOINTS>> = postures(0.6)
+        .into_iter()
+        .map(|readings| Inputs {
+            torque_nm: readings,
+            ..Inputs::at(readings)
+        })
+        .collect();
+    let mut state = exported_effects::COMPENSATED.start();
+    Ok(Box::new(move || {
+        for inputs in &inputs {
+            let device = exported_effects::COMPENSATED.forward(inputs, &mut state)?;
+            black_box(device.drive_torques_nm(black_box([1.0, -2.0, 3.0]), [0.0; 3])?);
         }
         Ok(())
     }))

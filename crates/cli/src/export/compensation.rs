@@ -1,0 +1,395 @@
+//! The effects of a device as the runtime takes them, and those that a control loop has no use for.
+
+use std::path::Path;
+
+use haptical_effects::device::{OwnEffect, effects_of};
+use haptical_effects::{Context, Hook, joint_origin_m};
+use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
+use haptical_model::{Device, DeviceChain, JointType, Recording, Statics};
+use haptical_runtime::{Effect, Side, Turnover};
+
+use crate::failure::Failure;
+
+/// Effects of an export.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Compensation {
+    /// Each with its label: `backlash@3`.
+    pub(super) effects: Vec<(String, Effect)>,
+    /// What is left out, and why.
+    pub(super) left_out: Vec<LeftOut>,
+}
+
+/// An effect that is not in an export.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct LeftOut {
+    pub(super) label: String,
+    pub(super) why: &'static str,
+}
+
+impl LeftOut {
+    pub(super) fn warning(&self) -> String {
+        format!("effect `{}` is left out: {}", self.label, self.why)
+    }
+}
+
+const NOT_READ: &str = "it shows on a sensor that a control loop does not read";
+const EVENT: &str = "it is an event of one recording, which homing takes away";
+const UNKNOWN: &str = "its numbers are not known yet: identify the device first";
+const NO_AXIS: &str = "its joint slides or moves several rows";
+const NO_GRAVITY: &str = "the device file has no [gravity]";
+
+impl Compensation {
+    /// Of a device with its links; it has one hand.
+    pub(super) fn new(device: &Device, path: &Path) -> Result<Self, Failure> {
+        let refuse = |what: String| {
+            let next = "correct [[effect]] in the device file";
+            Failure::in_file("not-exportable", what, path, next)
+        };
+        let own = effects_of(device).map_err(|error| refuse(error.to_string()))?;
+        // numbers of laws need no recording
+        let nothing = Recording::default();
+        let context =
+            Context::new(device, &nothing, &[]).map_err(|error| refuse(error.to_string()))?;
+        let at_zero = vec![0.0; device.joints.len()];
+        let base = DeviceChain::to_row(device, 0);
+        let base_m = base.chain().and_then(|chain| chain.pose(&[]));
+        let base_m = base_m
+            .map_err(|error| refuse(error.to_string()))?
+            .position_m;
+        let place = Place {
+            device,
+            base_m: base_m.into(),
+        };
+        let mut compensation = Self::default();
+        for effect in &own {
+            let label = device.effects[effect.index].label();
+            match place.runtime_effects(effect, &context) {
+                Ok(effects) => compensation
+                    .effects
+                    .extend(effects.into_iter().map(|effect| (label.clone(), effect))),
+                Err(why) => compensation.left_out.push(LeftOut { label, why }),
+            }
+        }
+        for joint in 0..device.joints.len() {
+            let rad_per_nm = device.compliance_rad_per_nm(joint);
+            if rad_per_nm != 0.0 {
+                let label = format!("joint-compliance@{}", joint + 1);
+                let effect = Effect::JointCompliance { joint, rad_per_nm };
+                compensation.effects.push((label, effect));
+            }
+        }
+        let bears = |(_, effect): &(String, Effect)| {
+            matches!(
+                effect,
+                Effect::LateralCompliance { .. } | Effect::BaseCompliance { .. }
+            )
+        };
+        if compensation.effects.iter().any(bears) {
+            let weights = Statics::new(device).weights(&at_zero);
+            for weight in weights.map_err(|error| refuse(error.to_string()))? {
+                let effect = Effect::Weight {
+                    row: weight.row.saturating_sub(1),
+                    place_m: weight.place_m.into(),
+                    force_n: weight.force_n.into(),
+                };
+                compensation
+                    .effects
+                    .push((format!("weight of link {}", weight.row), effect));
+            }
+        }
+        Ok(compensation)
+    }
+
+    pub(super) fn warnings(&self) -> impl Iterator<Item = String> {
+        self.left_out.iter().map(LeftOut::warning)
+    }
+}
+
+/// Where effects are.
+struct Place<'d> {
+    device: &'d Device,
+    base_m: [f64; 3],
+}
+
+impl Place<'_> {
+    /// The runtime's effects of one law, or why there are none.
+    fn runtime_effects(
+        &self,
+        own: &OwnEffect,
+        context: &Context<'_>,
+    ) -> Result<Vec<Effect>, &'static str> {
+        let spec = own.effect.spec();
+        let Some(values) = &own.values else {
+            return Err(UNKNOWN);
+        };
+        match spec.hook {
+            Hook::ExternalEncoder | Hook::CableSensor | Hook::Tracker | Hook::Readings => {
+                return Err(NOT_READ);
+            }
+            _ if ["capstan-slip", "encoder-count-loss"].contains(&spec.name) => return Err(EVENT),
+            _ => {}
+        }
+        let (amplitudes, shape) = own.amplitudes(context);
+        let law = Law {
+            own,
+            values,
+            amplitudes: &amplitudes,
+            shape,
+            joint: own.effect.joint().unwrap_or(0),
+            from: own.effect.other_joint().unwrap_or(0),
+        };
+        match spec.hook {
+            Hook::Transmission | Hook::Timing => self.of_drive(&law).map(|effect| vec![effect]),
+            Hook::Structure => self.of_structure(&law).map(|effect| vec![effect]),
+            _ => self.of_torques(&law),
+        }
+    }
+
+    fn of_drive(&self, law: &Law<'_>) -> Result<Effect, &'static str> {
+        let (joint, from) = (law.joint, law.from);
+        let ratio = self.ratio(joint);
+        let harmonic = |periods: f64| Effect::Harmonic {
+            joint,
+            periods,
+            cosine_rad: law.amplitude(0),
+            sine_rad: law.amplitude(1),
+        };
+        Ok(match law.name() {
+            "capstan-compliance" => Effect::CapstanCompliance {
+                joint,
+                rad_per_nm: law.amplitude(0),
+            },
+            "backlash" => Effect::Backlash {
+                joint,
+                width_rad: law.value(0),
+                driven_by: side(law.shape),
+            },
+            "hysteresis" => Effect::Hysteresis {
+                joint,
+                amplitude_rad: law.value(0),
+                transition_rad: law.shape,
+                driven_by: side(law.further("driven_by")),
+            },
+            "capstan-creep" => Effect::CapstanCreep {
+                joint,
+                creep_per_nm: law.amplitude(0),
+            },
+            "viscous-lag" => Effect::ViscousLag {
+                joint,
+                delay_s: law.amplitude(0),
+            },
+            "encoder-latency" => Effect::EncoderLatency {
+                delay_s: law.amplitude(0),
+            },
+            "drum-eccentricity" => harmonic(1.0),
+            "drum-out-of-round" => harmonic(2.0),
+            "input-drum-harmonic" => harmonic(law.shape * ratio),
+            "device-encoder-eccentricity" => harmonic(ratio),
+            "cable-pitch" => Effect::CablePitch {
+                joint,
+                quadratic_per_rad: law.amplitude(0),
+                cubic_per_rad2: law.amplitude(1),
+            },
+            "ratio-error" => Effect::Coupling {
+                joint,
+                from: joint,
+                gain: -law.amplitude(0) / ratio,
+            },
+            "cross-coupling" => Effect::Coupling {
+                joint,
+                from,
+                gain: law.amplitude(0),
+            },
+            "coupled-backlash" => Effect::CoupledBacklash {
+                joint,
+                from,
+                width_rad: law.value(0),
+                play_rad: law.value(1),
+            },
+            "joint-drift" => law.drift(),
+            _ => return Err(NOT_READ),
+        })
+    }
+
+    fn of_structure(&self, law: &Law<'_>) -> Result<Effect, &'static str> {
+        let joint = law.joint;
+        let origin_m = || {
+            let origin_m = joint_origin_m(self.device, joint).ok_or(NO_AXIS)?;
+            Ok::<[f64; 3], &'static str>(origin_m.into())
+        };
+        Ok(match law.name() {
+            "lateral-compliance" => Effect::LateralCompliance {
+                joint,
+                rad_per_nm: law.amplitude(0),
+                origin_m: origin_m()?,
+            },
+            "base-compliance" => Effect::BaseCompliance {
+                rad_per_nm: law.amplitude(0),
+                base_m: self.base_m,
+            },
+            "tool-compliance" => Effect::ToolCompliance {
+                m_per_n: law.amplitude(0),
+            },
+            "axis-wobble" => Effect::AxisWobble {
+                joint,
+                order: law.shape,
+                cosine_rad: [law.amplitude(0), law.amplitude(2)],
+                sine_rad: [law.amplitude(1), law.amplitude(3)],
+                origin_m: origin_m()?,
+            },
+            "thermal-drift" => Effect::ThermalGrowth {
+                per_degc: law.value(0) / law.further("length_m"),
+                reference_degc: law.further("reference_degc"),
+                base_m: self.base_m,
+            },
+            "tool-changed" => Effect::ToolChanged {
+                shift_m: law.amplitudes(0),
+            },
+            _ => return Err(NOT_READ),
+        })
+    }
+
+    fn of_torques(&self, law: &Law<'_>) -> Result<Vec<Effect>, &'static str> {
+        let joint = law.joint;
+        Ok(vec![match law.name() {
+            "torque-gain" => Effect::TorqueGain {
+                joint,
+                gain: law.amplitude(0),
+            },
+            "joint-friction" => self.friction(law),
+            "motor-cogging" => Effect::MotorCogging {
+                joint,
+                periods: law.shape * self.ratio(joint),
+                cosine_nm: law.amplitude(0),
+                sine_nm: law.amplitude(1),
+            },
+            "payload" => Effect::Payload {
+                mass_kg: law.amplitude(0),
+                gravity_mps2: self.device.gravity_mps2.ok_or(NO_GRAVITY)?,
+            },
+            "force-bias" => {
+                let bias_n = law.amplitudes(0);
+                let bias = Effect::ForceBias { bias_n };
+                if law.amplitudes.len() < 6 {
+                    return Ok(vec![bias]);
+                }
+                let warm = Effect::ForceWarmBias {
+                    n_per_degc: law.amplitudes(3),
+                    reference_degc: law.further("reference_degc"),
+                };
+                return Ok(vec![bias, warm]);
+            }
+            "force-gain" => Effect::ForceGain {
+                gain: [law.value(0), law.value(1), law.value(2)],
+            },
+            "force-crosstalk" => Effect::ForceCrosstalk {
+                parts: std::array::from_fn(|index| law.amplitude(index)),
+            },
+            "force-hysteresis" => Effect::ForceHysteresis {
+                size_n: law.amplitudes(0),
+                transition_n: law.shape,
+            },
+            _ => return Err(NOT_READ),
+        }])
+    }
+
+    fn friction(&self, law: &Law<'_>) -> Effect {
+        let slides = self
+            .device
+            .joints
+            .get(law.joint)
+            .is_some_and(|joint| joint.joint_type == JointType::Prismatic);
+        let parameters = law.own.effect.spec().parameters;
+        let is_rate = parameters
+            .iter()
+            .any(|own| own.name.starts_with("transition_") && own.name.ends_with("_per_s"));
+        Effect::Friction {
+            joint: law.joint,
+            coulomb_nm: law.amplitude(0),
+            viscous_nm_s_per_rad: law.amplitude(1),
+            stribeck_nm: law.amplitude(2),
+            stribeck_rad_per_s: if slides {
+                STRIBECK_M_PER_S
+            } else {
+                STRIBECK_RAD_PER_S
+            },
+            side: match is_rate {
+                true => Turnover::Rate(law.shape),
+                false => Turnover::Travel(law.shape),
+            },
+        }
+    }
+
+    fn ratio(&self, joint: usize) -> f64 {
+        let own = self.device.joints.get(joint);
+        own.map_or(1.0, |joint| joint.transmission_ratio)
+    }
+}
+
+fn side(number: f64) -> Side {
+    if number > 0.0 {
+        Side::Hand
+    } else {
+        Side::Motor
+    }
+}
+
+/// A law with its numbers.
+struct Law<'o> {
+    own: &'o OwnEffect,
+    values: &'o [f64],
+    amplitudes: &'o [f64],
+    shape: f64,
+    joint: usize,
+    from: usize,
+}
+
+impl Law<'_> {
+    fn name(&self) -> &'static str {
+        self.own.effect.spec().name
+    }
+
+    fn amplitude(&self, index: usize) -> f64 {
+        self.amplitudes.get(index).copied().unwrap_or(0.0)
+    }
+
+    /// Three amplitudes from one on.
+    fn amplitudes(&self, first: usize) -> [f64; 3] {
+        std::array::from_fn(|axis| self.amplitude(first + axis))
+    }
+
+    fn value(&self, index: usize) -> f64 {
+        self.values.get(index).copied().unwrap_or(0.0)
+    }
+
+    fn further(&self, name: &str) -> f64 {
+        let names = self.own.effect.spec().further.iter();
+        let mut pairs = names.zip(&self.own.further);
+        let found = pairs.find(|(further, _)| further.name == name);
+        found.map_or(0.0, |(_, value)| *value)
+    }
+
+    /// A drift by its further numbers: with temperature, until it settles, or steadily.
+    fn drift(&self) -> Effect {
+        let joint = self.joint;
+        let further = self.own.effect.spec().further;
+        if further.iter().any(|own| own.name == "reference_degc") {
+            return Effect::WarmDrift {
+                joint,
+                rad_per_degc: self.value(0),
+                reference_degc: self.further("reference_degc"),
+            };
+        }
+        let (time_constant_s, over_s) = (self.further("time_constant_s"), self.further("over_s"));
+        if time_constant_s <= 0.0 || over_s <= 0.0 {
+            let rad_per_s = self.value(0);
+            return Effect::Drift { joint, rad_per_s };
+        }
+        let settled = haptical_model::transmission::loops::settled(over_s, time_constant_s);
+        Effect::SettlingDrift {
+            joint,
+            end_rad: self.value(0) * over_s / settled,
+            time_constant_s,
+        }
+    }
+}
