@@ -1,9 +1,11 @@
 //! Keyword arguments of `identify` as options of a calibration; names and defaults are the command's.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use haptical::Identify;
 use haptical::calibration::{CalibrationMethod, Degree, HeldOut, LossChoice, Options, Weighting};
+use haptical::files::Source;
 use haptical::identification::Loss;
 use pyo3::prelude::*;
 
@@ -16,8 +18,13 @@ const CHOSEN_DEGREE: usize = 14;
 
 /// Numbers of folds, as the command has them.
 const FOLDS: std::ops::RangeInclusive<usize> = 2..=100;
-/// The one effect that `identify` can fit besides.
+/// The one effect that the base model of `diagnose` can have besides.
 const COMPLIANCE: &str = haptical::effects::structure::JOINT_COMPLIANCE.name;
+
+/// Whether what is to be fitted is named by a gap.json.
+fn is_gap(word: &str) -> bool {
+    word.to_ascii_lowercase().ends_with(".json")
+}
 
 /// Options of `identify`: all but device and log.
 #[derive(Debug)]
@@ -66,7 +73,9 @@ impl Keywords<'_, '_> {
         };
         Ok(Identify {
             options,
-            joint_compliance: fits_compliance(self.with)?,
+            with: self.with.iter().filter(|word| !is_gap(word)).cloned().collect(),
+            with_causes: (self.with.iter().find(|word| is_gap(word)))
+                .map(|word| Source::given(Path::new(word))),
             hold: self.hold.to_vec(),
             deviations: deviations_of(self.deviation)?,
         })

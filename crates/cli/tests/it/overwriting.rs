@@ -128,7 +128,7 @@ fn what_a_run_does_not_write_again_is_removed_and_said() {
     );
     assert_eq!(
         names_in(&sandbox.path("result")),
-        ["gap.html", "gap.json", "report.html"]
+        ["corrected.toml", "gap.html", "gap.json", "report.html"]
     );
     let plan = "plan --device device.toml --measure out,cable --out result";
     done(&run(&sandbox, &format!("{plan} --poses 60")));
