@@ -19,7 +19,7 @@ pub(super) struct Part {
 }
 
 /// All parts, in the order of the page of claims.
-pub(super) const PARTS: [Part; 12] = [
+pub(super) const PARTS: [Part; 13] = [
     part(
         "solver",
         &[
@@ -29,6 +29,7 @@ pub(super) const PARTS: [Part; 12] = [
     ),
     part("intervals", &["Intervals"]),
     part("noise-memory", &["Noise with memory"]),
+    part("effects", &["Effects"]),
     part("basin", &["Convergence basin"]),
     part("parallel-joints", &["Parallel joints"]),
     part("poses", &["Chosen poses"]),

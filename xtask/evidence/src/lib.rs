@@ -12,6 +12,7 @@
 mod basin;
 mod coverage_tables;
 mod document;
+mod effects;
 mod force_truth;
 mod held;
 mod intervals;
@@ -96,6 +97,9 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
     }
     if runs("noise-memory") {
         noise_memory::section(many, devices.min(200))?;
+    }
+    if runs("effects") {
+        effects::section(many, devices.min(500))?;
     }
     if runs("basin") {
         basin::section(many, devices)?;

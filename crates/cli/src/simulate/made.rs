@@ -7,8 +7,8 @@ use haptical::files::make_folder;
 use haptical_data::{LogFile, LogShape};
 use haptical_model::{Device as Model, Recording};
 use haptical_simulator::{
-    Effects, HandMotion, MotionSettings, MotionSimulation, SimulatorError, Temperature,
-    add_tracker, record_motion, simulate_motion,
+    Effects, HandMotion, MotionSettings, MotionSimulation, SimulatorError, add_tracker,
+    record_motion, simulate_motion,
 };
 
 use super::SimulateArguments;
@@ -34,7 +34,6 @@ pub(super) fn write(
             rate_hz: arguments.rate_hz,
             ..HandMotion::default()
         },
-        temperature: warms(truth).then(Temperature::default),
         ..MotionSettings::default()
     };
     let progress = Progress::start("preparing the motion");
@@ -43,14 +42,6 @@ pub(super) fn write(
     }
     let simulation = simulate_motion(truth, effects, &settings, arguments.seed).map_err(refuse)?;
     by_rows(arguments, simulation, truth, refuse, &progress)
-}
-
-/// Whether an effect of the device grows with its temperature.
-fn warms(truth: &Model) -> bool {
-    let mut effects = truth.effects.iter();
-    effects.any(|effect| {
-        effect.numbers.contains_key("reference_degc") || effect.numbers.contains_key("rad_per_degc")
-    })
 }
 
 /// Whether a row depends on what was before, or a tracker sees the device.

@@ -6,7 +6,7 @@ mod corrected;
 #[cfg(test)]
 mod example_tests;
 mod page;
-mod quantity;
+pub(crate) mod quantity;
 mod summary;
 mod words;
 

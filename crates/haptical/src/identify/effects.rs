@@ -9,7 +9,9 @@ use haptical_calibration::{
 };
 use haptical_diagnosis::{DiagnosisError, start_values};
 use haptical_effects::device::{DeviceEffectError, attached_at, settle};
+use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Unit, spec};
+use haptical_identification::Estimate;
 use haptical_kinematics::nalgebra::{DMatrix, DVector};
 use haptical_metrics::chi_square_p_value;
 use haptical_model::{Device as Model, ParameterId, Recording};
@@ -33,7 +35,8 @@ pub struct EffectEntry {
     pub parameters: BTreeMap<String, EffectNumber>,
     /// Probability that noise alone gives an effect of this size; none where the log does not fix it.
     pub p_value: Option<f64>,
-    /// Whether the log shows it. One that it does not show is left out of the identified device.
+    /// Whether the log shows it. A law that it does not show is left out of the identified device; a joint's compliance stays
+    /// there with its interval.
     pub shown: bool,
     /// The same in words.
     pub why: String,
@@ -42,8 +45,8 @@ pub struct EffectEntry {
 /// A number of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EffectNumber {
-    /// Value.
-    pub value: f64,
+    /// Value; none of a stiffness of what does not yield.
+    pub value: Option<f64>,
     /// SI unit.
     pub unit: &'static str,
     /// 95 % interval; an end that the log leaves open is none.
@@ -82,6 +85,66 @@ impl From<DeviceEffectError> for EffectFitError {
 /// The laws are taken as straight about numbers that a refit of the diagnosis finds, and the fit is repeated until they
 /// stand still.
 pub(super) fn calibrate_with_effects(
+    model: &Model,
+    recording: &Recording,
+    options: &Options,
+) -> Result<(Calibration, Vec<EffectEntry>), EffectFitError> {
+    let (calibration, mut entries) = with_laws(model, recording, options)?;
+    entries.extend(compliances(&calibration));
+    Ok((calibration, entries))
+}
+
+/// What is said of the joints that were asked whether they yield. They stay in the device with their intervals.
+fn compliances(calibration: &Calibration) -> Vec<EffectEntry> {
+    let Some(fit) = &calibration.fitted.whole else {
+        return Vec::new();
+    };
+    let candidates = fit.parameters.iter().zip(&fit.estimates);
+    let entry = |(id, estimate): (&ParameterId, &Estimate)| {
+        let ParameterId::Compliance { joint } = *id else {
+            return None;
+        };
+        let found = estimate.value.zip(estimate.standard_deviation);
+        let found = found.filter(|(_, sd)| *sd > 0.0 && calibration.rejected.is_none());
+        let stiffness = |compliance: f64| (compliance > 0.0).then(|| 1.0 / compliance);
+        let number = found.map(|(value, _)| EffectNumber {
+            value: stiffness(value),
+            unit: Unit::NewtonMetrePerRadian.symbol(),
+            // a compliance that may be 0 is a stiffness without an upper end
+            ci95: estimate
+                .ci95
+                .map(|[low, high]| [stiffness(high), stiffness(low)]),
+        });
+        let p_value = found.and_then(|(value, sd)| {
+            let p = chi_square_p_value((value / sd).powi(2), 1.0).ok()?;
+            Some(if value > 0.0 { p } else { 1.0 })
+        });
+        let shown = p_value.is_some_and(|p| p < SHOWN);
+        Some(EffectEntry {
+            effect: JOINT_COMPLIANCE.name.to_owned(),
+            joint: Some(joint + 1),
+            parameters: number
+                .map(|number| (JOINT_COMPLIANCE.parameters[0].name.to_owned(), number))
+                .into_iter()
+                .collect(),
+            p_value,
+            shown,
+            why: why(p_value, shown),
+        })
+    };
+    candidates.filter_map(entry).collect()
+}
+
+fn why(p_value: Option<f64>, shown: bool) -> String {
+    match p_value {
+        None => "the log does not fix it beside geometry and drives".to_owned(),
+        Some(p) if shown && p < 1e-12 => "the log shows it beyond doubt".to_owned(),
+        Some(p) if shown => format!("the log shows it (p = {p:.1e})"),
+        Some(p) => format!("noise alone gives as much with probability {p:.2}"),
+    }
+}
+
+fn with_laws(
     model: &Model,
     recording: &Recording,
     options: &Options,
@@ -310,7 +373,7 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
         let shown = p_value.is_some_and(|p| p < SHOWN) && found.calibration.rejected.is_none();
         let number = |(name, value): (&String, &f64)| {
             let number = EffectNumber {
-                value: *value,
+                value: Some(*value),
                 unit: Unit::by_name(name).symbol(),
                 ci95: effect.intervals.get(name).copied(),
             };
@@ -322,11 +385,7 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
             parameters: effect.numbers.iter().map(number).collect(),
             p_value,
             shown,
-            why: match p_value {
-                None => "the log does not fix it beside geometry and drives".to_owned(),
-                Some(p) if shown => format!("the log shows it (p = {p:.1e})"),
-                Some(p) => format!("noise alone gives as much with probability {p:.2}"),
-            },
+            why: why(p_value, shown),
         };
         entries.push((index, entry));
     }

@@ -11,7 +11,7 @@ use haptical_model::{Device, ParameterId, TransmissionError};
 use serde::Serialize;
 
 use super::effects::EffectEntry;
-use super::summary::answer;
+use super::summary::{answer, next_step};
 use super::transmissions::{TransmissionEntry, transmissions};
 use crate::files::Record;
 
@@ -69,6 +69,9 @@ pub struct Identified {
     pub loss: LossEntry,
     /// Readings that noise does not explain, farthest first, where a robust loss was used.
     pub outliers: Vec<Outlier>,
+    /// What to do where more than noise is left; none where nothing is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub next: Option<String>,
     /// What is odd.
     pub warnings: Vec<String>,
     /// What became of the full fit, where it is worse than none on rows that it did not see.
@@ -297,6 +300,7 @@ pub(super) fn identified(
         loss: LossEntry::new(fitted.robust.as_ref()),
         outliers: calibration.outliers.clone(),
         parameters,
+        next: None,
         warnings,
         rejected: calibration.rejected.as_ref().map(|rejected| RejectedEntry {
             kept: rejected.kept,
@@ -306,6 +310,7 @@ pub(super) fn identified(
         provenance,
     };
     result.answer = answer(&result);
+    result.next = next_step(&result);
     result
 }
 

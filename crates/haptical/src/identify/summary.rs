@@ -3,7 +3,9 @@
 use haptical_calibration::{ChannelReport, Combination, Kept};
 use haptical_report::{Cell, Table};
 
+use super::effects::EffectEntry;
 use super::result::Identified;
+use crate::diagnose::quantity::Quantity;
 use crate::error::Error;
 use crate::units::Shown;
 
@@ -32,6 +34,15 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
     writeln!(text, "{}", table.to_terminal())?;
     if let Some(force) = force_sentence(result) {
         writeln!(text, "\n{force}")?;
+    }
+    if !result.effects.is_empty() {
+        writeln!(text, "\nEffects that were fitted with geometry and drives:")?;
+        for effect in &result.effects {
+            writeln!(text, "  {}", effect_line(effect))?;
+        }
+    }
+    if let Some(next) = &result.next {
+        writeln!(text, "\n{next}")?;
     }
     if !result.combinations.is_empty() {
         writeln!(
@@ -89,6 +100,51 @@ pub(super) fn answer(result: &Identified) -> String {
     });
     let rows = &result.held_out;
     format!("{kept}{fixed} of {count} parameters identified{residual}; {rows}.")
+}
+
+/// An effect with its numbers, and whether the log shows it.
+pub(super) fn effect_line(entry: &EffectEntry) -> String {
+    let place = entry.joint.map(|joint| format!(" at joint {joint}"));
+    let name = format!("{}{}", entry.effect, place.unwrap_or_default());
+    if !entry.shown {
+        return format!("{name}: not shown; {}", entry.why);
+    }
+    let numbers = entry.parameters.iter().filter_map(|(key, number)| {
+        let value = number.value?;
+        let quantity = Quantity::new(&entry.effect, key, value);
+        let words = quantity.words.clone();
+        Some(match number.ci95? {
+            [Some(low), Some(high)] => format!("{words} {}", quantity.text(value, [low, high])),
+            [Some(low), None] => format!("{words} at least {}", quantity.short(low)),
+            _ => format!("{words} {}", quantity.short(value)),
+        })
+    });
+    let numbers: Vec<String> = numbers.collect();
+    format!("{name}: {}; {}", numbers.join(", "), entry.why)
+}
+
+/// Share by which a residual must exceed the noise to be worth a word, and the same in standard deviations of its size.
+const LEFT_SHARE: f64 = 1.1;
+const LEFT_SD: f64 = 4.0;
+
+/// What to do where more than noise is left on rows that the fit did not see.
+pub(super) fn next_step(result: &Identified) -> Option<String> {
+    let is_left = |channel: &&ChannelReport| {
+        let spread = 1.0 + LEFT_SD / (2.0 * channel.readings as f64).sqrt();
+        channel.rms_after_good > channel.noise_floor * spread.max(LEFT_SHARE)
+    };
+    let by_share = |a: &&ChannelReport, b: &&ChannelReport| {
+        let share = |channel: &ChannelReport| channel.rms_after_good / channel.noise_floor;
+        share(a).total_cmp(&share(b))
+    };
+    let worst = result.channels.iter().filter(is_left).max_by(by_share)?;
+    let shown = Shown::fine(&worst.unit);
+    Some(format!(
+        "{} keeps {} where the stated noise is {}: run `haptical diagnose` to see which effect is missing.",
+        worst.channel,
+        shown.text(worst.rms_after_good),
+        shown.text(worst.noise_floor)
+    ))
 }
 
 /// How far the force still leans from the wanted direction, in words.

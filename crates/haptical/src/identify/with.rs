@@ -7,6 +7,8 @@ use serde_json::Value;
 
 use crate::error::Error;
 
+/// The parameter that names the other joint.
+const FROM: &str = "from_joint";
 /// Another name of the joints' compliance.
 const ALIAS: &str = "link-compliance";
 
@@ -34,21 +36,36 @@ pub(super) fn add(model: &mut Model, word: &str) -> Result<(), Error> {
     if name == JOINT_COMPLIANCE.name || name == ALIAS {
         return Ok(yielding(model, joint));
     }
-    if let Some(joint) = joint {
-        return push(model, one(name, Some(joint))).map_err(|error| refused(word, &error));
-    }
     let before = model.effects.len();
-    let mut last = push(model, one(name, None)).err();
-    // of an effect of joints: every joint that can have it
+    let mut last = push(model, one(name, joint)).err();
+    // of an effect of joints: every joint that can have it; of one of pairs, from every other joint
     if last.is_some() && laws().any(|spec| spec.name == name) {
-        for joint in 0..model.joints.len() {
-            last = push(model, one(name, Some(joint))).err();
+        let joints = joint.map_or(0..model.joints.len(), |joint| joint..joint + 1);
+        for joint in joints {
+            let alone = push(model, one(name, Some(joint)));
+            let is_of_pair = laws().any(|spec| spec.name == name && spec.parameter(FROM).is_some());
+            last = match alone {
+                Err(_) if is_of_pair => from_every_other(model, name, joint),
+                alone => alone.err(),
+            };
         }
     }
     match last {
         Some(error) if model.effects.len() == before => Err(refused(word, &error)),
         _ => Ok(()),
     }
+}
+
+/// Adds an effect of one joint by another, from every other joint.
+fn from_every_other(model: &mut Model, name: &str, joint: usize) -> Option<DeviceEffectError> {
+    let others = (0..model.joints.len()).filter(|other| *other != joint);
+    let mut last = None;
+    for other in others.collect::<Vec<usize>>() {
+        let mut effect = one(name, Some(joint));
+        effect.numbers.insert(FROM.to_owned(), (other + 1) as f64);
+        last = push(model, effect).err();
+    }
+    last
 }
 
 /// Adds the causes of a gap.json.
@@ -76,7 +93,7 @@ pub(super) fn add_causes(model: &mut Model, text: &str, file: &str) -> Result<()
         }
         let mut effect = one(name, joint);
         // where it is, not how large: that is fitted
-        for key in ["from_joint", "order"] {
+        for key in [FROM, "order"] {
             let parameter = cause.get("parameters").and_then(|all| all.get(key));
             let value = parameter
                 .and_then(|own| own.get("value"))

@@ -10,7 +10,7 @@ use haptical_model::Recording;
 use haptical_report::{Block, Cell, Document, Section, Table};
 
 use super::result::Identified;
-use super::summary::{channel_table, force_sentence, judged_table, main_channel};
+use super::summary::{channel_table, effect_line, force_sentence, judged_table, main_channel};
 use crate::error::Error;
 use crate::page::facts;
 use crate::units::Shown;
@@ -29,6 +29,11 @@ pub(super) fn page(
     let transmissions = transmission_figures::blocks(result, calibration, recording)?;
     if !transmissions.is_empty() {
         sections.push(Section::new("Transmissions", transmissions));
+    }
+    if !result.effects.is_empty() {
+        let lines = result.effects.iter().map(effect_line);
+        let list = vec![Block::List(lines.collect())];
+        sections.push(Section::new("Effects", list));
     }
     let mut parameters = vec![parameter_tables::identified(result)?.into()];
     parameters.extend(parameter_tables::combinations(result)?);
@@ -70,7 +75,10 @@ fn lead(result: &Identified) -> String {
         result.held_out,
         result.parameters.len(),
         result.rows,
-    )
+    ) + &result
+        .next
+        .as_ref()
+        .map_or_else(String::new, |next| format!(" {next}"))
 }
 
 fn residuals(result: &Identified) -> Result<Section, Error> {

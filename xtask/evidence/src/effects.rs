@@ -1,0 +1,243 @@
+//! Coverage of the intervals of effects that are fitted with geometry and drives, and what is said of effects that are not there.
+
+use anyhow::{Context, Result};
+use haptical::effects::device::add_effects;
+use haptical::{Device, EffectEntry, Identify, Log, identify};
+use haptical_calibration::HeldOut;
+use haptical_model::{Device as Model, DeviceEffect};
+use haptical_report::{Cell, Table};
+use haptical_simulator::{HandMotion, MotionSettings, record_motion};
+use rand::RngExt;
+use rayon::prelude::*;
+use xtask_output::{Output, Progress};
+
+use super::rigs::{Errors, Rig, generator, nominal, true_device};
+
+/// An effect with the sizes that are drawn, from smallest to largest, equally likely by their logarithm.
+struct Kind {
+    name: &'static str,
+    /// From 1; none of the whole device.
+    joint: Option<usize>,
+    /// The number that is counted, first, and others.
+    numbers: &'static [(&'static str, [f64; 2])],
+}
+
+const KINDS: [Kind; 8] = [
+    kind(
+        "capstan-compliance",
+        Some(2),
+        &[("stiffness_nm_per_rad", [150.0, 1500.0])],
+    ),
+    kind(
+        "joint-compliance",
+        Some(2),
+        &[("stiffness_nm_per_rad", [150.0, 1500.0])],
+    ),
+    kind("backlash", Some(3), &[("width_rad", [2e-4, 3e-3])]),
+    kind(
+        "hysteresis",
+        Some(1),
+        &[
+            ("amplitude_rad", [2e-4, 2e-3]),
+            ("transition_rad", [0.02, 0.1]),
+        ],
+    ),
+    kind("viscous-lag", Some(2), &[("delay_s", [5e-4, 5e-3])]),
+    kind(
+        "input-drum-harmonic",
+        Some(1),
+        &[
+            ("amplitude_rad", [1e-4, 1e-3]),
+            ("phase_rad", [0.5, 2.5]),
+            ("order", [2.0, 2.0]),
+        ],
+    ),
+    kind("joint-drift", Some(3), &[("rad_per_s", [3e-6, 3e-5])]),
+    kind("cable-latency", None, &[("delay_s", [5e-4, 5e-3])]),
+];
+
+const fn kind(
+    name: &'static str,
+    joint: Option<usize>,
+    numbers: &'static [(&'static str, [f64; 2])],
+) -> Kind {
+    Kind {
+        name,
+        joint,
+        numbers,
+    }
+}
+
+/// Length and rate of a recording.
+const SECONDS: f64 = 40.0;
+const RATE_HZ: f64 = 25.0;
+/// Bounds of the coverage \[%\].
+const BAR: [f64; 2] = [93.0, 97.0];
+/// Least share of absent effects that are said not to be shown \[%\].
+const ABSENT: f64 = 97.0;
+
+/// What became of one device.
+struct Outcome {
+    /// Whether the interval of the effect's first number holds the truth; none without an interval.
+    holds: Option<bool>,
+    shown: bool,
+    /// Half width over the value.
+    relative: f64,
+    /// Whether an effect that is not there is said not to be shown.
+    absent_is_said: bool,
+}
+
+/// Writes the section.
+pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
+    output.section("Effects");
+    output.words(format!(
+        "{devices} simulated devices a row: every number of geometry and drives off by a normal draw of its plausible size, one \
+         effect of a drawn size, {SECONDS} s of a hand-guided motion at {RATE_HZ} Hz with forces and torques. \
+         `identify --with EFFECT@JOINT` starts from the nominal device. Counted is how often the 95 % interval of the effect's \
+         first number holds the truth, and, of the same devices without the effect, how often it is said that the log does not \
+         show it."
+    ));
+    let columns = "effect | joint | number | devices | failed | shown [%] | covered [%] | median half width [%] | \
+                   absent, and said so [%]";
+    let mut table = Table::with_heads("Intervals of effects", columns);
+    let (mut covered, mut said) = (true, Vec::new());
+    for kind in &KINDS {
+        let progress = Progress::new(kind.name, devices);
+        let nominal = nominal(Rig::Cable, Errors::Gaussian)?;
+        let seeds = (0..devices as u64).into_par_iter();
+        let outcomes: Vec<Result<Outcome>> = seeds
+            .map(|seed| {
+                let outcome = kind.device(&nominal, seed);
+                progress.step();
+                outcome
+            })
+            .collect();
+        drop(progress);
+        if let Some(Err(error)) = outcomes.iter().find(|outcome| outcome.is_err()) {
+            eprintln!("{}: {error:#}", kind.name);
+        }
+        let good: Vec<&Outcome> = outcomes.iter().flatten().collect();
+        let percent = |share: f64| 100.0 * share / good.len().max(1) as f64;
+        let holds: Vec<bool> = good.iter().filter_map(|own| own.holds).collect();
+        let inside = holds.iter().filter(|holds| **holds).count() as f64;
+        let coverage = 100.0 * inside / holds.len().max(1) as f64;
+        let absent = good.iter().filter(|own| own.absent_is_said).count() as f64;
+        let mut widths: Vec<f64> = good.iter().map(|own| own.relative).collect();
+        widths.sort_by(f64::total_cmp);
+        covered &= (BAR[0]..=BAR[1]).contains(&coverage);
+        said.push(percent(absent));
+        table.push(vec![
+            kind.name.into(),
+            kind.joint
+                .map_or("-".to_owned(), |joint| joint.to_string())
+                .into(),
+            kind.numbers[0].0.into(),
+            Cell::number(devices as f64, 0),
+            Cell::number((outcomes.len() - good.len()) as f64, 0),
+            Cell::number(
+                percent(good.iter().filter(|own| own.shown).count() as f64),
+                1,
+            ),
+            Cell::number(coverage, 1),
+            Cell::number(
+                100.0 * widths.get(widths.len() / 2).copied().unwrap_or(f64::NAN),
+                2,
+            ),
+            Cell::number(percent(absent), 1),
+        ])?;
+    }
+    output.table("effects", table)?;
+    output.verdict(
+        covered,
+        "intervals of effects hold in 93 to 97 %".to_owned(),
+    );
+    let mean = said.iter().sum::<f64>() / said.len() as f64;
+    output.verdict(
+        mean >= ABSENT,
+        format!("of effects that are not there {mean:.1} % are said not to be shown"),
+    );
+    Ok(())
+}
+
+impl Kind {
+    fn device(&self, nominal: &Model, seed: u64) -> Result<Outcome> {
+        let mut truth = true_device(nominal, seed);
+        let absent = self.fitted(nominal, &truth, seed)?;
+        let mut draw = generator(seed, 7);
+        let mut numbers = std::collections::BTreeMap::new();
+        for (name, [low, high]) in self.numbers {
+            let share: f64 = draw.random_range(0.0..1.0);
+            numbers.insert((*name).to_owned(), low * (high / low).powf(share));
+        }
+        let size = numbers[self.numbers[0].0];
+        if self.name == "joint-compliance" {
+            let joint = self.joint.context("a joint")? - 1;
+            truth.fit_compliance();
+            for own in &mut truth.surroundings.compliance {
+                own.fit = false;
+            }
+            truth.surroundings.compliance[joint].rad_per_nm = 1.0 / size;
+        } else {
+            truth.effects.push(DeviceEffect {
+                name: self.name.to_owned(),
+                joint: self.joint.map(|joint| joint - 1),
+                numbers,
+                ..DeviceEffect::default()
+            });
+        }
+        let there = self.fitted(nominal, &truth, seed)?;
+        let number = there.parameters.get(self.numbers[0].0);
+        let interval = number.and_then(|number| number.ci95);
+        let holds = interval.map(|[low, high]| {
+            low.is_none_or(|low| low <= size) && high.is_none_or(|high| size <= high)
+        });
+        let relative = match interval {
+            Some([Some(low), Some(high)]) => 0.5 * (high - low) / size,
+            _ => f64::INFINITY,
+        };
+        Ok(Outcome {
+            holds,
+            shown: there.shown,
+            relative,
+            absent_is_said: !absent.shown,
+        })
+    }
+
+    /// What an identification says of the effect, of a recording of a device.
+    fn fitted(&self, nominal: &Model, truth: &Model, seed: u64) -> Result<EffectEntry> {
+        let settings = MotionSettings {
+            motion: HandMotion {
+                seconds: SECONDS,
+                rate_hz: RATE_HZ,
+                rests: 1,
+                ..HandMotion::default()
+            },
+            ..MotionSettings::default()
+        };
+        let mut rigid = truth.clone();
+        rigid.effects.clear();
+        rigid.surroundings.compliance.clear();
+        let mut recording = record_motion(
+            &rigid,
+            &haptical_simulator::Effects::none(),
+            &settings,
+            seed,
+        )?;
+        add_effects(truth, &mut recording)?;
+        let device = Device::from_toml(&nominal.to_new_toml()?, "nominal.toml")?;
+        let log = Log::from_recording(recording, "simulated", &device)?;
+        let word = match self.joint {
+            Some(joint) => format!("{}@{joint}", self.name),
+            None => self.name.to_owned(),
+        };
+        let mut request = Identify {
+            with: vec![word],
+            ..Identify::default()
+        };
+        request.options.held_out = HeldOut::None;
+        // its order is part of its name: the first of the catalogue's
+        let found = identify(&device, &log, &request)?;
+        let mut entries = found.result.effects.into_iter();
+        entries.next().context("nothing is said of the effect")
+    }
+}
