@@ -80,7 +80,9 @@ impl Given {
                 ..Identify::default()
             };
             let found = identify(&nominal, &log, &options).map_err(|error| error.to_string())?;
-            let entry = found.result.effects.first();
+            // a coupling is asked from every other joint
+            let entries = &found.result.effects;
+            let entry = entries.iter().find(|entry| entry.shown).or(entries.first());
             let entry = entry.ok_or("nothing is said of the effect")?;
             Ok(Fit {
                 asked: asked.clone(),
