@@ -103,7 +103,7 @@ pub(crate) fn table(cases: &[Case]) -> Result<Table, ReportError> {
                 String::new(),
                 format!("{}: {}", fit.asked, fit.why),
             ),
-            (Some(own), None) => {
+            (Some(own), None) if is_of_loop => {
                 let is_open = own.again.verdict != Verdict::NoGap;
                 let is_little = own.closed_percent.is_none_or(|closed| closed < LITTLE);
                 let why = match (Apart::of(case), is_little, is_open) {
@@ -126,7 +126,7 @@ pub(crate) fn table(cases: &[Case]) -> Result<Table, ReportError> {
                 };
                 (&[][..], None, String::new(), why.to_owned())
             }
-            (None, None) => continue,
+            _ => continue,
         };
         table.push(vec![
             Cell::Text(format!(

@@ -350,12 +350,19 @@ fn loops_are_counted_and_events_apart() {
         (name(0), name(2)),
         ("capstan-compliance".to_owned(), "capstan-slip".to_owned())
     );
+    let is_calm = |index: &u64| {
+        let effects = Suite::LoopPairs.draw(*index, 3).unwrap().truth.effects;
+        effects
+            .iter()
+            .all(|effect| effect.events.iter().all(Vec::is_empty))
+    };
+    let calm = (0..20).find(is_calm).unwrap();
     let cases = [
         closed(Suite::Loop, 0, Some((98.0, NO_GAP))),
         closed(Suite::Loop, 1, Some((60.0, UNKNOWN))),
         closed(Suite::Loop, 2, Some((-20.0, UNKNOWN))),
         closed(Suite::Loop, 3, None),
-        closed(Suite::LoopPairs, 0, Some((94.0, NO_GAP))),
+        closed(Suite::LoopPairs, calm, Some((94.0, NO_GAP))),
         closed(Suite::Singles, 0, Some((0.0, UNKNOWN))),
     ];
     let all = measures(&cases);
