@@ -36,19 +36,31 @@ pub fn diagnose(
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let found = diagnose_all(device, recording, options)?;
-    let own = match device.effects.is_empty() {
-        true => options.model.map_or(&[][..], |model| &model.effects),
-        false => &device.effects,
+    let mut own = match device.effects.is_empty() {
+        true => options
+            .model
+            .map_or(Vec::new(), |model| model.effects.clone()),
+        false => device.effects.clone(),
     };
-    let mut names: Vec<String> = own.iter().map(|effect| effect.name.clone()).collect();
     let mut rigid = bare(device);
     if let Some(model) = options.model.filter(|_| !device.has_compliance())
         && model.has_compliance()
     {
-        names.push(JOINT_COMPLIANCE.name.to_owned());
+        own.extend(yielding(model));
         rigid.surroundings.compliance.clear();
     }
-    within_laws(found, &names, (&rigid, recording), options.loss)
+    within_laws(found, &own, (&rigid, recording), options.loss)
+}
+
+/// Joints that yield, as effects.
+fn yielding(model: &Device) -> impl Iterator<Item = DeviceEffect> {
+    let yields = |joint: &usize| model.compliance_rad_per_nm(*joint) != 0.0;
+    let joints = (0..model.joints.len()).filter(yields);
+    joints.map(|joint| DeviceEffect {
+        name: JOINT_COMPLIANCE.name.to_owned(),
+        joint: Some(joint),
+        ..DeviceEffect::default()
+    })
 }
 
 fn diagnose_all(

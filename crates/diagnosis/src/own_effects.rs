@@ -2,16 +2,16 @@
 
 use haptical_calibration::{LossChoice, Weights, channel_residuals};
 use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
-use haptical_effects::spec;
 use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
-use haptical_model::{Device, Recording};
+use haptical_effects::{Family, spec};
+use haptical_model::{Device, DeviceEffect, Recording};
 
 use crate::DiagnosisError;
-use crate::answer::{Diagnosis, Gap, Verdict};
+use crate::answer::{CauseAnswer, Diagnosis, Gap, Verdict};
 use crate::engine::base::Base;
 
 /// The answer on a device with effects of its own: what is left is no gap where it is no more than what their laws get wrong,
-/// and nothing but numbers of the base model explains it.
+/// and nothing explains it but numbers of the base model and other laws of what the effects are: a loop beside a play.
 ///
 /// A law is right up to a share of the squares that its effect has beyond noise ([`haptical_effects::LawError`]); these are what a
 /// device without the effects, fitted to the same recording, leaves. `device` and `recording` are without effects.
@@ -20,7 +20,7 @@ use crate::engine::base::Base;
 /// [`DiagnosisError`] where the device without effects cannot be fitted.
 pub(crate) fn within_laws(
     found: Diagnosis,
-    names: &[String],
+    own_effects: &[DeviceEffect],
     (device, recording): (&Device, &Recording),
     loss: LossChoice,
 ) -> Result<Diagnosis, DiagnosisError> {
@@ -31,13 +31,15 @@ pub(crate) fn within_laws(
         DRUM_ECCENTRICITY.name,
         RATIO_ERROR.name,
     ];
-    let is_of_base = |effect: &String| of_base.contains(&effect.as_str());
+    let is_known = |cause: &CauseAnswer| {
+        of_base.contains(&cause.effect.as_str()) || own_effects.iter().any(|own| is_kin(own, cause))
+    };
     let is_open = match found.verdict {
         Verdict::NoGap => false,
         Verdict::Unknown | Verdict::Ambiguous => true,
-        Verdict::Named => found.causes.iter().all(|cause| is_of_base(&cause.effect)),
+        Verdict::Named => found.causes.iter().all(is_known),
     };
-    if !is_open || names.is_empty() {
+    if !is_open || own_effects.is_empty() {
         return Ok(found);
     }
     let base = Base::fit(device, recording, loss)?;
@@ -60,7 +62,7 @@ pub(crate) fn within_laws(
         left += beyond(channel.rms_before);
         whole += beyond(without.rms().unwrap_or(0.0));
     }
-    let shares = names.iter().filter_map(|name| spec(name));
+    let shares = own_effects.iter().filter_map(|own| spec(&own.name));
     let allowed = shares.map(|spec| spec.law_error.share).fold(0.0, f64::max);
     let share = left / whole.max(1e-300);
     if share > allowed {
@@ -83,4 +85,67 @@ pub(crate) fn within_laws(
         own_effects_leave: Some(share),
         ..found
     })
+}
+
+/// Whether a cause is another law of what an effect of the device is: of the same kind at the same place.
+fn is_kin(own: &DeviceEffect, cause: &CauseAnswer) -> bool {
+    let joint = own.joint.map(|joint| joint + 1);
+    let (Some(mine), Some(theirs)) = (spec(&own.name), spec(&cause.effect)) else {
+        return false;
+    };
+    let is_same_place = joint == cause.joint;
+    let is_same_kind = mine.family == theirs.family
+        && (mine.hook == theirs.hook || mine.family == Family::Drift)
+        && !matches!(mine.family, Family::Coupling | Family::Periodic);
+    is_same_place && (is_same_kind || mine.name == theirs.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn own(name: &str, joint: Option<usize>) -> DeviceEffect {
+        DeviceEffect {
+            name: name.to_owned(),
+            joint,
+            ..DeviceEffect::default()
+        }
+    }
+
+    /// Of one kind at one place are a play and a loop, two bends of a cable, two slow changes of one cable, and a spring that
+    /// is another one; not a joint's and its neighbour's, nor a delay beside a play.
+    #[test]
+    fn another_law_of_an_effect_is_kin_to_it() {
+        for (mine, joint, theirs, at, is_one) in [
+            ("hysteresis", Some(1), "backlash", Some(1), true),
+            ("hysteresis", Some(1), "backlash", Some(2), false),
+            ("cable-twist", None, "cable-zero-offset", None, true),
+            ("cable-drift", None, "thermal-drift", None, true),
+            (
+                "joint-compliance",
+                Some(0),
+                "joint-compliance",
+                Some(0),
+                true,
+            ),
+            (
+                "joint-compliance",
+                Some(0),
+                "joint-compliance",
+                Some(1),
+                false,
+            ),
+            ("backlash", Some(1), "viscous-lag", Some(1), false),
+            (
+                "cross-coupling",
+                Some(1),
+                "coupled-backlash",
+                Some(1),
+                false,
+            ),
+        ] {
+            let cause = CauseAnswer::named(theirs, at, 1.0);
+            assert_eq!(is_kin(&own(mine, joint), &cause), is_one, "{mine} {theirs}");
+        }
+    }
 }

@@ -9,6 +9,7 @@ mod error;
 mod files;
 mod gap;
 mod laws;
+mod loop_suites;
 mod payload_suites;
 mod planted;
 mod random;
@@ -33,10 +34,10 @@ pub use rig::noise::{ChannelNoise, NoisePlan};
 pub use rig::scene::{CablePath, CleanChannels, Recorded, Scene};
 pub use score::{
     Answer, Calibration, Cause, ChannelGap, Coverage, Gap, HeldOut, ParameterAnswer, Prediction,
-    Rate, ShrinkScore, Summary, TrialScore, TrueReduction, Verdict, Where, judge, summarise,
-    true_reductions,
+    Rate, ShrinkScore, Summary, TrialScore, TrueReduction, Verdict, Where, closed_percent, judge,
+    summarise, true_reductions,
 };
 pub use seal::{Sealed, seal, sha256_hex};
 pub use suites::Suite;
-pub use trial::Trial;
+pub use trial::{Asked, Trial};
 pub use truth::{EffectTruth, Event, Truth};

@@ -4,6 +4,7 @@ use haptical_model::Device;
 
 use crate::effects::{Group, KINDS, Kind};
 use crate::error::BlindError;
+use crate::loop_suites;
 use crate::payload_suites;
 use crate::random::Random;
 use crate::rig::devices::{NOMINALS, Nominal};
@@ -58,6 +59,12 @@ pub enum Suite {
     Coloured,
     /// SW: wrists with play and coupling in several cables.
     Wrist,
+    /// SL: one strong effect, and a second recording that the corrected device must predict.
+    Loop,
+    /// SLP: the same with two effects.
+    LoopPairs,
+    /// SLA: clean, and an effect that is not there is asked for.
+    Absent,
 }
 
 /// Streams of suites do not meet: suite number times this, plus the index.
@@ -65,7 +72,7 @@ const SUITE_STREAM: u64 = 1 << 40;
 
 impl Suite {
     /// All suites.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 25] = [
         Self::Clean,
         Self::Singles,
         Self::NearSingles,
@@ -88,6 +95,9 @@ impl Suite {
         Self::Moved,
         Self::Coloured,
         Self::Wrist,
+        Self::Loop,
+        Self::LoopPairs,
+        Self::Absent,
     ];
 
     /// Short name: `s0`, `s1`, `s1n`, ...
@@ -115,6 +125,9 @@ impl Suite {
             Self::Moved => "sm",
             Self::Coloured => "sc",
             Self::Wrist => "sw",
+            Self::Loop => "sl",
+            Self::LoopPairs => "slp",
+            Self::Absent => "sla",
         }
     }
 
@@ -143,7 +156,15 @@ impl Suite {
             Self::Moved => 17,
             Self::Coloured => 18,
             Self::Wrist => 19,
+            Self::Loop => 20,
+            Self::LoopPairs => 21,
+            Self::Absent => 22,
         }
+    }
+
+    /// Whether the diagnosis must not see the second recording: what it made of the first is tried on it.
+    pub const fn keeps_second_back(self) -> bool {
+        matches!(self, Self::Loop | Self::LoopPairs | Self::Absent)
     }
 
     /// The suite of that name.
@@ -170,6 +191,7 @@ impl Suite {
             Self::Repeats => arms::repeats,
             Self::Moved => arms::moved,
             Self::Wrist => wrist::draw,
+            Self::Absent => loop_suites::absent,
             _ => {
                 let order = self.order(index, &mut random)?;
                 return order.make(self.name(), index, batch_seed, &mut random);
@@ -181,14 +203,14 @@ impl Suite {
     fn order(self, index: u64, random: &mut Random) -> Result<Order, BlindError> {
         match self {
             Self::Clean => clean(index, random),
-            Self::Singles => single(index, random),
+            Self::Singles | Self::Loop => single(index, random),
             Self::NearSingles => near(index, random),
             Self::Withheld => Ok(Order {
                 withhold: true,
                 ..single(index, random)?
             }),
             Self::Unknown => one_of(&of_group(Group::Unknown), index, 1.0, Joints::All, random),
-            Self::Pairs => pair(index, random),
+            Self::Pairs | Self::LoopPairs => pair(index, random),
             Self::Ladder => ladder(index, random),
             Self::Twins => one_of(&named(&TWINS), index, 1.0, Joints::All, random),
             Self::Noise => Ok(Order {
@@ -221,7 +243,9 @@ impl Suite {
             Self::PayloadSame => payload_suites::unchanged(index, random),
             Self::Coloured => colour::order(index, random),
             // drawn without an order
-            Self::Elastic | Self::Repeats | Self::Moved | Self::Wrist => clean(index, random),
+            Self::Elastic | Self::Repeats | Self::Moved | Self::Wrist | Self::Absent => {
+                clean(index, random)
+            }
         }
     }
 }
@@ -389,7 +413,7 @@ fn near(index: u64, random: &mut Random) -> Result<Order, BlindError> {
     one_of(&visible(), index, 0.1, Joints::Seen, random)
 }
 
-fn clean(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+pub(crate) fn clean(index: u64, random: &mut Random) -> Result<Order, BlindError> {
     let (mut order, _) = of_device(random)?;
     let kind = index % 6;
     let labels = ["white", "white", "ar", "unequal", "outliers", "rounded"];

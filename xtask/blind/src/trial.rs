@@ -31,8 +31,19 @@ pub struct Trial {
     pub clean2: CleanChannels,
     /// Effects that the catalogue must do without.
     pub without: Vec<String>,
+    /// An effect that is not there and is to be fitted all the same (suite SLA).
+    pub asked: Option<Asked>,
     /// What is hidden.
     pub truth: Truth,
+}
+
+/// An effect that is asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Asked {
+    /// The name in the catalogue.
+    pub effect: &'static str,
+    /// Joint, from 1.
+    pub joint: Option<usize>,
 }
 
 /// What a suite orders for one trial.
@@ -131,6 +142,7 @@ impl Order {
             log2: second.log,
             clean2: second.clean,
             without: truth.without.clone(),
+            asked: None,
             truth,
         })
     }

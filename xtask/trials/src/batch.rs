@@ -11,6 +11,7 @@ use xtask_blind::{
 };
 use xtask_output::Progress;
 
+use super::closing::{Closing, Fit};
 use super::subject::Given;
 use super::threads::in_parallel;
 
@@ -51,6 +52,11 @@ pub(crate) struct Fixed {
     pub(crate) answer: Result<(Answer, String), String>,
     /// True reductions of the gap by the answer's predictions.
     pub(crate) reductions: BTreeMap<String, TrueReduction>,
+    /// What the corrected device makes of the recording that was kept back, or why nothing; none where there is no such
+    /// device or recording.
+    pub(crate) closing: Option<Result<Closing, String>>,
+    /// What is said of the effect that was asked for, or why nothing; none where none was.
+    pub(crate) fit: Option<Result<Fit, String>>,
     /// Rows of the recording.
     pub(crate) rows: usize,
     /// Time of the diagnosis on one core \[s\].
@@ -74,12 +80,29 @@ pub(crate) struct Case {
     /// Why there is no answer.
     pub(crate) error: Option<String>,
     pub(crate) score: Option<TrialScore>,
+    /// What the corrected device makes of a fresh recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) closing: Option<Closing>,
+    /// What is said of an effect that is not there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) fit: Option<Fit>,
     #[serde(skip)]
     pub(crate) truth: Truth,
     #[serde(skip)]
     pub(crate) rows: usize,
     #[serde(skip)]
     pub(crate) time_s: f64,
+}
+
+/// What there is; why there is not goes where errors go.
+fn kept<T>(outcome: Option<Result<T, String>>, error: &mut Option<String>) -> Option<T> {
+    match outcome? {
+        Ok(kept) => Some(kept),
+        Err(why) => {
+            error.get_or_insert(why);
+            None
+        }
+    }
 }
 
 impl Fixed {
@@ -137,18 +160,21 @@ impl Batch {
             "{} {index} is not the trial that was sealed: the generator does not repeat itself",
             suite.name()
         );
-        let given = Given::from_trial(&trial)?;
+        let given = Given::from_trial(suite, &trial)?;
         let answered = given.answer();
         // from here on the answer is what it is
         let mut fixed = Fixed {
             answer: Err(String::new()),
             reductions: BTreeMap::new(),
+            closing: None,
+            fit: given.fitted(),
             rows: given.rows(),
             time_s: 0.0,
         };
         fixed.answer = answered.and_then(|answered| {
             fixed.time_s = answered.time_s;
             fixed.reductions = true_reductions(&answered.predictions, &trial.clean2);
+            fixed.closing = given.closing(&answered, &trial.clean2);
             let answer = Answer::from_json(&answered.gap_json)
                 .map_err(|error| format!("gap.json cannot be read: {error:?}"))?;
             Ok((answer, sha256_hex(&answered.gap_json)))
@@ -180,10 +206,13 @@ impl Batch {
             let truth = sealed
                 .open(&commitment.commitment)
                 .with_context(|| format!("{suite} {index}"))?;
-            let (answer, answer_sha256, error) = match fixed.answer {
+            let (answer, answer_sha256, mut error) = match fixed.answer {
                 Ok((answer, sha256)) => (Some(answer), Some(sha256), None),
                 Err(error) => (None, None, Some(error)),
             };
+            // what comes after the answer fails as the answer does
+            let closing = kept(fixed.closing, &mut error);
+            let fit = kept(fixed.fit, &mut error);
             let score = answer
                 .as_ref()
                 .map(|answer| judge(&truth, answer, &fixed.reductions));
@@ -201,6 +230,8 @@ impl Batch {
                 answer,
                 error,
                 score,
+                closing,
+                fit,
                 truth,
                 rows: fixed.rows,
                 time_s: fixed.time_s,

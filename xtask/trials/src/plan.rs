@@ -6,7 +6,7 @@ use xtask_blind::Suite;
 use super::Arguments;
 
 /// Trials of a scored batch.
-const SCORED: [(Suite, u64); 22] = [
+const SCORED: [(Suite, u64); 25] = [
     (Suite::Clean, 300),
     (Suite::Singles, 300),
     (Suite::NearSingles, 150),
@@ -29,9 +29,12 @@ const SCORED: [(Suite, u64); 22] = [
     (Suite::Moved, 80),
     (Suite::Coloured, 80),
     (Suite::Wrist, 100),
+    (Suite::Loop, 96),
+    (Suite::LoopPairs, 50),
+    (Suite::Absent, 100),
 ];
 /// Trials of a quick check: each kind of clean recording twice, each strong effect once.
-const QUICK: [(Suite, u64); 22] = [
+const QUICK: [(Suite, u64); 25] = [
     (Suite::Clean, 12),
     (Suite::Singles, 32),
     (Suite::NearSingles, 2),
@@ -54,6 +57,9 @@ const QUICK: [(Suite, u64); 22] = [
     (Suite::Moved, 1),
     (Suite::Coloured, 1),
     (Suite::Wrist, 1),
+    (Suite::Loop, 2),
+    (Suite::LoopPairs, 1),
+    (Suite::Absent, 2),
 ];
 
 /// Some trials of one suite.

@@ -40,6 +40,11 @@ pub(crate) fn assert_sound(cases: &[Case], repeats: bool) -> Result<()> {
         "{unseen} of {} foreign torques and forces are answered no-gap",
         foreign.len()
     );
+    let mut loops = cases.iter().filter_map(|case| case.closing.as_ref());
+    ensure!(
+        loops.all(|own| own.effects.is_empty() || own.closed_percent.is_some_and(f64::is_finite)),
+        "a corrected device predicts nothing of a fresh recording"
+    );
     let singles = of("s1");
     let right = singles.iter().filter(|right| **right).count();
     ensure!(

@@ -29,7 +29,7 @@ impl Batch {
         for number in (0..self.trials.len()).step_by(step) {
             let (suite, index) = self.trials[number];
             let start = std::time::Instant::now();
-            let given = Given::from_trial(&suite.draw(index, self.seed)?)?;
+            let given = Given::from_trial(suite, &suite.draw(index, self.seed)?)?;
             let answered = given.answer().ok();
             rehearsal.mean_s += start.elapsed().as_secs_f64();
             let sha256 = answered.map(|answered| sha256_hex(&answered.gap_json));

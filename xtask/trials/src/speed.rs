@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, anyhow};
 use xtask_blind::{
-    Draw, MotionPlan, NOMINALS, NoisePlan, Random, Scene, kind, perturbed, torque_scales,
+    Draw, MotionPlan, NOMINALS, NoisePlan, Random, Scene, Suite, kind, perturbed, torque_scales,
 };
 use xtask_output::Progress;
 
@@ -21,9 +21,11 @@ const GROUP: &str = "time per diagnosis";
 /// Times of the batch: recordings of 6000 rows, each diagnosis on one core while others run, with the shrink
 /// measured on a second recording of as many rows.
 pub(crate) fn in_batch(cases: &[Case]) -> Vec<Measure> {
+    let is_validated =
+        |case: &Case| Suite::named(case.suite).is_ok_and(|suite| !suite.keeps_second_back());
     let wanted = cases
         .iter()
-        .filter(|case| case.rows == ROWS && case.error.is_none());
+        .filter(|case| case.rows == ROWS && case.error.is_none() && is_validated(case));
     let times_s: Vec<f64> = wanted.map(|case| case.time_s).collect();
     let at = |what: &str, share: f64| {
         let name = format!("{what}, {ROWS} rows, validated, on one core");

@@ -5,18 +5,25 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use haptical_diagnosis::{Options, diagnose};
+use haptical_diagnosis::{Diagnosis, Options, diagnose};
 use haptical_model::{Device, Recording};
-use xtask_blind::{Prediction, Trial};
+use xtask_blind::{Asked, Prediction, Suite, Trial};
 
 /// All that a diagnosis may see of a trial.
 #[derive(Debug)]
 pub(crate) struct Given {
-    device: Device,
-    log: Recording,
+    pub(crate) device: Device,
+    /// The text of its file.
+    pub(crate) device_toml: String,
+    pub(crate) log: Recording,
+    /// The second recording, to measure the shrink on.
     log2: Recording,
+    /// A second recording that is kept back until there is an answer.
+    pub(crate) fresh: Option<Recording>,
     without: Vec<String>,
     model: Option<Device>,
+    /// An effect to be fitted.
+    pub(crate) asked: Option<Asked>,
 }
 
 /// An answer, fixed.
@@ -28,11 +35,15 @@ pub(crate) struct Answered {
     pub(crate) predictions: BTreeMap<String, Vec<Prediction>>,
     /// Time that the diagnosis took \[s\].
     pub(crate) time_s: f64,
+    /// The device refitted without causes.
+    pub(crate) base: Device,
+    /// The device refitted together with them, where they are part of one.
+    pub(crate) corrected: Option<Device>,
 }
 
 impl Given {
-    /// What of `trial` is given away.
-    pub(crate) fn from_trial(trial: &Trial) -> Result<Self> {
+    /// What of `trial`, one of `suite`, is given away.
+    pub(crate) fn from_trial(suite: Suite, trial: &Trial) -> Result<Self> {
         let model = match &trial.model_toml {
             Some(text) => {
                 let file = Device::from_toml(text, "model").context("the model of an ablation")?;
@@ -40,12 +51,18 @@ impl Given {
             }
             None => None,
         };
+        let mut log2 = trial.log2.clone();
+        let is_kept = suite.keeps_second_back();
+        let fresh = is_kept.then(|| std::mem::take(&mut log2));
         Ok(Self {
             device: trial.device.clone(),
+            device_toml: trial.device_toml.clone(),
             log: trial.log.clone(),
-            log2: trial.log2.clone(),
+            log2,
+            fresh,
             without: trial.without.clone(),
             model,
+            asked: trial.asked.clone(),
         })
     }
 
@@ -53,10 +70,13 @@ impl Given {
     pub(crate) fn alone(device: Device, log: Recording) -> Self {
         Self {
             device,
+            device_toml: String::new(),
             log,
             log2: Recording::default(),
+            fresh: None,
             without: Vec::new(),
             model: None,
+            asked: None,
         }
     }
 
@@ -78,24 +98,9 @@ impl Given {
             ..Options::default()
         };
         let start = Instant::now();
-        let outcome = catch_unwind(AssertUnwindSafe(|| {
-            diagnose(&self.device, &self.log, &options)
-        }));
+        let diagnosis = diagnosis(&self.device, &self.log, &options)?;
         let time_s = start.elapsed().as_secs_f64();
-        let diagnosis = match outcome {
-            Ok(Ok(diagnosis)) => diagnosis,
-            Ok(Err(error)) if error.is_unidentifiable() => {
-                return Err(format!("not identifiable: {error}"));
-            }
-            Ok(Err(error)) => return Err(error.to_string()),
-            Err(panic) => {
-                let said = panic.downcast_ref::<String>().map(String::as_str);
-                let said = said.or_else(|| panic.downcast_ref::<&str>().copied());
-                return Err(format!("panic: {}", said.unwrap_or("without words")));
-            }
-        };
-        let gap_json = serde_json::to_string(&diagnosis)
-            .map_err(|error| format!("gap.json cannot be written: {error}"))?;
+        let gap_json = gap_json(&diagnosis)?;
         let mut predictions: BTreeMap<String, Vec<Prediction>> = BTreeMap::new();
         for one in diagnosis.predictions {
             predictions
@@ -111,6 +116,43 @@ impl Given {
             gap_json,
             predictions,
             time_s,
+            base: diagnosis.device,
+            corrected: diagnosis.corrected,
         })
     }
+
+    /// gap.json of the recording that was kept back, diagnosed against a model.
+    pub(crate) fn again(&self, fresh: &Recording, model: &Device) -> Result<String, String> {
+        let options = Options {
+            without: self.without.clone(),
+            model: Some(model),
+            ..Options::default()
+        };
+        gap_json(&diagnosis(&self.device, fresh, &options)?)
+    }
+}
+
+fn gap_json(diagnosis: &Diagnosis) -> Result<String, String> {
+    serde_json::to_string(diagnosis).map_err(|error| format!("gap.json cannot be written: {error}"))
+}
+
+/// A diagnosis; its error or its panic is text.
+fn diagnosis(device: &Device, log: &Recording, options: &Options<'_>) -> Result<Diagnosis, String> {
+    let outcome = guarded(|| diagnose(device, log, options))?;
+    outcome.map_err(|error| {
+        if error.is_unidentifiable() {
+            format!("not identifiable: {error}")
+        } else {
+            error.to_string()
+        }
+    })
+}
+
+/// The outcome of `work`; a panic of it is text.
+pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        let said = said.or_else(|| panic.downcast_ref::<&str>().copied());
+        format!("panic: {}", said.unwrap_or("without words"))
+    })
 }

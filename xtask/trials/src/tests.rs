@@ -31,6 +31,8 @@ fn case(suite: Suite, index: u64, gap_json: &str) -> Case {
         error: answer.as_ref().err().map(ToString::to_string),
         answer: answer.ok(),
         score,
+        closing: None,
+        fit: None,
         truth,
         rows: 6000,
         time_s: 0.5,

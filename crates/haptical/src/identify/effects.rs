@@ -8,7 +8,7 @@ use haptical_calibration::{
     calibrate,
 };
 use haptical_diagnosis::{DiagnosisError, start_values};
-use haptical_effects::device::{DeviceEffectError, attached_at, settle};
+use haptical_effects::device::{DeviceEffectError, attached_at, effects_of, settle};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Unit, spec};
 use haptical_identification::Estimate;
@@ -164,10 +164,11 @@ fn with_laws(
     let found = fitted(model, recording, options)?;
     let entries = entries(&found)?;
     let is_kept = |index: &usize| {
-        let new = is_new(model, *index);
-        !new || entries
-            .iter()
-            .any(|(own, entry)| own == index && entry.shown)
+        let mut own = entries.iter().filter(|(own, _)| own == index);
+        match is_new(model, *index) {
+            true => own.any(|(_, entry)| entry.shown),
+            false => is_possible(&found.calibration.device, *index),
+        }
     };
     let kept: Vec<usize> = (0..model.effects.len()).filter(is_kept).collect();
     let entries: Vec<EffectEntry> = entries.into_iter().map(|(_, entry)| entry).collect();
@@ -187,7 +188,12 @@ fn with_laws(
     // what was left out keeps what was found of it
     let of_place = |entry: &EffectEntry| {
         let own = told.iter().map(|(_, own)| own);
-        let mut own = own.filter(|own| own.effect == entry.effect && own.joint == entry.joint);
+        let place = |entry: &EffectEntry| {
+            let number = |key: &str| entry.parameters.get(key).and_then(|own| own.value);
+            let numbers = ["from_joint", "order"].map(number);
+            (entry.effect.clone(), entry.joint, numbers)
+        };
+        let mut own = own.filter(|own| place(own) == place(entry));
         own.next().filter(|_| entry.shown).cloned()
     };
     let entries = entries.into_iter();
@@ -206,6 +212,17 @@ fn is_new(model: &Model, index: usize) -> bool {
     effect.fit && !sizes.any(|size| effect.numbers.contains_key(size.name))
 }
 
+/// Whether a device can have an effect with the numbers that were found for it: noise makes a play as often negative as
+/// positive.
+fn is_possible(device: &Model, index: usize) -> bool {
+    let effect = device.effects.get(index).cloned();
+    let alone = Model {
+        effects: effect.into_iter().collect(),
+        ..device.clone()
+    };
+    effects_of(&alone).is_ok()
+}
+
 /// A finished fit.
 struct Fitted<'r> {
     calibration: Calibration,
@@ -222,6 +239,11 @@ fn fitted<'r>(
     options: &Options,
 ) -> Result<Fitted<'r>, EffectFitError> {
     let mut start = start_values(model, recording, options.loss)?;
+    for (index, effect) in model.effects.iter().enumerate() {
+        if !is_possible(&start, index) {
+            start.effects[index].numbers.clone_from(&effect.numbers);
+        }
+    }
     // effects of a nominal device are not where those of the real one are: a spring that gives by a degree, at a length that is a
     // millimetre off, moves the handle by more than noise
     let mut at = start.clone();
@@ -256,11 +278,13 @@ fn fitted<'r>(
             recording,
             at,
         };
-        if is_last {
-            found.settle()?;
+        found.settle()?;
+        let device = &found.calibration.device;
+        let mut all = 0..device.effects.len();
+        // about numbers that no law has nothing is straightened: such an effect is left out
+        if is_last || !all.all(|index| is_possible(device, index)) {
             return Ok(found);
         }
-        found.settle()?;
         start = found.start;
         start.effects.clone_from(&found.calibration.device.effects);
         at = found.calibration.device;
@@ -370,14 +394,12 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
         let p_value = covariance
             .as_ref()
             .and_then(|covariance| by_chance(&values[..sizes], covariance));
-        // nature has no spring of negative stiffness
-        let is_possible = !effect.numbers.is_empty()
-            && effect
-                .numbers
-                .keys()
-                .any(|name| !matches!(name.as_str(), "from_joint" | "order"));
-        let p_value = p_value.map(|p| if is_possible { p } else { 1.0 });
-        let shown = p_value.is_some_and(|p| p < SHOWN) && found.calibration.rejected.is_none();
+        // a size that nature does not allow is not written into the device
+        let is_place = |name: &String| matches!(name.as_str(), "from_joint" | "order");
+        let has_size = effect.numbers.keys().any(|name| !is_place(name));
+        let is_possible = has_size && is_possible(device, index);
+        let is_told = p_value.is_some_and(|p| p < SHOWN) && found.calibration.rejected.is_none();
+        let shown = is_told && is_possible;
         let number = |(name, value): (&String, &f64)| {
             let number = EffectNumber {
                 value: Some(*value),
@@ -392,7 +414,10 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
             parameters: effect.numbers.iter().map(number).collect(),
             p_value,
             shown,
-            why: why(p_value, shown),
+            why: match is_possible {
+                true => why(p_value, shown),
+                false => "what fits best has a sign that it cannot have".to_owned(),
+            },
         };
         entries.push((index, entry));
     }

@@ -5,6 +5,7 @@
     reason = "a test that cannot go on fails there"
 )]
 
+mod absent_effects;
 #[path = "../../examples/capstan.rs"]
 mod capstan;
 #[path = "../../examples/control_loop.rs"]

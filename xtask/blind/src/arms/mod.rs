@@ -208,6 +208,7 @@ impl Plan {
             log2: Recording::default(),
             clean2: CleanChannels::default(),
             without: truth.without.clone(),
+            asked: None,
             truth,
         })
     }

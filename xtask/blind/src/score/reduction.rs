@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use crate::laws::rms;
 use crate::rig::scene::CleanChannels;
 
@@ -17,7 +19,7 @@ pub struct Prediction {
 }
 
 /// The true gap of a channel.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TrueReduction {
     /// Root mean square of prediction less truth, without the causes, in the channel's unit.
     pub rms_before: f64,
@@ -66,6 +68,34 @@ pub fn true_reductions(
             Some((channel.clone(), reduction))
         })
         .collect()
+}
+
+/// The share of the gap of all channels together that is closed \[%\], each channel in the standard deviation of its noise:
+/// `100 (1 - sqrt(sum(max(0, after^2 - rounding^2) / sd^2) / sum(max(0, before^2 - rounding^2) / sd^2)))`; below 0 where the
+/// gap grew. None where there was no gap. Channels without a noise are left out.
+///
+/// ```
+/// use std::collections::BTreeMap;
+/// use xtask_blind::{TrueReduction, closed_percent};
+/// let of = |rms_before, rms_after| TrueReduction { rms_before, rms_after, rounding: 0.0, percent: None };
+/// let channels = BTreeMap::from([("out1".to_owned(), of(3e-3, 0.0)), ("cable".to_owned(), of(4e-6, 5e-7))]);
+/// let noise = BTreeMap::from([("out1".to_owned(), 1e-3), ("cable".to_owned(), 1e-6)]);
+/// assert_eq!(closed_percent(&channels, &noise).map(f64::round), Some(90.0));
+/// ```
+pub fn closed_percent(
+    reductions: &BTreeMap<String, TrueReduction>,
+    noise_sd: &BTreeMap<String, f64>,
+) -> Option<f64> {
+    let (mut before, mut after) = (0.0, 0.0);
+    for (channel, own) in reductions {
+        let Some(sd) = noise_sd.get(channel).filter(|sd| **sd > 0.0) else {
+            continue;
+        };
+        let beyond = |rms: f64| (rms * rms - own.rounding * own.rounding).max(0.0) / (sd * sd);
+        before += beyond(own.rms_before);
+        after += beyond(own.rms_after);
+    }
+    (before > 0.0).then(|| 100.0 * (1.0 - libm::sqrt(after / before)))
 }
 
 impl CleanChannels {

@@ -235,6 +235,7 @@ pub(crate) fn draw(
         log2,
         clean2,
         without: truth.without.clone(),
+        asked: None,
         truth,
     })
 }

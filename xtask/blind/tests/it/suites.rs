@@ -248,3 +248,29 @@ fn a_seed_means_the_same_on_every_machine() {
         assert_eq!(got, expected, "{} {index}", suite.name());
     }
 }
+
+/// An effect that is asked for has a name of the catalogue and a place that the device has; the recording has none.
+#[test]
+fn an_absent_effect_is_asked_for_where_it_could_be() {
+    let mut names = Vec::new();
+    for index in 0..24 {
+        let trial = Suite::Absent.draw(index, 5).expect("a trial");
+        let asked = trial.asked.expect("an effect");
+        let of_name = kind(asked.effect).expect("a kind");
+        assert!(trial.truth.is_clean());
+        match asked.joint {
+            Some(joint) => assert!(of_name.joints(&trial.device).contains(&(joint - 1))),
+            None => assert!(of_name.is_whole()),
+        }
+        names.push(asked.effect);
+    }
+    names.sort_unstable();
+    names.dedup();
+    assert!(names.len() > 8, "{names:?}");
+    let others = Suite::ALL
+        .into_iter()
+        .filter(|suite| *suite != Suite::Absent);
+    for suite in others {
+        assert_eq!(suite.draw(0, 5).expect("a trial").asked, None);
+    }
+}

@@ -1,6 +1,7 @@
 //! The report of a batch: bars, suites, pictures, the trials that went wrong.
 
 pub(crate) mod bars;
+pub(crate) mod closed;
 pub(crate) mod figures;
 mod measured;
 pub(crate) mod payloads;
@@ -46,6 +47,9 @@ fn about(suite: &str) -> &'static str {
         "sm" => "runs with a moved tracker",
         "sc" => "noise with a memory",
         "sw" => "a wrist of several cables",
+        "sl" => "one strong effect, corrected and predicted",
+        "slp" => "two effects, corrected and predicted",
+        "sla" => "clean, and an effect asked for",
         _ => "",
     }
 }
@@ -62,6 +66,11 @@ pub(crate) fn write(output: &mut Output, cases: &[Case], measures: &[Measure]) -
         output.figure("ladder", caption, &figure)?;
     }
     parameters(output, cases)?;
+    let open = closed::table(cases)?;
+    if !open.rows().is_empty() {
+        output.section("Loops that are not closed, or counted apart");
+        output.table("loops", open)?;
+    }
     wrong_ones(output, cases)?;
     Ok(())
 }

@@ -29,7 +29,7 @@ pub(crate) struct Run {
 }
 
 /// Headline figures: group and name as in the table of bars, and what a row calls them.
-pub(crate) const HEADLINES: [(&str, &str, &str); 16] = [
+pub(crate) const HEADLINES: [(&str, &str, &str); 20] = [
     ("clean sets", "named, all", "clean: named"),
     (
         "clean sets",
@@ -101,6 +101,26 @@ pub(crate) const HEADLINES: [(&str, &str, &str); 16] = [
         "near-threshold effects",
         "right, of detected",
         "near threshold: right of detected",
+    ),
+    (
+        "the loop: a corrected device on a fresh recording",
+        "gap closed, median, all",
+        "corrected device on a fresh recording: gap closed",
+    ),
+    (
+        "the loop: a corrected device on a fresh recording",
+        "gap closed, worst tenth, all",
+        "in the worst tenth",
+    ),
+    (
+        "the loop: a corrected device on a fresh recording",
+        "then no gap against it, all",
+        "then no gap",
+    ),
+    (
+        "an effect that is not there",
+        "fitted, and said not to be shown",
+        "absent effects not shown",
     ),
 ];
 

@@ -110,7 +110,7 @@ pub(crate) fn table(
 }
 
 /// `backlash joint 3 + cable-drift`, with the size where it is not a strong one.
-fn truth(case: &Case) -> String {
+pub(super) fn truth(case: &Case) -> String {
     if case.truth.effects.is_empty() || case.suite == "s8" {
         return case.truth.name.clone();
     }

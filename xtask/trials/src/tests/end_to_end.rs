@@ -72,3 +72,34 @@ fn two_trials_are_sealed_answered_opened_and_judged() {
     let single = cases[1].score.as_ref().unwrap();
     assert!(single.detected, "a strong effect");
 }
+
+/// A drift of 3 sd and more, named in the first recording, is predicted in the second; the diagnosis gets no second recording.
+#[test]
+fn a_corrected_device_predicts_the_recording_that_was_kept_back() {
+    let drawn = |index: u64| Suite::Loop.draw(index, 3).unwrap();
+    let drift = (0..32).find(|index| drawn(*index).truth.name == "cable-drift");
+    let drift = drift.unwrap();
+    let joints = drawn(drift).device.joints;
+    let encoders = joints
+        .iter()
+        .filter(|joint| joint.output_sd_rad().is_some());
+    let encoders = encoders.count();
+    let batch = Batch {
+        trials: vec![(Suite::Loop, drift), (Suite::Absent, 0)],
+        ..batch()
+    };
+    let sealed = batch.seal().unwrap();
+    let published = batch.commitments(&sealed);
+    let fixed = batch.diagnose(&sealed).unwrap();
+    assert!(
+        fixed[0].reductions.is_empty(),
+        "validated on what was kept back"
+    );
+    let cases = batch.open(&published, sealed, fixed).unwrap();
+    assert_eq!((&cases[0].error, &cases[1].error), (&None, &None));
+    let closing = cases[0].closing.as_ref().unwrap();
+    assert!(closing.closed_percent.unwrap() > 75.0, "{closing:?}");
+    assert_eq!(closing.channels.len(), 1 + encoders, "the cable too");
+    let fit = cases[1].fit.as_ref().unwrap();
+    assert!(!fit.shown && cases[1].closing.is_none(), "{fit:?}");
+}

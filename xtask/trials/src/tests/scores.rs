@@ -1,11 +1,14 @@
 //! Figures, faults and pictures from answers written by hand.
 
-use xtask_blind::{Suite, TrialScore, summarise};
+use std::collections::BTreeMap;
+
+use xtask_blind::{Answer, Suite, TrialScore, summarise};
 use xtask_output::Progress;
 
 use super::{NO_GAP, UNKNOWN, case, cause, right_single};
 use crate::batch::Case;
 use crate::calibration::{calibration_error, probabilities, reliability_bins};
+use crate::closing::{Closing, Fit};
 use crate::measure::{Bar, Measure, Value, mean, number};
 use crate::quick::assert_sound;
 use crate::report::bars::measures;
@@ -323,4 +326,81 @@ fn work_in_parallel_comes_back_in_order() {
         assert!(number != 1, "on purpose");
     });
     assert!(failed.is_err(), "a panic is an error");
+}
+
+/// A loop that was closed to this share, and what its recording then says; without a corrected device where there is none.
+fn closed(suite: Suite, index: u64, closing: Option<(f64, &str)>) -> Case {
+    let closing = closing.map(|(percent, again)| Closing {
+        effects: Vec::new(),
+        channels: BTreeMap::new(),
+        closed_percent: Some(percent),
+        again: Answer::from_json(again).unwrap(),
+    });
+    Case {
+        closing,
+        ..case(suite, index, UNKNOWN)
+    }
+}
+
+#[test]
+fn loops_are_counted_and_events_apart() {
+    // the order of the generator: compliance, creep, slip, backlash
+    let name = |index: u64| Suite::Loop.draw(index, 3).unwrap().truth.name;
+    assert_eq!(
+        (name(0), name(2)),
+        ("capstan-compliance".to_owned(), "capstan-slip".to_owned())
+    );
+    let is_calm = |index: &u64| {
+        let effects = Suite::LoopPairs.draw(*index, 3).unwrap().truth.effects;
+        effects
+            .iter()
+            .all(|effect| effect.events.iter().all(Vec::is_empty))
+    };
+    let calm = (0..20).find(is_calm).unwrap();
+    let cases = [
+        closed(Suite::Loop, 0, Some((98.0, NO_GAP))),
+        closed(Suite::Loop, 1, Some((60.0, UNKNOWN))),
+        closed(Suite::Loop, 2, Some((-20.0, UNKNOWN))),
+        closed(Suite::Loop, 3, None),
+        closed(Suite::LoopPairs, calm, Some((94.0, NO_GAP))),
+        closed(Suite::Singles, 0, Some((0.0, UNKNOWN))),
+    ];
+    let all = measures(&cases);
+    let group = "the loop: a corrected device on a fresh recording";
+    let of = |name: &str| counts(figure(&all, group, name));
+    assert_eq!(of("then no gap against it, all"), (2, 3));
+    assert_eq!(of("then no gap against it, one effect"), (1, 2));
+    assert_eq!(of("apart: an event, one effect"), (1, 4));
+    assert_eq!(of("apart: no corrected device, one effect"), (1, 4));
+    let median = figure(&all, group, "gap closed, median, all");
+    assert_eq!((median.value.value(), median.met), (Some(94.0), Some(true)));
+    let worst = figure(&all, group, "gap closed, worst tenth, all");
+    assert_eq!(worst.met, Some(false), "60 + 0.2 (94 - 60) = 66.8");
+    let listed = crate::report::closed::table(&cases).unwrap();
+    assert_eq!(
+        listed.rows().len(),
+        3,
+        "little closed, an event, not corrected"
+    );
+}
+
+#[test]
+fn an_absent_effect_that_is_shown_is_a_fault() {
+    let fit = |index: u64, shown: bool| Case {
+        fit: Some(Fit {
+            asked: "backlash@2".to_owned(),
+            shown,
+            why: String::new(),
+        }),
+        ..case(Suite::Absent, index, NO_GAP)
+    };
+    let cases = [fit(0, false), fit(1, true), case(Suite::Clean, 0, NO_GAP)];
+    let all = measures(&cases);
+    let name = "fitted, and said not to be shown";
+    assert_eq!(
+        counts(figure(&all, "an effect that is not there", name)),
+        (1, 2)
+    );
+    let listed = crate::report::closed::table(&cases).unwrap();
+    assert_eq!(listed.rows().len(), 1);
 }

@@ -1,0 +1,164 @@
+//! Whether the loop is closed: the device that a diagnosis corrects predicts a recording that it has not seen, and that
+//! recording, diagnosed against it, has no gap. Nothing here knows a truth but the channels without noise that a
+//! prediction is compared with.
+
+use std::collections::BTreeMap;
+
+use haptical::{Device, Identify, Log, Replayed, identify, replay};
+use haptical_model::Device as Model;
+use serde::Serialize;
+use xtask_blind::{
+    Answer, Asked, CleanChannels, Prediction, TrueReduction, closed_percent, true_reductions,
+};
+
+use super::subject::{Answered, Given, guarded};
+
+/// What a corrected device makes of a recording that it has not seen.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Closing {
+    /// Effects that it has: `backlash@3`.
+    pub(crate) effects: Vec<String>,
+    /// Its predictions against those of the device refitted without causes, channel by channel.
+    pub(crate) channels: BTreeMap<String, TrueReduction>,
+    /// Share of the gap of all channels that is closed \[%\].
+    pub(crate) closed_percent: Option<f64>,
+    /// The recording diagnosed against it.
+    pub(crate) again: Answer,
+}
+
+/// What is said of an effect that is asked for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Fit {
+    /// `backlash@3`.
+    pub(crate) asked: String,
+    /// Whether the recording is said to show it.
+    pub(crate) shown: bool,
+    /// Why.
+    pub(crate) why: String,
+}
+
+impl Given {
+    /// Predicts and diagnoses the recording that was kept back; none where none was, or no device was corrected.
+    pub(crate) fn closing(
+        &self,
+        answered: &Answered,
+        clean: &CleanChannels,
+    ) -> Option<Result<Closing, String>> {
+        let (fresh, corrected) = (self.fresh.as_ref()?, answered.corrected.as_ref()?);
+        let closing = || -> Result<Closing, String> {
+            let nominal = self.nominal()?;
+            let log = log(fresh.clone(), &nominal)?;
+            let by = |model: &Model| -> Result<Replayed, String> {
+                let mut device = nominal.clone();
+                device.model = model.clone();
+                replay(&device, &log).map_err(|error| error.to_string())
+            };
+            let (before, after) = (by(&answered.base)?, by(corrected)?);
+            let channels = true_reductions(&predictions(&before, &after), clean);
+            let noise = after.channels.iter();
+            let noise = noise.map(|own| (own.channel.clone(), own.noise_floor));
+            let again = self.again(fresh, corrected)?;
+            Ok(Closing {
+                effects: effects(corrected),
+                closed_percent: closed_percent(&channels, &noise.collect()),
+                channels,
+                again: Answer::from_json(&again)
+                    .map_err(|error| format!("gap.json cannot be read: {error:?}"))?,
+            })
+        };
+        Some(guarded(closing).and_then(|closing| closing))
+    }
+
+    /// Fits the effect that is asked for, where one is.
+    pub(crate) fn fitted(&self) -> Option<Result<Fit, String>> {
+        let asked = label(self.asked.as_ref()?);
+        let fitted = || -> Result<Fit, String> {
+            let nominal = self.nominal()?;
+            let log = log(self.log.clone(), &nominal)?;
+            let options = Identify {
+                with: vec![asked.clone()],
+                ..Identify::default()
+            };
+            let found = identify(&nominal, &log, &options).map_err(|error| error.to_string())?;
+            // a coupling is asked from every other joint
+            let entries = &found.result.effects;
+            let entry = entries.iter().find(|entry| entry.shown).or(entries.first());
+            let entry = entry.ok_or("nothing is said of the effect")?;
+            Ok(Fit {
+                asked: asked.clone(),
+                shown: entry.shown,
+                why: entry.why.clone(),
+            })
+        };
+        Some(guarded(fitted).and_then(|fitted| fitted))
+    }
+
+    fn nominal(&self) -> Result<Device, String> {
+        Device::from_toml(&self.device_toml, "device.toml").map_err(|error| error.to_string())
+    }
+}
+
+fn log(recording: haptical_model::Recording, device: &Device) -> Result<Log, String> {
+    Log::from_recording(recording, "log.csv", device).map_err(|error| error.to_string())
+}
+
+fn label(asked: &Asked) -> String {
+    let joint = asked.joint.map(|joint| format!("@{joint}"));
+    format!("{}{}", asked.effect, joint.unwrap_or_default())
+}
+
+/// Effects of a device, joints that yield among them.
+fn effects(device: &Model) -> Vec<String> {
+    let own = device.effects.iter().map(|effect| {
+        let joint = effect.joint.map(|joint| format!("@{}", joint + 1));
+        format!("{}{}", effect.name, joint.unwrap_or_default())
+    });
+    let yielding =
+        (0..device.joints.len()).filter(|&joint| device.compliance_rad_per_nm(joint) > 0.0);
+    let yielding = yielding.map(|joint| format!("joint-compliance@{}", joint + 1));
+    own.chain(yielding).collect()
+}
+
+/// What both devices predict for the same readings.
+fn predictions(before: &Replayed, after: &Replayed) -> BTreeMap<String, Vec<Prediction>> {
+    let by_channel = after.channels.iter().filter_map(|own| {
+        let mut others = before.channels.iter();
+        let other = others.find(|other| other.channel == own.channel)?;
+        let first: BTreeMap<usize, f64> = other
+            .residuals
+            .iter()
+            .map(|(row, axes)| (*row, axes[0]))
+            .collect();
+        let measured = |row: usize, residual: f64| {
+            value(after, &own.channel, row).map(|value| value - residual)
+        };
+        let all = own.residuals.iter().filter_map(|(row, axes)| {
+            let measured = measured(*row, axes[0])?;
+            Some(Prediction {
+                row: *row,
+                before: measured + first.get(row)?,
+                after: measured + axes[0],
+            })
+        });
+        Some((own.channel.clone(), all.collect()))
+    });
+    by_channel.collect()
+}
+
+/// What is predicted for a reading of an external encoder or a cable.
+fn value(replayed: &Replayed, channel: &str, row: usize) -> Option<f64> {
+    let predicted = &replayed.predicted;
+    let place = |prefix: &str| {
+        let number = channel.strip_prefix(prefix)?;
+        match number {
+            "" => Some(0),
+            number => number.parse::<usize>().ok()?.checked_sub(1),
+        }
+    };
+    let column = match (place("out"), place("cable")) {
+        (Some(joint), _) => predicted.output.get(joint)?,
+        (_, Some(cable)) => predicted.cable_m.get(cable)?,
+        _ => &None,
+    };
+    column.as_ref()?.get(row).copied()
+}
