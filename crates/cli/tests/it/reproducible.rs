@@ -75,7 +75,7 @@ fn every_file_is_the_same_on_any_number_of_threads_in_any_folder() {
         let sandbox = sandbox();
         run_all(&sandbox, threads);
         let found = contents(&sandbox.path("out"));
-        assert_eq!(found.len(), 4 + 4 + 4 + 3 + 3 + 1 + 2, "{:?}", found.keys());
+        assert_eq!(found.len(), 4 + 4 + 5 + 4 + 3 + 1 + 2, "{:?}", found.keys());
         for (name, content) in &found {
             says_nothing_of_the_machine(&sandbox, name, content);
             let before = first.as_ref().map(|first| &first[name]);

@@ -96,6 +96,13 @@ fn by_axes(vectors: &[Vector3<f64>], change: impl Fn(&Vec<f64>) -> Vec<f64>) -> 
     rows.map(|((x, y), z)| Vector3::new(x, y, z)).collect()
 }
 
+/// Motor-side readings with derivatives in time, joint by joint.
+fn motions(recording: &Recording, time_s: &[f64], runs: &[Range<usize>]) -> Vec<LocalMotion> {
+    let columns = recording.joint.iter();
+    let motion = columns.map(|column| local_motion(column, time_s, runs));
+    motion.collect()
+}
+
 /// Temperatures less their mean, and the mean.
 fn warming(degc: Vec<f64>) -> (Vec<f64>, f64) {
     let mean_degc = degc.iter().sum::<f64>() / degc.len().max(1) as f64;
@@ -161,12 +168,7 @@ impl<'a> Context<'a> {
             }
         }
         let time_s = recording.time_s.as_deref();
-        let motion = time_s.map(|time_s| {
-            let columns = recording.joint.iter();
-            columns
-                .map(|column| local_motion(column, time_s, &runs))
-                .collect()
-        });
+        let motion = time_s.map(|time_s| motions(recording, time_s, &runs));
         let cable = cable_geometry(device, &streams, &position, time_s, &runs);
         let frames = Frames::new(device, &output, rows);
         let smoothed =
@@ -182,16 +184,16 @@ impl<'a> Context<'a> {
         )?;
         let at_rest = |joint: usize| loads.as_ref().map(|loads| loads.torque_nm[joint].clone());
         let recorded = |joint: usize| recording.torque_nm.get(joint)?.as_ref();
-        let read = |joint: usize| recorded(joint).map(|column| smoothed(column, load_reach));
-        let torque_nm = (0..joints)
-            .map(|joint| read(joint).or_else(|| at_rest(joint)))
-            .collect();
+        let read = |joint| Some(smoothed(recorded(joint)?, load_reach));
+        let torques = (0..joints).map(|joint| read(joint).or_else(|| at_rest(joint)));
+        let torque_nm = torques.collect();
         let (base_moment_nm, joint_moment_nm) = loads
             .map(|loads| (loads.base_moment_nm, loads.joint_moment_nm))
             .unzip();
-        let temperature = recording.temperature_degc.as_ref();
-        let warming = temperature.map(|column| warming(smoothed(column, TEMPERATURE_REACH)));
-        let (warming_k, reference_degc) = warming.unzip();
+        let degc = recording.temperature_degc.as_ref();
+        let (warming_k, reference_degc) = degc
+            .map(|column| warming(smoothed(column, TEMPERATURE_REACH)))
+            .unzip();
         Ok(Self {
             device,
             recording,
