@@ -98,7 +98,7 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
     if runs("noise-memory") {
         noise_memory::section(many, devices.min(200))?;
     }
-    if runs("effects") {
+    if runs("effects") && !arguments.quick {
         effects::section(many, devices.min(500))?;
     }
     if runs("basin") {
