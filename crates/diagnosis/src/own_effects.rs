@@ -2,8 +2,8 @@
 
 use haptical_calibration::{LossChoice, Weights, channel_residuals};
 use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
+use haptical_effects::spec;
 use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
-use haptical_effects::{Family, spec};
 use haptical_model::{Device, DeviceEffect, Recording};
 
 use crate::DiagnosisError;
@@ -93,11 +93,7 @@ fn is_kin(own: &DeviceEffect, cause: &CauseAnswer) -> bool {
     let (Some(mine), Some(theirs)) = (spec(&own.name), spec(&cause.effect)) else {
         return false;
     };
-    let is_same_place = joint == cause.joint;
-    let is_same_kind = mine.family == theirs.family
-        && (mine.hook == theirs.hook || mine.family == Family::Drift)
-        && !matches!(mine.family, Family::Coupling | Family::Periodic);
-    is_same_place && (is_same_kind || mine.name == theirs.name)
+    joint == cause.joint && (mine.is_kin_of(theirs) || mine.name == theirs.name)
 }
 
 #[cfg(test)]

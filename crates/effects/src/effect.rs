@@ -149,11 +149,7 @@ impl dyn Effect + '_ {
 
     /// Whether another effect is of the same kind at the same place.
     pub fn is_kin_of(&self, other: &dyn Effect) -> bool {
-        let (own, theirs) = (self.spec(), other.spec());
-        own.family == theirs.family
-            && self.joint() == other.joint()
-            && (own.hook == theirs.hook || own.family == Family::Drift)
-            && !matches!(own.family, Family::Coupling | Family::Periodic)
+        self.joint() == other.joint() && self.spec().is_kin_of(other.spec())
     }
 
     /// Relative step of the shape over which its signal is taken for straight.

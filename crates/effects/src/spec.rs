@@ -275,6 +275,13 @@ impl Spec {
         law_error: LawError::NONE,
     };
 
+    /// Whether another effect at the same place is of the same kind: another law of what happens there.
+    pub fn is_kin_of(&self, other: &Self) -> bool {
+        self.family == other.family
+            && (self.hook == other.hook || self.family == Family::Drift)
+            && !matches!(self.family, Family::Coupling | Family::Periodic)
+    }
+
     /// Amplitudes and shape as parameters: in this order, as many as there are parameters.
     pub(crate) fn values_at(&self, amplitudes: &[f64], shape: f64) -> Vec<f64> {
         let numbers = amplitudes.iter().copied().chain([shape]);

@@ -13,5 +13,5 @@ pub use bare::bare;
 pub use entry::entry;
 pub use error::DeviceEffectError;
 pub use fit::{settle, with_variances};
-pub use resolve::{OwnEffect, effects_of, is_law, laws};
+pub use resolve::{OwnEffect, PLACES, effects_of, is_law, laws};
 pub use simulated::add_effects;

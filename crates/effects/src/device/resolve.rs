@@ -157,9 +157,11 @@ fn resolved(
     })
 }
 
-/// Whether a number says where an effect is, not how large.
+/// Numbers that say where an effect is, not how large.
+pub const PLACES: [&str; 2] = ["from_joint", "order"];
+
 pub(super) fn is_place(name: &str) -> bool {
-    name == "from_joint" || name == "order"
+    PLACES.contains(&name)
 }
 
 /// Every effect at every place of a device.

@@ -8,7 +8,7 @@ use haptical_calibration::{
     calibrate,
 };
 use haptical_diagnosis::{DiagnosisError, start_values};
-use haptical_effects::device::{DeviceEffectError, attached_at, effects_of, settle};
+use haptical_effects::device::{DeviceEffectError, PLACES, attached_at, effects_of, settle};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Unit, spec};
 use haptical_identification::Estimate;
@@ -190,7 +190,7 @@ fn with_laws(
         let own = told.iter().map(|(_, own)| own);
         let place = |entry: &EffectEntry| {
             let number = |key: &str| entry.parameters.get(key).and_then(|own| own.value);
-            let numbers = ["from_joint", "order"].map(number);
+            let numbers = PLACES.map(number);
             (entry.effect.clone(), entry.joint, numbers)
         };
         let mut own = own.filter(|own| place(own) == place(entry));
@@ -395,8 +395,8 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
             .as_ref()
             .and_then(|covariance| by_chance(&values[..sizes], covariance));
         // a size that nature does not allow is not written into the device
-        let is_place = |name: &String| matches!(name.as_str(), "from_joint" | "order");
-        let has_size = effect.numbers.keys().any(|name| !is_place(name));
+        let mut names = effect.numbers.keys();
+        let has_size = names.any(|name| !PLACES.contains(&name.as_str()));
         let is_possible = has_size && is_possible(device, index);
         let is_told = p_value.is_some_and(|p| p < SHOWN) && found.calibration.rejected.is_none();
         let shown = is_told && is_possible;

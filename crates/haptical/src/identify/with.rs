@@ -1,6 +1,6 @@
 //! Effects that an identification is asked to fit: `EFFECT`, `EFFECT@JOINT`, or the causes of a gap.json.
 
-use haptical_effects::device::{DeviceEffectError, effects_of, laws};
+use haptical_effects::device::{DeviceEffectError, PLACES, effects_of, laws};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_model::{Device as Model, DeviceEffect, JointCompliance};
 use serde_json::Value;
@@ -94,7 +94,7 @@ pub(super) fn add_causes(model: &mut Model, text: &str, file: &str) -> Result<()
         }
         let mut effect = one(name, joint);
         // where it is, not how large: that is fitted
-        for key in [FROM, "order"] {
+        for key in PLACES {
             let parameter = cause.get("parameters").and_then(|all| all.get(key));
             let value = parameter
                 .and_then(|own| own.get("value"))
