@@ -6,6 +6,7 @@
     reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
 )]
 
+mod added;
 mod agreement;
 mod chain;
 mod conventions;

@@ -154,10 +154,19 @@ fn push(model: &mut Model, effect: DeviceEffect) -> Result<(), DeviceEffectError
         own.fit = true;
         return Ok(());
     }
+    let name = effect.name.clone();
     model.effects.push(effect);
     let found = effects_of(model);
-    if found.is_err() {
+    let is_on_drives = found.as_ref().is_ok_and(|all| {
+        all.last()
+            .is_some_and(|own| own.effect.spec().hook.is_on_drives())
+    });
+    if found.is_err() || is_on_drives {
         model.effects.pop();
+    }
+    if is_on_drives {
+        let why = "torques alone show it, and identify fits none; `haptical diagnose` finds it and writes it into corrected.toml";
+        return Err(DeviceEffectError::NoLaw { name, why });
     }
     found.map(|_| ())
 }
