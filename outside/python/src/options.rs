@@ -73,7 +73,12 @@ impl Keywords<'_, '_> {
         };
         Ok(Identify {
             options,
-            with: self.with.iter().filter(|word| !is_gap(word)).cloned().collect(),
+            with: self
+                .with
+                .iter()
+                .filter(|word| !is_gap(word))
+                .cloned()
+                .collect(),
             with_causes: (self.with.iter().find(|word| is_gap(word)))
                 .map(|word| Source::given(Path::new(word))),
             hold: self.hold.to_vec(),
