@@ -81,6 +81,7 @@ pub(crate) fn within_laws(
         candidates: Vec::new(),
         next_experiment: None,
         traces: Vec::new(),
+        steps: Vec::new(),
         corrected: None,
         own_effects_leave: Some(share),
         ..found

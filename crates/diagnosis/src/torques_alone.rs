@@ -88,6 +88,7 @@ pub(crate) fn diagnose(
             .closed_unseen_share
             .filter(|_| verdict != Verdict::Unknown),
         own_effects_leave: None,
+        steps: Vec::new(),
         probability_unknown: match (verdict, causes.first()) {
             (Verdict::NoGap, _) => 0.0,
             (Verdict::Unknown, _) | (_, None) => 1.0,

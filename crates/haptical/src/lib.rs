@@ -33,7 +33,9 @@ pub use haptical_urdf as urdf;
 
 pub use check::{Checked, CheckedChannel, CheckedDevice, CheckedJoint, CheckedLog, check};
 pub use device::{Device, Equipment, InputDrumDenominators, is_mjcf, is_urdf, refuse_other_device};
-pub use diagnose::{Cause, Diagnose, Diagnosed, diagnose, diagnose_as};
+pub use diagnose::{
+    Cause, Diagnose, Diagnosed, Repair, RepairChange, RepairCheck, diagnose, diagnose_as,
+};
 pub use error::{Error, ErrorKind, Place};
 pub use identify::{
     EffectEntry, EffectNumber, Found, IdentifiabilityEntry, Identified, Identify, LossEntry,

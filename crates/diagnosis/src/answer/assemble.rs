@@ -9,6 +9,7 @@ use crate::answer::causes::{noise_findings, position_causes};
 use crate::answer::corrected::corrected;
 use crate::answer::place::{Located, in_torques, locate};
 use crate::answer::place_touched::{by_dependence, of_base_term};
+use crate::answer::steps::steps;
 use crate::answer::tables::{candidates, channels, noise, traces, untestable};
 use crate::answer::unseen::{hints, unseen};
 use crate::answer::{CauseAnswer, Diagnosis, Gap, NoiseAnswer, Provenance, Verdict};
@@ -108,6 +109,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         device: engine.problem.device_with(&engine.start.model.values),
         corrected: corrected(&findings.selection, verdict, &causes)?,
         causes,
+        steps: steps(&findings.selection),
         held_out: findings.shrink.description,
         predictions: findings.shrink.predictions,
     })

@@ -10,6 +10,7 @@ pub(crate) mod gap;
 pub(crate) mod place;
 pub(crate) mod place_touched;
 pub(crate) mod shrink;
+pub(crate) mod steps;
 pub(crate) mod tables;
 pub(crate) mod unseen;
 
@@ -104,6 +105,9 @@ pub struct Diagnosis {
     /// a device.
     #[serde(skip)]
     pub corrected: Option<Device>,
+    /// What the events among the causes did to the readings, step by step.
+    #[serde(skip)]
+    pub steps: Vec<StepAnswer>,
     /// For pictures.
     #[serde(skip)]
     pub traces: Vec<Trace>,
@@ -299,6 +303,20 @@ impl CauseAnswer {
             held_out: None,
         }
     }
+}
+
+/// A step of an event.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepAnswer {
+    /// Name of the effect.
+    pub effect: String,
+    /// Joint (from 1), where it has one.
+    pub joint: Option<usize>,
+    /// The first row after it lies between these two, from 0: they are one where all rows were looked at.
+    pub first_row: [usize; 2],
+    /// What its channels read more from there to the end of the run \[rad\] or \[m\]: of lost counts of a motor encoder, what
+    /// the joint's angle is more than that encoder says.
+    pub size: f64,
 }
 
 /// The gap on data that the fit did not see.

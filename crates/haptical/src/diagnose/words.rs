@@ -6,6 +6,7 @@ use haptical_diagnosis::{
 };
 use haptical_report::Tone;
 
+use crate::diagnose::faults::faults;
 use crate::diagnose::quantity::Quantity;
 use crate::units::Shown;
 
@@ -387,6 +388,21 @@ fn moved_number(number: &MovedNumber) -> String {
 
 /// What to do next: the experiment that the diagnosis asks for, else what the verdict suggests.
 pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
+    let step = step_beside_the_log(diagnosis);
+    let of_log = faults(diagnosis).into_iter().map(|fault| fault.cause);
+    let names: Vec<String> = of_log
+        .map(|cause| named_at(&cause.effect, cause.joint))
+        .collect();
+    match names.as_slice() {
+        [] => step,
+        names => format!(
+            "`--repair` writes the log without {}; {step}",
+            listed(names)
+        ),
+    }
+}
+
+fn step_beside_the_log(diagnosis: &Diagnosis) -> String {
     if let Some(experiment) = &diagnosis.next_experiment {
         return experiment.clone();
     }
