@@ -29,6 +29,7 @@ mod plan;
 mod play_log;
 mod play_page;
 mod play_refusals;
+mod repair;
 mod reproducible;
 mod resealed;
 mod shared_data;

@@ -395,6 +395,9 @@ pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
         .collect();
     match names.as_slice() {
         [] => step,
+        names if diagnosis.verdict == Verdict::NoGap => {
+            format!("`--repair` writes the log without {}", listed(names))
+        }
         names => format!(
             "`--repair` writes the log without {}; {step}",
             listed(names)

@@ -11,7 +11,7 @@ use haptical_model::{DeviceEffect, Recording};
 
 use super::resample::on_time;
 use crate::device::Device;
-use crate::diagnose::faults::{Fault, is_of};
+use crate::diagnose::faults::is_of;
 use crate::error::Error;
 
 /// Rows on each side of an event by which its first row is told, where some rows were not looked at.
@@ -200,17 +200,14 @@ impl<'r> Repairing<'r> {
         }
     }
 
-    /// Empties the readings that stand alone: of the channels of the findings' joints; of all channels where none has one.
-    pub(super) fn empty_wild(&mut self, faults: &[Fault<'_>]) -> Result<LogEdits, Error> {
+    /// Empties the readings that stand alone: of the external encoder of the cause's joint, or of all that is not one.
+    pub(super) fn empty_wild(&mut self, cause: &CauseAnswer) -> Result<LogEdits, Error> {
         let path = &self.device.source().path;
         let wild = outlying_readings(&self.diagnosis.device, &self.recording)
             .map_err(|error| Error::diagnosis(&error, path, path))?;
-        let is_told = |channel: &Channel| {
-            let joint = match channel {
-                Channel::Output { joint } => Some(joint + 1),
-                _ => None,
-            };
-            faults.iter().any(|fault| fault.cause.joint == joint)
+        let is_told = |channel: &Channel| match channel {
+            Channel::Output { joint } => cause.joint == Some(joint + 1),
+            _ => cause.joint.is_none(),
         };
         let mut edits = LogEdits::default();
         for (channel, row) in wild.into_iter().filter(|(channel, _)| is_told(channel)) {

@@ -161,10 +161,9 @@ impl Repair {
                 changes.note(fault.cause, "resampled", &edits, |_| by.clone());
             }
         }
-        let wild: Vec<Fault<'_>> = of(LogFault::Wild).copied().collect();
-        if let Some(first) = wild.first() {
-            let edits = repairing.empty_wild(&wild)?;
-            changes.note(first.cause, "emptied", &edits, |_| BTreeMap::new());
+        for fault in of(LogFault::Wild) {
+            let edits = repairing.empty_wild(fault.cause)?;
+            changes.note(fault.cause, "emptied", &edits, |_| BTreeMap::new());
         }
         Ok(())
     }
@@ -264,7 +263,11 @@ impl Changes<'_> {
                 cause: cause.effect.clone(),
                 joint: cause.joint,
                 column: column.name(self.shape),
-                what,
+                what: if emptied_lines.len() == cells.len() {
+                    "emptied"
+                } else {
+                    what
+                },
                 changed: cells.len() - emptied_lines.len(),
                 emptied: emptied_lines.len(),
                 lines: [line(first), line(last)],
