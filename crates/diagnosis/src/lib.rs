@@ -21,10 +21,10 @@ mod torques_alone;
 
 pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{
-    AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, Dependence, Detectable,
-    Diagnosis, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, MovedNumber, NoReduction,
-    NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance, StepAnswer, Trace,
-    Untestable, Verdict, Whiteness,
+    AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, CorrectionAnswer, Dependence,
+    Detectable, Diagnosis, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, MovedNumber,
+    NoReduction, NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance, StepAnswer,
+    Trace, Untestable, Verdict, Whiteness,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;

@@ -82,6 +82,7 @@ pub(crate) fn within_laws(
         next_experiment: None,
         traces: Vec::new(),
         steps: Vec::new(),
+        correction: None,
         corrected: None,
         own_effects_leave: Some(share),
         ..found

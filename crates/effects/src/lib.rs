@@ -5,6 +5,7 @@
 pub mod base_model;
 pub mod cable;
 mod context;
+pub mod correction;
 pub mod device;
 mod effect;
 mod error;

@@ -4,8 +4,8 @@ use haptical_model::{Device, DeviceEffect};
 
 use crate::device::error::DeviceEffectError;
 use crate::{
-    Context, Effect, Further, Hook, Parameter, Role, Shape, Spec, catalogue, drive_catalogue,
-    names, specs,
+    Context, Effect, Further, Hook, Parameter, Role, Shape, Spec, catalogue, correction,
+    drive_catalogue, names, specs,
 };
 
 /// An effect of a device with its law.
@@ -108,7 +108,24 @@ fn resolved(
     entry: &DeviceEffect,
 ) -> Result<OwnEffect, DeviceEffectError> {
     let label = entry.label();
+    if entry.name == correction::NAME {
+        let (effect, range) = correction::resolved(device, index, entry)?;
+        return Ok(OwnEffect {
+            index,
+            effect,
+            values: Some(range),
+            further: Vec::new(),
+        });
+    }
     let spec = spec_of(entry)?;
+    if let Some(key) = entry.lists.keys().next() {
+        return Err(DeviceEffectError::Parameter {
+            label,
+            key: key.clone(),
+            nearest: None,
+            known: known(spec),
+        });
+    }
     let is_it = |effect: &dyn Effect| {
         let number = |joint: usize| (joint + 1) as f64;
         let from = effect.other_joint().map(number);

@@ -100,6 +100,7 @@ pub(crate) fn no_gap() -> Diagnosis {
         device: Device::from_toml(TEMPLATE, "device.toml").unwrap().device,
         traces: vec![],
         steps: vec![],
+        correction: None,
         predictions: vec![],
     }
 }

@@ -51,7 +51,7 @@ impl<'r> Repairing<'r> {
         }
     }
 
-    fn set(&mut self, edits: LogEdits) {
+    fn set(&mut self, edits: &LogEdits) {
         self.recording = edits.made_in(&self.recording);
         for (column, cells) in edits.columns() {
             for (row, value) in cells {
@@ -102,7 +102,7 @@ impl<'r> Repairing<'r> {
                     edits.set(column, row, readings[row] + by);
                 }
             }
-            self.set(edits.clone());
+            self.set(&edits);
             made.push((edits, by));
         }
         made
@@ -141,7 +141,7 @@ impl<'r> Repairing<'r> {
                 edits.set(column, row, reading - drift);
             }
         }
-        self.set(edits.clone());
+        self.set(&edits);
         Ok(Some(edits))
     }
 
@@ -171,7 +171,7 @@ impl<'r> Repairing<'r> {
                 }
             }
         }
-        self.set(edits.clone());
+        self.set(&edits);
         Some(edits)
     }
 
@@ -225,7 +225,7 @@ impl<'r> Repairing<'r> {
                 _ => {}
             }
         }
-        self.set(edits.clone());
+        self.set(&edits);
         Ok(edits)
     }
 }
