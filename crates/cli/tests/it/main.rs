@@ -7,6 +7,7 @@
 )]
 
 mod bad_input;
+mod correction;
 mod diagnose;
 mod diagnose_refusals;
 mod export;

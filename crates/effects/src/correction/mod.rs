@@ -13,8 +13,8 @@ pub(crate) use self::resolve::resolved;
 
 /// Its name in a device file.
 pub const NAME: &str = "correction";
-/// Most coefficients that a device file may have.
-pub const MOST_COEFFICIENTS: usize = 200;
+/// Most coefficients that a device file may have: the reader takes no longer lists.
+pub const MOST_COEFFICIENTS: usize = 100;
 
 /// What a curve is drawn over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

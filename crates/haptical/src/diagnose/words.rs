@@ -257,7 +257,20 @@ fn unknown(diagnosis: &Diagnosis) -> String {
             ),
         });
     }
-    sentence + &besides(&surely)
+    sentence + &besides(&surely) + &corrected_by(diagnosis)
+}
+
+/// A further sentence on the curve in the place of a cause; empty without one.
+fn corrected_by(diagnosis: &Diagnosis) -> String {
+    diagnosis.correction.as_ref().map_or_else(String::new, |own| {
+        format!(
+            " corrected.toml has a correction, which is no cause: a curve over {} at joint {} that closes {} of the squares \
+             beyond noise on rows that its fit did not see.",
+            own.over,
+            own.joint,
+            percent(own.closed_unseen_share.min(0.999))
+        )
+    })
 }
 
 /// The check of the first cause that has one on unseen data.
