@@ -163,6 +163,21 @@ fn lost_counts_are_added_back_from_their_row_on() {
     assert_as_good_as_sound(&case);
 }
 
+/// Of more than 25 000 rows a diagnosis takes every second: the row is found between two of them.
+#[test]
+fn rows_that_a_diagnosis_skips_are_repaired_too() {
+    let effects =
+        "[[effect]]\nname = \"encoder-count-loss\"\njoint = 2\ncounts = 60\ntime_s = 31.3\n";
+    let case = Case::simulated(
+        effects,
+        &["--seconds", "255", "--rate-hz", "100", "--seed", "3"],
+    );
+    let (gap, said) = case.repaired(&[]);
+    let change = &gap["repair"]["changes"][0];
+    assert_eq!(change["lines"], serde_json::json!([3132, 25501]), "{said}");
+    assert_eq!(gap["repair"]["check"]["verdict"], "no-gap");
+}
+
 #[test]
 fn a_late_cable_is_brought_to_its_times() {
     let effects = "[[effect]]\nname = \"cable-latency\"\ndelay_s = 0.004\n";

@@ -264,8 +264,8 @@ fn unknown(diagnosis: &Diagnosis) -> String {
 fn corrected_by(diagnosis: &Diagnosis) -> String {
     diagnosis.correction.as_ref().map_or_else(String::new, |own| {
         format!(
-            " corrected.toml has a correction, which is no cause: a curve over {} at joint {} that closes {} of the squares \
-             beyond noise on rows that its fit did not see.",
+            " corrected.toml has a correction, which is no cause: a curve over {} at joint {} closes {} of the gap's squares on \
+             unseen rows.",
             own.over,
             own.joint,
             percent(own.closed_unseen_share.min(0.999))
