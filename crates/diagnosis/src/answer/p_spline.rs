@@ -157,7 +157,10 @@ impl Smooth {
 
     /// Squares that unseen rows lose.
     pub(crate) fn gain(&self) -> f64 {
-        self.unseen.iter().map(|[without, with]| without - with).sum()
+        self.unseen
+            .iter()
+            .map(|[without, with]| without - with)
+            .sum()
     }
 
     /// Share of the squares beyond noise that they lose; 0 where there are none beyond noise.
