@@ -83,6 +83,7 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
     progress.say("leading the device to its postures");
     let truth = arguments.truth(truth.as_ref());
     let made = simulate_postures(&device, truth, &postures, rig.as_ref(), arguments.seed)?;
+    let true_text = truth_text(&made.truth)?;
     write_log(arguments, folder, &made)?;
     let log = Source::given(&arguments.out);
     let hashed = Fingerprint::of_file(&arguments.out)
@@ -105,7 +106,7 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
     let json = sealed_json(&summary)?;
     let mut written = vec![
         (beside.provenance.as_str(), json.into_bytes()),
-        (beside.truth.as_str(), truth_text(&made.truth)?.into_bytes()),
+        (beside.truth.as_str(), true_text.into_bytes()),
     ];
     written.extend(
         made.rig

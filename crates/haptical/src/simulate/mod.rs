@@ -11,7 +11,7 @@ use haptical_model::{
 };
 use haptical_simulator::{PostureSimulation, draw_deviations, with_places_of};
 
-use self::rig::{Rigged, described, rigged, with_fixtures};
+use self::rig::{Rigged, blank_as, described, rigged, with_fixtures};
 use crate::device::Device;
 use crate::error::Error;
 use crate::log::Log;
@@ -52,8 +52,8 @@ pub struct SimulatedPostures {
 ///
 /// Rows of `postures` say what happens in them as those of a log do: `contact` and `plane` what is touched, `tool`, `hand`
 /// and `run`, `fixture1_rad` the angle at which a fixture holds a link, `t_s`, `temp_degc`, forces and torques the
-/// conditions; other readings in it are not looked at. With a rig its sensors are read, else those that the device
-/// describes. Effects of the true device act on all of it.
+/// conditions. With a rig its sensors are read; else those that `postures` has readings of, cell by cell, where it is a log;
+/// else those that the device describes. Effects of the true device act on all of it.
 ///
 /// ```
 /// use haptical::{Device, Log, Truth, design::Rig, simulate_postures};
@@ -84,7 +84,7 @@ pub fn simulate_postures(
 ) -> Result<SimulatedPostures, Error> {
     let with_rig = match rig {
         Some(rig) => rigged(device, rig)?,
-        None => described(&device.model),
+        None => described(&device.model, &postures.recording),
     };
     refuse::unasked(rig, postures)?;
     let refuse = |error| refuse::simulator(&error, device, postures);
@@ -121,6 +121,9 @@ pub fn simulate_postures(
     let mut recording = simulation.exact().map_err(refuse)?;
     add_effects(simulation.device(), &mut recording).map_err(refuse_effect)?;
     simulation.disturb(&mut recording).map_err(refuse)?;
+    if rig.is_none() {
+        blank_as(&mut recording, &postures.recording, simulation.left_out());
+    }
     Ok(SimulatedPostures {
         warnings: refuse::left_out(simulation.left_out(), postures),
         recording,

@@ -13,8 +13,11 @@ use crate::error::Error;
 const UNSTATED_SD: f64 = 1e-4;
 /// Standard deviation of a distance or angle that a rig's name states, as `haptical plan` takes it \[m, rad\].
 const STATED_SD: f64 = 1e-5;
-/// How often a homing fixture is put on at home.
-const HOME_ROWS: usize = 10;
+/// Angles that homing fixtures hold each link at, as shares of the way from the lowest to the highest, and how often.
+const HELD_AT: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+const TIMES: usize = 2;
+/// Lowest and highest of these angles, within the joint's limits \[rad, m\].
+const HELD: f64 = 0.5;
 
 /// Sections of a rig file for each kind of reading.
 const CABLES: [&str; 2] = ["cable_encoder", "cable"];
@@ -33,27 +36,76 @@ pub(super) struct Rigged {
     pub(super) file: Option<String>,
 }
 
-/// The device with its own sensors: external encoders that it describes, cables, the tracker.
-pub(super) fn described(model: &Model) -> Rigged {
+/// The device with its own sensors: those that a log has readings of, else external encoders that it describes, cables, the
+/// tracker.
+pub(super) fn described(model: &Model, log: &Recording) -> Rigged {
+    let is_log = has_readings(log);
     let has_links = model.has_links();
     let tracker = model.tracker.filter(|_| has_links);
     // a tracker of which the noise of positions alone is stated sees points
     let sees_turn =
         tracker.is_some_and(|own| own.rotation_sd_rad.is_some() || own.position_sd_m.is_none());
-    let outputs = model.joints.iter();
+    let is_there = |columns: &[Option<Vec<f64>>], index: usize, usual: bool| match is_log {
+        true => columns.get(index).is_some_and(Option::is_some),
+        false => usual,
+    };
+    let outputs = model.joints.iter().enumerate();
+    let outputs = outputs.map(|(joint, described)| {
+        is_there(&log.output, joint, described.output_sd_rad().is_some())
+    });
+    let cables = (0..model.cables.len())
+        .map(|index| has_links && is_there(&log.cable_m, index, true))
+        .collect();
     Rigged {
         sensors: PostureSensors {
-            outputs: outputs
-                .map(|joint| joint.output_sd_rad().is_some())
-                .collect(),
-            cables: vec![has_links; model.cables.len()],
-            position: tracker.is_some(),
-            orientation: sees_turn,
+            outputs: outputs.collect(),
+            cables,
+            position: match is_log {
+                true => log.position_m.is_some(),
+                false => tracker.is_some(),
+            },
+            orientation: match is_log {
+                true => log.orientation_wxyz.is_some(),
+                false => sees_turn,
+            },
         },
         model: model.clone(),
         fixtures: Vec::new(),
         file: None,
     }
+}
+
+/// Whether postures are a log that was measured.
+fn has_readings(log: &Recording) -> bool {
+    let mut columns = log.output.iter().chain(&log.cable_m);
+    columns.any(Option::is_some) || log.position_m.is_some() || log.orientation_wxyz.is_some()
+}
+
+/// Empties the cells that a log has no readings in; `left_out` are its rows that the recording does not have.
+pub(super) fn blank_as(recording: &mut Recording, log: &Recording, left_out: &[usize]) {
+    let kept: Vec<usize> = (0..log.len())
+        .filter(|row| !left_out.contains(row))
+        .collect();
+    let blank = |column: &mut Vec<f64>, own: &Vec<f64>| {
+        for (value, &row) in column.iter_mut().zip(&kept) {
+            if own[row].is_nan() {
+                *value = f64::NAN;
+            }
+        }
+    };
+    let outputs = recording.output.iter_mut().zip(&log.output);
+    let cables = recording.cable_m.iter_mut().zip(&log.cable_m);
+    for (column, own) in outputs.chain(cables) {
+        if let (Some(column), Some(own)) = (column, own) {
+            blank(column, own);
+        }
+    }
+    let axes = recording.position_m.iter_mut().flatten();
+    let axes = axes.zip(log.position_m.iter().flatten());
+    let parts = recording.orientation_wxyz.iter_mut().flatten();
+    let parts = parts.zip(log.orientation_wxyz.iter().flatten());
+    axes.chain(parts)
+        .for_each(|(column, own)| blank(column, own));
 }
 
 /// The device with the sensors of a rig.
@@ -168,7 +220,8 @@ fn file(model: &Model, rig: &Rig, kept: &[&str]) -> Result<Option<String>, Error
     )))
 }
 
-/// The postures, and after them the home pose again and again with the fixtures on, unless the postures have their columns.
+/// The postures, and after them the fixtures: all of them hold their links at five angles about home, twice, unless the
+/// postures have their columns.
 pub(super) fn with_fixtures(
     postures: &Recording,
     fixtures: &[usize],
@@ -183,10 +236,11 @@ pub(super) fn with_fixtures(
         return None;
     }
     let rows = postures.len();
-    let last = rows - 1;
-    let picked: Vec<usize> = (0..rows).chain([last; HOME_ROWS]).collect();
+    let held = HELD_AT.repeat(TIMES);
+    let picked: Vec<usize> = (0..rows)
+        .chain(std::iter::repeat_n(rows - 1, held.len()))
+        .collect();
     let mut with = postures.select(&picked);
-    let is_home = |row: usize| row >= rows;
     for row in rows..picked.len() {
         with.joint.iter_mut().for_each(|column| column[row] = 0.0);
         let ids = [&mut with.contact, &mut with.plane, &mut with.tool];
@@ -196,8 +250,11 @@ pub(super) fn with_fixtures(
         }
     }
     for &joint in fixtures.iter().filter(|joint| !is_there(joint)) {
-        let angle = |row: usize| if is_home(row) { 0.0 } else { f64::NAN };
-        let column = (0..picked.len()).map(angle).collect();
+        let described = &model.joints[joint];
+        let low = described.lower_rad.max(-HELD).min(HELD);
+        let high = described.upper_rad.min(HELD).max(low);
+        let angles = held.iter().map(|share| low + share * (high - low));
+        let column = std::iter::repeat_n(f64::NAN, rows).chain(angles).collect();
         with.covariates.push((name(joint), column));
     }
     Some(with)

@@ -99,7 +99,11 @@ pub(super) fn place_seen(truth: &mut Device, asked: &Recording, seed: u64) {
         }
     }
     for (index, id) in ids.into_iter().enumerate() {
-        let drawn = drawn_place(&mut Stream::ToolPlace.open(index, seed), TOOL_M);
+        let mut drawn = drawn_place(&mut Stream::ToolPlace.open(index, seed), TOOL_M);
+        if !sees_turn {
+            // nothing shows it, and a file does not hold it
+            drawn.turn_rad = [0.0; 3];
+        }
         let tools = &mut truth.surroundings.tools;
         let known = tools.iter_mut().find(|tool| tool.id == id);
         let placed = Tool {

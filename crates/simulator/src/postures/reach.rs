@@ -1,6 +1,6 @@
 //! The posture near another one in which a point on the hand is where it touches something.
 
-use haptical_model::kinematics::nalgebra::{DMatrix, DVector, Vector3};
+use haptical_model::kinematics::nalgebra::{Matrix4, Vector3, Vector4};
 use haptical_model::{Device, Evaluation};
 
 /// Steps of the search.
@@ -17,7 +17,7 @@ const DAMPING: f64 = 1e-10;
 pub(crate) struct Target {
     /// The point, seen from the handle \[m\].
     pub(crate) arm_m: Vector3<f64>,
-    /// Directions in frame (-1), and how far along each the point is to be \[m\].
+    /// Directions in frame (-1), and how far along each the point is to be \[m\]; four at most.
     pub(crate) along: Vec<(Vector3<f64>, f64)>,
 }
 
@@ -47,36 +47,45 @@ pub(crate) fn reach(
         let handle = *evaluation.pose().ok()?;
         let arm = handle.rotation * target.arm_m;
         let at_m = handle.position_m + arm;
-        let gaps = target.along.iter();
-        let gaps = gaps.map(|(direction, wanted)| wanted - direction.dot(&at_m));
-        let gap = DVector::from_iterator(target.along.len(), gaps);
+        let mut gap = Vector4::zeros();
+        for (gap, (direction, wanted)) in gap.iter_mut().zip(&target.along) {
+            *gap = wanted - direction.dot(&at_m);
+        }
         if gap.norm() < MET_M {
             return Some(readings);
         }
-        let moved: Vec<Vector3<f64>> = (0..readings.len())
+        // for each joint, how the point moves along each direction
+        let slopes: Vec<Vector4<f64>> = (0..readings.len())
             .map(|joint| {
                 let twist = evaluation.reading_twist(joint);
-                twist.linear + twist.angular.cross(&arm)
+                let moved = twist.linear + twist.angular.cross(&arm);
+                let mut slope = Vector4::zeros();
+                let along = slope.iter_mut().zip(&target.along);
+                for (slope, (direction, _)) in along.filter(|_| is_free[joint]) {
+                    *slope = direction.dot(&moved);
+                }
+                slope
             })
             .collect();
-        let slopes = DMatrix::from_fn(
-            target.along.len(),
-            readings.len(),
-            |row, joint| match is_free[joint] {
-                true => target.along[row].0.dot(&moved[joint]),
-                false => 0.0,
-            },
-        );
-        let mut square = &slopes * slopes.transpose();
+        let mut square: Matrix4<f64> = slopes.iter().map(|slope| slope * slope.transpose()).sum();
         let damping = DAMPING * square.trace().max(f64::MIN_POSITIVE);
-        for row in 0..square.nrows() {
-            square[(row, row)] += damping;
+        for row in 0..4 {
+            // directions that are not there have no gap
+            square[(row, row)] += if row < target.along.len() {
+                damping
+            } else {
+                1.0
+            };
         }
-        let step = slopes.tr_mul(&square.lu().solve(&gap)?);
+        let way = square.lu().solve(&gap)?;
+        let step: Vec<f64> = slopes.iter().map(|slope| slope.dot(&way)).collect();
         if !step.iter().all(|step| step.is_finite()) {
             return None;
         }
-        let share = (MOST / step.amax().max(f64::MIN_POSITIVE)).min(1.0);
+        let longest = step
+            .iter()
+            .fold(f64::MIN_POSITIVE, |most, step| most.max(step.abs()));
+        let share = (MOST / longest).min(1.0);
         for (joint, step) in step.iter().enumerate() {
             let there = readings[joint] + share * step;
             let [low, high] = [
