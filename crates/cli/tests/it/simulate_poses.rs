@@ -120,7 +120,7 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
         .concat(),
     );
     let found = json(&sandbox, "result/identified.json");
-    let number = &found["effects"][0]["numbers"][0];
+    let number = &found["effects"][0]["parameters"]["stiffness_nm_per_rad"];
     let interval = &number["ci95"];
     let [low, high] = [0, 1].map(|end| interval[end].as_f64().unwrap());
     assert!(
