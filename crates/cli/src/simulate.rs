@@ -3,6 +3,7 @@
 mod made;
 mod poses;
 mod replay;
+mod truth;
 
 use std::path::{Path, PathBuf};
 
@@ -11,8 +12,8 @@ use haptical::files::{
     Fingerprint, InputFile, Overwrite, Record, Source, VERSION, check_outputs, check_own_record,
     file_name, sealed_json,
 };
-use haptical::{Device, Equipment, Truth, true_device};
-use haptical_model::{Device as Model, check_toml_syntax, read_toml_text};
+use haptical::{Device, true_device};
+use haptical_model::{check_toml_syntax, read_toml_text};
 use haptical_simulator::{
     Effect, EffectError, Effects, HandMotion, SimulatorError, simulated_effects,
 };
@@ -23,6 +24,8 @@ use crate::failure::Failure;
 use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
 use crate::interrupt::write_all;
 use crate::terminal;
+
+use self::truth::truth_text;
 
 /// Its name.
 const COMMAND: &str = "simulate";
@@ -203,31 +206,6 @@ impl SimulateArguments {
             .collect()
     }
 
-    /// The device of --truth, whose logs the device must be able to read.
-    fn read_truth(
-        &self,
-        device: &mut Device,
-        files: &mut Vec<InputFile>,
-    ) -> Result<Option<Device>, Failure> {
-        let Some(path) = &self.truth else {
-            return Ok(None);
-        };
-        let truth = Device::open(&Source::given(path), &Equipment::default())?;
-        files.extend(truth.inputs("truth"));
-        check_likeness(&device.model, &truth.model, path)?;
-        device.warnings.extend(truth.warnings.iter().cloned());
-        Ok(Some(truth))
-    }
-
-    /// The true device, `other` that of --truth.
-    fn truth<'t>(&self, other: Option<&'t Device>) -> Truth<'t> {
-        match (other, self.deviate) {
-            (Some(other), _) => Truth::Of(other),
-            (None, Some(share)) => Truth::Drawn(share),
-            (None, None) => Truth::Nominal,
-        }
-    }
-
     /// How the log came about.
     fn record(&self, files: Vec<InputFile>, log: &Source, hashed: Fingerprint) -> Record {
         let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
@@ -259,35 +237,6 @@ impl Written<'_> {
         }
         text
     }
-}
-
-/// A true device as a file.
-fn truth_text(truth: &Model) -> Result<String, Failure> {
-    truth.to_new_toml().map_err(Failure::internal)
-}
-
-/// Refuses a true device whose logs the device cannot read.
-fn check_likeness(device: &Model, truth: &Model, path: &Path) -> Result<(), Failure> {
-    let kinds = |of: &Model| -> Vec<_> { of.joints.iter().map(|joint| joint.joint_type).collect() };
-    let is_alike = kinds(device) == kinds(truth)
-        && device.cables.len() >= truth.cables.len()
-        && device.has_links() == truth.has_links();
-    if is_alike {
-        return Ok(());
-    }
-    Err(Failure::in_file(
-        "truth",
-        format!(
-            "the true device has {} joints and {} cables, the device {} and {}, or joints or links of \
-             another kind",
-            truth.joints.len(),
-            truth.cables.len(),
-            device.joints.len(),
-            device.cables.len()
-        ),
-        path,
-        "take a copy of the device file with other numbers, such as an identified.toml",
-    ))
 }
 
 fn read_effects(path: &Path) -> Result<(Effects, InputFile), Failure> {

@@ -11,7 +11,8 @@ use haptical_data::LogShape;
 use haptical_design::Rig;
 use serde::Serialize;
 
-use super::{COMMAND, SimulateArguments, truth_text};
+use super::truth::truth_text;
+use super::{COMMAND, SimulateArguments};
 use crate::failure::Failure;
 use crate::flags::folder_and_name;
 use crate::interrupt::{Writing, write_all};

@@ -251,7 +251,7 @@ pub(super) fn with_fixtures(
     }
     for &joint in fixtures.iter().filter(|joint| !is_there(joint)) {
         let described = &model.joints[joint];
-        let low = described.lower_rad.max(-HELD).min(HELD);
+        let low = described.lower_rad.clamp(-HELD, HELD);
         let high = described.upper_rad.min(HELD).max(low);
         let angles = held.iter().map(|share| low + share * (high - low));
         let column = std::iter::repeat_n(f64::NAN, rows).chain(angles).collect();

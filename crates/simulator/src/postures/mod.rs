@@ -3,35 +3,21 @@
 pub(crate) mod places;
 mod reach;
 mod readings;
+mod rows;
+pub(crate) mod sensors;
 
 use haptical_model::kinematics::nalgebra::Vector3;
-use haptical_model::{
-    AddedReadings, Device, Evaluation, JointType, ModelError, Mount, Parameter, ParameterId,
-    Recording,
-};
+use haptical_model::{AddedReadings, Device, Evaluation, ModelError, Mount, Recording};
 
 use crate::SimulatorError;
 use crate::postures::reach::{Target, reach};
+use crate::postures::rows::{Held, fixture, mounts, offset, sum_of};
+use crate::postures::sensors::{PostureSensors, UNSTATED_SD};
 
-/// Noise of a sensor whose file states none: a tenth of a millimetre or milliradian, as a calibration takes it then.
-pub(crate) const UNSTATED_SD: f64 = 1e-4;
 /// Steps of a held joint.
 const HELD_STEPS: usize = 60;
 /// Tolerance of a held angle \[rad, m\], rounding.
 const HELD: f64 = 1e-13;
-
-/// What is read at each posture.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct PostureSensors {
-    /// For each joint, whether it has an external encoder.
-    pub outputs: Vec<bool>,
-    /// For each cable, whether it is read.
-    pub cables: Vec<bool>,
-    /// Whether a tracker sees positions.
-    pub position: bool,
-    /// Whether it sees orientations.
-    pub orientation: bool,
-}
 
 /// A recording of single postures in the making: first the postures in which the true device does what is asked, then
 /// what its sensors show there.
@@ -84,15 +70,6 @@ pub struct PostureSimulation {
     met: Vec<Vec<f64>>,
     left_out: Vec<usize>,
     seed: u64,
-}
-
-/// Angles at which a fixture holds a joint's link.
-#[derive(Debug, Clone)]
-struct Held {
-    joint: usize,
-    /// Row by row; NaN where it does not.
-    angle: Vec<f64>,
-    noise: Vec<f64>,
 }
 
 impl PostureSimulation {
@@ -377,48 +354,4 @@ impl PostureSimulation {
         evaluation.move_pose_to(&readings)?;
         Ok(Some(readings))
     }
-}
-
-/// The offset of a joint's first row, which a fixture sees with its angle.
-fn offset(device: &Device, joint: usize) -> f64 {
-    let row = device
-        .first_row(joint)
-        .filter(|row| *row < device.links.len());
-    let parameter = match device.joints[joint].joint_type {
-        JointType::Revolute => Parameter::Theta,
-        JointType::Prismatic => Parameter::D,
-    };
-    row.map_or(0.0, |row| {
-        ParameterId::Link { row, parameter }.value(device)
-    })
-}
-
-/// The angles from home that a fixture holds a joint's link at.
-fn fixture(asked: &Recording, joint: usize) -> Option<&Vec<f64>> {
-    let names = ["rad", "m"].map(|unit| format!("fixture{}_{unit}", joint + 1));
-    let column = asked
-        .covariates
-        .iter()
-        .find(|(name, _)| names.contains(name));
-    column.map(|(_, column)| column)
-}
-
-/// What effects show of a row in an axis of a channel.
-fn sum_of(shown: &[AddedReadings], channel: &str, axis: usize, row: usize) -> f64 {
-    let own = shown
-        .iter()
-        .filter(|own| own.channel == channel && own.axis == axis);
-    own.filter_map(|own| own.readings.get(row)).sum()
-}
-
-/// What each row is about, of a device in which all of it has a place.
-fn mounts(device: &Device, asked: &Recording) -> Result<Vec<Mount>, SimulatorError> {
-    device
-        .mounts(asked)
-        .map_err(|unplaced| SimulatorError::NoPosture {
-            what: format!(
-                "row {}: `{}` of the column {} has no place",
-                unplaced.row, unplaced.id, unplaced.column
-            ),
-        })
 }

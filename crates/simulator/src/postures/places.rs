@@ -6,6 +6,7 @@ use haptical_model::{
 };
 
 use crate::SimulatorError;
+use crate::postures::rows::mounts;
 use crate::streams::{Stream, normal};
 use crate::track::{STANDS_AT_M, TOOL_M, drawn_place};
 
@@ -240,7 +241,7 @@ fn tips_m(
     let mut planned = planned.clone();
     planned.surroundings = truth.surroundings.clone();
     planned.tracker = truth.tracker;
-    let mounts = super::mounts(&planned, asked)?;
+    let mounts = mounts(&planned, asked)?;
     let mut evaluation = Evaluation::new(&planned);
     let mut readings = vec![0.0; planned.joints.len()];
     let mut tips = Vec::with_capacity(asked.len());

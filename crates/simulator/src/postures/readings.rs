@@ -5,7 +5,7 @@ use haptical_model::kinematics::nalgebra::{Quaternion, Rotation3, UnitQuaternion
 use haptical_model::{Device, Evaluation, Mount, Recording};
 
 use crate::SimulatorError;
-use crate::postures::{PostureSensors, UNSTATED_SD};
+use crate::postures::sensors::{PostureSensors, UNSTATED_SD};
 use crate::sensor::Sensor;
 use crate::settings::{CableSigma, Noise, Settings};
 use crate::simulate::{FIRST_LINE, finite};

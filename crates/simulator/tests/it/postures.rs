@@ -16,7 +16,7 @@ fn nominal() -> Device {
         env!("CARGO_MANIFEST_DIR"),
         "/../../fixtures/devices/haptic7.toml"
     );
-    Device::load(path.as_ref()).unwrap().device
+    Device::load(path.as_ref()).expect("a device").device
 }
 
 fn truth(nominal: &Device) -> Device {
@@ -26,7 +26,7 @@ fn truth(nominal: &Device) -> Device {
         ("ratio_deviation1", 0.02),
         ("alpha5", 3e-3),
     ];
-    apply_deviations(nominal, &off).unwrap()
+    apply_deviations(nominal, &off).expect("a device")
 }
 
 /// Postures near home; a name for every second row.
