@@ -12,6 +12,7 @@ mod log;
 mod page;
 mod plan;
 mod replay;
+mod simulate;
 pub mod units;
 
 pub use haptical_batch as batch;
@@ -45,6 +46,7 @@ pub use identify::{
 pub use log::Log;
 pub use plan::{Planned, plan, plan_as};
 pub use replay::{Replayed, ReplayedChannel, replay};
+pub use simulate::{SimulatedPostures, Truth, simulate_postures, true_device};
 
 /// What a program needs from a device file to a cause: `use haptical::prelude::*;`.
 pub mod prelude {

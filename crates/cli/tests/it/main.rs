@@ -36,6 +36,7 @@ mod reproducible;
 mod resealed;
 mod shared_data;
 mod simulate;
+mod simulate_poses;
 mod torques_alone;
 mod touches;
 mod two_arms;
