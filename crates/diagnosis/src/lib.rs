@@ -12,6 +12,7 @@ mod noise;
 mod options;
 mod own_effects;
 mod select;
+mod settle;
 mod start_values;
 #[cfg(test)]
 mod statics_tests;
@@ -30,4 +31,5 @@ pub use error::DiagnosisError;
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use noise::NoiseSource;
 pub use options::{Catalogue, Options};
+pub use settle::{Candidate, Odds, Question, Settler, Settling};
 pub use start_values::start_values;

@@ -41,7 +41,10 @@ pub use identify::{
     identify, identify_as,
 };
 pub use log::Log;
-pub use plan::{Planned, plan, plan_as};
+pub use plan::{
+    Chosen, ExpectedOdds, GapFile, Planned, SettleRequest, Settled, choose_next, plan, plan_as,
+    settle, settle_as,
+};
 pub use replay::{Replayed, ReplayedChannel, replay};
 
 /// What a program needs from a device file to a cause: `use haptical::prelude::*;`.

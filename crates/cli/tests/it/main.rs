@@ -31,6 +31,7 @@ mod play_page;
 mod play_refusals;
 mod reproducible;
 mod resealed;
+mod settle;
 mod shared_data;
 mod simulate;
 mod torques_alone;

@@ -387,6 +387,18 @@ fn moved_number(number: &MovedNumber) -> String {
 
 /// What to do next: the experiment that the diagnosis asks for, else what the verdict suggests.
 pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
+    match haptical_diagnosis::Question::of(diagnosis) {
+        Some(_) => format!("{CHOSEN}; by hand: {}", by_hand(diagnosis)),
+        None => by_hand(diagnosis),
+    }
+}
+
+/// How the next recording is chosen, where candidates with a size are left.
+const CHOSEN: &str = "`haptical plan --settle gap.json` with --device and --log chooses the recording that tells the candidates \
+                      apart, then `haptical diagnose --log log.csv --log next.csv` judges both";
+
+/// What to do without a chosen recording.
+fn by_hand(diagnosis: &Diagnosis) -> String {
     if let Some(experiment) = &diagnosis.next_experiment {
         return experiment.clone();
     }
