@@ -50,9 +50,9 @@ pub(crate) struct PlanArguments {
     /// gap.json of a diagnosis that is ambiguous or unknown: choose the recording that tells its candidates apart
     #[arg(long, value_name = "FILE", requires = "log", conflicts_with_all = ["measure", "poses", "known_transmissions"])]
     pub(crate) settle: Option<PathBuf>,
-    /// Rows of the recording that settles, about
-    #[arg(long, value_name = "N", default_value = "3000", value_parser = one_or_more, allow_negative_numbers = true)]
-    pub(crate) rows: NonZeroUsize,
+    /// Rows of the recording that settles, at most; without it as many as the log has
+    #[arg(long, value_name = "N", requires = "settle", value_parser = one_or_more, allow_negative_numbers = true)]
+    pub(crate) rows: Option<NonZeroUsize>,
     /// Force in N with which the hand can press on the handle while it moves; without it what the log shows
     #[arg(long, value_name = "NEWTONS", requires = "settle", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) press: Option<f64>,
@@ -126,7 +126,7 @@ impl PlanArguments {
     pub(crate) fn settling(&self) -> SettleRequest {
         let usual = SettleRequest::default();
         SettleRequest {
-            rows: self.rows.get(),
+            rows: self.rows.map(NonZeroUsize::get),
             candidates: self.candidates.map_or(usual.candidates, NonZeroUsize::get),
             limits: self.limits(),
             seed: self.seed,

@@ -110,8 +110,9 @@ impl Draft<'_> {
         Motion {
             joint: (0..at.len()).map(column).collect(),
             words: format!(
-                "{} to {reading:.3} from below and from above",
-                self.name(joint)
+                "joint {} to {reading:.3} {} from below and from above",
+                joint + 1,
+                self.unit(joint)
             ),
             ..Motion::default()
         }
@@ -157,9 +158,10 @@ impl Draft<'_> {
         });
         let motion = match swings.as_slice() {
             [only] if is_single => format!(
-                "{} by {:+.3} and back, {} in {PIECE_S} s",
-                self.name(only.joint),
+                "joint {} by {:+.3} {} and back, {} in {PIECE_S} s",
+                only.joint + 1,
                 only.way,
+                self.unit(only.joint),
                 if only.times == 1 {
                     "once".to_owned()
                 } else {
@@ -200,8 +202,7 @@ impl Draft<'_> {
         (drawn < 6).then_some((drawn % 3, sign * newtons))
     }
 
-    fn name(&self, joint: usize) -> String {
-        let unit = self.device.joints[joint].unit();
-        format!("joint {} [{unit}]", joint + 1)
+    fn unit(&self, joint: usize) -> &'static str {
+        self.device.joints[joint].unit()
     }
 }

@@ -29,7 +29,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 100)]
     count: usize,
     /// Rows of the further recording.
-    #[arg(long, default_value_t = 3000)]
+    #[arg(long, default_value_t = 6000)]
     rows: usize,
     /// Seed of the trials.
     #[arg(long, default_value_t = 1)]
@@ -52,29 +52,36 @@ pub fn settle(arguments: &Arguments) -> Result<()> {
         Some(jobs) => jobs,
         None => std::thread::available_parallelism().map_or(1, usize::from),
     };
-    let (found, drawn) = ambiguous(arguments, jobs)?;
-    let page = page::page(arguments, &found, drawn)?;
-    print!("{page}");
-    if let Some(out) = &arguments.out {
-        write_atomically(out, page.as_bytes()).with_context(|| out.display().to_string())?;
-    }
+    // a long check is of use before its end: the page so far is there after each batch
+    let write = |found: &[Settled], drawn: usize| -> Result<String> {
+        let page = page::page(arguments, found, drawn)?;
+        if let Some(out) = &arguments.out {
+            write_atomically(out, page.as_bytes()).with_context(|| out.display().to_string())?;
+        }
+        Ok(page)
+    };
+    let (found, drawn) = ambiguous(arguments, jobs, &|found, drawn| {
+        write(found, drawn).map(drop)
+    })?;
+    print!("{}", write(&found, drawn)?);
     Ok(())
 }
 
-/// The first ambiguous trials, each with what further recordings made of it, and how many trials were drawn for them.
-fn ambiguous(arguments: &Arguments, jobs: usize) -> Result<(Vec<Settled>, usize)> {
+/// The first ambiguous trials, each with what further recordings made of it, and how many trials were drawn for them; `after`
+/// hears of each batch.
+fn ambiguous(
+    arguments: &Arguments,
+    jobs: usize,
+    after: &dyn Fn(&[Settled], usize) -> Result<()>,
+) -> Result<(Vec<Settled>, usize)> {
     let (mut found, mut drawn) = (Vec::new(), 0);
     while found.len() < arguments.count {
         let progress = Progress::new("diagnosing", AT_ONCE);
         let batch = in_parallel(jobs, AT_ONCE, &progress, |number| {
             let number = drawn + number;
             let suite = SUITES[number % SUITES.len()];
-            settled(
-                suite,
-                (number / SUITES.len()) as u64,
-                arguments.seed,
-                arguments.rows,
-            )
+            let index = (number / SUITES.len()) as u64;
+            settled(suite, index, arguments.seed, arguments.rows)
         })?;
         for one in batch {
             if found.len() < arguments.count {
@@ -82,7 +89,15 @@ fn ambiguous(arguments: &Arguments, jobs: usize) -> Result<(Vec<Settled>, usize)
                 found.extend(one?);
             }
         }
-        eprintln!("{} of {} trials are ambiguous", found.len(), drawn);
+        after(&found, drawn)?;
+        let settled = |of: fn(&Settled) -> &Outcome| Counts::of(found.iter().map(of)).settled;
+        eprintln!(
+            "{} of {drawn} trials are ambiguous; settled by the chosen motion {}, at random {}, by hand {}",
+            found.len(),
+            settled(|one| &one.chosen),
+            settled(|one| &one.at_random),
+            settled(|one| &one.by_hand)
+        );
     }
     Ok((found, drawn))
 }
@@ -117,25 +132,46 @@ impl Counts {
 mod tests {
     use super::*;
 
+    /// The first ambiguous trial of the seed 1 that the check meets.
+    const AMBIGUOUS: (Suite, u64) = (Suite::NearSingles, 1);
+
     #[test]
-    fn two_ambiguous_trials_are_recorded_again() {
+    fn an_ambiguous_trial_is_recorded_again() {
         let arguments = Arguments {
             count: 1,
-            rows: 1200,
+            rows: 1500,
             seed: 1,
-            jobs: Some(2),
+            jobs: None,
             out: None,
         };
-        let (found, drawn) = ambiguous(&arguments, 2).unwrap();
-        assert!(found.len() == 1 && drawn > 0);
-        let page = page::page(&arguments, &found, drawn).unwrap();
-        assert!(page.contains("chosen by `plan --settle`"), "{page}");
+        let (suite, index) = AMBIGUOUS;
+        let one = settled(suite, index, arguments.seed, arguments.rows).unwrap();
+        let one = one.unwrap();
+        assert!(one.candidates.len() >= 2);
         // every further recording has an outcome, and none of them failed
-        for outcome in [&found[0].chosen, &found[0].at_random, &found[0].by_hand] {
+        for outcome in [&one.chosen, &one.at_random, &one.by_hand] {
+            let failed = |why: &String| why.starts_with("error");
             assert!(
-                !matches!(outcome, Outcome::Open(why) if why.starts_with("error")),
+                !matches!(outcome, Outcome::Open(why) if failed(why)),
                 "{outcome:?}"
             );
         }
+        let page = page::page(&arguments, &[one], 1).unwrap();
+        assert!(page.contains("chosen by `plan --settle`"), "{page}");
+        // a clear one is none
+        assert!(settled(Suite::Clean, 0, 1, 600).unwrap().is_none());
+    }
+
+    #[test]
+    fn outcomes_are_counted_by_kind() {
+        let all = [
+            Outcome::Settled,
+            Outcome::Wrong("play".to_owned()),
+            Outcome::Settled,
+            Outcome::Open("ambiguous".to_owned()),
+        ];
+        let counts = Counts::of(all.iter());
+        assert_eq!((counts.settled, counts.wrong, counts.open), (2, 1, 1));
+        assert_eq!(counts.all(), 4);
     }
 }

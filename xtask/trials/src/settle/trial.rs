@@ -99,7 +99,7 @@ fn least_nats(next: &Chosen) -> Option<f64> {
 /// What `plan --settle` chooses.
 fn chosen(trial: &Trial, question: &Question, rows: usize) -> Result<Chosen, String> {
     let request = SettleRequest {
-        rows,
+        rows: Some(rows),
         ..SettleRequest::default()
     };
     let device = Device::from_toml(&trial.device_toml, "device.toml");

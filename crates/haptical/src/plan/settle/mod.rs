@@ -5,7 +5,7 @@ mod text;
 
 use haptical_design::{DesignError, Limits, Motion, Motions, Request, path, pieces};
 use haptical_diagnosis::{Odds, Question, Settler};
-use haptical_model::Recording;
+use haptical_model::{Recording, Statics};
 use serde::Serialize;
 
 use super::flags;
@@ -17,8 +17,6 @@ use crate::log::Log;
 
 pub use self::gap_file::GapFile;
 
-/// Rows of the recording unless said otherwise.
-const ROWS: usize = 3000;
 /// Motions to choose from unless said otherwise.
 const CANDIDATES: usize = 240;
 /// Time between rows above which they are single postures \[s\].
@@ -31,8 +29,8 @@ const LEAST_PRESS_N: f64 = 0.1;
 /// How the next recording is chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SettleRequest {
-    /// Its rows, about.
-    pub rows: usize,
+    /// Its rows at most; none for as many as the recording so far has.
+    pub rows: Option<usize>,
     /// Motions to choose from.
     pub candidates: usize,
     /// Limits of the poses.
@@ -46,7 +44,7 @@ pub struct SettleRequest {
 impl Default for SettleRequest {
     fn default() -> Self {
         Self {
-            rows: ROWS,
+            rows: None,
             candidates: CANDIDATES,
             limits: Limits::default(),
             seed: 1,
@@ -164,7 +162,8 @@ pub fn choose_next(
         through(&first).len()
     };
     let mut count = 1;
-    while count < drawn.len() && length(count + 1) <= request.rows {
+    let rows = request.rows.unwrap_or(recording.len());
+    while count < drawn.len() && length(count + 1) <= rows {
         count += 1;
     }
     let chosen = settler.choose(&recordings, count).map_err(refused)?;
@@ -187,6 +186,19 @@ pub fn choose_next(
         at_random: (at_random.clone(), odds(&at_random)?),
         question: settler.question().clone(),
         motion,
+    })
+}
+
+/// Loads of a motion that nobody has made yet come from masses and forces alone.
+fn torques_unknown(device: &Device, recording: &Recording) -> Option<String> {
+    let has_torques = recording.torque_nm.iter().any(Option::is_some);
+    let is_known = Statics::new(&device.model).has_weights() || recording.force_n.is_some();
+    (has_torques && !is_known).then(|| {
+        format!(
+            "{}: it has no masses with gravity, and the log no forces: the torques of a further motion are not known, and \
+             effects of torque count as ones that it does not show",
+            device.source().label
+        )
     })
 }
 
@@ -245,12 +257,13 @@ pub fn settle_as(
     let chosen = choose_next(device, &recording, gap.question(), request)?;
     let mut warnings = device.warnings.clone();
     warnings.extend(logs.iter().flat_map(|log| log.warnings.iter().cloned()));
+    warnings.extend(torques_unknown(device, &recording));
     let mut inputs = device.inputs("device");
     inputs.push(gap.input().clone());
     inputs.extend(logs.iter().filter_map(|log| log.input("log")));
     let mut arguments: Vec<String> = inputs.iter().map(InputFile::argument).collect();
     arguments.extend(device.equipment().chain_flags());
-    arguments.push(format!("--rows={}", request.rows));
+    arguments.extend(request.rows.map(|rows| format!("--rows={rows}")));
     arguments.extend(request.press_n.map(|newtons| format!("--press={newtons}")));
     arguments.extend(flags::from_request(&Request {
         candidates: request.candidates,
@@ -351,7 +364,9 @@ impl Settled {
         let header = columns.iter().map(|(name, _)| name);
         writer.write_record(header).map_err(Error::internal)?;
         for row in 0..self.motion.len() {
-            let cells = columns.iter().map(|(_, column)| column[row].to_string());
+            // a millionth of a radian, a second or a newton is more than anyone follows
+            let cells = columns.iter();
+            let cells = cells.map(|(_, column)| format!("{:.6}", column[row]));
             writer.write_record(cells).map_err(Error::internal)?;
         }
         writer.into_inner().map_err(Error::internal)

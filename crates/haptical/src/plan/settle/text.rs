@@ -29,12 +29,12 @@ pub(super) fn answer(settled: &Settled) -> String {
     let named = settled.candidates.join(", ");
     match settled.least_odds {
         Some(least) => format!(
-            "Record {} rows{how_long}: then {} that whichever is true of {named} leads each other one by {} or more{}.",
+            "Record {} rows{how_long}. {} {} for whichever is true of {named} over each other one{}.",
             settled.rows,
-            if least > 1.0 {
-                "expect"
-            } else {
-                "do not expect more than"
+            match least {
+                _ if least > SURE => "Then expect",
+                _ if least > 1.0 => "Then expect at least",
+                _ => "That is not enough: expect",
             },
             odds(least),
             match settled.inseparable.is_empty() {
