@@ -10,7 +10,8 @@ use crate::failure::Failure;
 use crate::log::log_of;
 use crate::options::{deviations_of, fits_compliance, loss_of};
 
-/// Diagnoses a device from a log; returns gap.json's fields as a JSON text, which the package reads.
+/// Diagnoses a device from a log; returns gap.json's fields and the text of corrected.toml as a JSON text, which the
+/// package reads.
 #[pyfunction]
 #[pyo3(signature = (device, log, *, model=None, validate=None, without=Vec::new(), with_=Vec::new(), hold=Vec::new(), deviation=BTreeMap::new(), loss="auto", base=None, tip=None, rig=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
@@ -49,7 +50,11 @@ pub(crate) fn diagnose(
             ..Diagnose::default()
         };
         let gap = diagnose_device(&device.read, &read, &request)?;
-        serde_json::to_string(&gap.diagnosis).map_err(|error| Failure::value(error.to_string()))
+        let refuse = |error: serde_json::Error| Failure::value(error.to_string());
+        let mut told = serde_json::to_value(&gap.diagnosis).map_err(refuse)?;
+        told["answer"] = gap.answer.as_str().into();
+        told["corrected_toml"] = gap.corrected_toml().into();
+        serde_json::to_string(&told).map_err(refuse)
     })?;
     Ok(text)
 }

@@ -80,9 +80,11 @@ fn result<'py>(py: Python<'py>, found: &Found) -> PyResult<Bound<'py, PyDict>> {
             result.set_item(key, python(py, value, &ARRAYS)?)?;
         }
     }
-    let judged: &[ChannelReport] = &content.channels;
+    // identified.json's channels have no residuals, the calibration's have
+    let calibration = &found.calibration;
+    let judged: &[ChannelReport] = calibration.judged_channels();
     result.set_item("channels", channels(py, judged)?)?;
-    result.set_item("channels_fit", channels(py, &content.channels_fit)?)?;
+    result.set_item("channels_fit", channels(py, &calibration.fit_channels)?)?;
     let entries = content.transmissions.iter();
     let entries = entries.map(|entry| transmission(py, entry));
     result.set_item("transmissions", entries.collect::<PyResult<Vec<_>>>()?)?;

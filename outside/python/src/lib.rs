@@ -11,6 +11,7 @@ mod options;
 mod plain;
 mod plan;
 mod plan_options;
+mod replay;
 mod residuals;
 mod serialised;
 
@@ -28,6 +29,7 @@ fn _haptical(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(identify::identify, module)?)?;
     module.add_function(wrap_pyfunction!(diagnose::diagnose, module)?)?;
     module.add_function(wrap_pyfunction!(plan::plan, module)?)?;
+    module.add_function(wrap_pyfunction!(replay::replay, module)?)?;
     module.add_function(wrap_pyfunction!(kinematics::forward_kinematics, module)?)?;
     Ok(())
 }

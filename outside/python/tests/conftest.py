@@ -23,7 +23,7 @@ def planar(**last_link):
         "device": {"name": "planar", "dof": 2},
         "link": [row(0.0), row(0.3), {**row(0.2), **last_link}],
         "joint": [joint, joint],
-        "tracker": {"base": "known", "tool": "known", "position_sd_m": 1e-4},
+        "tracker": {"base": "known", "tool": "known", "position_sd_m": 1e-4, "scale_sd": 0.0},
     }
 
 

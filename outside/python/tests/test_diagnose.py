@@ -34,8 +34,9 @@ def test_the_model_that_a_gap_is_measured_from_has_options(device, command):
     held = haptical.diagnose(device, log, hold=["lengths"], loss="squares")
     theirs, _ = command("diagnose", haptical.Device(device).to_toml(), log, "--hold=lengths", "--loss=squares")
     assert held["gap"] == theirs["gap"]
-    # links of 301.2 and 199.1 mm stay at 300 and 200 mm
-    assert held["gap"]["channels"][0]["rms"] > 10 * free["gap"]["channels"][0]["rms"]
+    # links of 301.2 and 199.1 mm stay at 300 and 200 mm: up to 1.2 mm beside noise of 0.1 mm; zeros of the joints and
+    # places of the base take a part of it
+    assert held["gap"]["channels"][0]["rms_before"] > 4 * free["gap"]["channels"][0]["rms_before"]
     narrow = haptical.identify(device, log, deviation={"lengths": 1e-9})
     wide = haptical.identify(device, log, deviation={"lengths": 0.05})
     assert narrow["identified_toml"] != wide["identified_toml"]

@@ -19,8 +19,8 @@ def arm():
         "device": {"name": "arm", "dof": 3},
         "link": [{"a_m": a, "alpha_rad": alpha, "d_m": d, "theta_offset_rad": 0.0} for a, alpha, d in ROWS],
         "joint": [joint, joint, joint],
-        "cable_encoder": {"distance_sd_m": 1e-5},
-        "tracker": {"base": "known", "tool": "known", "position_sd_m": SD_M},
+        "cable_encoder": {"distance_sd_m": 1e-5, "scale_sd": 0.0},
+        "tracker": {"base": "known", "tool": "known", "position_sd_m": SD_M, "scale_sd": 0.0},
     }
 
 

@@ -26,6 +26,8 @@ plan: Plan = haptical.plan("device.toml", ["out,cable"], poses=20, criterion="ta
 next_poses = plan["next_poses"]
 if next_poses is not None:
     rows: tuple[int, ...] = next_poses["readings"].shape
+replayed = haptical.replay("device.toml", "log.csv")["channels"]["cable"]
+left: float = replayed["rms"] / replayed["noise_floor"] + float(replayed["residuals"].max())
 deviations: float = float(plan["rigs"][0]["parameters"]["standard_deviation"].max())
 """
 

@@ -11,6 +11,7 @@ use haptical_simulator::{
     simulated_effects,
 };
 use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use xtask_output::{Output, Progress};
 
@@ -95,7 +96,8 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
     output.section("Effects");
     output.words(format!(
         "{devices} simulated devices a row: every number of geometry and drives off by a normal draw of its plausible size, one \
-         effect of a drawn size, {SECONDS} s of a hand-guided motion at {RATE_HZ} Hz with forces and torques. \
+         effect of a drawn size, {SECONDS} s of a hand-guided motion at {RATE_HZ} Hz with forces, and \
+         torques whose sensors' scales are off by a normal draw of their `torque_scale_sd`. \
          `identify --with EFFECT@JOINT` starts from the nominal device. Counted is how often the 95 % interval of the effect's \
          first number holds the truth, and, of the same devices without the effect, how often it is said that the log does not \
          show it."
@@ -200,9 +202,6 @@ impl Kind {
         let there = self.fitted(nominal, &truth, seed)?;
         let number = there.parameters.get(self.numbers[0].0);
         let interval = number.and_then(|number| number.ci95);
-        if std::env::var_os("DEBUG_EFFECTS").is_some() {
-            eprintln!("{seed} {} true {size} found {number:?}", self.name);
-        }
         let holds = interval.map(|[low, high]| {
             low.is_none_or(|low| low <= size) && high.is_none_or(|high| size <= high)
         });
@@ -242,13 +241,22 @@ impl Kind {
         // by the simulator's own laws where it has them
         let names = simulated_effects();
         let by_simulator = own.iter().all(|own| names.contains(&own.name.as_str()));
-        let recording = if by_simulator {
+        let mut recording = if by_simulator {
             record_motion(&rigid, &simulated(&own)?, &settings, seed)?
         } else {
             let mut recording = record_motion(&rigid, &Effects::none(), &settings, seed)?;
             add_effects(truth, &mut recording)?;
             recording
         };
+        // an interval of a stiffness counts what is not known of the torque sensor's scale
+        let mut scales = generator(seed, 8);
+        for (joint, column) in nominal.joints.iter().zip(&mut recording.torque_nm) {
+            let draw: f64 = StandardNormal.sample(&mut scales);
+            let scale = 1.0 + joint.torque_scale_sd * draw;
+            for torque_nm in column.iter_mut().flatten() {
+                *torque_nm *= scale;
+            }
+        }
         let device = Device::from_toml(&nominal.to_new_toml()?, "nominal.toml")?;
         let log = Log::from_recording(recording, "simulated", &device)?;
         let word = match self.joint {

@@ -26,7 +26,7 @@ fn case(value: f64) -> (Device, Recording) {
         }],
         ..DeviceEffect::default()
     });
-    let wave = |row: usize| if row % 3 == 0 { 1.0 } else { -1.0 };
+    let wave = |row: usize| if row.is_multiple_of(3) { 1.0 } else { -1.0 };
     let recording = Recording {
         line: (2..2 + ROWS as u64).collect(),
         joint: vec![(0..ROWS).map(reading).collect()],

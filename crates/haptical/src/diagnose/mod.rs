@@ -213,6 +213,12 @@ impl Diagnosed {
         self.diagnosis.causes.first().filter(|_| named).map(Cause)
     }
 
+    /// The text of corrected.toml, without its record of files: the device with geometry and drives fitted together with
+    /// the causes, and the causes as `[[effect]]` tables; none where no cause is part of a device.
+    pub fn corrected_toml(&self) -> Option<&str> {
+        self.corrected.as_deref()
+    }
+
     /// The files, as they are written.
     ///
     /// # Errors

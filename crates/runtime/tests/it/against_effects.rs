@@ -154,37 +154,42 @@ fn recorded(device: &Device, phases: &[f64]) -> Recording {
     }
 }
 
-/// What all effects of a device add to the axes of a channel, row by row.
-fn added(device: &Device, recording: &Recording, channel: &str, axis: usize) -> Vec<f64> {
+/// What all effects of a device add to the axes of a channel, row by row, for each of `axes` (channel and axis).
+fn added<const AXES: usize>(
+    device: &Device,
+    recording: &Recording,
+    axes: [(String, usize); AXES],
+) -> [Vec<f64>; AXES] {
     let mut with = device.clone();
     let attached = attached(&mut with, recording).unwrap();
-    let mut sum = vec![0.0; recording.len()];
-    let parts = attached
-        .added
-        .iter()
-        .filter(|part| part.channel == channel && part.axis == axis);
-    for part in parts {
-        for (sum, value) in sum.iter_mut().zip(&part.readings) {
-            *sum += value;
+    axes.map(|(channel, axis)| {
+        let mut sum = vec![0.0; recording.len()];
+        let parts = attached
+            .added
+            .iter()
+            .filter(|part| part.channel == channel && part.axis == axis);
+        for part in parts {
+            for (sum, value) in sum.iter_mut().zip(&part.readings) {
+                *sum += value;
+            }
         }
-    }
-    sum
+        sum
+    })
 }
 
 /// Not `>`: NaN must fail as well.
 fn near(ours: f64, theirs: f64, what: &str, case: &Case) -> f64 {
     let gap = (ours - theirs).abs();
+    if gap <= TOLERANCE * theirs.abs().max(1.0) {
+        return gap;
+    }
     let effects: Vec<String> = case
         .device
         .effects
         .iter()
         .map(|effect| format!("{} {:?}", effect.label(), effect.numbers))
         .collect();
-    assert!(
-        gap <= TOLERANCE * theirs.abs().max(1.0),
-        "{what}: {ours:?} here, {theirs:?} there\n{effects:#?}"
-    );
-    gap
+    panic!("{what}: {ours:?} here, {theirs:?} there\n{effects:#?}");
 }
 
 /// The rotation vector of a small turn.
@@ -212,9 +217,8 @@ fn compare<const JOINTS: usize>(case: &Case) -> Option<f64> {
         ..base.clone()
     };
     let context = Context::new(&base, &recording, &[]).ok()?;
-    let errors: Vec<Vec<f64>> = (0..JOINTS)
-        .map(|joint| added(&driven, &recording, &format!("out{}", joint + 1), 0))
-        .collect();
+    let outputs = std::array::from_fn::<_, JOINTS, _>(|joint| (format!("out{}", joint + 1), 0));
+    let errors = added(&driven, &recording, outputs);
     // the same device with rigid drives, at the true link angles
     let mut rigid = base.clone();
     for joint in &mut rigid.joints {
@@ -236,8 +240,12 @@ fn compare<const JOINTS: usize>(case: &Case) -> Option<f64> {
         effects: structure.clone(),
         ..rigid.clone()
     };
-    let moved: [Vec<f64>; 3] = [0, 1, 2].map(|axis| added(&built, &at_links, "position", axis));
-    let turned: [Vec<f64>; 3] = [0, 1, 2].map(|axis| added(&built, &at_links, "orientation", axis));
+    let pose = [0, 1, 2, 3, 4, 5].map(|axis| match axis {
+        0..3 => ("position".into(), axis),
+        _ => ("orientation".into(), axis - 3),
+    });
+    let displaced = added(&built, &at_links, pose);
+    let (moved, turned) = displaced.split_at(3);
 
     let whole = Device {
         effects: [drives, structure].concat(),

@@ -1,4 +1,4 @@
-"""Calibration of robots from their own logs: identification, diagnosis, planning, forward kinematics.
+"""Calibration of robots from their own logs: identification, diagnosis, planning, replay, forward kinematics.
 
 Numbers are in SI units; columns of logs and keys of device files are those of the command `haptical`.
 Bad input is a ValueError that says what, where and what to do; `HapticalError` says that sound numbers fix
@@ -18,9 +18,9 @@ from ._haptical import Device, HapticalError, __version__
 if TYPE_CHECKING:
     import numpy.typing as _npt
 
-    from .types import Array, Criterion, Effect, Identification, Log, Loss, Method, Noise, Plan, Source, Spread
+    from .types import Array, Criterion, Effect, Identification, Log, Loss, Method, Noise, Plan, Replay, Source, Spread
 
-__all__ = ["Device", "HapticalError", "__version__", "diagnose", "forward_kinematics", "identify", "plan"]
+__all__ = ["Device", "HapticalError", "__version__", "diagnose", "forward_kinematics", "identify", "plan", "replay"]
 
 
 def identify(
@@ -88,7 +88,8 @@ def diagnose(
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> dict[str, Any]:
-    """Identify, then say which effect causes what is left: the fields of gap.json, as `haptical diagnose`.
+    """Identify, then say which effect causes what is left: the fields of gap.json, as `haptical diagnose`, and
+    `corrected_toml`, the device with the causes as effects (None where no cause is part of a device).
 
     `model` is a device identified earlier, `validate` a second log on which the shrink is measured, `without`
     names effects to leave out. `with_`, `hold`, `deviation` and `loss` are those of `identify`, for the model that
@@ -166,6 +167,25 @@ def plan(
         tip=tip,
         rig=rig,
     )
+
+
+def replay(
+    device: Union[Device, Source],
+    log: Log,
+    *,
+    base: Optional[str] = None,
+    tip: Optional[str] = None,
+    rig: Optional[Source] = None,
+) -> Replay:
+    """Run the motion, the loads and the times of `log` through `device` with its effects, without fitting anything,
+    as `haptical simulate --replay` does.
+
+    `channels` has, by name ("out2", "cable", "position"), `unit`, `rms` and `noise_floor` of one axis, `rows` [N] and
+    `residuals` [N, axes], prediction minus measurement; of an orientation the rotation vector in rad.
+
+    Raises ValueError for bad input.
+    """
+    return _haptical.replay(device, log, base=base, tip=tip, rig=rig)
 
 
 def forward_kinematics(

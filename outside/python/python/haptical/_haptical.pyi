@@ -4,9 +4,9 @@ from typing import List, Mapping, Optional, Sequence, Union, final
 
 import numpy.typing as npt
 
-from .types import Array, Criterion, Effect, Identification, Log, Loss, Method, Noise, Plan, Source, Spread
+from .types import Array, Criterion, Effect, Identification, Log, Loss, Method, Noise, Plan, Replay, Source, Spread
 
-__all__ = ["Device", "HapticalError", "__version__", "diagnose", "forward_kinematics", "identify", "plan"]
+__all__ = ["Device", "HapticalError", "__version__", "diagnose", "forward_kinematics", "identify", "plan", "replay"]
 
 __version__: str
 
@@ -81,6 +81,14 @@ def plan(
     tip: Optional[str] = None,
     rig: Optional[Source] = None,
 ) -> Plan: ...
+def replay(
+    device: Union[Device, Source],
+    log: Log,
+    *,
+    base: Optional[str] = None,
+    tip: Optional[str] = None,
+    rig: Optional[Source] = None,
+) -> Replay: ...
 def forward_kinematics(
     device: Union[Device, Source],
     readings: Array,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Literal, Mapping, Optional, Sequence, Tuple, TypedDict, Union
+from typing import Any, Dict, List, Literal, Mapping, Optional, Sequence, Tuple, TypedDict, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -425,4 +425,27 @@ class Plan(TypedDict):
     rigs: List[RigTells]
     next_poses: Optional[NextPoses]
     """None where no poses were asked for."""
+    warnings: List[str]
+
+
+class ReplayedChannel(TypedDict):
+    """What a model predicts of one channel, beside what was measured."""
+
+    channel: str
+    unit: str
+    readings: int
+    rms: float
+    """Root mean square of the residuals of one axis."""
+    noise_floor: float
+    """The same of the noise that the device file states."""
+    rows: Array
+    """Rows of the log [N], from 0."""
+    residuals: Array
+    """Prediction minus measurement [N, axes]."""
+
+
+class Replay(TypedDict):
+    """What `replay` gives."""
+
+    channels: Dict[str, ReplayedChannel]
     warnings: List[str]
