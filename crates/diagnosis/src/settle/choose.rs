@@ -27,25 +27,17 @@ impl Settling {
     /// Least odds to expect of the pairs that can be told apart \[nats\], whichever of their candidates is true; none where
     /// no pair can.
     pub fn least_nats(&self) -> Option<f64> {
-        least_nats(&self.odds, &self.inseparable)
+        Odds::least_nats(&self.odds, &self.inseparable)
     }
-}
-
-/// The same of any odds.
-fn least_nats(odds: &[Odds], inseparable: &[(usize, usize)]) -> Option<f64> {
-    let told = odds.iter().filter(|odds| is_told(odds, inseparable));
-    told.map(|odds| odds.nats_after).reduce(f64::min)
-}
-
-fn is_told(odds: &Odds, inseparable: &[(usize, usize)]) -> bool {
-    !inseparable.contains(&(odds.is_true, odds.other))
 }
 
 pub(super) fn choose(settler: &Settler, pieces: &[Option<Gram>], count: usize) -> Settling {
     let mut whole = settler.known().clone();
     pieces.iter().flatten().for_each(|piece| whole.add(piece));
     let all = settler.odds_of(&whole);
-    let lost = all.iter().filter(|odds| odds.gained_nats() < APART_NATS);
+    // a candidate that is far behind already need not be told from
+    let is_lost = |odds: &&Odds| odds.gained_nats().max(odds.nats_after) < APART_NATS;
+    let lost = all.iter().filter(is_lost);
     let inseparable: Vec<(usize, usize)> = lost.map(|odds| (odds.is_true, odds.other)).collect();
     let is_any_told = inseparable.len() < all.len();
     // the logarithm of the sum of the wrong odds: the worst pair decides, and the others have a say while it stands still
@@ -53,7 +45,7 @@ pub(super) fn choose(settler: &Settler, pieces: &[Option<Gram>], count: usize) -
         let odds = settler.odds_of(gram);
         let told = odds
             .iter()
-            .filter(|odds| !is_any_told || is_told(odds, &inseparable));
+            .filter(|odds| !is_any_told || odds.is_told(&inseparable));
         let nats: Vec<f64> = told.map(|odds| odds.nats_after).collect();
         let least = nats.iter().copied().fold(f64::INFINITY, f64::min);
         least

@@ -51,6 +51,18 @@ impl Odds {
     pub fn gained_nats(&self) -> f64 {
         self.nats_after - self.nats_before
     }
+
+    /// Least log-odds to expect \[nats\] of all pairs but those that nothing tells apart, whichever candidate is true; none
+    /// where no pair is left.
+    pub fn least_nats(all: &[Self], inseparable: &[(usize, usize)]) -> Option<f64> {
+        let told = all.iter().filter(|own| own.is_told(inseparable));
+        told.map(|own| own.nats_after).reduce(f64::min)
+    }
+
+    /// Whether its pair is none of those that nothing tells apart.
+    pub(super) fn is_told(&self, inseparable: &[(usize, usize)]) -> bool {
+        !inseparable.contains(&(self.is_true, self.other))
+    }
 }
 
 /// Products of whitened columns.

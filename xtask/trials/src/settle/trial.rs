@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result};
 use haptical::design::Motion;
 use haptical::{Chosen, Device, SettleRequest, choose_next};
-use haptical_diagnosis::{Diagnosis, Options, Question, Verdict, diagnose};
+use haptical_diagnosis::{Diagnosis, Odds, Options, Question, Verdict, diagnose};
 use haptical_model::Recording;
 use xtask_blind::{Again, Answer, Led, Suite, Trial, judge};
 
@@ -89,11 +89,7 @@ pub(super) fn settled(suite: Suite, index: u64, seed: u64, rows: usize) -> Resul
 }
 
 fn least_nats(next: &Chosen) -> Option<f64> {
-    let told = next
-        .odds
-        .iter()
-        .filter(|own| !next.inseparable.contains(&(own.is_true, own.other)));
-    told.map(|own| own.nats_after).reduce(f64::min)
+    Odds::least_nats(&next.odds, &next.inseparable)
 }
 
 /// What `plan --settle` chooses.

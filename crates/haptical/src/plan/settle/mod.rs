@@ -294,12 +294,7 @@ impl Settled {
             .map(haptical_diagnosis::Candidate::label)
             .collect();
         let odds = |nats: f64| nats.min(MOST_NATS).exp();
-        let least = |all: &[Odds]| {
-            let told = all
-                .iter()
-                .filter(|own| !chosen.inseparable.contains(&(own.is_true, own.other)));
-            told.map(|own| odds(own.nats_after)).reduce(f64::min)
-        };
+        let least = |all: &[Odds]| Odds::least_nats(all, &chosen.inseparable).map(odds);
         let mut settled = Self {
             device: device.source().label.clone(),
             answer: String::new(),
