@@ -15,8 +15,6 @@ use crate::units::Shown;
 const WIDTH: usize = 100;
 /// Lines that channels and causes have together; gap.json has all of both.
 const LISTED: usize = 9;
-/// Lines of what to do next at most.
-const NEXT: usize = 3;
 /// Numbers listed of those that move with a cause.
 const MOVED: usize = 2;
 /// Width of the word before a text.
@@ -37,7 +35,7 @@ pub(super) fn text(diagnosis: &Diagnosis) -> String {
     }
     held_out(&mut text, diagnosis);
     push(&mut text, "unseen", &unseen(diagnosis), 1);
-    push(&mut text, "next", &next_step(diagnosis), NEXT);
+    push(&mut text, "next", &next_step(diagnosis), 2);
     text
 }
 

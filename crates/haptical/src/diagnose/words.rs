@@ -394,8 +394,8 @@ pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
 }
 
 /// How the next recording is chosen, where candidates with a size are left.
-const CHOSEN: &str = "`haptical plan --settle gap.json` with --device and --log chooses the recording that tells the candidates \
-                      apart, then `haptical diagnose --log log.csv --log next.csv` judges both";
+const CHOSEN: &str = "`haptical plan --settle gap.json` chooses the next recording, then `haptical diagnose --log log.csv --log \
+                      next.csv`";
 
 /// What to do without a chosen recording.
 fn by_hand(diagnosis: &Diagnosis) -> String {
