@@ -23,6 +23,7 @@ mod import_poses;
 mod millimetres;
 mod moving_log;
 mod mujoco;
+mod mujoco_truth;
 mod other_commands;
 mod overwriting;
 mod plan;

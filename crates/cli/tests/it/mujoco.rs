@@ -25,7 +25,7 @@ const LAG: f64 = 0.05;
 const SECONDS: f64 = 10.0;
 
 /// An interpreter with MuJoCo; none is said on standard output.
-fn python() -> Option<String> {
+pub(crate) fn python() -> Option<String> {
     let python = std::env::var("HAPTICAL_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let asked = Command::new(&python)
         .args(["-c", "import mujoco, numpy"])
