@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 
 use super::gram::{Gram, Odds};
-use super::settler::Settler;
 
 /// Nats that all pieces together must add before a recording can tell two candidates apart: ln 20.
 const APART_NATS: f64 = 2.995_732_273_553_991;
@@ -31,10 +30,16 @@ impl Settling {
     }
 }
 
-pub(super) fn choose(settler: &Settler, pieces: &[Option<Gram>], count: usize) -> Settling {
-    let mut whole = settler.known().clone();
+/// Chooses `count` of the pieces beside what is known; `odds_of` says what all rows together are expected to tell.
+pub(super) fn choose(
+    known: &Gram,
+    pieces: &[Option<Gram>],
+    count: usize,
+    odds_of: &(dyn Fn(&Gram) -> Vec<Odds> + Sync),
+) -> Settling {
+    let mut whole = known.clone();
     pieces.iter().flatten().for_each(|piece| whole.add(piece));
-    let all = settler.odds_of(&whole);
+    let all = odds_of(&whole);
     // a candidate that is far behind already need not be told from
     let is_lost = |odds: &&Odds| odds.gained_nats().max(odds.nats_after) < APART_NATS;
     let lost = all.iter().filter(is_lost);
@@ -42,7 +47,7 @@ pub(super) fn choose(settler: &Settler, pieces: &[Option<Gram>], count: usize) -
     let is_any_told = inseparable.len() < all.len();
     // the logarithm of the sum of the wrong odds: the worst pair decides, and the others have a say while it stands still
     let score = |gram: &Gram| {
-        let odds = settler.odds_of(gram);
+        let odds = odds_of(gram);
         let told = odds
             .iter()
             .filter(|odds| !is_any_told || odds.is_told(&inseparable));
@@ -66,7 +71,7 @@ pub(super) fn choose(settler: &Settler, pieces: &[Option<Gram>], count: usize) -
         there.reduce(|best, other| if other.1 > best.1 { other } else { best })
     };
     let sum = |chosen: &[usize], but: Option<usize>| {
-        let mut gram = settler.known().clone();
+        let mut gram = known.clone();
         for (place, piece) in chosen.iter().enumerate() {
             if Some(place) != but
                 && let Some(piece) = &pieces[*piece]
@@ -98,7 +103,7 @@ pub(super) fn choose(settler: &Settler, pieces: &[Option<Gram>], count: usize) -
         }
     }
     Settling {
-        odds: settler.odds_of(&sum(&chosen, None)),
+        odds: odds_of(&sum(&chosen, None)),
         chosen,
         inseparable,
     }

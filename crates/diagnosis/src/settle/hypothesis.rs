@@ -2,7 +2,7 @@
 
 use haptical_effects::{Context, Effect, Shape, Signal};
 
-use super::Candidate;
+use super::question::Candidate;
 use crate::engine::blocks::Blocks;
 
 /// A candidate with the effect that it names.

@@ -9,9 +9,10 @@ use haptical_linalg::SparseColumns;
 use haptical_model::{Device, Recording};
 use rayon::prelude::*;
 
+use super::choose::{Settling, choose};
 use super::gram::{Gram, Odds, Places};
 use super::hypothesis::Hypothesis;
-use super::{Question, Settling, choose};
+use super::question::{Candidate, Question};
 use crate::DiagnosisError;
 use crate::engine::Prepared;
 use crate::engine::base::Base;
@@ -72,7 +73,7 @@ impl Settler {
         let engine = Prepared::new(&base, &cleaned, &cleaned)?.fit(None)?;
         let effects = catalogue(&device);
         let context = &prepared.context;
-        let of = |candidate: &super::Candidate| Hypothesis::new(&effects, candidate, context);
+        let of = |candidate: &Candidate| Hypothesis::new(&effects, candidate, context);
         let mut question = question.clone();
         let (mut candidates, mut named) = (Vec::new(), Vec::new());
         for candidate in &question.candidates {
@@ -145,15 +146,12 @@ impl Settler {
                     .to_owned(),
             });
         }
-        Ok(choose::choose(self, &grams, count))
-    }
-
-    pub(super) fn known(&self) -> &Gram {
-        &self.known
+        let odds_of = |all: &Gram| self.odds_of(all);
+        Ok(choose(&self.known, &grams, count, &odds_of))
     }
 
     /// Odds by the products of all rows, the known ones among them.
-    pub(super) fn odds_of(&self, all: &Gram) -> Vec<Odds> {
+    fn odds_of(&self, all: &Gram) -> Vec<Odds> {
         let (so_far, then) = (
             self.known.distances(&self.places),
             all.distances(&self.places),
