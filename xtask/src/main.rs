@@ -30,6 +30,8 @@ enum Job {
     ReproduceExperiment(experiment::Arguments),
     /// Tries the diagnosis on recordings with sealed truths, then opens and scores them.
     BlindCheck(xtask_trials::Arguments),
+    /// Records ambiguous trials again, along the motion that `plan --settle` chooses and along others.
+    SettleCheck(xtask_trials::SettleArguments),
     /// Compares ours with Ceres, SciPy and Pinocchio on the same files, where they are there.
     BenchPeers(bench_peers::Arguments),
     /// Measures how time and memory grow with poses, parameters and joints.
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         Job::ReproduceTables(arguments) => tables::reproduce(&arguments),
         Job::ReproduceExperiment(arguments) => experiment::reproduce(&arguments),
         Job::BlindCheck(arguments) => xtask_trials::check(&arguments),
+        Job::SettleCheck(arguments) => xtask_trials::settle(&arguments),
         Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
         Job::Evidence(arguments) => xtask_evidence::evidence(&arguments),

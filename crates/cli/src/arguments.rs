@@ -185,7 +185,8 @@ pub(crate) struct DiagnoseArguments {
     pub(crate) device: PathBuf,
     #[command(flatten)]
     pub(crate) device_options: DeviceOptions,
-    /// Log (CSV, plain or gzip)
+    /// Log (CSV, plain or gzip); give it again for further recordings of the device with the same columns: they are
+    /// judged together
     #[arg(
         long,
         value_name = "FILE",
@@ -193,7 +194,7 @@ pub(crate) struct DiagnoseArguments {
         required_unless_present = "list",
         default_value_if("list", "true", "-")
     )]
-    pub(crate) log: PathBuf,
+    pub(crate) log: Vec<PathBuf>,
     /// Folder for the result files; made if it is missing
     #[arg(
         long,

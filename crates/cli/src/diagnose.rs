@@ -27,13 +27,14 @@ impl ResultCommand for DiagnoseArguments {
     }
 
     fn inputs(&self) -> Vec<(&'static str, &Path)> {
-        result::given(&[
-            ("device", Some(&self.device)),
-            ("log", Some(&self.log)),
+        let mut inputs = result::given(&[("device", Some(&self.device))]);
+        inputs.extend(self.log.iter().map(|log| ("log", log.as_path())));
+        inputs.extend(result::given(&[
             ("rig", self.device_options.rig.as_ref()),
             ("model", self.model.as_ref()),
             ("validate", self.validate.as_ref()),
-        ])
+        ]));
+        inputs
     }
 
     fn make(
@@ -44,13 +45,17 @@ impl ResultCommand for DiagnoseArguments {
     ) -> Result<MadeResult, Failure> {
         let device = inputs.device(self.device_options.equipment())?;
         let log = inputs.log(&device)?;
+        let further = inputs.further_logs(&device)?;
         let model = inputs.model(&device)?;
         let second = inputs.optional_log("validate", &device)?;
-        let (joints, rows) = (device.model.joints.len(), log.recording.len());
+        let logs = std::iter::once(&log).chain(&further);
+        let rows: usize = logs.map(|log| log.recording.len()).sum();
+        let joints = device.model.joints.len();
         progress.say(format!("diagnosing {joints} joints from {rows} rows"));
         let request = Diagnose {
             without: self.without.clone(),
             model: model.as_ref(),
+            also: further.iter().collect(),
             validate: second.as_ref(),
             loss: self.loss.choice(),
             joint_compliance: !self.with.is_empty(),

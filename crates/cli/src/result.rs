@@ -76,6 +76,12 @@ impl Inputs {
         Log::open(self.required("log")?, device)
     }
 
+    /// The logs behind the first one.
+    pub(crate) fn further_logs(&self, device: &Device) -> Result<Vec<Log>, Failure> {
+        let logs = self.0.iter().filter(|(flag, _)| *flag == "log").skip(1);
+        logs.map(|(_, source)| Log::open(source, device)).collect()
+    }
+
     /// The log of a flag, where it is given.
     pub(crate) fn optional_log(&self, flag: &str, device: &Device) -> Result<Option<Log>, Failure> {
         let open = |source| Log::open(source, device);

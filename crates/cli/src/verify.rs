@@ -48,9 +48,12 @@ pub(crate) struct VerifyArguments {
     /// Where the rig file is now
     #[arg(long, value_name = "FILE")]
     rig: Option<PathBuf>,
-    /// Where the log is now
+    /// Where the log is now; of several, each in turn
     #[arg(long, value_name = "FILE")]
-    log: Option<PathBuf>,
+    log: Vec<PathBuf>,
+    /// Where the diagnosis that a plan settles is now
+    #[arg(long, value_name = "FILE")]
+    settle: Option<PathBuf>,
     /// Where the model identified earlier is now
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
@@ -101,12 +104,15 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
 }
 
 impl VerifyArguments {
-    /// The place of the input of a flag, where the user says it.
-    fn given(&self, flag: &str) -> Option<&Path> {
+    /// The place of the input of a flag, the one of this number among its own, where the user says it.
+    fn given(&self, flag: &str, number: usize) -> Option<&Path> {
+        if flag == "log" {
+            return self.log.get(number).map(PathBuf::as_path);
+        }
         let path = match flag {
             "device" => &self.device,
             "rig" => &self.rig,
-            "log" => &self.log,
+            "settle" => &self.settle,
             "model" => &self.model,
             "with" => &self.with,
             _ => &self.validate,
@@ -129,8 +135,8 @@ fn refuse_needless(arguments: &VerifyArguments, results: &[Candidate]) -> Result
         let mut inputs = read().flat_map(|result| &result.provenance.inputs);
         inputs.any(|input| input.flag == flag)
     };
-    let is_needless = |flag: &&&str| arguments.given(flag).is_some() && !is_input(flag);
-    match ["rig", "model", "validate", "with"]
+    let is_needless = |flag: &&&str| arguments.given(flag, 0).is_some() && !is_input(flag);
+    match ["rig", "model", "validate", "settle", "with"]
         .iter()
         .find(is_needless)
     {
@@ -154,7 +160,9 @@ fn check(
 ) -> Result<CheckedResult, Failure> {
     let (mut sources, mut inputs) = (Vec::new(), Vec::new());
     for (flag, name) in result.command.inputs() {
-        let (source, input) = sought::find(result, flag, name, arguments.given(flag))?;
+        let number = sources.iter().filter(|(own, _)| *own == flag).count();
+        let given = arguments.given(flag, number);
+        let (source, input) = sought::find(result, (flag, number), name, given)?;
         sources.push((flag, source));
         inputs.push(input);
     }

@@ -62,6 +62,12 @@ pub enum DiagnosisError {
         /// Reason.
         why: String,
     },
+    /// There is nothing that a further recording could tell apart.
+    #[error("nothing to settle: {why}")]
+    NothingToSettle {
+        /// Reason.
+        why: String,
+    },
     /// An effect lists no shape: it can be fitted nowhere.
     #[error("the effect `{effect}` lists no shape: `Effect::shapes` must give at least one")]
     NoShape {

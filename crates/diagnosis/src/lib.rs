@@ -13,6 +13,7 @@ mod options;
 mod outlying;
 mod own_effects;
 mod select;
+mod settle;
 mod start_values;
 #[cfg(test)]
 mod statics_tests;
@@ -32,4 +33,5 @@ pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use noise::NoiseSource;
 pub use options::{Catalogue, Options};
 pub use outlying::outlying_readings;
+pub use settle::{Candidate, Odds, Question, Settler, Settling};
 pub use start_values::start_values;

@@ -159,6 +159,15 @@ pub fn smooth(values: &[f64], reach: usize, runs: &[Range<usize>]) -> Vec<f64> {
     smoothed
 }
 
+/// The average of [`smooth`] with what it takes off averaged and given back: Tukey's twicing (*Exploratory Data Analysis*, 1977). A
+/// force of 1.5 Hz at 25 rows a second would be 2 % too small after one average, and a stiffness with it.
+pub fn smooth_twice(values: &[f64], reach: usize, runs: &[Range<usize>]) -> Vec<f64> {
+    let once = smooth(values, reach, runs);
+    let twice = smooth(&once, reach, runs);
+    let pairs = once.iter().zip(&twice);
+    pairs.map(|(once, twice)| 2.0 * once - twice).collect()
+}
+
 /// Dahl's friction state (Dahl 1968, with exponent 1), scaled to saturate at 1: after a reversal it goes to
 /// the other side over a travel of `transition`. In the limit of no transition it is the sign of the
 /// motion, the output of a play much smaller than the travel.
@@ -217,6 +226,28 @@ mod tests {
             .count();
         assert!(differing < 25, "{differing}");
         assert!((lost[50] + 1.0).abs() < 1e-12);
+    }
+
+    /// At 25 rows a second a wave of 1.5 Hz keeps its size to 0.1 %, where one average takes 5 % off; noise is a fourth less.
+    #[test]
+    fn what_an_average_takes_off_is_given_back() {
+        let wave: Vec<f64> = (0..500)
+            .map(|row| (f64::from(row) * 0.04 * 1.5 * std::f64::consts::TAU).sin())
+            .collect();
+        let size = |values: &[f64]| {
+            let inner = &values[20..480];
+            let pairs = inner.iter().zip(&wave[20..480]);
+            pairs.map(|(a, b)| a * b).sum::<f64>()
+                / wave[20..480].iter().map(|b| b * b).sum::<f64>()
+        };
+        let runs = [0..500];
+        assert!(size(&smooth(&wave, 1, &runs)) < 0.96);
+        assert!((size(&smooth_twice(&wave, 1, &runs)) - 1.0).abs() < 3e-3);
+        let flicker: Vec<f64> = (0..500)
+            .map(|row| if row % 2 == 0 { 1.0 } else { -1.0 })
+            .collect();
+        let left = smooth_twice(&flicker, 1, &runs)[250].abs();
+        assert!(left < 0.8, "{left}");
     }
 
     #[test]

@@ -44,7 +44,10 @@ pub use identify::{
     identify, identify_as,
 };
 pub use log::Log;
-pub use plan::{Planned, plan, plan_as};
+pub use plan::{
+    Chosen, ExpectedOdds, GapFile, Planned, SettleRequest, Settled, choose_next, plan, plan_as,
+    settle, settle_as,
+};
 pub use replay::{Replayed, ReplayedChannel, replay};
 pub use simulate::{SimulatedPostures, Truth, simulate_postures, true_device};
 

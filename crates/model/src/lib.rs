@@ -36,5 +36,6 @@ pub use holding::holding_torques_nm;
 pub use parameter::ParameterId;
 pub use parameter::surrounding::{LengthScale, SurroundingParameter, UNSTATED_SCALE_SD};
 pub use parameter::unknown::UnknownNumbers;
+pub use recording::joined::NotJoined;
 pub use recording::{AddedReadings, Recording};
 pub use statics::{Beyond, Load, Statics, Weight};

@@ -1,5 +1,7 @@
 //! A recording in memory: the measured columns of one log, with the rows they came from.
 
+pub(crate) mod joined;
+
 /// Measurements of one device, column by column, all in SI units.
 ///
 /// Every column has [`Recording::len`] entries. A reading that is absent (an empty cell of the log)

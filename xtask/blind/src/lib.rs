@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod again;
 mod arms;
 mod colour;
 mod effects;
@@ -21,6 +22,7 @@ mod trial;
 mod truth;
 mod wrist;
 
+pub use again::{Again, Led};
 pub use effects::{Draw, Effect, Facts, Group, Info, KINDS, Kind, kind};
 pub use error::BlindError;
 pub use files::write_trial;

@@ -2,6 +2,7 @@
 
 use haptical_model::Device;
 
+use crate::again::Again;
 use crate::effects::{Group, KINDS, Kind};
 use crate::error::BlindError;
 use crate::loop_suites;
@@ -198,6 +199,29 @@ impl Suite {
             }
         };
         of_its_own(self.name(), index, batch_seed, &mut random)
+    }
+
+    /// The same trial with its device, for further recordings; none for suites that are not drawn as a device with effects
+    /// and a motion of a hand.
+    ///
+    /// # Errors
+    /// As [`Suite::draw`].
+    pub fn draw_again(
+        self,
+        index: u64,
+        batch_seed: u64,
+    ) -> Result<Option<(Trial, Again)>, BlindError> {
+        let is_of_its_own = matches!(
+            self,
+            Self::Elastic | Self::Repeats | Self::Moved | Self::Wrist | Self::Absent
+        );
+        if is_of_its_own {
+            return Ok(None);
+        }
+        let mut random = Random::new(batch_seed, SUITE_STREAM * self.stream() + index);
+        let order = self.order(index, &mut random)?;
+        let made = order.make_again(self.name(), index, batch_seed, &mut random);
+        made.map(Some)
     }
 
     fn order(self, index: u64, random: &mut Random) -> Result<Order, BlindError> {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use haptical_model::{Device, Recording, TransmissionError};
 
+use crate::again::Again;
 use crate::effects::{Draw, Effect, Facts, Kind};
 use crate::error::BlindError;
 use crate::gap::true_gap;
@@ -89,6 +90,17 @@ impl Order {
         batch_seed: u64,
         random: &mut Random,
     ) -> Result<Trial, BlindError> {
+        Ok(self.make_again(suite, index, batch_seed, random)?.0)
+    }
+
+    /// Makes the recordings, and keeps the device for further ones.
+    pub(crate) fn make_again(
+        self,
+        suite: &str,
+        index: u64,
+        batch_seed: u64,
+        random: &mut Random,
+    ) -> Result<(Trial, Again), BlindError> {
         let nominal = self.nominal.device()?;
         let mut device = perturbed(&nominal, random);
         let scales = torque_scales(&nominal, random);
@@ -134,7 +146,7 @@ impl Order {
         truth.suite = suite.to_owned();
         truth.index = index;
         truth.batch_seed = batch_seed;
-        Ok(Trial {
+        let trial = Trial {
             device: nominal,
             device_toml: self.nominal.toml.to_owned(),
             model_toml,
@@ -144,7 +156,15 @@ impl Order {
             without: truth.without.clone(),
             asked: None,
             truth,
-        })
+        };
+        let again = Again {
+            device,
+            effects,
+            plan: self.plan,
+            noise: self.noise,
+            scales,
+        };
+        Ok((trial, again))
     }
 
     fn truth(&self, effects: &[Box<dyn Effect>], facts: &[Vec<Facts>]) -> Truth {

@@ -19,6 +19,7 @@ mod quick;
 mod rehearsal;
 mod report;
 mod seed;
+mod settle;
 mod speed;
 mod subject;
 #[cfg(test)]
@@ -34,6 +35,8 @@ use serde_json::json;
 use xtask_output::{Layout, Output};
 
 use batch::{Batch, Case};
+pub use settle::{Arguments as SettleArguments, settle};
+
 use measure::Measure;
 use plan::Plan;
 use report::record::Run;

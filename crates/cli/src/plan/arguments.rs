@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use haptical::Device;
+use haptical::{Device, SettleRequest};
 use haptical_design::{Criterion, DEGREE, KINDS, Limits, Region, Request, Rig, Spread, Terms};
 
 use crate::arguments::{above_zero, one_or_more, whole_number};
@@ -37,15 +37,25 @@ pub(crate) struct PlanArguments {
     /// Where the task is done: x,y,z,r of a ball in m, or low:high of each joint's reading
     #[arg(long, value_name = "REGION", value_parser = region, allow_hyphen_values = true)]
     pub(crate) region: Option<Region>,
-    /// Poses to choose from
-    #[arg(long, value_name = "M", default_value = "2000", value_parser = one_or_more, allow_negative_numbers = true)]
-    pub(crate) candidates: NonZeroUsize,
+    /// Poses to choose from (default 2000), or with --settle motions (default 240)
+    #[arg(long, value_name = "M", value_parser = one_or_more, allow_negative_numbers = true)]
+    pub(crate) candidates: Option<NonZeroUsize>,
     /// Seed of the candidates and of the search's random starts
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole_number, allow_negative_numbers = true)]
     pub(crate) seed: u64,
-    /// Log of poses that were measured with the first rig already: the next ones add to them
+    /// Log of poses that were measured with the first rig already: the next ones add to them. With --settle the log of the
+    /// diagnosis; give it again for each of several
     #[arg(long, value_name = "FILE")]
-    pub(crate) log: Option<PathBuf>,
+    pub(crate) log: Vec<PathBuf>,
+    /// gap.json of a diagnosis that is ambiguous or unknown: choose the recording that tells its candidates apart
+    #[arg(long, value_name = "FILE", requires = "log", conflicts_with_all = ["measure", "poses", "known_transmissions"])]
+    pub(crate) settle: Option<PathBuf>,
+    /// Rows of the recording that settles, at most; without it as many as the log has
+    #[arg(long, value_name = "N", requires = "settle", value_parser = one_or_more, allow_negative_numbers = true)]
+    pub(crate) rows: Option<NonZeroUsize>,
+    /// Force in N with which the hand can press on the handle while it moves; without it what the log shows
+    #[arg(long, value_name = "NEWTONS", requires = "settle", value_parser = above_zero, allow_negative_numbers = true)]
+    pub(crate) press: Option<f64>,
     /// How candidates are spread between the joint limits
     #[arg(long, value_enum, default_value_t = SpreadName::Uniform)]
     pub(crate) spread: SpreadName,
@@ -103,13 +113,25 @@ impl PlanArguments {
                 false => Terms::Degree(DEGREE),
             },
             limits: self.limits(),
-            candidates: self.candidates.get(),
+            candidates: self.candidates.map_or(usual.candidates, NonZeroUsize::get),
             seed: self.seed,
             poses: self.poses.map_or(usual.poses, NonZeroUsize::get),
             chooses: self.poses.is_some(),
             criterion: self.criterion.into(),
             region: self.region.clone().unwrap_or(Region::Everywhere),
         })
+    }
+
+    /// The same for a recording that settles a diagnosis.
+    pub(crate) fn settling(&self) -> SettleRequest {
+        let usual = SettleRequest::default();
+        SettleRequest {
+            rows: self.rows.map(NonZeroUsize::get),
+            candidates: self.candidates.map_or(usual.candidates, NonZeroUsize::get),
+            limits: self.limits(),
+            seed: self.seed,
+            press_n: self.press,
+        }
     }
 
     fn limits(&self) -> Limits {
@@ -181,10 +203,16 @@ pub(crate) fn help() -> String {
 Example:
   haptical plan --device device.toml --measure out,cable --measure out,cable,cable2:0.4,0,0.3 --out plan
   haptical plan --device device.toml --measure out,cable --poses 100 --out plan
+  haptical plan --device device.toml --settle result/gap.json --log log.csv --out next
 
 Writes plan/plan.json, plan/plan.html (a page), plan/rigs.svg and plan/report.html, an index of the results
 in the folder, with --poses plan/poses.csv too: all or none. Files of an earlier `haptical plan` are
 overwritten, and one that is not written again is removed; others need --force.
+
+With --settle the next recording is chosen: gap.json is what `haptical diagnose` wrote of an ambiguous or unknown answer,
+--log the log that it was made from. next/poses.csv is the motion to record, row by row: times and joint readings, with
+fx_n, fy_n, fz_n where the hand is to press. Said first: the odds to expect of the true candidate. Then
+`haptical diagnose --log log.csv --log next.csv` judges both logs together.
 
 Measurements of a rig:
 "

@@ -4,8 +4,8 @@ mod arguments;
 
 use std::path::Path;
 
-use haptical::files::{Overwrite, ResultKind};
-use haptical::plan_as;
+use haptical::files::{Overwrite, ResultKind, Source};
+use haptical::{Device, GapFile, Log, plan_as, settle_as};
 use haptical_design::Step;
 
 pub(crate) use arguments::{PlanArguments, help};
@@ -37,11 +37,13 @@ impl ResultCommand for PlanArguments {
     }
 
     fn inputs(&self) -> Vec<(&'static str, &Path)> {
-        result::given(&[
+        let mut inputs = result::given(&[
             ("device", Some(&self.device)),
             ("rig", self.device_options.rig.as_ref()),
-            ("log", self.log.as_ref()),
-        ])
+            ("settle", self.settle.as_ref()),
+        ]);
+        inputs.extend(self.log.iter().map(|log| ("log", log.as_path())));
+        inputs
     }
 
     fn make(
@@ -51,6 +53,14 @@ impl ResultCommand for PlanArguments {
         progress: &Progress,
     ) -> Result<MadeResult, Failure> {
         let device = inputs.device(self.device_options.equipment())?;
+        if let Some(gap) = inputs.optional("settle") {
+            return self.settled(version, &device, gap, inputs, progress);
+        }
+        if self.log.len() > 1 {
+            let what = "--log is given more than once: a plan of rigs adds to one log";
+            let next = "give one log, or --settle for the logs of a diagnosis";
+            return Err(Failure::command_line("arguments", what, next));
+        }
         let log = inputs.optional_log("log", &device)?;
         let step = |step: Step<'_>| {
             progress.say(match step {
@@ -66,6 +76,34 @@ impl ResultCommand for PlanArguments {
             files: plan.files()?,
             warnings: plan.warnings.clone(),
             summary: plan.to_string(),
+        })
+    }
+}
+
+impl PlanArguments {
+    /// The recording that settles a diagnosis.
+    fn settled(
+        &self,
+        version: &str,
+        device: &Device,
+        gap: &Source,
+        inputs: &Inputs,
+        progress: &Progress,
+    ) -> Result<MadeResult, Failure> {
+        let gap = GapFile::open(gap)?;
+        let first = inputs.log(device)?;
+        let further = inputs.further_logs(device)?;
+        let logs: Vec<&Log> = std::iter::once(&first).chain(&further).collect();
+        let (request, candidates) = (self.settling(), gap.question().candidates.len());
+        let motions = request.candidates;
+        progress.say(format!(
+            "telling {candidates} candidates apart by {motions} motions"
+        ));
+        let settled = settle_as(version, device, &logs, &gap, &request)?;
+        Ok(MadeResult {
+            files: settled.files()?,
+            warnings: settled.warnings.clone(),
+            summary: settled.to_string(),
         })
     }
 }

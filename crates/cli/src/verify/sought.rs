@@ -24,15 +24,17 @@ pub(super) struct FoundInput {
     sha256: String,
 }
 
-/// The input of a flag, at the place that the user gives, or else where its recorded name leads.
+/// The input of a flag, the one of its number among those of the flag, at the place that the user gives, or else where
+/// its recorded name leads.
 pub(super) fn find(
     result: &Recorded,
-    flag: &str,
+    (flag, number): (&str, usize),
     name: &Path,
     given: Option<&Path>,
 ) -> Result<(Source, FoundInput), Failure> {
-    let mut inputs = result.provenance.inputs.iter();
-    let recorded = inputs.find(|input| input.flag == flag).ok_or_else(|| {
+    let inputs = result.provenance.inputs.iter();
+    let mut inputs = inputs.filter(|input| input.flag == flag);
+    let recorded = inputs.nth(number).ok_or_else(|| {
         let what = format!("its provenance has no SHA-256 of the file of --{flag}");
         let next = "run the command that wrote it again";
         Failure::in_file("provenance", what, &result.path, next)

@@ -34,6 +34,7 @@ mod play_refusals;
 mod repair;
 mod reproducible;
 mod resealed;
+mod settle;
 mod shared_data;
 mod simulate;
 mod simulate_poses;

@@ -58,7 +58,14 @@ pub(crate) fn recording(
     equipped: &Equipped,
     postures: &[Posture],
 ) -> Result<Recording, DesignError> {
-    let device = &equipped.device;
+    recording_of(&equipped.device, postures)
+}
+
+/// The same of a device whose sensors are its own.
+pub(crate) fn recording_of(
+    device: &Device,
+    postures: &[Posture],
+) -> Result<Recording, DesignError> {
     let mut evaluation = Evaluation::new(device);
     let mut recording = empty(device, postures.len());
     for (row, posture) in postures.iter().enumerate() {

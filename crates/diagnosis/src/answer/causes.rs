@@ -211,7 +211,7 @@ fn largest_step(cause: &Cause) -> usize {
 }
 
 /// Amplitudes and shape as [`Effect::values`] takes them.
-fn reported(cause: &Cause) -> (Vec<f64>, f64) {
+pub(crate) fn reported(cause: &Cause) -> (Vec<f64>, f64) {
     if cause.times.is_empty() {
         return (cause.amplitudes.clone(), cause.shape);
     }

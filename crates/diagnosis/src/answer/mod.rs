@@ -462,6 +462,8 @@ pub struct CandidateAnswer {
     pub nats_behind: f64,
     /// Probability.
     pub probability: f64,
+    /// Its numbers by name, as fitted in the first cause's place; empty where it is too far behind to have been fitted.
+    pub parameters: BTreeMap<String, f64>,
 }
 
 /// A value of the base model that is hardly plausible.

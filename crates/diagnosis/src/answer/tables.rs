@@ -1,13 +1,18 @@
 //! Parts of the answer that are tables: gaps by channel, residuals for a picture, what was not tested, noise.
 
-use haptical_calibration::Channel;
-use haptical_effects::Effect;
+use std::collections::BTreeMap;
 
+use haptical_calibration::Channel;
+use haptical_effects::{Context, Effect};
+
+use crate::answer::causes::reported;
 use crate::answer::floor::Floor;
 use crate::answer::floors::channel_rms;
 use crate::answer::place::Located;
 use crate::answer::{CandidateAnswer, ChannelGap, NoiseAnswer, Trace, Untestable};
+use crate::engine::model::Cause;
 use crate::judge::findings::Findings;
+use crate::select::rival::Rival;
 
 /// The channels of positions and torques, with their energies over noise.
 pub(crate) fn channels(findings: &Findings<'_>) -> Vec<ChannelGap> {
@@ -141,11 +146,37 @@ pub(crate) fn noise(findings: &Findings<'_>) -> Vec<NoiseAnswer> {
         .collect()
 }
 
+/// The numbers of a cause by name, those of its law besides the reported ones among them.
+fn numbers_of(effect: &dyn Effect, cause: &Cause, context: &Context<'_>) -> BTreeMap<String, f64> {
+    let (amplitudes, shape) = reported(cause);
+    let spec = effect.spec();
+    let values = effect.values(context, &amplitudes, shape);
+    let named = spec.parameters.iter().map(|own| own.name).zip(values);
+    let further = effect.further(context, &amplitudes, shape);
+    let further = spec.further.iter().map(|own| own.name).zip(further);
+    named
+        .chain(further)
+        .filter(|(_, value)| value.is_finite())
+        .map(|(name, value)| (name.to_owned(), value))
+        .collect()
+}
+
 /// Candidates for the first cause.
 pub(crate) fn candidates(findings: &Findings<'_>) -> Vec<CandidateAnswer> {
     let rivals = findings.rivals.first().into_iter().flatten().take(8);
+    let context = &findings.engine().context;
+    let own = findings.selection.causes().first();
+    let numbers = |(place, rival): &(usize, &Rival)| {
+        // the cause itself comes first, and is no rival that was fitted anew
+        let fitted = rival.cause.as_ref().or(own.filter(|_| *place == 0));
+        fitted.map_or_else(BTreeMap::new, |cause| {
+            numbers_of(findings.selection.effect(cause), cause, context)
+        })
+    };
     rivals
-        .map(|rival| CandidateAnswer {
+        .enumerate()
+        .map(|(place, rival)| CandidateAnswer {
+            parameters: numbers(&(place, rival)),
             effect: rival.name.to_owned(),
             joint: rival.joint.map(|joint| joint + 1),
             share: rival.share,

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use haptical_calibration::{Channel, Weights};
 use haptical_effects::{Context, Effect, streams};
+use haptical_linalg::SparseColumns;
 use haptical_model::Recording;
 
 use super::{Engine, beside};
 use crate::DiagnosisError;
 use crate::engine::base::Base;
 use crate::engine::base_problem::{BaseProblem, Derivatives};
+use crate::engine::blocks::Blocks;
 use crate::engine::model::{Model, Refit};
 use crate::engine::part::Part;
 use crate::engine::system::compress_columns;
@@ -20,7 +22,7 @@ use crate::noise::{self, cleaning::outlying_rows};
 /// A recording with the base model's residuals and derivatives, before anything is fitted to it.
 #[derive(Debug)]
 pub(crate) struct Prepared<'a> {
-    pub(super) context: Context<'a>,
+    pub(crate) context: Context<'a>,
     pub(super) problem: BaseProblem<'a>,
     pub(super) base: &'a Base,
     pub(super) own: Vec<f64>,
@@ -103,6 +105,21 @@ impl<'a> Prepared<'a> {
             }
         }
         (count > 0.0).then_some((squares, stated, count))
+    }
+
+    /// The recording in blocks, whitened by a noise that is known from another recording of the same streams, with the
+    /// derivatives of all parameters of the base model on them.
+    pub(crate) fn whitened(&self, noise: &[Noise]) -> (Blocks, SparseColumns) {
+        let scale = vec![None; self.context.streams.len()];
+        let blocks = Blocks::new(&self.context, &self.usable, &scale, &self.own, noise);
+        let all: Vec<usize> = (0..self.base.parameters.len()).collect();
+        let columns = match &self.derivatives {
+            Some(derivatives) => {
+                compress_columns(&self.context, &self.problem, &blocks, derivatives, &all)
+            }
+            None => SparseColumns::new(blocks.count(), Vec::new()),
+        };
+        (blocks, columns)
     }
 
     /// Readings that stand alone.

@@ -22,6 +22,7 @@ mod normal;
 mod partial;
 mod postures;
 mod refusals;
+mod settle;
 mod several;
 mod touches;
 mod touching;

@@ -21,7 +21,7 @@ use haptical_model::{Device, Evaluation, Mount, Recording};
 use self::frames::Frames;
 use self::loads::loads;
 use crate::ContextError;
-use crate::signal::{LocalMotion, local_motion, smooth};
+use crate::signal::{LocalMotion, local_motion, smooth, smooth_twice};
 
 use self::cable::cable_geometry;
 pub(crate) use self::rows::moves;
@@ -175,13 +175,9 @@ impl<'a> Context<'a> {
         let smoothed =
             |column: &Vec<f64>, reach| smooth(column, if ordered { reach } else { 0 }, &runs);
         let force = force.filter(|force| force.len() == rows);
-        // Tukey's twicing (Exploratory Data Analysis, 1977): what the mean takes off is averaged and given back, or a force of
-        // 1.5 Hz at 25 rows a second would be 2 % too small, and a stiffness with it
-        let averaged = |column: &Vec<f64>| {
-            let once = smoothed(column, load_reach);
-            let twice = smoothed(&once, load_reach);
-            let pairs = once.iter().zip(&twice);
-            pairs.map(|(once, twice)| 2.0 * once - twice).collect()
+        let averaged = |column: &Vec<f64>| match ordered {
+            true => smooth_twice(column, load_reach, &runs),
+            false => smooth(column, 0, &runs),
         };
         let force_n = force.map(|force| by_axes(&force, averaged));
         let loads = loads(

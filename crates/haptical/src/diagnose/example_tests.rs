@@ -182,6 +182,7 @@ pub(crate) fn named() -> Diagnosis {
         share: 0.9,
         nats_behind,
         probability,
+        parameters: BTreeMap::new(),
     };
     diagnosis.candidates = vec![
         candidate("capstan-compliance", Some(2), 0.0, 0.98),
@@ -208,4 +209,28 @@ pub(crate) fn unknown() -> Diagnosis {
         dependence: Vec::new(),
     });
     diagnosis
+}
+
+#[test]
+fn an_open_answer_names_the_command_that_settles_it() {
+    let mut open = named();
+    open.verdict = Verdict::Ambiguous;
+    let said = crate::diagnose::words::next_step(&open);
+    assert!(
+        !said.contains("--settle"),
+        "no candidate has a size: {said}"
+    );
+    for candidate in &mut open.candidates {
+        candidate.parameters = [("size".to_owned(), 1.0)].into();
+    }
+    let said = crate::diagnose::words::next_step(&open);
+    for wanted in [
+        "haptical plan --settle gap.json",
+        "haptical diagnose --log log.csv --log next.csv",
+        "by hand: ",
+    ] {
+        assert!(said.contains(wanted), "{said}");
+    }
+    open.verdict = Verdict::Named;
+    assert!(!crate::diagnose::words::next_step(&open).contains("--settle"));
 }

@@ -9,6 +9,7 @@ mod faults;
 mod page;
 pub(crate) mod quantity;
 mod repair;
+mod several;
 mod summary;
 mod words;
 
@@ -33,6 +34,8 @@ use crate::identify::{flag_of_loss, flags_of_fit, hold};
 use crate::log::Log;
 
 pub use self::repair::{Repair, RepairChange, RepairCheck};
+pub(crate) use self::several::joined;
+use self::several::{LogRead, refuse_same_log};
 
 /// Header of predictions.csv, in the order of [`Prediction`].
 const PREDICTION_COLUMNS: [&str; 5] = ["row", "channel", "measured", "before", "after"];
@@ -46,6 +49,8 @@ pub struct Diagnose<'a> {
     pub own_effects: Option<Catalogue>,
     /// A model identified earlier: what the device deviates from it is part of the gap.
     pub model: Option<&'a Device>,
+    /// Further logs of the device with the same columns, judged together with the first one.
+    pub also: Vec<&'a Log>,
     /// Another log of the device, on which the shrink is measured; without it blocks of the log are held out.
     pub validate: Option<&'a Log>,
     /// What large residuals cost in the fit of the base model.
@@ -80,6 +85,9 @@ pub struct Diagnosed {
     haptical_version: String,
     device: String,
     log: String,
+    /// Of several logs that were judged together.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    logs: Vec<LogRead>,
     validate: Option<String>,
     model: Option<String>,
 }
@@ -119,6 +127,7 @@ pub fn diagnose_as(
         without,
         own_effects,
         model,
+        also,
         validate,
         loss,
         joint_compliance,
@@ -129,8 +138,11 @@ pub fn diagnose_as(
     if let Some(model) = model {
         refuse_other_device(&device.model, &model.model, &model.source().path)?;
     }
+    let logs: Vec<&Log> = std::iter::once(log).chain(also.iter().copied()).collect();
+    let recording = joined(&logs)?;
     if let Some(second) = validate {
-        refuse_same_log(log, second)?;
+        logs.iter()
+            .try_for_each(|log| refuse_same_log(log, second))?;
     }
     let mut described = device.model.clone();
     if *joint_compliance {
@@ -145,7 +157,7 @@ pub fn diagnose_as(
         validation: validate.map(|log| log.recording.as_ref()),
     };
     let (device_path, log_path) = (&device.source().path, &log.source().path);
-    let mut diagnosis = diagnose_recording(&described, &log.recording, &request)
+    let mut diagnosis = diagnose_recording(&described, &recording, &request)
         .map_err(|error| Error::diagnosis(&error, device_path, log_path).with_equipment(device))?;
     refuse_overflow(&diagnosis, log_path)?;
     let repair = match repair {
@@ -155,14 +167,19 @@ pub fn diagnose_as(
     let own = std::mem::take(&mut diagnosis.warnings);
     let read = [
         Some(&device.warnings),
-        Some(&log.warnings),
         model.map(|model| &model.warnings),
         validate.map(|log| &log.warnings),
     ];
-    let read = read.into_iter().flatten().flatten().cloned();
+    let of_logs = logs.iter().map(|log| Some(&log.warnings));
+    let read = read[..1]
+        .iter()
+        .copied()
+        .chain(of_logs)
+        .chain(read[1..].iter().copied());
+    let read = read.flatten().flatten().cloned();
     diagnosis.warnings = read.chain(own).collect();
     let mut files = device.inputs("device");
-    files.extend(log.input("log"));
+    files.extend(logs.iter().filter_map(|log| log.input("log")));
     files.extend(model.iter().flat_map(|model| model.inputs("model")));
     files.extend(validate.and_then(|log| log.input("validate")));
     let mut arguments: Vec<String> = files.iter().map(InputFile::argument).collect();
@@ -189,6 +206,7 @@ pub fn diagnose_as(
         haptical_version: version.to_owned(),
         device: device.source().label.clone(),
         log: log.source().label.clone(),
+        logs: several::read(&logs),
         validate: validate.map(|log| log.source().label.clone()),
         model: model.map(|model| model.source().label.clone()),
     })
@@ -280,8 +298,11 @@ impl Diagnosed {
 impl std::fmt::Display for Diagnosed {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str(&summary::text(&self.diagnosis))?;
-        match &self.repair {
-            Some(repair) => write!(formatter, "{repair}"),
+        if let Some(repair) = &self.repair {
+            write!(formatter, "{repair}")?;
+        }
+        match several::words(&self.logs) {
+            Some(words) => writeln!(formatter, "{:<9}{words}", "logs"),
             None => Ok(()),
         }
     }
@@ -291,23 +312,6 @@ impl std::fmt::Display for Cause<'_> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str(&summary::cause(self.0))
     }
-}
-
-/// Rows of the fit say nothing of rows that the fit did not see: the second log must be another one. A copy
-/// that was compressed or renamed has the same readings.
-fn refuse_same_log(first: &Log, second: &Log) -> Result<(), Error> {
-    let hash = |log: &Log| log.input("log").map(|file| file.sha256);
-    let same_file = hash(first).is_some() && hash(first) == hash(second);
-    if !same_file && first.recording != second.recording {
-        return Ok(());
-    }
-    Err(Error::in_file(
-        "same-log",
-        "the log of --validate is that of --log: the fit has seen every row of it",
-        &second.source().path,
-        "give --validate another recording of the same device, or leave it out: then blocks of the log are held \
-         back from the fit",
-    ))
 }
 
 /// Nothing before refuses a reading such as 1e300.

@@ -418,7 +418,20 @@ pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
     }
 }
 
+/// The next recording: chosen, where candidates with a size are left.
 fn step_beside_the_log(diagnosis: &Diagnosis) -> String {
+    match haptical_diagnosis::Question::of(diagnosis) {
+        Some(_) => format!("{CHOSEN}; by hand: {}", by_hand(diagnosis)),
+        None => by_hand(diagnosis),
+    }
+}
+
+/// How the next recording is chosen, where candidates with a size are left.
+const CHOSEN: &str = "`haptical plan --settle gap.json` chooses the next recording, then `haptical diagnose --log log.csv --log \
+                      next.csv`";
+
+/// What to do without a chosen recording.
+fn by_hand(diagnosis: &Diagnosis) -> String {
     if let Some(experiment) = &diagnosis.next_experiment {
         return experiment.clone();
     }

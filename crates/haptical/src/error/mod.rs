@@ -200,6 +200,10 @@ impl Error {
             DiagnosisError::Identification(_) => {
                 Self::in_file("identification", text, log, CHECK_DEVICE)
             }
+            DiagnosisError::NothingToSettle { why } => {
+                let next = "record what `haptical diagnose` says under \"next\"";
+                Self::in_file("nothing-to-settle", why.clone(), log, next)
+            }
             other if other.is_unidentifiable() => {
                 let next = "record slow motion of every joint through its whole range";
                 Self::in_file("nothing-identifiable", text, log, next)

@@ -2,6 +2,7 @@
 
 mod flags;
 mod page;
+mod settle;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -16,6 +17,10 @@ use crate::files::{
     write_result,
 };
 use crate::log::Log;
+
+pub use self::settle::{
+    Chosen, ExpectedOdds, GapFile, SettleRequest, Settled, choose_next, settle, settle_as,
+};
 
 /// A plan with how it came about: the content of plan.json. It prints as the command's tables.
 #[derive(Debug, Clone, Serialize)]

@@ -99,8 +99,19 @@ impl<'d> Scene<'d> {
             });
         }
         let motion = Motion::draw(device, plan, &mut Random::new(seed, stream::MOTION));
+        let force_n = hand_force(motion.len(), plan, &mut Random::new(seed, stream::FORCE));
+        Ok(Self::of_motion(device, plan, motion, force_n, seed))
+    }
+
+    /// A recording of a motion and of a hand's force that are given; the temperature is drawn.
+    pub(crate) fn of_motion(
+        device: &'d Device,
+        plan: &MotionPlan,
+        motion: Motion,
+        force_n: Vec<[f64; 3]>,
+        seed: u64,
+    ) -> Self {
         let rows = motion.len();
-        let force_n = hand_force(rows, plan, &mut Random::new(seed, stream::FORCE));
         let mut random = Random::new(seed, stream::TEMPERATURE);
         let temperature_degc = temperature_degc(rows, plan, &mut random);
         let mut scene = Self {
@@ -114,7 +125,7 @@ impl<'d> Scene<'d> {
             seed,
         };
         scene.work_out_torques();
-        Ok(scene)
+        scene
     }
 
     fn work_out_torques(&mut self) {

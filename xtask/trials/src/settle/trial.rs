@@ -1,0 +1,141 @@
+//! One trial: diagnosed, and where that is ambiguous recorded again along a chosen motion and along others.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result};
+use haptical::design::Motion;
+use haptical::{Chosen, Device, SettleRequest, choose_next};
+use haptical_diagnosis::{Diagnosis, Odds, Options, Question, Verdict, diagnose};
+use haptical_model::Recording;
+use xtask_blind::{Again, Answer, Led, Suite, Trial, judge};
+
+use crate::subject::guarded;
+
+/// Streams of the seeds of further recordings.
+const SEED_OF_FURTHER: u64 = 1 << 32;
+
+/// What became of an ambiguous trial.
+#[derive(Debug, Clone)]
+pub(super) struct Settled {
+    pub(super) suite: &'static str,
+    pub(super) index: u64,
+    pub(super) name: String,
+    /// Candidates that were to be told apart.
+    pub(super) candidates: Vec<String>,
+    /// Least odds that were expected \[nats\]; none where nothing could be told apart.
+    pub(super) expected_nats: Option<f64>,
+    /// Whether the plan says that some candidates cannot be told apart.
+    pub(super) has_inseparable: bool,
+    pub(super) chosen: Outcome,
+    /// Along motions drawn from the same ones.
+    pub(super) at_random: Outcome,
+    /// Along a motion like that of the first recording.
+    pub(super) by_hand: Outcome,
+}
+
+/// Of both recordings together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// Named, and rightly.
+    Settled,
+    /// Named, and wrongly: as what.
+    Wrong(String),
+    /// Not named: the verdict, or why there is none.
+    Open(String),
+}
+
+/// Draws a trial; none where its diagnosis is not ambiguous.
+pub(super) fn settled(suite: Suite, index: u64, seed: u64, rows: usize) -> Result<Option<Settled>> {
+    let drawn = suite.draw_again(index, seed)?;
+    let (trial, again) = drawn.context("the suite has no device to record again")?;
+    let first = match judged(&trial, &[&trial.log]) {
+        Ok((diagnosis, _)) if diagnosis.verdict == Verdict::Ambiguous => diagnosis,
+        _ => return Ok(None),
+    };
+    let seed = seed.wrapping_mul(SEED_OF_FURTHER) + index;
+    let outcome = |further: Result<Recording, String>| match further {
+        Ok(further) => match judged(&trial, &[&trial.log, &further]) {
+            Ok((_, outcome)) => outcome,
+            Err(why) => Outcome::Open(format!("error: {why}")),
+        },
+        Err(why) => Outcome::Open(why),
+    };
+    let question = Question::of(&first);
+    let next = question
+        .as_ref()
+        .ok_or_else(|| "no two candidates have a size".to_owned())
+        .and_then(|question| chosen(&trial, question, rows));
+    let led = |motion: &Motion, seed: u64| led(&again, motion, seed);
+    let length = next.as_ref().map_or(rows, |next| next.motion.len());
+    let names = |question: &Question| -> Vec<String> {
+        let all = question.candidates.iter();
+        all.map(haptical_diagnosis::Candidate::label).collect()
+    };
+    Ok(Some(Settled {
+        suite: suite.name(),
+        index,
+        name: trial.truth.name.clone(),
+        candidates: question.as_ref().map_or_else(Vec::new, names),
+        expected_nats: next.as_ref().ok().and_then(least_nats),
+        has_inseparable: next.as_ref().is_ok_and(|next| !next.inseparable.is_empty()),
+        chosen: outcome(next.clone().and_then(|next| led(&next.motion, seed))),
+        at_random: outcome(next.and_then(|next| led(&next.at_random.0, seed + 1))),
+        by_hand: outcome(
+            again
+                .drawn(length, seed + 2)
+                .map_err(|error| error.to_string()),
+        ),
+    }))
+}
+
+fn least_nats(next: &Chosen) -> Option<f64> {
+    Odds::least_nats(&next.odds, &next.inseparable)
+}
+
+/// What `plan --settle` chooses.
+fn chosen(trial: &Trial, question: &Question, rows: usize) -> Result<Chosen, String> {
+    let request = SettleRequest {
+        rows: Some(rows),
+        ..SettleRequest::default()
+    };
+    let device = Device::from_toml(&trial.device_toml, "device.toml");
+    let device = device.map_err(|error| error.to_string())?;
+    guarded(|| choose_next(&device, &trial.log, question, &request))?
+        .map_err(|error| error.to_string())
+}
+
+fn led(again: &Again, motion: &Motion, seed: u64) -> Result<Recording, String> {
+    let rate_hz = motion
+        .time_s
+        .as_ref()
+        .map_or(100.0, |times| match times.as_slice() {
+            [first, second, ..] => 1.0 / (second - first),
+            _ => 100.0,
+        });
+    let led = Led {
+        angle_rad: &motion.joint,
+        rate_hz,
+        force_n: motion.force_n.as_ref(),
+    };
+    again.led(&led, seed).map_err(|error| error.to_string())
+}
+
+/// The diagnosis of recordings together, and whether it names the truth.
+fn judged(trial: &Trial, logs: &[&Recording]) -> Result<(Diagnosis, Outcome), String> {
+    let log = Recording::joined(logs).map_err(|error| error.to_string())?;
+    let options = Options {
+        without: trial.without.clone(),
+        ..Options::default()
+    };
+    let diagnosis = guarded(|| diagnose(&trial.device, &log, &options))?;
+    let diagnosis = diagnosis.map_err(|error| error.to_string())?;
+    let json = serde_json::to_string(&diagnosis).map_err(|error| error.to_string())?;
+    let answer = Answer::from_json(&json).map_err(|error| format!("{error:?}"))?;
+    let score = judge(&trial.truth, &answer, &BTreeMap::new());
+    let outcome = match diagnosis.verdict {
+        Verdict::Named if score.right && score.top_right => Outcome::Settled,
+        Verdict::Named => Outcome::Wrong(score.answered.clone()),
+        other => Outcome::Open(other.name().to_owned()),
+    };
+    Ok((diagnosis, outcome))
+}
