@@ -180,7 +180,7 @@ pub(crate) fn named() -> Diagnosis {
         share: 0.9,
         nats_behind,
         probability,
-        parameters: std::collections::BTreeMap::new(),
+        parameters: BTreeMap::new(),
     };
     diagnosis.candidates = vec![
         candidate("capstan-compliance", Some(2), 0.0, 0.98),
