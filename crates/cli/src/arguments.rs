@@ -231,6 +231,11 @@ pub(crate) struct DiagnoseArguments {
     /// What large residuals cost in the fit of the base model
     #[arg(long, value_enum, default_value_t = LossName::Auto)]
     pub(crate) loss: LossName,
+    /// Write the log without what is its own fault, as repaired.csv (or .csv.gz) with the list repaired.json: lost counts added
+    /// back, late channels brought to their times, drifts of sensors taken out, wild readings emptied; then diagnose it again.
+    /// Only for causes of the log that the verdict names
+    #[arg(long)]
+    pub(crate) repair: bool,
     /// Print the effects that can be named, with their numbers; needs no device and no log
     #[arg(long)]
     pub(crate) list: bool,
@@ -440,6 +445,13 @@ Example:
 Writes gap/gap.json, gap/gap.html (a page) and gap/report.html, an index of the results in the folder,
 with --validate gap/predictions.csv too: all or none. Files of an earlier `haptical diagnose` are
 overwritten, and one that is not written again is removed; others need --force.
+
+--repair also writes gap/repaired.csv (.csv.gz of a log that is gzip) where the verdict names a fault of the
+log: columns that had none keep every byte. gap/repaired.json lists what was changed: column, lines, how
+much, for which cause. Lost counts are added from their row to the end of the run; a late channel is
+interpolated at the times of its rows, and its cells are emptied where nothing was recorded; drifts of cable
+and external encoders are taken out; wild readings are emptied. What the device does stays in the log.
+Nothing is written where there is nothing to repair, or the verdict is ambiguous or unknown.
 
 Names of effects:
 "

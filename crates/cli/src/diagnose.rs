@@ -61,6 +61,7 @@ impl ResultCommand for DiagnoseArguments {
             joint_compliance: !self.with.is_empty(),
             hold: self.hold.hold.clone(),
             deviations: self.hold.deviation.clone(),
+            repair: self.repair,
             ..Diagnose::default()
         };
         let gap = diagnose_as(version, &device, &log, &request)?;

@@ -1,7 +1,9 @@
-//! `haptical simulate`: a log of a device that a hand moves, written row by row.
+//! `haptical simulate`: a log of a device that a hand moves, written row by row, or of single postures.
 
 mod made;
+mod poses;
 mod replay;
+mod truth;
 
 use std::path::{Path, PathBuf};
 
@@ -10,8 +12,8 @@ use haptical::files::{
     Fingerprint, InputFile, Overwrite, Record, Source, VERSION, check_outputs, check_own_record,
     file_name, sealed_json,
 };
-use haptical::{Device, Equipment};
-use haptical_model::{Device as Model, check_toml_syntax, read_toml_text};
+use haptical::{Device, true_device};
+use haptical_model::{check_toml_syntax, read_toml_text};
 use haptical_simulator::{
     Effect, EffectError, Effects, HandMotion, SimulatorError, simulated_effects,
 };
@@ -22,6 +24,8 @@ use crate::failure::Failure;
 use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
 use crate::interrupt::write_all;
 use crate::terminal;
+
+use self::truth::truth_text;
 
 /// Its name.
 const COMMAND: &str = "simulate";
@@ -40,12 +44,24 @@ pub(crate) struct SimulateArguments {
     /// Device file whose numbers are the true ones; without it the device has no errors
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
+    /// Draw the true device: numbers of links, drums and unknown cables differ from the device file by normal numbers,
+    /// this share of their plausible size (5 mm, 20 mrad); OUT.truth.toml has it
+    #[arg(long, value_name = "SHARE", conflicts_with = "truth", value_parser = above_zero, allow_negative_numbers = true)]
+    deviate: Option<f64>,
     /// Effects that the model leaves out (TOML)
     #[arg(long, value_name = "FILE")]
     effects: Option<PathBuf>,
+    /// Single postures in place of a hand's motion: the poses.csv of `haptical plan`, or a log. Rows that touch something
+    /// (contact, plane) or are held (fixture1_rad) are led to where the true device meets it
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["replay", "seconds", "rate_hz"])]
+    poses: Option<PathBuf>,
+    /// What is read at --poses: a rig as `haptical plan` names it; OUT.rig.toml is its file for --rig. Without it: what the
+    /// device file describes
+    #[arg(long, value_name = "RIG", requires = "poses")]
+    measure: Option<String>,
     /// Log whose motion, loads and times are run through the device with its effects, in place of a hand's motion: predicted
     /// channels go to --out, and OUT.residuals.csv has them beside the measured ones
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["truth", "effects", "seconds", "rate_hz", "seed"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["truth", "deviate", "effects", "seconds", "rate_hz", "seed"])]
     replay: Option<PathBuf>,
     /// Length of the recording in s
     #[arg(long, value_name = "SECONDS", default_value_t = 100.0, value_parser = above_zero, allow_negative_numbers = true)]
@@ -89,12 +105,17 @@ pub(crate) fn help() -> String {
 Example:
   haptical simulate --device device.toml --effects effects.toml --out log.csv.gz
 
+  haptical plan --device device.toml --measure out,contact:2:0.2 --poses 60 --out plan
+  haptical simulate --device device.toml --deviate 0.2 --poses plan/poses.csv --measure out,contact:2:0.2 --out log.csv
+  haptical identify --device device.toml --rig log.csv.rig.toml --log log.csv --out result
+
   haptical simulate --device corrected.toml --out log.csv.gz
   haptical simulate --device corrected.toml --replay log.csv.gz --out predicted.csv.gz
 
 Effects of the device file (`[[effect]]`) are part of the device, every law of `haptical diagnose --list`; an arm
-with a [tracker] gets its positions and orientations. --effects adds others by laws of the simulator's own,
-with an effects.toml such as
+with a [tracker] gets its positions and orientations. With --poses OUT.truth.toml is the true device with the
+places of all that it touched, and of the tracker. --effects adds effects by laws of the simulator's own to a hand's
+motion, with an effects.toml such as
   [[effect]]
   name = \"capstan-compliance\"
   joint = 2
@@ -110,12 +131,19 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     if let Some(log) = &arguments.replay {
         return replay::run(arguments, log);
     }
+    if let Some(path) = &arguments.poses {
+        return poses::run(arguments, path);
+    }
     check_outputs(std::slice::from_ref(&arguments.out), &arguments.inputs())?;
     let (folder, name) = folder_and_name(&arguments.out)?;
     // a log cannot say itself how it came about
     let beside = format!("{name}.provenance.json");
     let place = folder.join(&beside);
-    check_outputs(std::slice::from_ref(&place), &arguments.inputs())?;
+    let truth_name = format!("{name}.truth.toml");
+    check_outputs(
+        &[place.clone(), folder.join(&truth_name)],
+        &arguments.inputs(),
+    )?;
     if arguments.overwrite.overwrite() == Overwrite::Own {
         check_own_record(&arguments.out, &place, COMMAND)?;
     }
@@ -125,17 +153,8 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     device.refuse_hands("a simulated log")?;
     let mut files = device.inputs("device");
     let truth_path = arguments.truth.as_ref().unwrap_or(&arguments.device);
-    let truth = match &arguments.truth {
-        None => None,
-        Some(path) => {
-            let truth = Device::open(&Source::given(path), &Equipment::default())?;
-            files.extend(truth.inputs("truth"));
-            check_likeness(&device.model, &truth.model, path)?;
-            device.warnings.extend(truth.warnings);
-            Some(truth.model)
-        }
-    };
-    let truth = truth.as_ref().unwrap_or(&device.model);
+    let other = arguments.read_truth(&mut device, &mut files)?;
+    let truth = &true_device(&device, arguments.truth(other.as_ref()), arguments.seed)?;
     let effects = match &arguments.effects {
         None => Effects::none(),
         Some(path) => {
@@ -163,7 +182,11 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         provenance: arguments.record(files, &log, hashed),
     };
     let json = sealed_json(&summary)?;
-    write_all(folder, &[(beside.as_str(), json.into_bytes())])?;
+    let mut beside = vec![(beside.as_str(), json.into_bytes())];
+    if arguments.deviate.is_some() {
+        beside.push((truth_name.as_str(), truth_text(truth)?.into_bytes()));
+    }
+    write_all(folder, &beside)?;
     terminal::warn(&device.warnings);
     summary.log = arguments.out.display().to_string();
     if arguments.json {
@@ -176,7 +199,7 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 impl SimulateArguments {
     /// The files that are read.
     fn inputs(&self) -> Vec<&Path> {
-        let further = [&self.truth, &self.effects];
+        let further = [&self.truth, &self.effects, &self.poses];
         std::iter::once(&self.device)
             .chain(further.into_iter().flatten())
             .map(PathBuf::as_path)
@@ -187,11 +210,13 @@ impl SimulateArguments {
     fn record(&self, files: Vec<InputFile>, log: &Source, hashed: Fingerprint) -> Record {
         let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
         flags.extend(self.device_options.equipment().chain_flags());
-        flags.extend([
-            format!("--seconds={}", self.seconds),
-            format!("--rate-hz={}", self.rate_hz),
-            format!("--seed={}", self.seed),
-        ]);
+        flags.extend(self.deviate.map(|share| format!("--deviate={share}")));
+        flags.extend(self.measure.iter().map(|rig| format!("--measure={rig}")));
+        if self.poses.is_none() {
+            flags.push(format!("--seconds={}", self.seconds));
+            flags.push(format!("--rate-hz={}", self.rate_hz));
+        }
+        flags.push(format!("--seed={}", self.seed));
         let mut record = Record::new(VERSION, COMMAND, flags, files);
         record.seeds.insert("simulation", self.seed);
         record.outputs.push(hashed.output(&file_name(&log.path)));
@@ -212,30 +237,6 @@ impl Written<'_> {
         }
         text
     }
-}
-
-/// Refuses a true device whose logs the device cannot read.
-fn check_likeness(device: &Model, truth: &Model, path: &Path) -> Result<(), Failure> {
-    let kinds = |of: &Model| -> Vec<_> { of.joints.iter().map(|joint| joint.joint_type).collect() };
-    let is_alike = kinds(device) == kinds(truth)
-        && device.cables.len() == truth.cables.len()
-        && device.has_links() == truth.has_links();
-    if is_alike {
-        return Ok(());
-    }
-    Err(Failure::in_file(
-        "truth",
-        format!(
-            "the true device has {} joints and {} cables, the device {} and {}, or joints or links of \
-             another kind",
-            truth.joints.len(),
-            truth.cables.len(),
-            device.joints.len(),
-            device.cables.len()
-        ),
-        path,
-        "take a copy of the device file with other numbers, such as an identified.toml",
-    ))
 }
 
 fn read_effects(path: &Path) -> Result<(Effects, InputFile), Failure> {

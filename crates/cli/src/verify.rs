@@ -32,7 +32,7 @@ Reads the provenance in every identified.json, gap.json and plan.json in the fol
 it, finds the inputs, checks their SHA-256, computes the result again in memory, and compares every file
 of it: the same bytes, or the same numbers within 1e-9 of each (another machine), or what differs, with
 both values. Inputs are looked for by their recorded names from the current folder, the result's folder
-and the one above it. The index, report.html, is compared with the results. Nothing is written.
+and the one above it; a gap.json or a model also in the folders beside the result's. The index, report.html, is compared with the results. Nothing is written.
 
 Exit status: 0 every result is what its inputs give; 1 one is not; 2 that cannot be decided for one: bad
 arguments, no provenance, an input that is missing or not the recorded one; 3 nothing can be identified.";
@@ -60,6 +60,9 @@ pub(crate) struct VerifyArguments {
     /// Where the second log is now
     #[arg(long, value_name = "FILE")]
     validate: Option<PathBuf>,
+    /// Where the gap.json is now whose causes were fitted
+    #[arg(long, value_name = "FILE")]
+    with: Option<PathBuf>,
     /// Print the findings as JSON
     #[arg(long)]
     json: bool,
@@ -111,6 +114,7 @@ impl VerifyArguments {
             "rig" => &self.rig,
             "settle" => &self.settle,
             "model" => &self.model,
+            "with" => &self.with,
             _ => &self.validate,
         };
         path.as_deref()
@@ -132,14 +136,17 @@ fn refuse_needless(arguments: &VerifyArguments, results: &[Candidate]) -> Result
         inputs.any(|input| input.flag == flag)
     };
     let is_needless = |flag: &&&str| arguments.given(flag, 0).is_some() && !is_input(flag);
-    match ["rig", "model", "validate", "settle"]
+    match ["rig", "model", "validate", "settle", "with"]
         .iter()
         .find(is_needless)
     {
         None => Ok(()),
         Some(flag) => Err(Failure::command_line(
             "arguments",
-            format!("the result was made without --{flag}"),
+            match *flag {
+                "with" => "the result was made without the gap.json of --with".to_owned(),
+                flag => format!("the result was made without --{flag}"),
+            },
             format!("leave --{flag} out"),
         )),
     }

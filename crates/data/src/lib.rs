@@ -23,6 +23,7 @@
 //! ```
 
 mod column;
+mod edit;
 mod error;
 #[cfg(feature = "mcap")]
 mod mcap_log;
@@ -33,6 +34,7 @@ mod shape;
 mod size;
 mod write;
 
+pub use edit::{LogColumn, LogEdits, edit_log};
 pub use error::near_miss::NearMiss;
 pub use error::place::Place;
 pub use error::{DataError, Fault};

@@ -35,7 +35,14 @@ pub fn diagnose(
     recording: &Recording,
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let found = diagnose_all(device, recording, options)?;
+    let mut found = diagnose_all(device, recording, options)?;
+    let every = recording.len().div_ceil(MOST_ROWS).max(1);
+    for step in &mut found.steps {
+        // it happened after the row before of those that were looked at
+        let [first, last] = step.first_row;
+        let before = first.saturating_sub(1) * every;
+        step.first_row = [(before + 1).min(first * every), last * every];
+    }
     let mut own = match device.effects.is_empty() {
         true => options
             .model

@@ -10,6 +10,7 @@ mod force;
 mod judge;
 mod noise;
 mod options;
+mod outlying;
 mod own_effects;
 mod select;
 mod settle;
@@ -21,15 +22,16 @@ mod torques_alone;
 
 pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{
-    AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, Dependence, Detectable,
-    Diagnosis, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, MovedNumber, NoReduction,
-    NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance, Trace, Untestable, Verdict,
-    Whiteness,
+    AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, CorrectionAnswer, Dependence,
+    Detectable, Diagnosis, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, MovedNumber,
+    NoReduction, NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance, StepAnswer,
+    Trace, Untestable, Verdict, Whiteness,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use noise::NoiseSource;
 pub use options::{Catalogue, Options};
+pub use outlying::outlying_readings;
 pub use settle::{Candidate, Odds, Question, Settler, Settling};
 pub use start_values::start_values;

@@ -81,6 +81,8 @@ pub(crate) fn within_laws(
         candidates: Vec::new(),
         next_experiment: None,
         traces: Vec::new(),
+        steps: Vec::new(),
+        correction: None,
         corrected: None,
         own_effects_leave: Some(share),
         ..found

@@ -566,3 +566,15 @@ pub(crate) mod payload {
     /// Distances of a mass on a link from its joint's axis, over the longest row of the chain. Choice.
     pub(crate) const LEVER: [f64; 2] = [0.1, 1.0];
 }
+
+/// Curves in the place of a cause that is not known.
+pub(crate) mod correction {
+    /// Coefficients of a curve: 40 intervals over the range of what it is drawn over. Choice: the penalty decides how smooth it is.
+    pub(crate) const COEFFICIENTS: usize = 43;
+    /// Gain on unseen rows in standard deviations of one by chance. Chance: one curve in 700.
+    pub(crate) const CHANCE_SD: f64 = 3.0;
+    /// Least share of the squares beyond noise that unseen rows lose. Choice.
+    pub(crate) const LEAST_SHARE: f64 = 0.1;
+    /// A curve over something else than the joint's angle must close more by this: its share times it. Choice.
+    pub(crate) const NEARLY_AS_MUCH: f64 = 0.9;
+}

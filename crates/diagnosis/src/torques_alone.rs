@@ -88,6 +88,8 @@ pub(crate) fn diagnose(
             .closed_unseen_share
             .filter(|_| verdict != Verdict::Unknown),
         own_effects_leave: None,
+        steps: Vec::new(),
+        correction: None,
         probability_unknown: match (verdict, causes.first()) {
             (Verdict::NoGap, _) => 0.0,
             (Verdict::Unknown, _) | (_, None) => 1.0,

@@ -5,6 +5,7 @@
 pub mod base_model;
 pub mod cable;
 mod context;
+pub mod correction;
 pub mod device;
 mod effect;
 mod error;
@@ -25,7 +26,9 @@ mod tests;
 pub mod transmission;
 mod unit;
 
-pub use context::{CableGeometry, Context, Line, Stream, Touches, joint_origin_m, streams};
+pub use context::{
+    CableGeometry, Context, Line, Stream, Touches, joint_origin_m, runs_of, streams,
+};
 pub use effect::Effect;
 pub use error::ContextError;
 pub use laws::under_load;
@@ -34,5 +37,5 @@ pub use need::Need;
 pub use parameter::{Further, Parameter, Role};
 pub use registry::{catalogue, drive_catalogue, names, parameter, plausible_range, spec, specs};
 pub use signal::Signal;
-pub use spec::{Absorbed, Family, Follows, Hook, LawError, Shape, Spec};
+pub use spec::{Absorbed, Family, Follows, Hook, LawError, LogFault, Shape, Spec};
 pub use unit::Unit;

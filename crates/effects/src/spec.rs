@@ -201,6 +201,19 @@ pub enum Absorbed {
     ByTorqueScale,
 }
 
+/// What a log has wrong by an effect that is no part of the device: it can be set right in the log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogFault {
+    /// Readings from an event on are off by a constant.
+    Step,
+    /// Readings are late.
+    Late,
+    /// Readings of a sensor drift.
+    Drift,
+    /// Single readings are wild.
+    Wild,
+}
+
 /// What is known of an effect without a recording. Of two effects with one name the parameters differ, or the
 /// place where they enter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -247,6 +260,8 @@ pub struct Spec {
     pub log_prior: f64,
     /// What its law gets wrong.
     pub law_error: LawError,
+    /// What the log has wrong by it; none for what the device has.
+    pub log_fault: Option<LogFault>,
 }
 
 impl Spec {
@@ -273,6 +288,7 @@ impl Spec {
         look_alikes: &[],
         log_prior: 0.0,
         law_error: LawError::NONE,
+        log_fault: None,
     };
 
     /// Whether another effect at the same place is of the same kind: another law of what happens there.

@@ -12,6 +12,7 @@ mod log;
 mod page;
 mod plan;
 mod replay;
+mod simulate;
 pub mod units;
 
 pub use haptical_batch as batch;
@@ -33,7 +34,9 @@ pub use haptical_urdf as urdf;
 
 pub use check::{Checked, CheckedChannel, CheckedDevice, CheckedJoint, CheckedLog, check};
 pub use device::{Device, Equipment, InputDrumDenominators, is_mjcf, is_urdf, refuse_other_device};
-pub use diagnose::{Cause, Diagnose, Diagnosed, diagnose, diagnose_as};
+pub use diagnose::{
+    Cause, Diagnose, Diagnosed, Repair, RepairChange, RepairCheck, diagnose, diagnose_as,
+};
 pub use error::{Error, ErrorKind, Place};
 pub use identify::{
     EffectEntry, EffectNumber, Found, IdentifiabilityEntry, Identified, Identify, LossEntry,
@@ -46,6 +49,7 @@ pub use plan::{
     settle, settle_as,
 };
 pub use replay::{Replayed, ReplayedChannel, replay};
+pub use simulate::{SimulatedPostures, Truth, simulate_postures, true_device};
 
 /// What a program needs from a device file to a cause: `use haptical::prelude::*;`.
 pub mod prelude {

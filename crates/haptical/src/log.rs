@@ -101,6 +101,38 @@ impl Log {
         })
     }
 
+    /// Its bytes once more, as they were read; none of columns in memory.
+    ///
+    /// # Errors
+    /// It is no file that can be read twice, or it was changed since.
+    pub(crate) fn read_again(&self) -> Result<Option<Vec<u8>>, Error> {
+        let Some(before) = &self.fingerprint else {
+            return Ok(None);
+        };
+        let path = &self.source.path;
+        if !path.is_file() {
+            let what = "it cannot be read twice, as a repair must";
+            return Err(Error::in_file(
+                "no-file",
+                what,
+                path,
+                "give a file, not a pipe",
+            ));
+        }
+        let unreadable = |error| Error::unreadable(&error, path, "check its permissions");
+        let bytes = std::fs::read(path).map_err(unreadable)?;
+        if Fingerprint::from_bytes(&bytes) != *before {
+            let what = "it was changed while it was diagnosed";
+            return Err(Error::in_file(
+                "changed",
+                what,
+                path,
+                "run the command again",
+            ));
+        }
+        Ok(Some(bytes))
+    }
+
     /// Its origin.
     pub fn source(&self) -> &Source {
         &self.source

@@ -129,6 +129,46 @@ pub enum SimulatorError {
         /// Distance between exit and handle \[m\].
         distance_m: f64,
     },
+    /// A thing that the handle is to touch and reaches at none of its postures.
+    #[error(
+        "{what}: the true device reaches it at none of its {postures} postures within the limits of the joints"
+    )]
+    OutOfReach {
+        /// `contact` or `plane` with its name.
+        what: String,
+        /// Postures that were to touch it.
+        postures: usize,
+    },
+    /// A plane that is known by too few postures.
+    #[error(
+        "plane `{id}` has {postures} postures, or all in one line: nobody can tell where it lies"
+    )]
+    NoPlane {
+        /// As in the log's column `plane`.
+        id: String,
+        /// Postures that touch it.
+        postures: usize,
+    },
+    /// A touch or a held angle that the joints do not get to with what effects do to it.
+    #[error("row {row}: the joints do not get to where {what}")]
+    NotMet {
+        /// Row, from 0.
+        row: usize,
+        /// What was to be met.
+        what: String,
+    },
+    /// Two demands on the joints of one posture.
+    #[error("row {row}: a fixture holds a link while the handle touches something")]
+    HeldTouch {
+        /// Row, from 0.
+        row: usize,
+    },
+    /// Postures of a device without the links or the numbers of joints that they need.
+    #[error("{what}")]
+    NoPosture {
+        /// What is missing.
+        what: String,
+    },
     /// Effects that cannot be simulated.
     #[error(transparent)]
     Effects(#[from] EffectError),

@@ -4,6 +4,7 @@
 //! [`simulate`] records random poses of it, [`simulate_transmission`] one transmission alone, and
 //! [`true_poses`] says where the handle is at given readings. [`simulate_motion`] and [`record_motion`]
 //! record a device that a hand moves through time, with [`Effects`] that its model leaves out.
+//! [`PostureSimulation`] records single postures, at which the handle may touch points and planes or a fixture hold links.
 //!
 //! # What a seed means
 //!
@@ -26,6 +27,15 @@
 //! | 11 | torques, four words a row |
 //! | 12 | an axis of the force sensor, four words a row |
 //! | 13 | thermometer, four words a row |
+//! | 14 | where a tracker stands and what it sees, where neither is known |
+//! | 15, 16 | positions and orientations of [`add_tracker`] |
+//! | 17, 18 | where a tracker stands in each run, where each named tool is on the hand |
+//! | 19 | known distances, then known angles between touched things |
+//! | 20 | touches, twelve words a posture |
+//! | 21 | homing fixtures, four words a posture |
+//! | 22, 23 | external encoders and cable encoders of [`PostureSimulation`], four words a row |
+//! | 24, 25 | positions and orientations of [`PostureSimulation`], twelve words a row |
+//! | 26 | deviations of [`draw_deviations`], in the order of the parameters |
 //!
 //! So one noise can be switched off, a cable added or the number of rows changed without any change
 //! to the other numbers, and one seed may serve every recording of a device.
@@ -49,6 +59,7 @@ mod effect;
 mod error;
 mod motion;
 mod poses;
+mod postures;
 mod sampling;
 mod sensor;
 mod settings;
@@ -67,7 +78,10 @@ pub use error::{Part, SimulatorError};
 pub use motion::hand_path::{JointMotion, Motion};
 pub use motion::settings::{Encoders, HandMotion, MotionSettings, Temperature};
 pub use motion::simulate::{MotionSimulation, record_motion, simulate_motion};
+pub use postures::PostureSimulation;
+pub use postures::places::with_places_of;
+pub use postures::sensors::PostureSensors;
 pub use settings::{CableSigma, Noise, Sampling, Settings};
 pub use simulate::{simulate, simulate_transmission};
 pub use track::{UNSTATED_TRACKER_SD, add_tracker};
-pub use truth::{apply_deviations, true_poses};
+pub use truth::{apply_deviations, draw_deviations, true_poses};

@@ -46,6 +46,26 @@ pub(crate) enum Stream {
     TrackerPosition = 15,
     /// Noise of its orientations.
     TrackerOrientation = 16,
+    /// Where a tracker stands in one run, where that is not known.
+    RunPlace = 17,
+    /// Where a named tool is on the hand, where that is not known.
+    ToolPlace = 18,
+    /// What a known distance or angle between touched things is off.
+    TouchPair = 19,
+    /// How far a touch misses its point or plane.
+    Touch = 20,
+    /// How far a homing fixture misses the angle of a joint.
+    Fixture = 21,
+    /// Noise of an external encoder at single postures.
+    PostureOutput = 22,
+    /// Noise of a cable encoder at single postures.
+    PostureCable = 23,
+    /// Noise of a tracker's positions at single postures.
+    PosturePosition = 24,
+    /// Noise of its orientations there.
+    PostureOrientation = 25,
+    /// How far a drawn device deviates from its file.
+    Deviation = 26,
 }
 
 impl Stream {

@@ -11,9 +11,9 @@ use crate::streams::{Stream, normal, uniform};
 /// Noise of a tracker whose file states none: of a coordinate \[m\], and of a rotation \[rad\].
 pub const UNSTATED_TRACKER_SD: [f64; 2] = [1e-4, 1e-3];
 /// How far from the robot a tracker stands whose place is not known \[m\].
-const STANDS_AT_M: f64 = 1.5;
+pub(crate) const STANDS_AT_M: f64 = 1.5;
 /// How far from the handle the thing is that it sees \[m\].
-const TOOL_M: f64 = 0.05;
+pub(crate) const TOOL_M: f64 = 0.05;
 
 /// Adds positions and orientations of the handle to a recording, as the tracker of the device sees them; nothing for a device
 /// without tracker or links. `truth` is the device whose every number is known.
@@ -77,11 +77,8 @@ pub fn add_tracker(
         for (axis, column) in position_m.iter_mut().enumerate() {
             column.push(seen.position_m[axis] + sds[0] * normal(&mut noise[0]));
         }
-        let wrong = Vector3::from_fn(|_, _| sds[1] * normal(&mut noise[1]));
         let exact = Rotation3::from_matrix_unchecked(seen.rotation);
-        let read = Rotation3::new(wrong) * exact;
-        let read = UnitQuaternion::from_rotation_matrix(&read).into_inner();
-        let parts = [read.w, read.i, read.j, read.k];
+        let parts = noisy_orientation(&exact, sds[1], &mut noise[1]);
         for (column, part) in orientation.iter_mut().zip(parts) {
             column.push(part);
         }
@@ -92,7 +89,8 @@ pub fn add_tracker(
 }
 
 /// One pose after the other.
-trait Then {
+pub(crate) trait Then {
+    /// This pose, then the next one seen from it.
     fn then(&self, next: &Pose) -> Pose;
 }
 
@@ -112,18 +110,35 @@ fn place(
     (generator, reach_m): (&mut ChaCha8Rng, f64),
 ) -> Pose {
     // drawn in any case: what is known of one place moves no other
-    let mut number = |size: f64| size * (2.0 * uniform(generator) - 1.0);
-    let position_m = [0, 1, 2].map(|_| number(reach_m));
-    let turn_rad = [0, 1, 2].map(|_| number(1.5));
+    let drawn = drawn_place(generator, reach_m);
     if is_known {
         return Pose::default();
     }
-    let drawn = Placement {
+    stated.unwrap_or(drawn).pose()
+}
+
+/// A place in a box of half this width, turned any way.
+pub(crate) fn drawn_place(generator: &mut ChaCha8Rng, reach_m: f64) -> Placement {
+    let mut number = |size: f64| size * (2.0 * uniform(generator) - 1.0);
+    let position_m = [0, 1, 2].map(|_| number(reach_m));
+    let turn_rad = [0, 1, 2].map(|_| number(1.5));
+    Placement {
         start: Origin {
             position_m,
             ..Origin::IDENTITY
         },
         turn_rad,
-    };
-    stated.unwrap_or(drawn).pose()
+    }
+}
+
+/// What an orientation reads like with rotations of this standard deviation \[rad\] about each axis, as w, x, y, z.
+pub(crate) fn noisy_orientation(
+    exact: &Rotation3<f64>,
+    sd_rad: f64,
+    generator: &mut ChaCha8Rng,
+) -> [f64; 4] {
+    let wrong = Vector3::from_fn(|_, _| sd_rad * normal(generator));
+    let read = Rotation3::new(wrong) * exact;
+    let read = UnitQuaternion::from_rotation_matrix(&read).into_inner();
+    [read.w, read.i, read.j, read.k]
 }

@@ -2,10 +2,11 @@
 
 use haptical_model::kinematics::Pose;
 use haptical_model::{
-    Device, Evaluation, ModelError, Recording, TransmissionError, TransmissionKind,
+    Device, Evaluation, ModelError, ParameterId, Recording, TransmissionError, TransmissionKind,
 };
 
 use crate::SimulatorError;
+use crate::streams::{Stream, normal};
 
 /// A device with deviations added to its parameters.
 ///
@@ -48,6 +49,53 @@ pub fn apply_deviations(
             });
         }
         parameter.set(&mut truth, value);
+    }
+    Ok(truth)
+}
+
+/// A device whose parameters differ from their values by normal numbers, `share` times their plausible size each
+/// ([`ParameterId::plausible_size`]).
+///
+/// # Errors
+/// [`SimulatorError::Setting`] for a share that is no finite number from 0; [`SimulatorError::Deviation`].
+///
+/// # Examples
+/// ```
+/// use haptical_simulator::{draw_deviations, model::Device};
+/// let text = "[[joint]]\ntransmission = \"capstan\"\ntransmission_ratio = 8.0\ndrum_distance_m = 0.07\n";
+/// let nominal = Device::from_toml(text, "one.toml")?.device;
+/// let ratio = [nominal.parameter("ratio_deviation1")?];
+/// let truth = draw_deviations(&nominal, &ratio, 0.2, 1)?;
+/// let off = ratio[0].value(&truth);
+/// assert!(off != 0.0 && off.abs() < 5.0 * 0.2 * ratio[0].plausible_size(&nominal));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn draw_deviations(
+    nominal: &Device,
+    parameters: &[ParameterId],
+    share: f64,
+    seed: u64,
+) -> Result<Device, SimulatorError> {
+    if !(share >= 0.0 && share.is_finite()) {
+        return Err(SimulatorError::Setting {
+            setting: "share",
+            value: share,
+            allowed: "finite, 0 or more",
+        });
+    }
+    let mut generator = Stream::Deviation.open(0, seed);
+    let mut truth = nominal.clone();
+    for parameter in parameters {
+        let deviation = share * parameter.plausible_size(nominal) * normal(&mut generator);
+        let before = parameter.value(&truth);
+        if !(before + deviation).is_finite() {
+            return Err(SimulatorError::Deviation {
+                name: parameter.name(nominal),
+                nominal: before,
+                deviation,
+            });
+        }
+        parameter.set(&mut truth, before + deviation);
     }
     Ok(truth)
 }

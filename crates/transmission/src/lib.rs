@@ -13,6 +13,7 @@
 //! | [`CapstanTerms`], [`FourBar`] | eqs. (1) and (2) without sines and arctangents, for other forms of them | |
 //! | [`CapstanRows`] | eq. (1) at many angles at once | |
 //! | [`loops`] | play, Dahl's loop, creep, delay: one sample after the other | Prandtl, Dahl 1968 |
+//! | [`spline`] | a free curve | de Boor 1978 |
 //! | [`invert`] | angle of the encoder for a wanted angle of the output | safeguarded Newton |
 #![no_std]
 
@@ -27,6 +28,7 @@ mod four_bar;
 mod inverse;
 pub mod loops;
 mod parallelogram;
+pub mod spline;
 
 pub use capstan::{Capstan, CapstanError};
 pub use capstan_rows::CapstanRows;

@@ -117,7 +117,8 @@ impl Given {
             predictions,
             time_s,
             base: diagnosis.device,
-            corrected: diagnosis.corrected,
+            // a curve in the place of a cause that is unknown closes a gap without an answer
+            corrected: (diagnosis.corrected).filter(|_| diagnosis.correction.is_none()),
         })
     }
 

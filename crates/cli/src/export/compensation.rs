@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use haptical_effects::correction::NAME;
 use haptical_effects::device::{OwnEffect, effects_of};
 use haptical_effects::{Context, Hook, joint_origin_m};
 use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
@@ -45,6 +46,15 @@ impl Compensation {
             let next = "correct [[effect]] in the device file";
             Failure::in_file("not-exportable", what, path, next)
         };
+        if let Some(curve) = device.effects.iter().find(|own| own.name == NAME) {
+            let what = format!(
+                "[[effect]] `{}` is a curve, and no export for a control loop has curves yet",
+                curve.label()
+            );
+            let next = "delete its table in the device file to export the device without it; `simulate`, `identify` and \
+                        `diagnose` take it";
+            return Err(Failure::in_file("not-exportable", what, path, next));
+        }
         let own = effects_of(device).map_err(|error| refuse(error.to_string()))?;
         // numbers of laws need no recording
         let nothing = Recording::default();

@@ -8,6 +8,11 @@ use serde::Serialize;
 use super::recorded::Recorded;
 use crate::failure::Failure;
 
+/// Inputs that are results themselves, often in a folder beside that of the result.
+const OF_OTHER_RESULTS: [&str; 2] = ["with", "model"];
+/// Folders beside a result that are looked into.
+const MOST_BESIDE: usize = 1000;
+
 /// An input with the recorded bytes.
 #[derive(Debug, Serialize)]
 pub(super) struct FoundInput {
@@ -48,6 +53,13 @@ pub(super) fn find(
             return Ok(found(path, recorded));
         }
         other.get_or_insert(path);
+    }
+    if given.is_none() && OF_OTHER_RESULTS.contains(&flag) {
+        for path in beside(result.folder(), name) {
+            if hash(&path)? == recorded.sha256 {
+                return Ok(found(&path, recorded));
+            }
+        }
     }
     let InputFile {
         file,
@@ -110,6 +122,22 @@ fn places(folder: &Path, name: &Path) -> Vec<PathBuf> {
         }
     }
     places
+}
+
+/// Files of the recorded name's last part in the folders beside a result's, in order of their names: of an absolute path no
+/// more than that part is recorded.
+fn beside(folder: &Path, name: &Path) -> Vec<PathBuf> {
+    let last = name.file_name().map_or(name, Path::new);
+    let Ok(entries) = std::fs::read_dir(folder.join("..")) else {
+        return Vec::new();
+    };
+    let folders = entries.take(MOST_BESIDE).filter_map(Result::ok);
+    let mut files: Vec<PathBuf> = folders
+        .map(|entry| entry.path().join(last))
+        .filter(|path| path.is_file())
+        .collect();
+    files.sort_unstable();
+    files
 }
 
 /// SHA-256 of a regular file.

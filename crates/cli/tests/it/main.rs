@@ -7,6 +7,7 @@
 )]
 
 mod bad_input;
+mod correction;
 mod diagnose;
 mod diagnose_refusals;
 mod export;
@@ -30,11 +31,13 @@ mod plan;
 mod play_log;
 mod play_page;
 mod play_refusals;
+mod repair;
 mod reproducible;
 mod resealed;
 mod settle;
 mod shared_data;
 mod simulate;
+mod simulate_poses;
 mod torques_alone;
 mod touches;
 mod two_arms;

@@ -7,8 +7,10 @@ use crate::DiagnosisError;
 use crate::answer::advice::next_experiment;
 use crate::answer::causes::{noise_findings, position_causes};
 use crate::answer::corrected::corrected;
+use crate::answer::correction::correction;
 use crate::answer::place::{Located, in_torques, locate};
 use crate::answer::place_touched::{by_dependence, of_base_term};
+use crate::answer::steps::steps;
 use crate::answer::tables::{candidates, channels, noise, traces, untestable};
 use crate::answer::unseen::{hints, unseen};
 use crate::answer::{CauseAnswer, Diagnosis, Gap, NoiseAnswer, Provenance, Verdict};
@@ -53,6 +55,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         true => located(&findings, verdict, touches),
         false => None,
     };
+    let correction = correction(&findings.selection, verdict, located.as_ref())?;
     let noise = noise(&findings);
     if causes.is_empty() {
         causes = on_the_data(&findings, &noise);
@@ -106,8 +109,13 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         place,
         provenance: provenance(&findings),
         device: engine.problem.device_with(&engine.start.model.values),
-        corrected: corrected(&findings.selection, verdict, &causes)?,
+        corrected: match &correction {
+            Some(correction) => Some(correction.device.clone()),
+            None => corrected(&findings.selection, verdict, &causes)?,
+        },
+        correction: correction.map(|correction| correction.answer),
         causes,
+        steps: steps(&findings.selection),
         held_out: findings.shrink.description,
         predictions: findings.shrink.predictions,
     })

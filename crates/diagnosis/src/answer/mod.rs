@@ -4,12 +4,15 @@ pub(crate) mod advice;
 pub(crate) mod assemble;
 pub(crate) mod causes;
 pub(crate) mod corrected;
+pub(crate) mod correction;
 pub(crate) mod floor;
 pub(crate) mod floors;
 pub(crate) mod gap;
+pub(crate) mod p_spline;
 pub(crate) mod place;
 pub(crate) mod place_touched;
 pub(crate) mod shrink;
+pub(crate) mod steps;
 pub(crate) mod tables;
 pub(crate) mod unseen;
 
@@ -72,6 +75,9 @@ pub struct Diagnosis {
     /// beyond noise that they leave of what a device without them does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_effects_leave: Option<f64>,
+    /// Where the cause is unknown: the curve in its place that `corrected` has; none where no curve predicts unseen rows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correction: Option<CorrectionAnswer>,
     /// Probability that the cause is none of the catalogue's.
     pub probability_unknown: f64,
     /// Effects that the recording cannot test.
@@ -100,10 +106,13 @@ pub struct Diagnosis {
     /// The base model.
     #[serde(skip)]
     pub device: Device,
-    /// The device with the causes, geometry and drives fitted together with them; none where no cause is named that is part of
-    /// a device.
+    /// The device with the causes, geometry and drives fitted together with them, or with the correction; none where no cause is
+    /// named that is part of a device, and no correction found.
     #[serde(skip)]
     pub corrected: Option<Device>,
+    /// What the events among the causes did to the readings, step by step.
+    #[serde(skip)]
+    pub steps: Vec<StepAnswer>,
     /// For pictures.
     #[serde(skip)]
     pub traces: Vec<Trace>,
@@ -299,6 +308,45 @@ impl CauseAnswer {
             held_out: None,
         }
     }
+}
+
+/// A curve that is added to a joint's angle in the place of a cause that is not known. It is no cause.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CorrectionAnswer {
+    /// Joint (from 1).
+    pub joint: usize,
+    /// Column of the log that it is drawn over.
+    pub over: String,
+    /// Lower end of its range, in the column's unit.
+    pub from: f64,
+    /// Upper end.
+    pub to: f64,
+    /// Number of its coefficients.
+    pub coefficients: usize,
+    /// Numbers that the data decide of them.
+    pub effective: f64,
+    /// Largest coefficient.
+    pub largest: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Share of the squares beyond noise that rows lose that its fit did not see.
+    pub closed_unseen_share: f64,
+    /// What it gains there, in standard deviations of a gain by chance.
+    pub gain_sd: f64,
+}
+
+/// A step of an event.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepAnswer {
+    /// Name of the effect.
+    pub effect: String,
+    /// Joint (from 1), where it has one.
+    pub joint: Option<usize>,
+    /// The first row after it lies between these two, from 0: they are one where all rows were looked at.
+    pub first_row: [usize; 2],
+    /// What its channels read more from there to the end of the run \[rad\] or \[m\]: of lost counts of a motor encoder, what
+    /// the joint's angle is more than that encoder says.
+    pub size: f64,
 }
 
 /// The gap on data that the fit did not see.

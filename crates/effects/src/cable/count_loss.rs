@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::laws::{Input, Step};
-use crate::{Hook, Need, Spec};
+use crate::{Hook, LogFault, Need, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cable-count-loss",
@@ -13,6 +13,7 @@ pub(crate) const SPEC: Spec = Spec {
     source: "C12",
     hook: Hook::CableSensor,
     needs: &[Need::Time, Need::Motion, Need::Cable],
+    log_fault: Some(LogFault::Step),
     ..Step::SPEC
 };
 

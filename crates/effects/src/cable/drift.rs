@@ -1,7 +1,7 @@
 //! The zero of the cable encoder drifts in time.
 
 use crate::laws::Drift;
-use crate::{Hook, Need, Parameter, Spec};
+use crate::{Hook, LogFault, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cable-drift",
@@ -12,6 +12,7 @@ pub(crate) const SPEC: Spec = Spec {
     hook: Hook::CableSensor,
     needs: &[Need::Time, Need::Cable],
     parameters: &[Parameter::size("m_per_s", 0.0, 1e-4)],
+    log_fault: Some(LogFault::Drift),
     ..Drift::SPEC
 };
 

@@ -1,7 +1,7 @@
 //! The cable encoder is sampled late.
 
 use crate::laws::Delay;
-use crate::{Follows, Hook, Need, Spec};
+use crate::{Follows, Hook, LogFault, Need, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cable-latency",
@@ -12,6 +12,7 @@ pub(crate) const SPEC: Spec = Spec {
     hook: Hook::CableSensor,
     needs: &[Need::Time, Need::Motion, Need::Cable],
     follows: Follows::CableSpeed,
+    log_fault: Some(LogFault::Late),
     ..Delay::SPEC
 };
 

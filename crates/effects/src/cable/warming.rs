@@ -1,7 +1,7 @@
 //! The cable and its encoder grow with temperature.
 
 use crate::laws::{Input, Law, REFERENCE};
-use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Spec};
+use crate::{Family, Follows, Further, Hook, LawError, LogFault, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "thermal-drift",
@@ -21,6 +21,7 @@ pub(crate) const SPEC: Spec = Spec {
     amplitudes: 2,
     follows: Follows::Temperature,
     law_error: LawError::DRIFT,
+    log_fault: Some(LogFault::Drift),
     ..Spec::COMMON
 };
 

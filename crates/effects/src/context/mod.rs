@@ -25,7 +25,8 @@ use crate::signal::{LocalMotion, local_motion, smooth};
 
 use self::cable::cable_geometry;
 pub(crate) use self::rows::moves;
-use self::rows::{STEP_OF_A_MOTION, is_path, load_reach, runs_of, step_of_range};
+pub use self::rows::runs_of;
+use self::rows::{STEP_OF_A_MOTION, is_path, load_reach, step_of_range};
 use self::stream::stream_of;
 
 pub use self::cable::CableGeometry;

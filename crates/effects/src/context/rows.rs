@@ -4,8 +4,18 @@ use std::ops::Range;
 
 use haptical_model::{Device, JointType, Recording};
 
-/// Rows of one run each; a log without runs is one run.
-pub(super) fn runs_of(recording: &Recording) -> Vec<Range<usize>> {
+/// Rows of one run each: where the number of the run changes, or the time starts anew. A log without either is one run.
+///
+/// ```
+/// use haptical_model::Recording;
+/// let recording = Recording {
+///     time_s: Some(vec![0.0, 0.1, 0.0, 0.1]),
+///     joint: vec![vec![0.0; 4]],
+///     ..Recording::default()
+/// };
+/// assert_eq!(haptical_effects::runs_of(&recording), [0..2, 2..4]);
+/// ```
+pub fn runs_of(recording: &Recording) -> Vec<Range<usize>> {
     let rows = recording.len();
     let mut runs = Vec::new();
     let mut start = 0;

@@ -1,6 +1,6 @@
 //! Errors of the effects of a device.
 
-use crate::ContextError;
+use crate::{ContextError, Unit};
 
 /// An effect of a device that has no meaning, with what to do.
 #[derive(Debug, thiserror::Error)]
@@ -31,7 +31,7 @@ pub enum DeviceEffectError {
         why: String,
     },
     /// A key that is no parameter of it.
-    #[error("[[effect]] `{label}` has no parameter `{key}`{}; its parameters are: {known}", meant(nearest.as_ref()))]
+    #[error("[[effect]] `{label}` has no parameter `{key}`{} parameters are: {known}", instead(key, nearest.as_ref()))]
     Parameter {
         /// Name with its joint.
         label: String,
@@ -87,4 +87,21 @@ pub enum DeviceEffectError {
 
 fn meant(nearest: Option<&String>) -> String {
     nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+/// What a key without a meaning was to be, up to the list of the parameters.
+fn instead(key: &str, nearest: Option<&String>) -> String {
+    match nearest {
+        None => "; its".to_owned(),
+        Some(name) if lacks_unit(key, name) => {
+            format!(": the name of a number ends in its unit; write `{name}`. Its")
+        }
+        Some(name) => format!("; did you mean `{name}`? Its"),
+    }
+}
+
+/// Whether a key is the name of a parameter without its unit.
+pub(super) fn lacks_unit(key: &str, name: &str) -> bool {
+    let (before, _) = Unit::split(name);
+    key == before && key != name
 }

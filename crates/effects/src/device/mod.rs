@@ -14,4 +14,4 @@ pub use entry::entry;
 pub use error::DeviceEffectError;
 pub use fit::{settle, with_variances};
 pub use resolve::{OwnEffect, PLACES, effects_of, is_law, laws};
-pub use simulated::add_effects;
+pub use simulated::{add_effects, shown_by_effects};

@@ -2,10 +2,10 @@
 
 use haptical_model::{Device, DeviceEffect};
 
-use crate::device::error::DeviceEffectError;
+use crate::device::error::{DeviceEffectError, lacks_unit};
 use crate::{
-    Context, Effect, Further, Hook, Parameter, Role, Shape, Spec, catalogue, drive_catalogue,
-    names, specs,
+    Context, Effect, Further, Hook, Parameter, Role, Shape, Spec, catalogue, correction,
+    drive_catalogue, names, specs,
 };
 
 /// An effect of a device with its law.
@@ -89,7 +89,7 @@ pub fn laws() -> impl Iterator<Item = &'static Spec> {
 /// assert_eq!(own[0].values.as_deref(), Some(&[2e-3][..]));
 /// let text = "[[joint]]\n[[effect]]\nname = \"backlash\"\njoint = 1\nwidth = 2e-3\n";
 /// let error = effects_of(&Device::from_toml(text, "one.toml")?.device).err().ok_or("taken")?;
-/// assert!(error.to_string().contains("did you mean `width_rad`?"));
+/// assert!(error.to_string().contains("ends in its unit; write `width_rad`. Its parameters are"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn effects_of(device: &Device) -> Result<Vec<OwnEffect>, DeviceEffectError> {
@@ -108,7 +108,24 @@ fn resolved(
     entry: &DeviceEffect,
 ) -> Result<OwnEffect, DeviceEffectError> {
     let label = entry.label();
+    if entry.name == correction::NAME {
+        let (effect, range) = correction::resolved(device, index, entry)?;
+        return Ok(OwnEffect {
+            index,
+            effect,
+            values: Some(range),
+            further: Vec::new(),
+        });
+    }
     let spec = spec_of(entry)?;
+    if let Some(key) = entry.lists.keys().next() {
+        return Err(DeviceEffectError::Parameter {
+            label,
+            key: key.clone(),
+            nearest: None,
+            known: known(spec),
+        });
+    }
     let is_it = |effect: &dyn Effect| {
         let number = |joint: usize| (joint + 1) as f64;
         let from = effect.other_joint().map(number);
@@ -209,11 +226,15 @@ fn spec_of(entry: &DeviceEffect) -> Result<&'static Spec, DeviceEffectError> {
     let label = entry.label();
     if let Some(key) = keys().find(|key| !has(likeliest, key)) {
         let all = likeliest.parameters.iter().map(|own| own.name);
-        let all = all.chain(likeliest.further.iter().map(|own| own.name));
+        let all: Vec<&str> = all
+            .chain(likeliest.further.iter().map(|own| own.name))
+            .collect();
+        let with_unit = all.iter().find(|name| lacks_unit(key, name));
+        let with_unit = with_unit.map(|name| (*name).to_owned());
         return Err(DeviceEffectError::Parameter {
             label,
             key: key.clone(),
-            nearest: nearest(key, &all.collect::<Vec<&str>>()),
+            nearest: with_unit.or_else(|| nearest(key, &all)),
             known: known(likeliest),
         });
     }

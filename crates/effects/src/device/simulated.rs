@@ -2,7 +2,7 @@
 
 use haptical_calibration::{Channel, channels};
 use haptical_model::kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use haptical_model::{Device, DeviceEffect, Recording};
+use haptical_model::{AddedReadings, Device, DeviceEffect, Recording};
 
 use crate::device::bare::bare;
 use crate::device::error::DeviceEffectError;
@@ -18,6 +18,59 @@ use crate::{Context, Signal, Stream, streams};
 /// # Errors
 /// [`DeviceEffectError`].
 pub fn add_effects(device: &Device, recording: &mut Recording) -> Result<(), DeviceEffectError> {
+    let Some((streams, sum)) = sum_of_effects(device, recording)? else {
+        return Ok(());
+    };
+    let joints = device.joints.len();
+    let mut turns: Vec<Vector3<f64>> = Vec::new();
+    for (stream, values) in &sum.parts {
+        match streams.get(*stream) {
+            Some(stream) => add_to(stream, values, recording, &mut turns),
+            None => {
+                let joint = stream - streams.len();
+                let column = recording
+                    .torque_nm
+                    .get_mut(joint)
+                    .filter(|_| joint < joints);
+                add(column.and_then(Option::as_mut), values);
+            }
+        }
+    }
+    turn(recording, &turns);
+    Ok(())
+}
+
+/// What the effects of a device and the compliances of its joints show in the channels of a recording, touches and
+/// fixtures among them; all of them together, an entry for each axis. Empty for a device without effects.
+///
+/// # Errors
+/// [`DeviceEffectError`].
+pub fn shown_by_effects(
+    device: &Device,
+    recording: &Recording,
+) -> Result<Vec<AddedReadings>, DeviceEffectError> {
+    let Some((streams, sum)) = sum_of_effects(device, recording)? else {
+        return Ok(Vec::new());
+    };
+    let shown = sum.parts.into_iter().filter_map(|(stream, readings)| {
+        let stream = streams.get(stream)?;
+        Some(AddedReadings {
+            effect: 0,
+            channel: stream.channel.name(),
+            axis: stream.axis,
+            readings,
+            at: Vec::new(),
+            slopes: Vec::new(),
+        })
+    });
+    Ok(shown.collect())
+}
+
+/// The streams of a recording, and what all effects of a device together show in them; none for a device without effects.
+fn sum_of_effects(
+    device: &Device,
+    recording: &Recording,
+) -> Result<Option<(Vec<Stream>, Signal)>, DeviceEffectError> {
     let mut whole = device.clone();
     for (joint, own) in device.surroundings.compliance.iter().enumerate() {
         if own.rad_per_nm != 0.0 {
@@ -35,7 +88,7 @@ pub fn add_effects(device: &Device, recording: &mut Recording) -> Result<(), Dev
     }
     let own = effects_of(&whole)?;
     if own.is_empty() {
-        return Ok(());
+        return Ok(None);
     }
     let base = bare(device);
     let channels = channels(&base, recording).unwrap_or_default();
@@ -62,23 +115,7 @@ pub fn add_effects(device: &Device, recording: &mut Recording) -> Result<(), Dev
             sum.add(&signal, 1.0);
         }
     }
-    let joints = device.joints.len();
-    let mut turns: Vec<Vector3<f64>> = Vec::new();
-    for (stream, values) in &sum.parts {
-        match streams.get(*stream) {
-            Some(stream) => add_to(stream, values, recording, &mut turns),
-            None => {
-                let joint = stream - streams.len();
-                let column = recording
-                    .torque_nm
-                    .get_mut(joint)
-                    .filter(|_| joint < joints);
-                add(column.and_then(Option::as_mut), values);
-            }
-        }
-    }
-    turn(recording, &turns);
-    Ok(())
+    Ok(Some((streams, sum)))
 }
 
 fn add(column: Option<&mut Vec<f64>>, values: &[f64]) {
@@ -117,7 +154,7 @@ fn add_to(
                 turn[stream.axis] += value;
             }
         }
-        // what is touched stays where it is: the joints read otherwise
+        // what is touched stays where it is: the joints read otherwise (`shown_by_effects`)
         _ => {}
     }
 }

@@ -4,7 +4,7 @@ use haptical_model::Joint;
 use std::f64::consts::TAU;
 
 use crate::laws::{Input, Step};
-use crate::{Hook, Need, Spec};
+use crate::{Hook, LogFault, Need, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "external-encoder-count-loss",
@@ -14,6 +14,7 @@ pub(crate) const SPEC: Spec = Spec {
     source: "B3",
     hook: Hook::ExternalEncoder,
     needs: &[Need::Time, Need::Motion, Need::Output],
+    log_fault: Some(LogFault::Step),
     ..Step::SPEC
 };
 

@@ -1,7 +1,7 @@
 //! The zero of an external encoder drifts in time.
 
 use crate::laws::Drift;
-use crate::{Hook, Need, Spec};
+use crate::{Hook, LogFault, Need, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "external-encoder-drift",
@@ -11,6 +11,7 @@ pub(crate) const SPEC: Spec = Spec {
     source: "B4",
     hook: Hook::ExternalEncoder,
     needs: &[Need::Time, Need::Output],
+    log_fault: Some(LogFault::Drift),
     ..Drift::SPEC
 };
 

@@ -1,7 +1,7 @@
 //! An external encoder is sampled late.
 
 use crate::laws::Delay;
-use crate::{Hook, Need, Spec};
+use crate::{Hook, LogFault, Need, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "external-encoder-latency",
@@ -11,6 +11,7 @@ pub(crate) const SPEC: Spec = Spec {
     source: "B5",
     hook: Hook::ExternalEncoder,
     needs: &[Need::Time, Need::Motion, Need::Output],
+    log_fault: Some(LogFault::Late),
     ..Delay::SPEC
 };
 

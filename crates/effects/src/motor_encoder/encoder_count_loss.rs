@@ -4,7 +4,7 @@
 use haptical_model::Joint;
 
 use crate::laws::{Input, Step};
-use crate::{Hook, Need, Spec};
+use crate::{Hook, LogFault, Need, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "encoder-count-loss",
@@ -14,6 +14,7 @@ pub(crate) const SPEC: Spec = Spec {
     source: "A9",
     hook: Hook::Transmission,
     needs: &[Need::Time, Need::Motion, Need::Counts],
+    log_fault: Some(LogFault::Step),
     ..Step::SPEC
 };
 

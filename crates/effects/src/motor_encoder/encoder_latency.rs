@@ -2,7 +2,7 @@
 
 use crate::context::Context;
 use crate::laws::{Delay, moved, slope};
-use crate::{Effect, Hook, Need, Signal, Spec};
+use crate::{Effect, Hook, LogFault, Need, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "encoder-latency",
@@ -11,6 +11,7 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "theta(t + d) - theta(t), all joints",
     hook: Hook::Timing,
     needs: &[Need::Time, Need::Motion],
+    log_fault: Some(LogFault::Late),
     ..Delay::SPEC
 };
 

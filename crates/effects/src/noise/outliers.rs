@@ -1,6 +1,6 @@
 //! Single readings far from the rest.
 
-use crate::{Family, Hook, Parameter, Spec};
+use crate::{Family, Hook, LogFault, Parameter, Spec};
 
 /// Single readings far from the rest.
 pub const SPEC: Spec = Spec {
@@ -12,5 +12,6 @@ pub const SPEC: Spec = Spec {
     hook: Hook::Readings,
     family: Family::Stated,
     parameters: &[Parameter::size("share", 0.0, 1.0)],
+    log_fault: Some(LogFault::Wild),
     ..Spec::COMMON
 };

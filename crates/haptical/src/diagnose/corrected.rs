@@ -8,8 +8,8 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::files::without_comments;
 
-/// The device file with geometry and drives refitted together with the causes, and a table `[[effect]]` for each of them;
-/// none where no cause is named that is part of a device.
+/// The device file with geometry and drives refitted together with the causes, and a table `[[effect]]` for each of them, or
+/// for the correction; none where no cause is named that is part of a device, and no correction found.
 pub(super) fn text(device: &Device, diagnosis: &Diagnosis) -> Result<Option<String>, Error> {
     let Some(corrected) = &diagnosis.corrected else {
         return Ok(None);
@@ -27,7 +27,10 @@ pub(super) fn text(device: &Device, diagnosis: &Diagnosis) -> Result<Option<Stri
         Verdict::Ambiguous => {
             "# The data cannot tell the first cause from others: confusable_with lists them.\n"
         }
-        _ => "",
+        Verdict::Unknown => {
+            "# The cause is unknown: `correction` is a curve that was fitted to the gap. It is no cause.\n"
+        }
+        Verdict::NoGap | Verdict::Named => "",
     };
     Ok(Some(head.to_owned() + &written))
 }

@@ -99,6 +99,8 @@ pub(crate) fn no_gap() -> Diagnosis {
         },
         device: Device::from_toml(TEMPLATE, "device.toml").unwrap().device,
         traces: vec![],
+        steps: vec![],
+        correction: None,
         predictions: vec![],
     }
 }
@@ -214,7 +216,10 @@ fn an_open_answer_names_the_command_that_settles_it() {
     let mut open = named();
     open.verdict = Verdict::Ambiguous;
     let said = crate::diagnose::words::next_step(&open);
-    assert!(!said.contains("--settle"), "no candidate has a size: {said}");
+    assert!(
+        !said.contains("--settle"),
+        "no candidate has a size: {said}"
+    );
     for candidate in &mut open.candidates {
         candidate.parameters = [("size".to_owned(), 1.0)].into();
     }

@@ -5,8 +5,10 @@ mod agreement_tests;
 mod corrected;
 #[cfg(test)]
 mod example_tests;
+mod faults;
 mod page;
 pub(crate) mod quantity;
+mod repair;
 mod several;
 mod summary;
 mod words;
@@ -31,6 +33,7 @@ use crate::files::{
 use crate::identify::{flag_of_loss, flags_of_fit, hold};
 use crate::log::Log;
 
+pub use self::repair::{Repair, RepairChange, RepairCheck};
 pub(crate) use self::several::joined;
 use self::several::{LogRead, refuse_same_log};
 
@@ -58,6 +61,8 @@ pub struct Diagnose<'a> {
     pub hold: Vec<String>,
     /// How far such numbers may plausibly be off \[m\] or \[rad\].
     pub deviations: Vec<(String, f64)>,
+    /// Whether to write the log without what is its own fault, and to diagnose that again.
+    pub repair: bool,
 }
 
 /// A diagnosis with the names and hashes of what it was made from. It prints as the command's answer.
@@ -70,6 +75,9 @@ pub struct Diagnosed {
     pub diagnosis: Diagnosis,
     /// The verdict in a sentence or two.
     pub answer: String,
+    /// What was set right in the log, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repair: Option<Repair>,
     /// The text of corrected.toml.
     #[serde(skip)]
     corrected: Option<String>,
@@ -125,12 +133,20 @@ pub fn diagnose_as(
         joint_compliance,
         hold: kept,
         deviations,
+        repair,
     } = options;
     if let Some(model) = model {
         refuse_other_device(&device.model, &model.model, &model.source().path)?;
     }
     let logs: Vec<&Log> = std::iter::once(log).chain(also.iter().copied()).collect();
     let recording = joined(&logs)?;
+    if *repair && logs.len() > 1 {
+        return Err(Error::command_line(
+            "arguments",
+            "--repair with several logs: one log is repaired at a time",
+            "leave --repair out, or give one log",
+        ));
+    }
     if let Some(second) = validate {
         logs.iter()
             .try_for_each(|log| refuse_same_log(log, second))?;
@@ -151,6 +167,10 @@ pub fn diagnose_as(
     let mut diagnosis = diagnose_recording(&described, &recording, &request)
         .map_err(|error| Error::diagnosis(&error, device_path, log_path).with_equipment(device))?;
     refuse_overflow(&diagnosis, log_path)?;
+    let repair = match repair {
+        true => Some(repaired(device, log, &described, &request, &mut diagnosis)?),
+        false => None,
+    };
     let own = std::mem::take(&mut diagnosis.warnings);
     let read = [
         Some(&device.warnings),
@@ -178,6 +198,7 @@ pub fn diagnose_as(
         .into_iter()
         .collect();
     arguments.extend(flags_of_fit(&with, kept, deviations));
+    arguments.extend(repair.is_some().then(|| "--repair".to_owned()));
     let mut record = Record::new(version, "diagnose", arguments, files);
     record.seeds.insert("bootstrap", BOOTSTRAP_SEED);
     Ok(Diagnosed {
@@ -187,6 +208,7 @@ pub fn diagnose_as(
         },
         answer: summary::answer(&diagnosis),
         corrected: corrected::text(device, &diagnosis)?,
+        repair,
         diagnosis,
         haptical_version: version.to_owned(),
         device: device.source().label.clone(),
@@ -197,10 +219,30 @@ pub fn diagnose_as(
     })
 }
 
+/// The log set right by its diagnosis, and diagnosed again; what was set right is no part of the device with the causes.
+fn repaired(
+    device: &Device,
+    log: &Log,
+    described: &haptical_model::Device,
+    request: &Options<'_>,
+    diagnosis: &mut Diagnosis,
+) -> Result<Repair, Error> {
+    let mut repair = Repair::new(device, log, diagnosis)?;
+    if let Some(recording) = repair.recording(&device.model)? {
+        let (device_path, log_path) = (&device.source().path, &log.source().path);
+        let again = diagnose_recording(described, &recording, request)
+            .map_err(|error| Error::diagnosis(&error, device_path, log_path))?;
+        let answer = summary::answer(&again);
+        repair.checked(&again, answer);
+    }
+    repair.leave_out(&mut diagnosis.corrected, described);
+    Ok(repair)
+}
+
 impl Diagnosed {
-    /// Names of the files that are written; the third with a second log only, the last where a cause is named that is part of
-    /// a device.
-    pub const FILES: [&str; 4] = DIAGNOSIS_FILES;
+    /// Names of the files that are written; the third with a second log only, the fourth where a cause is named that is part of
+    /// a device, of the last three two where a log was repaired.
+    pub const FILES: [&str; 7] = DIAGNOSIS_FILES;
 
     /// What is odd about the device, the logs and the result.
     pub fn warnings(&self) -> &[String] {
@@ -224,7 +266,7 @@ impl Diagnosed {
     /// # Errors
     /// A fault of this library alone.
     pub fn files(&self) -> Result<Vec<NewFile<'static>>, Error> {
-        let [json_name, page_name, predictions_name, corrected_name] = Self::FILES;
+        let [json_name, page_name, predictions_name, corrected_name, ..] = Self::FILES;
         let mut files = vec![(
             page_name,
             page::page(&self.diagnosis, &self.provenance.record)?.into_bytes(),
@@ -237,13 +279,17 @@ impl Diagnosed {
             let text = self.provenance.record.toml_comments()? + corrected;
             files.push((corrected_name, text.into_bytes()));
         }
+        if let Some(repair) = &self.repair {
+            files.extend(repair.files()?);
+        }
         let mut sealed = self.clone();
         sealed.provenance.record = self.provenance.record.with_outputs(&files);
         files.insert(0, (json_name, sealed_json(&sealed)?.into_bytes()));
         Ok(files)
     }
 
-    /// Writes gap.json, gap.html, with a second log predictions.csv, with a cause that is part of a device corrected.toml, and
+    /// Writes gap.json, gap.html, with a second log predictions.csv, with a cause that is part of a device corrected.toml, with
+    /// a repair of the log repaired.csv and repaired.json, and
     /// report.html, an index of the results in the folder: all of them or none. A file of these of an earlier run is removed.
     ///
     /// # Errors
@@ -259,8 +305,11 @@ impl Diagnosed {
 impl std::fmt::Display for Diagnosed {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str(&summary::text(&self.diagnosis))?;
-        match several::words(&self.logs) {
-            Some(words) => writeln!(formatter, "{:<9}{words}", "logs"),
+        if let Some(words) = several::words(&self.logs) {
+            writeln!(formatter, "{:<9}{words}", "logs")?;
+        }
+        match &self.repair {
+            Some(repair) => write!(formatter, "{repair}"),
             None => Ok(()),
         }
     }

@@ -6,6 +6,7 @@ use haptical_diagnosis::{
 };
 use haptical_report::Tone;
 
+use crate::diagnose::faults::faults;
 use crate::diagnose::quantity::Quantity;
 use crate::units::Shown;
 
@@ -256,7 +257,20 @@ fn unknown(diagnosis: &Diagnosis) -> String {
             ),
         });
     }
-    sentence + &besides(&surely)
+    sentence + &besides(&surely) + &corrected_by(diagnosis)
+}
+
+/// A further sentence on the curve in the place of a cause; empty without one.
+fn corrected_by(diagnosis: &Diagnosis) -> String {
+    diagnosis.correction.as_ref().map_or_else(String::new, |own| {
+        format!(
+            " corrected.toml has a correction, which is no cause: a curve over {} at joint {} closes {} of the gap's squares on \
+             unseen rows.",
+            own.over,
+            own.joint,
+            percent(own.closed_unseen_share.min(0.999))
+        )
+    })
 }
 
 /// The check of the first cause that has one on unseen data.
@@ -387,6 +401,24 @@ fn moved_number(number: &MovedNumber) -> String {
 
 /// What to do next: the experiment that the diagnosis asks for, else what the verdict suggests.
 pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
+    let step = step_beside_the_log(diagnosis);
+    let of_log = faults(diagnosis).into_iter().map(|fault| fault.cause);
+    let names: Vec<String> = of_log
+        .map(|cause| named_at(&cause.effect, cause.joint))
+        .collect();
+    match names.as_slice() {
+        [] => step,
+        names if diagnosis.verdict == Verdict::NoGap => {
+            format!("`--repair` writes the log without {}", listed(names))
+        }
+        names => format!(
+            "`--repair` writes the log without {}; {step}",
+            listed(names)
+        ),
+    }
+}
+
+fn step_beside_the_log(diagnosis: &Diagnosis) -> String {
     match haptical_diagnosis::Question::of(diagnosis) {
         Some(_) => format!("{CHOSEN}; by hand: {}", by_hand(diagnosis)),
         None => by_hand(diagnosis),

@@ -9,9 +9,17 @@ pub(crate) const IDENTIFICATION_FILES: [&str; 4] = [
     "identify.html",
     "rejected.toml",
 ];
-/// The third is written with a second log only, the last one where a cause is named that is part of a device.
-pub(crate) const DIAGNOSIS_FILES: [&str; 4] =
-    ["gap.json", "gap.html", "predictions.csv", "corrected.toml"];
+/// The third is written with a second log only, the fourth where a cause is named that is part of a device; of the last
+/// three, a repaired log with its list, none or two.
+pub(crate) const DIAGNOSIS_FILES: [&str; 7] = [
+    "gap.json",
+    "gap.html",
+    "predictions.csv",
+    "corrected.toml",
+    "repaired.csv",
+    "repaired.csv.gz",
+    "repaired.json",
+];
 /// The last one is written where poses are asked for only.
 pub(crate) const PLAN_FILES: [&str; 4] = ["plan.json", "plan.html", "rigs.svg", "poses.csv"];
 

@@ -61,3 +61,35 @@ fn the_log_of_the_fit_is_no_second_log() {
     let refused = diagnose(&device, &log, &request).unwrap_err();
     assert_eq!(refused.name(), "same-log");
 }
+
+#[test]
+fn a_number_without_its_unit_is_told_its_name() {
+    let refuse = |key: &str| {
+        let text = format!("{DEVICE}[[effect]]\nname = \"backlash\"\njoint = 1\n{key} = 2e-3\n");
+        Device::from_toml(&text, "device.toml").unwrap_err()
+    };
+    let refused = refuse("width");
+    assert!(
+        refused
+            .what()
+            .ends_with("`width`: the name of a number ends in its unit"),
+        "{refused}"
+    );
+    assert!(
+        refused
+            .next_step()
+            .starts_with("write `width_rad`. Its parameters are: width_rad"),
+        "{refused}"
+    );
+    let refused = refuse("widht_rad");
+    assert!(
+        refused.what().ends_with("no parameter `widht_rad`"),
+        "{refused}"
+    );
+    assert!(
+        refused
+            .next_step()
+            .starts_with("did you mean `width_rad`? Its parameters are: "),
+        "{refused}"
+    );
+}

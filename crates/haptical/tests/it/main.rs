@@ -19,6 +19,7 @@ mod fleet;
 mod next_poses;
 #[path = "../../examples/own_effect.rs"]
 mod own_effect;
+mod simulated_rigs;
 #[path = "../../examples/tracker.rs"]
 mod tracker;
 #[path = "../../examples/two_step.rs"]

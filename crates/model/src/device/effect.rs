@@ -14,6 +14,8 @@ pub struct DeviceEffect {
     pub joint: Option<usize>,
     /// Parameters by name, each name ending with its unit: `width_rad`.
     pub numbers: BTreeMap<String, f64>,
+    /// Parameters that are lists, by name: the coefficients of a curve, `coefficients_rad`.
+    pub lists: BTreeMap<String, Vec<f64>>,
     /// 95 % intervals of parameters; an end that the data leave open is none.
     pub intervals: BTreeMap<String, [Option<f64>; 2]>,
     /// Effects that the data could not tell from it.

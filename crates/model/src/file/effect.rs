@@ -19,6 +19,8 @@ const COMPLIANCE: &str = "joint-compliance";
 const LINK_COMPLIANCE: &str = "link-compliance";
 /// Keys that are no parameters.
 const OWN_KEYS: [&str; 5] = ["name", "joint", "fit", "ci95", "confusable_with"];
+/// Beginning of the parameters that are lists.
+const LIST: &str = "coefficients_";
 /// Parameter that is a word in the file: the side that leads where the other stays behind.
 const DRIVEN_BY: &str = "driven_by";
 /// Its words, in the order of its numbers.
@@ -65,11 +67,15 @@ fn read_effect(section: &Section<'_, '_>, joints: usize) -> Result<DeviceEffect>
         }
     };
     let mut numbers = BTreeMap::new();
+    let mut lists = BTreeMap::new();
     for key in section.keys() {
         if key == DRIVEN_BY {
             let words: Vec<(&str, f64)> = SIDES.into_iter().zip([0.0, 1.0]).collect();
             let side = section.word(key, &words)?;
             numbers.extend(side.map(|side| (key.to_owned(), side)));
+        } else if key.starts_with(LIST) {
+            let list = section.numbers(key)?;
+            lists.extend(list.map(|list| (key.to_owned(), list)));
         } else if !OWN_KEYS.contains(&key) {
             let number = section.number(key)?;
             numbers.extend(number.map(|number| (key.to_owned(), number)));
@@ -80,6 +86,7 @@ fn read_effect(section: &Section<'_, '_>, joints: usize) -> Result<DeviceEffect>
         joint,
         intervals: read_intervals(section)?,
         numbers,
+        lists,
         confusable_with: (section.texts("confusable_with")?.unwrap_or_default())
             .into_iter()
             .map(str::to_owned)
@@ -193,6 +200,10 @@ fn effect_table(effect: &DeviceEffect) -> Table {
         let side = (key == DRIVEN_BY).then(|| SIDES[usize::from(*number != 0.0)]);
         let written: Value = side.map_or_else(|| Value::from(*number), Value::from);
         table.insert(key, Item::Value(written));
+    }
+    for (key, list) in &effect.lists {
+        let list: Array = list.iter().copied().collect();
+        table.insert(key, value(list));
     }
     if !effect.intervals.is_empty() {
         let mut intervals = InlineTable::new();

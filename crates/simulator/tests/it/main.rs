@@ -14,6 +14,7 @@ mod haptic7;
 mod motion;
 mod noise;
 mod poses;
+mod postures;
 mod predictions;
 mod properties;
 mod statistics;

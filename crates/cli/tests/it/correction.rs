@@ -1,0 +1,191 @@
+//! A curve in the place of a cause that is unknown: written by `diagnose`, taken by `simulate`, `identify` and `diagnose --model`,
+//! refused by an export.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::{Sandbox, haptical, text};
+
+fn run(sandbox: &Sandbox, arguments: &[&str]) -> String {
+    let output = haptical()
+        .current_dir(sandbox.folder.path())
+        .args(arguments)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Root mean squares of prediction minus measurement of two channels.
+fn replayed(sandbox: &Sandbox, device: &str, log: &str) -> [f64; 2] {
+    let flags = [
+        "--replay",
+        log,
+        "--out",
+        "predicted.csv",
+        "--force",
+        "--json",
+    ];
+    let said = run(
+        sandbox,
+        &[&["simulate", "--device", device][..], &flags].concat(),
+    );
+    let told: Value = serde_json::from_str(&said).unwrap();
+    let channels = told["channels"].as_array().unwrap();
+    ["out2", "cable"].map(|name| {
+        let own = channels.iter().find(|own| own["channel"] == name).unwrap();
+        own["rms"].as_f64().unwrap() / own["noise_floor"].as_f64().unwrap()
+    })
+}
+
+/// A dent of the drum of joint 2 at 0.25 rad, 2.5 mrad deep and 0.08 rad wide, as coefficients of 60 splines over 3 rad.
+fn dented(device: &str) -> String {
+    let knot = |index: i32| -1.5 + 3.0 / 57.0 * f64::from(index - 1);
+    let dent = |at: f64| 2.5e-3 * (-0.5 * ((at - 0.25) / 0.08).powi(2)).exp();
+    let coefficients: Vec<f64> = (0..60).map(|index| dent(knot(index))).collect();
+    format!(
+        "{device}\n[[effect]]\nname = \"correction\"\njoint = 2\nfrom_rad = -1.5\nto_rad = 1.5\ncoefficients_rad = {coefficients:?}\n"
+    )
+}
+
+/// Nothing but noise on a fresh recording, to what a curve of 43 coefficients and the rest of the device are known.
+const NOISE: f64 = 1.2;
+
+#[test]
+fn a_dent_is_corrected_on_a_fresh_recording_and_named_no_cause() {
+    let sandbox = Sandbox::new();
+    sandbox.write("dented.toml", dented(&sandbox.device_text()));
+    for (log, seed) in [("log.csv", "3"), ("fresh.csv", "4")] {
+        let flags = [
+            "--seconds",
+            "60",
+            "--rate-hz",
+            "100",
+            "--seed",
+            seed,
+            "--out",
+            log,
+            "--force",
+        ];
+        run(
+            &sandbox,
+            &[&["simulate", "--device", "dented.toml"][..], &flags].concat(),
+        );
+    }
+    let diagnose = ["diagnose", "--device", "device.toml", "--log"];
+    let said = run(
+        &sandbox,
+        &[&diagnose[..], &["log.csv", "--out", "gap"]].concat(),
+    );
+    let gap = json(&sandbox.path("gap/gap.json"));
+    assert_eq!(gap["verdict"], "unknown", "{said}");
+    assert!(said.contains("which is no cause"), "{said}");
+    let causes = gap["causes"].as_array().unwrap();
+    assert!(causes.iter().all(|cause| cause["effect"] != "correction"));
+    let own = &gap["correction"];
+    assert_eq!(
+        (&own["joint"], &own["over"]),
+        (&2.into(), &"theta2_rad".into())
+    );
+    assert!(own["closed_unseen_share"].as_f64().unwrap() > 0.8, "{own}");
+    run(
+        &sandbox,
+        &[
+            "identify",
+            "--device",
+            "device.toml",
+            "--log",
+            "log.csv",
+            "--out",
+            "rigid",
+        ],
+    );
+    let before = replayed(&sandbox, "rigid/identified.toml", "fresh.csv");
+    let after = replayed(&sandbox, "gap/corrected.toml", "fresh.csv");
+    assert!(before.iter().all(|before| *before > 2.5), "{before:?}");
+    assert!(after.iter().all(|after| *after < NOISE), "{after:?}");
+    // an identification keeps it as it is
+    run(
+        &sandbox,
+        &[
+            "identify",
+            "--device",
+            "gap/corrected.toml",
+            "--log",
+            "fresh.csv",
+            "--out",
+            "again",
+        ],
+    );
+    let [corrected, again] = ["gap/corrected.toml", "again/identified.toml"].map(|name| {
+        let text = std::fs::read_to_string(sandbox.path(name)).unwrap();
+        let lines = text
+            .lines()
+            .filter(|line| line.starts_with("coefficients_rad"));
+        lines.map(str::to_owned).collect::<Vec<String>>()
+    });
+    assert!(corrected.len() == 1 && corrected == again);
+    let model = [
+        "fresh.csv",
+        "--model",
+        "gap/corrected.toml",
+        "--out",
+        "check",
+    ];
+    run(&sandbox, &[&diagnose[..], &model].concat());
+    assert_eq!(json(&sandbox.path("check/gap.json"))["verdict"], "no-gap");
+    // a control loop has no curve: the refusal names it
+    let export = haptical()
+        .current_dir(sandbox.folder.path())
+        .args([
+            "export",
+            "--device",
+            "gap/corrected.toml",
+            "--format",
+            "rust",
+            "--out",
+            "model.rs",
+        ])
+        .output()
+        .unwrap();
+    assert_eq!(export.status.code(), Some(2));
+    assert!(
+        text(&export.stderr).contains("`correction@2` is a curve"),
+        "{}",
+        text(&export.stderr)
+    );
+    assert!(!sandbox.path("model.rs").exists());
+}
+
+/// The dent of another simulator.
+#[test]
+fn the_dent_of_another_simulator_is_corrected() {
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let set = shared.join("gap-sets/08-unknown-dent");
+    if !set.exists() {
+        println!("skipped: no {}", set.display());
+        return;
+    }
+    let sandbox = Sandbox::new();
+    std::fs::copy(
+        shared.join("devices/haptic7.toml"),
+        sandbox.path("device.toml"),
+    )
+    .unwrap();
+    for name in ["log.csv.gz", "log2.csv.gz"] {
+        std::fs::copy(set.join(name), sandbox.path(name)).unwrap();
+    }
+    let log = ["--device", "device.toml", "--log", "log.csv.gz", "--out"];
+    run(&sandbox, &[&["diagnose"][..], &log, &["gap"]].concat());
+    assert_eq!(json(&sandbox.path("gap/gap.json"))["verdict"], "unknown");
+    run(&sandbox, &[&["identify"][..], &log, &["rigid"]].concat());
+    let before = replayed(&sandbox, "rigid/identified.toml", "log2.csv.gz");
+    let after = replayed(&sandbox, "gap/corrected.toml", "log2.csv.gz");
+    assert!(before.iter().all(|before| *before > 5.0), "{before:?}");
+    assert!(after.iter().all(|after| *after < NOISE), "{after:?}");
+}

@@ -1,0 +1,205 @@
+//! A curve in the place of a cause that is not known: fitted where the gap lies, and kept where it predicts unseen rows.
+
+use haptical_effects::Effect;
+use haptical_effects::correction::{Curve, NAME, Over, coefficients_key};
+use haptical_effects::device::settle;
+use haptical_model::transmission::spline::Splines;
+use haptical_model::{Device, DeviceEffect};
+use rayon::prelude::*;
+
+use crate::DiagnosisError;
+use crate::answer::p_spline::{Normal, PARTS, Smooth};
+use crate::answer::place::Located;
+use crate::answer::{CorrectionAnswer, Verdict};
+use crate::engine::Engine;
+use crate::engine::model::{Cause, Model};
+use crate::select::Selection;
+use crate::select::generic::Covariate;
+use crate::thresholds::correction::{CHANCE_SD, COEFFICIENTS, LEAST_SHARE, NEARLY_AS_MUCH};
+
+/// A correction that was found.
+pub(crate) struct Correction {
+    pub(crate) answer: CorrectionAnswer,
+    /// The device with it, geometry and drives fitted beside it.
+    pub(crate) device: Device,
+}
+
+/// The curve of the located joint over what the gap depends on, the joint's own angle first, that unseen rows confirm; none
+/// where a cause is named, the gap is in no joint, or no curve predicts unseen rows better than chance.
+///
+/// # Errors
+/// [`DiagnosisError`] where base model and curve cannot be fitted together.
+pub(crate) fn correction(
+    selection: &Selection<'_>,
+    verdict: Verdict,
+    located: Option<&Located>,
+) -> Result<Option<Correction>, DiagnosisError> {
+    let Some(located) = located.filter(|_| verdict == Verdict::Unknown) else {
+        return Ok(None);
+    };
+    let Some(joint) = located.answer.joint.map(|joint| joint - 1) else {
+        return Ok(None);
+    };
+    let engine = selection.engine();
+    if !engine.context.ordered {
+        // single postures are too few, and their order is none of time
+        return Ok(None);
+    }
+    let mut best: Option<(Fitted, f64)> = None;
+    for (over, covariate) in [
+        (Over::Angle, Covariate::Angle(joint)),
+        (Over::Torque, Covariate::Torque(joint)),
+        (Over::Temperature, Covariate::Temperature),
+        (Over::Time, Covariate::Time),
+    ] {
+        let column = covariate.column(&engine.context);
+        if !located.answer.depends_on.contains(&column) {
+            continue;
+        }
+        let Some(fitted) = fitted(engine, joint, over, covariate) else {
+            continue;
+        };
+        let share = fitted.smooth.share();
+        let is_sure = fitted.smooth.gain_sd() > CHANCE_SD && share > LEAST_SHARE;
+        let is_more = |(_, most): &(Fitted, f64)| NEARLY_AS_MUCH * share > *most;
+        if is_sure && best.as_ref().is_none_or(is_more) {
+            best = Some((fitted, share));
+        }
+    }
+    match best {
+        Some((fitted, _)) => with_it(engine, joint, fitted).map(Some),
+        None => Ok(None),
+    }
+}
+
+/// A curve with what unseen rows say of it.
+struct Fitted {
+    over: Over,
+    column: String,
+    range: [f64; 2],
+    smooth: Smooth,
+}
+
+fn fitted(engine: &Engine<'_>, joint: usize, over: Over, covariate: Covariate) -> Option<Fitted> {
+    let context = &engine.context;
+    let values = covariate.values(context)?;
+    // a temperature is counted from the recording's mean there, and from zero in a device file
+    let zero = match over {
+        Over::Temperature => context.reference_degc,
+        _ => 0.0,
+    };
+    let places: Vec<f64> = values.into_iter().map(|value| value + zero).collect();
+    let known = || places.iter().copied().filter(|place| place.is_finite());
+    let range = [
+        known().fold(f64::INFINITY, f64::min),
+        known().fold(f64::NEG_INFINITY, f64::max),
+    ];
+    Splines::at(range[0], range[0], range[1], COEFFICIENTS)?;
+    let smooth = normal(engine, joint, &places, range).smooth()?;
+    Some(Fitted {
+        over,
+        column: covariate.column(context),
+        range,
+        smooth,
+    })
+}
+
+/// The readings as products of columns, a spline each, with all that the base model could adjust taken out of both.
+fn normal(engine: &Engine<'_>, joint: usize, places: &[f64], [from, to]: [f64; 2]) -> Normal {
+    let (context, system) = (&engine.context, &engine.system);
+    let mut splines = vec![vec![0.0; places.len()]; COEFFICIENTS];
+    for (row, place) in places.iter().enumerate() {
+        let Some(own) = Splines::at(*place, from, to, COEFFICIENTS) else {
+            continue;
+        };
+        for (index, value) in own.values.iter().enumerate() {
+            splines[own.first + index][row] = *value;
+        }
+    }
+    let across = |spline: &Vec<f64>| {
+        let mut dense = system.dense(&system.column(&context.upstream(joint, spline)));
+        // twice: one pass leaves the rounding of large products
+        for direction in system.basis.iter().chain(&system.basis) {
+            direction.take_off(&mut dense);
+        }
+        dense
+    };
+    let columns: Vec<Vec<f64>> = splines.par_iter().map(across).collect();
+    let mut normal = Normal::new(COEFFICIENTS);
+    for stream in 0..context.streams.len() {
+        for (block, place) in system.layout.range(stream).enumerate() {
+            let row: Vec<f64> = columns.iter().map(|column| column[place]).collect();
+            let part = system.layout.row(stream, block) * PARTS / context.rows().max(1);
+            normal.add(part, &row, system.residual[place]);
+        }
+    }
+    normal
+}
+
+/// The device with a curve, whose size is fitted together with geometry and drives.
+fn with_it(
+    engine: &Engine<'_>,
+    joint: usize,
+    fitted: Fitted,
+) -> Result<Correction, DiagnosisError> {
+    let Fitted {
+        over,
+        column,
+        range,
+        smooth,
+    } = fitted;
+    let mut coefficients = smooth.coefficients.clone();
+    let curve = Curve {
+        over,
+        range,
+        coefficients: coefficients.clone(),
+    };
+    let base = &engine.base.device;
+    let effects: Vec<Box<dyn Effect>> = vec![curve.at(base, joint)];
+    let model = Model {
+        causes: vec![Cause {
+            effect: 0,
+            amplitudes: vec![1.0],
+            shape: 0.0,
+            times: Vec::new(),
+        }],
+        ..engine.start.model.clone()
+    };
+    let refit = engine.refit(&effects, &model)?;
+    let size = refit.model.causes[0].amplitudes[0];
+    for coefficient in &mut coefficients {
+        *coefficient *= size;
+    }
+    let mut device = engine.problem.device_with(&refit.model.values);
+    settle(&mut device, engine.context.recording, &|_| None)?;
+    let largest = coefficients
+        .iter()
+        .fold(0.0_f64, |most, own| most.max(own.abs()));
+    let [from_key, to_key] = [0, 1].map(|end| over.spec(base, joint).parameters[end].name);
+    device.effects.push(DeviceEffect {
+        name: NAME.to_owned(),
+        joint: Some(joint),
+        numbers: [
+            (from_key.to_owned(), range[0]),
+            (to_key.to_owned(), range[1]),
+        ]
+        .into(),
+        lists: [(coefficients_key(base, joint).to_owned(), coefficients)].into(),
+        ..DeviceEffect::default()
+    });
+    Ok(Correction {
+        answer: CorrectionAnswer {
+            joint: joint + 1,
+            over: column,
+            from: range[0],
+            to: range[1],
+            coefficients: smooth.coefficients.len(),
+            effective: smooth.effective,
+            largest,
+            unit: base.joints[joint].unit().to_owned(),
+            closed_unseen_share: smooth.share(),
+            gain_sd: smooth.gain_sd(),
+        },
+        device,
+    })
+}

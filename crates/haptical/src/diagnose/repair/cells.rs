@@ -1,0 +1,249 @@
+//! What is done about the faults of a log in its cells.
+
+use std::ops::Range;
+
+use haptical_calibration::Channel;
+use haptical_data::{LogColumn, LogEdits};
+use haptical_diagnosis::{CauseAnswer, Diagnosis, StepAnswer, outlying_readings};
+use haptical_effects::device::{attached, bare};
+use haptical_effects::{Hook, runs_of};
+use haptical_model::{DeviceEffect, Recording};
+
+use super::resample::on_time;
+use crate::device::Device;
+use crate::diagnose::faults::is_of;
+use crate::error::Error;
+
+/// Rows on each side of an event by which its first row is told, where some rows were not looked at.
+const BESIDE: usize = 4;
+/// The column that a fault is in; none of those that are in several.
+fn column_of(cause: &CauseAnswer) -> Option<LogColumn> {
+    let hook = haptical_effects::specs()
+        .find(|spec| spec.name == cause.effect && spec.log_fault.is_some())?
+        .hook;
+    let joint = cause.joint.map(|joint| joint - 1);
+    match hook {
+        Hook::Transmission => joint.map(LogColumn::Joint),
+        Hook::ExternalEncoder => joint.map(LogColumn::Output),
+        Hook::CableSensor => Some(LogColumn::Cable(0)),
+        _ => None,
+    }
+}
+
+/// A log that is set right, fault after fault.
+pub(super) struct Repairing<'r> {
+    pub(super) device: &'r Device,
+    pub(super) diagnosis: &'r Diagnosis,
+    /// With what was set right so far.
+    pub(super) recording: Recording,
+    pub(super) edits: LogEdits,
+    pub(super) runs: Vec<Range<usize>>,
+}
+
+impl<'r> Repairing<'r> {
+    pub(super) fn new(device: &'r Device, recording: &Recording, diagnosis: &'r Diagnosis) -> Self {
+        Self {
+            device,
+            diagnosis,
+            recording: recording.clone(),
+            edits: LogEdits::default(),
+            runs: runs_of(recording),
+        }
+    }
+
+    fn set(&mut self, edits: &LogEdits) {
+        self.recording = edits.made_in(&self.recording);
+        for (column, cells) in edits.columns() {
+            for (row, value) in cells {
+                match value {
+                    Some(value) => self.edits.set(column, *row, *value),
+                    None => self.edits.empty(column, *row),
+                }
+            }
+        }
+    }
+
+    /// Takes a constant back, from each event of a cause to the end of its run: one change for each.
+    pub(super) fn take_steps(&mut self, cause: &CauseAnswer) -> Vec<(LogEdits, f64)> {
+        let Some(column) = column_of(cause) else {
+            return Vec::new();
+        };
+        let is_own = |step: &&StepAnswer| step.effect == cause.effect && step.joint == cause.joint;
+        let steps: Vec<StepAnswer> = self
+            .diagnosis
+            .steps
+            .iter()
+            .filter(is_own)
+            .cloned()
+            .collect();
+        let mut made = Vec::new();
+        for step in steps {
+            // what the channels read too much; of a motor encoder, what it reads too little
+            let by = match column {
+                LogColumn::Joint(_) => step.size,
+                _ => -step.size,
+            };
+            let Some(readings) = column.readings(&self.recording) else {
+                continue;
+            };
+            let [first, last] = step.first_row;
+            let Some(run) = self.runs.iter().find(|run| run.contains(&last)) else {
+                continue;
+            };
+            let row = (first.max(run.start)..=last)
+                .min_by(|a, b| {
+                    let bends = |row: &usize| bends(readings, run, [first, last], *row, by);
+                    bends(a).total_cmp(&bends(b))
+                })
+                .unwrap_or(last);
+            let mut edits = LogEdits::default();
+            for row in row..run.end {
+                if readings[row].is_finite() {
+                    edits.set(column, row, readings[row] + by);
+                }
+            }
+            self.set(&edits);
+            made.push((edits, by));
+        }
+        made
+    }
+
+    /// Takes the course of a drift out of a sensor's readings; none where the course cannot be computed.
+    pub(super) fn take_drift(&mut self, cause: &CauseAnswer) -> Result<Option<LogEdits>, Error> {
+        let (Some(column), Some(corrected)) = (column_of(cause), &self.diagnosis.corrected) else {
+            return Ok(None);
+        };
+        let Some(entry) = corrected.effects.iter().find(|own| is_of(own, cause)) else {
+            return Ok(None);
+        };
+        let mut alone = bare(corrected);
+        alone.effects = vec![DeviceEffect {
+            fit: false,
+            fitted: Vec::new(),
+            ..entry.clone()
+        }];
+        let path = &self.device.source().path;
+        let with = attached(&mut alone, &self.recording)
+            .map_err(|error| Error::effect(&error, path, path))?;
+        let channel = match column {
+            LogColumn::Output(joint) => Channel::Output { joint }.name(),
+            _ => Channel::Cable { index: 0 }.name(),
+        };
+        let (Some(added), Some(readings)) = (
+            with.added.iter().find(|added| added.channel == channel),
+            column.readings(&self.recording),
+        ) else {
+            return Ok(None);
+        };
+        let mut edits = LogEdits::default();
+        for (row, (reading, drift)) in readings.iter().zip(&added.readings).enumerate() {
+            if reading.is_finite() {
+                edits.set(column, row, reading - drift);
+            }
+        }
+        self.set(&edits);
+        Ok(Some(edits))
+    }
+
+    /// Brings late readings to the times of their rows. Where a motor's reading has none, the row loses what was measured
+    /// in it: a row without a joint is none.
+    pub(super) fn take_delay(&mut self, cause: &CauseAnswer, delay_s: f64) -> Option<LogEdits> {
+        let time_s = self.recording.time_s.as_ref()?;
+        let of_joints = column_of(cause).is_none();
+        let columns: Vec<LogColumn> = match column_of(cause) {
+            Some(column) => vec![column],
+            None => (0..self.recording.joint.len())
+                .map(LogColumn::Joint)
+                .collect(),
+        };
+        let mut edits = LogEdits::default();
+        for column in columns {
+            let readings = column.readings(&self.recording)?;
+            for run in &self.runs {
+                let on_time = on_time(time_s, readings, run.clone(), delay_s);
+                for (row, value) in run.clone().zip(on_time) {
+                    match value {
+                        Some(value) => edits.set(column, row, value),
+                        None if of_joints => self.empty_measured(&mut edits, row),
+                        None if readings[row].is_finite() => edits.empty(column, row),
+                        None => {}
+                    }
+                }
+            }
+        }
+        self.set(&edits);
+        Some(edits)
+    }
+
+    /// Empties everything that a row measured beside its joints.
+    fn empty_measured(&self, edits: &mut LogEdits, row: usize) {
+        let recording = &self.recording;
+        let outputs = (0..recording.output.len()).map(LogColumn::Output);
+        let cables = (0..recording.cable_m.len()).map(LogColumn::Cable);
+        let tracked = (0..3).map(LogColumn::Position);
+        let turned = (0..4).map(LogColumn::Orientation);
+        let numbers = outputs.chain(cables).chain(tracked).chain(turned);
+        for column in numbers {
+            let readings = column.readings(recording);
+            if readings.is_some_and(|readings| readings[row].is_finite()) {
+                edits.empty(column, row);
+            }
+        }
+        let texts = [
+            (LogColumn::Contact, &recording.contact),
+            (LogColumn::Plane, &recording.plane),
+        ];
+        for (column, ids) in texts {
+            if ids.as_ref().is_some_and(|ids| !ids[row].is_empty()) {
+                edits.empty(column, row);
+            }
+        }
+    }
+
+    /// Empties the readings that stand alone: of the external encoder of the cause's joint, or of all that is not one.
+    pub(super) fn empty_wild(&mut self, cause: &CauseAnswer) -> Result<LogEdits, Error> {
+        let path = &self.device.source().path;
+        let wild = outlying_readings(&self.diagnosis.device, &self.recording)
+            .map_err(|error| Error::diagnosis(&error, path, path))?;
+        let is_told = |channel: &Channel| match channel {
+            Channel::Output { joint } => cause.joint == Some(joint + 1),
+            _ => cause.joint.is_none(),
+        };
+        let mut edits = LogEdits::default();
+        for (channel, row) in wild.into_iter().filter(|(channel, _)| is_told(channel)) {
+            match channel {
+                Channel::Output { joint } => edits.empty(LogColumn::Output(joint), row),
+                Channel::Cable { index } => edits.empty(LogColumn::Cable(index), row),
+                Channel::Position => {
+                    (0..3).for_each(|axis| edits.empty(LogColumn::Position(axis), row));
+                }
+                Channel::Orientation => {
+                    (0..4).for_each(|part| edits.empty(LogColumn::Orientation(part), row));
+                }
+                Channel::Contact => edits.empty(LogColumn::Contact, row),
+                Channel::Plane => edits.empty(LogColumn::Plane, row),
+                _ => {}
+            }
+        }
+        self.set(&edits);
+        Ok(edits)
+    }
+}
+
+/// Sum of the squared second differences about an event, were `row` the first one after it.
+fn bends(
+    readings: &[f64],
+    run: &Range<usize>,
+    [first, last]: [usize; 2],
+    row: usize,
+    by: f64,
+) -> f64 {
+    let from = first.saturating_sub(BESIDE).max(run.start);
+    let to = (last + BESIDE).min(run.end);
+    let repaired: Vec<f64> = (from..to)
+        .map(|at| readings[at] + if at >= row { by } else { 0.0 })
+        .filter(|reading| reading.is_finite())
+        .collect();
+    let bend = |three: &[f64]| (three[0] - 2.0 * three[1] + three[2]).powi(2);
+    repaired.windows(3).map(bend).sum()
+}
