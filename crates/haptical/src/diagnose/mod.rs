@@ -172,18 +172,13 @@ pub fn diagnose_as(
         false => None,
     };
     let own = std::mem::take(&mut diagnosis.warnings);
-    let read = [
-        Some(&device.warnings),
-        model.map(|model| &model.warnings),
+    let of_logs = logs.iter().map(|log| &log.warnings);
+    let further = [
+        model.map(|own| &own.warnings),
         validate.map(|log| &log.warnings),
     ];
-    let of_logs = logs.iter().map(|log| Some(&log.warnings));
-    let read = read[..1]
-        .iter()
-        .copied()
-        .chain(of_logs)
-        .chain(read[1..].iter().copied());
-    let read = read.flatten().flatten().cloned();
+    let read = std::iter::once(&device.warnings).chain(of_logs);
+    let read = read.chain(further.into_iter().flatten()).flatten().cloned();
     diagnosis.warnings = read.chain(own).collect();
     let mut files = device.inputs("device");
     files.extend(logs.iter().filter_map(|log| log.input("log")));
