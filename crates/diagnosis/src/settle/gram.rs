@@ -193,7 +193,7 @@ mod tests {
                 "{a} {b}: {found} {expected}"
             );
         }
-        assert!(found[0] > 1.0 && (found[0] - found[1]).abs() > 0.1);
+        assert!(found.iter().all(|nats| *nats > 0.1), "{found:?}");
     }
 
     #[test]

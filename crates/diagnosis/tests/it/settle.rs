@@ -55,43 +55,6 @@ fn first() -> Recording {
 }
 
 #[test]
-fn a_motion_without_its_torque_tells_play_from_compliance() {
-    let device = Device::from_toml(DEVICE, "one.toml").unwrap().device;
-    let settler = Settler::new(&device, &first(), &question()).unwrap();
-    // a device without a cable has no latency of one
-    assert_eq!(settler.question().candidates.len(), 2);
-    let still = recording(|_| 0.1, |_| 0.0);
-    let to_and_fro = recording(|time| 0.5 * (4.0 * time).sin(), |_| 0.0);
-    let of = |next: &Recording| settler.odds(next).unwrap();
-    for odds in of(&still) {
-        // nothing moves and nothing presses: the odds stay
-        assert!(odds.gained_nats() < 0.5, "{odds:?}");
-        let behind = if odds.is_true == 0 { 1.5 } else { -1.5 };
-        assert!((odds.nats_before - behind).abs() < 1e-12);
-    }
-    let told = of(&to_and_fro);
-    assert!(told.iter().all(|odds| odds.nats_after > 3.0), "{told:?}");
-    let both = settler
-        .choose(&[still.clone(), to_and_fro, still], 1)
-        .unwrap();
-    assert_eq!(
-        (both.chosen.as_slice(), both.inseparable.len()),
-        (&[1][..], 0)
-    );
-    assert!(both.least_nats().unwrap() > 3.0);
-}
-
-#[test]
-fn candidates_that_nothing_tells_apart_are_said_to_be_such() {
-    let device = Device::from_toml(DEVICE, "one.toml").unwrap().device;
-    let settler = Settler::new(&device, &first(), &question()).unwrap();
-    let still = recording(|_| 0.1, |_| 0.0);
-    let chosen = settler.choose(&[still.clone(), still], 2).unwrap();
-    assert_eq!(chosen.inseparable, [(0, 1), (1, 0)]);
-    assert_eq!(chosen.least_nats(), None);
-}
-
-#[test]
 fn one_candidate_is_no_question() {
     let device = Device::from_toml(DEVICE, "one.toml").unwrap().device;
     let mut one = question();

@@ -175,10 +175,8 @@ impl<'a> Context<'a> {
         let smoothed =
             |column: &Vec<f64>, reach| smooth(column, if ordered { reach } else { 0 }, &runs);
         let force = force.filter(|force| force.len() == rows);
-        let averaged = |column: &Vec<f64>| match ordered {
-            true => smooth_twice(column, load_reach, &runs),
-            false => smooth(column, 0, &runs),
-        };
+        let load_reach = if ordered { load_reach } else { 0 };
+        let averaged = |column: &Vec<f64>| smooth_twice(column, load_reach, &runs);
         let force_n = force.map(|force| by_axes(&force, averaged));
         let loads = loads(
             device,

@@ -140,6 +140,13 @@ pub fn diagnose_as(
     }
     let logs: Vec<&Log> = std::iter::once(log).chain(also.iter().copied()).collect();
     let recording = joined(&logs)?;
+    if *repair && logs.len() > 1 {
+        return Err(Error::command_line(
+            "arguments",
+            "--repair with several logs: one log is repaired at a time",
+            "leave --repair out, or give one log",
+        ));
+    }
     if let Some(second) = validate {
         logs.iter()
             .try_for_each(|log| refuse_same_log(log, second))?;
@@ -165,18 +172,13 @@ pub fn diagnose_as(
         false => None,
     };
     let own = std::mem::take(&mut diagnosis.warnings);
-    let read = [
-        Some(&device.warnings),
-        model.map(|model| &model.warnings),
+    let of_logs = logs.iter().map(|log| &log.warnings);
+    let further = [
+        model.map(|own| &own.warnings),
         validate.map(|log| &log.warnings),
     ];
-    let of_logs = logs.iter().map(|log| Some(&log.warnings));
-    let read = read[..1]
-        .iter()
-        .copied()
-        .chain(of_logs)
-        .chain(read[1..].iter().copied());
-    let read = read.flatten().flatten().cloned();
+    let read = std::iter::once(&device.warnings).chain(of_logs);
+    let read = read.chain(further.into_iter().flatten()).flatten().cloned();
     diagnosis.warnings = read.chain(own).collect();
     let mut files = device.inputs("device");
     files.extend(logs.iter().filter_map(|log| log.input("log")));
@@ -298,11 +300,11 @@ impl Diagnosed {
 impl std::fmt::Display for Diagnosed {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str(&summary::text(&self.diagnosis))?;
-        if let Some(repair) = &self.repair {
-            write!(formatter, "{repair}")?;
+        if let Some(words) = several::words(&self.logs) {
+            writeln!(formatter, "{:<9}{words}", "logs")?;
         }
-        match several::words(&self.logs) {
-            Some(words) => writeln!(formatter, "{:<9}{words}", "logs"),
+        match &self.repair {
+            Some(repair) => write!(formatter, "{repair}"),
             None => Ok(()),
         }
     }

@@ -217,8 +217,8 @@ fn compare<const JOINTS: usize>(case: &Case) -> Option<f64> {
         ..base.clone()
     };
     let context = Context::new(&base, &recording, &[]).ok()?;
-    let outputs = std::array::from_fn::<_, JOINTS, _>(|joint| (format!("out{}", joint + 1), 0));
-    let errors = added(&driven, &recording, outputs);
+    let outputs = std::array::from_fn(|joint| (format!("out{}", joint + 1), 0));
+    let errors: [Vec<f64>; JOINTS] = added(&driven, &recording, outputs);
     // the same device with rigid drives, at the true link angles
     let mut rigid = base.clone();
     for joint in &mut rigid.joints {
@@ -240,11 +240,8 @@ fn compare<const JOINTS: usize>(case: &Case) -> Option<f64> {
         effects: structure.clone(),
         ..rigid.clone()
     };
-    let pose = [0, 1, 2, 3, 4, 5].map(|axis| match axis {
-        0..3 => ("position".into(), axis),
-        _ => ("orientation".into(), axis - 3),
-    });
-    let displaced = added(&built, &at_links, pose);
+    let axes = std::array::from_fn(|axis| (["position", "orientation"][axis / 3].into(), axis % 3));
+    let displaced: [Vec<f64>; 6] = added(&built, &at_links, axes);
     let (moved, turned) = displaced.split_at(3);
 
     let whole = Device {

@@ -8,6 +8,9 @@ use haptical_metrics::wilson_interval;
 use super::trial::{Outcome, Settled};
 use super::{Arguments, BAR, Counts, SUITES};
 
+/// The outcome of one of the further recordings.
+type OutcomeOf = fn(&Settled) -> &Outcome;
+
 /// Nats of odds of 20 : 1.
 const TWENTY_NATS: f64 = 2.995_732_273_553_991;
 
@@ -35,7 +38,7 @@ pub(super) fn page(arguments: &Arguments, found: &[Settled], drawn: usize) -> Re
         "| further recording | settled | 95 % interval | named wrongly | open |"
     )?;
     writeln!(page, "| :--- | ---: | :--- | ---: | ---: |")?;
-    let kinds: [(&str, fn(&Settled) -> &Outcome); 3] = [
+    let kinds: [(&str, OutcomeOf); 3] = [
         ("chosen by `plan --settle`", |one| &one.chosen),
         ("motions at random", |one| &one.at_random),
         ("by hand, as before", |one| &one.by_hand),
