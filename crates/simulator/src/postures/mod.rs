@@ -40,7 +40,7 @@ const HELD: f64 = 1e-13;
 /// use haptical_simulator::model::{Device, Recording};
 /// use haptical_simulator::{PostureSensors, PostureSimulation};
 /// let row = "[[link]]\na_m = 0.3\nalpha_rad = 0.0\nd_m = 0.0\n";
-/// let text = format!("{row}{row}{row}[[joint]]\n[[joint]]\n[contact]\nsd_m = 1e-9\n");
+/// let text = format!("{row}{row}{row}[[joint]]\n[[joint]]\n[contact]\nsd_m = 1e-12\n");
 /// let truth = Device::from_toml(&text.replacen("0.3", "0.31", 1), "truth.toml")?.device;
 /// let planned = Device::from_toml(&text, "planned.toml")?.device;
 /// let asked = Recording {
