@@ -13,7 +13,18 @@ use crate::terminal::Progress;
 /// Runs the command.
 pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     result::run(arguments, Some(&arguments.out), arguments.json, |paths| {
-        format!("{:<9}{}\n", "written", paths.join("  "))
+        let mut said = format!("{:<9}{}\n", "written", paths.join("  "));
+        // a device that has the causes: checked on a log that nobody has seen, then used
+        let mut corrected = paths.iter().filter(|path| path.ends_with("corrected.toml"));
+        if let Some(corrected) = corrected.next() {
+            let check = format!("--device {corrected} --replay NEW_LOG --out predicted.csv");
+            said += &format!("{:<9}haptical simulate {check}\n", "check");
+            said += &format!(
+                "{:<9}haptical export --device {corrected} --format mjcf --out model.xml\n",
+                "use"
+            );
+        }
+        said
     })
 }
 

@@ -196,7 +196,6 @@ fn a_late_cable_is_brought_to_its_times() {
     );
     // the fault is the log's: no device has it, and the model of the result has it no more
     assert!(!case.path("result/corrected.toml").exists());
-    assert_as_good_as_sound(&case);
 }
 
 #[test]
@@ -218,7 +217,7 @@ fn late_motor_encoders_are_brought_to_their_times() {
 #[test]
 fn a_drift_of_the_cable_is_taken_out() {
     let effects = "[[effect]]\nname = \"cable-drift\"\nm_per_s = 4e-6\n";
-    let motion = ["--seconds", "400", "--rate-hz", "20", "--seed", "3"];
+    let motion = ["--seconds", "400", "--rate-hz", "10", "--seed", "3"];
     let case = Case::simulated(effects, &motion);
     let repair = assert_repaired(&case, "cable-drift", &[]);
     let rate = repair["changes"][0]["by"]["m_per_s"].as_f64().unwrap();
