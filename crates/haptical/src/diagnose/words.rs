@@ -159,7 +159,7 @@ fn no_gap(diagnosis: &Diagnosis) -> String {
     if !beyond.is_empty() {
         said.push_str(&format!(
             " Of rows that the fit did not see it leaves more than noise in {}: the log fixes the model only where it went. \
-             Diagnose both motions in one log.",
+             Diagnose both recordings together: `--log A --log B`.",
             listed(&beyond)
         ));
     }
