@@ -101,6 +101,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
         &recorded::Request {
             every: arguments.every.map(NonZeroUsize::get),
             device_file: &arguments.device,
+            model_file: arguments.model.as_ref().unwrap_or(&arguments.device),
             log_file: &arguments.log,
         },
         &mut warnings,

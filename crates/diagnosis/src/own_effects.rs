@@ -32,12 +32,18 @@ pub(crate) fn within_laws(
         RATIO_ERROR.name,
     ];
     let is_known = |cause: &CauseAnswer| {
-        of_base.contains(&cause.effect.as_str()) || own_effects.iter().any(|own| is_kin(own, cause))
+        // an ambiguous cause is any of its class
+        let rivals = cause.confusable_with.iter().map(String::as_str);
+        let mut class = std::iter::once(cause.effect.as_str()).chain(rivals);
+        class.any(|name| {
+            let is_kin = |own| is_kin(own, name, cause.joint);
+            of_base.contains(&name) || own_effects.iter().any(is_kin)
+        })
     };
     let is_open = match found.verdict {
         Verdict::NoGap => false,
-        Verdict::Unknown | Verdict::Ambiguous => true,
-        Verdict::Named => found.causes.iter().all(is_known),
+        Verdict::Unknown => true,
+        Verdict::Named | Verdict::Ambiguous => found.causes.iter().all(is_known),
     };
     if !is_open || own_effects.is_empty() {
         return Ok(found);
@@ -89,13 +95,13 @@ pub(crate) fn within_laws(
     })
 }
 
-/// Whether a cause is another law of what an effect of the device is: of the same kind at the same place.
-fn is_kin(own: &DeviceEffect, cause: &CauseAnswer) -> bool {
+/// Whether a cause, at a joint from 1, is another law of what an effect of the device is: of the same kind at the same place.
+fn is_kin(own: &DeviceEffect, name: &str, at: Option<usize>) -> bool {
     let joint = own.joint.map(|joint| joint + 1);
-    let (Some(mine), Some(theirs)) = (spec(&own.name), spec(&cause.effect)) else {
+    let (Some(mine), Some(theirs)) = (spec(&own.name), spec(name)) else {
         return false;
     };
-    joint == cause.joint && (mine.is_kin_of(theirs) || mine.name == theirs.name)
+    joint == at && (mine.is_kin_of(theirs) || mine.name == theirs.name)
 }
 
 #[cfg(test)]
@@ -142,8 +148,9 @@ mod tests {
                 false,
             ),
         ] {
-            let cause = CauseAnswer::named(theirs, at, 1.0);
-            assert_eq!(is_kin(&own(mine, joint), &cause), is_one, "{mine} {theirs}");
+            let at = at.map(|at: usize| at + 1);
+            let found = is_kin(&own(mine, joint), theirs, at);
+            assert_eq!(found, is_one, "{mine} {theirs}");
         }
     }
 }

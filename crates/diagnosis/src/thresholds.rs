@@ -62,6 +62,12 @@ pub(crate) mod noise {
     pub(crate) const LEAST_COLOUR: f64 = -0.9;
     /// Largest correlation of successive rows that is looked for: beyond it noise and drift are one. Choice.
     pub(crate) const MOST_COLOUR: f64 = 0.97;
+    /// Changes of a reading, in counts, below which they must be whole. Choice: what a log's decimals round away adds up.
+    pub(crate) const SMALL_STEPS: f64 = 8.5;
+    /// Part of a count by which such a change may miss a whole one. Choice: chance keeps one change in five this near.
+    pub(crate) const PART_OF_A_COUNT: f64 = 0.1;
+    /// Small changes that are enough to call the smallest of them a count. Chance: of a continuous reading one in 10^14.
+    pub(crate) const ENOUGH_STEPS: usize = 20;
     /// Rows on each side of the median that an outlier is compared with. Choice.
     pub(crate) const MEDIAN_REACH: usize = 3;
     /// Rows of a segment within which a signal is taken for a cubic.

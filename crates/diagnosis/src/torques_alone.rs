@@ -155,6 +155,7 @@ fn traces(force: &ForceAnswer, verdict: Verdict) -> Vec<Trace> {
         channel: course.channel.clone(),
         unit: course.unit.to_owned(),
         covariate: "t_s".to_owned(),
+        is_held_out: false,
         at: course.time_s.clone(),
         before: course.before.clone(),
         after: course.after.clone(),

@@ -48,7 +48,7 @@ pub use plan::{
     Chosen, ExpectedOdds, GapFile, Planned, SettleRequest, Settled, choose_next, plan, plan_as,
     settle, settle_as,
 };
-pub use replay::{Replayed, ReplayedChannel, replay};
+pub use replay::{Drawn, Replayed, ReplayedChannel, drawn, replay};
 pub use simulate::{SimulatedPostures, Truth, simulate_postures, true_device};
 
 /// What a program needs from a device file to a cause: `use haptical::prelude::*;`.

@@ -2,7 +2,7 @@
 
 use haptical_calibration::{Channel, Weights, channel_residuals, channels, prepare_device};
 use haptical_data::LogShape;
-use haptical_effects::device::attached;
+use haptical_effects::device::{attached, handle_moved_m};
 use haptical_kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use haptical_model::Recording;
 use serde::Serialize;
@@ -38,6 +38,34 @@ pub struct ReplayedChannel {
     /// Prediction minus measurement, by row: axis after axis.
     #[serde(skip)]
     pub residuals: Vec<(usize, Vec<f64>)>,
+}
+
+/// What a page draws of a log: the recording with what the effects of a device add to it, and how far they move its handle.
+#[derive(Debug)]
+pub struct Drawn {
+    /// With [`Recording::added`].
+    pub recording: Recording,
+    /// Row by row, in frame (-1) \[m\]; none without an effect that moves it.
+    pub handle_moved_m: Option<Vec<[f64; 3]>>,
+}
+
+/// The effects of `device` over a log. `placed` is the device's model with its tracker placed, and gets the numbers that
+/// are fitted.
+///
+/// # Errors
+/// An effect lacks what drives it.
+pub fn drawn(
+    placed: &mut haptical_model::Device,
+    (device, log): (&std::path::Path, &std::path::Path),
+    recording: &Recording,
+) -> Result<Drawn, Error> {
+    let refuse = |error| Error::effect(&error, device, log);
+    let handle_moved_m = handle_moved_m(placed, recording).map_err(refuse)?;
+    let recording = attached(placed, recording).map_err(refuse)?.into_owned();
+    Ok(Drawn {
+        recording,
+        handle_moved_m,
+    })
 }
 
 /// Runs the motion, the loads and the times of a log through a device with its effects.

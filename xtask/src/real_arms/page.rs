@@ -7,13 +7,13 @@ use super::sets::{Answers, Set};
 /// Sizes as people read them.
 const SCALES: [(f64, &str); 3] = [(1.0, ""), (1e-3, "m"), (1e-6, "µ")];
 
-pub(super) const HEAD: &str = "| set | known | identify: held out before → after | verdict | causes | gap closed on unseen data | seconds: identify, diagnose |\n\
-     | --- | --- | --- | --- | --- | --- | --- |\n";
+pub(super) const HEAD: &str = "| set | known | identify: held out before → after | verdict | causes | identify --with gap.json: held out | gap closed on unseen data | seconds: identify, diagnose |\n\
+     | --- | --- | --- | --- | --- | --- | --- | --- |\n";
 
 /// A line for an absent set.
 pub(super) fn absent(set: &Set) -> String {
     format!(
-        "| {} | {} | not run: its data are not here | | | | |\n",
+        "| {} | {} | not run: its data are not here | | | | | |\n",
         set.name, set.known
     )
 }
@@ -28,13 +28,26 @@ pub(super) fn line(set: &Set, answers: &Answers) -> String {
         None => format!("-, {diagnosed_s:.1}"),
     };
     format!(
-        "| {} | {} | {calibrated} | {} | {} | {} | {seconds} |\n",
+        "| {} | {} | {calibrated} | {} | {} | {} | {} | {seconds} |\n",
         set.name,
         set.known,
         gap["verdict"].as_str().unwrap_or_default(),
         causes(gap),
+        answers.with_causes.as_ref().map_or("-".to_owned(), after),
         closed(gap),
     )
+}
+
+/// What is left of held-out rows.
+fn after(identified: &Value) -> String {
+    let channels = identified["channels"].as_array().into_iter().flatten();
+    joined(channels.filter_map(|channel| {
+        let (name, unit) = (channel["channel"].as_str()?, channel["unit"].as_str()?);
+        Some(format!(
+            "{name} {}",
+            size(channel["rms_after"].as_f64()?, unit)
+        ))
+    }))
 }
 
 fn held_out(identified: &Value) -> String {

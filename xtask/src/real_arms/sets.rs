@@ -53,10 +53,16 @@ pub(super) struct Answers {
     pub(super) identified: Option<(Value, f64)>,
     /// `gap.json`, and the seconds that it took.
     pub(super) gap: (Value, f64),
+    /// `identified.json` with the causes as parameters, where they are part of a device.
+    pub(super) with_causes: Option<Value>,
 }
 
 /// The folder with the list of sets and the files that belong to it.
 pub(super) const HERE: &str = "fixtures/real-arms";
+
+/// The files that the two commands answer with.
+const IDENTIFIED: &str = "identified.json";
+const GAP: &str = "gap.json";
 
 impl Sets {
     pub(super) fn load() -> Result<Self> {
@@ -94,9 +100,9 @@ impl Set {
             return Ok(Err(log.into()));
         }
         let options: Vec<String> = self.options.iter().map(|option| place(option)).collect();
-        let answer = |job: &str, more: &[String], file: &str| -> Result<(Value, f64)> {
-            let out = own.join(job);
-            let out = out.to_string_lossy();
+        let answer = |job: &str, name: &str, more: &[String]| -> Result<(Value, f64)> {
+            let folder = own.join(name);
+            let out = folder.to_string_lossy();
             let fixed = [
                 job, "--device", &device, "--log", &log, "--out", &out, "--force",
             ];
@@ -104,17 +110,31 @@ impl Set {
             let start = Instant::now();
             self.run(program, fixed.into_iter().chain(flags))?;
             let seconds = start.elapsed().as_secs_f64();
-            let text = std::fs::read_to_string(own.join(job).join(file))?;
+            let file = if job == "identify" { IDENTIFIED } else { GAP };
+            let text = std::fs::read_to_string(folder.join(file))?;
             Ok((serde_json::from_str(&text)?, seconds))
         };
         let identified = match self.diagnose_only {
             true => None,
-            false => Some(answer("identify", &[], "identified.json")?),
+            false => Some(answer("identify", "identify", &[])?),
         };
         let second = self.second.as_ref();
         let validate = second.map(|second| vec!["--validate".to_owned(), place(second)]);
-        let gap = answer("diagnose", &validate.unwrap_or_default(), "gap.json")?;
-        Ok(Ok(Answers { identified, gap }))
+        let gap = answer("diagnose", "diagnose", &validate.unwrap_or_default())?;
+        let diagnosed = own.join("diagnose");
+        let with_causes = match &identified {
+            Some(_) if diagnosed.join("corrected.toml").exists() => {
+                let gap = diagnosed.join(GAP).to_string_lossy().into_owned();
+                let (result, _) = answer("identify", "with-causes", &["--with".to_owned(), gap])?;
+                Some(result)
+            }
+            _ => None,
+        };
+        Ok(Ok(Answers {
+            identified,
+            gap,
+            with_causes,
+        }))
     }
 
     fn run<'a>(&self, program: &Path, arguments: impl Iterator<Item = &'a str>) -> Result<()> {

@@ -4,6 +4,7 @@ use haptical_model::{Device, DeviceChain, Evaluation, Recording};
 
 use crate::CalibrationError;
 use crate::error::at_row;
+use crate::problem::loads::Loads;
 
 /// Origins of all frames of a device, in frame (-1), for every row of a recording \[m\].
 ///
@@ -12,7 +13,8 @@ use crate::error::at_row;
 /// the handle. Of a device with several hands the frames are those of the row's hand. The origin of the frame behind row i is the translation of `A_0 A_1 ... A_i`
 /// (Baser & Konukseven eq. (4), the product broken off after row i; constant origins
 /// of rows are part of it), at the output angles that the
-/// device predicts from the motor-side readings (eq. (1), (2)).
+/// device predicts from the motor-side readings (eq. (1), (2)), less what its joints yield to the torques of the log or,
+/// without them, to its weights.
 ///
 /// # Errors
 /// [`CalibrationError::Row`] where the device has no value at a row, and for the first row of a
@@ -48,6 +50,7 @@ pub fn frame_origins_m(
         .map(|hand| DeviceChain::of_hand(device, hand))
         .collect();
     let mut variables = vec![0.0; device.links.len().saturating_sub(1)];
+    let loads = Loads::new(device, recording)?;
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; device.joints.len()];
     let mut outputs = vec![0.0; device.joints.len()];
@@ -56,11 +59,16 @@ pub fn frame_origins_m(
         recording.read_joints(row, &mut readings);
         let hand = device.hand_at(recording, row);
         evaluation.choose_hand(hand);
+        if let Some(loads) = &loads {
+            evaluation.set_torques(loads.of_row(row));
+        }
         let refused = at_row(recording, row);
         evaluation.move_pose_to(&readings).map_err(&refused)?;
         let handle = evaluation.pose().map_err(&refused)?.position_m;
         for (joint, output) in outputs.iter_mut().enumerate() {
-            *output = evaluation.output_rad(joint);
+            let torque_nm = loads.as_ref().map_or(0.0, |loads| loads.of_row(row)[joint]);
+            *output =
+                evaluation.output_rad(joint) - torque_nm * device.compliance_rad_per_nm(joint);
         }
         let chain = &chains[hand.unwrap_or(0)];
         chain.variables(&outputs, &mut variables);

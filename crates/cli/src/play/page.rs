@@ -117,6 +117,11 @@ fn arm(recorded: &Recorded) -> Markup {
                             "tracked handle; its distance from the nominal one drawn "
                             output.gain { "1" } " times" }
                     }
+                    @if !recorded.effects.is_empty() {
+                        li { "effects in the " (if recorded.calibrated { "calibrated" } else { "nominal" })
+                            " arm: " (printable(&recorded.effects.join(", ")))
+                            "; the errors and the handle show them, the frames in between joint-compliance alone" }
+                    }
                     li { span.swatch.fixed {} "from the cable's frame (−1) to the base" }
                 }
             }
@@ -243,6 +248,7 @@ mod tests {
         Recorded {
             device: device.to_owned(),
             calibrated: false,
+            effects: Vec::new(),
             rows: 1,
             every: 1,
             axis: Axis {

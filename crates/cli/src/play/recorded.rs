@@ -7,11 +7,12 @@ use haptical_calibration::{
     frame_origins_m, prepare_device,
 };
 use haptical_model::kinematics::nalgebra::Vector3;
-use haptical_model::{Device, Recording};
+use haptical_model::{Device, DeviceEffect, Recording};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use haptical::units::Shown;
+use haptical::{Drawn, drawn};
 
 /// Characters that one number takes in the page on average, its comma included.
 const NUMBER_BYTES: usize = 6;
@@ -30,6 +31,7 @@ pub(crate) struct Request<'a> {
     /// Keep every n-th row; none leaves it to the size of the page.
     pub(crate) every: Option<usize>,
     pub(crate) device_file: &'a Path,
+    pub(crate) model_file: &'a Path,
     pub(crate) log_file: &'a Path,
 }
 
@@ -45,6 +47,9 @@ pub(crate) struct Recorded {
     pub(crate) device: String,
     /// Whether there is a calibrated arm.
     pub(crate) calibrated: bool,
+    /// Effects of the arm that is drawn last, such as `backlash@3`.
+    #[serde(skip)]
+    pub(crate) effects: Vec<String>,
     /// Rows of the log, and how many of them were passed over for each one kept.
     pub(crate) rows: usize,
     pub(crate) every: usize,
@@ -92,6 +97,52 @@ pub(crate) struct ChannelErrors {
     pub(crate) rms_calibrated: Option<f64>,
 }
 
+/// `backlash@3`, joint by joint where joints yield.
+fn effects(device: &Device) -> Vec<String> {
+    let yields = |joint: &usize| device.compliance_rad_per_nm(*joint) != 0.0;
+    let compliant = (0..device.joints.len()).filter(yields);
+    let compliant = compliant.map(|joint| format!("joint-compliance@{}", joint + 1));
+    let own = device.effects.iter().map(DeviceEffect::label);
+    own.chain(compliant).collect()
+}
+
+/// A device over the rows of a log, with its effects.
+#[derive(Debug)]
+struct Arm {
+    device: Device,
+    drawn: Drawn,
+}
+
+impl Arm {
+    /// Effects remember: they see all rows of the log, whatever is drawn.
+    fn new(
+        mut device: Device,
+        recording: &Recording,
+        files: (&Path, &Path),
+    ) -> Result<Self, Failure> {
+        let drawn = drawn(&mut device, files, recording)?;
+        Ok(Self { device, drawn })
+    }
+
+    fn thinned(mut self, kept: &[usize]) -> Self {
+        let moved = self.drawn.handle_moved_m.as_ref();
+        self.drawn.handle_moved_m = moved.map(|rows| kept.iter().map(|&row| rows[row]).collect());
+        self.drawn.recording = self.drawn.recording.select(kept);
+        self
+    }
+
+    /// Origins of the frames; the last one, the handle, where the effects put it.
+    fn origins_m(&self) -> Result<Vec<Vec<[f64; 3]>>, CalibrationError> {
+        let mut origins = frame_origins_m(&self.device, &self.drawn.recording)?;
+        let rows = self.drawn.handle_moved_m.iter().flatten();
+        for (row, moved) in origins.iter_mut().zip(rows) {
+            let handle = row.last_mut().into_iter().flatten();
+            handle.zip(moved).for_each(|(axis, by)| *axis += by);
+        }
+        Ok(origins)
+    }
+}
+
 impl Recorded {
     /// Thins the recording and works out everything that the page shows of it.
     pub(crate) fn new(
@@ -103,20 +154,30 @@ impl Recorded {
     ) -> Result<Self, Failure> {
         let refuse = |error| request.refuse(&error);
         // a tracker's frame and touched points that a file leaves open: where they fit this log best
-        let nominal = &prepare_device(nominal, recording).map_err(refuse)?;
-        let placed = model.map(|model| prepare_device(model, recording));
-        let placed = placed.transpose().map_err(refuse)?;
-        let model = placed.as_ref();
-        let found = drawable_channels(nominal, recording, request, warnings)?;
+        let nominal = prepare_device(nominal, recording).map_err(refuse)?;
+        let nominal = Arm::new(nominal, recording, (request.device_file, request.log_file))?;
+        let model = model.map(|model| prepare_device(model, recording));
+        let model = model.transpose().map_err(refuse)?;
+        let model =
+            model.map(|model| Arm::new(model, recording, (request.model_file, request.log_file)));
+        let model = model.transpose()?;
+        let found = drawable_channels(&nominal.device, recording, request, warnings)?;
         let every = match request.every {
             Some(every) => every,
-            None => thinning(nominal, model.is_some(), recording.len(), found.len()),
+            None => thinning(
+                &nominal.device,
+                model.is_some(),
+                recording.len(),
+                found.len(),
+            ),
         };
         let kept: Vec<usize> = (0..recording.len()).step_by(every).collect();
-        let part = recording.select(&kept);
-        let origins = frame_origins_m(nominal, &part).map_err(refuse)?;
-        let calibrated = model.map(|model| frame_origins_m(model, &part));
-        let calibrated = calibrated.transpose().map_err(refuse)?;
+        let nominal = nominal.thinned(&kept);
+        let model = model.map(|model| model.thinned(&kept));
+        let model = model.as_ref();
+        let part = &nominal.drawn.recording;
+        let origins = nominal.origins_m().map_err(refuse)?;
+        let calibrated = model.map(Arm::origins_m).transpose().map_err(refuse)?;
         let place = |line: u64| (request.log_file, line);
         let mut origins_um = Vec::with_capacity(kept.len());
         let mut deviations_um = calibrated.is_some().then(Vec::new);
@@ -131,24 +192,26 @@ impl Recorded {
             }
         }
         let tracked_um = if found.contains(&Channel::Position) {
-            tracked_um(model.unwrap_or(nominal), &part, request.log_file)?
+            tracked_um(&model.unwrap_or(&nominal).device, part, request.log_file)?
         } else {
             None
         };
         Ok(Self {
-            device: nominal.name.clone(),
+            device: nominal.device.name.clone(),
             calibrated: model.is_some(),
+            effects: effects(&model.unwrap_or(&nominal).device),
             rows: recording.len(),
             every,
-            axis: Axis::new(&part, &kept),
-            run_starts: run_starts(&part),
+            axis: Axis::new(part, &kept),
+            run_starts: run_starts(part),
             up: nominal
+                .device
                 .gravity_mps2
                 .map_or(UP, |gravity| gravity.map(|axis| -axis)),
             origins_um,
             deviations_um,
             tracked_um,
-            channels: channel_errors(nominal, model, &part, &found, request)?,
+            channels: channel_errors(&nominal, model, &found, request)?,
         })
     }
 
@@ -204,25 +267,27 @@ fn thinning(device: &Device, has_model: bool, rows: usize, channels: usize) -> u
 }
 
 fn channel_errors(
-    nominal: &Device,
-    model: Option<&Device>,
-    part: &Recording,
+    nominal: &Arm,
+    model: Option<&Arm>,
     found: &[Channel],
     request: &Request<'_>,
 ) -> Result<Vec<ChannelErrors>, Failure> {
-    let weights = Weights::stated(nominal, found);
+    let weights = Weights::stated(&nominal.device, found);
     // Both arms on the same rows: those where the calibrated transmissions are known.
-    let range_of = model.unwrap_or(nominal);
-    let residuals = |device| {
-        let all = channel_residuals(device, range_of, part, found, &weights);
+    let range_of = &model.unwrap_or(nominal).device;
+    let residuals = |arm: &Arm| {
+        let (device, recording) = (&arm.device, &arm.drawn.recording);
+        let all = channel_residuals(device, range_of, recording, found, &weights);
         all.map_err(|error| request.refuse(&error))
     };
+    let rows = nominal.drawn.recording.len();
+    let nominal_device = &nominal.device;
     let before = residuals(nominal)?;
     let mut after = model.map(residuals).transpose()?.map(Vec::into_iter);
     let mut all = Vec::with_capacity(found.len());
     for before in before {
         let channel = before.channel;
-        let si_unit = channel.unit(nominal);
+        let si_unit = channel.unit(nominal_device);
         let shown = Shown::fine(si_unit);
         let decimals = if si_unit == "rad" { 4 } else { 1 };
         let after = after.as_mut().and_then(Iterator::next);
@@ -232,17 +297,19 @@ fn channel_errors(
         };
         let entry = ChannelErrors {
             name: channel.name(),
-            title: title(nominal, channel),
+            title: title(nominal_device, channel),
             unit: shown.name,
             decimals: decimals as usize,
             exit_um: match channel {
-                Channel::Cable { index } => Some(exit_um(nominal, index, request.device_file)?),
+                Channel::Cable { index } => {
+                    Some(exit_um(nominal_device, index, request.device_file)?)
+                }
                 _ => None,
             },
             rms_nominal: before.rms(),
             rms_calibrated: after.as_ref().and_then(ChannelResiduals::rms),
-            nominal: shown_errors(before.by_row(part.len())),
-            calibrated: after.map(|after| shown_errors(after.by_row(part.len()))),
+            nominal: shown_errors(before.by_row(rows)),
+            calibrated: after.map(|after| shown_errors(after.by_row(rows))),
             si_unit,
         };
         refuse_overflow(&entry, request.log_file)?;

@@ -1,5 +1,6 @@
 //! `haptical play`: the page is whole, and its numbers are those of the model.
 
+use haptical_simulator::apply_deviations;
 use serde_json::Value;
 
 use crate::play_log::{GAP, Played, ROWS, SECOND_RUN, STEP_S, data};
@@ -101,6 +102,67 @@ fn the_data_are_what_the_model_says() {
     assert_eq!(number(&data["deviations_um"][5][3]), 1900.0);
     // against gravity, which the template has along -y
     assert_eq!(data["up"], serde_json::json!([-0.0, 9.81, -0.0]));
+}
+
+/// Stiffness in front of joint 2's external encoder, and behind joint 3's \[N m/rad\].
+const STIFFNESS_NM_PER_RAD: [f64; 2] = [1000.0, 2000.0];
+
+#[test]
+fn effects_of_the_model_bend_the_arm_and_its_errors() {
+    let mut played = Played::new();
+    let torque = |joint: usize, row: usize| (0.7 * row as f64 + joint as f64).sin();
+    for joint in [1, 2] {
+        let column = (0..ROWS).map(|row| torque(joint, row)).collect();
+        played.recording.torque_nm[joint] = Some(column);
+    }
+    played.write_log();
+    let truth = std::fs::read_to_string(played.path("truth.toml")).unwrap();
+    let [capstan, bearing] = STIFFNESS_NM_PER_RAD;
+    let effects = format!(
+        "\n[[effect]]\nname = \"capstan-compliance\"\njoint = 2\nstiffness_nm_per_rad = {capstan:?}\n\
+         \n[[effect]]\nname = \"joint-compliance\"\njoint = 3\nstiffness_nm_per_rad = {bearing:?}\n"
+    );
+    played.write("elastic.toml", truth + &effects);
+    let page = played.page(&["--model", "elastic.toml"]);
+    assert!(page.contains("capstan-compliance@2, joint-compliance@3"));
+    let data = data(&page);
+    for row in [3, 31, ROWS - 2] {
+        let bent = [
+            ("theta2", -torque(1, row) / capstan),
+            ("theta3", -torque(2, row) / bearing),
+        ];
+        let bent = apply_deviations(&played.truth, &bent).unwrap();
+        let (handle_m, _) = played.at(&bent, row);
+        let (nominal_um, shift_um) = (
+            last_point(&data["origins_um"][row]),
+            last_point(&data["deviations_um"][row]),
+        );
+        for axis in 0..3 {
+            let shown_um = nominal_um[axis] + shift_um[axis];
+            // 1 mrad of 1 m bends by 1 um more than the laws say, which are of first order
+            assert!((shown_um - 1e6 * handle_m[axis]).abs() < 2.5 * ROUNDING_UM);
+        }
+        let error = |name| number(&channel(&data, name)["calibrated"][row]);
+        let wanted_mrad = -1e3 * torque(1, row) / capstan;
+        assert!((error("out2") - wanted_mrad).abs() < ROUNDING_SHOWN_MRAD);
+        assert_eq!(error("out3"), 0.0, "behind the encoder");
+    }
+}
+
+#[test]
+fn an_effect_that_the_log_does_not_drive_is_refused() {
+    let played = Played::new();
+    let truth = std::fs::read_to_string(played.path("truth.toml")).unwrap();
+    let effect =
+        "\n[[effect]]\nname = \"thermal-drift\"\nm_per_degc = 1e-5\nbeyond_m_per_degc = 0.0\n";
+    played.write("elastic.toml", truth + effect);
+    let output = played.play(&["--out", "page.html", "--model", "elastic.toml"]);
+    let said = text(&output.stderr);
+    assert!(
+        output.status.code() != Some(0) && said.contains("thermal-drift"),
+        "{said}"
+    );
+    assert!(said.contains("temp_degc"), "{said}");
 }
 
 #[test]

@@ -104,7 +104,8 @@ fn assert_repaired(case: &Case, cause: &str, further: &[&str]) -> Value {
     assert_eq!(repair["log"], "repaired.csv", "{said}");
     assert_eq!(gap["causes"][0]["effect"], cause, "{said}");
     assert!(
-        said.contains("`--repair` writes the log without")
+        said.contains("`haptical identify --log repaired.csv`")
+            && !said.contains("`--repair` writes")
             && said.contains("repaired repaired.csv"),
         "{said}"
     );

@@ -78,7 +78,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         verdict,
         gap,
         next_experiment: next_experiment(&findings, verdict, &causes, located.as_ref()),
-        traces: traces(&findings, located.as_ref()),
+        traces: traces(&findings, located.as_ref())?,
         unexplained_share: match verdict {
             _ if !has_position_gap => findings.force.unexplained_share,
             // of touches whose noise is what is left, the excess over noise says nothing

@@ -503,6 +503,8 @@ pub struct Trace {
     pub unit: String,
     /// Column on the horizontal axis.
     pub covariate: String,
+    /// Whether its rows are those that the fit did not see.
+    pub is_held_out: bool,
     /// Values of the covariate.
     pub at: Vec<f64>,
     /// Residuals of the base model.

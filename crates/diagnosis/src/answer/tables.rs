@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use haptical_calibration::Channel;
 use haptical_effects::{Context, Effect};
 
+use crate::DiagnosisError;
 use crate::answer::causes::reported;
 use crate::answer::floor::Floor;
 use crate::answer::floors::channel_rms;
 use crate::answer::place::Located;
-use crate::answer::{CandidateAnswer, ChannelGap, NoiseAnswer, Trace, Untestable};
+use crate::answer::{CandidateAnswer, ChannelGap, NoiseAnswer, Prediction, Trace, Untestable};
 use crate::engine::model::Cause;
 use crate::judge::findings::Findings;
 use crate::select::rival::Rival;
@@ -50,14 +51,21 @@ fn position_gaps(findings: &Findings<'_>) -> Vec<ChannelGap> {
 /// Rows of a picture at most.
 const DRAWN: usize = 3000;
 
-pub(crate) fn traces(findings: &Findings<'_>, located: Option<&Located>) -> Vec<Trace> {
-    let engine = findings.engine();
+/// Residuals over the covariate that matters: of the rows that the fit saw, then of those that it did not.
+pub(crate) fn traces(
+    findings: &Findings<'_>,
+    located: Option<&Located>,
+) -> Result<Vec<Trace>, DiagnosisError> {
     let Some(located) = located else {
-        return vec![];
+        return Ok(vec![]);
     };
-    let Some(at) = located.covariate.values(&engine.context) else {
-        return vec![];
-    };
+    let seen = seen(findings, located).into_iter();
+    Ok(seen.chain(unseen(findings, located)?).collect())
+}
+
+fn seen(findings: &Findings<'_>, located: &Located) -> Option<Trace> {
+    let engine = findings.engine();
+    let at = located.covariate.values(&engine.context)?;
     let stream = located.stream;
     let usable: Vec<usize> = (0..at.len())
         .filter(|&row| engine.usable[stream][row] && at[row].is_finite())
@@ -65,14 +73,51 @@ pub(crate) fn traces(findings: &Findings<'_>, located: Option<&Located>) -> Vec<
     let step = usable.len().div_ceil(DRAWN).max(1);
     let rows: Vec<usize> = usable.into_iter().step_by(step).collect();
     let pick = |values: &[f64]| rows.iter().map(|&row| values[row]).collect();
-    vec![Trace {
+    Some(Trace {
         channel: engine.context.streams[stream].name(),
         unit: engine.context.streams[stream].unit.to_owned(),
         covariate: located.covariate.column(&engine.context),
+        is_held_out: false,
         at: pick(&at),
         before: pick(&findings.before()[stream]),
         after: pick(&findings.selection.refit.residual[stream]),
-    }]
+    })
+}
+
+/// What the predictions of a second recording, or of held-out rows, leave.
+fn unseen(findings: &Findings<'_>, located: &Located) -> Result<Option<Trace>, DiagnosisError> {
+    let engine = findings.engine();
+    let stream = &engine.context.streams[located.stream];
+    let values = match findings.inputs.options.validation {
+        Some(second) => {
+            let context = Context::new(&engine.base.device, second, &engine.context.streams)?;
+            located.covariate.values(&context)
+        }
+        None => located.covariate.values(&engine.context),
+    };
+    let (name, predictions) = (stream.name(), &findings.shrink.predictions);
+    let Some(values) = values else {
+        return Ok(None);
+    };
+    let of_stream: Vec<&Prediction> = predictions
+        .iter()
+        .filter(|one| one.channel == name && values.get(one.row).is_some_and(|at| at.is_finite()))
+        .collect();
+    let step = of_stream.len().div_ceil(DRAWN).max(1);
+    let drawn: Vec<&Prediction> = of_stream.into_iter().step_by(step).collect();
+    if drawn.is_empty() {
+        return Ok(None);
+    }
+    let pick = |value: &dyn Fn(&Prediction) -> f64| drawn.iter().map(|one| value(one)).collect();
+    Ok(Some(Trace {
+        channel: name,
+        unit: stream.unit.to_owned(),
+        covariate: located.covariate.column(&engine.context),
+        is_held_out: true,
+        at: pick(&|one| values[one.row]),
+        before: pick(&|one| one.measured - one.before),
+        after: pick(&|one| one.measured - one.after),
+    }))
 }
 
 pub(crate) fn untestable(findings: &Findings<'_>) -> Vec<Untestable> {

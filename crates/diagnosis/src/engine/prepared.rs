@@ -124,7 +124,13 @@ impl<'a> Prepared<'a> {
 
     /// Readings that stand alone.
     pub(crate) fn outlying(&self, limit: f64) -> Vec<(Channel, usize)> {
-        outlying_rows(&self.context, &self.problem, &self.residual, limit)
+        outlying_rows(
+            &self.context,
+            &self.problem,
+            &self.residual,
+            &self.own,
+            limit,
+        )
     }
 
     /// Readings that stand alone once causes are in the model.
@@ -140,6 +146,7 @@ impl<'a> Prepared<'a> {
             &self.context,
             &self.problem,
             &residual,
+            &self.own,
             limit,
         ))
     }

@@ -11,6 +11,7 @@ use crate::answer::causes::noise_level;
 use crate::answer::{CauseAnswer, Diagnosis};
 use crate::engine::Prepared;
 use crate::engine::base::Base;
+use crate::noise::rounding::smallest_step;
 use crate::noise::stated::is_stated;
 use crate::thresholds::noise::{
     ARITHMETIC_COUNTS, COMPUTED, FINER_COUNTS, REFUTED, REFUTING_FREEDOM,
@@ -161,12 +162,6 @@ fn finer_counts(device: &mut Device, recording: &Recording, refuted: &[Refuted])
     warnings
 }
 
-/// The smallest change of successive readings above `least`.
-fn smallest_step(readings: &[f64], least: f64) -> Option<f64> {
-    let steps = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    steps.filter(|step| *step > least).reduce(f64::min)
-}
-
 /// The noise that a channel's residual shows, in the device; a warning that names the stated number.
 fn finer_noise(device: &mut Device, refuted: &Refuted) -> Option<String> {
     let sd = Some(refuted.left);
@@ -213,17 +208,4 @@ fn finer_noise(device: &mut Device, refuted: &Refuted) -> Option<String> {
          device file: {key} is stated too large; the diagnosis goes by what is left",
         channel.name()
     ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_smallest_step_leaves_out_rests_and_arithmetic() {
-        let readings = [0.0, 0.0, 0.3, 0.3 + 1e-16, 0.2, 0.7];
-        let step = smallest_step(&readings, 1e-9).unwrap();
-        assert!((step - 0.1).abs() < 1e-12, "{step}");
-        assert_eq!(smallest_step(&[1.0, 1.0], 1e-9), None);
-    }
 }

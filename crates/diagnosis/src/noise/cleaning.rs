@@ -7,12 +7,15 @@ use haptical_model::Recording;
 use crate::engine::base_problem::BaseProblem;
 use crate::noise;
 use crate::noise::outliers::NORMAL_MEDIAN;
+use crate::noise::rounding;
 
-/// Rows that stand alone in a channel (any of its axes), by the base model's residuals.
+/// Rows that stand alone in a channel (any of its axes), by the base model's residuals. `own` is each stream's stated
+/// deviation without what the motor encoders' rounding adds.
 pub(crate) fn outlying_rows(
     context: &Context<'_>,
     problem: &BaseProblem<'_>,
     residual: &[Vec<f64>],
+    own: &[f64],
     limit: f64,
 ) -> Vec<(Channel, usize)> {
     let mut found = Vec::new();
@@ -30,12 +33,28 @@ pub(crate) fn outlying_rows(
         let Some(ratio) = ratio.filter(|ratio| *ratio > 0.0) else {
             continue;
         };
-        let rows = noise::outliers(&scaled, &context.runs, context.ordered, ratio, limit);
+        let sd = &problem.sd[index];
+        let rounded = if context.ordered {
+            rounded(sd, own[index], rounding::own_count(context, stream))
+        } else {
+            vec![0.0; sd.len()]
+        };
+        let limit = limit * ratio;
+        let rows = noise::outliers(&scaled, &context.runs, context.ordered, limit, &rounded);
         found.extend(rows.into_iter().map(|row| (stream.channel, row)));
     }
     found.sort_unstable();
     found.dedup();
     found
+}
+
+/// What rounding may put between a row and its neighbours, over each row's stated deviation `sd`: a count of the sensor,
+/// and one of the motor encoders, whose rounding has the variance sd^2 - own^2 = (df/dtheta q)^2 / 12. At rest nothing
+/// changes but counts, so differences of neighbours do not show this.
+fn rounded(sd: &[f64], own: f64, count: f64) -> Vec<f64> {
+    let rows = sd.iter();
+    rows.map(|sd| (count + (12.0 * (sd * sd - own * own)).max(0.0).sqrt()) / sd)
+        .collect()
 }
 
 /// Standard deviation from the median absolute value.

@@ -6,6 +6,7 @@
 pub(crate) mod cleaning;
 pub(crate) mod measured;
 pub(crate) mod repeats;
+pub(crate) mod rounding;
 pub(crate) mod source;
 pub(crate) mod stated;
 

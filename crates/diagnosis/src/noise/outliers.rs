@@ -7,14 +7,14 @@ use crate::thresholds::noise::MEDIAN_REACH;
 /// Median of the magnitude of a normal deviate.
 pub(super) const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
 
-/// Rows whose value stands alone: further than `limit` noise deviations from the median of the seven
-/// rows around, which follow a motion, a jump or a drift.
+/// Rows whose value stands alone: further than `limit` and what rounding adds, `rounded` of each row, from the median of
+/// the seven rows around, which follow a motion, a jump or a drift.
 pub(crate) fn outliers(
     scaled: &[f64],
     runs: &[Range<usize>],
     ordered: bool,
-    ratio: f64,
     limit: f64,
+    rounded: &[f64],
 ) -> Vec<usize> {
     let mut found = Vec::new();
     for run in runs {
@@ -29,7 +29,7 @@ pub(crate) fn outliers(
             } else {
                 0.0
             };
-            if (scaled[row] - centre).abs() > limit * ratio {
+            if (scaled[row] - centre).abs() > limit + rounded[row] {
                 found.push(row);
             }
         }

@@ -5,6 +5,7 @@ mod bare;
 mod entry;
 mod error;
 mod fit;
+mod handle;
 mod resolve;
 mod simulated;
 
@@ -13,5 +14,6 @@ pub use bare::bare;
 pub use entry::entry;
 pub use error::DeviceEffectError;
 pub use fit::{settle, with_variances};
+pub use handle::handle_moved_m;
 pub use resolve::{OwnEffect, PLACES, effects_of, is_law, laws};
 pub use simulated::{add_effects, shown_by_effects};

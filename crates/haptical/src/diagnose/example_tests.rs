@@ -124,6 +124,7 @@ fn with_gap(after: f64) -> Diagnosis {
         channel: "out2".to_owned(),
         unit: "rad".to_owned(),
         covariate: "torque2_nm".to_owned(),
+        is_held_out: false,
         before: at.iter().map(|torque| torque / 258.0).collect(),
         after: at
             .iter()
@@ -215,7 +216,7 @@ pub(crate) fn unknown() -> Diagnosis {
 fn an_open_answer_names_the_command_that_settles_it() {
     let mut open = named();
     open.verdict = Verdict::Ambiguous;
-    let said = crate::diagnose::words::next_step(&open);
+    let said = crate::diagnose::next::next_step(&open, None);
     assert!(
         !said.contains("--settle"),
         "no candidate has a size: {said}"
@@ -223,7 +224,7 @@ fn an_open_answer_names_the_command_that_settles_it() {
     for candidate in &mut open.candidates {
         candidate.parameters = [("size".to_owned(), 1.0)].into();
     }
-    let said = crate::diagnose::words::next_step(&open);
+    let said = crate::diagnose::next::next_step(&open, None);
     for wanted in [
         "haptical plan --settle gap.json",
         "haptical diagnose --log log.csv --log next.csv",
@@ -232,5 +233,5 @@ fn an_open_answer_names_the_command_that_settles_it() {
         assert!(said.contains(wanted), "{said}");
     }
     open.verdict = Verdict::Named;
-    assert!(!crate::diagnose::words::next_step(&open).contains("--settle"));
+    assert!(!crate::diagnose::next::next_step(&open, None).contains("--settle"));
 }

@@ -6,6 +6,7 @@ mod corrected;
 #[cfg(test)]
 mod example_tests;
 mod faults;
+mod next;
 mod page;
 pub(crate) mod quantity;
 mod repair;
@@ -256,6 +257,11 @@ impl Diagnosed {
         self.corrected.as_deref()
     }
 
+    /// Name of the log without its faults, where one is written.
+    fn repaired_log(&self) -> Option<&str> {
+        self.repair.as_ref()?.log
+    }
+
     /// The files, as they are written.
     ///
     /// # Errors
@@ -264,7 +270,12 @@ impl Diagnosed {
         let [json_name, page_name, predictions_name, corrected_name, ..] = Self::FILES;
         let mut files = vec![(
             page_name,
-            page::page(&self.diagnosis, &self.provenance.record)?.into_bytes(),
+            page::page(
+                &self.diagnosis,
+                self.repaired_log(),
+                &self.provenance.record,
+            )?
+            .into_bytes(),
         )];
         if self.validate.is_some() {
             let predictions = predictions_csv(&self.diagnosis.predictions)?;
@@ -299,7 +310,7 @@ impl Diagnosed {
 
 impl std::fmt::Display for Diagnosed {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.write_str(&summary::text(&self.diagnosis))?;
+        formatter.write_str(&summary::text(&self.diagnosis, self.repaired_log()))?;
         if let Some(words) = several::words(&self.logs) {
             writeln!(formatter, "{:<9}{words}", "logs")?;
         }

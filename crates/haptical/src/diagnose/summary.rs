@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis};
 
+use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
-    absorbed_sentence, closed, held_out_answer, held_out_sizes, listed, named_at, next_step,
-    parameters, percent, place_sentence, probability, record, rivals, verdict_mark,
-    verdict_sentence,
+    absorbed_sentence, closed, held_out_answer, held_out_sizes, listed, named_at, parameters,
+    percent, place_sentence, probability, record, rivals, verdict_mark, verdict_sentence,
 };
 use crate::units::Shown;
 
@@ -15,13 +15,16 @@ use crate::units::Shown;
 const WIDTH: usize = 100;
 /// Lines that channels and causes have together; gap.json has all of both.
 const LISTED: usize = 9;
+/// Lines of the whole summary: what is to be done next has the room that is left, two lines at least.
+const MOST_LINES: usize = 23;
 /// Numbers listed of those that move with a cause.
 const MOVED: usize = 2;
 /// Width of the word before a text.
 const INDENT: usize = 9;
 
-/// The summary: verdict, gap, place, causes, what cannot be seen, next step.
-pub(super) fn text(diagnosis: &Diagnosis) -> String {
+/// The summary: verdict, gap, place, causes, what cannot be seen, next step, `repaired` the name of the log that was
+/// written without its faults.
+pub(super) fn text(diagnosis: &Diagnosis, repaired: Option<&str>) -> String {
     let mut text = String::new();
     push(&mut text, "", &answer(diagnosis), 4);
     text.push('\n');
@@ -35,7 +38,13 @@ pub(super) fn text(diagnosis: &Diagnosis) -> String {
     }
     held_out(&mut text, diagnosis);
     push(&mut text, "unseen", &unseen(diagnosis), 1);
-    push(&mut text, "next", &next_step(diagnosis), 2);
+    let room = MOST_LINES.saturating_sub(text.lines().count());
+    push(
+        &mut text,
+        "next",
+        &next_step(diagnosis, repaired),
+        room.max(2),
+    );
     text
 }
 
@@ -197,7 +206,7 @@ mod tests {
 
     #[test]
     fn the_summary_says_all_that_the_brief_wants() {
-        let said = text(&named());
+        let said = text(&named(), None);
         for wanted in [
             "Named. capstan-compliance at joint 2 (probability 98 %)",
             "out2             1.200 mrad    0.1100 mrad    0.1050 mrad   97.3 % (95 % interval 96.1 \
@@ -233,7 +242,7 @@ mod tests {
             why: "3 mm".to_owned(),
         }];
         for diagnosis in [full, named(), no_gap(), unknown()] {
-            let said = text(&diagnosis);
+            let said = text(&diagnosis, None);
             assert!(
                 said.lines().count() < 24,
                 "{} lines: {said}",
@@ -268,7 +277,7 @@ mod tests {
     fn what_a_calibration_had_taken_up_is_one_line_with_units() {
         let mut diagnosis = named();
         diagnosis.absorbed = Some(absorbed());
-        let said = text(&diagnosis);
+        let said = text(&diagnosis, None);
         let said: Vec<&str> = said.split_whitespace().collect();
         let said = said.join(" ");
         let wanted = "absorbed The earlier model took up 93 % of capstan-compliance at joint 2: identify it again. With the \
@@ -291,7 +300,7 @@ mod tests {
             channel.channel = format!("out{}", 10 + index);
             many.gap.channels.insert(0, channel);
         }
-        let said = text(&many);
+        let said = text(&many, None);
         assert!(
             said.contains("\nout2 ") && said.contains("\ncable "),
             "{said}"

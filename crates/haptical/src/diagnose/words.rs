@@ -1,4 +1,4 @@
-//! A diagnosis in sentences: verdict, place, causes, what to do next.
+//! A diagnosis in sentences: verdict, place, causes.
 
 use haptical_diagnosis::{
     CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer, IN_NO_CATALOGUE, MovedNumber, NoReduction,
@@ -6,7 +6,6 @@ use haptical_diagnosis::{
 };
 use haptical_report::Tone;
 
-use crate::diagnose::faults::faults;
 use crate::diagnose::quantity::Quantity;
 use crate::units::Shown;
 
@@ -399,70 +398,6 @@ fn moved_number(number: &MovedNumber) -> String {
     format!("{} by {size}", number.parameter)
 }
 
-/// What to do next: the experiment that the diagnosis asks for, else what the verdict suggests.
-pub(crate) fn next_step(diagnosis: &Diagnosis) -> String {
-    let step = step_beside_the_log(diagnosis);
-    let of_log = faults(diagnosis).into_iter().map(|fault| fault.cause);
-    let names: Vec<String> = of_log
-        .map(|cause| named_at(&cause.effect, cause.joint))
-        .collect();
-    match names.as_slice() {
-        [] => step,
-        names if diagnosis.verdict == Verdict::NoGap => {
-            format!("`--repair` writes the log without {}", listed(names))
-        }
-        names => format!(
-            "`--repair` writes the log without {}; {step}",
-            listed(names)
-        ),
-    }
-}
-
-/// The next recording: chosen, where candidates with a size are left.
-fn step_beside_the_log(diagnosis: &Diagnosis) -> String {
-    match haptical_diagnosis::Question::of(diagnosis) {
-        Some(_) => format!("{CHOSEN}; by hand: {}", by_hand(diagnosis)),
-        None => by_hand(diagnosis),
-    }
-}
-
-/// How the next recording is chosen, where candidates with a size are left.
-const CHOSEN: &str = "`haptical plan --settle gap.json` chooses the next recording, then `haptical diagnose --log log.csv --log \
-                      next.csv`";
-
-/// What to do without a chosen recording.
-fn by_hand(diagnosis: &Diagnosis) -> String {
-    if let Some(experiment) = &diagnosis.next_experiment {
-        return experiment.clone();
-    }
-    match (diagnosis.verdict, diagnosis.causes.first()) {
-        (Verdict::NoGap, _) => "nothing; the model is as good as these data can tell. What could \
-                                still hide is under \"what cannot be seen\""
-            .to_owned(),
-        (Verdict::Named, Some(cause)) => match haptical_effects::spec(&cause.effect) {
-            Some(spec) => format!(
-                "check {}; mend it, or put the effect into the model with the parameters found, \
-                 and record again to see that the gap is gone",
-                spec.inspect
-            ),
-            None => "put the effect into the model with the parameters found, or mend it, and \
-                     record again to see that the gap is gone"
-                .to_owned(),
-        },
-        (Verdict::Ambiguous, _) => "record again with the load, the speed or the order of the \
-                                    motions changed, so that the candidates behave differently"
-            .to_owned(),
-        _ => {
-            let channel = main_channel(diagnosis).map(|channel| channel.channel.as_str());
-            format!(
-                "look at the device where {} shows the gap, and record it again more slowly and \
-                 more densely there",
-                channel.unwrap_or("the residual")
-            )
-        }
-    }
-}
-
 /// The parameters of a cause: `stiffness 258 [243, 273] N m/rad`.
 pub(crate) fn parameters(cause: &CauseAnswer) -> String {
     let texts = cause.parameters.iter().map(|(name, parameter)| {
@@ -532,7 +467,6 @@ mod tests {
             parameters(&named().causes[0]),
             "stiffness 258 [243, 273] N m/rad"
         );
-        assert!(next_step(&named()).starts_with("check the pre-tension"));
     }
 
     #[test]
@@ -558,8 +492,6 @@ mod tests {
         let wanted = "The data cannot tell capstan-compliance at joint 2 (probability 98 %) from a \
                       or b.";
         assert!(said.starts_with(wanted), "{said}");
-        diagnosis.next_experiment = Some("record it without a load".to_owned());
-        assert_eq!(next_step(&diagnosis), "record it without a load");
     }
 
     #[test]
@@ -575,7 +507,6 @@ mod tests {
             place_sentence(&diagnosis).unwrap(),
             "out2, joint 2; depends on theta2_rad (explains 88 % alone); near theta2 = 0.25 rad"
         );
-        assert!(next_step(&diagnosis).contains("where out2 shows the gap"));
     }
 
     #[test]
@@ -584,7 +515,6 @@ mod tests {
         assert!(verdict_sentence(&diagnosis).contains("than noise in every channel and depends on no frequency, time or posture; not tested: direction of \
                        approach (87 effects"));
         assert_eq!(place_sentence(&diagnosis), None);
-        assert!(next_step(&diagnosis).starts_with("nothing"));
     }
 
     #[test]

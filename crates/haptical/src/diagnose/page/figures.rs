@@ -180,6 +180,14 @@ pub(super) fn traces(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     traces.map(|trace| trace_figure(diagnosis, trace)).collect()
 }
 
+/// What the fit did not see.
+fn rows_unseen(diagnosis: &Diagnosis) -> &str {
+    match diagnosis.held_out.as_str() {
+        "" => "held-out rows",
+        named => named,
+    }
+}
+
 fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
     let shown = Shown::fine(&trace.unit);
     let points = |residuals: &[f64]| -> Vec<(f64, f64)> {
@@ -190,8 +198,13 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
     };
     let column = axis_label(&trace.covariate);
     let words = column.split(" [").next().unwrap_or_default();
+    let rows = if trace.is_held_out {
+        format!(", {}", rows_unseen(diagnosis))
+    } else {
+        String::new()
+    };
     let mut figure = Figure::new(
-        format!("{}: residual over {words}", trace.channel),
+        format!("{}: residual over {words}{rows}", trace.channel),
         column.clone(),
         format!("residual [{}]", shown.name),
     );
@@ -211,15 +224,21 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
         figure.series.push(series);
     };
     push("before", BEFORE, &trace.before);
-    let caption = if diagnosis.causes.is_empty() {
-        "What the model leaves; no cause was found."
+    let caption = if trace.is_held_out {
+        push("after", AFTER, &trace.after);
+        format!(
+            "On {}, which the fit did not see: predicted by the model, and with the causes in it.",
+            rows_unseen(diagnosis)
+        )
+    } else if diagnosis.causes.is_empty() {
+        "What the model leaves; no cause was found.".to_owned()
     } else {
         push("after", AFTER, &trace.after);
-        "The residual before and after the causes are put into the model."
+        "The residual before and after the causes are put into the model.".to_owned()
     };
     figure.series.retain(|series| !series.points.is_empty());
     Ok(Block::Svg {
-        caption: caption.to_owned(),
+        caption,
         svg: figure.to_svg(FIGURE_PX.0, FIGURE_PX.1)?,
     })
 }

@@ -6,19 +6,24 @@ mod tables;
 use haptical_diagnosis::{Diagnosis, Verdict};
 use haptical_report::{Block, Document, Section, Table, Tone};
 
+use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
-    absorbed_sentence, next_step, percent, place_sentence, verdict_mark, verdict_sentence,
+    absorbed_sentence, percent, place_sentence, verdict_mark, verdict_sentence,
 };
 use crate::error::Error;
 use crate::files::Record;
 use crate::page::facts;
 
 /// Figures of residuals that are not folded away.
-const OPEN_FIGURES: usize = 1;
+const OPEN_FIGURES: usize = 2;
 
 /// The whole page.
-pub(in crate::diagnose) fn page(diagnosis: &Diagnosis, record: &Record) -> Result<String, Error> {
-    let mut sections = vec![answer(diagnosis)?];
+pub(in crate::diagnose) fn page(
+    diagnosis: &Diagnosis,
+    repaired: Option<&str>,
+    record: &Record,
+) -> Result<String, Error> {
+    let mut sections = vec![answer(diagnosis, repaired)?];
     let place = place(diagnosis)?;
     if !place.is_empty() {
         sections.push(Section::new("Where the gap lies", place));
@@ -58,7 +63,7 @@ fn lead(diagnosis: &Diagnosis) -> String {
 }
 
 /// Verdict, next step, the gap as a figure and as a table.
-fn answer(diagnosis: &Diagnosis) -> Result<Section, Error> {
+fn answer(diagnosis: &Diagnosis, repaired: Option<&str>) -> Result<Section, Error> {
     let (tone, label) = verdict_mark(diagnosis.verdict);
     let mut blocks = vec![
         Block::Notice {
@@ -69,7 +74,7 @@ fn answer(diagnosis: &Diagnosis) -> Result<Section, Error> {
         Block::Notice {
             tone: Tone::Neutral,
             label: "What to do next:".to_owned(),
-            text: format!("{}.", next_step(diagnosis).trim_end_matches('.')),
+            text: format!("{}.", next_step(diagnosis, repaired).trim_end_matches('.')),
         },
     ];
     blocks.extend(figures::gap(diagnosis)?);
@@ -218,7 +223,7 @@ mod tests {
         };
         let inputs = vec![input("log", "log.csv"), input("validate", "log2.csv")];
         let record = Record::new("0", "diagnose", Vec::new(), inputs);
-        page(diagnosis, &record).unwrap()
+        page(diagnosis, None, &record).unwrap()
     }
 
     /// Positions of texts in the page, all present.

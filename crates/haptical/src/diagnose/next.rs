@@ -1,0 +1,106 @@
+//! What to do next.
+
+use haptical_diagnosis::{Diagnosis, Verdict};
+
+use crate::diagnose::faults::faults;
+use crate::diagnose::words::{listed, main_channel, named_at};
+
+/// What to do next: the experiment that the diagnosis asks for, else what the verdict suggests; first the use of the log
+/// that was `repaired`.
+pub(crate) fn next_step(diagnosis: &Diagnosis, repaired: Option<&str>) -> String {
+    let step = step_beside_the_log(diagnosis);
+    if let Some(log) = repaired {
+        let again = format!("`haptical identify --log {log}` calibrates from the repaired log");
+        return match diagnosis.verdict {
+            Verdict::NoGap => again,
+            _ => format!("{again}; {step}"),
+        };
+    }
+    let of_log = faults(diagnosis).into_iter().map(|fault| fault.cause);
+    let names: Vec<String> = of_log
+        .map(|cause| named_at(&cause.effect, cause.joint))
+        .collect();
+    match names.as_slice() {
+        [] => step,
+        names if diagnosis.verdict == Verdict::NoGap => {
+            format!("`--repair` writes the log without {}", listed(names))
+        }
+        names => format!(
+            "`--repair` writes the log without {}; {step}",
+            listed(names)
+        ),
+    }
+}
+
+/// The next recording: chosen, where candidates with a size are left.
+fn step_beside_the_log(diagnosis: &Diagnosis) -> String {
+    match haptical_diagnosis::Question::of(diagnosis) {
+        Some(_) => format!("{CHOSEN}; by hand: {}", by_hand(diagnosis)),
+        None => by_hand(diagnosis),
+    }
+}
+
+/// How the next recording is chosen, where candidates with a size are left.
+const CHOSEN: &str = "`haptical plan --settle gap.json` chooses the next recording, then `haptical diagnose --log log.csv --log \
+                      next.csv`";
+
+/// What to do without a chosen recording.
+fn by_hand(diagnosis: &Diagnosis) -> String {
+    if let Some(experiment) = &diagnosis.next_experiment {
+        return experiment.clone();
+    }
+    match (diagnosis.verdict, diagnosis.causes.first()) {
+        (Verdict::NoGap, _) => "nothing; the model is as good as these data can tell. What could \
+                                still hide is under \"what cannot be seen\""
+            .to_owned(),
+        (Verdict::Named, Some(cause)) => match haptical_effects::spec(&cause.effect) {
+            Some(spec) => format!(
+                "check {}; mend it, or put the effect into the model with the parameters found, \
+                 and record again to see that the gap is gone",
+                spec.inspect
+            ),
+            None => "put the effect into the model with the parameters found, or mend it, and \
+                     record again to see that the gap is gone"
+                .to_owned(),
+        },
+        (Verdict::Ambiguous, _) => "record again with the load, the speed or the order of the \
+                                    motions changed, so that the candidates behave differently"
+            .to_owned(),
+        _ => {
+            let channel = main_channel(diagnosis).map(|channel| channel.channel.as_str());
+            format!(
+                "look at the device where {} shows the gap, and record it again more slowly and \
+                 more densely there",
+                channel.unwrap_or("the residual")
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::example_tests::{named, no_gap, unknown};
+
+    #[test]
+    fn each_verdict_has_its_step_and_the_asked_for_experiment_comes_first() {
+        assert!(next_step(&named(), None).starts_with("check the pre-tension"));
+        assert!(next_step(&unknown(), None).contains("where out2 shows the gap"));
+        assert!(next_step(&no_gap(), None).starts_with("nothing"));
+        let mut open = named();
+        open.verdict = Verdict::Ambiguous;
+        open.next_experiment = Some("record it without a load".to_owned());
+        assert_eq!(next_step(&open, None), "record it without a load");
+    }
+
+    #[test]
+    fn a_repaired_log_is_calibrated_with_first() {
+        let said = next_step(&named(), Some("repaired.csv"));
+        assert!(
+            said.starts_with("`haptical identify --log repaired.csv`"),
+            "{said}"
+        );
+        assert!(said.contains("check the pre-tension"), "{said}");
+        assert!(!next_step(&no_gap(), Some("repaired.csv")).contains("nothing"));
+    }
+}
