@@ -153,8 +153,7 @@ fn effects_of_the_model_bend_the_arm_and_its_errors() {
 fn an_effect_that_the_log_does_not_drive_is_refused() {
     let played = Played::new();
     let truth = std::fs::read_to_string(played.path("truth.toml")).unwrap();
-    let effect =
-        "\n[[effect]]\nname = \"thermal-drift\"\nm_per_degc = 1e-5\nbeyond_m_per_degc = 0.0\n";
+    let effect = "\n[[effect]]\nname = \"thermal-drift\"\nm_per_degc = 1e-5\nbeyond_m_per_degc = 0.0\nlength_m = 0.4\nreference_degc = 20.0\n";
     played.write("elastic.toml", truth + effect);
     let output = played.play(&["--out", "page.html", "--model", "elastic.toml"]);
     let said = text(&output.stderr);
