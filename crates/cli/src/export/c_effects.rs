@@ -12,15 +12,12 @@ use super::one_line;
 /// Types and functions, with marks where the effects go.
 const TEMPLATE: &str = include_str!("../../assets/effects.h");
 
-/// The text; empty for a device without effects.
+/// The text. A device without effects has a list of one that is none: its inverses are the same functions.
 pub(super) fn text<const ROOM: usize>(
     described: &Described,
     constants: &ChainConstants<ROOM>,
 ) -> String {
     let compensation = &described.compensation;
-    if compensation.effects.is_empty() {
-        return String::new();
-    }
     let mut table =
         "static const haptical_effect haptical_effects[HAPTICAL_EFFECTS] = {\n".to_owned();
     for (label, effect) in &compensation.effects {
@@ -44,12 +41,19 @@ pub(super) fn text<const ROOM: usize>(
             numbers(&entry.local_m),
         );
     }
+    if compensation.effects.is_empty() {
+        table.push_str("    {.kind = HAPTICAL_NO_EFFECT},\n");
+    }
     table.push_str("};\n\n");
     for left_out in &compensation.left_out {
         let _ = writeln!(table, "/* {} */", one_line(&left_out.warning()));
     }
     TEMPLATE
-        .replacen("/*@EFFECTS@*/", &compensation.effects.len().to_string(), 1)
+        .replacen(
+            "/*@EFFECTS@*/",
+            &compensation.effects.len().max(1).to_string(),
+            1,
+        )
         .replacen("/*@EFFECT_DATA@*/\n", &table, 1)
 }
 
