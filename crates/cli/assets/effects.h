@@ -26,6 +26,10 @@ enum haptical_kind {
     HAPTICAL_DRIFT,              /* per s */
     HAPTICAL_SETTLING,           /* end, time constant */
     HAPTICAL_WARM,               /* per degC, reference */
+    HAPTICAL_CURVE_OVER_ANGLE,   /* ends, as those below */
+    HAPTICAL_CURVE_OVER_TORQUE,
+    HAPTICAL_CURVE_OVER_TEMPERATURE,
+    HAPTICAL_CURVE_OVER_TIME,
     HAPTICAL_LATERAL,            /* rad/Nm */
     HAPTICAL_BASE,               /* rad/Nm, base */
     HAPTICAL_TOOL,               /* m/N */
@@ -52,6 +56,7 @@ typedef struct haptical_effect {
     int joint_before; /* which moves the row before; -1: none */
     double n[6];
     double local_m[3];
+    int first, count; /* coefficients of a curve */
 } haptical_effect;
 
 /* What is known at one instant; what no effect of the device needs stays 0. */
@@ -93,6 +98,11 @@ typedef struct haptical_found {
     double left_m, left_rad;          /* what is left to the pose: below 1e-10 where it was reached */
     int joint;                        /* the joint of an error, from 1; 0: none */
 } haptical_found;
+
+/* Of all curves, one behind the other. */
+static const double haptical_coefficients[] = {
+/*@COEFFICIENTS@*/
+};
 
 /*@EFFECT_DATA@*/
 static inline void haptical_reset_state(haptical_effect_state *state)
@@ -149,6 +159,26 @@ static inline double haptical_step_dahl(haptical_effect_state *state, int effect
 static inline double haptical_delayed(const haptical_inputs *inputs, int joint, double delay_s)
 {
     return delay_s * (0.5 * delay_s * inputs->acceleration[joint] - inputs->velocity[joint]);
+}
+
+/* A curve of uniform cubic B-splines, and its slope: haptical-transmission, spline. */
+static inline double haptical_curve(const haptical_effect *effect, double place, double *slope)
+{
+    const double from = effect->n[0], to = effect->n[1];
+    const int intervals = effect->count - 3;
+    const double width = (to - from) / intervals;
+    const double along = (fmin(fmax(place, from), to) - from) / width;
+    const int interval = along < intervals - 1 ? (int)along : intervals - 1;
+    const double u = along - interval, v = 1.0 - u;
+    const double *c = haptical_coefficients + effect->first + interval;
+    *slope = 0.0;
+    if (from <= place && place <= to) {
+        *slope = (-c[0] * v * v + c[1] * ((3.0 * u - 4.0) * u) + c[2] * ((2.0 - 3.0 * u) * u + 1.0) + c[3] * u * u)
+                 * (0.5 / width);
+    }
+    return (c[0] * (v * v * v) + c[1] * ((3.0 * u - 6.0) * u * u + 4.0)
+            + c[2] * (((3.0 - 3.0 * u) * u + 3.0) * u + 1.0) + c[3] * (u * u * u))
+           / 6.0;
 }
 
 /* Error of one joint's angle by one effect, and its slope; 0 by one of another kind. */
@@ -216,6 +246,21 @@ static inline int haptical_drive_error(int index, int joint, const haptical_inpu
         break;
     case HAPTICAL_WARM:
         *error = n[0] * (inputs->temperature_degc - n[1]);
+        break;
+    case HAPTICAL_CURVE_OVER_ANGLE:
+        *error = haptical_curve(effect, q, slope);
+        break;
+    case HAPTICAL_CURVE_OVER_TORQUE:
+        *error = haptical_curve(effect, inputs->torque_nm[joint], slope);
+        *slope = 0.0;
+        break;
+    case HAPTICAL_CURVE_OVER_TEMPERATURE:
+        *error = haptical_curve(effect, inputs->temperature_degc, slope);
+        *slope = 0.0;
+        break;
+    case HAPTICAL_CURVE_OVER_TIME:
+        *error = haptical_curve(effect, inputs->time_s, slope);
+        *slope = 0.0;
         break;
     default:
         break;

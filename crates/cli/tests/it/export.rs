@@ -121,6 +121,16 @@ fn effects_that_a_loop_cannot_use_are_left_out_and_named() {
     );
     assert_eq!(of("joint-friction@1")["side"]["travel"], 0.02);
     assert_eq!(of("joint-compliance@1")["rad_per_nm"], 1e-3);
+    let curve = of("correction@1");
+    assert_eq!(
+        (&curve["law"], &curve["over"]),
+        (&"Curve".into(), &"angle".into())
+    );
+    assert_eq!(
+        (&curve["lower"], &curve["upper"]),
+        (&(-0.3).into(), &0.35.into())
+    );
+    assert_eq!(curve["coefficients"][2], -2e-3);
     // a form without effects says so
     let output = export(&path, "urdf", &sandbox.path("out"), &[]);
     let said = text(&output.stderr);

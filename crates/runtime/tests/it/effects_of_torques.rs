@@ -6,7 +6,7 @@ use haptical_effects::signal::smooth;
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, DeviceEffect, Recording};
 use haptical_runtime::{
-    CompensatedModel, Convention, CoupledModel, Effect, Inputs, Joint, Link, Model, Motion,
+    CompensatedModel, Convention, CoupledModel, Effect, Inputs, Joint, Link, Model, Motion, Over,
     RuntimeError, Side, Transmission,
 };
 
@@ -333,6 +333,25 @@ fn numbers_that_no_effect_can_have_are_refused_where_the_model_is_made() {
         }),
         None
     );
+    let curve = |upper: f64, coefficients: &'static [f64]| {
+        made(Effect::Curve {
+            joint: 2,
+            over: Over::Angle,
+            lower: -0.5,
+            upper,
+            coefficients,
+        })
+    };
+    assert_eq!(curve(0.5, &[0.0, 1e-3, 0.0, 1e-3]), None);
+    let said = curve(0.5, &[0.0, 1e-3, 0.0]).unwrap().to_string();
+    assert!(
+        said.contains("number of coefficients is 3; allowed: at least 4"),
+        "{said}"
+    );
+    let said = curve(-0.5, &[0.0; 4]).unwrap().to_string();
+    assert!(said.contains("upper less lower is 0"), "{said}");
+    let said = curve(0.5, &[0.0, f64::NAN, 0.0, 0.0]).unwrap().to_string();
+    assert!(said.contains("coefficients is NaN"), "{said}");
 }
 
 /// A pose of the 7-DOF device is found again from a posture beside it.
