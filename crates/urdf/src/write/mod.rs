@@ -1,5 +1,6 @@
 //! Robot descriptions of a device: a corrected URDF or MJCF, a new one.
 
+pub(crate) mod added_joints;
 pub(crate) mod corrected;
 pub(crate) mod effects;
 pub(crate) mod inertia;
