@@ -5,10 +5,9 @@
 
 use haptical_effects::Context;
 use haptical_effects::device::{attached, bare};
-use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Body, Device, Evaluation, Recording, Tracker, TransmissionError};
-use haptical_runtime::{CompensatedModel, CompensatedState, EffectState, Inputs};
+use haptical_runtime::{CompensatedModel, CompensatedState, EffectState, Inputs, State};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -297,32 +296,34 @@ fn compare<const JOINTS: usize>(case: &Case) -> Option<f64> {
         }
         // and back, at some rows: the readings that give these values
         if row % 37 == 5 {
-            let found = model.inverse(&ours.outputs, &inputs, &before);
-            let found = found.unwrap_or_else(|error| panic!("{error}\n{:#?}", case.device.effects));
-            let mut again = before;
-            let inputs = Inputs {
-                readings: found,
-                ..inputs
-            };
-            let there = model.forward(&inputs, &mut again).unwrap();
-            for joint in 0..JOINTS {
-                let gap = (there.state.outputs[joint] - ours.outputs[joint]).abs();
-                assert!(gap < 1e-9, "inverse: {gap:e}\n{:#?}", case.device.effects);
-            }
-            give_back(&model, &ours.pose, &inputs, &before, case);
+            give_back(&model, &ours, &inputs, &before, case);
         }
     }
     Some(largest)
 }
 
-/// The readings of a pose, from a posture beside it, give it back; where no readings are found it is said.
+/// The readings of joint values give them back, and those of a pose, from a posture beside it, the pose; where no readings
+/// are found for a pose it is said.
 fn give_back<const JOINTS: usize>(
     model: &CompensatedModel<JOINTS, JOINTS, ROOM>,
-    pose: &Pose,
+    ours: &State<JOINTS>,
     inputs: &Inputs<JOINTS>,
     before: &EffectState<ROOM>,
     case: &Case,
 ) {
+    let found = model.inverse(&ours.outputs, inputs, before);
+    let found = found.unwrap_or_else(|error| panic!("{error}\n{:#?}", case.device.effects));
+    let mut again = *before;
+    let back = Inputs {
+        readings: found,
+        ..*inputs
+    };
+    let there = model.forward(&back, &mut again).unwrap();
+    for joint in 0..JOINTS {
+        let gap = (there.state.outputs[joint] - ours.outputs[joint]).abs();
+        assert!(gap < 1e-9, "inverse: {gap:e}\n{:#?}", case.device.effects);
+    }
+    let pose = &ours.pose;
     let beside = Inputs {
         readings: inputs.readings.map(|reading| reading + 0.05),
         ..*inputs
