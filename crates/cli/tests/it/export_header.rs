@@ -35,7 +35,7 @@ static void print_pose_inverse(const double readings[HAPTICAL_JOINTS], const hap
     haptical_found found;
     haptical_state again;
     double left = 0.0;
-    int status;
+    int status, joint;
     haptical_reset_state(&memory);
     for (int joint = 0; joint < HAPTICAL_JOINTS; ++joint) {
         near.readings[joint] = 0.9 * readings[joint];
@@ -54,6 +54,9 @@ static void print_pose_inverse(const double readings[HAPTICAL_JOINTS], const hap
                 left = fmax(left, fabs(again.rotation[i][j] - wanted.rotation[i][j]));
             }
         }
+    }
+    if (status == HAPTICAL_OK && haptical_check_limits(found.readings, &joint) != HAPTICAL_OK) {
+        left = 1.0;
     }
     printf("%d %.17g ", status, left);
 }
