@@ -5,9 +5,10 @@ use haptical_model::JointType;
 use crate::UrdfError;
 use crate::numbers::{escaped, number, written};
 use crate::robot::RobotJoint;
-use crate::write::effects::{Effects, YieldKind};
+use crate::write::effects::{Effects, Yield, YieldKind};
 use crate::write::inertia::row_bodies;
 use crate::write::mjcf::dynamics::{RowYield, needed, row_dynamics};
+use crate::write::mjcf::snippet::MissingJoint;
 use crate::write::mjcf::{GRAVITY_MPS2, play, stiff};
 use crate::write::patched::{Edit, Patch, set};
 use crate::write::segments::segments;
@@ -29,12 +30,20 @@ const STEADY: f64 = 10.0;
 /// Time step up to which a file's own is taken as short \[s\].
 const SHORT_S: f64 = 1e-3;
 
+/// What is done about springs, plays and couplings.
+pub(super) struct Yields {
+    pub(super) edits: Vec<Edit>,
+    pub(super) said: Vec<String>,
+    /// What is not put in.
+    pub(super) missing: Vec<MissingJoint>,
+}
+
 /// A joint to be put in.
-struct Added<'y> {
+pub(super) struct Added<'y> {
     /// Its number in the device.
-    joint: usize,
-    name: String,
-    of: &'y RowYield,
+    pub(super) joint: usize,
+    pub(super) name: String,
+    pub(super) of: &'y RowYield,
 }
 
 impl Patch<'_, '_, '_> {
@@ -44,8 +53,8 @@ impl Patch<'_, '_, '_> {
         effects: &Effects<'_>,
         drivers: &[&RobotJoint],
         new_joints: NewJoints,
-    ) -> Result<(Vec<Edit>, Vec<String>), UrdfError> {
-        let (mut edits, mut said) = (Vec::new(), Vec::new());
+    ) -> Result<Yields, UrdfError> {
+        let (mut edits, mut said, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for (joint, driver) in drivers.iter().enumerate() {
             if let Some((place, stiffness)) = only_spring(effects, joint, driver)
                 && !has(driver, stiffness)
@@ -81,6 +90,10 @@ impl Patch<'_, '_, '_> {
                     own.suffix,
                     own.kind.words()
                 ));
+                missing.push(MissingJoint {
+                    what: format!("{name}{}: {}", own.suffix, own.kind.words()),
+                    python: self.python(joint, name, own),
+                });
             }
         }
         if is_any_put {
@@ -88,7 +101,44 @@ impl Patch<'_, '_, '_> {
             edits.extend(put);
             said.extend(told);
         }
-        Ok((edits, said))
+        Ok(Yields {
+            edits,
+            said,
+            missing,
+        })
+    }
+
+    /// Python that adds to the readings what a joint that is not there does to them, at rest.
+    fn python(&self, joint: usize, name: &str, own: &Yield) -> String {
+        let device = self.device;
+        let column = |what: &str, joint: usize| {
+            let unit = device.joints.get(joint).map_or("rad", |own| own.unit());
+            format!("r[\"{what}{}_{unit}\"]", joint + 1)
+        };
+        let (theta, out) = (column("theta", joint), column("out", joint));
+        let behind = match own.is_before_encoder {
+            true => out.clone(),
+            false => column("link", joint),
+        };
+        // what another one of the joint has moved already
+        let key = out.trim_start_matches("r[").trim_end_matches(']');
+        let before = format!("r.get({key}, {theta})");
+        match own.kind {
+            // the drive's torque goes through the spring
+            YieldKind::Spring(stiffness) => format!(
+                "{behind} = {before} - data.joint({name:?}).qfrc_actuator[0] / {}",
+                written(&[stiffness])
+            ),
+            YieldKind::Coupling(gain, from) => format!(
+                "{behind} = {before} + {} * {}",
+                written(&[gain]),
+                column("theta", from)
+            ),
+            YieldKind::Play(width) => format!(
+                "# {behind} is within {} of {before}: which end, the load says",
+                written(&[0.5 * width])
+            ),
+        }
     }
 
     /// Whether a joint that another one moves can be bound to it: an equality counts from where both are in the file.
@@ -234,70 +284,6 @@ impl Patch<'_, '_, '_> {
         }
         let section = format!("  <equality>\n{bonds}  </equality>\n");
         self.at_end(&section).filter(|_| !bonds.is_empty())
-    }
-
-    /// Positions and velocities of keyframes with those of the new joints.
-    fn keyframes(&self, added: &[Added<'_>], drivers: &[&RobotJoint]) -> (Vec<Edit>, Vec<String>) {
-        let (mut edits, mut said) = (Vec::new(), Vec::new());
-        let keys = self.elements.iter().filter(|own| own.has_tag_name("key"));
-        for key in keys.filter(|_| !added.is_empty()) {
-            for (name, is_position) in [("qpos", true), ("qvel", false)] {
-                let Some(attribute) = key.attribute_node(name) else {
-                    continue;
-                };
-                match self.extended(attribute.value(), is_position, added, drivers) {
-                    Some(value) => edits.push((attribute.range_value(), value)),
-                    None => said.push(format!(
-                        "the keyframe `{}` is as it was, because its {name} is not one number for each of the joints that were \
-                         read: complete it, or MuJoCo refuses the file",
-                        key.attribute("name").unwrap_or("without a name")
-                    )),
-                }
-            }
-        }
-        (edits, said)
-    }
-
-    fn extended(
-        &self,
-        value: &str,
-        is_position: bool,
-        added: &[Added<'_>],
-        drivers: &[&RobotJoint],
-    ) -> Option<String> {
-        let numbers: Option<Vec<f64>> = value.split_ascii_whitespace().map(number).collect();
-        let mut rest = numbers?.into_iter();
-        let mut parts: Vec<(usize, Vec<f64>)> = Vec::new();
-        for own in &self.robot.coordinates {
-            let count = if is_position {
-                own.positions
-            } else {
-                own.velocities
-            };
-            let part: Vec<f64> = rest.by_ref().take(count).collect();
-            if part.len() < count {
-                return None;
-            }
-            parts.push((own.place, part));
-        }
-        if rest.next().is_some() {
-            return None;
-        }
-        let of = |place: usize| parts.iter().find(|own| own.0 == place)?.1.first().copied();
-        let mut all = Vec::new();
-        for (place, part) in &parts {
-            all.extend(part);
-            let own = added
-                .iter()
-                .filter(|own| drivers[own.joint].place == *place);
-            for own in own {
-                all.push(match own.of.of.kind {
-                    YieldKind::Coupling(gain, from) => gain * of(drivers.get(from)?.place)?,
-                    _ => 0.0,
-                });
-            }
-        }
-        Some(written(&all))
     }
 
     /// An addition before the closing tag of the file.

@@ -48,8 +48,8 @@ pub(super) type Edit = (Range<usize>, String);
 /// `device` must have come from this MJCF, this base and this tip. Where the chain ends at a body that moves itself, a site
 /// for the handle is added to it, and a warning says so. An orientation that is not a quaternion becomes one. What a joint
 /// yields (a spring, a play, a coupling) is a joint of its own: `new_joints` says whether it is put in. The stiffness of a
-/// spring that the file has already is an attribute as friction is. Effects that MuJoCo has no means for are listed, and a comment
-/// at the end of the file has Python that adds them to the readings where that can be done.
+/// spring that the file has already is an attribute as friction is. What is not in the file is listed, and a comment at its end has
+/// Python that adds it to the readings where that can be done.
 ///
 /// ```
 /// use haptical_urdf::{BaseAndTip, NewJoints, corrected_mjcf, device_from_mjcf};
@@ -125,14 +125,20 @@ pub fn corrected_mjcf(
     let drivers: Vec<&RobotJoint> = (rows.drivers.iter())
         .map(|driver| &robot.joints[*driver])
         .collect();
-    let (put, said) = patch.yields(&effects, &drivers, new_joints)?;
-    edits.extend(put);
-    warnings.extend(said);
+    let yields = patch.yields(&effects, &drivers, new_joints)?;
+    edits.extend(yields.edits);
+    warnings.extend(yields.said);
     warnings.extend(not_put_in(&effects));
     let names: Vec<&str> = drivers.iter().map(|own| own.name.as_str()).collect();
     let readings = snippet::by_joints(device, &names);
     let no_outs = vec![false; device.joints.len()];
-    let comment = snippet::comment(device, &effects.left_out, &no_outs, &readings);
+    let comment = snippet::comment(
+        device,
+        &effects.left_out,
+        &yields.missing,
+        &no_outs,
+        &readings,
+    );
     edits.extend(patch.at_end(&comment).filter(|_| !comment.is_empty()));
     let mut tips = tips.into_iter();
     Ok(CorrectedMjcf {

@@ -164,6 +164,10 @@ fn friction_is_attributes_and_the_rest_is_listed() {
         .replace("damping=\"2\"", "damping=\"4\"");
     let (kept, comment) = corrected.text.split_once("  <!-- Not in").unwrap();
     assert_eq!(kept.to_owned() + "</mujoco>\n", expected);
+    assert!(
+        comment.contains("a_play: a play of 0.002 rad or m"),
+        "{comment}"
+    );
     let added = "r[\"theta1_rad\"] -= 0.002 * np.cos(1 * r[\"theta1_rad\"] - 0.1)";
     assert!(comment.contains(added), "{comment}");
     assert!(
@@ -240,6 +244,19 @@ fn new_joints_are_put_in_behind_their_own_and_into_keyframes() {
         let ends = BaseAndTip::to("tool");
         haptical_urdf::corrected_mjcf(text, "arm.xml", ends, device, NewJoints::PutIn).unwrap()
     };
+    // without the request they are listed, with Python for what they do to the readings at rest
+    let listed = corrected_mjcf(&text, "arm.xml", BaseAndTip::to("tool"), &device).unwrap();
+    let (kept, comment) = listed
+        .text
+        .split_once("  <!-- Not in this model, because the file has no joints")
+        .unwrap();
+    assert!(text.starts_with(kept.trim_end()));
+    for line in [
+        "r[\"out2_rad\"] = r.get(\"out2_rad\", r[\"theta2_rad\"]) - data.joint(\"b\").qfrc_actuator[0] / 400",
+        "r[\"out1_rad\"] = r.get(\"out1_rad\", r[\"theta1_rad\"]) + 0.05 * r[\"theta2_rad\"]",
+    ] {
+        assert!(comment.contains(line), "{comment}");
+    }
     let corrected = put(&text, &device);
     let document = roxmltree::Document::parse(&corrected.text).unwrap();
     let joint = |name: &str| {

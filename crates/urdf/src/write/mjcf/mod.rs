@@ -157,6 +157,7 @@ impl Model<'_> {
         text.push_str(&snippet::comment(
             self.device,
             &self.effects.left_out,
+            &[],
             &self.with_external_encoders(),
             snippet::BY_SENSORS,
         ));

@@ -24,20 +24,42 @@ pub(crate) fn by_joints(device: &Device, names: &[&str]) -> String {
     readings.trim_end_matches(", ").to_owned() + "}"
 }
 
+/// A joint that a file does not have, and Python that adds what it does to the readings.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MissingJoint {
+    pub(crate) what: String,
+    pub(crate) python: String,
+}
+
 /// The comment at the end of the file; empty where everything is carried. `outs` says which joints have an external encoder
 /// in it; `readings` is Python for a dictionary of what the file's sensors say.
 pub(crate) fn comment(
     device: &Device,
     left_out: &[&DeviceEffect],
+    missing: &[MissingJoint],
     outs: &[bool],
     readings: &str,
 ) -> String {
-    if left_out.is_empty() {
+    if left_out.is_empty() && missing.is_empty() {
         return String::new();
     }
-    let mut text = String::from("  <!-- Not in this model, because MuJoCo has no means for it:\n");
+    let mut text = String::from("  <!-- Not in this model");
+    if !left_out.is_empty() {
+        text.push_str(", because MuJoCo has no means for it:\n");
+    }
     for effect in left_out {
         let _ = writeln!(text, "       {}", commented(&described(effect)));
+    }
+    if !missing.is_empty() {
+        let also = if left_out.is_empty() {
+            ""
+        } else {
+            "       Not in it"
+        };
+        let _ = writeln!(text, "{also}, because the file has no joints for it:");
+    }
+    for own in missing {
+        let _ = writeln!(text, "       {}", commented(&own.what));
     }
     text.push_str(
         "       The program that runs the model can add what is only in readings, in Python:\n\nimport numpy as np\n\n\
@@ -52,6 +74,9 @@ pub(crate) fn comment(
             )
         });
         let _ = writeln!(text, "    {}", commented(&line));
+    }
+    for own in missing {
+        let _ = writeln!(text, "    {}", commented(&own.python));
     }
     text.push_str("    return r\n  -->\n");
     text
