@@ -39,7 +39,7 @@ impl Predicted {
 }
 
 /// What the exported C predicts of a recording; none where the device has effects that no control loop
-/// sees, or where the recording is of single postures.
+/// sees or that began with a run of the first recording, or where the recording is of single postures.
 pub(crate) fn predicted(
     corrected: &Model,
     recording: &Recording,
@@ -47,7 +47,10 @@ pub(crate) fn predicted(
 ) -> Result<Option<Predicted>, String> {
     let base = bare(corrected);
     let context = Context::new(&base, recording, &[]).map_err(|error| error.to_string())?;
-    if !context.ordered {
+    // a control loop is later than every run of a log: what began with one of them is there in all of it
+    let mut effects = corrected.effects.iter();
+    let begins = effects.any(|effect| effect.numbers.contains_key("from_run"));
+    if !context.ordered || begins {
         return Ok(None);
     }
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
