@@ -3,13 +3,16 @@
 
 #define HAPTICAL_EFFECTS /*@EFFECTS@*/
 #define HAPTICAL_LARGEST_INPUT 1e12
-/* What haptical_forward and haptical_inverse return beside the values of haptical_status. */
+/* What haptical_forward and the inverses return beside the values of haptical_status. */
 #define HAPTICAL_BAD_INPUT 6   /* an input beside the readings is not finite or above 1e12 in size */
 #define HAPTICAL_DISPLACED 7   /* the effects displace the handle by more than 1e6 */
 #define HAPTICAL_NOT_REACHED 8 /* no reading gives a wanted joint value */
+#define HAPTICAL_POSE_NOT_REACHED 9 /* no posture near the present one has a wanted pose */
+#define HAPTICAL_NOT_A_POSE 10 /* a wanted position is above 1e6 m in size, or a wanted rotation is none to 1e-6 */
 
 /* Kinds, and their numbers `n`. */
 enum haptical_kind {
+    HAPTICAL_NO_EFFECT,          /* fills the list of a device without effects */
     HAPTICAL_CAPSTAN_COMPLIANCE, /* rad/Nm */
     HAPTICAL_JOINT_COMPLIANCE,   /* rad/Nm */
     HAPTICAL_PLAY,               /* half width of the play, error at its ends */
@@ -23,6 +26,10 @@ enum haptical_kind {
     HAPTICAL_DRIFT,              /* per s */
     HAPTICAL_SETTLING,           /* end, time constant */
     HAPTICAL_WARM,               /* per degC, reference */
+    HAPTICAL_CURVE_OVER_ANGLE,   /* ends, as those below */
+    HAPTICAL_CURVE_OVER_TORQUE,
+    HAPTICAL_CURVE_OVER_TEMPERATURE,
+    HAPTICAL_CURVE_OVER_TIME,
     HAPTICAL_LATERAL,            /* rad/Nm */
     HAPTICAL_BASE,               /* rad/Nm, base */
     HAPTICAL_TOOL,               /* m/N */
@@ -49,6 +56,7 @@ typedef struct haptical_effect {
     int joint_before; /* which moves the row before; -1: none */
     double n[6];
     double local_m[3];
+    int first, count; /* coefficients of a curve */
 } haptical_effect;
 
 /* What is known at one instant; what no effect of the device needs stays 0. */
@@ -76,6 +84,25 @@ typedef struct haptical_compensated {
     double hand_force_n[3]; /* without the errors of its sensor, in frame (-1) */
     double added_nm[HAPTICAL_JOINTS], gain[HAPTICAL_JOINTS]; /* of the drives' torques */
 } haptical_compensated;
+
+/* A pose of the handle. */
+typedef struct haptical_pose {
+    double position_m[3];
+    double rotation[3][3]; /* its axes are the columns */
+} haptical_pose;
+
+/* What haptical_inverse_pose finds. */
+typedef struct haptical_found {
+    double readings[HAPTICAL_JOINTS]; /* what motors must be told */
+    double outputs[HAPTICAL_JOINTS];  /* joint values */
+    double left_m, left_rad;          /* what is left to the pose: below 1e-10 where it was reached */
+    int joint;                        /* the joint of an error, from 1; 0: none */
+} haptical_found;
+
+/* Of all curves, one behind the other. */
+static const double haptical_coefficients[] = {
+/*@COEFFICIENTS@*/
+};
 
 /*@EFFECT_DATA@*/
 static inline void haptical_reset_state(haptical_effect_state *state)
@@ -132,6 +159,26 @@ static inline double haptical_step_dahl(haptical_effect_state *state, int effect
 static inline double haptical_delayed(const haptical_inputs *inputs, int joint, double delay_s)
 {
     return delay_s * (0.5 * delay_s * inputs->acceleration[joint] - inputs->velocity[joint]);
+}
+
+/* A curve of uniform cubic B-splines, and its slope: haptical-transmission, spline. */
+static inline double haptical_curve(const haptical_effect *effect, double place, double *slope)
+{
+    const double from = effect->n[0], to = effect->n[1];
+    const int intervals = effect->count - 3;
+    const double width = (to - from) / intervals;
+    const double along = (fmin(fmax(place, from), to) - from) / width;
+    const int interval = along < intervals - 1 ? (int)along : intervals - 1;
+    const double u = along - interval, v = 1.0 - u;
+    const double *c = haptical_coefficients + effect->first + interval;
+    *slope = 0.0;
+    if (from <= place && place <= to) {
+        *slope = (-c[0] * v * v + c[1] * ((3.0 * u - 4.0) * u) + c[2] * ((2.0 - 3.0 * u) * u + 1.0) + c[3] * u * u)
+                 * (0.5 / width);
+    }
+    return (c[0] * (v * v * v) + c[1] * ((3.0 * u - 6.0) * u * u + 4.0)
+            + c[2] * (((3.0 - 3.0 * u) * u + 3.0) * u + 1.0) + c[3] * (u * u * u))
+           / 6.0;
 }
 
 /* Error of one joint's angle by one effect, and its slope; 0 by one of another kind. */
@@ -199,6 +246,21 @@ static inline int haptical_drive_error(int index, int joint, const haptical_inpu
         break;
     case HAPTICAL_WARM:
         *error = n[0] * (inputs->temperature_degc - n[1]);
+        break;
+    case HAPTICAL_CURVE_OVER_ANGLE:
+        *error = haptical_curve(effect, q, slope);
+        break;
+    case HAPTICAL_CURVE_OVER_TORQUE:
+        *error = haptical_curve(effect, inputs->torque_nm[joint], slope);
+        *slope = 0.0;
+        break;
+    case HAPTICAL_CURVE_OVER_TEMPERATURE:
+        *error = haptical_curve(effect, inputs->temperature_degc, slope);
+        *slope = 0.0;
+        break;
+    case HAPTICAL_CURVE_OVER_TIME:
+        *error = haptical_curve(effect, inputs->time_s, slope);
+        *slope = 0.0;
         break;
     default:
         break;
@@ -559,20 +621,11 @@ static inline int haptical_add_torque(int index, const haptical_inputs *inputs, 
     return HAPTICAL_OK;
 }
 
-/* Where the device truly stands: `state` goes on by one sample, or stays where something is refused. On an error only
- * `device->state.joint` is of use. */
-static inline int haptical_forward(const haptical_inputs *inputs, haptical_effect_state *state,
-                                   haptical_compensated *device)
+/* Joint values and link angles, and the force of the hand in the handle's axes. */
+static inline int haptical_drive(const haptical_inputs *inputs, haptical_effect_state *next,
+                                 haptical_compensated *device, double force_n[3])
 {
-    haptical_effect_state next = *state;
-    haptical_frame frames[HAPTICAL_ROWS + 1];
-    double force_n[3], linear[3] = {0.0, 0.0, 0.0}, angular[3] = {0.0, 0.0, 0.0};
-    double turned_n[3];
-    int status = haptical_check_inputs(inputs);
-    device->state.joint = 0;
-    if (status != HAPTICAL_OK) {
-        return status;
-    }
+    int status;
     for (int joint = 0; joint < HAPTICAL_JOINTS; ++joint) {
         double yielded = 0.0;
         device->state.joint = joint + 1;
@@ -580,7 +633,7 @@ static inline int haptical_forward(const haptical_inputs *inputs, haptical_effec
                                  &device->state.output_slopes[joint]);
         for (int index = 0; index < HAPTICAL_EFFECTS && status == HAPTICAL_OK; ++index) {
             double error, slope;
-            status = haptical_drive_error(index, joint, inputs, &next, &error, &slope);
+            status = haptical_drive_error(index, joint, inputs, next, &error, &slope);
             device->state.outputs[joint] += error;
             device->state.output_slopes[joint] += slope;
             if (haptical_effects[index].kind == HAPTICAL_JOINT_COMPLIANCE && haptical_effects[index].joint == joint) {
@@ -604,12 +657,20 @@ static inline int haptical_forward(const haptical_inputs *inputs, haptical_effec
     }
     for (int index = 0; index < HAPTICAL_EFFECTS; ++index) {
         double error_n[3];
-        haptical_sensor_error(index, inputs, &next, error_n);
+        haptical_sensor_error(index, inputs, next, error_n);
         for (int i = 0; i < 3; ++i) {
             force_n[i] -= error_n[i];
         }
     }
-    status = haptical_walk(device->links, &device->state, frames);
+    return HAPTICAL_OK;
+}
+
+/* Pose of the handle and Jacobian at the link angles. */
+static inline int haptical_place(const haptical_inputs *inputs, const double force_n[3], haptical_compensated *device)
+{
+    haptical_frame frames[HAPTICAL_ROWS + 1];
+    double turned_n[3], linear[3] = {0.0, 0.0, 0.0}, angular[3] = {0.0, 0.0, 0.0};
+    int status = haptical_walk(device->links, &device->state, frames);
     if (status != HAPTICAL_OK) {
         return status;
     }
@@ -619,8 +680,23 @@ static inline int haptical_forward(const haptical_inputs *inputs, haptical_effec
     for (int index = 0; index < HAPTICAL_EFFECTS && status == HAPTICAL_OK; ++index) {
         status = haptical_displace(index, device, inputs, frames, turned_n, linear, angular);
     }
+    return status == HAPTICAL_OK ? haptical_move(&device->state, linear, angular) : status;
+}
+
+/* Where the device truly stands: `state` goes on by one sample, or stays where something is refused. On an error only
+ * `device->state.joint` is of use. */
+static inline int haptical_forward(const haptical_inputs *inputs, haptical_effect_state *state,
+                                   haptical_compensated *device)
+{
+    haptical_effect_state next = *state;
+    double force_n[3];
+    int status = haptical_check_inputs(inputs);
+    device->state.joint = 0;
     if (status == HAPTICAL_OK) {
-        status = haptical_move(&device->state, linear, angular);
+        status = haptical_drive(inputs, &next, device, force_n);
+    }
+    if (status == HAPTICAL_OK) {
+        status = haptical_place(inputs, force_n, device);
     }
     for (int index = 0; index < HAPTICAL_EFFECTS && status == HAPTICAL_OK; ++index) {
         status = haptical_add_torque(index, inputs, &next, device);
@@ -764,6 +840,179 @@ static inline int haptical_inverse(const double outputs[HAPTICAL_JOINTS], const 
         *joint = 0;
     }
     return status;
+}
+
+static inline int haptical_is_pose(const haptical_pose *pose)
+{
+    const double(*r)[3] = pose->rotation;
+    double determinant = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        determinant += r[0][i] * (r[1][j] * r[2][k] - r[1][k] * r[2][j]);
+        if (!(fabs(pose->position_m[i]) <= HAPTICAL_LARGEST_VALUE)) {
+            return 0;
+        }
+        for (int row = 0; row < 3; ++row) {
+            if (!(fabs(haptical_dot(r[i], r[row]) - (i == row ? 1.0 : 0.0)) <= 1e-6)) {
+                return 0;
+            }
+        }
+    }
+    return determinant > 0.0;
+}
+
+/* What is left to a wanted pose: the way, and the axis of the turn times 2 sin(angle / 2), which grows up to half a turn. */
+static inline void haptical_gap(const haptical_pose *wanted, const haptical_state *state, double gap[6])
+{
+    double turn[3][3], square = 1.0, scale;
+    for (int i = 0; i < 3; ++i) {
+        gap[i] = wanted->position_m[i] - state->position_m[i];
+        for (int j = 0; j < 3; ++j) {
+            turn[i][j] = haptical_dot(wanted->rotation[i], state->rotation[j]);
+        }
+        square += turn[i][i]; /* 2 cos(angle / 2), squared */
+    }
+    if (square > 1e-8) {
+        scale = 1.0 / sqrt(square);
+        for (int i = 0; i < 3; ++i) {
+            gap[3 + i] = (turn[(i + 2) % 3][(i + 1) % 3] - turn[(i + 1) % 3][(i + 2) % 3]) * scale;
+        }
+    } else { /* half a turn, 2 a a^T - 1: the longest column of a a^T */
+        double longest = 0.0;
+        for (int column = 0; column < 3; ++column) {
+            double own[3];
+            for (int i = 0; i < 3; ++i) {
+                own[i] = turn[i][column] + (i == column ? 1.0 : 0.0);
+            }
+            scale = haptical_dot(own, own);
+            if (scale > longest) {
+                longest = scale;
+                for (int i = 0; i < 3; ++i) {
+                    gap[3 + i] = 2.0 / sqrt(scale) * own[i];
+                }
+            }
+        }
+    }
+}
+
+static inline double haptical_gap_square(const double gap[6])
+{
+    return haptical_dot(gap, gap) + haptical_dot(gap + 3, gap + 3);
+}
+
+static inline int haptical_is_reached(const double gap[6])
+{
+    int is_reached = 1;
+    for (int i = 0; i < 6; ++i) {
+        is_reached = is_reached && fabs(gap[i]) <= 1e-11;
+    }
+    return is_reached;
+}
+
+/* Links moved by J^T (J J^T + damping)^-1 gap, no joint by more than 0.5; whether all are of bounded size. */
+static inline int haptical_newton(const haptical_state *state, const double gap[6], double damping,
+                                  double links[HAPTICAL_JOINTS])
+{
+    double matrix[6][6], weights[6], steps[HAPTICAL_JOINTS], longest = 0.5;
+    int is_bounded = 1;
+    for (int i = 0; i < 6; ++i) {
+        weights[i] = gap[i];
+        for (int j = 0; j < 6; ++j) {
+            matrix[i][j] = i == j ? damping : 0.0;
+            for (int joint = 0; joint < HAPTICAL_JOINTS; ++joint) {
+                const double *linear = state->jacobian_linear[joint], *angular = state->jacobian_angular[joint];
+                matrix[i][j] += (i < 3 ? linear[i] : angular[i - 3]) * (j < 3 ? linear[j] : angular[j - 3]);
+            }
+        }
+    }
+    for (int pivot = 0; pivot < 6; ++pivot) { /* positive definite: no exchanges */
+        for (int i = pivot + 1; i < 6; ++i) {
+            const double factor = matrix[i][pivot] / matrix[pivot][pivot];
+            for (int j = pivot; j < 6; ++j) {
+                matrix[i][j] -= factor * matrix[pivot][j];
+            }
+            weights[i] -= factor * weights[pivot];
+        }
+    }
+    for (int i = 5; i >= 0; --i) {
+        for (int j = i + 1; j < 6; ++j) {
+            weights[i] -= matrix[i][j] * weights[j];
+        }
+        weights[i] /= matrix[i][i];
+    }
+    for (int joint = 0; joint < HAPTICAL_JOINTS; ++joint) {
+        steps[joint] = haptical_dot(state->jacobian_linear[joint], weights)
+                       + haptical_dot(state->jacobian_angular[joint], weights + 3);
+        longest = fmax(longest, fabs(steps[joint]));
+    }
+    for (int joint = 0; joint < HAPTICAL_JOINTS; ++joint) {
+        links[joint] += steps[joint] * (0.5 / longest);
+        is_bounded = is_bounded && fabs(links[joint]) <= HAPTICAL_LARGEST_VALUE;
+    }
+    return is_bounded;
+}
+
+/* Readings at the next sample for which the handle has a pose, from the posture of the present readings: damped Newton steps
+ * over the link angles (Nakamura & Hanafusa 1986), a hundred at most, then haptical_inverse. `inputs` and `state` as there;
+ * they and `state` stay as they are. Beside what haptical_inverse returns: HAPTICAL_POSE_NOT_REACHED, with what is left;
+ * HAPTICAL_BEYOND_LIMIT, where readings were found that are beyond the joint limits of the device; HAPTICAL_NOT_A_POSE. */
+static inline int haptical_inverse_pose(const haptical_pose *wanted, const haptical_inputs *inputs,
+                                        const haptical_effect_state *state, haptical_found *found)
+{
+    haptical_effect_state next = *state;
+    haptical_compensated device, tried;
+    double force_n[3], gap[6], left[6], damping = 1e-6;
+    int status = haptical_check_inputs(inputs);
+    found->joint = 0;
+    found->left_m = 0.0;
+    found->left_rad = 0.0;
+    if (status == HAPTICAL_OK && !haptical_is_pose(wanted)) {
+        status = HAPTICAL_NOT_A_POSE;
+    }
+    if (status != HAPTICAL_OK) {
+        return status;
+    }
+    status = haptical_drive(inputs, &next, &device, force_n);
+    if (status == HAPTICAL_OK) {
+        status = haptical_place(inputs, force_n, &device);
+    }
+    if (status != HAPTICAL_OK) {
+        found->joint = device.state.joint;
+        return status;
+    }
+    haptical_gap(wanted, &device.state, gap);
+    for (int step = 0; step < 100 && !haptical_is_reached(gap) && damping <= 1e6; ++step) {
+        tried = device;
+        if (haptical_newton(&device.state, gap, damping, tried.links)
+            && haptical_place(inputs, force_n, &tried) == HAPTICAL_OK) {
+            haptical_gap(wanted, &tried.state, left);
+            if (haptical_gap_square(left) < haptical_gap_square(gap)) {
+                device = tried;
+                for (int i = 0; i < 6; ++i) {
+                    gap[i] = left[i];
+                }
+                damping = fmax(0.1 * damping, 1e-14);
+                continue;
+            }
+        }
+        damping *= 10.0;
+    }
+    found->left_m = sqrt(haptical_dot(gap, gap));
+    found->left_rad = sqrt(haptical_dot(gap + 3, gap + 3));
+    if (!haptical_is_reached(gap)) {
+        return HAPTICAL_POSE_NOT_REACHED;
+    }
+    for (int joint = 0; joint < HAPTICAL_JOINTS; ++joint) {
+        found->outputs[joint] = device.links[joint];
+    }
+    for (int index = 0; index < HAPTICAL_EFFECTS; ++index) {
+        const haptical_effect *effect = &haptical_effects[index];
+        if (effect->kind == HAPTICAL_JOINT_COMPLIANCE) {
+            found->outputs[effect->joint] += effect->n[0] * inputs->torque_nm[effect->joint];
+        }
+    }
+    status = haptical_inverse(found->outputs, inputs, state, found->readings, &found->joint);
+    return status == HAPTICAL_OK ? haptical_check_limits(found->readings, &found->joint) : status;
 }
 
 /* Torques that the drives must read, at the joint axes, so that the device exerts a force and a moment on the hand: times

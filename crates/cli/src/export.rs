@@ -49,6 +49,10 @@ pub(crate) struct ExportArguments {
     /// of joints, is written; --base and --tip name the bodies or sites between which the chain ran
     #[arg(long, value_name = "FILE")]
     mjcf: Option<PathBuf>,
+    /// Put springs, plays and couplings into the MJCF given by --mjcf as joints of their own, and into its keyframes: joints
+    /// behind them have later places in qpos
+    #[arg(long, requires = "mjcf")]
+    new_joints: bool,
     /// Print what was written as JSON
     #[arg(long)]
     json: bool,

@@ -182,6 +182,11 @@ pub enum RuntimeError {
         /// The wanted value.
         output: f64,
     },
+    /// A wanted pose is none.
+    #[error(
+        "the wanted pose has a position above 1e6 m in size, or its matrix is no rotation to 1e-6"
+    )]
+    NotAPose,
     /// No joint values near the start give a wanted pose.
     #[error(
         "the pose was not reached: {position_m} m and {rotation_rad} rad are left; start nearer, or ask for a pose within \

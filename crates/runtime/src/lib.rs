@@ -17,7 +17,7 @@ mod transmission;
 
 pub use capstan::Capstan;
 pub use compensated::{
-    CompensatedModel, CompensatedState, Effect, EffectState, Inputs, Side, Turnover,
+    CompensatedModel, CompensatedState, Effect, EffectState, Inputs, Over, Side, Turnover,
 };
 pub use coupled::{CoupledModel, RowDrive};
 pub use device::{GeneralRow, Joint, Motion};

@@ -77,7 +77,8 @@ impl<const JOINTS: usize> State<JOINTS> {
         self.torques_nm(force_n, moment_nm, &self.output_slopes)
     }
 
-    #[inline]
+    // in a program with several callers it is called rather than inlined, with its arrays through memory
+    #[inline(always)]
     fn torques_nm(
         &self,
         force_n: [f64; 3],

@@ -107,7 +107,8 @@ impl PreparedTransmission {
     }
 
     /// Joint value and d(joint value)/d(reading).
-    #[inline]
+    // as `outputs`
+    #[inline(always)]
     pub(crate) fn output(
         &self,
         joint: usize,
@@ -212,7 +213,8 @@ impl<const JOINTS: usize> Transmissions<JOINTS> {
     }
 
     /// Joint values and d(joint value)/d(reading).
-    #[inline]
+    // in a program with several callers it is called rather than inlined, with its arrays through memory
+    #[inline(always)]
     pub(crate) fn outputs(
         &self,
         readings: &[f64; JOINTS],

@@ -16,6 +16,7 @@ pub use chain::ends::{ChainEnd, chain_ends};
 pub use chain::path::BaseAndTip;
 pub use device::{UrdfDevice, device_from_mjcf, device_from_urdf, read_urdf_text};
 pub use error::UrdfError;
+pub use write::added_joints::NewJoints;
 pub use write::corrected::{CorrectedUrdf, corrected_urdf};
 pub use write::mjcf::new_mjcf;
 pub use write::patched::{CorrectedMjcf, corrected_mjcf};

@@ -2,7 +2,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-use haptical_runtime::{EffectState, Inputs, Model, RuntimeError};
+use haptical_runtime::{EffectState, Inputs, Model, Pose, RuntimeError};
 
 /// Joints of the device.
 pub const JOINTS: usize = 7;
@@ -78,6 +78,19 @@ pub fn commands_rad(
     memory: &Memory,
 ) -> Result<[f64; JOINTS], RuntimeError> {
     device_with_effects::COMPENSATED.inverse(outputs_rad, inputs, memory)
+}
+
+/// Readings that the motors must be told for a pose of the handle.
+///
+/// # Errors
+/// As [`torques_nm`]; where no readings give the pose.
+#[inline(never)]
+pub fn commands_of_pose_rad(
+    pose: &Pose,
+    inputs: &Inputs<JOINTS>,
+    memory: &Memory,
+) -> Result<[f64; JOINTS], RuntimeError> {
+    device_with_effects::COMPENSATED.inverse_pose(pose, inputs, memory)
 }
 
 /// Torques of the device with every effect.

@@ -4,8 +4,10 @@
     reason = "the errors are texts for a person"
 )]
 
+mod command;
 mod output;
 mod progress;
 
+pub use command::built_command;
 pub use output::{Layout, Output};
 pub use progress::Progress;

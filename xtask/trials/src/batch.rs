@@ -1,7 +1,7 @@
 //! A batch in its three acts: seal every truth, fix every answer, open and judge.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
@@ -26,6 +26,8 @@ pub(crate) struct Batch {
     pub(crate) trials: Vec<(Suite, u64)>,
     /// Threads.
     pub(crate) jobs: usize,
+    /// The command that exports corrected devices as C; none where the C is not asked.
+    pub(crate) haptical: Option<PathBuf>,
 }
 
 /// What may be published before the diagnosis.
@@ -174,7 +176,7 @@ impl Batch {
         fixed.answer = answered.and_then(|answered| {
             fixed.time_s = answered.time_s;
             fixed.reductions = true_reductions(&answered.predictions, &trial.clean2);
-            fixed.closing = given.closing(&answered, &trial.clean2);
+            fixed.closing = given.closing(&answered, &trial.clean2, self.haptical.as_deref());
             let answer = Answer::from_json(&answered.gap_json)
                 .map_err(|error| format!("gap.json cannot be read: {error:?}"))?;
             Ok((answer, sha256_hex(&answered.gap_json)))

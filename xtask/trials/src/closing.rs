@@ -3,6 +3,7 @@
 //! prediction is compared with.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use haptical::{Device, Identify, Log, Replayed, identify, replay};
 use haptical_model::Device as Model;
@@ -11,6 +12,7 @@ use xtask_blind::{
     Answer, Asked, CleanChannels, Prediction, TrueReduction, closed_percent, true_reductions,
 };
 
+use super::compiled;
 use super::subject::{Answered, Given, guarded};
 
 /// What a corrected device makes of a recording that it has not seen.
@@ -22,8 +24,24 @@ pub(crate) struct Closing {
     pub(crate) channels: BTreeMap<String, TrueReduction>,
     /// Share of the gap of all channels that is closed \[%\].
     pub(crate) closed_percent: Option<f64>,
+    /// The C that is exported of it, in the place of `simulate --replay`; none where nothing can be compiled, or where the
+    /// device has effects that no control loop sees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) by_c: Option<ByC>,
     /// The recording diagnosed against it.
     pub(crate) again: Answer,
+}
+
+/// What the exported C makes of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct ByC {
+    /// Share of the gap of all channels that is closed by its predictions \[%\].
+    pub(crate) closed_percent: Option<f64>,
+    /// Largest difference from what `simulate --replay` predicts, over the largest prediction of the channel.
+    pub(crate) apart: f64,
+    /// Share of the predictions of `--replay` that the C refuses, as outside the range that a polynomial was fitted on; they are
+    /// in no figure.
+    pub(crate) refused_share: f64,
 }
 
 /// What is said of an effect that is asked for.
@@ -38,11 +56,13 @@ pub(crate) struct Fit {
 }
 
 impl Given {
-    /// Predicts and diagnoses the recording that was kept back; none where none was, or no device was corrected.
+    /// Predicts and diagnoses the recording that was kept back; none where none was, or no device was corrected. `haptical` is
+    /// the command that exports C.
     pub(crate) fn closing(
         &self,
         answered: &Answered,
         clean: &CleanChannels,
+        haptical: Option<&Path>,
     ) -> Option<Result<Closing, String>> {
         let (fresh, corrected) = (self.fresh.as_ref()?, answered.corrected.as_ref()?);
         let closing = || -> Result<Closing, String> {
@@ -54,14 +74,22 @@ impl Given {
                 replay(&device, &log).map_err(|error| error.to_string())
             };
             let (before, after) = (by(&answered.base)?, by(corrected)?);
-            let channels = true_reductions(&predictions(&before, &after), clean);
+            let predicted = predictions(&before, &after);
+            let channels = true_reductions(&predicted, clean);
             let noise = after.channels.iter();
             let noise = noise.map(|own| (own.channel.clone(), own.noise_floor));
+            let noise: BTreeMap<String, f64> = noise.collect();
+            let by_c = match haptical {
+                Some(haptical) => compiled::predicted(corrected, fresh, haptical)?,
+                None => None,
+            };
+            let by_c = by_c.map(|by_c| ByC::new(&by_c, predicted, clean, &noise));
             let again = self.again(fresh, corrected)?;
             Ok(Closing {
                 effects: effects(corrected),
-                closed_percent: closed_percent(&channels, &noise.collect()),
+                closed_percent: closed_percent(&channels, &noise),
                 channels,
+                by_c,
                 again: Answer::from_json(&again)
                     .map_err(|error| format!("gap.json cannot be read: {error:?}"))?,
             })
@@ -95,6 +123,41 @@ impl Given {
 
     fn nominal(&self) -> Result<Device, String> {
         Device::from_toml(&self.device_toml, "device.toml").map_err(|error| error.to_string())
+    }
+}
+
+impl ByC {
+    /// `predicted` is what `--replay` predicts.
+    fn new(
+        by_c: &compiled::Predicted,
+        mut predicted: BTreeMap<String, Vec<Prediction>>,
+        clean: &CleanChannels,
+        noise_sd: &BTreeMap<String, f64>,
+    ) -> Self {
+        let mut apart: f64 = 0.0;
+        let (mut refused, mut all) = (0_usize, 0_usize);
+        predicted.retain(|name, _| by_c.channel(name).is_some());
+        for (name, rows) in &mut predicted {
+            let own = by_c.channel(name).unwrap_or_default();
+            let all_rows = rows.len();
+            all += all_rows;
+            // a row that is not there is as far as can be
+            let here = |row: usize| own.get(row).copied().unwrap_or(f64::INFINITY);
+            rows.retain(|one| !here(one.row).is_nan());
+            refused += all_rows - rows.len();
+            let (mut largest, mut difference) = (0.0_f64, 0.0_f64);
+            for one in rows {
+                largest = largest.max(one.after.abs());
+                difference = difference.max((here(one.row) - one.after).abs());
+                one.after = here(one.row);
+            }
+            apart = apart.max(difference / largest.max(f64::MIN_POSITIVE));
+        }
+        Self {
+            closed_percent: closed_percent(&true_reductions(&predicted, clean), noise_sd),
+            apart,
+            refused_share: refused as f64 / all.max(1) as f64,
+        }
     }
 }
 

@@ -13,6 +13,7 @@
 mod batch;
 mod calibration;
 mod closing;
+mod compiled;
 mod measure;
 mod plan;
 mod quick;
@@ -32,6 +33,7 @@ use anyhow::{Context, Result, ensure};
 use haptical_report::write_atomically;
 use serde::Serialize;
 use serde_json::json;
+use xtask_blind::Suite;
 use xtask_output::{Layout, Output};
 
 use batch::{Batch, Case};
@@ -98,10 +100,15 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         None => std::thread::available_parallelism().map_or(1, usize::from),
     };
     ensure!(jobs > 0, "--jobs is 0: a batch needs one at least");
+    let trials = plan.trials();
+    let is_loop = |(suite, _): &(Suite, u64)| matches!(suite, Suite::Loop | Suite::LoopPairs);
+    let asks_c = !arguments.quick && trials.iter().any(is_loop);
+    let haptical = asks_c.then(compiled::command).flatten();
     let batch = Batch {
         seed: seed.value,
-        trials: plan.trials(),
+        trials,
         jobs,
+        haptical,
     };
     if let Some(folder) = &arguments.dump {
         batch.dump(folder)?;

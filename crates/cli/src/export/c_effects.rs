@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use haptical_model::kinematics::ChainConstants;
 use haptical_model::transmission::loops::SMALLEST_HALF_WIDTH;
-use haptical_runtime::{Effect, RowDrive, Side, Turnover};
+use haptical_runtime::{Effect, Over, RowDrive, Side, Turnover};
 
 use super::described::Described;
 use super::one_line;
@@ -12,15 +12,13 @@ use super::one_line;
 /// Types and functions, with marks where the effects go.
 const TEMPLATE: &str = include_str!("../../assets/effects.h");
 
-/// The text; empty for a device without effects.
+/// The text. A device without effects has a list of one that is none: its inverses are the same functions.
 pub(super) fn text<const ROOM: usize>(
     described: &Described,
     constants: &ChainConstants<ROOM>,
 ) -> String {
     let compensation = &described.compensation;
-    if compensation.effects.is_empty() {
-        return String::new();
-    }
+    let (mut coefficients, mut count) = (String::new(), 0);
     let mut table =
         "static const haptical_effect haptical_effects[HAPTICAL_EFFECTS] = {\n".to_owned();
     for (label, effect) in &compensation.effects {
@@ -30,10 +28,24 @@ pub(super) fn text<const ROOM: usize>(
             numbers.join(", ")
         };
         // `write!` to a String cannot fail.
+        let mut own = String::new();
+        if let Effect::Curve {
+            coefficients: of, ..
+        } = effect
+        {
+            own = format!(",\n     .first = {count}, .count = {}", of.len());
+            count += of.len();
+            let _ = writeln!(
+                coefficients,
+                "    /* {} */\n    {},",
+                one_line(label),
+                numbers(of)
+            );
+        }
         let _ = writeln!(
             table,
             "    /* {} */\n    {{.kind = HAPTICAL_{}, .joint = {}, .from = {}, .row = {}, .joint_before = {},\n     \
-             .n = {{{}}}, .local_m = {{{}}}}},",
+             .n = {{{}}}, .local_m = {{{}}}{own}}},",
             one_line(label),
             entry.kind,
             entry.joint,
@@ -44,13 +56,25 @@ pub(super) fn text<const ROOM: usize>(
             numbers(&entry.local_m),
         );
     }
+    if count == 0 {
+        // as many as the compiler sees a curve read
+        coefficients.push_str("    0.0, 0.0, 0.0, 0.0\n");
+    }
+    if compensation.effects.is_empty() {
+        table.push_str("    {.kind = HAPTICAL_NO_EFFECT},\n");
+    }
     table.push_str("};\n\n");
     for left_out in &compensation.left_out {
         let _ = writeln!(table, "/* {} */", one_line(&left_out.warning()));
     }
     TEMPLATE
-        .replacen("/*@EFFECTS@*/", &compensation.effects.len().to_string(), 1)
+        .replacen(
+            "/*@EFFECTS@*/",
+            &compensation.effects.len().max(1).to_string(),
+            1,
+        )
         .replacen("/*@EFFECT_DATA@*/\n", &table, 1)
+        .replacen("/*@COEFFICIENTS@*/\n", &coefficients, 1)
 }
 
 /// An effect as the C has it.
@@ -208,6 +232,21 @@ fn drive_entry(effect: &Effect) -> Option<Entry> {
             rad_per_degc,
             reference_degc,
         } => Entry::new("WARM", joint, &[rad_per_degc, reference_degc]),
+        Effect::Curve {
+            joint,
+            over,
+            lower,
+            upper,
+            ..
+        } => {
+            let kind = match over {
+                Over::Angle => "CURVE_OVER_ANGLE",
+                Over::Torque => "CURVE_OVER_TORQUE",
+                Over::Temperature => "CURVE_OVER_TEMPERATURE",
+                Over::Time => "CURVE_OVER_TIME",
+            };
+            Entry::new(kind, joint, &[lower, upper])
+        }
         _ => return None,
     })
 }

@@ -35,10 +35,8 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
         .replacen("/*@DATA@*/\n", &data(described, &constants), 1)
         .replacen("/*@PROVENANCE@*/", &comment, 1);
     let effects = c_effects::text(described, &constants);
-    match text.rfind(END) {
-        Some(end) if !effects.is_empty() => Ok(text[..end].to_owned() + &effects + END),
-        _ => Ok(text),
-    }
+    let end = text.rfind(END).unwrap_or(text.len());
+    Ok(text[..end].to_owned() + &effects + END)
 }
 
 /// Rows that move, at most: the chain's constants are worked out in memory of fixed size.

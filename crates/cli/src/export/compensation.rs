@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use haptical_effects::correction::NAME;
+use haptical_effects::correction::{self, NAME, curve_of};
 use haptical_effects::device::{OwnEffect, effects_of};
 use haptical_effects::{Context, Hook, joint_origin_m};
 use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
 use haptical_model::{Device, DeviceChain, JointType, Recording, Statics};
-use haptical_runtime::{Effect, Side, Turnover};
+use haptical_runtime::{Effect, Over, Side, Turnover};
 
 use crate::failure::Failure;
 
@@ -46,15 +46,6 @@ impl Compensation {
             let next = "correct [[effect]] in the device file";
             Failure::in_file("not-exportable", what, path, next)
         };
-        if let Some(curve) = device.effects.iter().find(|own| own.name == NAME) {
-            let what = format!(
-                "[[effect]] `{}` is a curve, and no export for a control loop has curves yet",
-                curve.label()
-            );
-            let next = "delete its table in the device file to export the device without it; `simulate`, `identify` and \
-                        `diagnose` take it";
-            return Err(Failure::in_file("not-exportable", what, path, next));
-        }
         let own = effects_of(device).map_err(|error| refuse(error.to_string()))?;
         // numbers of laws need no recording
         let nothing = Recording::default();
@@ -129,6 +120,9 @@ impl Place<'_> {
         context: &Context<'_>,
     ) -> Result<Vec<Effect>, &'static str> {
         let spec = own.effect.spec();
+        if spec.name == NAME {
+            return self.curve(own).map(|effect| vec![effect]);
+        }
         let Some(values) = &own.values else {
             return Err(UNKNOWN);
         };
@@ -153,6 +147,25 @@ impl Place<'_> {
             Hook::Structure => self.of_structure(&law).map(|effect| vec![effect]),
             _ => self.of_torques(&law),
         }
+    }
+
+    fn curve(&self, own: &OwnEffect) -> Result<Effect, &'static str> {
+        let entry = self.device.effects.get(own.index).ok_or(UNKNOWN)?;
+        let curve = curve_of(self.device, own.index, entry);
+        let (curve, joint) = curve.map_err(|_| UNKNOWN)?;
+        Ok(Effect::Curve {
+            joint,
+            over: match curve.over {
+                correction::Over::Angle => Over::Angle,
+                correction::Over::Torque => Over::Torque,
+                correction::Over::Temperature => Over::Temperature,
+                correction::Over::Time => Over::Time,
+            },
+            lower: curve.range[0],
+            upper: curve.range[1],
+            // an export holds its effects until the process ends
+            coefficients: curve.coefficients.leak(),
+        })
     }
 
     fn of_drive(&self, law: &Law<'_>) -> Result<Effect, &'static str> {

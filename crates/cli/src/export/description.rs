@@ -4,7 +4,7 @@ use haptical::files::Source;
 use haptical::{Equipment, is_mjcf, is_urdf};
 use haptical_model::Device;
 use haptical_urdf::{
-    UrdfError, corrected_mjcf, corrected_urdf, new_mjcf, new_urdf, read_urdf_text,
+    NewJoints, UrdfError, corrected_mjcf, corrected_urdf, new_mjcf, new_urdf, read_urdf_text,
 };
 
 use super::{ExportArguments, FormatName};
@@ -61,7 +61,12 @@ pub(super) fn text(
     let (name, ends) = (original.display().to_string(), equipment.ends());
     match arguments.format {
         FormatName::Mjcf => {
-            let corrected = corrected_mjcf(&text, &name, ends, device).map_err(refuse)?;
+            let new_joints = match arguments.new_joints {
+                true => NewJoints::PutIn,
+                false => NewJoints::Listed,
+            };
+            let corrected = corrected_mjcf(&text, &name, ends, device, new_joints);
+            let corrected = corrected.map_err(refuse)?;
             Ok((corrected.text, corrected.warnings))
         }
         _ => {

@@ -128,7 +128,9 @@ fn push_effects(text: &mut String, described: &Described) {
         // as Rust writes it, with the paths of the enums
         let debug = format!("{effect:?}")
             .replace("driven_by: ", "driven_by: haptical_runtime::Side::")
-            .replace("side: ", "side: haptical_runtime::Turnover::");
+            .replace("side: ", "side: haptical_runtime::Turnover::")
+            .replace("over: ", "over: haptical_runtime::Over::")
+            .replace("coefficients: [", "coefficients: &[");
         let _ = write!(
             text,
             "        // {}\n        haptical_runtime::Effect::{debug},\n",

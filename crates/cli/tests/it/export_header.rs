@@ -26,6 +26,41 @@ static void print(const double *numbers, int count)
     }
 }
 
+/* The status, and what is left to the pose at the readings that are found for it from a posture beside it. */
+static void print_pose_inverse(const double readings[HAPTICAL_JOINTS], const haptical_state *there)
+{
+    haptical_inputs near = {0};
+    haptical_effect_state memory;
+    haptical_pose wanted;
+    haptical_found found;
+    haptical_state again;
+    double left = 0.0;
+    int status, joint;
+    haptical_reset_state(&memory);
+    for (int joint = 0; joint < HAPTICAL_JOINTS; ++joint) {
+        near.readings[joint] = 0.9 * readings[joint];
+    }
+    for (int i = 0; i < 3; ++i) {
+        wanted.position_m[i] = there->position_m[i];
+        for (int j = 0; j < 3; ++j) {
+            wanted.rotation[i][j] = there->rotation[i][j];
+        }
+    }
+    status = haptical_inverse_pose(&wanted, &near, &memory, &found);
+    if (status == HAPTICAL_OK && haptical_step(found.readings, &again) == HAPTICAL_OK) {
+        for (int i = 0; i < 3; ++i) {
+            left = fmax(left, fabs(again.position_m[i] - wanted.position_m[i]));
+            for (int j = 0; j < 3; ++j) {
+                left = fmax(left, fabs(again.rotation[i][j] - wanted.rotation[i][j]));
+            }
+        }
+    }
+    if (status == HAPTICAL_OK && haptical_check_limits(found.readings, &joint) != HAPTICAL_OK) {
+        left = 1.0;
+    }
+    printf("%d %.17g ", status, left);
+}
+
 int main(void)
 {
     double readings[HAPTICAL_JOINTS], force_n[3];
@@ -66,6 +101,7 @@ int main(void)
         print(&state.jacobian_linear[0][0], 3 * HAPTICAL_JOINTS);
         print(&state.jacobian_angular[0][0], 3 * HAPTICAL_JOINTS);
         print(torques_nm, HAPTICAL_JOINTS);
+        print_pose_inverse(readings, &state);
         printf("\n");
     }
 }
@@ -168,13 +204,20 @@ fn header_agrees(path: &Path) {
         .collect();
     let lines = printed(&program, &input);
     assert_eq!(lines.len(), cases.len());
+    let (mut reached, mut beyond) = (0, 0);
     for ((readings, force_n), line) in cases.iter().zip(&lines) {
         let expected = expected(&device, readings, *force_n).unwrap();
         let found: Vec<f64> = line
             .split_whitespace()
             .map(|word| word.parse().unwrap())
             .collect();
-        assert_eq!(found.len(), expected.len(), "{line}");
+        assert_eq!(found.len(), expected.len() + 2, "{line}");
+        let [.., status, left] = found[..] else {
+            panic!("{line}");
+        };
+        assert!(left < 1e-10, "{left} is left of the pose at {readings:?}");
+        reached += usize::from(status == 0.0);
+        beyond += usize::from(status == 5.0);
         for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
             let is_near = (found - expected).abs() <= TOLERANCE * expected.abs().max(1.0);
             assert!(
@@ -183,6 +226,17 @@ fn header_agrees(path: &Path) {
             );
         }
     }
+    // of readings that are beyond the device's limits the pose is refused
+    println!(
+        "{}: {reached} of {} poses given back, {beyond} beyond the limits",
+        path.display(),
+        cases.len()
+    );
+    let sought = cases.len() - beyond;
+    assert!(
+        sought > 50 && reached * 10 > sought * 8,
+        "{reached} of {sought}"
+    );
 }
 
 #[test]

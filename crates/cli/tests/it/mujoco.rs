@@ -343,3 +343,74 @@ fn a_corrected_file_moves_as_the_device() {
         }
     }
 }
+
+/// Springs, a play and a coupling in the user's own file: it is held and moved by its own actuators, and what yields is as far as
+/// its law says.
+#[test]
+fn new_joints_in_a_file_of_one_s_own_stand() {
+    let (Some(python), Some(original)) = (python(), repository("mjcf/robot.xml")) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let device = folder.path().join("device.toml");
+    let tip = ["--tip", "tool"];
+    assert!(export(&original, "toml", &device, &tip).status.success());
+    let effects = "\n[[effect]]\nname = \"joint-compliance\"\njoint = 2\nstiffness_nm_per_rad = 900.0\n\
+        [[effect]]\nname = \"joint-compliance\"\njoint = 3\nstiffness_nm_per_rad = 400.0\n\
+        [[effect]]\nname = \"backlash\"\njoint = 3\nwidth_rad = 0.004\n\
+        [[effect]]\nname = \"cross-coupling\"\njoint = 4\ngain = 0.02\nfrom_joint = 2\n";
+    let toml = std::fs::read_to_string(&device).unwrap();
+    std::fs::write(&device, toml + effects).unwrap();
+    // a keyframe of the file gets the numbers of the new joints
+    let keyed = folder.path().join("keyed.xml");
+    let key = "<keyframe><key name=\"home\" qpos=\"0 0.1 -0.1 0\" ctrl=\"0 0.1 -0.1 0\"/></keyframe>\n</mujoco>";
+    let xml = std::fs::read_to_string(&original).unwrap();
+    std::fs::write(&keyed, xml.replace("</mujoco>", key)).unwrap();
+    let mut model = Device::load(&device).unwrap().device;
+    let file = folder.path().join("corrected.xml");
+    let mjcf = keyed.to_str().unwrap();
+    let flags = ["--mjcf", mjcf, "--tip", "tool", "--new-joints"];
+    let output = export(&device, "mjcf", &file, &flags);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let names = ["yaw", "shoulder", "elbow", "wrist"];
+    let poses: Vec<Vec<f64>> = (0..20).map(|case| readings(&model, case)).collect();
+    let question = json!({
+        "file": file, "site": "tool", "joints": names, "poses": poses,
+        "seconds": SECONDS, "amplitude": [0.3, 0.3, 0.3, 0.3], "speed": 2.0,
+    });
+    let found = ask(&python, &question);
+    // without a load nothing is bent
+    model.surroundings.compliance.clear();
+    for (found, readings) in found["poses"].as_array().unwrap().iter().zip(&poses) {
+        let expected = DeviceChain::new(&model).pose(readings).unwrap();
+        for axis in 0..3 {
+            let gap = (found[0][axis].as_f64().unwrap() - expected.position_m[axis]).abs();
+            assert!(gap < SAME_POSE, "{gap:e}");
+        }
+    }
+    for way in ["hold", "follow"] {
+        let run = &found[way];
+        assert_eq!(
+            (&run["finite"], &run["warnings"]),
+            (&json!(true), &json!(0)),
+            "{way}: {run}"
+        );
+    }
+    let held = &found["hold"];
+    let still = held["still"].as_f64().unwrap();
+    assert!(still < 1e-3, "it moves at {still} rad/s while it is held");
+    let value = |name: &str| held["joints"][name][0].as_f64().unwrap();
+    let torque = |name: &str| -held["forces"][name].as_f64().unwrap();
+    let gap = torque("shoulder_spring") - 900.0 * value("shoulder_spring");
+    assert!(gap.abs() < 1e-4, "{gap:e} {}", value("shoulder_spring"));
+    // the weight of the arm bends it: 0.4 to 0.6 m of 1.6 kg
+    assert!(
+        value("shoulder_spring").abs() > 1e-3,
+        "{}",
+        value("shoulder_spring")
+    );
+    let play = value("elbow_play").abs();
+    assert!((play - 0.002).abs() < 2e-5, "{play}");
+    let coupled = value("wrist_coupling") - 0.02 * value("shoulder");
+    assert!(coupled.abs() < 1e-4, "{coupled:e}");
+}

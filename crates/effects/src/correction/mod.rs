@@ -9,6 +9,7 @@ use haptical_model::transmission::spline::curve;
 use crate::laws::{Input, Law, Placed};
 use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Spec};
 
+pub use self::resolve::curve_of;
 pub(crate) use self::resolve::resolved;
 
 /// Its name in a device file.

@@ -7,15 +7,29 @@ use super::{Curve, MOST_COEFFICIENTS, NAME, Over, coefficients_key};
 use crate::Effect;
 use crate::device::DeviceEffectError;
 
-/// The curve of a table `[[effect]]` with the name [`NAME`], and the ends of its range.
+/// The curve as an effect, and the ends of its range.
 ///
 /// # Errors
-/// [`DeviceEffectError`]: which key is missing, is too many or has no meaning.
+/// As [`curve_of`].
 pub(crate) fn resolved(
     device: &Device,
     index: usize,
     entry: &DeviceEffect,
 ) -> Result<(Box<dyn Effect>, Vec<f64>), DeviceEffectError> {
+    let (curve, joint) = curve_of(device, index, entry)?;
+    let range = curve.range.to_vec();
+    Ok((curve.at(device, joint), range))
+}
+
+/// The curve of a table `[[effect]]` with the name [`NAME`], the `index`-th of the device, and its joint, from 0.
+///
+/// # Errors
+/// [`DeviceEffectError`]: which key is missing, is too many or has no meaning.
+pub fn curve_of(
+    device: &Device,
+    index: usize,
+    entry: &DeviceEffect,
+) -> Result<(Curve, usize), DeviceEffectError> {
     let label = entry.label();
     let refuse = |why: String| DeviceEffectError::Place {
         label: label.clone(),
@@ -94,5 +108,5 @@ pub(crate) fn resolved(
         range,
         coefficients,
     };
-    Ok((curve.at(device, joint), range.to_vec()))
+    Ok((curve, joint))
 }

@@ -3,7 +3,7 @@
 use haptical_fuzz::{Edit, bounded, mutated, seeds};
 use haptical_model::{Device, DeviceChain};
 use haptical_urdf::{
-    BaseAndTip, UrdfDevice, chain_ends, corrected_mjcf, device_from_mjcf, new_mjcf,
+    BaseAndTip, NewJoints, UrdfDevice, chain_ends, corrected_mjcf, device_from_mjcf, new_mjcf,
 };
 
 /// Reads it, from the world and back from its tip; a chain that is accepted has finite poses, and its device file and its
@@ -46,7 +46,7 @@ fn read_between(text: &str, ends: BaseAndTip<'_>) -> Option<UrdfDevice> {
         assert_eq!(&again, device, "{text}");
     }
     // what is written of the same device is read
-    if let Ok(corrected) = corrected_mjcf(text, "robot.xml", ends, device) {
+    if let Ok(corrected) = corrected_mjcf(text, "robot.xml", ends, device, NewJoints::PutIn) {
         let named = BaseAndTip::between(&corrected.base, &corrected.tip);
         let again = device_from_mjcf(&corrected.text, "corrected.xml", named);
         assert!(again.is_ok(), "{text}\n{}\n{again:?}", corrected.text);

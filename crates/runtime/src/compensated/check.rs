@@ -1,5 +1,7 @@
 //! Which numbers effects may have.
 
+use haptical_transmission::spline::LEAST_COEFFICIENTS;
+
 use super::{Effect, Turnover};
 use crate::error::{DeviceError, is_bounded};
 
@@ -70,6 +72,7 @@ impl Effect {
             | Self::Drift { joint, .. }
             | Self::SettlingDrift { joint, .. }
             | Self::WarmDrift { joint, .. }
+            | Self::Curve { joint, .. }
             | Self::LateralCompliance { joint, .. }
             | Self::AxisWobble { joint, .. }
             | Self::TorqueGain { joint, .. }
@@ -140,6 +143,24 @@ impl Effect {
                 "rad_per_degc or reference_degc",
                 &[rad_per_degc, reference_degc],
             ),
+            Self::Curve {
+                lower,
+                upper,
+                coefficients,
+                ..
+            } => {
+                let ends = first(
+                    any("lower or upper", &[lower, upper]),
+                    above("upper less lower", upper - lower),
+                );
+                let count = within(
+                    "the number of coefficients",
+                    coefficients.len() as f64,
+                    LEAST_COEFFICIENTS as f64,
+                    "at least 4",
+                );
+                first(ends, first(count, any("coefficients", coefficients)))
+            }
             _ => self.wrong_beyond_drives(),
         }
     }

@@ -2,10 +2,11 @@
 
 use haptical_kinematics::trigonometry::{LARGEST_RAD, sine_cosine};
 use haptical_transmission::loops::{SMALLEST_HALF_WIDTH, delayed, settled};
+use haptical_transmission::spline::curve;
 
 use super::memory::{Memory, foreign};
 use super::{Inputs, at};
-use crate::{Effect, RuntimeError, Side};
+use crate::{Effect, Over, RuntimeError, Side};
 
 /// An error of a joint's angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +43,8 @@ impl Effect {
             | Self::CoupledBacklash { joint, .. }
             | Self::Drift { joint, .. }
             | Self::SettlingDrift { joint, .. }
-            | Self::WarmDrift { joint, .. } => joint == own,
+            | Self::WarmDrift { joint, .. }
+            | Self::Curve { joint, .. } => joint == own,
             _ => false,
         }
     }
@@ -107,6 +109,28 @@ impl Effect {
             } => {
                 let warming = inputs.temperature_degc - reference_degc;
                 DriveError::of(joint, rad_per_degc * warming)
+            }
+            Self::Curve {
+                joint,
+                over,
+                lower,
+                upper,
+                coefficients,
+            } => {
+                let place = match over {
+                    Over::Angle => reading(joint),
+                    Over::Torque => at(&inputs.torque_nm, joint),
+                    Over::Temperature => inputs.temperature_degc,
+                    Over::Time => inputs.time_s,
+                };
+                // the model was made with a range and enough coefficients
+                let (value, slope) = curve(place, lower, upper, coefficients).unwrap_or_default();
+                let slope = if over == Over::Angle { slope } else { 0.0 };
+                DriveError {
+                    joint,
+                    value,
+                    slope,
+                }
             }
             _ => return self.loop_error(index, inputs, memory),
         }))

@@ -18,6 +18,19 @@ pub enum Turnover {
     Rate(f64),
 }
 
+/// What a curve is drawn over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// The joint's own reading \[rad\], \[m\].
+    Angle,
+    /// The torque of its drive \[Nm\], \[N\].
+    Torque,
+    /// The temperature \[degC\].
+    Temperature,
+    /// The time since the start \[s\].
+    Time,
+}
+
 /// An effect of a device. Joints and rows count from 0; q is a joint's reading, v its rate, a its acceleration, tau its
 /// torque, T the temperature, F the force of the hand on the handle in frame (-1), R the handle's axes. Formulas and their
 /// names in the catalogue: docs/equations.md, Effects in a control loop.
@@ -93,6 +106,16 @@ pub enum Effect {
         joint: usize,
         rad_per_degc: f64,
         reference_degc: f64,
+    },
+    /// A curve of uniform cubic B-splines between two ends of what it is drawn over, in its unit; beyond them it keeps the
+    /// value of its end ([`haptical_transmission::spline`]). A loop over many curves reads their coefficients from where the
+    /// program has them.
+    Curve {
+        joint: usize,
+        over: Over,
+        lower: f64,
+        upper: f64,
+        coefficients: &'static [f64],
     },
     /// The link turns by `rad_per_nm M`, M the part across the joint's axis of the moment of hand and weights beyond the
     /// joint about its origin. `origin_m` is the joint's origin in frame (-1) when all joint values are 0.

@@ -14,7 +14,7 @@ mod state;
 mod structure;
 mod torques;
 
-pub use effect::{Effect, Side, Turnover};
+pub use effect::{Effect, Over, Side, Turnover};
 pub use inputs::Inputs;
 pub use memory::EffectState;
 pub use model::CompensatedModel;

@@ -1,6 +1,6 @@
 //! Readings for a wanted pose: damped Newton steps over the links' angles, then the inverse of the drives.
 
-use haptical_kinematics::nalgebra::Vector3;
+use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_kinematics::{Pose, Twist};
 
 use super::model::Driven;
@@ -16,6 +16,10 @@ const REACHED: f64 = 1e-11;
 const DAMPING: f64 = 1e-6;
 const LEAST_DAMPING: f64 = 1e-14;
 const MOST_DAMPING: f64 = 1e6;
+/// `1 + trace` of a turn below which it is half a turn: sines are no axis there.
+const HALF_A_TURN: f64 = 1e-8;
+/// What a wanted rotation may lack to one.
+const ORTHOGONAL: f64 = 1e-6;
 /// Longest step of a joint \[rad\], \[m\].
 const LONGEST: f64 = 0.5;
 
@@ -31,7 +35,8 @@ impl<const JOINTS: usize, const ROWS: usize, const EFFECTS: usize>
     /// than six reaches few poses. `inputs` and `state` as of [`inverse`](Self::inverse).
     ///
     /// # Errors
-    /// [`RuntimeError::PoseNotReached`] with what is left; [`RuntimeError::NotReached`].
+    /// [`RuntimeError::PoseNotReached`] with what is left; [`RuntimeError::NotReached`]; [`RuntimeError::BeyondLimit`] where
+    /// the readings that were found are beyond the device's limits; [`RuntimeError::NotAPose`].
     ///
     /// ```
     /// use haptical_runtime::*;
@@ -52,6 +57,9 @@ impl<const JOINTS: usize, const ROWS: usize, const EFFECTS: usize>
         state: &EffectState<EFFECTS>,
     ) -> Result<[f64; JOINTS], RuntimeError> {
         inputs.check()?;
+        if !is_pose(pose) {
+            return Err(RuntimeError::NotAPose);
+        }
         let mut memory = state.0;
         let mut driven = self.driven(inputs, &mut memory)?;
         let (placed, mut jacobian) = self.placed(inputs, &driven)?;
@@ -94,8 +102,20 @@ impl<const JOINTS: usize, const ROWS: usize, const EFFECTS: usize>
                 );
             }
         }
-        self.inverse(&outputs, inputs, state)
+        let readings = self.inverse(&outputs, inputs, state)?;
+        self.model.check_limits(&readings)?;
+        Ok(readings)
     }
+}
+
+/// Whether a position is of bounded size and a rotation is one.
+fn is_pose(pose: &Pose) -> bool {
+    let rotation = &pose.rotation;
+    let unit = rotation * rotation.transpose() - Matrix3::identity();
+    let is_bounded = pose.position_m.iter().all(|part| is_bounded(*part));
+    // NaN is not
+    let is_unit = unit.iter().all(|part| part.abs() <= ORTHOGONAL);
+    is_bounded && is_unit && rotation.determinant() > 0.0
 }
 
 /// Links moved by J^T (J J^T + damping)^-1 gap.
@@ -169,20 +189,40 @@ fn row(matrix: &[[f64; 6]; 6], index: usize) -> Gap {
     matrix.get(index).copied().unwrap_or_default()
 }
 
-/// What is left to a wanted pose.
+/// What is left to a wanted pose: the way, and the axis of the turn times `2 sin(angle / 2)`, which grows up to half a turn.
 fn gap(wanted: &Pose, placed: &Pose) -> Gap {
     let way = wanted.position_m - placed.position_m;
-    // the sine of the angle times the axis, twice
     let turn = wanted.rotation * placed.rotation.transpose();
+    // the axis times twice the sine of the angle
     let twice = Vector3::new(
         turn.m32 - turn.m23,
         turn.m13 - turn.m31,
         turn.m21 - turn.m12,
     );
+    // 2 cos(angle / 2), squared
+    let square = 1.0 + turn.trace();
+    let angular = match square > HALF_A_TURN {
+        true => twice / libm::sqrt(square),
+        false => axis_of_half_a_turn(&turn) * 2.0,
+    };
     rows_of(&Twist {
         linear: way,
-        angular: twice * 0.5,
+        angular,
     })
+}
+
+/// The axis of a turn by half a turn, R = 2 a a^T - 1, to either side: the longest column of a a^T.
+fn axis_of_half_a_turn(turn: &Matrix3<f64>) -> Vector3<f64> {
+    let product = turn + Matrix3::identity();
+    let mut longest = Vector3::x();
+    let mut square = 0.0;
+    for column in product.column_iter() {
+        let own = column.norm_squared();
+        if own > square {
+            (longest, square) = (column.into_owned(), own);
+        }
+    }
+    longest / libm::sqrt(longest.norm_squared())
 }
 
 fn square(gap: &Gap) -> f64 {

@@ -7,12 +7,12 @@ use haptical_effects::Context;
 use haptical_effects::device::{attached, bare};
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Body, Device, Evaluation, Recording, Tracker, TransmissionError};
-use haptical_runtime::{CompensatedState, Inputs};
+use haptical_runtime::{CompensatedModel, CompensatedState, EffectState, Inputs, State};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
 use crate::devices::any_device;
-use crate::effect_lists::{Seed, any_seed, compensated, drive_effect, structure_effect};
+use crate::effect_lists::{ROOM, Seed, any_seed, compensated, drive_effect, structure_effect};
 
 /// Angles and lengths here are of the size of 1; both sides round some hundred times.
 const TOLERANCE: f64 = 1e-12;
@@ -296,21 +296,59 @@ fn compare<const JOINTS: usize>(case: &Case) -> Option<f64> {
         }
         // and back, at some rows: the readings that give these values
         if row % 37 == 5 {
-            let found = model.inverse(&ours.outputs, &inputs, &before);
-            let found = found.unwrap_or_else(|error| panic!("{error}\n{:#?}", case.device.effects));
-            let mut again = before;
-            let inputs = Inputs {
-                readings: found,
-                ..inputs
-            };
-            let there = model.forward(&inputs, &mut again).unwrap();
-            for joint in 0..JOINTS {
-                let gap = (there.state.outputs[joint] - ours.outputs[joint]).abs();
-                assert!(gap < 1e-9, "inverse: {gap:e}\n{:#?}", case.device.effects);
-            }
+            give_back(&model, &ours, &inputs, &before, case);
         }
     }
     Some(largest)
+}
+
+/// The readings of joint values give them back, and those of a pose, from a posture beside it, the pose; where no readings
+/// are found for a pose it is said.
+fn give_back<const JOINTS: usize>(
+    model: &CompensatedModel<JOINTS, JOINTS, ROOM>,
+    ours: &State<JOINTS>,
+    inputs: &Inputs<JOINTS>,
+    before: &EffectState<ROOM>,
+    case: &Case,
+) {
+    let found = model.inverse(&ours.outputs, inputs, before);
+    let found = found.unwrap_or_else(|error| panic!("{error}\n{:#?}", case.device.effects));
+    let mut again = *before;
+    let back = Inputs {
+        readings: found,
+        ..*inputs
+    };
+    let there = model.forward(&back, &mut again).unwrap();
+    for joint in 0..JOINTS {
+        let gap = (there.state.outputs[joint] - ours.outputs[joint]).abs();
+        assert!(gap < 1e-9, "inverse: {gap:e}\n{:#?}", case.device.effects);
+    }
+    let pose = &ours.pose;
+    let beside = Inputs {
+        readings: inputs.readings.map(|reading| reading + 0.05),
+        ..*inputs
+    };
+    let found = model.inverse_pose(pose, &beside, before);
+    POSES.with(|have| {
+        let (reached, all) = have.get();
+        have.set((reached + u32::from(found.is_ok()), all + 1));
+    });
+    let Ok(readings) = found else {
+        return;
+    };
+    let inputs = Inputs {
+        readings,
+        ..*inputs
+    };
+    let there = model.forward(&inputs, &mut before.clone()).unwrap();
+    let there = there.state.pose;
+    let gap = (there.position_m - pose.position_m).amax();
+    let gap = gap.max((there.rotation - pose.rotation).amax());
+    assert!(
+        gap < 1e-10,
+        "pose: {gap:e} is left\n{:#?}",
+        case.device.effects
+    );
 }
 
 proptest! {
@@ -332,7 +370,12 @@ proptest! {
                 let (count, before) = have.get();
                 have.set((count + 1, before.max(largest)));
                 if count + 1 == 1900 {
-                    println!("largest difference after 1900 devices: {:e}", before.max(largest));
+                    let (reached, all) = POSES.with(std::cell::Cell::get);
+                    println!(
+                        "largest difference after 1900 devices: {:e}; {reached} of {all} poses given back",
+                        before.max(largest)
+                    );
+                    assert!(reached > all / 100 * 95, "{reached} of {all} poses were reached");
                 }
             });
         }
@@ -340,5 +383,6 @@ proptest! {
 }
 
 thread_local! {
+    static POSES: std::cell::Cell<(u32, u32)> = const { std::cell::Cell::new((0, 0)) };
     static LARGEST: std::cell::Cell<(usize, f64)> = const { std::cell::Cell::new((0, 0.0)) };
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use haptical_effects::joint_origin_m;
 use haptical_model::{Device, DeviceChain, DeviceEffect, JointType, Statics};
-use haptical_runtime::{CompensatedModel, CoupledModel, Effect, Side, Turnover};
+use haptical_runtime::{CompensatedModel, CoupledModel, Effect, Over, Side, Turnover};
 use proptest::prelude::*;
 
 use crate::devices::model;
@@ -134,8 +134,56 @@ fn runtime_effect(device: &Device, effect: &DeviceEffect) -> Effect {
             },
             (Some(rad_per_s), None) => Effect::Drift { joint, rad_per_s },
         },
+        "correction" => curve(effect, joint),
         _ => structure_law(device, effect, joint, ratio),
     }
+}
+
+/// What a curve is drawn over, with the names of its ends.
+const OVER: [(Over, [[&str; 2]; 2]); 4] = [
+    (Over::Angle, [["from_rad", "to_rad"], ["from_m", "to_m"]]),
+    (Over::Torque, [["from_nm", "to_nm"], ["from_n", "to_n"]]),
+    (Over::Temperature, [["from_degc", "to_degc"]; 2]),
+    (Over::Time, [["from_s", "to_s"]; 2]),
+];
+
+fn curve(effect: &DeviceEffect, joint: usize) -> Effect {
+    let number = |name: &str| effect.numbers.get(name).copied();
+    let names = OVER
+        .iter()
+        .flat_map(|(over, all)| all.map(|ends| (*over, ends)));
+    let mut found = names.filter_map(|(over, [from, to])| Some((over, number(from)?, number(to)?)));
+    let (over, lower, upper) = found.next().unwrap();
+    let coefficients = effect.lists.values().next().unwrap().clone().leak();
+    Effect::Curve {
+        joint,
+        over,
+        lower,
+        upper,
+        coefficients,
+    }
+}
+
+/// A random curve: motions, loads and temperatures go beyond its ends.
+fn correction(device: &Device, joint: usize, [a, b, c]: [f64; 3]) -> DeviceEffect {
+    let slides = usize::from(device.joints[joint].joint_type == JointType::Prismatic);
+    let (over, names) = &OVER[((c + 1.0) * 2.0) as usize % 4];
+    let [from, to] = match over {
+        Over::Temperature => [19.0 + a, 24.0 + b],
+        Over::Time => [0.2 * a, 0.8 + 0.1 * b],
+        Over::Angle | Over::Torque => [-0.5 + 0.2 * a, 0.6 + 0.2 * b],
+    };
+    let mut effect = named(
+        "correction",
+        Some(joint),
+        &[(names[slides][0], from), (names[slides][1], to)],
+    );
+    let count = 4 + ((a + 1.0) * 8.0) as usize;
+    let wave = |index: usize| 2e-3 * (1.7 * index as f64 + 3.0 * b).sin();
+    let key = ["coefficients_rad", "coefficients_m"][slides];
+    let coefficients = (0..count).map(wave).collect();
+    effect.lists.insert(key.to_owned(), coefficients);
+    effect
 }
 
 /// Effects of the structure.
@@ -284,7 +332,8 @@ pub(crate) fn drive_effect(device: &Device, seed: Seed) -> DeviceEffect {
     let side = ("driven_by", f64::from(u8::from(c > 0.0)));
     let wave = [("amplitude_rad", 2e-3 * a), ("phase_rad", 3.0 * b)];
     let at = |name: &str, numbers: &[(&str, f64)]| named(name, Some(joint), numbers);
-    match kind % 16 {
+    match kind % 18 {
+        16 | 17 => correction(device, joint, [a, b, c]),
         0 => at(
             "capstan-compliance",
             &[("stiffness_nm_per_rad", 300.0 + 200.0 * a)],

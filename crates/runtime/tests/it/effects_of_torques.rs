@@ -5,7 +5,10 @@ use haptical_effects::device::effects_of;
 use haptical_effects::signal::smooth;
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, DeviceEffect, Recording};
-use haptical_runtime::{CompensatedModel, CoupledModel, Effect, Inputs, RuntimeError, Side};
+use haptical_runtime::{
+    CompensatedModel, Convention, CoupledModel, Effect, Inputs, Joint, Link, Model, Motion, Over,
+    RuntimeError, Side, Transmission,
+};
 
 use crate::devices::{fixture, model};
 use crate::effect_lists::{compensated, named};
@@ -330,6 +333,25 @@ fn numbers_that_no_effect_can_have_are_refused_where_the_model_is_made() {
         }),
         None
     );
+    let curve = |upper: f64, coefficients: &'static [f64]| {
+        made(Effect::Curve {
+            joint: 2,
+            over: Over::Angle,
+            lower: -0.5,
+            upper,
+            coefficients,
+        })
+    };
+    assert_eq!(curve(0.5, &[0.0, 1e-3, 0.0, 1e-3]), None);
+    let said = curve(0.5, &[0.0, 1e-3, 0.0]).unwrap().to_string();
+    assert!(
+        said.contains("number of coefficients is 3; allowed: at least 4"),
+        "{said}"
+    );
+    let said = curve(-0.5, &[0.0; 4]).unwrap().to_string();
+    assert!(said.contains("upper less lower is 0"), "{said}");
+    let said = curve(0.5, &[0.0, f64::NAN, 0.0, 0.0]).unwrap().to_string();
+    assert!(said.contains("coefficients is NaN"), "{said}");
 }
 
 /// A pose of the 7-DOF device is found again from a posture beside it.
@@ -365,4 +387,55 @@ fn a_pose_is_given_back_by_readings() {
         .unwrap_err()
         .to_string();
     assert!(text.starts_with("the pose was not reached"), "{text}");
+}
+
+/// A joint about which nothing moves but the orientation: of half a turn no sine is left.
+#[test]
+fn a_pose_half_a_turn_away_is_not_taken_for_reached() {
+    let joint = Joint {
+        motion: Motion::Revolute,
+        home: 0.0,
+        transmission: Transmission::Exact,
+    };
+    let model = Model::new(
+        Convention::Standard,
+        Link::IDENTITY,
+        [Link::IDENTITY],
+        [joint],
+    )
+    .unwrap()
+    .with_limits([[-2.0, 4.0]])
+    .unwrap();
+    let model = CompensatedModel::new(CoupledModel::of_rows(model), [Effect::None]).unwrap();
+    let mut state = model.start();
+    let pi = std::f64::consts::PI;
+    for wanted in [pi, pi - 1e-6, 3.0, 2.0] {
+        let pose = model.forward(&Inputs::at([wanted]), &mut state).unwrap();
+        let found = model.inverse_pose(&pose.state.pose, &Inputs::at([0.0]), &state);
+        // to either side
+        match found {
+            Ok([reading]) => assert!((reading - wanted).abs() < 1e-10, "{wanted}: {reading}"),
+            Err(error) => assert_eq!(
+                error.to_string().split_once(':').unwrap().0,
+                "joint 1",
+                "{wanted}: {error}"
+            ),
+        }
+        let found = model.inverse_pose(&pose.state.pose, &Inputs::at([1.0]), &state);
+        assert!((found.unwrap()[0] - wanted).abs() < 1e-10, "{wanted}");
+    }
+    // beyond the limits of the device, and no pose at all
+    let mut pose = model
+        .forward(&Inputs::at([-2.5]), &mut state)
+        .unwrap()
+        .state
+        .pose;
+    let found = model.inverse_pose(&pose, &Inputs::at([-1.0]), &state);
+    assert!(
+        matches!(found, Err(RuntimeError::BeyondLimit { joint: 1, .. })),
+        "{found:?}"
+    );
+    pose.rotation *= 2.0;
+    let found = model.inverse_pose(&pose, &Inputs::at([-1.0]), &state);
+    assert_eq!(found, Err(RuntimeError::NotAPose));
 }

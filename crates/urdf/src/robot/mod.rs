@@ -22,6 +22,21 @@ pub(crate) struct Robot {
     pub(crate) stated_gravity_mps2: Option<[f64; 3]>,
     /// What was left out of an MJCF.
     pub(crate) notes: Vec<String>,
+    /// Joints of an MJCF in the order of its positions, with those that others yield by.
+    pub(crate) coordinates: Vec<Coordinates>,
+    /// What 1 is in angles of an MJCF \[rad\].
+    pub(crate) angle_rad: f64,
+    /// Time step of an MJCF \[s\].
+    pub(crate) step_s: f64,
+}
+
+/// How many numbers a joint of an MJCF has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Coordinates {
+    /// Byte of its element.
+    pub(crate) place: usize,
+    pub(crate) positions: usize,
+    pub(crate) velocities: usize,
 }
 
 /// Mass of a link.
@@ -92,6 +107,8 @@ pub(crate) struct RobotJoint {
     pub(crate) is_part: bool,
     /// Angle per torque of a spring behind it \[rad/(N m)\], \[m/N\].
     pub(crate) compliance: f64,
+    /// Bytes of the elements of these springs.
+    pub(crate) springs: Vec<usize>,
 }
 
 /// An element of an MJCF with `pos` and an orientation: the origin is `before` its place `behind`.

@@ -223,6 +223,7 @@ impl Reader<'_, '_> {
             placed_by: None,
             is_part: false,
             compliance: 0.0,
+            springs: Vec::new(),
             name,
         })
     }

@@ -2,6 +2,7 @@
 
 use haptical_model::{Device, DeviceEffect, JointType};
 
+use crate::numbers::rounded;
 use crate::write::urdf::own_row;
 
 /// Latest that a sensor may be \[s\]: MuJoCo keeps every reading in between.
@@ -28,6 +29,19 @@ pub(crate) enum YieldKind {
     Play(f64),
     /// It moves with another joint (from 0), this much.
     Coupling(f64, usize),
+}
+
+impl YieldKind {
+    /// `a spring of 400 Nm/rad or N/m`.
+    pub(crate) fn words(self) -> String {
+        match self {
+            Self::Spring(stiffness) => format!("a spring of {} Nm/rad or N/m", rounded(stiffness)),
+            Self::Play(width) => format!("a play of {} rad or m", rounded(width)),
+            Self::Coupling(gain, from) => {
+                format!("{} times joint {}", rounded(gain), from + 1)
+            }
+        }
+    }
 }
 
 /// Friction of a joint.

@@ -1,8 +1,10 @@
 //! Robot descriptions of a device: a corrected URDF or MJCF, a new one.
 
+pub(crate) mod added_joints;
 pub(crate) mod corrected;
 pub(crate) mod effects;
 pub(crate) mod inertia;
+pub(crate) mod keyframes;
 pub(crate) mod mjcf;
 pub(crate) mod patched;
 pub(crate) mod segments;

@@ -15,8 +15,10 @@ use crate::rigid::{inverse, then};
 use crate::robot::mjcf::frames::ORIENTATIONS;
 use crate::robot::xml::{Element, document};
 use crate::robot::{PlacedBy, Robot, RobotJoint};
+use crate::write::added_joints::NewJoints;
 use crate::write::corrected::{TRANSMISSIONS, all_corrections, has_transmission_errors, replaced};
-use crate::write::effects::{Effects, Yield, YieldKind};
+use crate::write::effects::Effects;
+use crate::write::mjcf::snippet;
 
 /// A corrected MJCF.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +38,7 @@ pub struct CorrectedMjcf {
 /// Below this a place is the one that the file has: rounding of two ways to it, in m and as an entry of a rotation.
 const SAME: f64 = 1e-12;
 
-type Edit = (Range<usize>, String);
+pub(super) type Edit = (Range<usize>, String);
 
 /// The text of an MJCF with `pos` and `quat` of the chain's bodies, and of the site or fixed body at its end, replaced so
 /// that its forward kinematics is that of `device`, of every chain where it has several; and with `frictionloss` and `damping`
@@ -45,10 +47,12 @@ type Edit = (Range<usize>, String);
 ///
 /// `device` must have come from this MJCF, this base and this tip. Where the chain ends at a body that moves itself, a site
 /// for the handle is added to it, and a warning says so. An orientation that is not a quaternion becomes one. What a joint
-/// yields, a play and other effects are joints and sensors of their own, which are listed and not put in.
+/// yields (a spring, a play, a coupling) is a joint of its own: `new_joints` says whether it is put in. The stiffness of a
+/// spring that the file has already is an attribute as friction is. What is not in the file is listed, and a comment at its end has
+/// Python that adds it to the readings where that can be done.
 ///
 /// ```
-/// use haptical_urdf::{BaseAndTip, corrected_mjcf, device_from_mjcf};
+/// use haptical_urdf::{BaseAndTip, NewJoints, corrected_mjcf, device_from_mjcf};
 /// let text = r#"<mujoco> <!-- kept -->
 ///   <worldbody>
 ///     <body name="arm" pos="0 0 0.4"> <joint name="shoulder" axis="0 1 0"/> <site name="tool" pos="0.1 0 0"/> </body>
@@ -56,7 +60,8 @@ type Edit = (Range<usize>, String);
 /// </mujoco>"#;
 /// let mut lever = device_from_mjcf(text, "lever.xml", BaseAndTip::to("tool"))?.device;
 /// lever.links[1].d_m = 0.002; // along the axis, y
-/// let corrected = corrected_mjcf(text, "lever.xml", BaseAndTip::to("tool"), &lever)?;
+/// let listed = NewJoints::Listed;
+/// let corrected = corrected_mjcf(text, "lever.xml", BaseAndTip::to("tool"), &lever, listed)?;
 /// assert_eq!(corrected.text, text.replace("0.1 0 0", "0.1 0.002 0"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -69,6 +74,7 @@ pub fn corrected_mjcf(
     file: &str,
     ends: BaseAndTip<'_>,
     device: &Device,
+    new_joints: NewJoints,
 ) -> Result<CorrectedMjcf, UrdfError> {
     let read = ReadChain::of_mjcf(text, file, ends)?;
     let corrections = all_corrections(&read, device, (file, "MJCF"))?;
@@ -116,13 +122,27 @@ pub fn corrected_mjcf(
         edits.extend(patch.friction(&effects, joint, &robot.joints[*driver]));
     }
     warnings.extend(effects.said.iter().cloned());
-    let springs: Vec<f64> = (rows.drivers.iter())
-        .map(|driver| robot.joints[*driver].compliance)
+    let drivers: Vec<&RobotJoint> = (rows.drivers.iter())
+        .map(|driver| &robot.joints[*driver])
         .collect();
-    warnings.extend(not_put_in(device, &effects, &springs));
+    let yields = patch.yields(&effects, &drivers, new_joints)?;
+    edits.extend(yields.edits);
+    warnings.extend(yields.said);
+    warnings.extend(not_put_in(&effects));
+    let names: Vec<&str> = drivers.iter().map(|own| own.name.as_str()).collect();
+    let readings = snippet::by_joints(device, &names);
+    let no_outs = vec![false; device.joints.len()];
+    let comment = snippet::comment(
+        device,
+        &effects.left_out,
+        &yields.missing,
+        &no_outs,
+        &readings,
+    );
+    edits.extend(patch.at_end(&comment).filter(|_| !comment.is_empty()));
     let mut tips = tips.into_iter();
     Ok(CorrectedMjcf {
-        text: replaced(text, edits),
+        text: replaced(text, join(edits)),
         base,
         tip: tips.next().unwrap_or_default(),
         further_tips: tips.collect(),
@@ -130,26 +150,9 @@ pub fn corrected_mjcf(
     })
 }
 
-/// What would need joints or sensors of its own.
-///
-/// `springs` are the compliances that the file has already.
-fn not_put_in(device: &Device, effects: &Effects<'_>, springs: &[f64]) -> Vec<String> {
+/// What would need sensors of its own, and what MuJoCo has no means for.
+fn not_put_in(effects: &Effects<'_>) -> Vec<String> {
     let mut said = Vec::new();
-    for (joint, yields) in effects.yields.iter().enumerate() {
-        let name = &device.joints[joint].name;
-        let has = springs.get(joint).copied().unwrap_or(0.0);
-        let is_there = |own: &&Yield| match own.kind {
-            YieldKind::Spring(stiffness) => (has * stiffness - 1.0).abs() < 1e-9,
-            _ => false,
-        };
-        said.extend(yields.iter().filter(|own| !is_there(own)).map(|own| {
-            format!(
-                "joint `{name}`: its `{name}{}` is a joint of its own, which is not put into your file: take it from `haptical \
-                 export --format mjcf` without --mjcf",
-                own.suffix
-            )
-        }));
-    }
     let late = effects
         .encoder_delay_s
         .iter()
@@ -159,7 +162,7 @@ fn not_put_in(device: &Device, effects: &Effects<'_>, springs: &[f64]) -> Vec<St
     }
     said.extend(effects.left_out.iter().map(|effect| {
         format!(
-            "`{}` is not in the model, because MuJoCo has no means for it",
+            "`{}` is not in the model, because MuJoCo has no means for it: the comment at the file's end has Python to add it",
             effect.label()
         )
     }));
@@ -172,14 +175,14 @@ fn is_same(left: &Pose, right: &Pose) -> bool {
 }
 
 /// A document to be changed.
-struct Patch<'p, 'd, 'input> {
-    device: &'p Device,
-    robot: &'p Robot,
-    elements: Vec<Element<'d, 'input>>,
+pub(super) struct Patch<'p, 'd, 'input> {
+    pub(super) device: &'p Device,
+    pub(super) robot: &'p Robot,
+    pub(super) elements: Vec<Element<'d, 'input>>,
 }
 
 impl<'d, 'input> Patch<'_, 'd, 'input> {
-    fn refuse(&self, message: String) -> UrdfError {
+    pub(super) fn refuse(&self, message: String) -> UrdfError {
         UrdfError::Device {
             device: self.device.name.clone(),
             message,
@@ -187,7 +190,7 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
     }
 
     /// The element that begins at a byte.
-    fn element(&self, place: usize) -> Option<Element<'d, 'input>> {
+    pub(super) fn element(&self, place: usize) -> Option<Element<'d, 'input>> {
         // in the order of the document
         let found = self
             .elements
@@ -289,7 +292,7 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
 }
 
 /// Sets an attribute: in the place of the one called `stated`, or behind the element's name.
-fn set(node: Element<'_, '_>, stated: &str, key: &str, value: &str) -> Edit {
+pub(super) fn set(node: Element<'_, '_>, stated: &str, key: &str, value: &str) -> Edit {
     match node.attribute_node(stated) {
         Some(attribute) if stated == key => (attribute.range_value(), value.to_owned()),
         Some(attribute) => (attribute.range(), format!("{key}=\"{value}\"")),

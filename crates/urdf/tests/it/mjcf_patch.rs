@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use haptical_model::DeviceEffect;
-use haptical_urdf::{BaseAndTip, corrected_mjcf};
+use haptical_urdf::{BaseAndTip, CorrectedMjcf, NewJoints, UrdfError};
 use proptest::prelude::*;
 
 use crate::mjcf_read::{fixture, read};
@@ -11,6 +11,15 @@ use crate::support::{calibrated, gap, pose};
 
 /// Two ways to a pose through the digits of a file: rounding of some forty transforms.
 const WRITTEN: f64 = 1e-12;
+
+fn corrected_mjcf(
+    text: &str,
+    file: &str,
+    ends: BaseAndTip<'_>,
+    device: &haptical_model::Device,
+) -> Result<CorrectedMjcf, UrdfError> {
+    haptical_urdf::corrected_mjcf(text, file, ends, device, NewJoints::Listed)
+}
 
 /// An arm with a body for each joint, written in several ways.
 const ARM: &str = r#"<mujoco model="arm"> <!-- kept: pos="1 2 3" -->
@@ -153,10 +162,23 @@ fn friction_is_attributes_and_the_rest_is_listed() {
             "<joint frictionloss=\"0.25\" damping=\"0.5\" name=\"b\"/>",
         )
         .replace("damping=\"2\"", "damping=\"4\"");
-    assert_eq!(corrected.text, expected);
+    let (kept, comment) = corrected.text.split_once("  <!-- Not in").unwrap();
+    assert_eq!(kept.to_owned() + "</mujoco>\n", expected);
+    assert!(
+        comment.contains("a_play: a play of 0.002 rad or m"),
+        "{comment}"
+    );
+    let added = "r[\"theta1_rad\"] -= 0.002 * np.cos(1 * r[\"theta1_rad\"] - 0.1)";
+    assert!(comment.contains(added), "{comment}");
+    assert!(
+        comment.contains("\"theta1_rad\": data.joint(\"a\").qpos[0]"),
+        "{comment}"
+    );
     let said = corrected.warnings.join("\n");
     assert!(
-        said.contains("its `a_play` is a joint of its own, which is not put into your file"),
+        said.contains(
+            "its `a_play` (a play of 0.002 rad or m) is a joint of its own, which is not put"
+        ),
         "{said}"
     );
     assert!(
@@ -196,4 +218,111 @@ fn a_device_that_is_not_of_it_is_refused() {
             .contains("before joint `lift` belongs between two joints"),
         "{error}"
     );
+}
+
+/// Springs, plays and couplings become joints behind their own; keyframes get their numbers, and nothing else changes.
+#[test]
+fn new_joints_are_put_in_behind_their_own_and_into_keyframes() {
+    let key = "  <keyframe><key name=\"home\" qpos=\"0.3 -0.2 0.1\" qvel=\"1 2 3\"/></keyframe>\n</mujoco>";
+    let text = ARM.replace("</mujoco>", key);
+    let mut device = read(&text, BaseAndTip::to("tool")).device;
+    let effect = |name: &str, joint, numbers: &[(&str, f64)]| DeviceEffect {
+        name: name.to_owned(),
+        joint: Some(joint),
+        numbers: numbers
+            .iter()
+            .map(|(key, value)| ((*key).to_owned(), *value))
+            .collect::<BTreeMap<_, _>>(),
+        ..DeviceEffect::default()
+    };
+    device.effects = vec![
+        effect("capstan-compliance", 1, &[("stiffness_nm_per_rad", 400.0)]),
+        effect("backlash", 1, &[("width_rad", 0.002)]),
+        effect("cross-coupling", 0, &[("gain", 0.05), ("from_joint", 2.0)]),
+    ];
+    let put = |text: &str, device: &haptical_model::Device| {
+        let ends = BaseAndTip::to("tool");
+        haptical_urdf::corrected_mjcf(text, "arm.xml", ends, device, NewJoints::PutIn).unwrap()
+    };
+    // without the request they are listed, with Python for what they do to the readings at rest
+    let listed = corrected_mjcf(&text, "arm.xml", BaseAndTip::to("tool"), &device).unwrap();
+    let (kept, comment) = listed
+        .text
+        .split_once("  <!-- Not in this model, because the file has no joints")
+        .unwrap();
+    assert!(text.starts_with(kept.trim_end()));
+    for line in [
+        "r[\"out2_rad\"] = r.get(\"out2_rad\", r[\"theta2_rad\"]) - data.joint(\"b\").qfrc_actuator[0] / 400",
+        "r[\"out1_rad\"] = r.get(\"out1_rad\", r[\"theta1_rad\"]) + 0.05 * r[\"theta2_rad\"]",
+    ] {
+        assert!(comment.contains(line), "{comment}");
+    }
+    let corrected = put(&text, &device);
+    let document = roxmltree::Document::parse(&corrected.text).unwrap();
+    let joint = |name: &str| {
+        let mut all = document.descendants();
+        all.find(|own| own.has_tag_name("joint") && own.attribute("name") == Some(name))
+            .unwrap_or_else(|| panic!("no {name}\n{}", corrected.text))
+    };
+    let attributes =
+        |name: &str, keys: [&str; 3]| keys.map(|key| joint(name).attribute(key).unwrap_or(""));
+    assert_eq!(
+        attributes("b_cable", ["stiffness", "limited", "frictionloss"]),
+        ["400", "false", "0"]
+    );
+    // degrees, as the file has them
+    let range = joint("b_play").attribute("range").unwrap();
+    let ends: Vec<f64> = range.split(' ').map(|end| end.parse().unwrap()).collect();
+    assert!((ends[1].to_radians() - 0.001).abs() < 1e-15 && ends[0] == -ends[1]);
+    // a_coupling is behind `a`, along its axis at its place
+    assert_eq!(
+        attributes("a_coupling", ["pos", "axis", "ref"]),
+        ["0.02 0 0.1", "0 0 1", "0"]
+    );
+    assert!(joint("b").next_sibling_element().unwrap().attribute("name") == Some("b_cable"));
+    let bond = document
+        .descendants()
+        .find(|own| own.has_attribute("joint1"))
+        .unwrap();
+    assert_eq!(
+        ["joint1", "joint2", "polycoef"].map(|key| bond.attribute(key).unwrap()),
+        ["a_coupling", "b", "0 0.05 0 0 0"]
+    );
+    let home = document
+        .descendants()
+        .find(|own| own.has_tag_name("key"))
+        .unwrap();
+    // a, a_coupling, b, b_cable, b_play, c
+    let numbers = |key: &str| -> Vec<f64> {
+        let words = home.attribute(key).unwrap().split(' ');
+        words.map(|word| word.parse().unwrap()).collect()
+    };
+    let expected = [0.3, 0.05 * -0.2, -0.2, 0.0, 0.0, 0.1];
+    assert!(
+        numbers("qpos")
+            .iter()
+            .zip(expected)
+            .all(|(own, other)| (own - other).abs() < 1e-15)
+    );
+    assert_eq!(numbers("qvel"), [1.0, 0.05 * 2.0, 2.0, 0.0, 0.0, 3.0]);
+    // read again the spring is the joint's; with another stiffness the same element has it
+    let again = read(&corrected.text, BaseAndTip::to("tool")).device;
+    assert!((again.compliance_rad_per_nm(1) - 1.0 / 400.0).abs() < 1e-15);
+    let mut stiffer = again;
+    stiffer.surroundings.compliance[1].rad_per_nm = 1.0 / 500.0;
+    let once_more = put(&corrected.text, &stiffer);
+    assert_eq!(
+        once_more.text,
+        corrected
+            .text
+            .replace("stiffness=\"400\"", "stiffness=\"500\"")
+    );
+    // a keyframe that does not fit is left and named
+    let odd = put(&text.replace("0.3 -0.2 0.1", "0.3 -0.2"), &device);
+    assert!(
+        odd.warnings
+            .join("\n")
+            .contains("the keyframe `home` is as it was")
+    );
+    assert!(odd.text.contains("qpos=\"0.3 -0.2\""));
 }

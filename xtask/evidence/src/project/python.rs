@@ -50,7 +50,7 @@ pub(crate) fn section(output: &mut Output, root: &Path) -> Result<()> {
         .args(["--force-reinstall", "--no-deps"])
         .arg(&wheel))?;
     progress.step();
-    let command = built_command(root)?;
+    let command = xtask_output::built_command(root)?;
     progress.step();
     let package = root.join("outside").join("python");
     let tests = run(Command::new(&inside)
@@ -119,22 +119,6 @@ fn wheel(root: &Path, target: &Path, inside: &Path) -> Result<PathBuf> {
             wheels.display()
         ),
     }
-}
-
-/// Builds the command that the tests compare with; returns where it is.
-fn built_command(root: &Path) -> Result<PathBuf> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    run(Command::new(cargo).current_dir(root).args([
-        "build",
-        "--release",
-        "--quiet",
-        "-p",
-        "haptical-cli",
-    ]))?;
-    let name = format!("haptical{}", std::env::consts::EXE_SUFFIX);
-    let folder = std::env::current_exe()?;
-    let folder = folder.parent().context("the folder of this program")?;
-    Ok(folder.join(name))
 }
 
 /// A Python that is new enough and can make virtual environments.

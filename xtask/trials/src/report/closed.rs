@@ -14,6 +14,9 @@ const ABSENT: &str = "sla";
 /// A recording of which less of the gap is closed is listed \[%\].
 const LITTLE: f64 = 75.0;
 
+/// Part of a channel's largest prediction by which C and replay may differ.
+const SAME: f64 = 1e-9;
+
 /// Why a trial is counted apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Apart {
@@ -61,6 +64,20 @@ pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
         put("gap closed, worst tenth", at(0.1), bar(75.0));
         let quiet = Value::Share(Rate::of_cases(quiet));
         put("then no gap against it", quiet, bar(0.9));
+        let by_c: Vec<_> = closings
+            .iter()
+            .filter_map(|own| own.by_c.as_ref())
+            .collect();
+        let shares: Vec<f64> = by_c.iter().filter_map(|own| own.closed_percent).collect();
+        let median = number(&shares, 1, "%", |values| quantile(values, 0.5));
+        put("gap closed by the exported C, median", median, None);
+        let same = by_c.iter().map(|own| own.apart <= SAME);
+        let same = Value::Share(Rate::of_cases(same));
+        put(
+            "the exported C predicts what --replay does, to 1e-9",
+            same,
+            None,
+        );
     };
     add("all", &LOOPS.map(|(suite, _)| suite), true);
     for (suite, what) in LOOPS {

@@ -9,6 +9,7 @@ fn batch() -> Batch {
         seed: 3,
         trials: vec![(Suite::Clean, 0), (Suite::Singles, 0)],
         jobs: 2,
+        haptical: None,
     }
 }
 

@@ -334,6 +334,7 @@ fn closed(suite: Suite, index: u64, closing: Option<(f64, &str)>) -> Case {
         effects: Vec::new(),
         channels: BTreeMap::new(),
         closed_percent: Some(percent),
+        by_c: None,
         again: Answer::from_json(again).unwrap(),
     });
     Case {

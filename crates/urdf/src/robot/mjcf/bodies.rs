@@ -274,6 +274,7 @@ pub(crate) fn bare(
         placed_by,
         is_part: false,
         compliance: 0.0,
+        springs: Vec::new(),
     }
 }
 

@@ -1,7 +1,11 @@
 //! What `<compiler>` and `<option>` of an MJCF say: units of angles, the order of Euler's, limits, gravity.
 
+use crate::numbers::number;
 use crate::robot::Robot;
 use crate::robot::xml::{Element, Reader, Result, elements};
+
+/// Time step of an MJCF that says none \[s\].
+const STEP_S: f64 = 0.002;
 
 /// Settings that the reading of elements depends on.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +29,13 @@ impl Compiler {
         for node in elements(root, "compiler") {
             compiler.add(reader, node, robot)?;
         }
+        robot.angle_rad = compiler.angle_rad;
+        robot.step_s = STEP_S;
         for node in elements(root, "option") {
+            let step_s = node.attribute("timestep").and_then(number);
+            robot.step_s = step_s
+                .filter(|step_s| *step_s > 0.0)
+                .unwrap_or(robot.step_s);
             if let Some(gravity) = reader.vector(node, "<option>", "gravity")? {
                 robot.stated_gravity_mps2 = Some(gravity);
             }

@@ -8,7 +8,7 @@ use crate::rigid::{then, turn};
 use crate::robot::mjcf::bodies::{Bodies, Part, bare};
 use crate::robot::mjcf::frames::direction;
 use crate::robot::xml::Result;
-use crate::robot::{PlacedBy, RobotJoint, RobotJointType};
+use crate::robot::{Coordinates, PlacedBy, RobotJoint, RobotJointType};
 
 /// How far the axes and places of two joints along one line may differ.
 const SAME: f64 = 1e-9;
@@ -63,6 +63,17 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
         let count = joints.len();
         for (number, part) in joints.into_iter().enumerate() {
             let own = self.own_joint(part)?;
+            let is_ball = self.mjcf.attribute(&part.own, "type") == Some("ball");
+            let [positions, velocities] = match (&own, is_ball) {
+                (Some(_), _) => [1, 1],
+                (None, true) => [4, 3],
+                (None, false) => [7, 6],
+            };
+            self.robot.coordinates.push(Coordinates {
+                place: part.own.node.range().start,
+                positions,
+                velocities,
+            });
             if let (Some((first, joint)), Some(own)) = (&last, &own)
                 && self.is_yield(first, own)
             {
@@ -229,6 +240,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
         let joint = &mut self.robot.joints[joint];
         if own.stiffness > 0.0 && (1.0 / own.stiffness).is_finite() {
             joint.compliance += 1.0 / own.stiffness;
+            joint.springs.push(part.own.node.range().start);
             return;
         }
         let at = self.mjcf.reader.position_at(part.own.node.range().start);

@@ -203,7 +203,7 @@ fn step(rows: &[RowDynamics], carried: &[Carried]) -> f64 {
 }
 
 /// Armature with which a spring is stable in every posture, twice over: h^2 k < 4 a + 2 h d.
-fn needed(step_s: f64, stiffness: f64, damping: f64) -> f64 {
+pub(crate) fn needed(step_s: f64, stiffness: f64, damping: f64) -> f64 {
     (0.5 * step_s * (step_s * stiffness - damping)).max(0.0)
 }
 

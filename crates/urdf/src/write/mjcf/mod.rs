@@ -1,8 +1,8 @@
 //! An MJCF (MuJoCo's XML) of a device: a model that can be simulated.
 
-mod dynamics;
+pub(crate) mod dynamics;
 mod sections;
-mod snippet;
+pub(crate) mod snippet;
 
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ use crate::write::segments::{Segments, segments};
 use crate::write::urdf::{FAR, joint_names, left_out};
 
 /// Gravity where a device has none \[m/s^2\]: MuJoCo's own. Assumption A152.
-const GRAVITY_MPS2: [f64; 3] = [0.0, 0.0, -9.81];
+pub(crate) const GRAVITY_MPS2: [f64; 3] = [0.0, 0.0, -9.81];
 /// Shortest stretch of a link that is drawn as a rod \[m\].
 const SHORTEST_DRAWN_M: f64 = 1e-3;
 
@@ -84,6 +84,25 @@ pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
     Ok((model.text(&gravity), model.warnings()))
 }
 
+/// Attributes of a play; `unit` is what 1 is in the file's ranges \[rad\], \[m\].
+pub(crate) fn play(width: f64, unit: f64, step_s: f64) -> String {
+    let half = 0.5 * width / unit;
+    format!(
+        " range=\"{}\" solreflimit=\"{} 1\" solimplimit=\"0.999 0.9999 {} 0.5 2\"",
+        written(&[-half, half]),
+        written(&[2.0 * step_s]),
+        written(&[0.1 * width])
+    )
+}
+
+/// Attributes of an equality as stiff as the time step allows: MuJoCo's own would let a weight pull rows apart.
+pub(crate) fn stiff(step_s: f64) -> String {
+    format!(
+        "solref=\"{} 1\" solimp=\"0.999 0.9999 0.001 0.5 2\"",
+        written(&[2.0 * step_s])
+    )
+}
+
 fn place(origin: &Origin) -> String {
     format!(
         "pos=\"{}\" quat=\"{}\"",
@@ -138,7 +157,9 @@ impl Model<'_> {
         text.push_str(&snippet::comment(
             self.device,
             &self.effects.left_out,
+            &[],
             &self.with_external_encoders(),
+            snippet::BY_SENSORS,
         ));
         text.push_str("</mujoco>\n");
         text
@@ -252,16 +273,7 @@ impl Model<'_> {
                 YieldKind::Spring(stiffness) => {
                     let _ = write!(text, " stiffness=\"{}\"", written(&[stiffness]));
                 }
-                YieldKind::Play(width) => {
-                    let half = 0.5 * width;
-                    let _ = write!(
-                        text,
-                        " range=\"{}\" solreflimit=\"{} 1\" solimplimit=\"0.999 0.9999 {} 0.5 2\"",
-                        written(&[-half, half]),
-                        written(&[2.0 * self.step_s]),
-                        written(&[0.1 * width])
-                    );
-                }
+                YieldKind::Play(width) => text.push_str(&play(width, 1.0, self.step_s)),
                 YieldKind::Coupling(..) => {}
             }
             let _ = writeln!(

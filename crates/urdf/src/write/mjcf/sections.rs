@@ -4,18 +4,14 @@ use std::fmt::Write;
 
 use crate::numbers::{escaped, written};
 use crate::write::effects::{YieldKind, has_own_row};
-use crate::write::mjcf::Model;
+use crate::write::mjcf::{Model, stiff};
 use crate::write::urdf::{FAR, own_row};
 
 impl Model<'_> {
     /// Rows that follow another's joint, and joints that another one moves.
     pub(super) fn equalities(&self, text: &mut String) {
         let mut bonds = String::new();
-        // as stiff as the time step allows: MuJoCo's own would let a weight pull rows apart
-        let stiff = format!(
-            "solref=\"{} 1\" solimp=\"0.999 0.9999 0.001 0.5 2\"",
-            written(&[2.0 * self.step_s])
-        );
+        let stiff = stiff(self.step_s);
         let mut bond = |first: &str, second: &str, multiplier: f64| {
             let _ = writeln!(
                 bonds,

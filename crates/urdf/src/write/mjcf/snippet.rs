@@ -6,21 +6,66 @@ use haptical_model::{Device, DeviceEffect};
 
 use crate::numbers::{commented, written};
 
+/// Readings by the names of the file's sensors.
+pub(crate) const BY_SENSORS: &str =
+    "{model.sensor(i).name: data.sensor(i).data.copy() for i in range(model.nsensor)}";
+
+/// Readings by the names of a log, of joints by the names that they have in a file.
+pub(crate) fn by_joints(device: &Device, names: &[&str]) -> String {
+    let mut readings = String::from("{");
+    for (index, (joint, name)) in device.joints.iter().zip(names).enumerate() {
+        let (number, unit) = (index + 1, joint.unit());
+        let _ = write!(
+            readings,
+            "\"theta{number}_{unit}\": data.joint({name:?}).qpos[0], \"theta{number}_{unit}_per_s\": \
+             data.joint({name:?}).qvel[0], "
+        );
+    }
+    readings.trim_end_matches(", ").to_owned() + "}"
+}
+
+/// A joint that a file does not have, and Python that adds what it does to the readings.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MissingJoint {
+    pub(crate) what: String,
+    pub(crate) python: String,
+}
+
 /// The comment at the end of the file; empty where everything is carried. `outs` says which joints have an external encoder
-/// in it.
-pub(crate) fn comment(device: &Device, left_out: &[&DeviceEffect], outs: &[bool]) -> String {
-    if left_out.is_empty() {
+/// in it; `readings` is Python for a dictionary of what the file's sensors say.
+pub(crate) fn comment(
+    device: &Device,
+    left_out: &[&DeviceEffect],
+    missing: &[MissingJoint],
+    outs: &[bool],
+    readings: &str,
+) -> String {
+    if left_out.is_empty() && missing.is_empty() {
         return String::new();
     }
-    let mut text = String::from("  <!-- Not in this model, because MuJoCo has no means for it:\n");
+    let mut text = String::from("  <!-- Not in this model");
+    if !left_out.is_empty() {
+        text.push_str(", because MuJoCo has no means for it:\n");
+    }
     for effect in left_out {
         let _ = writeln!(text, "       {}", commented(&described(effect)));
     }
+    if !missing.is_empty() {
+        let also = if left_out.is_empty() {
+            ""
+        } else {
+            "       Not in it"
+        };
+        let _ = writeln!(text, "{also}, because the file has no joints for it:");
+    }
+    for own in missing {
+        let _ = writeln!(text, "       {}", commented(&own.what));
+    }
     text.push_str(
         "       The program that runs the model can add what is only in readings, in Python:\n\nimport numpy as np\n\n\
-         def haptical_readings(model, data):\n    \"\"\"Readings by the names of the sensors, with what the model lacks.\"\"\"\n    \
-         r = {model.sensor(i).name: data.sensor(i).data.copy() for i in range(model.nsensor)}\n",
+         def haptical_readings(model, data):\n    \"\"\"Readings by the names of a log, with what the model lacks.\"\"\"\n",
     );
+    let _ = writeln!(text, "    r = {}", commented(readings));
     for effect in left_out {
         let line = added(device, effect, outs).unwrap_or_else(|| {
             format!(
@@ -29,6 +74,9 @@ pub(crate) fn comment(device: &Device, left_out: &[&DeviceEffect], outs: &[bool]
             )
         });
         let _ = writeln!(text, "    {}", commented(&line));
+    }
+    for own in missing {
+        let _ = writeln!(text, "    {}", commented(&own.python));
     }
     text.push_str("    return r\n  -->\n");
     text
