@@ -2,6 +2,7 @@
 
 mod gap_file;
 mod text;
+mod whole;
 
 use haptical_design::{DesignError, Limits, Motion, Motions, Request, path, pieces};
 use haptical_diagnosis::{Odds, Question, Settler};
@@ -16,6 +17,7 @@ use crate::files::{InputFile, NewFile, PLAN_FILES, Record, VERSION, sealed_json}
 use crate::log::Log;
 
 pub use self::gap_file::GapFile;
+use self::whole::{Found, Told, wholes};
 
 /// Motions to choose from unless said otherwise.
 const CANDIDATES: usize = 240;
@@ -29,7 +31,8 @@ const LEAST_PRESS_N: f64 = 0.1;
 /// How the next recording is chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SettleRequest {
-    /// Its rows at most; none for as many as the recording so far has.
+    /// Its rows at most; none for as many as the recording so far has. It is longer than that one only as far as odds of 20 : 1
+    /// need it.
     pub rows: Option<usize>,
     /// Motions to choose from.
     pub candidates: usize,
@@ -74,9 +77,12 @@ pub struct Settled {
     pub least_odds: Option<f64>,
     /// The same of as many motions drawn at random.
     pub least_odds_at_random: Option<f64>,
+    /// Temperature with which it starts \[degC\]: the device still as warm as at the end of the log, so that what follows the
+    /// temperature is told from what follows the time since the start. None where the log has no temperature.
+    pub start_degc: Option<f64>,
     /// Odds of every candidate over every other one, should it be true.
     pub odds: Vec<ExpectedOdds>,
-    /// Candidates that no recording with these sensors and motions tells apart, by name.
+    /// Candidates (if true, other) between which no recording with these sensors and motions lets the true one be named.
     pub inseparable: Vec<[String; 2]>,
     /// What is odd about the device and the logs.
     pub warnings: Vec<String>,
@@ -98,7 +104,7 @@ pub struct ExpectedOdds {
     pub over: String,
     /// Odds so far.
     pub before: f64,
-    /// Odds with the recording, 1e12 at most.
+    /// Odds of its being named with the recording: never above what the judge of a diagnosis is sure of.
     pub after: f64,
 }
 
@@ -115,6 +121,8 @@ pub struct Chosen {
     pub inseparable: Vec<(usize, usize)>,
     /// As many pieces drawn at random, and their odds.
     pub at_random: (Motion, Vec<Odds>),
+    /// Temperature with which it starts \[degC\], that of the end of the recording so far; none where none was recorded.
+    pub start_degc: Option<f64>,
     /// The candidates that the device has effects for.
     pub question: Question,
 }
@@ -156,37 +164,59 @@ pub fn choose_next(
         let own: Vec<&Motion> = chosen.iter().map(|piece| &drawn[*piece]).collect();
         path(&own, &ranges, motions.rate_hz)
     };
+    let all = settler.pieces(&recordings).map_err(refused)?;
     // as many pieces as fit, the ways between them counted
-    let length = |count: usize| {
-        let first: Vec<usize> = (0..count.min(drawn.len())).collect();
-        through(&first).len()
+    let fitting = |rows: usize| {
+        let length = |count: usize| through(&(0..count).collect::<Vec<_>>()).len();
+        let more = (2..=drawn.len()).take_while(|count| length(*count) <= rows);
+        1 + more.count()
     };
-    let mut count = 1;
-    let rows = request.rows.unwrap_or(recording.len());
-    while count < drawn.len() && length(count + 1) <= rows {
-        count += 1;
+    let of_rows = |rows: usize| -> Result<Found, Error> {
+        let count = fitting(rows);
+        let chosen = settler.choose(&all, count);
+        let mut told: Vec<Told> = Vec::new();
+        for pieces in wholes(chosen, &all.lasting, drawn.len(), count) {
+            let motion = through(&pieces);
+            let next = motion.recording(model, recording).map_err(refuse)?;
+            let odds = settler.odds(&next).map_err(refused)?;
+            told.push(Told {
+                pieces,
+                motion,
+                odds,
+            });
+        }
+        Ok(Found::of(told, &all.of_all))
+    };
+    let most_rows = request.rows.unwrap_or(recording.len());
+    let mut rows = recording.len().clamp(1, most_rows.max(1));
+    let mut found = of_rows(rows)?;
+    while !found.is_enough() && rows < most_rows {
+        rows = (rows + recording.len().max(1)).min(most_rows);
+        found = of_rows(rows)?;
     }
-    let chosen = settler.choose(&recordings, count).map_err(refused)?;
-    let odds = |motion: &Motion| -> Result<Vec<Odds>, Error> {
-        let next = motion.recording(model, recording).map_err(refuse)?;
-        settler.odds(&next).map_err(refused)
-    };
-    let motion = through(&chosen.chosen);
-    // the pieces are drawn at random: any of them are a random choice
-    let random: Vec<usize> = (0..count.min(drawn.len())).collect();
-    let at_random = through(&random);
+    let Found {
+        best,
+        at_random,
+        inseparable,
+    } = found;
     Ok(Chosen {
-        pieces: chosen
-            .chosen
-            .iter()
+        pieces: (best.pieces.iter())
             .map(|piece| drawn[*piece].words.clone())
             .collect(),
-        odds: odds(&motion)?,
-        inseparable: chosen.inseparable,
-        at_random: (at_random.clone(), odds(&at_random)?),
+        odds: best.odds,
+        at_random: (at_random.motion, at_random.odds),
+        start_degc: last_degc(recording),
         question: settler.question().clone(),
-        motion,
+        motion: best.motion,
+        inseparable,
     })
+}
+
+/// Temperature at the end of a recording.
+fn last_degc(recording: &Recording) -> Option<f64> {
+    let column = recording.temperature_degc.as_ref()?;
+    let mut known = column.iter().rev();
+    known.find(|degc| degc.is_finite()).copied()
 }
 
 /// Loads of a motion that nobody has made yet come from masses and forces alone.
@@ -315,6 +345,7 @@ impl Settled {
                     after: odds(own.nats_after),
                 })
                 .collect(),
+            start_degc: chosen.start_degc,
             inseparable: (chosen.inseparable.iter())
                 .map(|(is_true, other)| [names[*is_true].clone(), names[*other].clone()])
                 .collect(),
