@@ -39,8 +39,6 @@ pub struct Settler {
     courses: Courses,
     /// Of each candidate, whether its look-alikes can be tested with these sensors.
     is_tried: Vec<bool>,
-    /// Whether a candidate has a state that a recording begins with: a play stands somewhere.
-    has_memory: bool,
 }
 
 impl Settler {
@@ -103,13 +101,10 @@ impl Settler {
             slopes: slopes(&candidates),
         };
         let (blocks, columns) = prepared.whitened(&engine.noise);
-        let has_memory =
-            (candidates.iter()).any(|own| own.effect(&effects).spec().family == Family::Loop);
         let mut settler = Self {
             is_tried: (candidates.iter())
                 .map(|own| own.are_look_alikes_tried(&effects, context))
                 .collect(),
-            has_memory,
             courses: Courses::of(context),
             places,
             noise: engine.noise.clone(),
@@ -133,6 +128,16 @@ impl Settler {
     /// What is settled: its candidates are those that the device has.
     pub fn question(&self) -> &Question {
         &self.question
+    }
+
+    /// Whether a candidate is a drift: the course of one is known the worse, the longer it goes on.
+    pub fn has_drift(&self) -> bool {
+        self.has(Family::Drift)
+    }
+
+    fn has(&self, family: Family) -> bool {
+        let mut own = self.candidates.iter();
+        own.any(|own| own.effect(&self.effects).spec().family == family)
     }
 
     /// Expected odds of each candidate over each other one once `next` is recorded too. Its readings are those that the base
@@ -224,7 +229,8 @@ impl Settler {
         let (blocks, columns) = prepared.whitened(&self.noise);
         let context = &prepared.context;
         let (mut all, lasting) = self.columns(context, &blocks, &columns, false);
-        if self.has_memory {
+        // a play, or a loop, stands somewhere when a recording begins
+        if self.has(Family::Loop) {
             without_constants(&mut all, context, &blocks);
         }
         Ok(Shown {

@@ -187,7 +187,10 @@ pub fn choose_next(
         }
         Ok(Found::of(told, &all.of_all))
     };
-    let most_rows = request.rows.unwrap_or(recording.len());
+    let mut most_rows = request.rows.unwrap_or(recording.len());
+    if settler.has_drift() {
+        most_rows = most_rows.min(recording.len());
+    }
     let mut rows = recording.len().clamp(1, most_rows.max(1));
     let mut found = of_rows(rows)?;
     while !found.is_enough() && rows < most_rows {
