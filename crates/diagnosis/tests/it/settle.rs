@@ -124,7 +124,10 @@ fn drifting(travel: impl Fn(f64) -> f64, torque: impl Fn(f64) -> f64, is_warm: b
 #[test]
 fn a_creep_and_a_drift_stay_open_however_long_the_same_is_recorded() {
     let device = Device::from_toml(DEVICE, "one.toml").unwrap().device;
-    let (travel, load) = (|time: f64| 0.8 * (1.3 * time).sin(), |_| 1.0);
+    let travel = |time: f64| 0.8 * (1.3 * time).sin();
+    // a torque that does not change at all tells of no creep
+    let load = |time: f64| 1.0 + 0.05 * (0.7 * time).sin();
+    let back = |time: f64| -load(time);
     // 1 N m over 0.66 rad/s of mean travel creeps as fast as the drift
     let mut drift = candidate("joint-drift", ("rad_per_s", 2.0e-5), 0.0);
     drift.numbers.insert("time_constant_s".to_owned(), 0.0);
@@ -142,9 +145,9 @@ fn a_creep_and_a_drift_stay_open_however_long_the_same_is_recorded() {
     // a load of the other sign creeps back while the drift goes on; where the temperature follows the time again, it could
     // be the temperature that the drift follows
     let is_drift = |odds: &&Odds| odds.is_true == 0;
-    let told = of(drifting(travel, |_| -1.0, true));
+    let told = of(drifting(travel, back, true));
     assert!(told.iter().all(|odds| odds.nats_after > 2.5), "{told:?}");
-    let cold = of(drifting(travel, |_| -1.0, false));
+    let cold = of(drifting(travel, back, false));
     assert!(
         cold.iter().find(is_drift).unwrap().nats_after < 1.4,
         "{cold:?}"
