@@ -33,5 +33,5 @@ pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use noise::NoiseSource;
 pub use options::{Catalogue, Options};
 pub use outlying::outlying_readings;
-pub use settle::{Candidate, Odds, Question, Settler, Settling};
+pub use settle::{Candidate, Odds, Pieces, Question, Settler, inseparable, score};
 pub use start_values::start_values;

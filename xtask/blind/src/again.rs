@@ -32,6 +32,8 @@ pub struct Led<'m> {
     pub rate_hz: f64,
     /// Force of the hand in the handle's frame \[N\], row by row; none where it is told to press nothing.
     pub force_n: Option<&'m [Vec<f64>; 3]>,
+    /// Temperature to which the device is warmed up before \[degC\]; none where it starts cold.
+    pub warm_degc: Option<f64>,
 }
 
 impl Again {
@@ -64,7 +66,7 @@ impl Again {
             acceleration_rad_s2: rate_rad_s.iter().map(rates).collect(),
             rate_rad_s,
         };
-        let scene = Scene::of_motion(&self.device, &plan, motion, force_n, seed);
+        let scene = Scene::of_motion(&self.device, &plan, motion, force_n, led.warm_degc, seed);
         Ok(scene.record(&self.effects, &self.noise, &self.scales)?.log)
     }
 
@@ -114,6 +116,7 @@ mod tests {
             angle_rad: &angle_rad,
             rate_hz: 100.0,
             force_n: None,
+            warm_degc: None,
         };
         let log = again.led(&led, 7).unwrap();
         let column = log.output.iter().flatten().next().unwrap();
@@ -126,6 +129,20 @@ mod tests {
         assert!(worst.fold(0.0, f64::max) < 2e-3);
         assert_eq!(log, again.led(&led, 7).unwrap());
         assert_ne!(log, again.led(&led, 8).unwrap());
+        // warmed up it stays nearly as warm
+        let warm = Led {
+            warm_degc: Some(30.0),
+            ..led.clone()
+        };
+        let degc = |log: &Recording| log.temperature_degc.clone().unwrap();
+        let (cold, warm) = (degc(&log), degc(&again.led(&warm, 7).unwrap()));
+        assert!(
+            cold[0] < 24.0 && (warm[0] - 30.0).abs() < 1.5,
+            "{} {}",
+            cold[0],
+            warm[0]
+        );
+        assert!((warm[299] - warm[0]).abs() < 1.0 && cold[299] - cold[0] > 0.4);
     }
 
     #[test]

@@ -14,13 +14,15 @@ use crate::{DesignError, Limits, candidates};
 const PIECE_S: f64 = 3.0;
 /// No joint moves faster than through its range in this time \[s\].
 const RANGE_S: f64 = 1.0;
+/// Share of a joint's range at either end that a way through all of it leaves out.
+const END: f64 = 0.02;
 /// Share of a joint's range by which a single posture is come to from one side and the other.
 const SIDE: f64 = 0.06;
 /// Rows between those that are checked against the limits.
 const CHECKED_EVERY: usize = 10;
 
-/// Draws pieces of motion: one joint or all of them to and fro about a posture within the limits, slowly or fast, with nothing
-/// that presses or with a constant force along an axis of the handle. Each starts and ends at rest in the same posture, so that
+/// Draws pieces of motion: one joint, some through all of its range, or all of them to and fro about a posture within the limits,
+/// slowly or fast, with nothing that presses or with a constant force along an axis of the handle. Each starts and ends at rest in the same posture, so that
 /// it comes to every place from both sides. Of single postures a piece is a posture that is come to from both sides of a joint.
 ///
 /// ```
@@ -122,10 +124,23 @@ impl Draft<'_> {
         let joints = from.len();
         let is_fast = (self.number / 2) % 2 == 1;
         let is_single = self.number.is_multiple_of(2);
+        let mut from = from.to_vec();
         let swings: Vec<Swing> = if is_single {
             let joint = (self.number / 4) % joints.max(1);
             let times = if is_fast { 4 } else { 1 };
-            vec![self.swing(joint, from[joint], towards[joint], times)]
+            // what bends with the angle over all of its range looks straight over a part of it
+            match !is_fast && self.random.random_bool(0.5) {
+                true => {
+                    let [lower, upper] = self.ranges[joint];
+                    from[joint] = lower + END * (upper - lower);
+                    vec![Swing {
+                        joint,
+                        way: self.slow_enough(joint, (1.0 - 2.0 * END) * (upper - lower), times),
+                        times,
+                    }]
+                }
+                false => vec![self.swing(joint, from[joint], towards[joint], times)],
+            }
         } else {
             let all = 0..joints;
             all.map(|joint| {
@@ -183,15 +198,20 @@ impl Draft<'_> {
 
     /// Between a third and all of the way towards another reading, no faster than the joint's range allows.
     fn swing(&mut self, joint: usize, from: f64, towards: f64, times: usize) -> Swing {
-        let [lower, upper] = self.ranges[joint];
         let share = 0.33 + 0.67 * self.random.random::<f64>();
-        // the cosine is fastest halfway: pi/2 times its mean speed
-        let most = (upper - lower) / RANGE_S * PIECE_S / (PI * times as f64);
         Swing {
             joint,
-            way: (share * (towards - from)).clamp(-most, most),
+            way: self.slow_enough(joint, share * (towards - from), times),
             times,
         }
+    }
+
+    /// As much of a way as the joint may go so many times.
+    fn slow_enough(&self, joint: usize, way: f64, times: usize) -> f64 {
+        let [lower, upper] = self.ranges[joint];
+        // the cosine is fastest halfway: pi/2 times its mean speed
+        let most = (upper - lower) / RANGE_S * PIECE_S / (PI * times as f64);
+        way.clamp(-most, most)
     }
 
     /// Axis and size of a force; none in every third piece.

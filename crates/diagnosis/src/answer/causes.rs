@@ -22,7 +22,7 @@ use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::earlier_model::{SURE, TOOL_ODDS};
 use crate::thresholds::noise::{DATA_PROBABILITY, LEVEL_SD};
 use crate::thresholds::noise::{GROWS_WITH_SPEED, LOUD, MANY_OUTLIERS};
-use crate::thresholds::rivals::{SETTLING, STEADY};
+use crate::thresholds::rivals::{LOOK_ALIKE, SETTLING, STEADY};
 use crate::thresholds::unseen::SHOWN_BY_ENCODER;
 use haptical_effects::device::with_variances;
 
@@ -62,8 +62,10 @@ fn cause_answer(findings: &Findings<'_>, index: usize, total: f64) -> CauseAnswe
     let confusable = confusable(rivals);
     let own = rivals.first().map_or(1.0, |rival| rival.probability);
     let mut probability = own * (1.0 - adequacy.doubt());
-    // a drift that settles has no law of its own: many things settle
-    if effect.spec().family == Family::Drift && cause.shape != 0.0 {
+    if is_seen_again(selection, rivals, effect) {
+        // what could have settled or crept in its place was tried in several runs, and explains less
+    } else if effect.spec().family == Family::Drift && cause.shape != 0.0 {
+        // a drift that settles has no law of its own: many things settle
         probability *= SETTLING;
     } else if effect.spec().family == Family::Drift && !effect.spec().look_alikes.is_empty() {
         // a cable that creeps under a steady load drifts as steadily
@@ -91,6 +93,35 @@ fn cause_answer(findings: &Findings<'_>, index: usize, total: f64) -> CauseAnswe
         held_out: held_out(shrink, effect.spec().hook, effect.joint()),
         ..CauseAnswer::named(effect.name(), effect.joint(), probability)
     }
+}
+
+/// Whether a drift in time began anew in each of several runs, which neither a temperature, recorded and not a function of that
+/// time, nor its look-alikes by load, all tried, explain nearly as well (docs/assumptions.md, A62).
+fn is_seen_again(selection: &Selection<'_>, rivals: &[Rival], effect: &dyn Effect) -> bool {
+    let context = &selection.engine().context;
+    let spec = effect.spec();
+    let is_tried = |name: &&str| {
+        let mut tested = selection.selector.tested.iter();
+        tested.any(|&index| {
+            let other = selection.selector.effects[index].as_ref();
+            other.name() == *name && other.joint() == effect.joint()
+        })
+    };
+    // what is not among the rivals explains less than those, or has an impossible sign
+    let is_far = |name: &&str| {
+        let own = |rival: &&Rival| rival.name == *name && rival.joint == effect.joint();
+        let mut same = rivals.iter().filter(own);
+        same.all(|rival| rival.share < LOOK_ALIKE)
+    };
+    spec.family == Family::Drift
+        && spec.needs.contains(&Need::Time)
+        && context.runs.len() > 1
+        && context.warming_k.is_some()
+        && !warms_with_time(context)
+        && spec
+            .look_alikes
+            .iter()
+            .all(|name| is_tried(name) && is_far(name))
 }
 
 /// Whether a drift in time was tried in the place of one by load, or of one with a temperature that

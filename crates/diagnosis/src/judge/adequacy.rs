@@ -107,10 +107,15 @@ impl Adequacy {
         }
     }
 
-    /// What is left of doubt when everything fits: the weaker the gap, the more a wrong effect
-    /// can imitate it.
+    /// What is left of doubt when everything fits.
     pub(crate) fn doubt(&self) -> f64 {
-        let weak = WEAK_DOUBT * (WEAK / self.total.max(WEAK)).sqrt();
-        (LEAST_DOUBT + weak).min(MOST_DOUBT)
+        doubt(self.total)
     }
+}
+
+/// Doubt that no catalogue removes, by the structured energy of a gap: the weaker it is, the more a wrong effect can imitate
+/// it.
+pub(crate) fn doubt(energy: f64) -> f64 {
+    let weak = WEAK_DOUBT * (WEAK / energy.max(WEAK)).sqrt();
+    (LEAST_DOUBT + weak).min(MOST_DOUBT)
 }

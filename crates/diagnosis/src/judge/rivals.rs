@@ -1,6 +1,6 @@
 //! Rivals: effects that explain as much in a cause's place, and how far behind they are.
 
-use haptical_effects::{Context, Family};
+use haptical_effects::{Context, Effect, Family};
 use rayon::prelude::*;
 
 use crate::DiagnosisError;
@@ -112,8 +112,7 @@ pub(crate) fn rivals(
             fit,
         ));
     }
-    hedge_drifts(selector, own, best, &mut evidence);
-    hedge_wobbles(selector, own, best, &mut evidence);
+    hedge(selector, own, best, &mut evidence);
     Ok(listed(selector, own, evidence))
 }
 
@@ -150,43 +149,48 @@ fn listed(selector: &Selector<'_>, own: usize, mut evidence: Vec<Evidence>) -> V
 /// Position in the catalogue, evidence in nats, share of what the cause explains, its fit.
 type Evidence = (usize, f64, f64, Option<Cause>);
 
-/// Brings look-alikes of a drift near to it.
-fn hedge_drifts(selector: &Selector<'_>, own: usize, best: f64, evidence: &mut [Evidence]) {
-    // The course of a drift is a matter of its law (a sensor lags behind the part that warms): its kin
-    // counts as near while it explains almost as much.
+/// Brings effects whose difference is a matter of their laws near to the cause.
+fn hedge(selector: &Selector<'_>, own: usize, best: f64, evidence: &mut [Evidence]) {
     let own_effect = selector.effects[own].as_ref();
+    let is_warming = warms_with_time(&selector.engine.context);
     for (effect, value, share, _) in evidence.iter_mut() {
         let other = selector.effects[*effect].as_ref();
-        let is_kin = *effect != own
-            && own_effect.spec().family == Family::Drift
-            && other.is_kin_of(own_effect)
-            && other.name() != own_effect.name();
-        if is_kin && *share > LOOK_ALIKE && warms_with_time(&selector.engine.context) {
-            let far = (1.0 - *share).max(0.0) / (1.0 - LOOK_ALIKE);
-            let behind = BEHIND_NATS + LOOK_ALIKE_NATS * far;
-            *value = value.max(best - behind);
-        } else if is_kin && *share > 1.0 - DRIFT_LAW {
-            let behind = CONFUSABLE_NATS * (1.0 - *share).max(0.0) / DRIFT_LAW;
+        if *effect != own
+            && let Some(behind) = most_nats(own_effect, other, *share, is_warming)
+        {
             *value = value.max(best - behind);
         }
     }
 }
 
-/// An axis that wobbles and a cable that is routed over a joint differ by their laws' errors where the axes
-/// intersect (docs/diagnosis.md, "Rivals"): while one explains almost as much, it counts as near.
-fn hedge_wobbles(selector: &Selector<'_>, own: usize, best: f64, evidence: &mut [Evidence]) {
-    let own_family = selector.effects[own].spec().family;
-    for (effect, value, share, _) in evidence.iter_mut() {
-        let pair = (own_family, selector.effects[*effect].spec().family);
-        let look_alikes = matches!(
-            pair,
-            (Family::Coupling, Family::Wobble) | (Family::Wobble, Family::Coupling)
-        );
-        if look_alikes && *share > COUPLED {
-            let far = (1.0 - *share).max(0.0) / (1.0 - COUPLED);
-            *value = value.max(best - BEHIND_NATS - far * CONFUSABLE_NATS);
-        }
+/// Nats by which an effect that explains `share` of what the cause does is behind it at most, however much is recorded: the
+/// laws decide no further (docs/diagnosis.md, "Rivals"). None where nothing limits them. `is_warming` says that the
+/// temperature follows the time.
+///
+/// The course of a drift is a matter of its law (a sensor lags behind the part that warms), so its kin counts as near while it
+/// explains almost as much. An axis that wobbles and a cable that is routed over a joint differ by their laws' errors where
+/// the axes intersect.
+pub(crate) fn most_nats(
+    own: &dyn Effect,
+    other: &dyn Effect,
+    share: f64,
+    is_warming: bool,
+) -> Option<f64> {
+    let families = (own.spec().family, other.spec().family);
+    let is_kin = families.0 == Family::Drift && other.is_kin_of(own) && other.name() != own.name();
+    let unlike = (1.0 - share).max(0.0);
+    if is_kin && is_warming && share > LOOK_ALIKE {
+        return Some(BEHIND_NATS + LOOK_ALIKE_NATS * unlike / (1.0 - LOOK_ALIKE));
     }
+    if is_kin && share > 1.0 - DRIFT_LAW {
+        return Some(CONFUSABLE_NATS * unlike / DRIFT_LAW);
+    }
+    let are_look_alikes = matches!(
+        families,
+        (Family::Coupling, Family::Wobble) | (Family::Wobble, Family::Coupling)
+    );
+    (are_look_alikes && share > COUPLED)
+        .then(|| BEHIND_NATS + CONFUSABLE_NATS * unlike / (1.0 - COUPLED))
 }
 
 /// One entry for each name at a place.
@@ -209,15 +213,18 @@ fn merge(found: &mut Vec<Rival>) {
 /// Whether the temperature is a settling function of time within the recording: what follows the one
 /// then follows the other.
 pub(crate) fn warms_with_time(context: &Context<'_>) -> bool {
-    let (Some(warming), Some(elapsed)) = (&context.warming_k, context.elapsed_s()) else {
-        return false;
-    };
-    let whole = elapsed.iter().copied().fold(0.0, f64::max).max(1e-9);
+    match (&context.warming_k, context.elapsed_s()) {
+        (Some(warming_k), Some(elapsed_s)) => follows_time(warming_k, &elapsed_s),
+        _ => false,
+    }
+}
+
+/// The same of temperatures at times since the start of their runs.
+pub(crate) fn follows_time(warming_k: &[f64], elapsed_s: &[f64]) -> bool {
+    let whole = elapsed_s.iter().copied().fold(0.0, f64::max).max(1e-9);
     SETTLING_COURSES.iter().any(|share| {
-        let course: Vec<f64> = elapsed
-            .iter()
-            .map(|time| 1.0 - (-time / (share * whole)).exp())
-            .collect();
-        haptical_metrics::correlation(&course, warming).is_ok_and(|r| r.abs() > SAME_COURSE)
+        let settling = |time: &f64| 1.0 - (-time / (share * whole)).exp();
+        let course: Vec<f64> = elapsed_s.iter().map(settling).collect();
+        haptical_metrics::correlation(&course, warming_k).is_ok_and(|r| r.abs() > SAME_COURSE)
     })
 }

@@ -3,63 +3,59 @@
 use rayon::prelude::*;
 
 use super::gram::{Gram, Odds};
+use crate::thresholds::chance::NAMED_PROBABILITY;
 
-/// Nats that all pieces together must add before a recording can tell two candidates apart: ln 20.
-const APART_NATS: f64 = 2.995_732_273_553_991;
 /// Rounds in which chosen pieces are exchanged for others.
 const EXCHANGE_ROUNDS: usize = 2;
 /// What an exchange must gain \[nats\].
 const LEAST_GAIN: f64 = 1e-6;
 
-/// Pieces that tell candidates apart, and what to expect of them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settling {
-    /// Positions of the chosen pieces, in the order in which they were chosen; a piece may come again.
-    pub chosen: Vec<usize>,
-    /// Odds once they are recorded, for every ordered pair of candidates.
-    pub odds: Vec<Odds>,
-    /// Pairs (true, other) that all pieces together, each recorded once, would not tell apart.
-    pub inseparable: Vec<(usize, usize)>,
+/// Log-odds from which the first name is given without hedging \[nats\].
+fn named_nats() -> f64 {
+    (NAMED_PROBABILITY / (1.0 - NAMED_PROBABILITY)).ln()
 }
 
-impl Settling {
-    /// Least odds to expect of the pairs that can be told apart \[nats\], whichever of their candidates is true; none where
-    /// no pair can.
-    pub fn least_nats(&self) -> Option<f64> {
-        Odds::least_nats(&self.odds, &self.inseparable)
-    }
+/// Pairs (true, other) of which none of these recordings lets the true one be named.
+pub fn inseparable(recordings: &[&[Odds]]) -> Vec<(usize, usize)> {
+    let Some((first, _)) = recordings.split_first() else {
+        return Vec::new();
+    };
+    let is_named = |pair: usize| {
+        let mut all = recordings.iter();
+        all.any(|odds| odds[pair].nats_after >= named_nats())
+    };
+    let lost = first
+        .iter()
+        .enumerate()
+        .filter(|(pair, _)| !is_named(*pair));
+    lost.map(|(_, odds)| (odds.is_true, odds.other)).collect()
 }
 
-/// Chooses `count` of the pieces beside what is known; `odds_of` says what all rows together are expected to tell.
+/// The logarithm of the sum of the wrong odds, its sign changed: the worst pair decides, and the others have a say while it
+/// stands still. Pairs that nothing tells apart are left out, unless there are no others.
+pub fn score(odds: &[Odds], inseparable: &[(usize, usize)]) -> f64 {
+    let is_any_told = inseparable.len() < odds.len();
+    let told = odds
+        .iter()
+        .filter(|odds| !is_any_told || odds.is_told(inseparable));
+    let nats: Vec<f64> = told.map(|odds| odds.nats_after).collect();
+    let least = nats.iter().copied().fold(f64::INFINITY, f64::min);
+    let wrong: f64 = nats.iter().map(|nats| (least - nats).exp()).sum();
+    least - wrong.ln()
+}
+
+/// Chooses `count` of the pieces beside what is known; `odds_of` says what all rows together are expected to tell, the laws'
+/// look-alikes left out of it: how far they go together shows over a whole recording alone.
 pub(super) fn choose(
     known: &Gram,
     pieces: &[Option<Gram>],
     count: usize,
     odds_of: &(dyn Fn(&Gram) -> Vec<Odds> + Sync),
-) -> Settling {
+) -> Vec<usize> {
     let mut whole = known.clone();
     pieces.iter().flatten().for_each(|piece| whole.add(piece));
-    let all = odds_of(&whole);
-    // a candidate that is far behind already need not be told from
-    let is_lost = |odds: &&Odds| odds.gained_nats().max(odds.nats_after) < APART_NATS;
-    let lost = all.iter().filter(is_lost);
-    let inseparable: Vec<(usize, usize)> = lost.map(|odds| (odds.is_true, odds.other)).collect();
-    let is_any_told = inseparable.len() < all.len();
-    // the logarithm of the sum of the wrong odds: the worst pair decides, and the others have a say while it stands still
-    let score = |gram: &Gram| {
-        let odds = odds_of(gram);
-        let told = odds
-            .iter()
-            .filter(|odds| !is_any_told || odds.is_told(&inseparable));
-        let nats: Vec<f64> = told.map(|odds| odds.nats_after).collect();
-        let least = nats.iter().copied().fold(f64::INFINITY, f64::min);
-        least
-            - nats
-                .iter()
-                .map(|nats| (least - nats).exp())
-                .sum::<f64>()
-                .ln()
-    };
+    let lost = inseparable(&[&odds_of(&whole)]);
+    let score = |gram: &Gram| score(&odds_of(gram), &lost);
     let best = |without: &Gram| -> Option<(usize, f64)> {
         let scored: Vec<Option<f64>> = pieces
             .par_iter()
@@ -102,9 +98,5 @@ pub(super) fn choose(
             break;
         }
     }
-    Settling {
-        odds: odds_of(&sum(&chosen, None)),
-        chosen,
-        inseparable,
-    }
+    chosen
 }

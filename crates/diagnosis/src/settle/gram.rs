@@ -42,8 +42,27 @@ pub struct Odds {
     pub other: usize,
     /// Log-odds of the true one so far \[nats\].
     pub nats_before: f64,
-    /// Mean of those after the recording \[nats\]; their variance is twice what the recording adds.
+    /// Log-odds of its being named after the recording, hedged as the judge of a diagnosis hedges \[nats\].
     pub nats_after: f64,
+}
+
+/// What recordings tell of a candidate that is true, in nats.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Told {
+    /// Half the squared part of its signal that neither the common columns nor the other one's slopes can imitate.
+    pub(super) distance: f64,
+    /// Half the squared part that the common columns alone cannot imitate.
+    pub(super) whole: f64,
+}
+
+impl Told {
+    /// Share of what it explains that the other one would explain in its place.
+    pub(super) fn imitated(self) -> f64 {
+        match self.whole > 0.0 {
+            true => (1.0 - self.distance / self.whole).clamp(0.0, 1.0),
+            false => 1.0,
+        }
+    }
 }
 
 impl Odds {
@@ -67,53 +86,69 @@ impl Odds {
 
 /// Products of whitened columns.
 #[derive(Debug, Clone)]
-pub(super) struct Gram(DMatrix<f64>);
+pub(super) struct Gram {
+    products: DMatrix<f64>,
+    /// Windows in which the judge compares what is left with noise.
+    pub(super) windows: f64,
+}
 
 impl Gram {
-    /// Of columns of equal length.
-    pub(super) fn new(columns: &[Vec<f64>]) -> Self {
+    /// Of columns of equal length, over so many windows.
+    pub(super) fn new(columns: &[Vec<f64>], windows: f64) -> Self {
         let rows = columns.first().map_or(0, Vec::len);
         let all = DMatrix::from_fn(rows, columns.len(), |row, column| columns[column][row]);
-        Self(all.tr_mul(&all))
+        Self {
+            products: all.tr_mul(&all),
+            windows,
+        }
     }
 
     pub(super) fn zero(count: usize) -> Self {
-        Self(DMatrix::zeros(count, count))
+        Self {
+            products: DMatrix::zeros(count, count),
+            windows: 0.0,
+        }
     }
 
     /// Both recordings together.
     pub(super) fn plus(&self, other: &Self) -> Self {
-        Self(&self.0 + &other.0)
+        let mut both = self.clone();
+        both.add(other);
+        both
     }
 
     pub(super) fn add(&mut self, other: &Self) {
-        self.0 += &other.0;
+        self.products += &other.products;
+        self.windows += other.windows;
     }
 
     /// What is known of a column's number beforehand: one over its standard deviation.
     pub(super) fn stiffen(&mut self, column: usize, stiffness: f64) {
-        self.0[(column, column)] += stiffness * stiffness;
+        self.products[(column, column)] += stiffness * stiffness;
     }
 
-    /// For every ordered pair (A, B) half the squared part of A's signal that neither the common columns nor B's slopes can
-    /// imitate, in nats.
-    pub(super) fn distances(&self, places: &Places) -> Vec<f64> {
+    /// For every ordered pair (A, B) what there is of A's signal, and what neither the common columns nor B's slopes imitate.
+    pub(super) fn told(&self, places: &Places) -> Vec<Told> {
         let left = self.without_common(places);
         let first = places.common;
         let pairs = places.pairs().map(|(a, b)| {
             let (signal, slope) = (places.signal(a) - first, places.signal(b) + 1 - first);
-            let whole = left[(signal, signal)];
+            let whole = left[(signal, signal)].max(0.0);
             let count = places.slopes[b];
+            let told = |imitated: f64| Told {
+                distance: 0.5 * (whole - imitated).max(0.0),
+                whole: 0.5 * whole,
+            };
             if count == 0 {
-                return 0.5 * whole.max(0.0);
+                return told(0.0);
             }
             let mut own = DMatrix::from_fn(count, count, |i, j| left[(slope + i, slope + j)]);
             let along = DVector::from_fn(count, |i, _| left[(slope + i, signal)]);
             for i in 0..count {
-                own[(i, i)] += RIDGE * self.0[(first + slope + i, first + slope + i)] + 1e-300;
+                own[(i, i)] +=
+                    RIDGE * self.products[(first + slope + i, first + slope + i)] + 1e-300;
             }
-            let imitated = Cholesky::new(own).map_or(0.0, |own| along.dot(&own.solve(&along)));
-            0.5 * (whole - imitated).max(0.0)
+            told(Cholesky::new(own).map_or(0.0, |own| along.dot(&own.solve(&along))))
         });
         pairs.collect()
     }
@@ -121,20 +156,23 @@ impl Gram {
     /// Products of the candidates' columns across the common ones.
     fn without_common(&self, places: &Places) -> DMatrix<f64> {
         let (first, count) = (places.common, places.count());
-        let rest = self.0.view((first, first), (count - first, count - first));
+        let rest = self
+            .products
+            .view((first, first), (count - first, count - first));
         let rest = rest.into_owned();
         if first == 0 {
             return rest;
         }
         // scaled, so that a length and an angle have the same say
-        let scale = DVector::from_fn(first, |i, _| 1.0 / self.0[(i, i)].max(1e-300).sqrt());
-        let mut common =
-            DMatrix::from_fn(first, first, |i, j| self.0[(i, j)] * scale[i] * scale[j]);
+        let scale = DVector::from_fn(first, |i, _| 1.0 / self.products[(i, i)].max(1e-300).sqrt());
+        let mut common = DMatrix::from_fn(first, first, |i, j| {
+            self.products[(i, j)] * scale[i] * scale[j]
+        });
         for i in 0..first {
             common[(i, i)] += RIDGE;
         }
         let across = DMatrix::from_fn(first, count - first, |i, j| {
-            self.0[(i, first + j)] * scale[i]
+            self.products[(i, first + j)] * scale[i]
         });
         match Cholesky::new(common) {
             Some(common) => rest - across.tr_mul(&common.solve(&across)),
@@ -183,8 +221,9 @@ mod tests {
                 .map(|column| column[from..from + 20].to_vec())
                 .collect()
         };
-        let whole = Gram::new(&half(0)).plus(&Gram::new(&half(20)));
-        let found = whole.distances(&places);
+        let whole = Gram::new(&half(0), 5.0).plus(&Gram::new(&half(20), 5.0));
+        let told = whole.told(&places);
+        let found: Vec<f64> = told.iter().map(|told| told.distance).collect();
         for (found, (a, b)) in found.iter().zip(places.pairs()) {
             let others: Vec<Vec<f64>> = common.iter().chain(&slopes[b]).cloned().collect();
             let expected = by_projection(&signals[a], &others);
@@ -194,6 +233,10 @@ mod tests {
             );
         }
         assert!(found.iter().all(|nats| *nats > 0.1), "{found:?}");
+        // without the other's slopes there is more
+        let alone = by_projection(&signals[0], &common);
+        assert!((told[0].whole - alone).abs() < 1e-6 * alone && told[0].imitated() > 0.0);
+        assert!(told.iter().all(|told| told.imitated() < 1.0), "{told:?}");
     }
 
     #[test]
@@ -204,7 +247,11 @@ mod tests {
             common: 0,
             slopes: vec![1, 1],
         };
-        let gram = Gram::new(&[own.clone(), own.clone(), twice.clone(), own]);
-        assert!(gram.distances(&places).iter().all(|nats| *nats < 1e-6));
+        let gram = Gram::new(&[own.clone(), own.clone(), twice.clone(), own], 1.0);
+        let told = gram.told(&places);
+        assert!(
+            told.iter()
+                .all(|told| told.distance < 1e-6 && told.imitated() > 1.0 - 1e-6)
+        );
     }
 }

@@ -1,7 +1,8 @@
 //! A candidate as columns: what it adds to the readings of a recording, and how that changes with its numbers.
 
-use haptical_effects::{Context, Effect, Shape, Signal};
+use haptical_effects::{Context, Effect, Family, Shape, Signal};
 
+use super::hedge::Judged;
 use super::question::Candidate;
 use crate::engine::blocks::Blocks;
 
@@ -21,6 +22,8 @@ pub(super) struct Columns {
     pub(super) signal: Vec<f64>,
     /// Derivatives by its amplitudes and by the logarithm of its shape.
     pub(super) slopes: Vec<Vec<f64>>,
+    /// What it adds more at the end than at the start, where that is most: what a motion there and back leaves behind.
+    pub(super) lasting: f64,
 }
 
 impl Hypothesis {
@@ -87,6 +90,7 @@ impl Hypothesis {
             return Columns {
                 slopes: vec![zero.clone(); self.slopes(effects)],
                 signal: zero,
+                lasting: 0.0,
             };
         }
         let at = |shape: f64| effect.signal(context, &self.amplitudes, shape);
@@ -99,11 +103,62 @@ impl Hypothesis {
             slopes.push(dense(blocks, &slope, 0.5 / step));
         }
         slopes.resize(self.slopes(effects), vec![0.0; blocks.count()]);
+        let whole = at(self.shape);
         Columns {
-            signal: dense(blocks, &at(self.shape), 1.0),
+            signal: dense(blocks, &whole, 1.0),
             slopes,
+            lasting: lasting(&whole),
         }
     }
+
+    pub(super) fn effect<'e>(&self, effects: &'e [Box<dyn Effect>]) -> &'e dyn Effect {
+        effects[self.effect].as_ref()
+    }
+
+    pub(super) fn judged<'e>(
+        &self,
+        effects: &'e [Box<dyn Effect>],
+        look_alikes_are_tried: bool,
+    ) -> Judged<'e> {
+        let effect = self.effect(effects);
+        Judged {
+            effect,
+            settles: effect.spec().family == Family::Drift && self.shape != 0.0,
+            look_alikes_are_tried,
+        }
+    }
+
+    /// Whether the sensors of a recording show every look-alike of it.
+    pub(super) fn are_look_alikes_tried(
+        &self,
+        effects: &[Box<dyn Effect>],
+        context: &Context<'_>,
+    ) -> bool {
+        let own = self.effect(effects);
+        own.spec().look_alikes.iter().all(|name| {
+            let mut others = effects.iter();
+            others.any(|other| {
+                other.name() == *name
+                    && other.joint() == own.joint()
+                    && other.untestable(context).is_none()
+            })
+        })
+    }
+}
+
+/// Change from the first row to the last, in the stream in which it is largest.
+fn lasting(signal: &Signal) -> f64 {
+    let changes = signal.parts.iter().map(|(_, values)| {
+        let ends = values.first().zip(values.last());
+        ends.map_or(0.0, |(first, last)| last - first)
+    });
+    changes.fold(0.0, |most, own| {
+        if own.abs() > f64::abs(most) {
+            own
+        } else {
+            most
+        }
+    })
 }
 
 /// A signal on all blocks, times a factor; what no channel shows is left out.

@@ -8,11 +8,12 @@
 
 mod choose;
 mod gram;
+mod hedge;
 mod hypothesis;
 mod question;
 mod settler;
 
-pub use self::choose::Settling;
+pub use self::choose::{inseparable, score};
 pub use self::gram::Odds;
 pub use self::question::{Candidate, Question};
-pub use self::settler::Settler;
+pub use self::settler::{Pieces, Settler};

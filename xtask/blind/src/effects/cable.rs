@@ -188,7 +188,7 @@ struct Warmth {
 
 impl Law for Warmth {
     fn deviation(&self, scene: &Scene<'_>, _place: Place, signal: &[f64]) -> Vec<f64> {
-        let start_degc = scene.temperature_degc.first().copied().unwrap_or(0.0);
+        let start_degc = scene.cold_degc;
         scene
             .temperature_degc
             .iter()

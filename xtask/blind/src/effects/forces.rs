@@ -72,7 +72,7 @@ impl Effect for OfSensor {
                 n_per_degc,
             } => {
                 for (value, degc) in force_n[axis].iter_mut().zip(&scene.temperature_degc) {
-                    *value += bias_n + n_per_degc * (degc - scene.temperature_degc[0]);
+                    *value += bias_n + n_per_degc * (degc - scene.cold_degc);
                 }
             }
             Sensor::Gain { axis, gain } => {

@@ -146,7 +146,7 @@ pub(crate) fn viscous_lag(draw: &mut Draw<'_>) -> Box<dyn Effect> {
 enum Clock {
     /// Time: a power law.
     Time { exponent: f64 },
-    /// Temperature above that of the first row.
+    /// Temperature above that of a cold start.
     Temperature,
 }
 
@@ -172,9 +172,7 @@ impl Law for Drift {
                         Clock::Time { exponent } => {
                             libm::pow(scene.elapsed_s(row) / DRIFT_TIME_S, exponent)
                         }
-                        Clock::Temperature => {
-                            scene.temperature_degc[row] - scene.temperature_degc[0]
-                        }
+                        Clock::Temperature => scene.temperature_degc[row] - scene.cold_degc,
                     }
             })
             .collect()

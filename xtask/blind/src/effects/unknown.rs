@@ -81,9 +81,9 @@ impl Strange {
                     })
                     .collect()
             }
-            Shape::WarmAngle { joint } => of_rows(&|row| {
-                (scene.temperature_degc[row] - scene.temperature_degc[0]) * angle(joint)[row]
-            }),
+            Shape::WarmAngle { joint } => {
+                of_rows(&|row| (scene.temperature_degc[row] - scene.cold_degc) * angle(joint)[row])
+            }
             Shape::Chirp { start_hz, end_hz } => of_rows(&|row| {
                 let time_s = scene.elapsed_s(row);
                 let sweep = 0.5 * (end_hz - start_hz) * time_s / end_s;

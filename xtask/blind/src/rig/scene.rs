@@ -45,6 +45,8 @@ pub struct Scene<'d> {
     pub force_n: Vec<[f64; 3]>,
     /// Temperature \[degC\].
     pub temperature_degc: Vec<f64>,
+    /// The one at which nothing has grown: that of the first row of a cold start.
+    pub cold_degc: f64,
     seed: u64,
 }
 
@@ -100,20 +102,22 @@ impl<'d> Scene<'d> {
         }
         let motion = Motion::draw(device, plan, &mut Random::new(seed, stream::MOTION));
         let force_n = hand_force(motion.len(), plan, &mut Random::new(seed, stream::FORCE));
-        Ok(Self::of_motion(device, plan, motion, force_n, seed))
+        Ok(Self::of_motion(device, plan, motion, force_n, None, seed))
     }
 
-    /// A recording of a motion and of a hand's force that are given; the temperature is drawn.
+    /// A recording of a motion and of a hand's force that are given; the temperature is drawn, from `warm_degc` where the device
+    /// was warmed up.
     pub(crate) fn of_motion(
         device: &'d Device,
         plan: &MotionPlan,
         motion: Motion,
         force_n: Vec<[f64; 3]>,
+        warm_degc: Option<f64>,
         seed: u64,
     ) -> Self {
         let rows = motion.len();
         let mut random = Random::new(seed, stream::TEMPERATURE);
-        let temperature_degc = temperature_degc(rows, plan, &mut random);
+        let (temperature_degc, cold_degc) = temperature_degc(rows, plan, warm_degc, &mut random);
         let mut scene = Self {
             device,
             motion,
@@ -122,6 +126,7 @@ impl<'d> Scene<'d> {
             base_moment_nm: Vec::with_capacity(rows),
             force_n,
             temperature_degc,
+            cold_degc,
             seed,
         };
         scene.work_out_torques();

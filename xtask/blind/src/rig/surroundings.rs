@@ -3,16 +3,26 @@
 use crate::random::Random;
 use crate::rig::motion::MotionPlan;
 
-/// Temperature of the device \[degC\], row by row: an exponential rise of 8 to 10 K from about 22 degC.
-pub(crate) fn temperature_degc(rows: usize, plan: &MotionPlan, random: &mut Random) -> Vec<f64> {
-    let (rise_k, time_s) = (random.uniform(8.0, 10.0), random.uniform(32.0, 42.0));
-    let start_degc = 22.0 + 0.3 * random.normal();
-    (0..rows)
-        .map(|row| {
-            let since_start_s = row as f64 / plan.rate_hz;
-            start_degc - rise_k * libm::expm1(-since_start_s / time_s)
-        })
-        .collect()
+/// Temperature of the device \[degC\], row by row: an exponential rise of 8 to 10 K from about 22 degC, or the rest of it from
+/// `warm_degc`, to which the device was warmed up to a third of a kelvin. The second number is the temperature of a cold start.
+pub(crate) fn temperature_degc(
+    rows: usize,
+    plan: &MotionPlan,
+    warm_degc: Option<f64>,
+    random: &mut Random,
+) -> (Vec<f64>, f64) {
+    let (mut rise_k, time_s) = (random.uniform(8.0, 10.0), random.uniform(32.0, 42.0));
+    let cold_degc = 22.0 + 0.3 * random.normal();
+    let mut start_degc = cold_degc;
+    if let Some(warm_degc) = warm_degc {
+        let warm_degc = warm_degc + 0.3 * random.normal();
+        (start_degc, rise_k) = (warm_degc, start_degc + rise_k - warm_degc);
+    }
+    let course = (0..rows).map(|row| {
+        let since_start_s = row as f64 / plan.rate_hz;
+        start_degc - rise_k * libm::expm1(-since_start_s / time_s)
+    });
+    (course.collect(), cold_degc)
 }
 
 /// Smooth random force of a hand: sums of slow sines, 0.56 N in each direction, at most about 2 N.

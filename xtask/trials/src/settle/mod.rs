@@ -28,8 +28,8 @@ pub struct Arguments {
     /// Ambiguous trials.
     #[arg(long, default_value_t = 100)]
     count: usize,
-    /// Rows of the further recording.
-    #[arg(long, default_value_t = 6000)]
+    /// Rows of the further recording at most; the first ones have 6000.
+    #[arg(long, default_value_t = 18_000)]
     rows: usize,
     /// Seed of the trials.
     #[arg(long, default_value_t = 1)]

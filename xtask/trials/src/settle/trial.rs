@@ -65,7 +65,7 @@ pub(super) fn settled(suite: Suite, index: u64, seed: u64, rows: usize) -> Resul
         .as_ref()
         .ok_or_else(|| "no two candidates have a size".to_owned())
         .and_then(|question| chosen(&trial, question, rows));
-    let led = |motion: &Motion, seed: u64| led(&again, motion, seed);
+    let led = |motion: &Motion, warm_degc, seed| led(&again, motion, warm_degc, seed);
     let length = next.as_ref().map_or(rows, |next| next.motion.len());
     let names = |question: &Question| -> Vec<String> {
         let all = question.candidates.iter();
@@ -78,8 +78,11 @@ pub(super) fn settled(suite: Suite, index: u64, seed: u64, rows: usize) -> Resul
         candidates: question.as_ref().map_or_else(Vec::new, names),
         expected_nats: next.as_ref().ok().and_then(least_nats),
         has_inseparable: next.as_ref().is_ok_and(|next| !next.inseparable.is_empty()),
-        chosen: outcome(next.clone().and_then(|next| led(&next.motion, seed))),
-        at_random: outcome(next.and_then(|next| led(&next.at_random.0, seed + 1))),
+        chosen: outcome(
+            next.clone()
+                .and_then(|next| led(&next.motion, next.start_degc, seed)),
+        ),
+        at_random: outcome(next.and_then(|next| led(&next.at_random.0, None, seed + 1))),
         by_hand: outcome(
             again
                 .drawn(length, seed + 2)
@@ -104,7 +107,12 @@ fn chosen(trial: &Trial, question: &Question, rows: usize) -> Result<Chosen, Str
         .map_err(|error| error.to_string())
 }
 
-fn led(again: &Again, motion: &Motion, seed: u64) -> Result<Recording, String> {
+fn led(
+    again: &Again,
+    motion: &Motion,
+    warm_degc: Option<f64>,
+    seed: u64,
+) -> Result<Recording, String> {
     let rate_hz = motion
         .time_s
         .as_ref()
@@ -116,6 +124,7 @@ fn led(again: &Again, motion: &Motion, seed: u64) -> Result<Recording, String> {
         angle_rad: &motion.joint,
         rate_hz,
         force_n: motion.force_n.as_ref(),
+        warm_degc,
     };
     again.led(&led, seed).map_err(|error| error.to_string())
 }

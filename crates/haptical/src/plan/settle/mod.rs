@@ -1,11 +1,13 @@
 //! The next recording, chosen: what tells the candidates of an ambiguous or unknown diagnosis apart.
 
 mod gap_file;
+mod recorded;
 mod text;
+mod whole;
 
 use haptical_design::{DesignError, Limits, Motion, Motions, Request, path, pieces};
 use haptical_diagnosis::{Odds, Question, Settler};
-use haptical_model::{Recording, Statics};
+use haptical_model::Recording;
 use serde::Serialize;
 
 use super::flags;
@@ -16,20 +18,16 @@ use crate::files::{InputFile, NewFile, PLAN_FILES, Record, VERSION, sealed_json}
 use crate::log::Log;
 
 pub use self::gap_file::GapFile;
+use self::recorded::{last_degc, press_n, rate_hz, torques_unknown};
+use self::whole::{Found, Told, wholes};
 
 /// Motions to choose from unless said otherwise.
 const CANDIDATES: usize = 240;
-/// Time between rows above which they are single postures \[s\].
-const SINGLE_POSTURES_S: f64 = 0.25;
-/// Share of the recorded forces on the handle above the one that is asked for again.
-const PRESS_QUANTILE: f64 = 0.95;
-/// Smallest force that is worth pressing \[N\].
-const LEAST_PRESS_N: f64 = 0.1;
-
 /// How the next recording is chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SettleRequest {
-    /// Its rows at most; none for as many as the recording so far has.
+    /// Its rows at most; none for as many as the recording so far has. It is longer than that one only as far as odds of 20 : 1
+    /// need it.
     pub rows: Option<usize>,
     /// Motions to choose from.
     pub candidates: usize,
@@ -74,9 +72,12 @@ pub struct Settled {
     pub least_odds: Option<f64>,
     /// The same of as many motions drawn at random.
     pub least_odds_at_random: Option<f64>,
+    /// Temperature with which it starts \[degC\]: the device still as warm as at the end of the log, so that what follows the
+    /// temperature is told from what follows the time since the start. None where the log has no temperature.
+    pub start_degc: Option<f64>,
     /// Odds of every candidate over every other one, should it be true.
     pub odds: Vec<ExpectedOdds>,
-    /// Candidates that no recording with these sensors and motions tells apart, by name.
+    /// Candidates (if true, other) between which no recording with these sensors and motions lets the true one be named.
     pub inseparable: Vec<[String; 2]>,
     /// What is odd about the device and the logs.
     pub warnings: Vec<String>,
@@ -98,7 +99,7 @@ pub struct ExpectedOdds {
     pub over: String,
     /// Odds so far.
     pub before: f64,
-    /// Odds with the recording, 1e12 at most.
+    /// Odds of its being named with the recording: never above what the judge of a diagnosis is sure of.
     pub after: f64,
 }
 
@@ -115,6 +116,8 @@ pub struct Chosen {
     pub inseparable: Vec<(usize, usize)>,
     /// As many pieces drawn at random, and their odds.
     pub at_random: (Motion, Vec<Odds>),
+    /// Temperature with which it starts \[degC\], that of the end of the recording so far; none where none was recorded.
+    pub start_degc: Option<f64>,
     /// The candidates that the device has effects for.
     pub question: Question,
 }
@@ -156,75 +159,55 @@ pub fn choose_next(
         let own: Vec<&Motion> = chosen.iter().map(|piece| &drawn[*piece]).collect();
         path(&own, &ranges, motions.rate_hz)
     };
+    let all = settler.pieces(&recordings).map_err(refused)?;
     // as many pieces as fit, the ways between them counted
-    let length = |count: usize| {
-        let first: Vec<usize> = (0..count.min(drawn.len())).collect();
-        through(&first).len()
+    let fitting = |rows: usize| {
+        let length = |count: usize| through(&(0..count).collect::<Vec<_>>()).len();
+        let more = (2..=drawn.len()).take_while(|count| length(*count) <= rows);
+        1 + more.count()
     };
-    let mut count = 1;
-    let rows = request.rows.unwrap_or(recording.len());
-    while count < drawn.len() && length(count + 1) <= rows {
-        count += 1;
+    let of_rows = |rows: usize| -> Result<Found, Error> {
+        let count = fitting(rows);
+        let chosen = settler.choose(&all, count);
+        let mut told: Vec<Told> = Vec::new();
+        for pieces in wholes(chosen, &all.lasting, drawn.len(), count) {
+            let motion = through(&pieces);
+            let next = motion.recording(model, recording).map_err(refuse)?;
+            let odds = settler.odds(&next).map_err(refused)?;
+            told.push(Told {
+                pieces,
+                motion,
+                odds,
+            });
+        }
+        Ok(Found::of(told, &all.of_all))
+    };
+    let mut most_rows = request.rows.unwrap_or(recording.len());
+    if settler.has_drift() {
+        most_rows = most_rows.min(recording.len());
     }
-    let chosen = settler.choose(&recordings, count).map_err(refused)?;
-    let odds = |motion: &Motion| -> Result<Vec<Odds>, Error> {
-        let next = motion.recording(model, recording).map_err(refuse)?;
-        settler.odds(&next).map_err(refused)
-    };
-    let motion = through(&chosen.chosen);
-    // the pieces are drawn at random: any of them are a random choice
-    let random: Vec<usize> = (0..count.min(drawn.len())).collect();
-    let at_random = through(&random);
+    let mut rows = recording.len().clamp(1, most_rows.max(1));
+    let mut found = of_rows(rows)?;
+    while !found.is_enough() && rows < most_rows {
+        rows = (rows + recording.len().max(1)).min(most_rows);
+        found = of_rows(rows)?;
+    }
+    let Found {
+        best,
+        at_random,
+        inseparable,
+    } = found;
     Ok(Chosen {
-        pieces: chosen
-            .chosen
-            .iter()
+        pieces: (best.pieces.iter())
             .map(|piece| drawn[*piece].words.clone())
             .collect(),
-        odds: odds(&motion)?,
-        inseparable: chosen.inseparable,
-        at_random: (at_random.clone(), odds(&at_random)?),
+        odds: best.odds,
+        at_random: (at_random.motion, at_random.odds),
+        start_degc: last_degc(recording),
         question: settler.question().clone(),
-        motion,
+        motion: best.motion,
+        inseparable,
     })
-}
-
-/// Loads of a motion that nobody has made yet come from masses and forces alone.
-fn torques_unknown(device: &Device, recording: &Recording) -> Option<String> {
-    let has_torques = recording.torque_nm.iter().any(Option::is_some);
-    let is_known = Statics::new(&device.model).has_weights() || recording.force_n.is_some();
-    (has_torques && !is_known).then(|| {
-        format!(
-            "{}: it has no masses with gravity, and the log no forces: the torques of a further motion are not known, and \
-             effects of torque count as ones that it does not show",
-            device.source().label
-        )
-    })
-}
-
-/// Rows per second of a motion; none of single postures.
-fn rate_hz(recording: &Recording) -> Option<f64> {
-    let times = recording.time_s.as_ref()?;
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.retain(|step| *step > 0.0);
-    steps.sort_unstable_by(f64::total_cmp);
-    let middle = *steps.get(steps.len() / 2)?;
-    (middle < SINGLE_POSTURES_S).then_some(1.0 / middle)
-}
-
-/// The force to press with: as asked for, or nearly the largest that was recorded.
-fn press_n(recording: &Recording, asked_n: Option<f64>) -> Option<f64> {
-    let [x, y, z] = recording.force_n.as_ref()?;
-    let newtons = asked_n.or_else(|| {
-        let rows = x.iter().zip(y).zip(z);
-        let mut sizes: Vec<f64> = rows.map(|((x, y), z)| x.hypot(*y).hypot(*z)).collect();
-        sizes.retain(|size| size.is_finite());
-        sizes.sort_unstable_by(f64::total_cmp);
-        let place = (PRESS_QUANTILE * sizes.len() as f64) as usize;
-        // tenths of a newton: nobody presses more exactly
-        sizes.get(place).map(|size| (10.0 * size).round() / 10.0)
-    });
-    newtons.filter(|newtons| *newtons >= LEAST_PRESS_N)
 }
 
 /// Chooses the next recording for a diagnosis that `haptical diagnose` left open; `logs` are those that it was made from.
@@ -315,6 +298,7 @@ impl Settled {
                     after: odds(own.nats_after),
                 })
                 .collect(),
+            start_degc: chosen.start_degc,
             inseparable: (chosen.inseparable.iter())
                 .map(|(is_true, other)| [names[*is_true].clone(), names[*other].clone()])
                 .collect(),

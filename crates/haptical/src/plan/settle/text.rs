@@ -78,6 +78,13 @@ pub(super) fn write(text: &mut impl std::fmt::Write, settled: &Settled) -> std::
             "not to be told apart: if it is {is_true}, no recording with these sensors and motions rules out {other}"
         )?;
     }
+    if let Some(degc) = settled.start_degc {
+        writeln!(
+            text,
+            "\nstart while the device is as warm as at the end of the log ({degc:.1} degC): what follows the temperature then \
+             differs from what follows the time"
+        )?;
+    }
     writeln!(text)?;
     for (piece, number) in settled.pieces.iter().zip(1..) {
         writeln!(text, "{number:>3}. {piece}")?;
