@@ -29,7 +29,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 100)]
     count: usize,
     /// Rows of the further recording at most; the first ones have 6000.
-    #[arg(long, default_value_t = 18_000)]
+    #[arg(long, default_value_t = 6_000)]
     rows: usize,
     /// Seed of the trials.
     #[arg(long, default_value_t = 1)]

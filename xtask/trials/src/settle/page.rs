@@ -58,15 +58,15 @@ pub(super) fn page(arguments: &Arguments, found: &[Settled], drawn: usize) -> Re
     let apart = Counts::of(apart.map(|one| &one.chosen));
     row(
         &mut page,
-        "chosen, all but those that the plan says cannot be told apart",
+        "chosen, all but those of which the plan promises too little for some pair",
         apart,
     )?;
     let all = Counts::of(found.iter().map(|one| &one.chosen));
     let share = |counts: Counts| 100.0 * counts.settled as f64 / counts.all().max(1) as f64;
     writeln!(
         page,
-        "\nBar: the chosen recording settles {:.0} %. {}: {:.0} % of all; {:.0} % of those that the plan does not say cannot be \
-         told apart.\n",
+        "\nBar: the chosen recording settles {:.0} %. {}: {:.0} % of all; {:.0} % of those of which it promises enough for \
+         every pair.\n",
         100.0 * BAR,
         if share(all) >= 100.0 * BAR {
             "Met"
@@ -83,7 +83,7 @@ pub(super) fn page(arguments: &Arguments, found: &[Settled], drawn: usize) -> Re
     writeln!(page, "| :--- | :--- | :--- | ---: | :--- | :--- | :--- |")?;
     for one in found {
         let odds = match one.expected_nats {
-            _ if one.has_inseparable => "some cannot be told apart".to_owned(),
+            _ if one.has_inseparable => "too little for some".to_owned(),
             Some(nats) if nats < 0.0 => format!("1 : {:.1}", (-nats).exp()),
             Some(nats) => format!("{:.1} : 1", nats.exp()),
             None => "none".to_owned(),
@@ -111,7 +111,7 @@ enum Promise {
     /// Odds that a name needs.
     Enough,
     Less,
-    /// Some cannot be told apart, or there is no plan.
+    /// Of some pairs no motion is expected to let the true one be named, or there is no plan.
     None,
 }
 
@@ -130,7 +130,9 @@ impl Promise {
             Self::Sure => "where odds of 20 : 1 or more are promised for every pair",
             Self::Enough => "where 4 : 1 to 20 : 1 are promised (a name needs 4 : 1)",
             Self::Less => "where less is promised",
-            Self::None => "where the plan says that some cannot be told apart, or there is none",
+            Self::None => {
+                "where too little is promised for some pair by every motion, or there is no plan"
+            }
         }
     }
 }

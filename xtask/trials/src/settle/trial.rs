@@ -24,7 +24,7 @@ pub(super) struct Settled {
     pub(super) candidates: Vec<String>,
     /// Least odds that were expected \[nats\]; none where nothing could be told apart.
     pub(super) expected_nats: Option<f64>,
-    /// Whether the plan says that some candidates cannot be told apart.
+    /// Whether no motion is expected to tell some candidates apart.
     pub(super) has_inseparable: bool,
     pub(super) chosen: Outcome,
     /// Along motions drawn from the same ones.

@@ -68,7 +68,7 @@ pub struct Settled {
     pub pieces: Vec<String>,
     /// The candidates, best first.
     pub candidates: Vec<String>,
-    /// Least odds to expect of the true candidate over another one, whichever it is; none where no pair can be told apart.
+    /// Least odds to expect of the true candidate over another one, whichever it is; none where no motion is expected to tell any pair apart.
     pub least_odds: Option<f64>,
     /// The same of as many motions drawn at random.
     pub least_odds_at_random: Option<f64>,

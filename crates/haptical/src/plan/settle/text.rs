@@ -39,17 +39,17 @@ pub(super) fn answer(settled: &Settled) -> String {
             odds(least),
             match settled.inseparable.is_empty() {
                 true => "",
-                false => ", but for those that cannot be told apart",
+                false => ", but for the pairs below that no motion is expected to tell apart",
             }
         ),
         None => format!(
-            "No recording with these sensors and motions tells {named} apart; another sensor may, or a look at the parts that \
-             they name."
+            "No motion of those tried is expected to tell {named} apart with these sensors: another sensor may, or a look at the \
+             parts that they name."
         ),
     }
 }
 
-/// Answer, odds pair by pair, pieces, what cannot be told apart, what to do then.
+/// Answer, odds pair by pair, pieces, what no motion is expected to tell apart, what to do then.
 pub(super) fn write(text: &mut impl std::fmt::Write, settled: &Settled) -> std::fmt::Result {
     writeln!(text, "{}\n", settled.answer)?;
     let mut pairs: Vec<&ExpectedOdds> = settled.odds.iter().collect();
@@ -75,7 +75,7 @@ pub(super) fn write(text: &mut impl std::fmt::Write, settled: &Settled) -> std::
     for [is_true, other] in &settled.inseparable {
         writeln!(
             text,
-            "not to be told apart: if it is {is_true}, no recording with these sensors and motions rules out {other}"
+            "not promised: if it is {is_true}, no motion of those tried is expected to rule out {other} at 4 : 1"
         )?;
     }
     if let Some(degc) = settled.start_degc {
