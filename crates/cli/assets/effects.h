@@ -181,8 +181,9 @@ static inline double haptical_curve(const haptical_effect *effect, double place,
            / 6.0;
 }
 
-/* Error of one joint's angle by one effect, and its slope; 0 by one of another kind. */
-static inline int haptical_drive_error(int index, int joint, const haptical_inputs *inputs,
+/* Error of one joint's angle by one effect, and its slope; 0 by one of another kind. `output` is the joint's value by its
+   transmission. */
+static inline int haptical_drive_error(int index, int joint, double output, const haptical_inputs *inputs,
                                        haptical_effect_state *state, double *error, double *slope)
 {
     const haptical_effect *effect = &haptical_effects[index];
@@ -205,7 +206,7 @@ static inline int haptical_drive_error(int index, int joint, const haptical_inpu
         *error = n[1] * haptical_step_play(state, index, n[0], inputs->readings[effect->from]);
         break;
     case HAPTICAL_DAHL:
-        *error = n[1] * haptical_step_dahl(state, index, 0, n[0], q);
+        *error = n[1] * haptical_step_dahl(state, index, 0, n[0], output);
         state->has_started[index] = 1;
         break;
     case HAPTICAL_CREEP:
@@ -631,9 +632,10 @@ static inline int haptical_drive(const haptical_inputs *inputs, haptical_effect_
         device->state.joint = joint + 1;
         status = haptical_output(&haptical_joints[joint], inputs->readings[joint], &device->state.outputs[joint],
                                  &device->state.output_slopes[joint]);
+        const double drive = device->state.outputs[joint];
         for (int index = 0; index < HAPTICAL_EFFECTS && status == HAPTICAL_OK; ++index) {
             double error, slope;
-            status = haptical_drive_error(index, joint, inputs, next, &error, &slope);
+            status = haptical_drive_error(index, joint, drive, inputs, next, &error, &slope);
             device->state.outputs[joint] += error;
             device->state.output_slopes[joint] += slope;
             if (haptical_effects[index].kind == HAPTICAL_JOINT_COMPLIANCE && haptical_effects[index].joint == joint) {
@@ -719,10 +721,11 @@ static inline int haptical_excess(int joint, double reading, double wanted, cons
     haptical_inputs there = *inputs;
     double output, slope;
     int status = haptical_output(&haptical_joints[joint], reading, &output, &slope);
+    const double drive = output;
     there.readings[joint] = reading;
     for (int index = 0; index < HAPTICAL_EFFECTS && status == HAPTICAL_OK; ++index) {
         double error;
-        status = haptical_drive_error(index, joint, &there, &next, &error, &slope);
+        status = haptical_drive_error(index, joint, drive, &there, &next, &error, &slope);
         output += error;
     }
     *excess = output - wanted;

@@ -29,6 +29,7 @@ pub use answer::{
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;
+pub use force::asked::{AskedOfTorques, ask_torques};
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use noise::NoiseSource;
 pub use options::{Catalogue, Options};

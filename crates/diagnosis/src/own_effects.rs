@@ -2,13 +2,14 @@
 
 use haptical_calibration::{LossChoice, Weights, channel_residuals};
 use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
-use haptical_effects::spec;
 use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
+use haptical_effects::{Context, spec};
 use haptical_model::{Device, DeviceEffect, Recording};
 
 use crate::DiagnosisError;
-use crate::answer::{CauseAnswer, Diagnosis, Gap, Verdict};
+use crate::answer::{CauseAnswer, ChannelGap, Diagnosis, Gap, Verdict};
 use crate::engine::base::Base;
+use crate::force::examine;
 
 /// The answer on a device with effects of its own: what is left is no gap where it is no more than what their laws get wrong,
 /// and nothing explains it but numbers of the base model and other laws of what the effects are: a loop beside a play.
@@ -48,33 +49,35 @@ pub(crate) fn within_laws(
     if !is_open || own_effects.is_empty() {
         return Ok(found);
     }
-    let base = Base::fit(device, recording, loss)?;
-    let weights = Weights::stated(&base.device, &base.channels);
-    let (own, model) = (&base.device, &base.channels);
-    let residuals = channel_residuals(own, own, recording, model, &weights)?;
-    let (mut left, mut whole) = (0.0, 0.0);
-    for channel in &found.gap.channels {
-        let name =
-            |own: &&haptical_calibration::ChannelResiduals| own.channel.name() == channel.channel;
-        let Some(without) = residuals.iter().find(name) else {
-            // a torque
-            if channel.has_gap {
-                return Ok(found);
-            }
+    // torques and other channels each by themselves, if they have a gap: the laws of one leave nothing in the other
+    let channels = found.gap.channels.clone();
+    let (torques, others): (Vec<&ChannelGap>, Vec<&ChannelGap>) = (channels.iter())
+        .filter(|channel| channel.rms_before.is_finite())
+        .partition(|channel| channel.channel.starts_with("torque"));
+    let has_gap = |channels: &[&ChannelGap]| channels.iter().any(|channel| channel.has_gap);
+    let by_torques = has_gap(&torques);
+    let by_others = has_gap(&others) || (!by_torques && !others.is_empty());
+    let mut share: Option<f64> = None;
+    for (own, is_asked, is_on_drives) in [(torques, by_torques, true), (others, by_others, false)] {
+        if !is_asked {
             continue;
+        }
+        let without = match is_on_drives {
+            true => torques_without(device, recording)?,
+            false => channels_without(device, recording, loss)?,
         };
-        let count = without.residuals.len() as f64;
-        let beyond = |rms: f64| count * ((rms / channel.noise_floor).powi(2) - 1.0).max(0.0);
-        left += beyond(channel.rms_before);
-        whole += beyond(without.rms().unwrap_or(0.0));
+        let left = share_left(&own, &without);
+        let laws = own_effects.iter().filter_map(|own| spec(&own.name));
+        let laws = laws.filter(|spec| spec.hook.is_on_drives() == is_on_drives);
+        let allowed = laws.map(|spec| spec.law_error.share).fold(0.0, f64::max);
+        if left > allowed {
+            return Ok(found);
+        }
+        share = Some(share.unwrap_or(0.0).max(left));
     }
-    let shares = own_effects.iter().filter_map(|own| spec(&own.name));
-    let allowed = shares.map(|spec| spec.law_error.share).fold(0.0, f64::max);
-    let share = left / whole.max(1e-300);
-    if share > allowed {
+    if share.is_none() {
         return Ok(found);
     }
-    let channels = found.gap.channels.clone();
     Ok(Diagnosis {
         verdict: Verdict::NoGap,
         gap: Gap::new(Verdict::NoGap, None, channels),
@@ -90,9 +93,52 @@ pub(crate) fn within_laws(
         steps: Vec::new(),
         correction: None,
         corrected: None,
-        own_effects_leave: Some(share),
+        own_effects_leave: share,
         ..found
     })
+}
+
+/// Name, rows and root mean square of what a device without the effects leaves of a channel.
+type Without = (String, f64, f64);
+
+fn channels_without(
+    device: &Device,
+    recording: &Recording,
+    loss: LossChoice,
+) -> Result<Vec<Without>, DiagnosisError> {
+    let base = Base::fit(device, recording, loss)?;
+    let weights = Weights::stated(&base.device, &base.channels);
+    let (own, model) = (&base.device, &base.channels);
+    let residuals = channel_residuals(own, own, recording, model, &weights)?;
+    let of_channel = |own: &haptical_calibration::ChannelResiduals| {
+        let rms = own.rms().unwrap_or(0.0);
+        (own.channel.name(), own.residuals.len() as f64, rms)
+    };
+    Ok(residuals.iter().map(of_channel).collect())
+}
+
+/// The same of torques, whose base model has as many blocks of each.
+fn torques_without(device: &Device, recording: &Recording) -> Result<Vec<Without>, DiagnosisError> {
+    let context = Context::new(device, recording, &[])?;
+    let found = examine(&context, &[])?.channels.into_iter();
+    Ok(found
+        .map(|own| (own.channel, 1.0, own.rms_before))
+        .collect())
+}
+
+/// Share of the squares beyond noise that is left of what the device without the effects leaves.
+fn share_left(channels: &[&ChannelGap], without: &[Without]) -> f64 {
+    let (mut left, mut whole) = (0.0, 0.0);
+    for channel in channels {
+        let mut own = without.iter().filter(|(name, ..)| *name == channel.channel);
+        let Some((_, count, rms)) = own.next() else {
+            continue;
+        };
+        let beyond = |rms: f64| count * ((rms / channel.noise_floor).powi(2) - 1.0).max(0.0);
+        left += beyond(channel.rms_before);
+        whole += beyond(*rms);
+    }
+    left / f64::max(whole, 1e-300)
 }
 
 /// Whether a cause, at a joint from 1, is another law of what an effect of the device is: of the same kind at the same place.

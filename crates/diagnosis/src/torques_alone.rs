@@ -115,7 +115,7 @@ pub(crate) fn diagnose(
             without: options.without.clone(),
         },
         device: model.clone(),
-        corrected: of_drives(device, verdict, &causes),
+        corrected: of_drives(device, verdict, (&causes, context.reference_degc)),
         predictions,
         gap,
         place,

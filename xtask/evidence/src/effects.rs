@@ -91,8 +91,33 @@ struct Outcome {
     absent_is_said: bool,
 }
 
-/// Writes the section.
-pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
+/// Names of the kinds.
+pub(super) fn kinds() -> [&'static str; 8] {
+    KINDS.map(|kind| kind.name)
+}
+
+/// Heads of the table.
+const HEADS: &str = "effect | joint | number | devices | failed | shown [%] | covered [%] | median half width [%] | \
+                     absent, and said so [%] | commit";
+/// Digits of its numbers.
+const DIGITS: [usize; 6] = [0, 0, 1, 1, 2, 1];
+/// Positions of two of them.
+const COVERED: usize = 3;
+const SAID: usize = 5;
+
+/// A row of the table.
+struct Row {
+    numbers: [f64; 6],
+    /// Commit whose code the numbers are of.
+    commit: String,
+}
+
+/// Writes the section; where kinds are named the rows of the others are those of the page `held`.
+pub(super) fn section(
+    output: &mut Output,
+    devices: usize,
+    (asked, held): (&[String], &str),
+) -> Result<()> {
     output.section("Effects");
     output.words(format!(
         "{devices} simulated devices a row: every number of geometry and drives off by a normal draw of its plausible size, one \
@@ -100,56 +125,31 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
          torques whose sensors' scales are off by a normal draw of their `torque_scale_sd`. \
          `identify --with EFFECT@JOINT` starts from the nominal device. Counted is how often the 95 % interval of the effect's \
          first number holds the truth, and, of the same devices without the effect, how often it is said that the log does not \
-         show it."
+         show it. `cargo xtask evidence --only effects --kinds NAME,NAME` computes rows again and keeps the others; each \
+         names the commit that it was computed with."
     ));
-    let columns = "effect | joint | number | devices | failed | shown [%] | covered [%] | median half width [%] | \
-                   absent, and said so [%]";
-    let mut table = Table::with_heads("Intervals of effects", columns);
+    let commit = commit();
+    let mut table = Table::with_heads("Intervals of effects", HEADS);
     let (mut covered, mut said) = (true, Vec::new());
     for kind in &KINDS {
-        let progress = Progress::new(kind.name, devices);
-        let nominal = nominal(Rig::Cable, Errors::Gaussian)?;
-        let seeds = (0..devices as u64).into_par_iter();
-        let outcomes: Vec<Result<Outcome>> = seeds
-            .map(|seed| {
-                let outcome = kind.device(&nominal, seed);
-                progress.step();
-                outcome
-            })
-            .collect();
-        drop(progress);
-        if let Some(Err(error)) = outcomes.iter().find(|outcome| outcome.is_err()) {
-            eprintln!("{}: {error:#}", kind.name);
-        }
-        let good: Vec<&Outcome> = outcomes.iter().flatten().collect();
-        let percent = |share: f64| 100.0 * share / good.len().max(1) as f64;
-        let holds: Vec<bool> = good.iter().filter_map(|own| own.holds).collect();
-        let inside = holds.iter().filter(|holds| **holds).count() as f64;
-        let coverage = 100.0 * inside / holds.len().max(1) as f64;
-        let absent = good.iter().filter(|own| own.absent_is_said).count() as f64;
-        let mut widths: Vec<f64> = good.iter().map(|own| own.relative).collect();
-        widths.sort_by(f64::total_cmp);
-        covered &= (BAR[0]..=BAR[1]).contains(&coverage);
-        said.push(percent(absent));
-        table.push(vec![
-            kind.name.into(),
-            kind.joint
-                .map_or("-".to_owned(), |joint| joint.to_string())
-                .into(),
-            kind.numbers[0].0.into(),
-            Cell::number(devices as f64, 0),
-            Cell::number((outcomes.len() - good.len()) as f64, 0),
-            Cell::number(
-                percent(good.iter().filter(|own| own.shown).count() as f64),
-                1,
-            ),
-            Cell::number(coverage, 1),
-            Cell::number(
-                100.0 * widths.get(widths.len() / 2).copied().unwrap_or(f64::NAN),
-                2,
-            ),
-            Cell::number(percent(absent), 1),
-        ])?;
+        let is_asked = asked.is_empty() || asked.iter().any(|name| name == kind.name);
+        let row = match is_asked {
+            true => Row {
+                numbers: kind.counted(devices)?,
+                commit: commit.clone(),
+            },
+            false => kind
+                .held(held)
+                .with_context(|| format!("the page has no row of {}: ask for it too", kind.name))?,
+        };
+        covered &= (BAR[0]..=BAR[1]).contains(&row.numbers[COVERED]);
+        said.push(row.numbers[SAID]);
+        let joint = kind.joint.map_or("-".to_owned(), |joint| joint.to_string());
+        let numbers = row.numbers.iter().zip(DIGITS);
+        let mut cells: Vec<Cell> = vec![kind.name.into(), joint.into(), kind.numbers[0].0.into()];
+        cells.extend(numbers.map(|(number, digits)| Cell::number(*number, digits)));
+        cells.push(row.commit.into());
+        table.push(cells)?;
     }
     output.table("effects", table)?;
     output.verdict(
@@ -162,6 +162,18 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
         format!("of effects that are not there {mean:.1} % are said not to be shown"),
     );
     Ok(())
+}
+
+/// Short name of the commit whose code runs; with a plus where the tree is changed.
+fn commit() -> String {
+    let git = |words: &[&str]| {
+        let output = std::process::Command::new("git").args(words).output();
+        output.map_or(String::new(), |output| {
+            String::from_utf8_lossy(&output.stdout).trim().to_owned()
+        })
+    };
+    let changed = git(&["status", "--porcelain", "--", "crates", "xtask"]);
+    git(&["rev-parse", "--short=7", "HEAD"]) + if changed.is_empty() { "" } else { "+" }
 }
 
 /// Effects as the simulator has them; loops are led by the motor.
@@ -183,6 +195,55 @@ fn simulated(effects: &[DeviceEffect]) -> Result<Effects> {
 }
 
 impl Kind {
+    /// The numbers of its row.
+    fn counted(&self, devices: usize) -> Result<[f64; 6]> {
+        let progress = Progress::new(self.name, devices);
+        let nominal = nominal(Rig::Cable, Errors::Gaussian)?;
+        let seeds = (0..devices as u64).into_par_iter();
+        let outcomes: Vec<Result<Outcome>> = seeds
+            .map(|seed| {
+                let outcome = self.device(&nominal, seed);
+                progress.step();
+                outcome
+            })
+            .collect();
+        drop(progress);
+        if let Some(Err(error)) = outcomes.iter().find(|outcome| outcome.is_err()) {
+            eprintln!("{}: {error:#}", self.name);
+        }
+        let good: Vec<&Outcome> = outcomes.iter().flatten().collect();
+        let share = |count: usize, of: usize| 100.0 * count as f64 / of.max(1) as f64;
+        let holds: Vec<bool> = good.iter().filter_map(|own| own.holds).collect();
+        let mut widths: Vec<f64> = good.iter().map(|own| own.relative).collect();
+        widths.sort_by(f64::total_cmp);
+        let shown = good.iter().filter(|own| own.shown).count();
+        let said = good.iter().filter(|own| own.absent_is_said).count();
+        Ok([
+            devices as f64,
+            (outcomes.len() - good.len()) as f64,
+            share(shown, good.len()),
+            share(holds.iter().filter(|holds| **holds).count(), holds.len()),
+            100.0 * widths.get(widths.len() / 2).copied().unwrap_or(f64::NAN),
+            share(said, good.len()),
+        ])
+    }
+
+    /// Its row of a page.
+    fn held(&self, page: &str) -> Option<Row> {
+        let cells = |line: &str| -> Vec<String> {
+            let cells = line.trim_matches('|').split(" | ");
+            cells.map(|cell| cell.trim().to_owned()).collect()
+        };
+        let mut rows = page.lines().map(cells);
+        let own = rows.find(|cells| cells.first().is_some_and(|name| name == self.name))?;
+        let mut numbers = [0.0; 6];
+        for (number, cell) in numbers.iter_mut().zip(own.get(3..9)?) {
+            *number = cell.parse().ok()?;
+        }
+        let commit = own.get(9)?.clone();
+        Some(Row { numbers, commit })
+    }
+
     fn device(&self, nominal: &Model, seed: u64) -> Result<Outcome> {
         let mut truth = true_device(nominal, seed);
         let absent = self.fitted(nominal, &truth, seed)?;

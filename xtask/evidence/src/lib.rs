@@ -48,6 +48,9 @@ pub struct Arguments {
     /// One part alone: its page in docs/evidence is written again.
     #[arg(long, value_parser = PARTS.map(|part| part.name))]
     only: Option<String>,
+    /// Kinds of effects that are counted again, with commas; the page keeps the rows of the others.
+    #[arg(long, value_delimiter = ',', requires = "only", value_parser = effects::kinds())]
+    kinds: Vec<String>,
     /// Write nothing in docs: fail where its pages of evidence do not hold this run's sections.
     #[arg(long)]
     check: bool,
@@ -99,7 +102,9 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
         noise_memory::section(many, devices.min(200))?;
     }
     if runs("effects") && !arguments.quick {
-        effects::section(many, devices.min(500))?;
+        let page = root().join("docs/evidence/effects.md");
+        let held = std::fs::read_to_string(page).unwrap_or_default();
+        effects::section(many, devices.min(500), (&arguments.kinds, &held))?;
     }
     if runs("basin") {
         basin::section(many, devices)?;

@@ -12,6 +12,7 @@ use haptical_model::{Device, ParameterId, Recording};
 use crate::error::wrap;
 use crate::fit::considered::sensitivity;
 use crate::fit::length_scale::with_length_scales;
+use crate::problem::device_problem::Block;
 use crate::problem::form::{Prepared, reduce};
 use crate::report::channel_noise::ChannelNoise;
 use crate::steps::device::step_two;
@@ -132,7 +133,7 @@ fn look(
     };
     let (derivatives, held) = (columns(0, own.len()), columns(own.len(), held.len()));
     let known = fit.considered.known();
-    let signals = signals(&problem);
+    let signals = signals(&problem, &own);
     fit.noise_is_checked = signals
         .iter()
         .any(|signal| signal.rows.len() >= FEWEST_ROWS);
@@ -201,8 +202,22 @@ fn take_step(fit: &mut ParameterFit, own: &[(ParameterId, f64)], others: &[(Para
         .widen(&mut fit.estimates, &fit.fitted, &fit.uncertainty, fit.noise);
 }
 
-/// The readings of each axis of each channel, in the order of the log.
-fn signals(problem: &DeviceProblem<'_>) -> Vec<Signal> {
+/// The readings of each axis of each channel, in the order of the log; `fitted` are the parameters of the fit.
+fn signals(problem: &DeviceProblem<'_>, fitted: &[ParameterId]) -> Vec<Signal> {
+    let is_fitted_drift = |effect: usize| {
+        let is_drift = |id: &ParameterId| match *id {
+            ParameterId::Effect {
+                effect: own,
+                number,
+            } => own == effect && problem.device.effects[own].fitted[number].is_drift,
+            _ => false,
+        };
+        fitted.iter().any(is_drift)
+    };
+    let drifts = &|block: &Block, axis: usize| {
+        let mut added = block.added.iter();
+        added.any(|own| own.axis == axis && is_fitted_drift(own.effect))
+    };
     let of_block = problem
         .blocks
         .iter()
@@ -215,6 +230,7 @@ fn signals(problem: &DeviceProblem<'_>) -> Vec<Signal> {
                     .map(|reading| block.first + reading * width + axis)
                     .collect(),
                 at: block.rows.clone(),
+                has_drift: drifts(block, axis),
             };
             (0..width).map(of_axis)
         });

@@ -23,6 +23,7 @@ fn case(value: f64) -> (Device, Recording) {
             unit: "rad",
             value,
             plausible_size: 1e-2,
+            is_drift: false,
         }],
         ..DeviceEffect::default()
     });

@@ -101,9 +101,8 @@ fn left_out_of_the_catalogue_it_is_not_named() {
     assert_ne!(answer["verdict"], "no-gap");
 }
 
-#[test]
-fn a_second_log_is_predicted_and_another_payload_on_it_is_warned_of() {
-    let folder = tempfile::tempdir().unwrap();
+/// The log of the fixture as text.
+fn lines() -> String {
     let whole = std::fs::read(fixtures().join("log.csv.gz")).unwrap();
     let mut lines = String::new();
     std::io::Read::read_to_string(
@@ -111,17 +110,63 @@ fn a_second_log_is_predicted_and_another_payload_on_it_is_warned_of() {
         &mut lines,
     )
     .unwrap();
-    let of_run = |run: &str| -> String {
+    lines
+}
+
+/// The fixture's runs as logs of their own.
+fn runs(folder: &Path) -> [PathBuf; 2] {
+    let lines = lines();
+    ["1,", "2,"].map(|run| {
         let kept = lines
             .lines()
             .filter(|line| line.starts_with("run") || line.starts_with(run));
-        kept.map(|line| format!("{line}\n")).collect()
-    };
-    let [first, second] = ["1,", "2,"].map(|run| {
-        let path = folder.path().join(format!("log{}.csv", &run[..1]));
-        std::fs::write(&path, of_run(run)).unwrap();
+        let text: String = kept.map(|line| format!("{line}\n")).collect();
+        let path = folder.join(format!("log{}.csv", &run[..1]));
+        std::fs::write(&path, text).unwrap();
         path
-    });
+    })
+}
+
+/// All joints of the fixture rub. What a first log shows of it is in corrected.toml, and with that model little of it is left
+/// in a second log.
+#[test]
+fn a_model_with_friction_takes_it_off_another_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = runs(folder.path());
+    let (device, out) = (fixtures().join("device.toml"), folder.path().join("result"));
+    let found = gap(&device, &first, &out, &[]);
+    let causes = found["causes"].as_array().unwrap();
+    assert!(
+        causes.len() == 4
+            && causes
+                .iter()
+                .all(|cause| cause["effect"] == "joint-friction"),
+        "{found}"
+    );
+    let model = format!("--model={}", out.join("corrected.toml").display());
+    let without = gap(&device, &second, &folder.path().join("without"), &[]);
+    let with = gap(&device, &second, &folder.path().join("with"), &[&model]);
+    let before = |answer: &Value, index: usize| {
+        let channels = &answer["gap"]["channels"];
+        let own = &channels[index];
+        let name = own["channel"].as_str().unwrap().to_owned();
+        (name, own["rms_before"].as_f64().unwrap())
+    };
+    for index in 0..4 {
+        let (name, with_nm) = before(&with, index);
+        let others = (0..4).map(|index| before(&without, index));
+        let (_, without_nm) = others.into_iter().find(|own| own.0 == name).unwrap();
+        assert!(
+            with_nm < 0.35 * without_nm,
+            "{name}: {with_nm} {without_nm}"
+        );
+    }
+}
+
+#[test]
+fn a_second_log_is_predicted_and_another_payload_on_it_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = runs(folder.path());
     let out = folder.path().join("result");
     let validate = format!("--validate={}", second.display());
     let answer = gap(

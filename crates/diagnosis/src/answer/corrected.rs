@@ -2,12 +2,15 @@
 
 use haptical_effects::device::{entry, is_law, settle};
 use haptical_effects::structure::JOINT_COMPLIANCE;
-use haptical_effects::{Shape, Spec};
+use haptical_effects::{Role, Shape, Spec};
 use haptical_model::{Device, DeviceEffect, JointCompliance};
 
 use crate::DiagnosisError;
 use crate::answer::{CauseAnswer, Verdict};
 use crate::select::Selection;
+
+/// Name of that temperature.
+const REFERENCE_DEGC: &str = "reference_degc";
 
 /// The device as it was fitted together with the causes, with those of them that are part of a device; none without such.
 ///
@@ -60,9 +63,9 @@ pub(crate) fn corrected(
             _ => device.effects.push(found),
         }
     }
-    let drives = drive_effects(causes);
+    let drives = drive_effects(causes, engine.context.reference_degc);
     has_any |= !drives.is_empty();
-    device.effects.extend(drives);
+    drives.into_iter().for_each(|found| add(&mut device, found));
     Ok(has_any.then_some(device))
 }
 
@@ -70,36 +73,85 @@ pub(crate) fn corrected(
 pub(crate) fn of_drives(
     device: &Device,
     verdict: Verdict,
-    causes: &[CauseAnswer],
+    (causes, reference_degc): (&[CauseAnswer], f64),
 ) -> Option<Device> {
     let effects = match verdict {
-        Verdict::Named | Verdict::Ambiguous => drive_effects(causes),
+        Verdict::Named | Verdict::Ambiguous => drive_effects(causes, reference_degc),
         Verdict::NoGap | Verdict::Unknown => Vec::new(),
     };
     let mut device = device.clone();
-    device.effects.extend(effects);
+    effects
+        .into_iter()
+        .for_each(|found| add(&mut device, found));
     (!device.effects.is_empty()).then_some(device)
 }
 
-/// Effects on torques, whose reported parameters are all that their laws have.
-fn drive_effects(causes: &[CauseAnswer]) -> Vec<DeviceEffect> {
+/// Adds an effect on torques to a device: one that it has already was taken off the readings, and what was found is its change.
+fn add(device: &mut Device, found: DeviceEffect) {
+    let is_same = |own: &&mut DeviceEffect| {
+        let order = |effect: &DeviceEffect| effect.numbers.get("order").copied();
+        own.name == found.name && own.joint == found.joint && order(own) == order(&found)
+    };
+    let Some(own) = device.effects.iter_mut().find(is_same) else {
+        device.effects.push(found);
+        return;
+    };
+    let number = |effect: &DeviceEffect, name: &str| effect.numbers.get(name).copied();
+    let is_whole = |spec: &&Spec| {
+        let mut parameters = spec.parameters.iter();
+        spec.name == found.name && parameters.all(|own| found.numbers.contains_key(own.name))
+    };
+    let parameters = haptical_effects::specs().find(is_whole);
+    let parameters = parameters.map_or([].as_slice(), |spec| spec.parameters);
+    let phase = parameters.iter().find(|own| own.role == Role::Phase);
+    for size in parameters.iter().filter(|own| own.role == Role::Size) {
+        let (Some(before), Some(change)) = (number(own, size.name), number(&found, size.name))
+        else {
+            continue;
+        };
+        let now = match phase.map(|phase| phase.name) {
+            // A cos(x - a) + B cos(x - b)
+            Some(name) => {
+                let [a, b] =
+                    [number(own, name), number(&found, name)].map(|own| own.unwrap_or(0.0));
+                let cosine = before * a.cos() + change * b.cos();
+                let sine = before * a.sin() + change * b.sin();
+                own.numbers.insert(name.to_owned(), sine.atan2(cosine));
+                own.intervals.remove(name);
+                sine.hypot(cosine)
+            }
+            None => before + change,
+        };
+        if let Some(interval) = found.intervals.get(size.name) {
+            let moved = interval.map(|end| end.map(|end| end - change + now));
+            own.intervals.insert(size.name.to_owned(), moved);
+        }
+        own.numbers.insert(size.name.to_owned(), now);
+    }
+}
+
+/// Effects on torques, whose reported parameters are all that their laws have, but for the temperature at which nothing has
+/// grown.
+fn drive_effects(causes: &[CauseAnswer], reference_degc: f64) -> Vec<DeviceEffect> {
     let of_cause = |cause: &CauseAnswer| {
         let is_whole = |spec: &&Spec| {
             let mut parameters = spec.parameters.iter();
             spec.name == cause.effect
                 && spec.hook.is_on_drives()
                 && is_law(spec).is_ok()
-                && spec.further.is_empty()
+                && spec.further.iter().all(|own| own.name == REFERENCE_DEGC)
+                && spec.parameters.len() == cause.parameters.len()
                 && parameters.all(|own| cause.parameters.contains_key(own.name))
         };
-        haptical_effects::specs().find(is_whole)?;
+        let spec = haptical_effects::specs().find(is_whole)?;
         let numbers = cause.parameters.iter();
+        let numbers = numbers.map(|(name, answer)| (name.clone(), answer.value));
+        let reference = spec.further.iter();
+        let reference = reference.map(|own| (own.name.to_owned(), reference_degc));
         Some(DeviceEffect {
             name: cause.effect.clone(),
             joint: cause.joint.map(|joint| joint - 1),
-            numbers: numbers
-                .map(|(name, answer)| (name.clone(), answer.value))
-                .collect(),
+            numbers: numbers.chain(reference).collect(),
             intervals: intervals(cause),
             confusable_with: cause.confusable_with.clone(),
             fit: true,
@@ -119,4 +171,68 @@ fn intervals(answer: &CauseAnswer) -> std::collections::BTreeMap<String, [Option
     parameters
         .map(|(name, parameter)| (name.clone(), parameter.ci95.map(Some)))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn effect(name: &str, numbers: &[(&str, f64)]) -> DeviceEffect {
+        let numbers = numbers.iter();
+        DeviceEffect {
+            name: name.to_owned(),
+            joint: Some(0),
+            numbers: numbers
+                .map(|(name, value)| ((*name).to_owned(), *value))
+                .collect(),
+            ..DeviceEffect::default()
+        }
+    }
+
+    /// What is found of an effect that the device has is its change: friction adds up, waves of one order as vectors do.
+    #[test]
+    fn a_change_of_an_effect_is_added_to_it() {
+        let friction = |coulomb_nm: f64, at: f64| {
+            let numbers = [
+                ("coulomb_nm", coulomb_nm),
+                ("viscous_nm_s_per_rad", 0.5 * coulomb_nm),
+                ("stribeck_nm", 0.0),
+                ("transition_rad", at),
+            ];
+            effect("joint-friction", &numbers)
+        };
+        let cogging = |amplitude_nm: f64, phase_rad: f64, order: f64| {
+            let numbers = [
+                ("amplitude_nm", amplitude_nm),
+                ("phase_rad", phase_rad),
+                ("order", order),
+            ];
+            effect("motor-cogging", &numbers)
+        };
+        let mut device = Device::from_toml("[[joint]]\n", "one.toml").unwrap().device;
+        device.effects = vec![friction(0.03, 0.01), cogging(0.03, 0.0, 2.0)];
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let mut change = friction(0.01, 0.02);
+        change
+            .intervals
+            .insert("coulomb_nm".to_owned(), [Some(0.008), Some(0.012)]);
+        for found in [change, cogging(0.04, quarter, 2.0), cogging(0.01, 0.0, 3.0)] {
+            add(&mut device, found);
+        }
+        let number = |index: usize, name: &str| device.effects[index].numbers[name];
+        assert_eq!(device.effects.len(), 3);
+        for (index, name, wanted) in [
+            (0, "coulomb_nm", 0.04),
+            (0, "viscous_nm_s_per_rad", 0.02),
+            (0, "transition_rad", 0.01),
+            (1, "amplitude_nm", 0.05),
+            (1, "phase_rad", (0.04_f64).atan2(0.03)),
+            (2, "amplitude_nm", 0.01),
+        ] {
+            let found = number(index, name);
+            assert!((found - wanted).abs() < 1e-12, "{index} {name}: {found}");
+        }
+        let [low, high] = device.effects[0].intervals["coulomb_nm"].map(Option::unwrap);
+        assert!((low - 0.038).abs() < 1e-12 && (high - 0.042).abs() < 1e-12);
+    }
 }

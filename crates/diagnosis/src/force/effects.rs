@@ -40,7 +40,7 @@ impl<'e, 'a> Effects<'e, 'a> {
         self.without.iter().any(|other| other == name)
     }
 
-    fn is_tested(&self, effect: &dyn Effect) -> bool {
+    pub(super) fn is_tested(&self, effect: &dyn Effect) -> bool {
         let recorded = self.along.recorded;
         let has_covariate = match effect.spec().follows {
             Follows::Force => recorded.force_varies(),

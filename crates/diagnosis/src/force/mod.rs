@@ -7,6 +7,7 @@
 
 mod along;
 pub(crate) mod answer;
+pub(crate) mod asked;
 mod base;
 mod changes;
 mod effects;
@@ -26,6 +27,7 @@ use haptical_model::Recording;
 
 use self::along::Along;
 use self::answer::ForceAnswer;
+use self::base::Base;
 use self::changes::carried::Carried;
 use self::changes::second::{Model, OnSecond};
 use self::effects::Effects;
@@ -62,19 +64,11 @@ pub(crate) fn examine_both(
         Err(why) => return none(ForceAnswer::untestable(&why, has_torques)),
     };
     let mut along = Along::new(&recorded);
-    let Some(whitener) = along.whitener(Besides::Nothing) else {
+    let Some((mut base, carried)) = base_of(&mut along, without) else {
         let why = "the torques have no noise at all";
         return none(ForceAnswer::untestable(why, has_torques));
     };
-    let mut base = along.fit(&whitener, Besides::Nothing);
-    let carried = Carried::new(&along, &base, without);
-    if let Some(torque_nm) = carried.torque_nm() {
-        along.put_down(torque_nm);
-        base = along.fit(&whitener, Besides::Nothing);
-    }
     let effects = Effects::new(&along, without);
-    let fitted = carried.on(&along.less(&base.rest()));
-    base.append(fast::rows(&along, &fitted));
     let selection = effects.select(&mut base)?;
     let model = Model {
         effects: &effects,
@@ -84,4 +78,18 @@ pub(crate) fn examine_both(
     };
     let seen = second.map(|second| model.on_second(second)).transpose()?;
     Ok((answer::answer(&effects, &base, &selection, &carried)?, seen))
+}
+
+/// The base model without what the arm carries in some runs alone; none where the torques have no noise at all.
+fn base_of(along: &mut Along<'_>, without: &[String]) -> Option<(Base, Carried)> {
+    let whitener = along.whitener(Besides::Nothing)?;
+    let mut base = along.fit(&whitener, Besides::Nothing);
+    let carried = Carried::new(along, &base, without);
+    if let Some(torque_nm) = carried.torque_nm() {
+        along.put_down(torque_nm);
+        base = along.fit(&whitener, Besides::Nothing);
+    }
+    let fitted = carried.on(&along.less(&base.rest()));
+    base.append(fast::rows(along, &fitted));
+    Some((base, carried))
 }

@@ -47,7 +47,7 @@ pub(super) struct Selection {
 }
 
 impl Effects<'_, '_> {
-    fn energy(&self, base: &Base) -> Vec<SlowEnergy> {
+    pub(super) fn energy(&self, base: &Base) -> Vec<SlowEnergy> {
         base.energy(self.along.recorded.free_directions())
     }
 
@@ -151,7 +151,7 @@ impl Effects<'_, '_> {
     }
 
     /// Bayes' criterion: the score less what as many free numbers explain of nothing.
-    fn merit(&self, score: &Score) -> f64 {
+    pub(super) fn merit(&self, score: &Score) -> f64 {
         self.merit_as(score, score)
     }
 
@@ -182,7 +182,7 @@ impl Effects<'_, '_> {
 
     /// The shape of an effect searched between those of the grid (golden section), and its columns with the
     /// derivative by the shape's logarithm.
-    fn refined(&self, base: &Base, pick: &Score) -> (f64, Vec<Vec<f64>>) {
+    pub(super) fn refined(&self, base: &Base, pick: &Score) -> (f64, Vec<Vec<f64>>) {
         let columns = |shape: f64| self.columns(base, pick.effect, shape);
         let dense = |shape: f64| -> Vec<Vec<f64>> {
             let columns = columns(shape);

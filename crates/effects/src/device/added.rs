@@ -11,8 +11,8 @@ use crate::device::fit::fit_numbers;
 use crate::device::resolve::{OwnEffect, effects_of};
 use crate::{Context, Signal, Stream, streams};
 
-/// A recording with what the effects of a device add to its readings ([`Recording::added`]); `device` gets the numbers
-/// with which each effect that is to be fitted is fitted. The recording itself for a device without effects.
+/// A recording with what the effects of a device add to its readings ([`Recording::added`]), torques among them; `device` gets the
+/// numbers with which each effect that is to be fitted is fitted, none for those on torques, which no calibration fits. The recording itself for a device without effects.
 ///
 /// An effect that the recording cannot show, for want of the channel that shows it, adds nothing; one whose covariate is
 /// missing is refused.
@@ -56,7 +56,8 @@ pub fn attached_at<'r>(
             return Err(DeviceEffectError::Untestable { label, why });
         }
         context.set_reference_degc(effect.reference_degc().unwrap_or(mean_degc));
-        let fit = device.effects[effect.index].fit;
+        // a calibration has no channel that torques are
+        let fit = device.effects[effect.index].fit && !effect.effect.spec().hook.is_on_drives();
         let numbers = fit.then(|| fit_numbers(effect, &context));
         with.added
             .extend(added_by(effect, &context, &streams, numbers.is_some()));
@@ -92,11 +93,18 @@ fn added_by(
         let mut signals = slopes.iter().chain([&signal]);
         signals.any(|signal| signal.on(*stream).is_some())
     };
-    let shown = (0..streams.len()).filter(is_on);
-    let added = shown.map(|stream| AddedReadings {
+    let joints = context.device.joints.iter().enumerate();
+    let torques = joints.filter_map(|(joint, own)| {
+        let stream = context.torque_stream(joint)?;
+        Some((stream, own.torque_column(joint + 1), 0))
+    });
+    let of_stream = |(index, own): (usize, &Stream)| (index, own.channel.name(), own.axis);
+    let all = streams.iter().enumerate().map(of_stream).chain(torques);
+    let shown = all.filter(|(stream, ..)| is_on(stream));
+    let added = shown.map(|(stream, channel, axis)| AddedReadings {
         effect: own.index,
-        channel: streams[stream].channel.name(),
-        axis: streams[stream].axis,
+        channel,
+        axis,
         readings: on(&signal, stream),
         at: at.clone(),
         slopes: slopes.iter().map(|slope| on(slope, stream)).collect(),

@@ -7,7 +7,7 @@ use crate::device::bare::bare;
 use crate::device::entry::entry as written;
 use crate::device::error::DeviceEffectError;
 use crate::device::resolve::{OwnEffect, effects_of, is_place};
-use crate::{Context, Effect, Parameter, Role, Unit, streams};
+use crate::{Context, Effect, Family, Parameter, Role, Unit, streams};
 
 /// Share of the largest plausible size that is a typical one.
 const TYPICAL: f64 = 0.1;
@@ -18,6 +18,7 @@ const SHAPE_SIZE: f64 = 1.0;
 pub(super) fn fit_numbers(own: &OwnEffect, context: &Context<'_>) -> Vec<FitNumber> {
     let spec = own.effect.spec();
     let label = own.effect.label();
+    let is_drift = spec.family == Family::Drift;
     let (amplitudes, _) = own.amplitudes(context);
     let sizes: Vec<&Parameter> = spec.parameters.iter().filter(|own| own.is_size()).collect();
     let has_phase = spec.parameters.iter().any(|own| own.role == Role::Phase);
@@ -34,6 +35,7 @@ pub(super) fn fit_numbers(own: &OwnEffect, context: &Context<'_>) -> Vec<FitNumb
             unit,
             value,
             plausible_size,
+            is_drift,
         });
     }
     if spec.shape.is_continuous() {
@@ -42,6 +44,7 @@ pub(super) fn fit_numbers(own: &OwnEffect, context: &Context<'_>) -> Vec<FitNumb
             unit: "1",
             value: 0.0,
             plausible_size: SHAPE_SIZE,
+            is_drift,
         });
     }
     numbers

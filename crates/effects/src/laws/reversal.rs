@@ -18,7 +18,8 @@ pub(crate) fn signed(size: f64, ahead: f64) -> f64 {
     if ahead > 0.0 { size } else { -size }
 }
 
-/// Dahl's loop of a joint's angle.
+/// Dahl's loop of a joint's angle by its transmission: a reading of a drive whose ratio is 5 % off would make the travel
+/// 5 % too long.
 #[derive(Debug)]
 pub(crate) struct Reversal;
 
@@ -41,7 +42,8 @@ impl Reversal {
 
 impl Law for Reversal {
     fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
-        Some(vec![dahl(input.reading()?, shape, &input.context.runs)])
+        let travel = input.context.output.get(input.joint?)?;
+        Some(vec![dahl(travel, shape, &input.context.runs)])
     }
 
     fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {

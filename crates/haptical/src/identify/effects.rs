@@ -1,5 +1,7 @@
 //! Effects that are fitted with geometry and drives.
 
+mod on_torques;
+
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -14,7 +16,7 @@ use haptical_effects::{Unit, spec};
 use haptical_identification::Estimate;
 use haptical_kinematics::nalgebra::{DMatrix, DVector};
 use haptical_metrics::chi_square_p_value;
-use haptical_model::{Device as Model, ParameterId, Recording};
+use haptical_model::{Device as Model, DeviceEffect, ParameterId, Recording};
 use serde::Serialize;
 
 /// Most fits: each leaves what the laws' curvature makes of the error before.
@@ -23,6 +25,9 @@ const MOST_FITS: usize = 4;
 const SETTLED: f64 = 0.1;
 /// Probability by chance below which an effect is shown: one in a thousand, because its shape was looked for too.
 const SHOWN: f64 = 1e-3;
+
+/// Half width of a normal 95 % interval in standard deviations.
+const NORMAL_95: f64 = 1.96;
 
 /// An effect that was fitted.
 #[derive(Debug, Clone, Serialize)]
@@ -89,9 +94,20 @@ pub(super) fn calibrate_with_effects(
     recording: &Recording,
     options: &Options,
 ) -> Result<(Calibration, Vec<EffectEntry>), EffectFitError> {
-    let (calibration, mut entries) = with_laws(model, recording, options)?;
+    let mut rest = model.clone();
+    let (asked, others): (Vec<DeviceEffect>, Vec<DeviceEffect>) = std::mem::take(&mut rest.effects)
+        .into_iter()
+        .partition(|effect| effect.fit && is_on_drives(effect));
+    rest.effects = others;
+    let (mut calibration, mut entries) = with_laws(&rest, recording, options)?;
     entries.extend(compliances(&calibration));
+    entries.extend(on_torques::fit(&mut calibration.device, recording, &asked)?);
     Ok((calibration, entries))
+}
+
+/// Whether an effect shows in torques alone: no channel of a calibration sees it.
+fn is_on_drives(effect: &DeviceEffect) -> bool {
+    spec(&effect.name).is_some_and(|spec| spec.hook.is_on_drives())
 }
 
 /// What is said of the joints that were asked whether they yield. They stay in the device with their intervals.
@@ -316,7 +332,8 @@ impl Fitted<'_> {
         self.calibration.fitted.whole.as_ref()
     }
 
-    /// Covariance of an effect's fitted numbers; none where one of them is not fixed.
+    /// Covariance of an effect's fitted numbers, of normal deviations that have the half widths of the numbers' own intervals;
+    /// none where one of them is not fixed.
     fn covariance(&self, effect: usize, count: usize) -> Option<DMatrix<f64>> {
         let fit = self.fit()?;
         let (uncertain, covariance) = fit.uncertain();
@@ -324,12 +341,14 @@ impl Fitted<'_> {
             let id = ParameterId::Effect { effect, number };
             let at = fit.parameters.iter().position(|own| *own == id)?;
             fit.fitted.contains(&at).then_some(())?;
-            let sd = fit.estimates[at].standard_deviation?;
+            let estimate = &fit.estimates[at];
+            let normal = |[low, high]: [f64; 2]| 0.5 * (high - low) / NORMAL_95;
+            let sd = estimate.ci95.map(normal).or(estimate.standard_deviation)?;
             Some((uncertain.iter().position(|own| *own == id)?, sd))
         };
         let places: Option<Vec<(usize, f64)>> = (0..count).map(place).collect();
         let places = places.filter(|places| !places.is_empty())?;
-        // the estimates' deviations count more than the covariance does: noise with a memory, curvature
+        // the estimates' intervals count more than the covariance does: a noise with a memory has few degrees of freedom
         let scaled =
             |(at, sd): (usize, f64)| (at, sd / covariance[(at, at)].max(f64::MIN_POSITIVE).sqrt());
         let places: Vec<(usize, f64)> = places.into_iter().map(scaled).collect();

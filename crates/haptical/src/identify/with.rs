@@ -1,6 +1,7 @@
 //! Effects that an identification is asked to fit: `EFFECT`, `EFFECT@JOINT`, or the causes of a gap.json.
 
 use haptical_effects::device::{DeviceEffectError, PLACES, effects_of, laws};
+use haptical_effects::force::PAYLOAD;
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_model::{Device as Model, DeviceEffect, JointCompliance};
 use serde_json::Value;
@@ -157,15 +158,12 @@ fn push(model: &mut Model, effect: DeviceEffect) -> Result<(), DeviceEffectError
     let name = effect.name.clone();
     model.effects.push(effect);
     let found = effects_of(model);
-    let is_on_drives = found.as_ref().is_ok_and(|all| {
-        all.last()
-            .is_some_and(|own| own.effect.spec().hook.is_on_drives())
-    });
-    if found.is_err() || is_on_drives {
+    let is_payload = found.is_ok() && name == PAYLOAD.name;
+    if found.is_err() || is_payload {
         model.effects.pop();
     }
-    if is_on_drives {
-        let why = "torques alone show it, and identify fits none; `haptical diagnose` finds it and writes it into corrected.toml";
+    if is_payload {
+        let why = "it is of some runs alone, and identify fits none; `haptical diagnose` finds it";
         return Err(DeviceEffectError::NoLaw { name, why });
     }
     found.map(|_| ())

@@ -12,8 +12,8 @@ pub(super) struct SignalBands {
     pub(super) grams: Vec<DMatrix<f64>>,
     /// Modes of each band.
     pub(super) modes: Vec<f64>,
-    /// Whether the signal is long enough for a line and for a spectrum.
-    pub(super) is_long: bool,
+    /// Whether it may have a line in time: it is long enough, and no parameter is its drift.
+    pub(super) may_have_line: bool,
 }
 
 /// Modes of the first band, and the ratio of the ends of the others.
@@ -62,7 +62,7 @@ impl SignalBands {
                 .windows(2)
                 .map(|pair| (pair[1] - pair[0]) as f64)
                 .collect(),
-            is_long,
+            may_have_line: is_long && !signal.has_drift,
         }
     }
 }

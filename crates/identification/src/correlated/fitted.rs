@@ -29,7 +29,7 @@ impl Fitted {
         let parameters = rows.basis.ncols();
         let mut unknowns = parameters;
         let mut line = |signal: &SignalBands| {
-            (with_lines && signal.is_long).then(|| {
+            (with_lines && signal.may_have_line).then(|| {
                 unknowns += 1;
                 unknowns - 1
             })

@@ -13,6 +13,8 @@ pub struct Signal {
     pub rows: Vec<usize>,
     /// Row of each of them in the covariates; the same for all signals of a group.
     pub at: Vec<usize>,
+    /// Whether a parameter is the drift of this signal: then it has no line in time besides.
+    pub has_drift: bool,
 }
 
 /// A linearised least-squares problem at its minimum, with the order of its rows.

@@ -33,6 +33,7 @@ fn signals(groups: &[usize], rows: usize) -> Vec<Signal> {
         group,
         rows: (index * rows..(index + 1) * rows).collect(),
         at: (0..rows).collect(),
+        has_drift: false,
     };
     groups.iter().enumerate().map(of_signal).collect()
 }
@@ -201,4 +202,58 @@ fn even_noise_without_memory_keeps_the_usual_covariance() {
     // a drift is allowed for in a quarter of the draws, memory is seen in a tenth of the others
     let share = f64::from(u32::try_from(kept).unwrap()) / DRAWS as f64;
     assert!((share - 0.68).abs() < 0.10, "{share}");
+}
+
+/// Two sensors show a parameter that is the drift of the first one, and the second one drifts by itself: a line in time joins
+/// the second alone, and the first tells the parameter as well as if there were no lines.
+#[test]
+fn a_signal_whose_drift_is_a_parameter_has_no_line_besides() {
+    const ROWS: usize = 400;
+    let line = |row: usize| (row as f64 + 0.5) / ROWS as f64 - 0.5;
+    let wave = |row: usize| 0.1 * (std::f64::consts::TAU * line(row)).cos();
+    let column: Vec<f64> = (0..ROWS).map(line).chain((0..ROWS).map(wave)).collect();
+    let matrix = Matrix::from_fn(2 * ROWS, 1, |row, _| column[row]);
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let drifting = |row: usize| {
+        if row < ROWS {
+            0.0
+        } else {
+            3.0 * line(row - ROWS)
+        }
+    };
+    let readings: Vec<f64> = (0..2 * ROWS)
+        .map(|row| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            noise + drifting(row)
+        })
+        .collect();
+    let square: f64 = column.iter().map(|entry| entry * entry).sum();
+    let pairs = column.iter().zip(&readings);
+    let value = pairs.clone().map(|(own, read)| own * read).sum::<f64>() / square;
+    let residuals: Vec<f64> = pairs.map(|(own, read)| value * own - read).collect();
+    let of = |has_drift: bool| {
+        let mut signals = signals(&[0, 1], ROWS);
+        signals[0].has_drift = has_drift;
+        let found = correlated_noise(&OrderedProblem {
+            derivatives: &matrix,
+            residuals: &residuals,
+            signals: &signals,
+            covariates: &[],
+            noise: NoiseScale::Stated,
+            held: None,
+        });
+        found.unwrap()
+    };
+    let found = of(true);
+    assert_eq!(found.drift[0], 0.0);
+    assert!((found.drift[1] - 3.0).abs() < 0.6, "{:?}", found.drift);
+    // the line's own information is 400 / 12
+    let half = half_widths(&found.components, 1)[0];
+    assert!(
+        (half / (1.96 * (12.0 / 400.0_f64).sqrt()) - 1.0).abs() < 0.15,
+        "{half}"
+    );
+    // with a line beside it the first sensor says nothing
+    let half = half_widths(&of(false).components, 1)[0];
+    assert!(half > 1.0, "{half}");
 }

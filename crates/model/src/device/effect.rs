@@ -38,6 +38,8 @@ pub struct FitNumber {
     pub value: f64,
     /// Size that it may plausibly have.
     pub plausible_size: f64,
+    /// Whether what it adds is a drift: a slow change, as a sensor's own drift is.
+    pub is_drift: bool,
 }
 
 impl DeviceEffect {

@@ -50,12 +50,13 @@ impl Effect {
     }
 
     /// The error of one joint's angle at the next sample; none for an effect of another kind, and for the latency, which
-    /// is of every joint.
+    /// is of every joint. `outputs` are the joints' values by their transmissions.
     #[inline]
     pub(super) fn drive_error<const JOINTS: usize>(
         &self,
         index: usize,
         inputs: &Inputs<JOINTS>,
+        outputs: &[f64; JOINTS],
         memory: &mut Memory,
     ) -> Result<Option<DriveError>, RuntimeError> {
         let reading = |joint: usize| at(&inputs.readings, joint);
@@ -132,7 +133,7 @@ impl Effect {
                     slope,
                 }
             }
-            _ => return self.loop_error(index, inputs, memory),
+            _ => return self.loop_error(index, inputs, outputs, memory),
         }))
     }
 
@@ -142,6 +143,7 @@ impl Effect {
         &self,
         index: usize,
         inputs: &Inputs<JOINTS>,
+        outputs: &[f64; JOINTS],
         memory: &mut Memory,
     ) -> Result<Option<DriveError>, RuntimeError> {
         let reading = |joint: usize| at(&inputs.readings, joint);
@@ -155,7 +157,7 @@ impl Effect {
                         play.step(half_rad.max(SMALLEST_HALF_WIDTH), reading(joint))
                     }
                     // pushed by its joint, a motor is that much behind it
-                    Memory::Dahl(sign) => sign.step(0.0, reading(joint)),
+                    Memory::Dahl(sign) => sign.step(0.0, at(outputs, joint)),
                     _ => return Err(foreign(index)),
                 };
                 DriveError::of(joint, half_rad * side)
@@ -169,7 +171,7 @@ impl Effect {
                 let Memory::Dahl(dahl) = memory else {
                     return Err(foreign(index));
                 };
-                let side = dahl.step(transition_rad, reading(joint));
+                let side = dahl.step(transition_rad, at(outputs, joint));
                 let amplitude_rad = match driven_by {
                     Side::Motor => -amplitude_rad,
                     Side::Hand => amplitude_rad,

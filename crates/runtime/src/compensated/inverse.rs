@@ -113,6 +113,11 @@ impl<const JOINTS: usize, const ROWS: usize, const EFFECTS: usize>
             return Ok(0.0);
         };
         let (mut output, _) = output?;
+        // effects of a joint look at no other joint's
+        let mut drives = [0.0; JOINTS];
+        if let Some(own) = drives.get_mut(joint) {
+            *own = output;
+        }
         let mut inputs = *inputs;
         if let Some(own) = inputs.readings.get_mut(joint) {
             *own = reading;
@@ -122,7 +127,10 @@ impl<const JOINTS: usize, const ROWS: usize, const EFFECTS: usize>
                 continue;
             }
             let mut memory: Memory = *memory;
-            output += match (effect.drive_error(index, &inputs, &mut memory)?, effect) {
+            output += match (
+                effect.drive_error(index, &inputs, &drives, &mut memory)?,
+                effect,
+            ) {
                 (Some(error), _) => error.value,
                 (None, Effect::EncoderLatency { delay_s }) => inputs.delayed(joint, -delay_s),
                 (None, _) => 0.0,

@@ -147,10 +147,11 @@ impl<const JOINTS: usize, const ROWS: usize, const EFFECTS: usize>
         memory: &mut [Memory; EFFECTS],
     ) -> Result<Driven<JOINTS>, RuntimeError> {
         let (mut outputs, mut slopes) = self.model.transmissions.outputs(&inputs.readings)?;
+        let drives = outputs;
         let mut yielded = [0.0; JOINTS];
         let mut force_n = Vector3::from(inputs.force_n);
         for (index, (effect, memory)) in self.effects.iter().zip(memory).enumerate() {
-            if let Some(error) = effect.drive_error(index, inputs, memory)? {
+            if let Some(error) = effect.drive_error(index, inputs, &drives, memory)? {
                 add(&mut outputs, error.joint, error.value);
                 add(&mut slopes, error.joint, error.slope);
             } else if let Effect::EncoderLatency { delay_s } = *effect {

@@ -4,7 +4,7 @@ mod findings;
 mod gaps;
 pub(super) mod names;
 mod reasons;
-mod values;
+pub(super) mod values;
 
 use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
 

@@ -13,7 +13,7 @@ use haptical_effects::device::with_variances;
 
 /// Coefficients of a model of the torques with their covariance, what is left counting as noise.
 #[derive(Debug)]
-pub(super) struct Sizes<'s, 'e, 'a> {
+pub(in crate::force) struct Sizes<'s, 'e, 'a> {
     effects: &'s Effects<'e, 'a>,
     solution: Vec<f64>,
     covariance: DMatrix<f64>,
@@ -21,7 +21,11 @@ pub(super) struct Sizes<'s, 'e, 'a> {
 }
 
 impl<'s, 'e, 'a> Sizes<'s, 'e, 'a> {
-    pub(super) fn new(effects: &'s Effects<'e, 'a>, base: &Base, dispersion: f64) -> Self {
+    pub(in crate::force) fn new(
+        effects: &'s Effects<'e, 'a>,
+        base: &Base,
+        dispersion: f64,
+    ) -> Self {
         Self {
             effects,
             solution: base.regression.solution(),
@@ -31,7 +35,10 @@ impl<'s, 'e, 'a> Sizes<'s, 'e, 'a> {
     }
 
     /// Values with intervals, and whether a sound device can show them.
-    pub(super) fn parameters(&self, pick: &Pick) -> (BTreeMap<String, ParameterAnswer>, bool) {
+    pub(in crate::force) fn parameters(
+        &self,
+        pick: &Pick,
+    ) -> (BTreeMap<String, ParameterAnswer>, bool) {
         let effect = self.effects.effect(pick.effect);
         let device = self.effects.along.recorded.context.device;
         let joint = effect.joint().map(|joint| &device.joints[joint]);
@@ -49,7 +56,7 @@ impl<'s, 'e, 'a> Sizes<'s, 'e, 'a> {
     }
 
     /// Deviation from 1 of the scale through which an effect's torque is read, with its standard deviation.
-    pub(super) fn scale(&self, effect: &dyn Effect) -> (f64, f64) {
+    pub(in crate::force) fn scale(&self, effect: &dyn Effect) -> (f64, f64) {
         let recorded = self.effects.along.recorded;
         let channel = effect.joint().and_then(|joint| recorded.channel(joint));
         channel.map_or((0.0, 0.0), |channel| {
@@ -57,6 +64,21 @@ impl<'s, 'e, 'a> Sizes<'s, 'e, 'a> {
             let variance = self.covariance[(column, column)];
             (self.solution[column], variance.max(0.0).sqrt())
         })
+    }
+
+    /// The effect of a pick.
+    pub(in crate::force) fn effect(&self, pick: &Pick) -> &'s dyn Effect {
+        self.effects.effect(pick.effect)
+    }
+
+    /// Amplitudes of a pick with their covariance, its shape's left out.
+    pub(in crate::force) fn amplitudes(&self, pick: &Pick) -> (&[f64], DMatrix<f64>) {
+        let count = self.effect(pick).spec().amplitudes;
+        let own = self
+            .covariance
+            .view((pick.first, pick.first), (count, count));
+        let values = &self.solution[pick.first..pick.first + count];
+        (values, own.into_owned())
     }
 
     /// An effect's numbers with their standard deviations.

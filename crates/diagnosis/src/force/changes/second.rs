@@ -10,7 +10,7 @@ use crate::answer::{HeldOutAnswer, Prediction};
 use crate::force::along::Along;
 use crate::force::base::Base;
 use crate::force::effects::{Effects, is_scale};
-use crate::force::recorded::{Besides, Recorded};
+use crate::force::recorded::{Besides, Recorded, torque_nm_without_effects};
 use crate::force::select::Selection;
 
 /// What a second recording shows.
@@ -42,7 +42,7 @@ impl Model<'_, '_, '_> {
         let device = first.context.device;
         let context = Context::new(device, second, &[])?;
         let mut seen = match Recorded::new(&context) {
-            Ok(recorded) => self.predicted(&Along::new(&recorded)),
+            Ok(recorded) => self.predicted(&Along::new(&recorded), &self.without_effects()),
             Err(why) => OnSecond {
                 warnings: vec![format!(
                     "the torques of the second recording were not predicted: {why}"
@@ -50,19 +50,25 @@ impl Model<'_, '_, '_> {
                 ..OnSecond::default()
             },
         };
-        let both = joined(first.context.recording, second);
+        let both = joined(device, first.context.recording, second);
         seen.warnings
             .extend(carries_more(device, &both, first.context.runs.len())?);
         Ok(seen)
     }
 
-    fn predicted(self, along: &Along<'_>) -> OnSecond {
-        let recorded = along.recorded;
-        let own = self.effects.along;
-        let count = self.base.scales + own.recorded.channels.len();
+    /// Coefficients of the base model fitted without the effects.
+    fn without_effects(self) -> Vec<f64> {
+        let count = self.base.scales + self.effects.along.recorded.channels.len();
         let mut alone = self.base.clone();
         alone.regression.truncate(count);
-        let before = along.predicted(own, self.base, &alone.regression.solution());
+        alone.regression.solution()
+    }
+
+    /// What this model, and one with the coefficients `alone` and no effects, leave of another recording.
+    pub(in crate::force) fn predicted(self, along: &Along<'_>, alone: &[f64]) -> OnSecond {
+        let recorded = along.recorded;
+        let own = self.effects.along;
+        let before = along.predicted(own, self.base, alone);
         let solution = self.base.regression.solution();
         let mut after = along.predicted(own, self.base, &solution);
         let add = |torque: &[f64], to: &mut Vec<f64>| {
@@ -144,8 +150,8 @@ fn carries_more(
     Ok(found.iter().find(|payload| payload.run == first).map(told))
 }
 
-/// Two recordings one after the other, as runs of one.
-fn joined(first: &Recording, second: &Recording) -> Recording {
+/// Two recordings one after the other, as runs of one; torques without what the device's own effects add.
+fn joined(device: &Device, first: &Recording, second: &Recording) -> Recording {
     let rows = first.len() + second.len();
     let number = |recording: &Recording, from: i64| -> Vec<i64> {
         match &recording.run {
@@ -166,19 +172,10 @@ fn joined(first: &Recording, second: &Recording) -> Recording {
     let from = run.last().copied().unwrap_or(0) + 1;
     run.extend(number(second, from));
     let numbers = |a: &Vec<f64>, b: &Vec<f64>| [a.as_slice(), b.as_slice()].concat();
-    let known = |column: Option<&Option<Vec<f64>>>, recording: &Recording| {
-        let column = column.and_then(Option::as_ref);
-        column
-            .cloned()
-            .unwrap_or_else(|| vec![f64::NAN; recording.len()])
-    };
     let joints = first.joint.len();
     let torque_nm = (0..joints).map(|joint| {
-        let columns = [first.torque_nm.get(joint), second.torque_nm.get(joint)];
-        let are_read = columns
-            .iter()
-            .all(|column| column.is_some_and(Option::is_some));
-        are_read.then(|| numbers(&known(columns[0], first), &known(columns[1], second)))
+        let own = |recording| torque_nm_without_effects(device, recording, joint);
+        Some(numbers(&own(first)?, &own(second)?))
     });
     Recording {
         line: (2..).take(rows).collect(),

@@ -11,7 +11,11 @@ use crate::force::examine;
 const ROWS: usize = 3000;
 
 /// The one finding of an answer, at a joint from 0.
-fn only<'a>(answer: &'a ForceAnswer, effect: &str, joint: Option<usize>) -> &'a CauseAnswer {
+pub(super) fn only<'a>(
+    answer: &'a ForceAnswer,
+    effect: &str,
+    joint: Option<usize>,
+) -> &'a CauseAnswer {
     assert!(answer.significant);
     assert_eq!(answer.findings.len(), 1, "{effect}: {answer:?}");
     let found = &answer.findings[0];
@@ -25,7 +29,7 @@ fn only<'a>(answer: &'a ForceAnswer, effect: &str, joint: Option<usize>) -> &'a 
 }
 
 /// Asserts that a parameter's interval holds the truth, and is no wider than `most`.
-fn holds(found: &CauseAnswer, name: &str, truth: f64, most: f64) {
+pub(super) fn holds(found: &CauseAnswer, name: &str, truth: f64, most: f64) {
     let ParameterAnswer {
         value,
         ci95: [low, high],

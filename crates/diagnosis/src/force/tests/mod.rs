@@ -5,3 +5,4 @@ mod arm;
 mod carried;
 mod found;
 mod mechanics;
+mod of_device;
