@@ -20,6 +20,7 @@ pub use haptical_calibration as calibration;
 pub use haptical_data as data;
 pub use haptical_design as design;
 pub use haptical_diagnosis as diagnosis;
+pub use haptical_dynamics as dynamics;
 pub use haptical_effects as effects;
 pub use haptical_identification as identification;
 pub use haptical_kinematics as kinematics;
