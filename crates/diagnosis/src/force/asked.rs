@@ -203,19 +203,7 @@ impl Effects<'_, '_> {
             }
         }
         let score = best?;
-        let (shape, columns) = self.refined(base, &score);
-        let pick = Pick {
-            effect: score.effect,
-            shape,
-            first: base.regression.len(),
-            count: columns.len(),
-            score: score.score,
-            probability: 1.0,
-            rivals: Vec::new(),
-        };
-        columns
-            .into_iter()
-            .for_each(|column| base.regression.add(column));
+        let pick = self.taken(base, &score);
         if is_scale(self.effect(score.effect)) {
             self.along.settle(base);
         }

@@ -99,19 +99,7 @@ impl Effects<'_, '_> {
                     continue;
                 }
             }
-            let (shape, columns) = self.refined(base, &score);
-            picks.push(Pick {
-                effect: score.effect,
-                shape,
-                first: base.regression.len(),
-                count: columns.len(),
-                score: score.score,
-                probability: 1.0,
-                rivals: Vec::new(),
-            });
-            columns
-                .into_iter()
-                .for_each(|column| base.regression.add(column));
+            picks.push(self.taken(base, &score));
             if is_scale(effect) {
                 self.along.settle(base);
                 for candidate in &mut candidates {
@@ -180,9 +168,27 @@ impl Effects<'_, '_> {
         beside.score(columns).score >= LEAST_LOOP * score.score
     }
 
+    /// Adds an effect to the regression, its shape searched.
+    pub(super) fn taken(&self, base: &mut Base, score: &Score) -> Pick {
+        let (shape, columns) = self.refined(base, score);
+        let pick = Pick {
+            effect: score.effect,
+            shape,
+            first: base.regression.len(),
+            count: columns.len(),
+            score: score.score,
+            probability: 1.0,
+            rivals: Vec::new(),
+        };
+        for column in columns {
+            base.regression.add(column);
+        }
+        pick
+    }
+
     /// The shape of an effect searched between those of the grid (golden section), and its columns with the
     /// derivative by the shape's logarithm.
-    pub(super) fn refined(&self, base: &Base, pick: &Score) -> (f64, Vec<Vec<f64>>) {
+    fn refined(&self, base: &Base, pick: &Score) -> (f64, Vec<Vec<f64>>) {
         let columns = |shape: f64| self.columns(base, pick.effect, shape);
         let dense = |shape: f64| -> Vec<Vec<f64>> {
             let columns = columns(shape);

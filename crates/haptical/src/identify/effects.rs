@@ -419,18 +419,10 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
         let is_possible = has_size && is_possible(device, index);
         let is_told = p_value.is_some_and(|p| p < SHOWN) && found.calibration.rejected.is_none();
         let shown = is_told && is_possible;
-        let number = |(name, value): (&String, &f64)| {
-            let number = EffectNumber {
-                value: Some(*value),
-                unit: Unit::by_name(name).symbol(),
-                ci95: effect.intervals.get(name).copied(),
-            };
-            (name.clone(), number)
-        };
         let entry = EffectEntry {
             effect: effect.name.clone(),
             joint: effect.joint.map(|joint| joint + 1),
-            parameters: effect.numbers.iter().map(number).collect(),
+            parameters: numbers(effect),
             p_value,
             shown,
             why: match is_possible {
@@ -441,6 +433,19 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
         entries.push((index, entry));
     }
     Ok(entries)
+}
+
+/// The numbers of an effect with their units and intervals, by name.
+fn numbers(effect: &DeviceEffect) -> BTreeMap<String, EffectNumber> {
+    let number = |(name, value): (&String, &f64)| {
+        let number = EffectNumber {
+            value: Some(*value),
+            unit: Unit::by_name(name).symbol(),
+            ci95: effect.intervals.get(name).copied(),
+        };
+        (name.clone(), number)
+    };
+    effect.numbers.iter().map(number).collect()
 }
 
 /// Probability that noise alone gives amplitudes of this size.

@@ -1,10 +1,9 @@
 //! Effects on torques that are asked for, fitted where geometry and drives are known.
 
 use haptical_diagnosis::{AskedOfTorques, DiagnosisError, ask_torques};
-use haptical_effects::Unit;
 use haptical_model::{Device as Model, DeviceEffect, Recording};
 
-use super::{EffectEntry, EffectNumber, SHOWN, why};
+use super::{EffectEntry, SHOWN, numbers, why};
 
 /// Fits effects to the torques of an identified device, which gets those that the log shows, and keeps those that it had where
 /// nothing can be said of them. Torques say nothing of geometry and drives that other channels do not say better: what they
@@ -41,21 +40,10 @@ fn entry(asked: &DeviceEffect, answer: &AskedOfTorques) -> EffectEntry {
         .and_then(|own| own.reduction_percent);
     let is_by_chance = answer.p_value.is_none_or(|p| p >= SHOWN);
     let shown = !is_by_chance && closed_percent.is_none_or(|percent| percent > 0.0);
-    let numbers = answer.effect.iter().flat_map(|effect| {
-        let number = |(name, value): (&String, &f64)| {
-            let number = EffectNumber {
-                value: Some(*value),
-                unit: Unit::by_name(name).symbol(),
-                ci95: effect.intervals.get(name).copied(),
-            };
-            (name.clone(), number)
-        };
-        effect.numbers.iter().map(number)
-    });
     EffectEntry {
         effect: asked.name.clone(),
         joint: asked.joint.map(|joint| joint + 1),
-        parameters: numbers.collect(),
+        parameters: answer.effect.as_ref().map(numbers).unwrap_or_default(),
         p_value: answer.p_value,
         shown,
         why: match &answer.why_not {
