@@ -33,18 +33,21 @@ pub(crate) fn within_laws(
         RATIO_ERROR.name,
     ];
     let is_known = |cause: &CauseAnswer| {
-        // an ambiguous cause is any of its class
+        of_base.contains(&cause.effect.as_str()) || own_effects.iter().any(|own| is_kin(own, cause))
+    };
+    // which of several effects it is, and where, is open: one of the family of an effect of the device may be it
+    let may_be_known = |cause: &CauseAnswer| {
         let rivals = cause.confusable_with.iter().map(String::as_str);
         let mut class = std::iter::once(cause.effect.as_str()).chain(rivals);
         class.any(|name| {
-            let is_kin = |own| is_kin(own, name, cause.joint);
-            of_base.contains(&name) || own_effects.iter().any(is_kin)
+            of_base.contains(&name) || own_effects.iter().any(|own| is_of_family(own, name))
         })
     };
     let is_open = match found.verdict {
         Verdict::NoGap => false,
         Verdict::Unknown => true,
-        Verdict::Named | Verdict::Ambiguous => found.causes.iter().all(is_known),
+        Verdict::Ambiguous => found.causes.first().is_none_or(may_be_known),
+        Verdict::Named => found.causes.iter().all(is_known),
     };
     if !is_open || own_effects.is_empty() {
         return Ok(found);
@@ -141,13 +144,21 @@ fn share_left(channels: &[&ChannelGap], without: &[Without]) -> f64 {
     left / f64::max(whole, 1e-300)
 }
 
-/// Whether a cause, at a joint from 1, is another law of what an effect of the device is: of the same kind at the same place.
-fn is_kin(own: &DeviceEffect, name: &str, at: Option<usize>) -> bool {
-    let joint = own.joint.map(|joint| joint + 1);
+/// Whether an effect is of the family of one of the device.
+fn is_of_family(own: &DeviceEffect, name: &str) -> bool {
     let (Some(mine), Some(theirs)) = (spec(&own.name), spec(name)) else {
         return false;
     };
-    joint == at && (mine.is_kin_of(theirs) || mine.name == theirs.name)
+    mine.family == theirs.family
+}
+
+/// Whether a cause is another law of what an effect of the device is: of the same kind at the same place.
+fn is_kin(own: &DeviceEffect, cause: &CauseAnswer) -> bool {
+    let joint = own.joint.map(|joint| joint + 1);
+    let (Some(mine), Some(theirs)) = (spec(&own.name), spec(&cause.effect)) else {
+        return false;
+    };
+    joint == cause.joint && (mine.is_kin_of(theirs) || mine.name == theirs.name)
 }
 
 #[cfg(test)]
@@ -194,9 +205,8 @@ mod tests {
                 false,
             ),
         ] {
-            let at = at.map(|at: usize| at + 1);
-            let found = is_kin(&own(mine, joint), theirs, at);
-            assert_eq!(found, is_one, "{mine} {theirs}");
+            let cause = CauseAnswer::named(theirs, at, 1.0);
+            assert_eq!(is_kin(&own(mine, joint), &cause), is_one, "{mine} {theirs}");
         }
     }
 }
