@@ -7,20 +7,6 @@ use serde_json::Value;
 
 use crate::{Sandbox, haptical, text};
 
-fn run(sandbox: &Sandbox, arguments: &[&str]) -> String {
-    let output = haptical()
-        .current_dir(sandbox.folder.path())
-        .args(arguments)
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    text(&output.stdout)
-}
-
-fn json(path: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
 /// Root mean squares of prediction minus measurement of two channels.
 fn replayed(sandbox: &Sandbox, device: &str, log: &str) -> [f64; 2] {
     let flags = [
@@ -31,10 +17,7 @@ fn replayed(sandbox: &Sandbox, device: &str, log: &str) -> [f64; 2] {
         "--force",
         "--json",
     ];
-    let said = run(
-        sandbox,
-        &[&["simulate", "--device", device][..], &flags].concat(),
-    );
+    let said = sandbox.ran(&[&["simulate", "--device", device][..], &flags].concat());
     let told: Value = serde_json::from_str(&said).unwrap();
     let channels = told["channels"].as_array().unwrap();
     ["out2", "cable"].map(|name| {
@@ -72,17 +55,11 @@ fn a_dent_is_corrected_on_a_fresh_recording_and_named_no_cause() {
             log,
             "--force",
         ];
-        run(
-            &sandbox,
-            &[&["simulate", "--device", "dented.toml"][..], &flags].concat(),
-        );
+        sandbox.ran(&[&["simulate", "--device", "dented.toml"][..], &flags].concat());
     }
     let diagnose = ["diagnose", "--device", "device.toml", "--log"];
-    let said = run(
-        &sandbox,
-        &[&diagnose[..], &["log.csv", "--out", "gap"]].concat(),
-    );
-    let gap = json(&sandbox.path("gap/gap.json"));
+    let said = sandbox.ran(&[&diagnose[..], &["log.csv", "--out", "gap"]].concat());
+    let gap = sandbox.json("gap/gap.json");
     assert_eq!(gap["verdict"], "unknown", "{said}");
     assert!(said.contains("which is no cause"), "{said}");
     let causes = gap["causes"].as_array().unwrap();
@@ -93,35 +70,29 @@ fn a_dent_is_corrected_on_a_fresh_recording_and_named_no_cause() {
         (&2.into(), &"theta2_rad".into())
     );
     assert!(own["closed_unseen_share"].as_f64().unwrap() > 0.8, "{own}");
-    run(
-        &sandbox,
-        &[
-            "identify",
-            "--device",
-            "device.toml",
-            "--log",
-            "log.csv",
-            "--out",
-            "rigid",
-        ],
-    );
+    sandbox.ran(&[
+        "identify",
+        "--device",
+        "device.toml",
+        "--log",
+        "log.csv",
+        "--out",
+        "rigid",
+    ]);
     let before = replayed(&sandbox, "rigid/identified.toml", "fresh.csv");
     let after = replayed(&sandbox, "gap/corrected.toml", "fresh.csv");
     assert!(before.iter().all(|before| *before > 2.5), "{before:?}");
     assert!(after.iter().all(|after| *after < NOISE), "{after:?}");
     // an identification keeps it as it is
-    run(
-        &sandbox,
-        &[
-            "identify",
-            "--device",
-            "gap/corrected.toml",
-            "--log",
-            "fresh.csv",
-            "--out",
-            "again",
-        ],
-    );
+    sandbox.ran(&[
+        "identify",
+        "--device",
+        "gap/corrected.toml",
+        "--log",
+        "fresh.csv",
+        "--out",
+        "again",
+    ]);
     let [corrected, again] = ["gap/corrected.toml", "again/identified.toml"].map(|name| {
         let text = std::fs::read_to_string(sandbox.path(name)).unwrap();
         let lines = text
@@ -137,8 +108,8 @@ fn a_dent_is_corrected_on_a_fresh_recording_and_named_no_cause() {
         "--out",
         "check",
     ];
-    run(&sandbox, &[&diagnose[..], &model].concat());
-    assert_eq!(json(&sandbox.path("check/gap.json"))["verdict"], "no-gap");
+    sandbox.ran(&[&diagnose[..], &model].concat());
+    assert_eq!(sandbox.json("check/gap.json")["verdict"], "no-gap");
     // and a control loop has the curve
     let export = haptical()
         .current_dir(sandbox.folder.path())
@@ -178,9 +149,9 @@ fn the_dent_of_another_simulator_is_corrected() {
         std::fs::copy(set.join(name), sandbox.path(name)).unwrap();
     }
     let log = ["--device", "device.toml", "--log", "log.csv.gz", "--out"];
-    run(&sandbox, &[&["diagnose"][..], &log, &["gap"]].concat());
-    assert_eq!(json(&sandbox.path("gap/gap.json"))["verdict"], "unknown");
-    run(&sandbox, &[&["identify"][..], &log, &["rigid"]].concat());
+    sandbox.ran(&[&["diagnose"][..], &log, &["gap"]].concat());
+    assert_eq!(sandbox.json("gap/gap.json")["verdict"], "unknown");
+    sandbox.ran(&[&["identify"][..], &log, &["rigid"]].concat());
     let before = replayed(&sandbox, "rigid/identified.toml", "log2.csv.gz");
     let after = replayed(&sandbox, "gap/corrected.toml", "log2.csv.gz");
     assert!(before.iter().all(|before| *before > 5.0), "{before:?}");

@@ -109,6 +109,28 @@ impl Sandbox {
         self.run("diagnose", further)
     }
 
+    /// Standard output of a command in the sandbox that must succeed.
+    fn ran(&self, words: &[&str]) -> String {
+        let output = haptical()
+            .current_dir(self.folder.path())
+            .args(words)
+            .output()
+            .unwrap();
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{words:?}: {}{}",
+            text(&output.stdout),
+            text(&output.stderr)
+        );
+        text(&output.stdout)
+    }
+
+    /// A JSON file of the sandbox.
+    fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(self.path(name)).unwrap()).unwrap()
+    }
+
     fn run(&self, command: &str, further: &[&str]) -> Output {
         haptical()
             .current_dir(self.folder.path())

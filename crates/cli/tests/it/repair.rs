@@ -29,14 +29,8 @@ impl Case {
 
     fn run(&self, arguments: &[&str]) -> String {
         let (command, further) = arguments.split_first().unwrap();
-        let output = haptical()
-            .current_dir(self.sandbox.folder.path())
-            .args([*command, "--device", "device.toml"])
-            .args(further)
-            .output()
-            .unwrap();
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-        text(&output.stdout)
+        let device: &[&str] = &[*command, "--device", "device.toml"];
+        self.sandbox.ran(&[device, further].concat())
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -48,14 +42,14 @@ impl Case {
             "diagnose", "--log", "log.csv", "--repair", "--out", "result",
         ];
         let said = self.run(&[&flags, further].concat());
-        (json(&self.path("result/gap.json")), said)
+        (self.sandbox.json("result/gap.json"), said)
     }
 
     /// The answer to the repaired log, from its file.
     fn again(&self, further: &[&str]) -> Value {
         let flags = ["diagnose", "--log", "result/repaired.csv", "--out", "again"];
         self.run(&[&flags, further].concat());
-        json(&self.path("again/gap.json"))
+        self.sandbox.json("again/gap.json")
     }
 
     /// Errors of what a log identifies, in the standard deviations of those of the clean log: the device file is the truth.
@@ -63,7 +57,7 @@ impl Case {
         let identified = logs.map(|log| {
             let out = format!("of-{}", log.replace('/', "-"));
             self.run(&["identify", "--log", log, "--out", &out]);
-            json(&self.path(&format!("{out}/identified.json")))
+            self.sandbox.json(&format!("{out}/identified.json"))
         });
         let errors = |result: &Value| {
             let (mut squares, mut count) = (0.0, 0.0);
@@ -82,10 +76,6 @@ impl Case {
         };
         [0, 1, 2].map(|index| errors(&identified[index]))
     }
-}
-
-fn json(path: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
 /// A minute at 100 rows a second.
@@ -111,7 +101,7 @@ fn assert_repaired(case: &Case, cause: &str, further: &[&str]) -> Value {
     );
     assert_eq!(repair["check"]["verdict"], "no-gap", "{said}");
     assert_eq!(
-        json(&case.path("result/repaired.json"))["changes"],
+        case.sandbox.json("result/repaired.json")["changes"],
         repair["changes"]
     );
     repair.clone()
@@ -290,18 +280,8 @@ fn a_repair_is_made_again_by_verify_and_never_over_its_input() {
     );
     let (gap, _) = case.repaired(&[]);
     assert_eq!(gap["repair"]["log"], "repaired.csv");
-    let verified = haptical()
-        .current_dir(case.sandbox.folder.path())
-        .args(["verify", "result"])
-        .output()
-        .unwrap();
-    assert_eq!(
-        verified.status.code(),
-        Some(0),
-        "{}",
-        text(&verified.stdout)
-    );
-    assert!(text(&verified.stdout).contains("repaired.csv"));
+    let verified = case.sandbox.ran(&["verify", "result"]);
+    assert!(verified.contains("repaired.csv"));
     let over = haptical()
         .current_dir(case.sandbox.folder.path())
         .args(["diagnose", "--device", "device.toml", "--repair"])
@@ -349,7 +329,7 @@ fn logs_of_another_simulator_are_repaired() {
             "--out",
             "result",
         ]);
-        let gap = json(&case.path("result/gap.json"));
+        let gap = case.sandbox.json("result/gap.json");
         assert_eq!(gap["repair"]["log"], "repaired.csv.gz", "{set}");
         assert_eq!(gap["repair"]["check"]["verdict"], wanted, "{set}");
         case.run(&[
@@ -359,7 +339,7 @@ fn logs_of_another_simulator_are_repaired() {
             "--out",
             "again",
         ]);
-        let again = json(&case.path("again/gap.json"));
+        let again = case.sandbox.json("again/gap.json");
         assert_eq!(again["verdict"], wanted, "{set}");
         let named = |cause: &Value| cause["effect"].as_str().unwrap().ends_with("latency");
         assert!(

@@ -15,10 +15,6 @@ fn two_logs() -> Sandbox {
     sandbox
 }
 
-fn json(sandbox: &Sandbox, path: &str) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(sandbox.path(path)).unwrap()).unwrap()
-}
-
 #[test]
 fn two_logs_are_judged_together_and_verified() {
     let sandbox = two_logs();
@@ -27,7 +23,7 @@ fn two_logs_are_judged_together_and_verified() {
     let said = text(&output.stdout);
     let wanted = format!("logs     log.csv ({ROWS} rows), log2.csv ({ROWS} rows), judged together");
     assert!(said.contains(&wanted), "{said}");
-    let both = json(&sandbox, "result/gap.json");
+    let both = sandbox.json("result/gap.json");
     assert_eq!(both["logs"][1]["file"], "log2.csv");
     assert_eq!(both["provenance"]["rows"], 2 * ROWS);
     let cause = |gap: &Value| gap["causes"][0].clone();
@@ -39,19 +35,9 @@ fn two_logs_are_judged_together_and_verified() {
         (&both["verdict"], &cause(&both)["joint"]),
         (&"named".into(), &2.into())
     );
-    let verified = haptical()
-        .current_dir(sandbox.path(""))
-        .args(["verify", "result"])
-        .output()
-        .unwrap();
-    assert_eq!(
-        verified.status.code(),
-        Some(0),
-        "{}",
-        text(&verified.stdout)
-    );
+    sandbox.ran(&["verify", "result"]);
     assert_eq!(sandbox.diagnose(&[]).status.code(), Some(0));
-    let one = json(&sandbox, "result/gap.json");
+    let one = sandbox.json("result/gap.json");
     assert!(one.get("logs").is_none());
     // the evidence adds: the interval is narrower, but for what the torque's scale leaves open
     assert!(
@@ -130,7 +116,7 @@ fn a_recording_is_chosen_for_an_open_answer() {
         "{said}"
     );
     // the same answer as if a play were as likely
-    let mut open = json(&sandbox, "result/gap.json");
+    let mut open = sandbox.json("result/gap.json");
     open["verdict"] = "ambiguous".into();
     open["candidates"][1] = serde_json::json!({
         "effect": "backlash", "joint": 2, "nats_behind": 1.0, "parameters": {"width_rad": 1e-3},
@@ -154,7 +140,7 @@ fn a_recording_is_chosen_for_an_open_answer() {
         names_in(&sandbox.path("next")),
         ["plan.json", "poses.csv", "report.html"]
     );
-    let plan = json(&sandbox, "next/plan.json");
+    let plan = sandbox.json("next/plan.json");
     let poses = std::fs::read_to_string(sandbox.path("next/poses.csv")).unwrap();
     assert!(poses.starts_with("time_s,theta1_rad,theta2_rad"), "{poses}");
     assert_eq!(plan["rows"], poses.lines().count() - 1);

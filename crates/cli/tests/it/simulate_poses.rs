@@ -10,21 +10,6 @@ use crate::{Sandbox, haptical, text};
 /// Stiffness of the true arm's second joint \[N m/rad\].
 const STIFFNESS: f64 = 2000.0;
 
-/// Runs the command in the sandbox; its standard output.
-fn run(sandbox: &Sandbox, words: &[&str]) -> String {
-    let output = haptical()
-        .current_dir(sandbox.folder.path())
-        .args(words)
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{words:?}: {}",
-        text(&output.stderr)
-    );
-    text(&output.stdout).to_owned()
-}
-
 /// Runs the command in the sandbox; it must refuse with these texts.
 fn refused(sandbox: &Sandbox, words: &[&str], texts: &[&str]) {
     let output = haptical()
@@ -41,10 +26,6 @@ fn refused(sandbox: &Sandbox, words: &[&str], texts: &[&str]) {
 
 fn read(sandbox: &Sandbox, name: &str) -> String {
     std::fs::read_to_string(sandbox.path(name)).unwrap()
-}
-
-fn json(sandbox: &Sandbox, name: &str) -> Value {
-    serde_json::from_str(&read(sandbox, name)).unwrap()
 }
 
 fn arm(sandbox: &Sandbox) {
@@ -85,7 +66,7 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
             .chain(further)
             .copied()
             .collect();
-        run(&sandbox, &words)
+        sandbox.ran(&words)
     };
     let rig = "pose:unknown";
     with(
@@ -124,7 +105,7 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
     );
     let log = ["--rig", "made.csv.rig.toml", "--log", "made.csv"];
     with("diagnose", &[&log[..], &["--out", "gap"]].concat());
-    let gap = json(&sandbox, "gap/gap.json");
+    let gap = sandbox.json("gap/gap.json");
     assert_eq!(gap["verdict"], "named", "{}", gap["answer"]);
     assert_eq!(gap["causes"][0]["effect"], "joint-compliance");
     assert_eq!(gap["causes"][0]["joint"], 2);
@@ -140,7 +121,7 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
         ]
         .concat(),
     );
-    let found = json(&sandbox, "result/identified.json");
+    let found = sandbox.json("result/identified.json");
     let number = &found["effects"][0]["parameters"]["stiffness_nm_per_rad"];
     let interval = &number["ci95"];
     let [low, high] = [0, 1].map(|end| interval[end].as_f64().unwrap());
@@ -155,7 +136,7 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
     assert!((truth.compliance_rad_per_nm(1) * STIFFNESS - 1.0).abs() < 1e-12);
     assert_covered(&found, &truth);
 
-    let said = run(&sandbox, &["verify", "result"]);
+    let said = sandbox.ran(&["verify", "result"]);
     assert!(said.contains("Verified"), "{said}");
     std::fs::rename(sandbox.path("gap/gap.json"), sandbox.path("moved.json")).unwrap();
     refused(
@@ -163,7 +144,7 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
         &["verify", "result"],
         &["as --with is not there", "with --with"],
     );
-    let said = run(&sandbox, &["verify", "result", "--with", "moved.json"]);
+    let said = sandbox.ran(&["verify", "result", "--with", "moved.json"]);
     assert!(said.contains("Verified"), "{said}");
 }
 
@@ -181,7 +162,7 @@ fn a_seed_gives_the_same_bytes_and_the_truth_says_where_sockets_are() {
         "--out",
         "plan",
     ];
-    run(&sandbox, &[&plan[..], &device].concat());
+    sandbox.ran(&[&plan[..], &device].concat());
     let simulate = [
         "simulate",
         "--poses",
@@ -192,10 +173,7 @@ fn a_seed_gives_the_same_bytes_and_the_truth_says_where_sockets_are() {
     ];
     for name in ["a.csv", "b.csv", "c.csv"] {
         let seed = if name == "c.csv" { "2" } else { "1" };
-        run(
-            &sandbox,
-            &[&simulate[..], &[name, "--seed", seed], &device].concat(),
-        );
+        sandbox.ran(&[&simulate[..], &[name, "--seed", seed], &device].concat());
     }
     assert_eq!(read(&sandbox, "a.csv"), read(&sandbox, "b.csv"));
     assert_eq!(
@@ -222,20 +200,17 @@ fn a_seed_gives_the_same_bytes_and_the_truth_says_where_sockets_are() {
         "{rig}"
     );
     // a device of other numbers is in its own log's reach: the log is read again as postures
-    run(
-        &sandbox,
-        &[
-            "simulate",
-            "--device",
-            "device.toml",
-            "--rig",
-            "a.csv.rig.toml",
-            "--poses",
-            "a.csv",
-            "--out",
-            "d.csv",
-        ],
-    );
+    sandbox.ran(&[
+        "simulate",
+        "--device",
+        "device.toml",
+        "--rig",
+        "a.csv.rig.toml",
+        "--poses",
+        "a.csv",
+        "--out",
+        "d.csv",
+    ]);
     let header = |name: &str| read(&sandbox, name).lines().next().unwrap_or("").to_owned();
     assert_eq!(header("d.csv"), header("a.csv"));
 }
