@@ -60,15 +60,9 @@ impl Tree<'_> {
     ) -> Result<(), DynamicsError> {
         let count = self.bodies().len();
         let TorqueDerivatives { by_q, by_dq } = out;
-        self.check_joints("position", q)?;
-        self.check_joints("velocity", dq)?;
-        self.check_joints("acceleration", ddq)?;
-        self.check_scratch(scratch)?;
         check_length("the derivative by positions", count * count, by_q.len())?;
         check_length("the derivative by velocities", count * count, by_dq.len())?;
-        self.place(q, scratch);
-        self.weigh(scratch);
-        self.accelerate(dq, Some(ddq), scratch);
+        self.move_to(q, dq, Some(ddq), scratch)?;
         for index in 0..count {
             let (velocity, acceleration) = self.carried(index, scratch);
             scratch[index].differentiate(&velocity, &acceleration);

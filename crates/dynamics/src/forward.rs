@@ -48,15 +48,10 @@ impl Tree<'_> {
         scratch: &mut [Scratch],
         out: &mut [f64],
     ) -> Result<(), DynamicsError> {
-        self.check_joints("position", q)?;
-        self.check_joints("velocity", dq)?;
         self.check_joints("torque", tau)?;
         self.check_wrenches(wrenches)?;
-        self.check_scratch(scratch)?;
         check_length("the slice of accelerations", self.bodies().len(), out.len())?;
-        self.place(q, scratch);
-        self.weigh(scratch);
-        self.accelerate(dq, None, scratch);
+        self.move_to(q, dq, None, scratch)?;
         for own in scratch.iter_mut() {
             let momentum = own.inertia.times(&own.velocity);
             let bias = own.velocity.cross_force(&momentum);

@@ -45,7 +45,6 @@ impl Tree<'_> {
         scratch: &mut [Scratch],
         out: &mut [f64],
     ) -> Result<(), DynamicsError> {
-        self.check_joints("acceleration", ddq)?;
         self.torques(q, dq, Some(ddq), wrenches, scratch, out)
     }
 
@@ -74,14 +73,9 @@ impl Tree<'_> {
         scratch: &mut [Scratch],
         out: &mut [f64],
     ) -> Result<(), DynamicsError> {
-        self.check_joints("position", q)?;
-        self.check_joints("velocity", dq)?;
         self.check_wrenches(wrenches)?;
-        self.check_scratch(scratch)?;
         check_length("the slice of torques", self.bodies().len(), out.len())?;
-        self.place(q, scratch);
-        self.weigh(scratch);
-        self.accelerate(dq, ddq, scratch);
+        self.move_to(q, dq, ddq, scratch)?;
         for own in scratch.iter_mut() {
             let momentum = own.inertia.times(&own.velocity);
             let force = own.inertia.times(&own.acceleration);

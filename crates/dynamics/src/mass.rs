@@ -75,12 +75,7 @@ impl Tree<'_> {
         dq: &[f64],
         scratch: &mut [Scratch],
     ) -> Result<f64, DynamicsError> {
-        self.check_joints("position", q)?;
-        self.check_joints("velocity", dq)?;
-        self.check_scratch(scratch)?;
-        self.place(q, scratch);
-        self.weigh(scratch);
-        self.accelerate(dq, None, scratch);
+        self.move_to(q, dq, None, scratch)?;
         let bodies = scratch.iter().zip(self.bodies()).zip(dq);
         let twice = bodies.map(|((own, body), dq)| {
             let momentum = own.inertia.times(&own.velocity);

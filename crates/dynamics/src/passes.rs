@@ -4,7 +4,7 @@ use haptical_kinematics::Pose;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::spatial::{Force, Motion};
-use crate::{Joint, Scratch, Tree, Wrench};
+use crate::{DynamicsError, Joint, Scratch, Tree, Wrench};
 
 /// `1 + sin(q) [a] + (1 - cos(q)) [a]^2`: Rodrigues.
 fn turn(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
@@ -14,6 +14,30 @@ fn turn(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
 }
 
 impl Tree<'_> {
+    /// Places, inertias, velocities and accelerations of all bodies in a motion; without `ddq` the joints do not accelerate.
+    ///
+    /// # Errors
+    ///
+    /// [`DynamicsError::Length`], [`DynamicsError::NonFiniteJoint`].
+    pub(crate) fn move_to(
+        &self,
+        q: &[f64],
+        dq: &[f64],
+        ddq: Option<&[f64]>,
+        scratch: &mut [Scratch],
+    ) -> Result<(), DynamicsError> {
+        self.check_joints("position", q)?;
+        self.check_joints("velocity", dq)?;
+        if let Some(ddq) = ddq {
+            self.check_joints("acceleration", ddq)?;
+        }
+        self.check_scratch(scratch)?;
+        self.place(q, scratch);
+        self.weigh(scratch);
+        self.accelerate(dq, ddq, scratch);
+        Ok(())
+    }
+
     /// Poses, and screws along the base's axes, about its origin.
     pub(crate) fn place(&self, q: &[f64], scratch: &mut [Scratch]) {
         for (index, body) in self.bodies().iter().enumerate() {
