@@ -1,5 +1,6 @@
 //! `haptical play`: the page is whole, and its numbers are those of the model.
 
+use haptical_calibration::frame_origins_m;
 use haptical_simulator::apply_deviations;
 use serde_json::Value;
 
@@ -131,6 +132,19 @@ fn effects_of_the_model_bend_the_arm_and_its_errors() {
             ("theta2", -torque(1, row) / capstan),
             ("theta3", -torque(2, row) / bearing),
         ];
+        // the frames in between show what yields behind the encoder alone
+        let yields = apply_deviations(&played.truth, &bent[1..]).unwrap();
+        let frames = &frame_origins_m(&yields, &played.recording).unwrap()[row];
+        for (frame, origin_m) in frames.iter().enumerate().take(frames.len() - 1) {
+            for axis in 0..3 {
+                let at = |name: &str| number(&data[name][row][3 * frame + axis]);
+                let shown_um = at("origins_um") + at("deviations_um");
+                assert!(
+                    (shown_um - 1e6 * origin_m[axis]).abs() < 2.5 * ROUNDING_UM,
+                    "{frame}"
+                );
+            }
+        }
         let bent = apply_deviations(&played.truth, &bent).unwrap();
         let (handle_m, _) = played.at(&bent, row);
         let (nominal_um, shift_um) = (
