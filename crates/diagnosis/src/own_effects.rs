@@ -173,6 +173,14 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_delay_of_all_encoders_may_be_one_of_a_joint_and_no_spring() {
+        let late = own("encoder-latency", None);
+        assert!(is_of_family(&late, "viscous-lag"));
+        assert!(!is_of_family(&late, "capstan-compliance"));
+        assert!(!is_of_family(&late, "no-such-effect"));
+    }
+
     /// Of one kind at one place are a play and a loop, two bends of a cable, two slow changes of one cable, and a spring that
     /// is another one; not a joint's and its neighbour's, nor a delay beside a play.
     #[test]

@@ -356,3 +356,13 @@ fn logs_of_another_simulator_are_repaired() {
         );
     }
 }
+
+/// A device that mostly rests: between the changes of a count neighbours do not differ at all, and each change stood alone.
+#[test]
+fn changes_of_a_count_are_no_wild_readings() {
+    let motion = ["--seconds", "30", "--rate-hz", "100", "--seed", "3"];
+    let (gap, said) = Case::simulated("", &motion).repaired(&[]);
+    assert_eq!(gap["verdict"], "no-gap", "{said}");
+    assert_eq!(gap["causes"], serde_json::json!([]), "{said}");
+    assert!(gap["repair"]["log"].is_null(), "{said}");
+}
