@@ -102,3 +102,35 @@ impl Judged<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use haptical_effects::catalogue;
+    use haptical_model::Device;
+
+    use super::*;
+
+    /// Where axes intersect, an axis that wobbles and a cable routed over a joint look alike but for what their laws get
+    /// wrong: more rows of the same do not tell them apart, another motion does.
+    #[test]
+    fn what_laws_leave_open_no_evidence_decides() {
+        let two = "[[joint]]\ntransmission = \"direct\"\ntransmission_ratio = 1.0\n".repeat(2);
+        let device = Device::from_toml(&two, "two.toml").unwrap().device;
+        let all = catalogue(&device);
+        let judged = |name: &str| Judged {
+            effect: all.iter().find(|own| own.name() == name).unwrap().as_ref(),
+            settles: false,
+            look_alikes_are_tried: true,
+        };
+        let (wobble, coupling) = (judged("axis-wobble"), judged("cross-coupling"));
+        let nats = |distance: f64| {
+            let told = Told {
+                distance,
+                whole: 1e5,
+            };
+            wobble.nats(&coupling, distance, told, Warming::OfItsOwn)
+        };
+        assert!(nats(1e3) < 3.3, "{}", nats(1e3));
+        assert!(nats(1e4) > 4.0, "{}", nats(1e4));
+    }
+}
