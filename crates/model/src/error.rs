@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
+use haptical_dynamics::DynamicsError;
 use haptical_kinematics::KinematicsError;
 use haptical_transmission::LawError;
+
+use crate::rigid_bodies::Missing;
 
 /// A device file that cannot be used; each says where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -174,10 +177,47 @@ pub enum ModelError {
         /// Condition number of the Jacobian.
         condition: f64,
     },
+    /// A row behind row 0 that no joint drives.
+    #[error("the device `{device}` has rows that no joint drives, the first of them row {row}")]
+    NoDrive {
+        /// Device name.
+        device: String,
+        /// Row, row 0 leading to the base.
+        row: usize,
+    },
+    /// A joint that moves no row, so that nothing is known of what it carries.
+    #[error(
+        "joint {joint} of the device `{device}` moves no row, so it carries nothing: give a row `driven_by = {joint}`"
+    )]
+    NoRow {
+        /// Device name.
+        device: String,
+        /// Joint, from 1.
+        joint: usize,
+    },
+    /// Numbers that a motion depends on and that the device file does not give.
+    #[error(
+        "the device `{device}` says too little for its motion: {}",
+        listed(missing)
+    )]
+    Unweighed {
+        /// Device name.
+        device: String,
+        /// What is missing, row by row.
+        missing: Vec<Missing>,
+    },
+    /// The equations of motion have no value.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
     /// A parameter that the device does not have.
     #[error("the device has no parameter `{name}`")]
     NoParameter {
         /// Name.
         name: String,
     },
+}
+
+fn listed(missing: &[Missing]) -> String {
+    let words: Vec<String> = missing.iter().map(Missing::to_string).collect();
+    words.join(", ")
 }

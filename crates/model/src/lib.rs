@@ -10,6 +10,8 @@ mod force;
 mod holding;
 mod parameter;
 mod recording;
+pub mod rigid;
+mod rigid_bodies;
 mod statics;
 
 pub use device::cable::{Cable, CableFit, CableReading};
@@ -29,6 +31,7 @@ pub use file::device::LoadedDevice;
 pub use file::syntax::check_toml_syntax;
 pub use file::text::{read_text_file, read_toml_text};
 pub use force::{ForceTransmission, handle_force_n};
+pub use haptical_dynamics as dynamics;
 pub use haptical_kinematics as kinematics;
 pub use haptical_kinematics::Parameter;
 pub use haptical_transmission as transmission;
@@ -38,4 +41,7 @@ pub use parameter::surrounding::{LengthScale, SurroundingParameter, UNSTATED_SCA
 pub use parameter::unknown::UnknownNumbers;
 pub use recording::joined::NotJoined;
 pub use recording::{AddedReadings, Recording};
+pub use rigid_bodies::{
+    Flange, Missing, MotionWork, RigidBodies, RowBody, RowMass, Segment, SegmentBody, Segments,
+};
 pub use statics::{Beyond, Load, Statics, Weight};

@@ -1,7 +1,7 @@
 //! Refusals of URDFs, and of devices that no robot description can hold.
 
 use haptical_model::kinematics::KinematicsError;
-use haptical_model::{DeviceFileError, Position};
+use haptical_model::{DeviceFileError, ModelError, Position};
 
 /// What was wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -129,6 +129,9 @@ pub enum UrdfError {
     /// The device's chain has no value.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
+    /// The device has no chain of moving rows.
+    #[error(transparent)]
+    Model(#[from] ModelError),
 }
 
 fn base_name(base: Option<&str>) -> String {
@@ -152,7 +155,8 @@ impl UrdfError {
             | Self::Unmoved { .. }
             | Self::Chain { .. }
             | Self::Device { .. }
-            | Self::Kinematics(_) => None,
+            | Self::Kinematics(_)
+            | Self::Model(_) => None,
         }
     }
 }

@@ -1,30 +1,7 @@
-//! Rigid transforms: products, inverses, and the angles in which URDF writes a rotation.
+//! Turns about axes, and the angles in which URDF writes a rotation.
 
-use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
-
-/// `first`, then `second` in the frame it leads to.
-pub(crate) fn then(first: &Pose, second: &Pose) -> Pose {
-    Pose {
-        position_m: first.position_m + first.rotation * second.position_m,
-        rotation: first.rotation * second.rotation,
-    }
-}
-
-pub(crate) fn inverse(pose: &Pose) -> Pose {
-    let rotation = pose.rotation.transpose();
-    Pose {
-        position_m: -(rotation * pose.position_m),
-        rotation,
-    }
-}
-
-pub(crate) fn turn(rotation: Matrix3<f64>) -> Pose {
-    Pose {
-        rotation,
-        ..Pose::default()
-    }
-}
+use haptical_model::rigid::about_z;
 
 pub(crate) fn about_x(angle_rad: f64) -> Matrix3<f64> {
     let (s, c) = libm::sincos(angle_rad);
@@ -34,11 +11,6 @@ pub(crate) fn about_x(angle_rad: f64) -> Matrix3<f64> {
 pub(crate) fn about_y(angle_rad: f64) -> Matrix3<f64> {
     let (s, c) = libm::sincos(angle_rad);
     Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
-}
-
-pub(crate) fn about_z(angle_rad: f64) -> Matrix3<f64> {
-    let (s, c) = libm::sincos(angle_rad);
-    Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
 }
 
 /// URDF's roll, pitch, yaw about fixed axes: Rz(yaw) Ry(pitch) Rx(roll).

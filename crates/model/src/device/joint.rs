@@ -115,6 +115,11 @@ pub struct Joint {
     pub external_encoder_sd_rad: Option<f64>,
     /// Relative standard deviation of the torque's scale.
     pub torque_scale_sd: f64,
+    /// What the motor's rotor and the gear add to the inertia, seen at the joint: the rotor's inertia times the square of the
+    /// gear's ratio \[kg m^2\], \[kg\] of a prismatic joint; none where nobody says.
+    pub armature_kgm2: Option<f64>,
+    /// Largest torque of the drive, seen at the joint \[N m\], \[N\]; none where nobody says.
+    pub torque_limit_nm: Option<f64>,
     /// Lengths of the parallelogram's bars \[m\].
     pub parallelogram_lengths_m: Option<[f64; 4]>,
     /// Error of the transmission.
@@ -139,6 +144,8 @@ impl Default for Joint {
             external_encoder_counts_per_rev: None,
             external_encoder_sd_rad: None,
             torque_scale_sd: TORQUE_SCALE_SD,
+            armature_kgm2: None,
+            torque_limit_nm: None,
             parallelogram_lengths_m: None,
             transmission_error: TransmissionError::default(),
         }

@@ -64,7 +64,8 @@ pub struct Device {
 pub struct Body {
     /// Mass \[kg\].
     pub mass_kg: f64,
-    /// Centre of mass in the frame after Rz(theta_i), before the translation \[m\].
+    /// Centre of mass in the frame after Rz(theta_i), before the translation \[m\]; a slide carries it by all of its
+    /// variable, home and offset included, and the row's own `d_m` does not.
     pub centre_of_mass_m: [f64; 3],
     /// Moments and products of inertia ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, along the axes of the same
     /// frame \[kg m^2\]; none where nobody says. Nothing that is at rest depends on them: they are for simulators.

@@ -115,6 +115,20 @@ impl Device {
         row.map(|index| index + 1)
     }
 
+    /// The row whose variable is a joint's own (joint from 0): the first that it drives with the multiplier 1 and its own
+    /// motion, or the first that it drives at all. None for a joint that drives no row.
+    pub fn own_row(&self, joint: usize) -> Option<usize> {
+        let first = self.first_row(joint)?;
+        let motion = self.joints.get(joint)?.joint_type;
+        let is_own = |row: &usize| {
+            let drive = self.drive(*row);
+            drive.is_some_and(|drive| {
+                drive.joint == joint && drive.multiplier == 1.0 && drive.motion == motion
+            })
+        };
+        (first..self.links.len()).find(is_own).or(Some(first))
+    }
+
     /// Whether row i moves with joint i, one for one, for all rows: no row follows another's joint.
     pub fn drives_are_plain(&self) -> bool {
         self.drives.is_empty()

@@ -105,6 +105,8 @@ pub(crate) fn read_joint(
         torque_scale_sd: section
             .positive("torque_scale_sd")?
             .unwrap_or(TORQUE_SCALE_SD),
+        armature_kgm2: read_armature(section, joint_type)?,
+        torque_limit_nm: read_torque_limit(section, joint_type)?,
         parallelogram_lengths_m: section.vector("parallelogram_lengths_m")?,
         transmission_error: TransmissionError::default(),
     };
@@ -121,6 +123,23 @@ pub(crate) fn read_joint(
     }
     section.unknown_keys(warnings);
     Ok(joint)
+}
+
+/// Keys by their unit: a prismatic joint's own come first.
+fn read_armature(section: &Section<'_, '_>, joint_type: JointType) -> Result<Option<f64>> {
+    let own = match joint_type {
+        JointType::Prismatic => section.not_negative("armature_kg", "an inertia")?,
+        JointType::Revolute => None,
+    };
+    Ok(own.or(section.not_negative("armature_kgm2", "an inertia")?))
+}
+
+fn read_torque_limit(section: &Section<'_, '_>, joint_type: JointType) -> Result<Option<f64>> {
+    let own = match joint_type {
+        JointType::Prismatic => section.positive("torque_limit_n")?,
+        JointType::Revolute => None,
+    };
+    Ok(own.or(section.positive("torque_limit_nm")?))
 }
 
 fn read_transmission_error(section: &Section<'_, '_>) -> Result<TransmissionError> {

@@ -17,6 +17,7 @@ mod properties;
 mod recording;
 mod refusals;
 mod rig;
+mod rigid_bodies;
 mod rows;
 mod support;
 mod surroundings;

@@ -3,8 +3,8 @@
 use haptical_model::kinematics::Pose;
 
 use crate::chain::path::{Path, Step};
-use crate::rigid::{inverse, then};
 use crate::robot::Robot;
+use haptical_model::rigid::{inverse, then};
 
 /// One of the constant transforms between two rows.
 #[derive(Debug, Clone, Copy)]

@@ -4,8 +4,8 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::chain::path::Path;
-use crate::rigid::then;
 use crate::robot::{Inertial, Robot};
+use haptical_model::rigid::then;
 
 /// Gravity where the file says nothing, z of the root link being up \[m/s^2\].
 const GRAVITY_MPS2: [f64; 3] = [0.0, 0.0, -9.81];

@@ -7,9 +7,10 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use crate::chain::path::{Path, passed};
 use crate::chain::{Rows, driver};
 use crate::numbers::rounded;
-use crate::rigid::{about_z, then, turn, z_to};
+use crate::rigid::z_to;
 use crate::robot::{Inertial, Robot, RobotJoint, RobotJointType};
 use crate::words::joined;
+use haptical_model::rigid::{about_z, then, turn};
 
 /// A limit beyond this is none \[rad\] or \[m\].
 const LARGEST_LIMIT: f64 = 1e6;

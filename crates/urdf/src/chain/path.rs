@@ -2,8 +2,9 @@
 
 use haptical_model::kinematics::Pose;
 
-use crate::rigid::{inverse, turn, z_to};
+use crate::rigid::z_to;
 use crate::robot::{Robot, RobotJoint};
+use haptical_model::rigid::{inverse, turn};
 
 /// Links between which a chain of a URDF runs. The default is the longest chain from the root.
 ///

@@ -6,13 +6,12 @@ use crate::UrdfError;
 use crate::numbers::{escaped, number, written};
 use crate::robot::RobotJoint;
 use crate::write::effects::{Effects, Yield, YieldKind};
-use crate::write::inertia::row_bodies;
 use crate::write::mjcf::dynamics::{RowYield, needed, row_dynamics};
 use crate::write::mjcf::snippet::MissingJoint;
 use crate::write::mjcf::{GRAVITY_MPS2, play, stiff};
 use crate::write::patched::{Edit, Patch, set};
-use crate::write::segments::segments;
-use crate::write::urdf::own_row;
+use haptical_model::RowBody;
+use haptical_model::Segments;
 
 /// What becomes of springs, plays and couplings, which are joints that a file does not have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -161,13 +160,15 @@ impl Patch<'_, '_, '_> {
         wanted: impl Fn(usize, YieldKind) -> bool,
     ) -> Result<(Vec<Edit>, Vec<String>), UrdfError> {
         let device = self.device;
-        let segments = segments(device)?;
-        let bodies = row_bodies(device, &segments);
+        let segments = Segments::of_device(device)?;
+        let bodies = RowBody::of_rows(device, &segments);
         let gravity = device.gravity_mps2.unwrap_or(GRAVITY_MPS2);
         let (rows, serves_s) = row_dynamics(device, &segments, &bodies, effects, &gravity);
         let mut added = Vec::new();
         for (joint, driver) in drivers.iter().enumerate() {
-            let row = own_row(device, joint).and_then(|row| rows.get(row.checked_sub(1)?));
+            let row = device
+                .own_row(joint)
+                .and_then(|row| rows.get(row.checked_sub(1)?));
             for of in row.map_or(&[][..], |row| &row.yields) {
                 if wanted(joint, of.of.kind) {
                     let name = self.free_name(&format!("{}{}", driver.name, of.of.suffix));

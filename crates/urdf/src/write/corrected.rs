@@ -13,7 +13,7 @@ use crate::numbers::{escaped, written};
 use crate::rigid::to_rpy;
 use crate::robot::{Robot, RobotJoint};
 use crate::words::listed;
-use crate::write::segments::segments;
+use haptical_model::Segments;
 
 /// A corrected URDF.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,7 +123,7 @@ pub(crate) fn all_corrections(
     (file, kind): (&str, &str),
 ) -> Result<Vec<(usize, Correction)>, UrdfError> {
     check_same(read, device, (file, kind))?;
-    let segments = segments(device)?;
+    let segments = Segments::of_device(device)?;
     let (paths, rows) = (&read.paths, &read.rows);
     let mut corrected = vec![false; rows.rows.len()];
     let mut all = Vec::new();

@@ -3,7 +3,6 @@
 use haptical_model::{Device, DeviceEffect, JointType};
 
 use crate::numbers::rounded;
-use crate::write::urdf::own_row;
 
 /// Latest that a sensor may be \[s\]: MuJoCo keeps every reading in between.
 const LATEST_S: f64 = 1.0;
@@ -177,6 +176,6 @@ impl<'d> Effects<'d> {
 /// Whether a row moves as the joint reads.
 pub(crate) fn has_own_row(device: &Device, joint: usize) -> bool {
     let motion: Option<JointType> = device.joints.get(joint).map(|own| own.joint_type);
-    let drive = own_row(device, joint).and_then(|row| device.drive(row));
+    let drive = device.own_row(joint).and_then(|row| device.drive(row));
     drive.is_some_and(|drive| drive.multiplier == 1.0 && Some(drive.motion) == motion)
 }

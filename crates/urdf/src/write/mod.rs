@@ -3,9 +3,7 @@
 pub(crate) mod added_joints;
 pub(crate) mod corrected;
 pub(crate) mod effects;
-pub(crate) mod inertia;
 pub(crate) mod keyframes;
 pub(crate) mod mjcf;
 pub(crate) mod patched;
-pub(crate) mod segments;
 pub(crate) mod urdf;

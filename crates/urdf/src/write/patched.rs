@@ -11,7 +11,6 @@ use crate::chain::gaps::Correction;
 use crate::chain::path::BaseAndTip;
 use crate::device::ReadChain;
 use crate::numbers::{escaped, written};
-use crate::rigid::{inverse, then};
 use crate::robot::mjcf::frames::ORIENTATIONS;
 use crate::robot::xml::{Element, document};
 use crate::robot::{PlacedBy, Robot, RobotJoint};
@@ -19,6 +18,7 @@ use crate::write::added_joints::NewJoints;
 use crate::write::corrected::{TRANSMISSIONS, all_corrections, has_transmission_errors, replaced};
 use crate::write::effects::Effects;
 use crate::write::mjcf::snippet;
+use haptical_model::rigid::{inverse, then};
 
 /// A corrected MJCF.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,8 +8,8 @@ use crate::UrdfError;
 use crate::numbers::{escaped, written};
 use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors, origin_element, type_name};
 use crate::write::effects::{Effects, Friction};
-use crate::write::inertia::{RowBody, full, row_bodies};
-use crate::write::segments::{Segments, segments};
+use haptical_model::RowBody;
+use haptical_model::Segments;
 
 /// Stands where one limit is known and the other is not \[rad\] or \[m\].
 pub(crate) const FAR: f64 = 1000.0;
@@ -32,9 +32,9 @@ pub(crate) const FAR: f64 = 1000.0;
 /// # Errors
 /// [`UrdfError::Device`] for a device without links.
 pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
-    let segments = segments(device)?;
+    let segments = Segments::of_device(device)?;
     let names = joint_names(device, segments.rows.len());
-    let bodies = row_bodies(device, &segments);
+    let bodies = RowBody::of_rows(device, &segments);
     let effects = Effects::new(device);
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <!-- Lengths in m, angles in rad. Joint values are \
@@ -149,7 +149,7 @@ fn said(
 
 fn inertial(body: &RowBody) -> String {
     let centre: [f64; 3] = body.centre_m.into();
-    let [xx, yy, zz, xy, xz, yz] = full(&body.inertia_kgm2).map(|entry| written(&[entry]));
+    let [xx, yy, zz, xy, xz, yz] = body.inertia_entries_kgm2().map(|entry| written(&[entry]));
     let plausible = body.plausible.map(|what| what.trim_end_matches(','));
     let plausible = plausible.map_or(String::new(), |what| {
         format!("      <!-- plausible: {what} -->\n")
@@ -179,7 +179,7 @@ fn dynamics(friction: Friction) -> String {
 pub(crate) fn left_out(device: &Device) -> Vec<String> {
     let transmissions = has_transmission_errors(device).then(|| TRANSMISSIONS.to_owned());
     let scaled = device.joints.iter().enumerate().filter_map(|(index, joint)| {
-        let drive = device.drive(own_row(device, index)?)?;
+        let drive = device.drive(device.own_row(index)?)?;
         let is_own = drive.multiplier == 1.0 && drive.motion == joint.joint_type;
         (!is_own).then(|| {
             format!(
@@ -195,19 +195,6 @@ pub(crate) fn left_out(device: &Device) -> Vec<String> {
     transmissions.into_iter().chain(scaled).collect()
 }
 
-/// The row, from 1, whose value is a joint's reading; the first that it drives where there is none.
-pub(crate) fn own_row(device: &Device, joint: usize) -> Option<usize> {
-    let first = device.first_row(joint)?;
-    let motion = device.joints.get(joint)?.joint_type;
-    let is_own = |row: &usize| {
-        let drive = device.drive(*row);
-        drive.is_some_and(|drive| {
-            drive.joint == joint && drive.multiplier == 1.0 && drive.motion == motion
-        })
-    };
-    (first..device.links.len()).find(is_own).or(Some(first))
-}
-
 /// A name for each row's joint: the device's own for a joint's own row; all different.
 pub(crate) fn joint_names(device: &Device, rows: usize) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
@@ -219,7 +206,7 @@ pub(crate) fn joint_names(device: &Device, rows: usize) -> Vec<String> {
             .map_or("", |joint| joint.name.as_str());
         let mut name = match (
             own.parse::<f64>().is_ok(),
-            own_row(device, joint) == Some(row),
+            device.own_row(joint) == Some(row),
         ) {
             // a file that names no joints numbers them
             (true, true) => format!("joint{own}"),

@@ -375,7 +375,7 @@ fn what_cannot_be_written_is_said() {
         .unwrap()
         .device;
     let error = new_urdf(&device).unwrap_err().to_string();
-    assert!(error.contains("it has no [[link]] rows"), "{error}");
+    assert!(error.contains("has no [[link]] rows"), "{error}");
     let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n[[link]]\na_m = 0.1\nalpha_rad = 0.0\nd_m = 0.0\n\
         [[joint]]\n[joint.transmission_error]\noffset_rad = 0.1\n";
     let device = Device::from_toml(text, "device.toml").unwrap().device;

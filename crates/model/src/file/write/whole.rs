@@ -11,7 +11,7 @@ use crate::file::sensors::fit_words;
 use crate::file::write::changes::{link_table, nominal, set_error};
 use crate::file::{BASES, CONVENTIONS, JOINT_TYPES, PLACES, TRANSMISSIONS, word_for};
 use crate::parameter::unknown::DEVIATION_KEYS;
-use crate::{Device, DeviceEffect, DeviceFileError, Hand};
+use crate::{Device, DeviceEffect, DeviceFileError, Hand, JointType};
 
 impl Device {
     /// A device file (TOML) that holds everything this device does. Reading it gives the same device, bit
@@ -214,6 +214,12 @@ fn joint_table(joint: &Joint) -> Table {
     ] {
         insert(&mut joint_table, key, number(of_joint));
     }
+    let [armature, limit] = match joint.joint_type {
+        JointType::Revolute => ["armature_kgm2", "torque_limit_nm"],
+        JointType::Prismatic => ["armature_kg", "torque_limit_n"],
+    };
+    insert(&mut joint_table, armature, number(joint.armature_kgm2));
+    insert(&mut joint_table, limit, number(joint.torque_limit_nm));
     if let Some(lengths_m) = &joint.parallelogram_lengths_m {
         insert(&mut joint_table, "parallelogram_lengths_m", list(lengths_m));
     }

@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
-use crate::rigid::then;
 use crate::robot::mjcf::classes::{ClassId, Classes};
 use crate::robot::mjcf::{Attributes, Mjcf, References};
 use crate::robot::xml::{Element, Result, elements};
 use crate::robot::{Inertial, PlacedBy, Robot, RobotJoint, RobotJointType, RobotLink};
 use crate::words::joined;
+use haptical_model::rigid::then;
 
 /// Name of the link that everything hangs on.
 const WORLD: &str = "world";

@@ -4,9 +4,10 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Quaternion, Unit, UnitQuaternion, Vector3};
 
 use crate::numbers::exactly;
-use crate::rigid::{about_x, about_y, about_z};
+use crate::rigid::{about_x, about_y};
 use crate::robot::mjcf::{Attributes, Mjcf};
 use crate::robot::xml::Result;
+use haptical_model::rigid::about_z;
 
 /// Attributes with an orientation, of which an element has one at most.
 pub(crate) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];

@@ -4,11 +4,11 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Rotation3, Unit, Vector3};
 
 use crate::numbers::ONE_NUMBER;
-use crate::rigid::{then, turn};
 use crate::robot::mjcf::bodies::{Bodies, Part, bare};
 use crate::robot::mjcf::frames::direction;
 use crate::robot::xml::Result;
 use crate::robot::{Coordinates, PlacedBy, RobotJoint, RobotJointType};
+use haptical_model::rigid::{then, turn};
 
 /// How far the axes and places of two joints along one line may differ.
 const SAME: f64 = 1e-9;

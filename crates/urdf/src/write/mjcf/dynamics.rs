@@ -5,10 +5,10 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, JointType};
 
-use crate::rigid::then;
 use crate::write::effects::{Effects, Yield, YieldKind};
-use crate::write::inertia::RowBody;
-use crate::write::segments::Segments;
+use haptical_model::RowBody;
+use haptical_model::Segments;
+use haptical_model::rigid::then;
 
 /// Armature per inertia that a joint carries: assumption A151.
 const ARMATURE: f64 = 0.1;

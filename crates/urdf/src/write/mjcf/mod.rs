@@ -11,10 +11,10 @@ use haptical_model::{Device, JointType, Origin};
 use crate::UrdfError;
 use crate::numbers::{commented, escaped, written};
 use crate::write::effects::{Effects, YieldKind};
-use crate::write::inertia::{RowBody, full, row_bodies};
 use crate::write::mjcf::dynamics::{RowDynamics, row_dynamics};
-use crate::write::segments::{Segments, segments};
 use crate::write::urdf::{FAR, joint_names, left_out};
+use haptical_model::RowBody;
+use haptical_model::Segments;
 
 /// Gravity where a device has none \[m/s^2\]: MuJoCo's own. Assumption A152.
 pub(crate) const GRAVITY_MPS2: [f64; 3] = [0.0, 0.0, -9.81];
@@ -65,9 +65,9 @@ struct Model<'d> {
 /// # Errors
 /// [`UrdfError::Device`] for a device without links, or with numbers beyond what can be simulated.
 pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
-    let segments = segments(device)?;
+    let segments = Segments::of_device(device)?;
     let names = joint_names(device, segments.rows.len());
-    let bodies = row_bodies(device, &segments);
+    let bodies = RowBody::of_rows(device, &segments);
     let effects = Effects::new(device);
     let gravity = device.gravity_mps2.unwrap_or(GRAVITY_MPS2);
     let (rows, step_s) = row_dynamics(device, &segments, &bodies, &effects, &gravity);
@@ -218,7 +218,7 @@ impl Model<'_> {
             "{indent}  <inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{}\"/>",
             written(&centre),
             written(&[body.mass_kg]),
-            written(&full(&body.inertia_kgm2))
+            written(&body.inertia_entries_kgm2())
         );
         self.joints(row, &format!("{indent}  "), text);
         let reach: [f64; 3] = body.reach_m.into();

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::numbers::{escaped, written};
 use crate::write::effects::{YieldKind, has_own_row};
 use crate::write::mjcf::{Model, stiff};
-use crate::write::urdf::{FAR, own_row};
+use crate::write::urdf::FAR;
 
 impl Model<'_> {
     /// Rows that follow another's joint, and joints that another one moves.
@@ -26,7 +26,7 @@ impl Model<'_> {
             }
             for own in &self.rows[row].yields {
                 if let YieldKind::Coupling(gain, from) = own.of.kind
-                    && let Some(source) = own_row(self.device, from)
+                    && let Some(source) = self.device.own_row(from)
                 {
                     let first = format!("{name}{}", own.of.suffix);
                     bond(&first, &escaped(&self.names[source - 1]), gain);
@@ -56,7 +56,7 @@ impl Model<'_> {
     pub(super) fn tendons(&self, text: &mut String) {
         let mut tendons = String::new();
         for (joint, _) in self.outs() {
-            let Some(row) = own_row(self.device, joint) else {
+            let Some(row) = self.device.own_row(joint) else {
                 continue;
             };
             let name = escaped(&self.names[row - 1]);
@@ -189,11 +189,14 @@ impl Model<'_> {
         let mut positions = Vec::new();
         for (row, _) in self.order() {
             positions.push(self.start(row));
-            positions.extend(self.rows[row].yields.iter().map(|own| match own.of.kind {
-                YieldKind::Coupling(gain, from) => {
-                    own_row(self.device, from).map_or(0.0, |source| gain * self.start(source - 1))
+            positions.extend(self.rows[row].yields.iter().map(|own| {
+                match own.of.kind {
+                    YieldKind::Coupling(gain, from) => self
+                        .device
+                        .own_row(from)
+                        .map_or(0.0, |source| gain * self.start(source - 1)),
+                    _ => 0.0,
                 }
-                _ => 0.0,
             }));
         }
         if positions.iter().all(|own| *own == 0.0) {

@@ -1,9 +1,8 @@
 //! Masses and inertias of moving rows: the device's, or plausible ones of a rod along the row's geometry.
 
-use haptical_model::Device;
-use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
+use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 
-use crate::write::segments::Segments;
+use crate::{Device, Segments};
 
 /// Mass of a link per length where none is known \[kg/m\]: assumption A150.
 const KG_PER_M: f64 = 2.0;
@@ -18,55 +17,74 @@ const FLATTEST: f64 = 1e-6;
 
 /// What a moving row carries.
 #[derive(Debug, Clone)]
-pub(crate) struct RowBody {
-    pub(crate) mass_kg: f64,
+pub struct RowBody {
+    /// Mass \[kg\].
+    pub mass_kg: f64,
     /// Centre of mass behind the motion \[m\].
-    pub(crate) centre_m: Vector3<f64>,
+    pub centre_m: Vector3<f64>,
     /// Inertia about it \[kg m^2\].
-    pub(crate) inertia_kgm2: Matrix3<f64>,
+    pub inertia_kgm2: Matrix3<f64>,
     /// From the row's frame to what hangs on it next \[m\].
-    pub(crate) reach_m: Vector3<f64>,
+    pub reach_m: Vector3<f64>,
     /// What is plausible and not known, in words.
-    pub(crate) plausible: Option<&'static str>,
+    pub plausible: Option<&'static str>,
 }
 
-/// Bodies of all rows.
-pub(crate) fn row_bodies(device: &Device, segments: &Segments) -> Vec<RowBody> {
-    let rows = segments.rows.iter().enumerate();
-    rows.map(|(row, segment)| {
-        let reach_m = reach(device, segments, row);
-        let Some(own) = segment.body else {
-            let mass_kg = (KG_PER_M * reach_m.norm()).max(LEAST_KG);
-            return RowBody {
-                mass_kg,
-                centre_m: reach_m * 0.5,
-                inertia_kgm2: rod(mass_kg, &reach_m),
-                reach_m,
-                plausible: Some("mass and inertia"),
+impl RowBody {
+    /// The inertia as ixx, iyy, izz, ixy, ixz, iyz, the order of a device file.
+    pub fn inertia_entries_kgm2(&self) -> [f64; 6] {
+        [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| self.inertia_kgm2[place])
+    }
+
+    /// Bodies of all moving rows of a device: what its file gives, and a rod of 2 kg/m along the row's geometry for what
+    /// it does not (assumption A150).
+    ///
+    /// ```
+    /// use haptical_model::{Device, RowBody, Segments};
+    /// let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\
+    ///     [[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\n[[joint]]\n";
+    /// let lever = Device::from_toml(text, "lever.toml")?.device;
+    /// let bodies = RowBody::of_rows(&lever, &Segments::of_device(&lever)?);
+    /// assert_eq!((bodies[0].mass_kg, bodies[0].plausible), (0.8, Some("mass and inertia")));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_rows(device: &Device, segments: &Segments) -> Vec<Self> {
+        let rows = segments.rows.iter().enumerate();
+        rows.map(|(row, segment)| {
+            let reach_m = reach(device, segments, row);
+            let Some(own) = segment.body else {
+                let mass_kg = (KG_PER_M * reach_m.norm()).max(LEAST_KG);
+                return RowBody {
+                    mass_kg,
+                    centre_m: reach_m * 0.5,
+                    inertia_kgm2: rod(mass_kg, &reach_m),
+                    reach_m,
+                    plausible: Some("mass and inertia"),
+                };
             };
-        };
-        let mass_kg = match own.mass_kg > 0.0 {
-            true => own.mass_kg,
-            false => NEXT_TO_NOTHING_KG,
-        };
-        let inertia = own.inertia_kgm2.filter(|_| own.mass_kg > 0.0);
-        let sound = inertia.and_then(|inertia| sound(&inertia));
-        RowBody {
-            mass_kg,
-            centre_m: own.centre_m,
-            inertia_kgm2: sound.unwrap_or_else(|| rod(mass_kg, &reach_m)),
-            reach_m,
-            plausible: match (sound, inertia) {
-                (Some(_), _) => None,
-                (None, Some(_)) => {
-                    Some("inertia, because the one that is given is that of no body,")
-                }
-                (None, None) if own.mass_kg > 0.0 => Some("inertia"),
-                (None, None) => Some("mass, which is given as 0, and inertia"),
-            },
-        }
-    })
-    .collect()
+            let mass_kg = match own.mass_kg > 0.0 {
+                true => own.mass_kg,
+                false => NEXT_TO_NOTHING_KG,
+            };
+            let inertia = own.inertia_kgm2.filter(|_| own.mass_kg > 0.0);
+            let sound = inertia.and_then(|inertia| sound(&inertia));
+            RowBody {
+                mass_kg,
+                centre_m: own.centre_m,
+                inertia_kgm2: sound.unwrap_or_else(|| rod(mass_kg, &reach_m)),
+                reach_m,
+                plausible: match (sound, inertia) {
+                    (Some(_), _) => None,
+                    (None, Some(_)) => {
+                        Some("inertia, because the one that is given is that of no body,")
+                    }
+                    (None, None) if own.mass_kg > 0.0 => Some("inertia"),
+                    (None, None) => Some("mass, which is given as 0, and inertia"),
+                },
+            }
+        })
+        .collect()
+    }
 }
 
 /// From a row's frame to the first frame that hangs on it, or to its hand, at home.
@@ -78,11 +96,6 @@ fn reach(device: &Device, segments: &Segments, row: usize) -> Vector3<f64> {
     let hand = device.hands.iter().position(|hand| hand.row == row + 1);
     let handle = segments.handles.get(hand.unwrap_or(0));
     handle.map_or(Vector3::zeros(), |handle| handle.position_m)
-}
-
-/// An inertia as xx, yy, zz, xy, xz, yz.
-pub(crate) fn full(inertia: &Matrix3<f64>) -> [f64; 6] {
-    [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| inertia[place])
 }
 
 /// Inertia of a round rod about its centre; one of no length is as long as it is thick.

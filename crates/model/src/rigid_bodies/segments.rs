@@ -1,36 +1,37 @@
 //! A device's chain as joints along z with constant transforms between them, whatever its convention.
 
-use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
-use haptical_model::kinematics::{Chain, Convention, Link, Motion, Pose};
-use haptical_model::{Device, Drive, JointType};
+use haptical_kinematics::nalgebra::{Matrix3, Vector3};
+use haptical_kinematics::{Chain, Convention, Link, Motion, Pose};
 
-use crate::UrdfError;
 use crate::rigid::{about_z, then, turn};
-use crate::write::urdf::own_row;
+use crate::{Device, Drive, JointType, ModelError};
 
 /// A moving row: everything constant before its motion, and what is known of its mass.
 #[derive(Debug, Clone)]
-pub(crate) struct Segment {
+pub struct Segment {
     /// From the frame behind the motion of the row that it hangs on (from frame (-1) for the first) to this row's.
-    pub(crate) before: Pose,
-    pub(crate) drive: Drive,
-    pub(crate) body: Option<SegmentBody>,
+    pub before: Pose,
+    /// What moves it: a turn about z, or a slide along z.
+    pub drive: Drive,
+    /// What it carries; none where the device file gives no mass.
+    pub body: Option<SegmentBody>,
 }
 
 /// What a row carries, in the frame behind its motion.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SegmentBody {
-    pub(crate) mass_kg: f64,
+pub struct SegmentBody {
+    /// Mass \[kg\].
+    pub mass_kg: f64,
     /// Centre of mass \[m\].
-    pub(crate) centre_m: Vector3<f64>,
+    pub centre_m: Vector3<f64>,
     /// Inertia about the centre of mass \[kg m^2\].
-    pub(crate) inertia_kgm2: Option<Matrix3<f64>>,
+    pub inertia_kgm2: Option<Matrix3<f64>>,
 }
 
 impl Segment {
     /// Origin of the joint in a robot description whose values count from where the joint reads 0: what home
     /// and the drive's offset move is constant, and so belongs to the origin.
-    pub(crate) fn origin(&self, device: &Device) -> Pose {
+    pub fn origin(&self, device: &Device) -> Pose {
         let joint = device.joints.get(self.drive.joint);
         let home = joint.map_or(0.0, |joint| joint.home_rad);
         let moved = self.drive.multiplier * home + self.drive.offset;
@@ -45,7 +46,7 @@ impl Segment {
     }
 
     /// The joint's limits in a description of such values; infinite where it has none.
-    pub(crate) fn limits(&self, device: &Device) -> [f64; 2] {
+    pub fn limits(&self, device: &Device) -> [f64; 2] {
         let joint = device.joints.get(self.drive.joint);
         let [lower, upper] = joint.map_or([f64::NEG_INFINITY, f64::INFINITY], |joint| {
             [joint.lower_rad, joint.upper_rad]
@@ -57,17 +58,34 @@ impl Segment {
 
 /// All of it. The motion of a row is its joint's variable, home included: offsets are constants.
 #[derive(Debug, Clone)]
-pub(crate) struct Segments {
-    pub(crate) rows: Vec<Segment>,
+pub struct Segments {
+    /// Rows 1 to n of the device.
+    pub rows: Vec<Segment>,
     /// From the frame behind the last motion of each hand's chain to the hand.
-    pub(crate) handles: Vec<Pose>,
+    pub handles: Vec<Pose>,
 }
 
 impl Segments {
+    /// Takes a device apart.
+    ///
+    /// ```
+    /// use haptical_model::{Device, Segments};
+    /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+    /// let device = Device::load(path.as_ref())?.device;
+    /// assert_eq!(Segments::of_device(&device)?.rows.len(), 7);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ModelError::NoLinks`]; [`ModelError::NoDrive`] for a row behind row 0 that no joint drives.
+    pub fn of_device(device: &Device) -> Result<Self, ModelError> {
+        of_device(device)
+    }
+
     /// The row (from 0) that another one follows, and by which multiplier; none for a joint's own row.
-    pub(crate) fn followed(&self, device: &Device, row: usize) -> Option<(usize, f64)> {
+    pub fn followed(&self, device: &Device, row: usize) -> Option<(usize, f64)> {
         let drive = &self.rows[row].drive;
-        let source = own_row(device, drive.joint)? - 1;
+        let source = device.own_row(drive.joint)? - 1;
         let multiplier = drive.multiplier / self.rows[source].drive.multiplier;
         (source != row).then_some((source, multiplier))
     }
@@ -75,7 +93,7 @@ impl Segments {
 
 /// A row's constant parts before and behind its motion: Rz(variable) and T(0, 0, variable) change places
 /// with Rz(theta) and T(0, 0, d).
-fn parts(convention: Convention, link: &Link) -> Result<[Pose; 2], UrdfError> {
+fn parts(convention: Convention, link: &Link) -> Result<[Pose; 2], ModelError> {
     let [before, behind] = match convention {
         Convention::Standard => [Link::default(), *link],
         Convention::Modified => [
@@ -95,16 +113,11 @@ fn parts(convention: Convention, link: &Link) -> Result<[Pose; 2], UrdfError> {
     Ok([pose(before)?, pose(behind)?])
 }
 
-/// Takes a device apart.
-pub(crate) fn segments(device: &Device) -> Result<Segments, UrdfError> {
-    let refuse = |message: &str| UrdfError::Device {
-        device: device.name.clone(),
-        message: message.to_owned(),
-    };
+fn of_device(device: &Device) -> Result<Segments, ModelError> {
     if !device.has_links() {
-        return Err(refuse(
-            "it has no [[link]] rows, so there is no chain to write",
-        ));
+        return Err(ModelError::NoLinks {
+            device: device.name.clone(),
+        });
     }
     let origins = device.chain_origins();
     let origin = |row: usize| origins.get(row).copied().flatten().unwrap_or_default();
@@ -118,21 +131,19 @@ pub(crate) fn segments(device: &Device) -> Result<Segments, UrdfError> {
         let before = then(&before, &own_before);
         let Some(drive) = device.drive(row) else {
             if row > 0 {
-                return Err(refuse("it has rows that no joint drives"));
+                return Err(ModelError::NoDrive {
+                    device: device.name.clone(),
+                    row,
+                });
             }
             behind.push(then(&before, &own_behind));
             continue;
         };
-        let body = device.bodies.get(row).copied().flatten().map(|body| {
-            let home = device
-                .joints
-                .get(drive.joint)
-                .map_or(0.0, |own| own.home_rad);
-            SegmentBody {
-                mass_kg: body.mass_kg,
-                centre_m: Vector3::from(centre(link, &drive, home, body.centre_of_mass_m)),
-                inertia_kgm2: body.inertia_kgm2.map(|own| turned(link, &own)),
-            }
+        let body = device.bodies.get(row).copied().flatten();
+        let body = body.map(|body| SegmentBody {
+            mass_kg: body.mass_kg,
+            centre_m: about_z(link.theta_rad) * Vector3::from(body.centre_of_mass_m),
+            inertia_kgm2: body.inertia_kgm2.map(|own| turned(link, &own)),
         });
         rows.push(Segment {
             before,
@@ -155,18 +166,8 @@ pub(crate) fn segments(device: &Device) -> Result<Segments, UrdfError> {
     Ok(Segments { rows, handles })
 }
 
-/// A centre of mass in the frame behind the motion: the device has it behind Rz(theta), before the
-/// translation, which carries it along from home.
-fn centre(link: &Link, drive: &Drive, home: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
-    let (sine, cosine) = libm::sincos(link.theta_rad);
-    let slide = match drive.motion {
-        JointType::Revolute => 0.0,
-        JointType::Prismatic => drive.multiplier * home + drive.offset,
-    };
-    [x * cosine - y * sine, x * sine + y * cosine, z - slide]
-}
-
-/// An inertia xx, yy, zz, xy, xz, yz in the frame behind the motion: as its centre, it is given behind Rz(theta).
+/// An inertia xx, yy, zz, xy, xz, yz in the frame behind the motion: as its centre, it is given behind Rz(theta), and a
+/// slide carries it along.
 fn turned(link: &Link, [xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> Matrix3<f64> {
     let own = Matrix3::new(*xx, *xy, *xz, *xy, *yy, *yz, *xz, *yz, *zz);
     if link.theta_rad == 0.0 {
