@@ -1,0 +1,291 @@
+//! The base model: what a sound arm's torques are made of besides its nominal rigid bodies.
+//!
+//! Torque = nominal bodies + plausible deviations of their numbers + armature + viscous friction and Coulomb friction + offset, with a
+//! delay of a plausible size between torques and positions. docs/equations.md, A moving arm.
+
+use crate::arm::Deviation;
+use crate::plausible;
+use crate::problem::Problem;
+use crate::span::{Column, Span, gain};
+
+/// Speeds within which Coulomb friction turns over that are tried, \[rad/s\] or \[m/s\].
+const TURNOVER: [f64; 10] = [
+    0.0015, 0.003, 0.005, 0.0075, 0.011, 0.017, 0.025, 0.04, 0.07, 0.12,
+];
+
+/// What a column of the base model is.
+#[derive(Debug, Clone)]
+pub(crate) enum Term {
+    /// Viscous friction of a joint, per its speed.
+    Viscous { joint: usize },
+    /// Coulomb friction of a joint.
+    Coulomb { joint: usize },
+    /// How its Coulomb friction changes with the logarithm of the speed within which it turns over.
+    Turnover { joint: usize },
+    /// Armature of a joint; beyond the stated one, if one is stated.
+    Armature { joint: usize },
+    /// A body's deviation.
+    Body(Deviation),
+    /// Offset of a joint's torque.
+    Offset { joint: usize },
+    /// Delay: how long the torques are logged before their positions.
+    Delay,
+}
+
+/// A column, and the standard deviation that is known of its coefficient.
+#[derive(Debug, Clone)]
+pub(crate) struct BaseColumn {
+    pub(crate) term: Term,
+    pub(crate) known_sd: Option<f64>,
+    pub(crate) column: Column,
+}
+
+/// The base model of a problem.
+#[derive(Debug, Clone)]
+pub(crate) struct Base {
+    pub(crate) columns: Vec<BaseColumn>,
+    /// Speed within which each joint's Coulomb friction turns over.
+    pub(crate) turnover: Vec<f64>,
+}
+
+impl Base {
+    /// The base model, Coulomb friction by what the torques show of it; `turnover`: where that is settled already.
+    pub(crate) fn new(problem: &mut Problem, turnover: Option<&[f64]>) -> Self {
+        let mut columns = viscous(problem);
+        columns.extend(armatures(problem));
+        columns.extend(bodies(problem));
+        columns.extend(offsets(problem));
+        columns.push(delay(problem, &problem.nominal_torque()));
+        number_known(problem, &mut columns);
+        let turnover = match turnover {
+            Some(known) => known.to_vec(),
+            None => {
+                let first = turnovers(problem, &columns, None);
+                turnovers(problem, &columns, Some(&first))
+            }
+        };
+        for joint in problem.channels.clone() {
+            columns.extend(coulomb(problem, joint, turnover[joint]));
+        }
+        let mut base = Self { columns, turnover };
+        base.with_friction_in_delay(problem);
+        base
+    }
+
+    /// The base model with rows weighted by how well they are known.
+    pub(crate) fn weighted(problem: &mut Problem) -> Self {
+        let first = Self::new(problem, None);
+        let all: Vec<usize> = (0..first.columns.len()).collect();
+        let solution = first.span(problem, &all).solve(&problem.recorded(0.0));
+        let mut coulomb = vec![0.0; problem.arm.joints()];
+        for (own, value) in first.columns.iter().zip(solution) {
+            if let Term::Coulomb { joint } = own.term {
+                coulomb[joint] = value.abs();
+            }
+        }
+        problem.allow_for_rest(&coulomb);
+        Self::new(problem, None)
+    }
+
+    /// The delay moves the friction too.
+    fn with_friction_in_delay(&mut self, problem: &Problem) {
+        let all: Vec<usize> = (0..self.columns.len()).collect();
+        let solution = self.span(problem, &all).solve(&problem.recorded(0.0));
+        let torque = self.torque(problem, &solution);
+        let delays = self
+            .columns
+            .iter_mut()
+            .filter(|own| matches!(own.term, Term::Delay));
+        delays.for_each(|own| *own = delay(problem, &torque));
+    }
+
+    /// Torques of the model as fitted at the fine steps, deviations of bodies left out.
+    pub(crate) fn torque(&self, problem: &Problem, solution: &[f64]) -> Vec<Vec<f64>> {
+        let mut torque = problem.nominal_torque();
+        let motor = &problem.states.motor;
+        for (own, value) in self.columns.iter().zip(solution) {
+            let (joint, signal) = match own.term {
+                Term::Viscous { joint } => (joint, motor.dq[joint].clone()),
+                Term::Coulomb { joint } => (joint, self.sign(problem, joint)),
+                Term::Armature { joint } => (joint, motor.ddq[joint].clone()),
+                _ => continue,
+            };
+            (torque[joint].iter_mut().zip(signal)).for_each(|(into, own)| *into += value * own);
+        }
+        torque
+    }
+
+    /// The directions of some of its columns, each known number with a row of its own.
+    pub(crate) fn span(&self, problem: &Problem, which: &[usize]) -> Span {
+        span_of(problem, which.iter().map(|index| &self.columns[*index]))
+    }
+
+    /// Columns whose coefficient nothing is known of.
+    pub(crate) fn free(&self) -> usize {
+        let free = self.columns.iter().filter(|own| own.known_sd.is_none());
+        free.count()
+    }
+
+    /// Coulomb friction's direction of a joint at the fine steps.
+    pub(crate) fn sign(&self, problem: &Problem, joint: usize) -> Vec<f64> {
+        sign(&problem.states.motor.dq[joint], self.turnover[joint])
+    }
+}
+
+/// Direction of a motion, smooth about rest.
+pub(crate) fn sign(dq: &[f64], turnover: f64) -> Vec<f64> {
+    dq.iter().map(|dq| libm::tanh(dq / turnover)).collect()
+}
+
+fn span_of<'b>(problem: &Problem, columns: impl Iterator<Item = &'b BaseColumn>) -> Span {
+    let mut span = Span::default();
+    let mut row = problem.channel_rows();
+    for own in columns {
+        let mut column = own.column.clone();
+        if let Some(sd) = own.known_sd {
+            let mut all = vec![0.0; problem.length()];
+            column.add_to(&mut all, 1.0);
+            all[row] = 1.0 / sd;
+            row += 1;
+            column = Column::All(all);
+        }
+        span.add(&column, problem.length());
+    }
+    span
+}
+
+fn number_known(problem: &mut Problem, columns: &mut Vec<BaseColumn>) {
+    // of a body that no torque feels there is nothing to know
+    columns.retain(|own| {
+        let (_, values) = own.column.parts();
+        values.iter().any(|value| *value != 0.0)
+    });
+    problem.known = columns.iter().filter(|own| own.known_sd.is_some()).count();
+}
+
+fn viscous(problem: &Problem) -> Vec<BaseColumn> {
+    let joints = problem.channels.iter().copied();
+    let column = |joint: usize| {
+        Some(BaseColumn {
+            term: Term::Viscous { joint },
+            known_sd: None,
+            column: problem.of_joint(joint, &problem.states.motor.dq[joint])?,
+        })
+    };
+    joints.filter_map(column).collect()
+}
+
+/// Of a joint whose device file states none, nothing is known: robot descriptions have no place for it.
+fn armatures(problem: &Problem) -> Vec<BaseColumn> {
+    let joints = problem.channels.iter().copied();
+    let column = |joint: usize| {
+        let stated = problem.arm.armature[joint];
+        Some(BaseColumn {
+            term: Term::Armature { joint },
+            known_sd: stated.map(|own| (0.5 * plausible::ARMATURE * own).max(1e-9)),
+            column: problem.of_joint(joint, &problem.states.motor.ddq[joint])?,
+        })
+    };
+    joints.filter_map(column).collect()
+}
+
+fn bodies(problem: &Problem) -> Vec<BaseColumn> {
+    let deviations = problem.arm.deviations().into_iter();
+    let column = |deviation: Deviation| BaseColumn {
+        column: problem.of_body(deviation.body, &deviation.parameters),
+        known_sd: Some(1.0),
+        term: Term::Body(deviation),
+    };
+    deviations.map(column).collect()
+}
+
+fn offsets(problem: &Problem) -> Vec<BaseColumn> {
+    let ones = vec![1.0; problem.states.steps()];
+    let joints = problem.channels.iter().copied().enumerate();
+    let column = |(channel, joint): (usize, usize)| {
+        Some(BaseColumn {
+            term: Term::Offset { joint },
+            known_sd: Some(
+                0.5 * plausible::OFFSET_NOISES
+                    * problem.reading_sd[channel].max(problem.row_sd[channel]),
+            ),
+            column: problem.of_joint(joint, &ones)?,
+        })
+    };
+    joints.filter_map(column).collect()
+}
+
+fn delay(problem: &Problem, torque: &[Vec<f64>]) -> BaseColumn {
+    let slopes: Vec<Vec<f64>> = torque.iter().map(|own| slope(own, problem)).collect();
+    BaseColumn {
+        term: Term::Delay,
+        known_sd: Some(0.5 * plausible::DELAY_STEPS * problem.samples.step_s),
+        column: problem.of_joints(&slopes),
+    }
+}
+
+/// Coulomb friction and how it changes with its turnover.
+fn coulomb(problem: &Problem, joint: usize, turnover: f64) -> Vec<BaseColumn> {
+    let dq = &problem.states.motor.dq[joint];
+    let slope = dq.iter().map(|dq| {
+        let x = dq / turnover;
+        -x / libm::cosh(x.clamp(-300.0, 300.0)).powi(2)
+    });
+    let signals = [
+        (Term::Coulomb { joint }, sign(dq, turnover)),
+        (Term::Turnover { joint }, slope.collect()),
+    ];
+    let column = |(term, signal): (Term, Vec<f64>)| {
+        Some(BaseColumn {
+            term,
+            known_sd: None,
+            column: problem.of_joint(joint, &signal)?,
+        })
+    };
+    signals.into_iter().filter_map(column).collect()
+}
+
+/// Derivative in time of a signal at the fine steps.
+pub(crate) fn slope(signal: &[f64], problem: &Problem) -> Vec<f64> {
+    let times = &problem.states.time_s;
+    let last = signal.len() - 1;
+    // across a break between pieces: the side that is near
+    let near = |a: usize, b: usize| {
+        times[b] - times[a] > 0.0 && times[b] - times[a] < 1.5 * problem.states.fine_s
+    };
+    (0..signal.len())
+        .map(|k| {
+            let before = if k > 0 && near(k - 1, k) { k - 1 } else { k };
+            let after = if k < last && near(k, k + 1) { k + 1 } else { k };
+            match after > before {
+                true => (signal[after] - signal[before]) / (times[after] - times[before]),
+                false => 0.0,
+            }
+        })
+        .collect()
+}
+
+/// The turnover of each joint's friction that explains most of what the other columns leave; `others`: of the other joints'
+/// friction.
+fn turnovers(problem: &Problem, columns: &[BaseColumn], others: Option<&[f64]>) -> Vec<f64> {
+    let span = span_of(problem, columns.iter());
+    let rest = span.rest_of(problem.recorded(0.0));
+    let of = |joint: usize, speed: f64| {
+        problem.of_joint(joint, &sign(&problem.states.motor.dq[joint], speed))
+    };
+    let best = |joint: usize| {
+        let beside = others.into_iter().flatten().enumerate();
+        let beside = beside.filter(|(other, _)| *other != joint);
+        let beside: Vec<Column> = beside
+            .filter_map(|(other, speed)| of(other, *speed))
+            .collect();
+        let gains = TURNOVER.map(|speed| {
+            let mut columns = beside.clone();
+            columns.extend(of(joint, speed));
+            gain(&span, &columns, &rest).nats
+        });
+        let most = (0..TURNOVER.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
+        TURNOVER[most.unwrap_or(0)]
+    };
+    (0..problem.arm.joints()).map(best).collect()
+}

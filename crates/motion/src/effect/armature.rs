@@ -1,0 +1,20 @@
+//! An inertia of the motor's side that is another than the stated one.
+
+use super::{Candidate, Candidates, Context, Effect, first};
+
+pub(super) const EFFECT: Effect = Effect {
+    name: "armature",
+    candidates: Candidates::Given(candidates),
+};
+
+/// `I ddq` of a joint whose armature is stated; one that is not is part of the base model.
+fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
+    context.at_joints(|joint| {
+        if context.problem.arm.armature[joint].is_none() {
+            return Vec::new();
+        }
+        let signal = context.problem.states.motor.ddq[joint].clone();
+        let found = context.of_signals(EFFECT.name, joint, &[signal], first("inertia_kgm2"));
+        found.into_iter().collect()
+    })
+}

@@ -1,0 +1,22 @@
+//! Friction that is another in each direction.
+
+use std::rc::Rc;
+
+use super::{Candidate, Candidates, Context, Effect};
+
+pub(super) const EFFECT: Effect = Effect {
+    name: "friction-asymmetry",
+    candidates: Candidates::Given(candidates),
+};
+
+/// `|s(dq)|` and `|dq|`: half the difference of Coulomb and of viscous friction between the directions. The first alone is an offset
+/// wherever the joint moves.
+fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
+    context.at_joints(|joint| {
+        let coulomb = context.sign(joint).iter().map(|own| own.abs()).collect();
+        let viscous = context.speed(joint).iter().map(|own| own.abs()).collect();
+        let numbers = |own: &[f64]| vec![("coulomb_nm", own[0]), ("viscous_nms_per_rad", own[1])];
+        let found = context.of_signals(EFFECT.name, joint, &[coulomb, viscous], Rc::new(numbers));
+        found.into_iter().collect()
+    })
+}

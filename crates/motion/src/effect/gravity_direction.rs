@@ -1,0 +1,52 @@
+//! A mount that is tilted.
+
+use std::rc::Rc;
+
+use super::{Candidate, Candidates, Context, Effect};
+
+pub(super) const EFFECT: Effect = Effect {
+    name: "gravity-direction",
+    candidates: Candidates::Given(candidates),
+};
+
+/// Torques under gravity turned about the two axes across it, first order in the tilt.
+fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
+    let problem = context.problem;
+    let gravity = problem.arm.bodies.gravity_mps2();
+    let size = gravity.norm();
+    if size == 0.0 {
+        return Vec::new();
+    }
+    let along = gravity / size;
+    let other = match along.x.abs() < 0.9 {
+        true => nalgebra::Vector3::x(),
+        false => nalgebra::Vector3::y(),
+    };
+    let first = along.cross(&other).normalize();
+    let second = along.cross(&first);
+    let (steps, joints) = (problem.states.steps(), problem.arm.joints());
+    let mut signals = [0, 1].map(|_| vec![vec![0.0; steps]; joints]);
+    let mut q = vec![0.0; joints];
+    for step in 0..steps {
+        for joint in 0..joints {
+            q[joint] = problem.states.link.q[joint][step];
+        }
+        let Ok(torques) = problem.arm.under_gravity(&q) else {
+            return Vec::new();
+        };
+        for (signal, axis) in signals.iter_mut().zip([first, second]) {
+            for joint in 0..joints {
+                let of_axis = |k: usize| size * axis[k] * torques[k][joint];
+                signal[joint][step] = (0..3).map(of_axis).sum();
+            }
+        }
+    }
+    let columns = signals.iter().map(|own| problem.of_joints(own));
+    let numbers = |own: &[f64]| vec![("tilt_rad", own[0].hypot(own[1]))];
+    vec![Candidate::new(
+        EFFECT.name,
+        None,
+        columns.collect(),
+        Rc::new(numbers),
+    )]
+}

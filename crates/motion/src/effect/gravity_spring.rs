@@ -1,0 +1,35 @@
+//! A spring or a counterweight between neighbouring links.
+
+use std::rc::Rc;
+
+use super::{Candidate, Candidates, Context, Effect};
+
+pub(super) const EFFECT: Effect = Effect {
+    name: "gravity-spring",
+    candidates: Candidates::Given(candidates),
+};
+
+/// A torque that depends on the joint's own angle alone: straight (a torsion spring) or a sine (a counterweight, a spring on a
+/// crank).
+fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
+    let states = &context.problem.states;
+    context.at_joints(|joint| {
+        let q = &states.motor.q[joint];
+        let middle = q.iter().sum::<f64>() / q.len() as f64;
+        let straight = q.iter().map(|q| q - middle).collect();
+        let ones = vec![1.0; q.len()];
+        let spring = |own: &[f64]| vec![("stiffness_nm_per_rad", own[0])];
+        let sines = [
+            q.iter().map(|q| q.sin()).collect(),
+            q.iter().map(|q| q.cos()).collect(),
+        ];
+        let crank = |own: &[f64]| vec![("moment_nm", own[0].hypot(own[1]))];
+        [
+            context.of_signals(EFFECT.name, joint, &[straight, ones], Rc::new(spring)),
+            context.of_signals(EFFECT.name, joint, &sines, Rc::new(crank)),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    })
+}

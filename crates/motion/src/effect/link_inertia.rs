@@ -1,0 +1,57 @@
+//! A link whose mass or centre of mass is another than the model's.
+
+use std::rc::Rc;
+
+use haptical_dynamics::Inertia;
+use nalgebra::Vector3;
+
+use super::{Candidate, Candidates, Context, Effect};
+
+pub(super) const EFFECT: Effect = Effect {
+    name: "link-inertia",
+    candidates: Candidates::Given(candidates),
+};
+
+/// For each body its mass, alone at its centre of mass, and its centre of mass.
+fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
+    let arm = &context.problem.arm;
+    let mut found = Vec::new();
+    for body in 0..arm.body_count() {
+        let (mass_kg, centre_m, inertia) = arm.about_centre(body);
+        let Some((joint, _)) = arm.bodies.drive(body) else {
+            continue;
+        };
+        let at = |mass_kg, centre_m: Vector3<f64>, share: f64| {
+            Inertia::about_centre(mass_kg, &centre_m, &(inertia * share)).parameters()
+        };
+        let candidate =
+            |columns, numbers| Candidate::new(EFFECT.name, Some(joint), columns, numbers);
+        let share = if mass_kg > 0.0 { 1.0 / mass_kg } else { 0.0 };
+        let mass = context.problem.of_body(body, &at(1.0, centre_m, share));
+        found.push(candidate(vec![mass], super::first("mass_kg")));
+        if mass_kg <= 0.0 {
+            continue;
+        }
+        let shifts = (0..3).map(|axis| {
+            let mut shift = Vector3::zeros();
+            shift[axis] = 0.01;
+            let (ahead, behind) = (
+                at(mass_kg, centre_m + shift, 1.0),
+                at(mass_kg, centre_m - shift, 1.0),
+            );
+            let slope = std::array::from_fn(|k| (ahead[k] - behind[k]) / 0.02);
+            context.problem.of_body(body, &slope)
+        });
+        found.push(candidate(
+            shifts.collect(),
+            Rc::new(|own| {
+                vec![
+                    ("centre_x_m", own[0]),
+                    ("centre_y_m", own[1]),
+                    ("centre_z_m", own[2]),
+                ]
+            }),
+        ));
+    }
+    found
+}

@@ -1,0 +1,200 @@
+//! What the base model of a moving arm may lack: one effect a file, each with the torques that it adds.
+
+mod armature;
+mod contact;
+mod delay;
+mod friction_asymmetry;
+mod friction_drift;
+mod gravity_direction;
+mod gravity_spring;
+mod joint_compliance;
+mod link_inertia;
+mod load_friction;
+mod motor_cogging;
+mod payload;
+mod presliding;
+mod stribeck_friction;
+mod torque_gain;
+mod torque_offset;
+mod torque_saturation;
+
+use std::rc::Rc;
+
+use crate::base::Base;
+use crate::problem::Problem;
+use crate::span::Column;
+
+/// Numbers of an effect from the coefficients of its columns.
+pub(crate) type Numbers = Rc<dyn Fn(&[f64]) -> Vec<(&'static str, f64)>>;
+
+/// An effect at a place, with a shape.
+#[derive(Clone)]
+pub(crate) struct Candidate<'c> {
+    pub(crate) effect: &'static str,
+    /// Joint, from 0.
+    pub(crate) joint: Option<usize>,
+    /// Numbers of its shape, which its columns are not linear in.
+    pub(crate) shape: Vec<(&'static str, f64)>,
+    pub(crate) columns: Vec<Column>,
+    pub(crate) numbers: Numbers,
+    /// Whether coefficients are those of such an effect.
+    pub(crate) is_sound: fn(&[f64]) -> bool,
+    pub(crate) finer: Finer<'c>,
+}
+
+/// How a candidate is made nearer to what the rows show.
+#[derive(Clone)]
+pub(crate) enum Finer<'c> {
+    /// There is nothing to settle.
+    Settled,
+    /// The same effect with another first number of its shape, from 1 / `ratio` to `ratio` times its own.
+    Shape {
+        ratio: f64,
+        at: Rc<dyn Fn(f64) -> Option<Candidate<'c>> + 'c>,
+    },
+    /// The same effect linear about its coefficients.
+    About(Rc<dyn Fn(&[f64]) -> Option<Candidate<'c>> + 'c>),
+}
+
+/// What effects are worked out of.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'c> {
+    pub(crate) problem: &'c Problem,
+    pub(crate) base: &'c Base,
+    /// Torques of the base model as it was fitted, at the fine steps.
+    pub(crate) torque: &'c [Vec<f64>],
+}
+
+/// An effect of the catalogue.
+pub(crate) struct Effect {
+    pub(crate) name: &'static str,
+    pub(crate) candidates: Candidates,
+}
+
+/// How its candidates are found.
+pub(crate) enum Candidates {
+    /// From the motion.
+    Given(for<'c> fn(Context<'c>) -> Vec<Candidate<'c>>),
+    /// From what is left as well, row by row.
+    ByRest(for<'c> fn(Context<'c>, &[f64]) -> Vec<Candidate<'c>>),
+}
+
+/// All effects. Order matters: of those that explain equally much the first is taken.
+pub(crate) const EFFECTS: &[Effect] = &[
+    payload::EFFECT,
+    delay::ENCODER_LATENCY,
+    torque_gain::EFFECT,
+    torque_offset::EFFECT,
+    stribeck_friction::EFFECT,
+    load_friction::EFFECT,
+    friction_asymmetry::EFFECT,
+    friction_drift::EFFECT,
+    presliding::EFFECT,
+    motor_cogging::EFFECT,
+    armature::EFFECT,
+    link_inertia::EFFECT,
+    gravity_direction::EFFECT,
+    gravity_spring::EFFECT,
+    torque_saturation::EFFECT,
+    joint_compliance::EFFECT,
+    contact::EFFECT,
+    delay::TORQUE_LATENCY,
+];
+
+impl<'c> Context<'c> {
+    /// One candidate or several a joint with torques.
+    pub(crate) fn at_joints(
+        self,
+        make: impl Fn(usize) -> Vec<Candidate<'c>>,
+    ) -> Vec<Candidate<'c>> {
+        self.problem
+            .channels
+            .iter()
+            .flat_map(|joint| make(*joint))
+            .collect()
+    }
+
+    /// A candidate whose columns are signals of one joint at the fine steps.
+    pub(crate) fn of_signals(
+        self,
+        effect: &'static str,
+        joint: usize,
+        signals: &[Vec<f64>],
+        numbers: Numbers,
+    ) -> Option<Candidate<'c>> {
+        let columns = signals.iter().map(|own| self.problem.of_joint(joint, own));
+        Some(Candidate::new(
+            effect,
+            Some(joint),
+            columns.collect::<Option<_>>()?,
+            numbers,
+        ))
+    }
+
+    /// Coulomb friction's direction of a joint at the fine steps.
+    pub(crate) fn sign(self, joint: usize) -> Vec<f64> {
+        self.base.sign(self.problem, joint)
+    }
+
+    /// Speed of a joint's motor at the fine steps.
+    pub(crate) fn speed(self, joint: usize) -> &'c [f64] {
+        &self.problem.states.motor.dq[joint]
+    }
+}
+
+impl<'c> Candidate<'c> {
+    /// A candidate whose shape is settled.
+    pub(crate) fn new(
+        effect: &'static str,
+        joint: Option<usize>,
+        columns: Vec<Column>,
+        numbers: Numbers,
+    ) -> Self {
+        Self {
+            effect,
+            joint,
+            shape: Vec::new(),
+            columns,
+            numbers,
+            is_sound: |_| true,
+            finer: Finer::Settled,
+        }
+    }
+
+    /// Sound only with a first coefficient above zero.
+    pub(crate) fn if_positive(mut self) -> Self {
+        self.is_sound = |own| own[0] > 0.0;
+        self
+    }
+
+    /// With a number of its shape, which may be settled between 1 / `ratio` and `ratio` times its own.
+    pub(crate) fn shaped(
+        mut self,
+        shape: (&'static str, f64),
+        ratio: f64,
+        at: Rc<dyn Fn(f64) -> Option<Candidate<'c>> + 'c>,
+    ) -> Self {
+        self.shape = vec![shape];
+        self.finer = Finer::Shape { ratio, at };
+        self
+    }
+}
+
+/// Least and largest of a signal.
+fn ends(signal: &[f64]) -> [f64; 2] {
+    signal
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], own| {
+            [low.min(*own), high.max(*own)]
+        })
+}
+
+/// A product of two signals.
+fn product(a: &[f64], b: impl Iterator<Item = f64>) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
+}
+
+/// The first coefficient under a name.
+fn first(name: &'static str) -> Numbers {
+    Rc::new(move |own| vec![(name, own[0])])
+}

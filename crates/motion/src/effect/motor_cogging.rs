@@ -1,0 +1,81 @@
+//! A torque that repeats with the motor's angle.
+
+use std::rc::Rc;
+
+use super::{Candidate, Candidates, Context, Effect, ends};
+use crate::problem::Problem;
+
+pub(super) const EFFECT: Effect = Effect {
+    name: "motor-cogging",
+    candidates: Candidates::ByRest(candidates),
+};
+
+/// Repetitions in a turn of the joint that are tried at most.
+const HIGHEST: f64 = 400.0;
+/// And at least in what the joint turns: what repeats less often may be a weight or a spring.
+const LEAST_PERIODS: f64 = 3.0;
+/// Best of a scan that are fitted beside the base model.
+const KEPT: usize = 2;
+/// Most orders of a scan.
+const MOST: usize = 1500;
+
+/// The orders of which a periodogram of the rest over the joint's angle shows most.
+fn candidates<'c>(context: Context<'c>, rest: &[f64]) -> Vec<Candidate<'c>> {
+    let problem = context.problem;
+    context.at_joints(|joint| {
+        let Some(channel) = problem.channel_of(joint) else {
+            return Vec::new();
+        };
+        let q = &problem.states.motor.q[joint];
+        let [low, high] = ends(q);
+        let travel = (high - low).max(1e-6);
+        let rows = problem.states.rows();
+        let rest = &rest[channel * rows..][..rows];
+        let step = 0.5 * std::f64::consts::PI / travel;
+        let lowest = LEAST_PERIODS * std::f64::consts::TAU / travel;
+        let count = (((HIGHEST - lowest) / step).max(0.0) as usize).min(MOST);
+        let mut scan: Vec<(f64, f64)> = (0..=count)
+            .map(|k| lowest + k as f64 * step)
+            .map(|order| (power(problem, q, rest, order), order))
+            .collect();
+        scan.sort_by(|a, b| b.0.total_cmp(&a.0));
+        scan.truncate(KEPT);
+        scan.iter()
+            .filter_map(|(_, order)| at(context, joint, *order, step))
+            .collect()
+    })
+}
+
+/// Sine and cosine of an order times an angle.
+fn sines(q: &[f64], order: f64) -> [Vec<f64>; 2] {
+    let [mut sine, mut cosine] = [Vec::with_capacity(q.len()), Vec::with_capacity(q.len())];
+    for q in q {
+        let (s, c) = (order * q).sin_cos();
+        sine.push(s);
+        cosine.push(c);
+    }
+    [sine, cosine]
+}
+
+/// What an order takes off the rest, the base model left out of it.
+fn power(problem: &Problem, q: &[f64], rest: &[f64], order: f64) -> f64 {
+    let parts = sines(q, order).map(|signal| {
+        let row = problem.states.filtered(&signal);
+        let square = haptical_linalg::dot(&row, &row);
+        haptical_linalg::dot(&row, rest).powi(2) / square.max(0.02 * rest.len() as f64)
+    });
+    parts.iter().sum()
+}
+
+fn at(context: Context<'_>, joint: usize, order: f64, step: f64) -> Option<Candidate<'_>> {
+    let q = &context.problem.states.motor.q[joint];
+    let numbers = |own: &[f64]| {
+        vec![
+            ("amplitude_nm", own[0].hypot(own[1])),
+            ("phase_rad", own[1].atan2(own[0])),
+        ]
+    };
+    let found = context.of_signals(EFFECT.name, joint, &sines(q, order), Rc::new(numbers))?;
+    let again = Rc::new(move |order| at(context, joint, order, step));
+    Some(found.shaped(("order", order), 1.0 + 0.7 * step / order, again))
+}

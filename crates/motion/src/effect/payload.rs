@@ -1,0 +1,51 @@
+//! A mass at the flange that the model lacks.
+
+use std::rc::Rc;
+
+use haptical_dynamics::Inertia;
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Candidate, Candidates, Context, Effect, Finer};
+
+pub(super) const EFFECT: Effect = Effect {
+    name: "payload",
+    candidates: Candidates::Given(|context| at(context, Vector3::zeros()).into_iter().collect()),
+};
+
+/// Mass and centre of a point behind the flange, linear about a centre in the flange's frame: its inertia about its own centre is
+/// left out, as small beside that about the flange.
+fn at(context: Context<'_>, centre_m: Vector3<f64>) -> Option<Candidate<'_>> {
+    let bodies = &context.problem.arm.bodies;
+    let flange = bodies.flange(0)?;
+    let body = flange.body?;
+    let turn = flange.pose.rotation;
+    let point = flange.pose.position_m + turn * centre_m;
+    let of_point = |centre_m: Vector3<f64>| {
+        Inertia::about_centre(1.0, &centre_m, &Matrix3::zeros()).parameters()
+    };
+    let mut columns = vec![context.problem.of_body(body, &of_point(point))];
+    for axis in 0..3 {
+        let direction: Vector3<f64> = turn * Vector3::ith(axis, 1.0);
+        // quadratic in the centre: the central difference is the derivative
+        let (ahead, behind) = (of_point(point + direction), of_point(point - direction));
+        let slope = std::array::from_fn(|k| 0.5 * (ahead[k] - behind[k]));
+        columns.push(context.problem.of_body(body, &slope));
+    }
+    let numbers = move |own: &[f64]| {
+        let mass_kg = own[0];
+        let moment = centre_m * mass_kg + Vector3::new(own[1], own[2], own[3]);
+        vec![
+            ("mass_kg", mass_kg),
+            ("moment_x_kgm", moment.x),
+            ("moment_y_kgm", moment.y),
+            ("moment_z_kgm", moment.z),
+        ]
+    };
+    let mut found = Candidate::new(EFFECT.name, None, columns, Rc::new(numbers));
+    found.finer = Finer::About(Rc::new(move |own| {
+        let shift_m = Vector3::new(own[1], own[2], own[3]) / own[0];
+        let is_near = own[0] > 0.0 && shift_m.norm() < 0.5;
+        is_near.then(|| at(context, centre_m + shift_m)).flatten()
+    }));
+    Some(found)
+}

@@ -1,0 +1,44 @@
+//! Friction that is higher near rest.
+
+use std::rc::Rc;
+
+use super::{Candidate, Candidates, Context, Effect, ends, first, product};
+
+pub(super) const EFFECT: Effect = Effect {
+    name: "stribeck-friction",
+    candidates: Candidates::Given(candidates),
+};
+
+/// Speeds at which the higher friction has fallen to 1/e that are tried, as shares of the joint's fastest.
+const SPEEDS: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.35];
+/// Lowest such speed, in turnovers of the base model's friction: what is slower is how that turns over.
+const TURNOVERS: f64 = 3.0;
+
+fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
+    context.at_joints(|joint| {
+        let [low, high] = ends(context.speed(joint));
+        let speeds = SPEEDS.map(|share| share * high.max(-low));
+        let slowest = TURNOVERS * context.base.turnover[joint];
+        let slow = speeds.into_iter().filter(|speed| *speed >= slowest);
+        slow.filter_map(|speed| at(context, joint, speed)).collect()
+    })
+}
+
+/// `s(dq) exp(-(dq / v)^2)` (Armstrong-Helouvry, Dupont and Canudas de Wit 1994, eq. 4).
+fn at(context: Context<'_>, joint: usize, speed: f64) -> Option<Candidate<'_>> {
+    if speed < TURNOVERS * context.base.turnover[joint] {
+        return None;
+    }
+    let dq = context.speed(joint);
+    let signal = product(
+        &context.sign(joint),
+        dq.iter().map(|dq| (-(dq / speed).powi(2)).exp()),
+    );
+    let found = context.of_signals(EFFECT.name, joint, &[signal], first("torque_nm"))?;
+    let again = Rc::new(move |speed| at(context, joint, speed));
+    Some(
+        found
+            .if_positive()
+            .shaped(("speed_rad_per_s", speed), 2.0, again),
+    )
+}

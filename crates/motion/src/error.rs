@@ -1,0 +1,25 @@
+//! Why a log of a moving arm says nothing.
+
+use haptical_model::ModelError;
+
+/// Why the torques of a motion cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MotionError {
+    /// The log has no column that is needed.
+    #[error("{what} is missing: {why}")]
+    Missing {
+        /// Column or key.
+        what: String,
+        /// What it is wanted for.
+        why: &'static str,
+    },
+    /// Samples are too far apart, or too few.
+    #[error("{0}")]
+    Sampling(String),
+    /// Nothing moves.
+    #[error("no joint moves: torques at rest say nothing of inertia and friction")]
+    Standstill,
+    /// The device cannot be evaluated.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}

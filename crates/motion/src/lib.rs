@@ -1,0 +1,22 @@
+//! Torques of a moving arm: a base model of rigid bodies, friction and delay, and the effects that it lacks.
+//!
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod arm;
+mod base;
+mod effect;
+mod error;
+mod examine;
+mod local_polynomial;
+mod low_pass;
+mod plausible;
+mod problem;
+mod samples;
+mod select;
+mod span;
+mod states;
+mod trimmed;
+
+pub use error::MotionError;
+pub use examine::{ChannelFit, Examined, Finding, examine};

@@ -1,0 +1,355 @@
+//! A recording's torques as whitened rows, with what rigid bodies say of them.
+
+use haptical_model::Recording;
+
+use crate::MotionError;
+use crate::arm::{Arm, PARAMETERS};
+use crate::local_polynomial::LocalPolynomial;
+use crate::samples::Samples;
+use crate::span::Column;
+use crate::states::{States, white_sd};
+
+/// Edges of the band that are tried, widest first \[Hz\]: an arm's motion is below the first, and where positions are coarse the
+/// noise of their accelerations asks for a narrower one.
+const EDGES_HZ: [f64; 6] = [20.0, 12.0, 8.0, 5.0, 3.0, 2.0];
+/// Edge of the band, at most this share of the log's rate.
+const OF_RATE: f64 = 0.1;
+/// Lowest rate of a log \[Hz\].
+const LEAST_RATE_HZ: f64 = 20.0;
+/// Fewest rows of a joint.
+const LEAST_ROWS: usize = 30;
+/// A joint that moves slower than this share of its fastest rests: friction that sticks is not known there.
+const RESTS: f64 = 0.02;
+/// A joint whose fastest motion is slower than this share of the fastest joint's, and than `STILL`, stands still.
+const STILL: f64 = 1e-3;
+
+/// The rows of a recording.
+#[derive(Debug, Clone)]
+pub(crate) struct Problem {
+    pub(crate) arm: Arm,
+    pub(crate) samples: Samples,
+    pub(crate) states: States,
+    /// Joints that have a torque.
+    pub(crate) channels: Vec<usize>,
+    /// Standard deviation of the noise of a row of each channel, and of a reading.
+    pub(crate) row_sd: Vec<f64>,
+    pub(crate) reading_sd: Vec<f64>,
+    /// Regressor of the inertial parameters: body by body, ten columns of all channels' rows each.
+    inertial: Vec<Vec<f64>>,
+    /// Torques of the nominal bodies without armatures at the fine steps, joint by joint.
+    pub(crate) rigid: Vec<Vec<f64>>,
+    /// Weight of each row: one over the standard deviation of what is not known of it.
+    weights: Vec<f64>,
+    /// Rows behind those of the channels, one for each number that is known beforehand.
+    pub(crate) known: usize,
+}
+
+impl Problem {
+    /// Rows of a recording; `edge_hz`: of the band, where it is settled already.
+    ///
+    /// # Errors
+    /// [`MotionError`] where the recording has no time, no torques or no motion, is too slow or too short.
+    pub(crate) fn new(
+        arm: Arm,
+        recording: &Recording,
+        edge_hz: Option<f64>,
+    ) -> Result<Self, MotionError> {
+        let samples = Samples::new(recording)?;
+        if samples.rate_hz() < LEAST_RATE_HZ {
+            return Err(MotionError::Sampling(format!(
+                "{:.3} rows a second are too few for accelerations: {LEAST_RATE_HZ} are needed",
+                samples.rate_hz()
+            )));
+        }
+        let channels: Vec<usize> = (0..arm.joints())
+            .filter(|&joint| {
+                let torques = samples
+                    .pieces
+                    .iter()
+                    .filter_map(|own| own.torque[joint].as_ref());
+                torques.flatten().any(|value| *value != 0.0)
+            })
+            .collect();
+        let highest = OF_RATE * samples.rate_hz();
+        let edges: Vec<f64> = match edge_hz {
+            Some(edge_hz) => vec![edge_hz],
+            None => EDGES_HZ
+                .into_iter()
+                .filter(|edge| *edge <= highest)
+                .collect(),
+        };
+        let mut chosen = None;
+        for edge in edges {
+            let Some(states) = States::new(&samples, edge) else {
+                continue;
+            };
+            let [positions, torques] = noises(&arm, &samples, &states, &channels)?;
+            let is_fine = (positions.iter().zip(&torques)).all(|(own, torque)| own <= torque);
+            let sd: Vec<f64> = (positions.iter().zip(&torques))
+                .map(|(own, torque)| own.hypot(*torque))
+                .collect();
+            chosen = Some((states, sd));
+            if is_fine {
+                break;
+            }
+        }
+        let (states, row_sd) = chosen
+            .filter(|(states, _)| states.rows() >= LEAST_ROWS)
+            .ok_or_else(|| {
+                MotionError::Sampling("no piece of the log without a gap is long enough".to_owned())
+            })?;
+        let fastest = states
+            .motor
+            .dq
+            .iter()
+            .flatten()
+            .fold(0.0_f64, |most, dq| most.max(dq.abs()));
+        if fastest < STILL {
+            return Err(MotionError::Standstill);
+        }
+        let mut problem = Self {
+            reading_sd: reading_sds(&samples, &channels, &states),
+            arm,
+            samples,
+            states,
+            channels,
+            row_sd,
+            inertial: Vec::new(),
+            rigid: Vec::new(),
+            weights: Vec::new(),
+            known: 0,
+        };
+        let rows = problem.states.rows();
+        let sds = problem.row_sd.iter();
+        problem.weights = sds
+            .flat_map(|sd| std::iter::repeat_n(1.0 / sd, rows))
+            .collect();
+        problem.regress()?;
+        Ok(problem)
+    }
+
+    /// Allows for friction that is anything between its two directions where a joint rests, given its size in each joint.
+    pub(crate) fn allow_for_rest(&mut self, coulomb: &[f64]) {
+        let rows = self.states.rows();
+        for (channel, &joint) in self.channels.iter().enumerate() {
+            let dq = &self.states.motor.dq[joint];
+            let fastest = dq.iter().fold(0.0_f64, |most, dq| most.max(dq.abs()));
+            let rests: Vec<f64> = (dq.iter())
+                .map(|dq| f64::from(dq.abs() < RESTS * fastest))
+                .collect();
+            for (row, share) in self.states.filtered(&rests).into_iter().enumerate() {
+                let sd = self.row_sd[channel].hypot(share * coulomb[joint]);
+                let at = channel * rows + row;
+                let change = 1.0 / (sd * self.weights[at]);
+                self.weights[at] *= change;
+                self.inertial.iter_mut().for_each(|own| own[at] *= change);
+            }
+        }
+        self.known = 0;
+    }
+
+    /// Rows of all channels.
+    pub(crate) fn channel_rows(&self) -> usize {
+        self.channels.len() * self.states.rows()
+    }
+
+    /// Rows of a column, known numbers included.
+    pub(crate) fn length(&self) -> usize {
+        self.channel_rows() + self.known
+    }
+
+    /// Position of a joint among the channels.
+    pub(crate) fn channel_of(&self, joint: usize) -> Option<usize> {
+        self.channels.iter().position(|own| *own == joint)
+    }
+
+    /// Whitened rows of a signal of one joint at the fine steps; none where it has no torque.
+    pub(crate) fn of_joint(&self, joint: usize, signal: &[f64]) -> Option<Column> {
+        let channel = self.channel_of(joint)?;
+        let mut values = self.states.filtered(signal);
+        let weights = &self.weights[channel * self.states.rows()..];
+        (values.iter_mut().zip(weights)).for_each(|(value, weight)| *value *= weight);
+        Some(Column::Part {
+            first: channel * self.states.rows(),
+            values,
+        })
+    }
+
+    /// Whitened rows of signals of all joints.
+    pub(crate) fn of_joints(&self, signals: &[Vec<f64>]) -> Column {
+        let mut all = vec![0.0; self.channel_rows()];
+        for &joint in &self.channels {
+            if let Some(column) = self.of_joint(joint, &signals[joint]) {
+                column.add_to(&mut all, 1.0);
+            }
+        }
+        Column::All(all)
+    }
+
+    /// Whitened rows of a change of the inertial parameters of a body.
+    pub(crate) fn of_body(&self, body: usize, parameters: &[f64; PARAMETERS]) -> Column {
+        let mut all = vec![0.0; self.channel_rows()];
+        for (own, factor) in self.inertial[PARAMETERS * body..].iter().zip(parameters) {
+            if *factor != 0.0 {
+                (all.iter_mut().zip(own)).for_each(|(into, value)| *into += factor * value);
+            }
+        }
+        Column::All(all)
+    }
+
+    /// Whitened rows of the recorded torques less those of the nominal bodies; `early_s`: how long before the positions.
+    pub(crate) fn recorded(&self, early_s: f64) -> Vec<f64> {
+        let mut all = Vec::with_capacity(self.length());
+        for (channel, &joint) in self.channels.iter().enumerate() {
+            let weights = &self.weights[channel * self.states.rows()..];
+            let torque = self.states.torque(&self.samples, joint, early_s);
+            all.extend(
+                torque
+                    .iter()
+                    .zip(weights)
+                    .map(|(value, weight)| weight * value),
+            );
+        }
+        self.of_joints(&self.nominal_torque())
+            .add_to(&mut all, -1.0);
+        all.resize(self.length(), 0.0);
+        all
+    }
+
+    /// Torques of the nominal bodies with their armatures at the fine steps.
+    pub(crate) fn nominal_torque(&self) -> Vec<Vec<f64>> {
+        let with_armature = |(joint, rigid): (usize, &Vec<f64>)| match self.arm.armature[joint] {
+            Some(armature) => {
+                let ddq = &self.states.motor.ddq[joint];
+                rigid
+                    .iter()
+                    .zip(ddq)
+                    .map(|(own, ddq)| own + armature * ddq)
+                    .collect()
+            }
+            None => rigid.clone(),
+        };
+        self.rigid.iter().enumerate().map(with_armature).collect()
+    }
+
+    /// Recorded torque of a joint at the fine steps, smoothed as the positions are.
+    pub(crate) fn recorded_torque(&self, joint: usize) -> Vec<f64> {
+        self.states.smoothed(&self.samples, joint)
+    }
+
+    /// The regressor's rows and the nominal torques.
+    fn regress(&mut self) -> Result<(), MotionError> {
+        let (states, joints) = (&self.states, self.arm.joints());
+        let columns = PARAMETERS * self.arm.body_count();
+        let rows = states.rows();
+        let nominal = self.arm.nominal();
+        let mut work = self.arm.work();
+        let mut regressor = vec![0.0; joints * columns];
+        let mut sums = vec![0.0; rows * joints * columns];
+        self.rigid = vec![vec![0.0; states.steps()]; joints];
+        let mut first = 0;
+        let mut at = [vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]];
+        for step in 0..states.steps() {
+            for joint in 0..joints {
+                at[0][joint] = states.link.q[joint][step];
+                at[1][joint] = states.link.dq[joint][step];
+                at[2][joint] = states.link.ddq[joint][step];
+            }
+            self.arm
+                .bodies
+                .regressor(&at[0], &at[1], &at[2], &mut work, &mut regressor)?;
+            for (joint, own) in regressor.chunks_exact(columns).enumerate() {
+                self.rigid[joint][step] = haptical_linalg::dot(own, &nominal);
+            }
+            while first < rows && {
+                let (from, weights) = states.window(first);
+                from + weights.len() <= step
+            } {
+                first += 1;
+            }
+            for row in first..rows {
+                let (from, weights) = states.window(row);
+                if from > step {
+                    break;
+                }
+                let weight = weights[step - from];
+                let into = &mut sums[row * joints * columns..][..joints * columns];
+                (into.iter_mut().zip(&regressor)).for_each(|(into, value)| *into += weight * value);
+            }
+        }
+        let entry = |column: usize, channel: usize, row: usize| {
+            sums[(row * joints + self.channels[channel]) * columns + column]
+                * self.weights[channel * rows + row]
+        };
+        let column = |column: usize| {
+            let channels = 0..self.channels.len();
+            channels
+                .flat_map(|channel| (0..rows).map(move |row| (channel, row)))
+                .map(|(channel, row)| entry(column, channel, row))
+                .collect()
+        };
+        self.inertial = (0..columns).map(column).collect();
+        Ok(())
+    }
+}
+
+/// Noise of the readings of the channels' torques.
+fn reading_sds(samples: &Samples, channels: &[usize], states: &States) -> Vec<f64> {
+    let local = LocalPolynomial::new(samples.step_s, 2.0 * states.pass.edge_hz);
+    channels
+        .iter()
+        .map(|&joint| {
+            let torques = samples
+                .pieces
+                .iter()
+                .filter_map(|own| own.torque[joint].as_deref());
+            white_sd(torques, &local)
+        })
+        .collect()
+}
+
+/// Noise of the channels' rows: from positions by way of the largest inertia, and of the torques.
+fn noises(
+    arm: &Arm,
+    samples: &Samples,
+    states: &States,
+    channels: &[usize],
+) -> Result<[Vec<f64>; 2], MotionError> {
+    let joints = arm.joints();
+    let mut work = arm.work();
+    let mut matrix = vec![0.0; joints * joints];
+    let mut inertia = vec![0.0_f64; joints];
+    let every = (states.steps() / 50).max(1);
+    let mut q = vec![0.0; joints];
+    for step in (0..states.steps()).step_by(every) {
+        for joint in 0..joints {
+            q[joint] = states.link.q[joint][step];
+        }
+        arm.bodies.mass_matrix(&q, &mut work, &mut matrix)?;
+        for joint in 0..joints {
+            inertia[joint] = inertia[joint].max(matrix[joint * joints + joint]);
+        }
+    }
+    let gain = states.noise_gain();
+    let torques: Vec<f64> = reading_sds(samples, channels, states)
+        .iter()
+        .map(|sd| gain * sd)
+        .collect();
+    let positions: Vec<f64> = (channels.iter())
+        .map(|&joint| inertia[joint] * states.acceleration_sd[joint])
+        .collect();
+    // a torque that is computed and not measured has no noise at all: its rounding then
+    let torques = (channels.iter().zip(torques))
+        .map(|(&joint, sd)| {
+            let values = samples
+                .pieces
+                .iter()
+                .filter_map(|own| own.torque[joint].as_ref());
+            let largest = values
+                .flatten()
+                .fold(0.0_f64, |most, value| most.max(value.abs()));
+            sd.max(1e-6 * largest)
+        })
+        .collect();
+    Ok([positions, torques])
+}

@@ -1,0 +1,239 @@
+//! Recorded columns at equal steps of time, in pieces without a gap.
+
+use haptical_model::Recording;
+
+use crate::MotionError;
+
+/// Steps that differ from the usual one by more than this share end a piece.
+const BREAK: f64 = 0.6;
+/// Stamps that lie within this share of a step beside an even grid are taken as even.
+const EVEN: f64 = 0.05;
+/// Fewest samples of a piece.
+const LEAST: usize = 32;
+
+/// What was recorded without a gap; sample k is `k * step_s` after the first.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Piece {
+    /// Row of the recording that its first sample was.
+    pub(crate) first_row: usize,
+    pub(crate) start_s: f64,
+    pub(crate) length: usize,
+    /// Motor-side positions, joint by joint \[rad\] or \[m\].
+    pub(crate) motor: Vec<Vec<f64>>,
+    /// Link-side positions, where a joint has an encoder there.
+    pub(crate) link: Vec<Option<Vec<f64>>>,
+    /// Torques \[N m\] or forces \[N\], where a joint has them.
+    pub(crate) torque: Vec<Option<Vec<f64>>>,
+}
+
+/// All pieces.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Samples {
+    pub(crate) step_s: f64,
+    pub(crate) pieces: Vec<Piece>,
+    /// Share of the rows that are in no piece.
+    pub(crate) lost_share: f64,
+    /// Root mean square deviation of the stamps from an even grid, as a share of a step.
+    pub(crate) jitter: f64,
+}
+
+impl Samples {
+    /// Takes a recording apart.
+    ///
+    /// # Errors
+    /// [`MotionError`] without time, torques, or enough rows.
+    pub(crate) fn new(recording: &Recording) -> Result<Self, MotionError> {
+        let missing = |what: &str, why| MotionError::Missing {
+            what: what.to_owned(),
+            why,
+        };
+        let time_s = (recording.time_s.as_ref())
+            .ok_or_else(|| missing("t_s", "velocities and accelerations are by time"))?;
+        if !recording.torque_nm.iter().any(Option::is_some) {
+            return Err(missing(
+                "torque1_nm",
+                "the equations of motion are of torques",
+            ));
+        }
+        let step_s = usual_step(recording, time_s)
+            .ok_or_else(|| MotionError::Sampling("the log has too few rows".to_owned()))?;
+        let mut pieces = Vec::new();
+        let (mut deviation, mut count) = (0.0, 0);
+        for rows in stretches(recording, time_s, step_s) {
+            let (piece, square) = piece(recording, time_s, step_s, rows.clone());
+            deviation += square * piece.length as f64;
+            count += piece.length;
+            pieces.push(piece);
+        }
+        if pieces.is_empty() {
+            let message = format!("no {LEAST} rows follow each other without a gap");
+            return Err(MotionError::Sampling(message));
+        }
+        Ok(Self {
+            step_s,
+            pieces,
+            lost_share: 1.0 - count as f64 / recording.len() as f64,
+            jitter: (deviation / count as f64).sqrt(),
+        })
+    }
+
+    pub(crate) fn rate_hz(&self) -> f64 {
+        1.0 / self.step_s
+    }
+}
+
+/// The median step within runs.
+fn usual_step(recording: &Recording, time_s: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = (1..time_s.len())
+        .filter(|&row| recording.run_at(row) == recording.run_at(row - 1))
+        .map(|row| time_s[row] - time_s[row - 1])
+        .filter(|step| *step > 0.0)
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    (steps.len() >= LEAST / 2).then(|| steps[steps.len() / 2])
+}
+
+/// Rows that follow each other at the usual step, with every torque that the recording has anywhere.
+fn stretches(recording: &Recording, time_s: &[f64], step_s: f64) -> Vec<std::ops::Range<usize>> {
+    let columns: Vec<&[f64]> = (recording.torque_nm.iter().flatten())
+        .chain(recording.output.iter().flatten())
+        .map(Vec::as_slice)
+        .filter(|column| column.iter().any(|value| value.is_finite()))
+        .collect();
+    let is_whole = |row: usize| columns.iter().all(|column| column[row].is_finite());
+    let mut found = Vec::new();
+    let mut from = 0;
+    for row in 0..=recording.len() {
+        if row <= from {
+            let is_empty = row < recording.len() && !is_whole(row);
+            from += usize::from(row == from && is_empty);
+            continue;
+        }
+        let goes_on = row < recording.len() && is_whole(row) && {
+            let step = time_s[row] - time_s[row - 1];
+            recording.run_at(row) == recording.run_at(row - 1)
+                && (step - step_s).abs() <= BREAK * step_s
+        };
+        if goes_on {
+            continue;
+        }
+        if row - from >= LEAST {
+            found.push(from..row);
+        }
+        let is_empty = row < recording.len() && !is_whole(row);
+        from = row + usize::from(is_empty);
+    }
+    found
+}
+
+/// A stretch on an even grid, and the mean square deviation of its stamps from it in steps.
+fn piece(
+    recording: &Recording,
+    time_s: &[f64],
+    step_s: f64,
+    rows: std::ops::Range<usize>,
+) -> (Piece, f64) {
+    let stamps = &time_s[rows.clone()];
+    let length = stamps.len();
+    // the grid of least squares
+    let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / length as f64;
+    let middle = 0.5 * (length - 1) as f64;
+    let centre = mean(&mut stamps.iter().copied());
+    let offset = |k: usize| k as f64 - middle;
+    let slope = (0..length)
+        .map(|k| offset(k) * (stamps[k] - centre))
+        .sum::<f64>()
+        / (0..length).map(|k| offset(k).powi(2)).sum::<f64>();
+    let deviation = |k: usize| (stamps[k] - centre - offset(k) * slope) / step_s;
+    let square = mean(&mut (0..length).map(|k| deviation(k).powi(2)));
+    let is_even = square.sqrt() < EVEN && ((slope / step_s) - 1.0).abs() * (length as f64) < EVEN;
+    let column = |values: &[f64]| match is_even {
+        true => values[rows.clone()].to_vec(),
+        false => resampled(stamps, &values[rows.clone()], step_s),
+    };
+    let piece = Piece {
+        first_row: rows.start,
+        start_s: stamps[0],
+        length: 0,
+        motor: recording.joint.iter().map(|own| column(own)).collect(),
+        link: (recording.output.iter())
+            .map(|own| own.as_deref().map(column))
+            .collect(),
+        torque: (recording.torque_nm.iter())
+            .map(|own| own.as_deref().map(column))
+            .collect(),
+    };
+    let length = piece.motor.first().map_or(0, Vec::len);
+    (Piece { length, ..piece }, square)
+}
+
+/// Values at steps of `step_s` from the first stamp on: a cubic through the two samples on each side.
+fn resampled(stamps: &[f64], values: &[f64], step_s: f64) -> Vec<f64> {
+    let last = stamps.len() - 1;
+    let count = ((stamps[last] - stamps[0]) / step_s).floor() as usize + 1;
+    let mut after = 1;
+    (0..count)
+        .map(|k| {
+            let time = stamps[0] + k as f64 * step_s;
+            while after < last && stamps[after] < time {
+                after += 1;
+            }
+            let first = after.saturating_sub(2).min(stamps.len().saturating_sub(4));
+            let near = first..(first + 4).min(stamps.len());
+            near.clone()
+                .map(|i| {
+                    let others = near.clone().filter(|j| *j != i);
+                    let weight: f64 = others
+                        .map(|j| (time - stamps[j]) / (stamps[i] - stamps[j]))
+                        .product();
+                    weight * values[i]
+                })
+                .sum()
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording(time_s: Vec<f64>) -> Recording {
+        let of = |f: fn(f64) -> f64| time_s.iter().map(|t| f(*t)).collect::<Vec<f64>>();
+        Recording {
+            line: (2..).take(time_s.len()).collect(),
+            joint: vec![of(f64::sin)],
+            output: vec![None],
+            torque_nm: vec![Some(of(f64::cos))],
+            time_s: Some(time_s),
+            ..Recording::default()
+        }
+    }
+
+    #[test]
+    fn a_gap_and_an_empty_cell_end_a_piece() {
+        let mut stamps: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+        stamps[100..].iter_mut().for_each(|t| *t += 0.05);
+        let mut log = recording(stamps);
+        log.torque_nm[0].as_mut().unwrap()[150] = f64::NAN;
+        let samples = Samples::new(&log).unwrap();
+        let found: Vec<_> = (samples.pieces.iter())
+            .map(|piece| (piece.first_row, piece.length))
+            .collect();
+        assert_eq!(found, [(0, 100), (100, 50), (151, 49)]);
+        assert!((samples.lost_share - 0.005).abs() < 1e-12);
+    }
+
+    #[test]
+    fn uneven_stamps_are_put_on_a_grid() {
+        let stamps: Vec<f64> = (0..400)
+            .map(|k| 0.01 * (f64::from(k) + 0.3 * (1.7 * f64::from(k)).sin()))
+            .collect();
+        let samples = Samples::new(&recording(stamps)).unwrap();
+        let piece = &samples.pieces[0];
+        assert!((samples.jitter - 0.21).abs() < 0.01, "{}", samples.jitter);
+        for (k, value) in piece.motor[0].iter().enumerate() {
+            let wanted = (piece.start_s + samples.step_s * k as f64).sin();
+            assert!((value - wanted).abs() < 1e-6, "{k}: {value}, {wanted}");
+        }
+    }
+}

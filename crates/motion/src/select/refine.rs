@@ -1,0 +1,75 @@
+//! A candidate's shape, settled by what the rows show.
+
+use super::Fitted;
+use super::scored::{Scored, score};
+use crate::effect::Finer;
+
+/// Steps of a search for a number of a shape, each 0.62 of the one before.
+const STEPS: usize = 8;
+/// Times that a candidate is made linear about its coefficients.
+const TIMES: usize = 4;
+
+/// The candidate with the shape that explains most.
+pub(crate) fn refined<'c>(fitted: &Fitted<'_>, start: Scored<'c>) -> Scored<'c> {
+    match start.candidate.finer.clone() {
+        Finer::Settled => start,
+        Finer::About(about) => {
+            let mut best = start;
+            for _ in 0..TIMES {
+                let nearer = about_of(&best, &about).and_then(|own| score(fitted, &own));
+                match nearer {
+                    Some(nearer) if nearer.nats > best.nats - 1.0 => best = nearer,
+                    _ => break,
+                }
+            }
+            best
+        }
+        Finer::Shape { ratio, at } => {
+            let centre = start.candidate.shape[0].1;
+            let try_at = |x: f64| at(centre * ratio.powf(x)).and_then(|own| score(fitted, &own));
+            // golden section (Kiefer 1953) over the logarithm
+            let golden = 0.618_033_988_749_895;
+            let (mut low, mut high) = (-1.0, 1.0);
+            let mut best = start;
+            let keep = |found: &Option<Scored<'c>>, best: &mut Scored<'c>| {
+                if let Some(found) = found
+                    && found.nats > best.nats
+                {
+                    *best = found.clone();
+                }
+            };
+            let nats = |found: &Option<Scored<'c>>| {
+                found.as_ref().map_or(f64::NEG_INFINITY, |own| own.nats)
+            };
+            let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
+            let (mut at_a, mut at_b) = (try_at(a), try_at(b));
+            for _ in 0..STEPS {
+                keep(&at_a, &mut best);
+                keep(&at_b, &mut best);
+                if nats(&at_a) >= nats(&at_b) {
+                    high = b;
+                    (b, at_b) = (a, at_a);
+                    a = high - golden * (high - low);
+                    at_a = try_at(a);
+                } else {
+                    low = a;
+                    (a, at_a) = (b, at_b);
+                    b = low + golden * (high - low);
+                    at_b = try_at(b);
+                }
+            }
+            best
+        }
+    }
+}
+
+/// The candidate that is linear about where another one was found, by that one's own way of making it.
+fn about_of<'c>(
+    found: &Scored<'c>,
+    first: &std::rc::Rc<dyn Fn(&[f64]) -> Option<crate::effect::Candidate<'c>> + 'c>,
+) -> Option<crate::effect::Candidate<'c>> {
+    match &found.candidate.finer {
+        Finer::About(own) => own(&found.coefficients),
+        _ => first(&found.coefficients),
+    }
+}

@@ -1,0 +1,73 @@
+//! Candidates with what they explain.
+
+use super::Fitted;
+use crate::effect::{Candidate, Candidates, Context, EFFECTS};
+use crate::span::gain;
+
+/// A candidate and what it explains.
+#[derive(Clone)]
+pub(crate) struct Scored<'c> {
+    pub(crate) candidate: Candidate<'c>,
+    /// Less what its numbers would explain of noise \[nats\].
+    pub(crate) nats: f64,
+    pub(crate) coefficients: Vec<f64>,
+}
+
+/// All candidates.
+pub(crate) struct Pool<'c> {
+    context: Context<'c>,
+    without: &'c [String],
+    given: Vec<Candidate<'c>>,
+}
+
+impl<'c> Pool<'c> {
+    pub(crate) fn new(context: Context<'c>, without: &'c [String]) -> Self {
+        let given = EFFECTS
+            .iter()
+            .filter(|own| !without.iter().any(|name| name == own.name));
+        let given = given.flat_map(|own| match own.candidates {
+            Candidates::Given(make) => make(context),
+            Candidates::ByRest(_) => Vec::new(),
+        });
+        Self {
+            given: given.collect(),
+            context,
+            without,
+        }
+    }
+
+    /// What each of them explains of what a fit leaves; those that are not sound left out.
+    pub(crate) fn scored(&self, fitted: &Fitted<'_>) -> Vec<Scored<'c>> {
+        let given = self.given.iter();
+        let mut found: Vec<Scored<'c>> = given.filter_map(|own| score(fitted, own)).collect();
+        for effect in EFFECTS
+            .iter()
+            .filter(|own| !self.without.iter().any(|name| name == own.name))
+        {
+            if let Candidates::ByRest(make) = effect.candidates {
+                let candidates = make(self.context, &fitted.rest).into_iter();
+                found.extend(candidates.filter_map(|own| score(fitted, &own)));
+            }
+        }
+        found
+    }
+}
+
+/// What a candidate explains of what a fit leaves; none where its coefficients are not those of such an effect.
+pub(crate) fn score<'c>(fitted: &Fitted<'_>, candidate: &Candidate<'c>) -> Option<Scored<'c>> {
+    let gain = gain(&fitted.span, &candidate.columns, &fitted.rest);
+    if gain.rank == 0 || !(candidate.is_sound)(&gain.coefficients) {
+        return None;
+    }
+    Some(Scored {
+        candidate: candidate.clone(),
+        nats: gain.nats - penalty(candidate, fitted),
+        coefficients: gain.coefficients,
+    })
+}
+
+/// What a candidate's numbers would explain of noise (Schwarz 1978) \[nats\].
+pub(crate) fn penalty(candidate: &Candidate<'_>, fitted: &Fitted<'_>) -> f64 {
+    let numbers = candidate.columns.len() + candidate.shape.len();
+    0.5 * numbers as f64 * (fitted.problem.channel_rows() as f64).ln()
+}

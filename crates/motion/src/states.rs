@@ -1,0 +1,240 @@
+//! The motion at fine steps, and rows behind one low pass for torques and all that explains them.
+
+use haptical_linalg::dot;
+
+use crate::local_polynomial::LocalPolynomial;
+use crate::low_pass::LowPass;
+use crate::samples::Samples;
+
+/// Positions are smoothed up to this multiple of the band's edge, so that the low pass alone shapes the rows.
+const BEYOND: f64 = 2.0;
+/// Fewest fine steps in a period of the band's edge.
+const FINE: f64 = 8.0;
+/// Most rows of a joint: longer logs keep every second one, or fewer.
+const MOST_ROWS: usize = 12_000;
+
+/// Positions, velocities and accelerations of one side of the drives, joint by joint.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Side {
+    pub(crate) q: Vec<Vec<f64>>,
+    pub(crate) dq: Vec<Vec<f64>>,
+    pub(crate) ddq: Vec<Vec<f64>>,
+}
+
+/// The whole motion.
+#[derive(Debug, Clone)]
+pub(crate) struct States {
+    pub(crate) pass: LowPass,
+    /// Time of each fine step \[s\].
+    pub(crate) time_s: Vec<f64>,
+    /// Row of the recording that each fine step is nearest to.
+    pub(crate) row_of: Vec<usize>,
+    /// Motors' side.
+    pub(crate) motor: Side,
+    /// Links' side: the encoder there where a joint has one, else the motor's.
+    pub(crate) link: Side,
+    /// Fine step in the middle of each row.
+    pub(crate) centre: Vec<usize>,
+    /// Piece and sample of each fine step.
+    fine: Vec<(usize, usize)>,
+    pub(crate) fine_s: f64,
+    step_s: f64,
+    /// Weights of the fine steps of a row, around its centre.
+    weights: Vec<f64>,
+    /// Standard deviation of a row of a joint's acceleration, from the noise of its positions; motors' side.
+    pub(crate) acceleration_sd: Vec<f64>,
+}
+
+impl States {
+    /// The motion for rows of a band; none where no piece is long enough.
+    pub(crate) fn new(samples: &Samples, edge_hz: f64) -> Option<Self> {
+        let pass = LowPass { edge_hz };
+        let step_s = samples.step_s;
+        let stride = (samples.rate_hz() / (FINE * edge_hz)).floor().max(1.0) as usize;
+        let fine_s = step_s * stride as f64;
+        let local = LocalPolynomial::new(step_s, BEYOND * edge_hz);
+        let (first, weights) = pass.weights(fine_s, 0.0);
+        let half = first.unsigned_abs();
+        let every = (pass.row_s() / fine_s).round().max(1.0) as usize;
+        let fine_steps = |length: usize| length.saturating_sub(2 * local.half).div_ceil(stride);
+        let possible: usize = (samples.pieces.iter())
+            .map(|piece| fine_steps(piece.length).saturating_sub(2 * half) / every)
+            .sum();
+        let every = every * possible.div_ceil(MOST_ROWS).max(1);
+        let joints = samples.pieces.first()?.motor.len();
+        let empty = || Side {
+            q: vec![Vec::new(); joints],
+            dq: vec![Vec::new(); joints],
+            ddq: vec![Vec::new(); joints],
+        };
+        let mut states = Self {
+            pass,
+            time_s: Vec::new(),
+            row_of: Vec::new(),
+            motor: empty(),
+            link: empty(),
+            centre: Vec::new(),
+            fine: Vec::new(),
+            fine_s,
+            step_s,
+            weights,
+            acceleration_sd: Vec::new(),
+        };
+        for (number, piece) in samples.pieces.iter().enumerate() {
+            let count = fine_steps(piece.length);
+            if count <= 2 * half {
+                continue;
+            }
+            let base = states.time_s.len();
+            let at = |k: usize| local.half + k * stride;
+            for joint in 0..joints {
+                let motor = &piece.motor[joint];
+                states
+                    .motor
+                    .extend(joint, &local, motor, (0..count).map(at));
+                let link = piece.link[joint].as_ref().unwrap_or(motor);
+                states.link.extend(joint, &local, link, (0..count).map(at));
+            }
+            for k in 0..count {
+                states.time_s.push(piece.start_s + at(k) as f64 * step_s);
+                states.row_of.push(piece.first_row + at(k));
+                states.fine.push((number, at(k)));
+            }
+            let inner = (half..count - half).step_by(every);
+            states.centre.extend(inner.map(|k| base + k));
+        }
+        if states.centre.is_empty() {
+            return None;
+        }
+        states.acceleration_sd = acceleration_sds(samples, &local, &states.weights, stride);
+        Some(states)
+    }
+
+    /// Number of rows of a joint.
+    pub(crate) fn rows(&self) -> usize {
+        self.centre.len()
+    }
+
+    /// Number of fine steps.
+    pub(crate) fn steps(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Fine steps of a row with their weights.
+    pub(crate) fn window(&self, row: usize) -> (usize, &[f64]) {
+        (self.centre[row] - self.weights.len() / 2, &self.weights)
+    }
+
+    /// Rows of a signal at the fine steps.
+    pub(crate) fn filtered(&self, signal: &[f64]) -> Vec<f64> {
+        (0..self.rows())
+            .map(|row| {
+                let (first, weights) = self.window(row);
+                dot(weights, &signal[first..first + weights.len()])
+            })
+            .collect()
+    }
+
+    /// Rows of recorded torques; what belongs to the motion at a time was recorded `early_s` before it.
+    pub(crate) fn torque(&self, samples: &Samples, joint: usize, early_s: f64) -> Vec<f64> {
+        let whole = (early_s / self.step_s).round();
+        let (first, weights) = self
+            .pass
+            .weights(self.step_s, whole * self.step_s - early_s);
+        (self.centre.iter())
+            .map(|&centre| {
+                let (piece, sample) = self.fine[centre];
+                let torque = samples.pieces[piece].torque[joint]
+                    .as_deref()
+                    .unwrap_or(&[]);
+                let from = sample as isize - whole as isize + first;
+                // a shift may reach beyond the piece: the value at its end then
+                let last = torque.len() as isize - 1;
+                let value = |k: usize| torque[(from + k as isize).clamp(0, last) as usize];
+                (weights.iter().enumerate())
+                    .map(|(k, weight)| weight * value(k))
+                    .sum()
+            })
+            .collect()
+    }
+
+    /// Recorded torques at the fine steps, smoothed as the positions are.
+    pub(crate) fn smoothed(&self, samples: &Samples, joint: usize) -> Vec<f64> {
+        let local = LocalPolynomial::new(samples.step_s, BEYOND * self.pass.edge_hz);
+        let at = |&(piece, sample): &(usize, usize)| {
+            let torque = samples.pieces[piece].torque[joint].as_deref();
+            torque.map_or(0.0, |own| local.at(0, own, sample))
+        };
+        self.fine.iter().map(at).collect()
+    }
+
+    /// What the low pass leaves of the standard deviation of a white noise of the recorded torques.
+    pub(crate) fn noise_gain(&self) -> f64 {
+        let (_, weights) = self.pass.weights(self.step_s, 0.0);
+        dot(&weights, &weights).sqrt()
+    }
+}
+
+impl Side {
+    fn extend(
+        &mut self,
+        joint: usize,
+        local: &LocalPolynomial,
+        samples: &[f64],
+        at: impl Iterator<Item = usize>,
+    ) {
+        for index in at {
+            self.q[joint].push(local.at(0, samples, index));
+            self.dq[joint].push(local.at(1, samples, index));
+            self.ddq[joint].push(local.at(2, samples, index));
+        }
+    }
+}
+
+/// Noise of the positions, carried through the second derivative and the low pass.
+fn acceleration_sds(
+    samples: &Samples,
+    local: &LocalPolynomial,
+    weights: &[f64],
+    stride: usize,
+) -> Vec<f64> {
+    let reach = local.half + stride * (weights.len() / 2);
+    let mut kernel = vec![0.0; 2 * reach + 1];
+    for (k, weight) in weights.iter().enumerate() {
+        for (i, own) in local.weights[2].iter().enumerate() {
+            kernel[k * stride + i] += weight * own;
+        }
+    }
+    let gain = dot(&kernel, &kernel).sqrt();
+    let joints = samples.pieces[0].motor.len();
+    let noise = |joint: usize| {
+        white_sd(
+            samples
+                .pieces
+                .iter()
+                .map(|piece| piece.motor[joint].as_slice()),
+            local,
+        )
+    };
+    (0..joints).map(|joint| gain * noise(joint)).collect()
+}
+
+/// Standard deviation of the white noise of recorded columns, from what is beside a local polynomial: by the median, so that
+/// steps and spikes do not count.
+pub(crate) fn white_sd<'c>(
+    columns: impl Iterator<Item = &'c [f64]>,
+    local: &LocalPolynomial,
+) -> f64 {
+    let mut rest: Vec<f64> = columns
+        .flat_map(|column| {
+            let inner = local.half..column.len().saturating_sub(local.half);
+            inner.map(|k| (column[k] - local.at(0, column, k)).abs())
+        })
+        .collect();
+    if rest.is_empty() {
+        return 0.0;
+    }
+    let middle = rest.len() / 2;
+    let (_, median, _) = rest.select_nth_unstable_by(middle, f64::total_cmp);
+    *median / 0.6745 / local.rest_sd()
+}

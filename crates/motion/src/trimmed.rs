@@ -1,0 +1,102 @@
+//! The base model fitted to the times of a recording that agree with each other, and the times that do not.
+//!
+//! Least trimmed squares by concentration steps (Rousseeuw and Van Driessen 2006): what happens for a part of a recording alone
+//! does not bend the fit of the rest.
+
+use haptical_linalg::dot;
+use nalgebra::{DMatrix, DVector};
+
+use crate::base::Base;
+use crate::problem::Problem;
+use crate::span::Column;
+
+/// Share of the times that agree, at least.
+const KEPT: f64 = 0.6;
+/// Concentration steps.
+const STEPS: usize = 8;
+/// A time that lies this many standard deviations beyond noise is outside.
+const BEYOND: f64 = 6.0;
+/// Mean square of what agrees, at most, in squares of noise.
+const AGREES: f64 = 2.0;
+
+/// Times outside, row by row of one joint; none where the rest does not agree either, or nothing is outside.
+pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Vec<bool>> {
+    let rows = problem.states.rows();
+    let channels = problem.channels.len();
+    let recorded = problem.recorded(0.0);
+    let columns: Vec<&Column> = base.columns.iter().map(|own| &own.column).collect();
+    let mut inside = vec![true; rows];
+    let mut squares = vec![0.0; rows];
+    for step in 0..=STEPS {
+        let rest = rest_of(problem, base, &columns, &recorded, &inside)?;
+        for (row, square) in squares.iter_mut().enumerate() {
+            *square = (0..channels)
+                .map(|own| rest[own * rows + row].powi(2))
+                .sum::<f64>()
+                / channels as f64;
+        }
+        let mut order = squares.clone();
+        let kept = ((KEPT * rows as f64) as usize).min(rows - 1);
+        let (_, most, _) = order.select_nth_unstable_by(kept, f64::total_cmp);
+        let most = match step < STEPS {
+            true => *most,
+            false => 1.0 + BEYOND * (2.0 / channels as f64).sqrt(),
+        };
+        (inside.iter_mut().zip(&squares)).for_each(|(inside, square)| *inside = *square <= most);
+    }
+    let agreeing: Vec<f64> = (squares.iter().zip(&inside))
+        .filter(|(_, inside)| **inside)
+        .map(|own| *own.0)
+        .collect();
+    let mean = agreeing.iter().sum::<f64>() / agreeing.len().max(1) as f64;
+    let is_found =
+        agreeing.len() < rows && agreeing.len() as f64 > 0.5 * rows as f64 && mean < AGREES;
+    is_found.then(|| inside.iter().map(|own| !own).collect())
+}
+
+/// What a fit to the times inside leaves of all.
+fn rest_of(
+    problem: &Problem,
+    base: &Base,
+    columns: &[&Column],
+    recorded: &[f64],
+    inside: &[bool],
+) -> Option<Vec<f64>> {
+    let rows = problem.states.rows();
+    let masked: Vec<Column> = columns
+        .iter()
+        .map(|column| {
+            let (first, values) = column.parts();
+            let keep = |(k, value): (usize, &f64)| match inside[(first + k) % rows] {
+                true => *value,
+                false => 0.0,
+            };
+            Column::Part {
+                first,
+                values: values.iter().enumerate().map(keep).collect(),
+            }
+        })
+        .collect();
+    let count = masked.len();
+    let mut gram = DMatrix::zeros(count, count);
+    for a in 0..count {
+        for b in 0..=a {
+            let value = masked[a].times(&masked[b]);
+            gram[(a, b)] = value;
+            gram[(b, a)] = value;
+        }
+        let known = base.columns[a].known_sd.map_or(0.0, |sd| sd.powi(-2));
+        gram[(a, a)] += known + 1e-12 * gram[(a, a)] + 1e-30;
+    }
+    let products = DVector::from_fn(count, |row, _| masked[row].dot(recorded));
+    // columns are of any size: their lengths out first
+    let scale: Vec<f64> = (0..count).map(|k| gram[(k, k)].sqrt()).collect();
+    let scaled = DMatrix::from_fn(count, count, |a, b| gram[(a, b)] / (scale[a] * scale[b]));
+    let right = DVector::from_fn(count, |k, _| products[k] / scale[k]);
+    let solution = scaled.cholesky()?.solve(&right);
+    let mut rest = recorded[..problem.channel_rows()].to_vec();
+    for (k, column) in columns.iter().enumerate() {
+        column.add_to(&mut rest, -solution[k] / scale[k]);
+    }
+    dot(&rest, &rest).is_finite().then_some(rest)
+}
