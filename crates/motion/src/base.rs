@@ -3,15 +3,21 @@
 //! Torque = nominal bodies + plausible deviations of their numbers + armature + viscous friction and Coulomb friction + offset, with a
 //! delay of a plausible size between torques and positions. docs/equations.md, A moving arm.
 
+use std::rc::Rc;
+
 use crate::arm::Deviation;
+use crate::column::Column;
 use crate::plausible;
 use crate::problem::Problem;
-use crate::span::{Column, Span, gain};
+use crate::system::System;
 
 /// Speeds within which Coulomb friction turns over that are tried, \[rad/s\] or \[m/s\].
 const TURNOVER: [f64; 10] = [
     0.0015, 0.003, 0.005, 0.0075, 0.011, 0.017, 0.025, 0.04, 0.07, 0.12,
 ];
+
+/// Travel over which every friction may build up: the joint's at its fastest in so many seconds.
+const BRISTLE_S: f64 = 1e-4;
 
 /// What a column of the base model is.
 #[derive(Debug, Clone)]
@@ -20,6 +26,8 @@ pub(crate) enum Term {
     Viscous { joint: usize },
     /// Coulomb friction of a joint.
     Coulomb { joint: usize },
+    /// How its Coulomb friction builds up over a short travel after a reversal.
+    Bristle { joint: usize },
     /// How its Coulomb friction changes with the logarithm of the speed within which it turns over.
     Turnover { joint: usize },
     /// Armature of a joint; beyond the stated one, if one is stated.
@@ -37,7 +45,7 @@ pub(crate) enum Term {
 pub(crate) struct BaseColumn {
     pub(crate) term: Term,
     pub(crate) known_sd: Option<f64>,
-    pub(crate) column: Column,
+    pub(crate) column: Rc<Column>,
 }
 
 /// The base model of a problem.
@@ -50,19 +58,17 @@ pub(crate) struct Base {
 
 impl Base {
     /// The base model, Coulomb friction by what the torques show of it; `turnover`: where that is settled already.
-    pub(crate) fn new(problem: &mut Problem, turnover: Option<&[f64]>) -> Self {
+    pub(crate) fn new(problem: &Problem, turnover: Option<&[f64]>) -> Self {
         let mut columns = viscous(problem);
         columns.extend(armatures(problem));
         columns.extend(bodies(problem));
         columns.extend(offsets(problem));
         columns.push(delay(problem, &problem.nominal_torque()));
-        number_known(problem, &mut columns);
+        // of a body that no torque feels there is nothing to know
+        columns.retain(|own| own.column.parts().1.iter().any(|value| *value != 0.0));
         let turnover = match turnover {
             Some(known) => known.to_vec(),
-            None => {
-                let first = turnovers(problem, &columns, None);
-                turnovers(problem, &columns, Some(&first))
-            }
+            None => turnovers(problem, &columns),
         };
         for joint in problem.channels.clone() {
             columns.extend(coulomb(problem, joint, turnover[joint]));
@@ -75,10 +81,9 @@ impl Base {
     /// The base model with rows weighted by how well they are known.
     pub(crate) fn weighted(problem: &mut Problem) -> Self {
         let first = Self::new(problem, None);
-        let all: Vec<usize> = (0..first.columns.len()).collect();
-        let solution = first.span(problem, &all).solve(&problem.recorded(0.0));
+        let solved = first.system().solve(&problem.recorded(0.0), &[]);
         let mut coulomb = vec![0.0; problem.arm.joints()];
-        for (own, value) in first.columns.iter().zip(solution) {
+        for (own, value) in first.columns.iter().zip(solved.solution) {
             if let Term::Coulomb { joint } = own.term {
                 coulomb[joint] = value.abs();
             }
@@ -87,11 +92,15 @@ impl Base {
         Self::new(problem, None)
     }
 
+    /// Its columns as a system.
+    pub(crate) fn system(&self) -> System {
+        system_of(&self.columns)
+    }
+
     /// The delay moves the friction too.
     fn with_friction_in_delay(&mut self, problem: &Problem) {
-        let all: Vec<usize> = (0..self.columns.len()).collect();
-        let solution = self.span(problem, &all).solve(&problem.recorded(0.0));
-        let torque = self.torque(problem, &solution);
+        let solved = self.system().solve(&problem.recorded(0.0), &[]);
+        let torque = self.torque(problem, &solved.solution);
         let delays = self
             .columns
             .iter_mut()
@@ -115,11 +124,6 @@ impl Base {
         torque
     }
 
-    /// The directions of some of its columns, each known number with a row of its own.
-    pub(crate) fn span(&self, problem: &Problem, which: &[usize]) -> Span {
-        span_of(problem, which.iter().map(|index| &self.columns[*index]))
-    }
-
     /// Columns whose coefficient nothing is known of.
     pub(crate) fn free(&self) -> usize {
         let free = self.columns.iter().filter(|own| own.known_sd.is_none());
@@ -137,30 +141,12 @@ pub(crate) fn sign(dq: &[f64], turnover: f64) -> Vec<f64> {
     dq.iter().map(|dq| libm::tanh(dq / turnover)).collect()
 }
 
-fn span_of<'b>(problem: &Problem, columns: impl Iterator<Item = &'b BaseColumn>) -> Span {
-    let mut span = Span::default();
-    let mut row = problem.channel_rows();
-    for own in columns {
-        let mut column = own.column.clone();
-        if let Some(sd) = own.known_sd {
-            let mut all = vec![0.0; problem.length()];
-            column.add_to(&mut all, 1.0);
-            all[row] = 1.0 / sd;
-            row += 1;
-            column = Column::All(all);
-        }
-        span.add(&column, problem.length());
-    }
-    span
-}
-
-fn number_known(problem: &mut Problem, columns: &mut Vec<BaseColumn>) {
-    // of a body that no torque feels there is nothing to know
-    columns.retain(|own| {
-        let (_, values) = own.column.parts();
-        values.iter().any(|value| *value != 0.0)
-    });
-    problem.known = columns.iter().filter(|own| own.known_sd.is_some()).count();
+fn system_of(columns: &[BaseColumn]) -> System {
+    let known: Vec<Option<f64>> = columns.iter().map(|own| own.known_sd).collect();
+    System::new(
+        columns.iter().map(|own| Rc::clone(&own.column)).collect(),
+        &known,
+    )
 }
 
 fn viscous(problem: &Problem) -> Vec<BaseColumn> {
@@ -169,7 +155,7 @@ fn viscous(problem: &Problem) -> Vec<BaseColumn> {
         Some(BaseColumn {
             term: Term::Viscous { joint },
             known_sd: None,
-            column: problem.of_joint(joint, &problem.states.motor.dq[joint])?,
+            column: Rc::new(problem.of_joint(joint, &problem.states.motor.dq[joint])?),
         })
     };
     joints.filter_map(column).collect()
@@ -183,7 +169,7 @@ fn armatures(problem: &Problem) -> Vec<BaseColumn> {
         Some(BaseColumn {
             term: Term::Armature { joint },
             known_sd: stated.map(|own| (0.5 * plausible::ARMATURE * own).max(1e-9)),
-            column: problem.of_joint(joint, &problem.states.motor.ddq[joint])?,
+            column: Rc::new(problem.of_joint(joint, &problem.states.motor.ddq[joint])?),
         })
     };
     joints.filter_map(column).collect()
@@ -192,7 +178,7 @@ fn armatures(problem: &Problem) -> Vec<BaseColumn> {
 fn bodies(problem: &Problem) -> Vec<BaseColumn> {
     let deviations = problem.arm.deviations().into_iter();
     let column = |deviation: Deviation| BaseColumn {
-        column: problem.of_body(deviation.body, &deviation.parameters),
+        column: Rc::new(problem.of_body(deviation.body, &deviation.parameters)),
         known_sd: Some(1.0),
         term: Term::Body(deviation),
     };
@@ -209,7 +195,7 @@ fn offsets(problem: &Problem) -> Vec<BaseColumn> {
                 0.5 * plausible::OFFSET_NOISES
                     * problem.reading_sd[channel].max(problem.row_sd[channel]),
             ),
-            column: problem.of_joint(joint, &ones)?,
+            column: Rc::new(problem.of_joint(joint, &ones)?),
         })
     };
     joints.filter_map(column).collect()
@@ -220,26 +206,49 @@ fn delay(problem: &Problem, torque: &[Vec<f64>]) -> BaseColumn {
     BaseColumn {
         term: Term::Delay,
         known_sd: Some(0.5 * plausible::DELAY_STEPS * problem.samples.step_s),
-        column: problem.of_joints(&slopes),
+        column: Rc::new(problem.of_joints(&slopes)),
     }
 }
 
-/// Coulomb friction and how it changes with its turnover.
+/// What friction that builds up over a travel after each reversal is beside its direction: Dahl's
+/// `dz = (sign(dq) - z) |dq| / x dt` (Dahl 1968) less the sign.
+pub(crate) fn beyond_sign(q: &[f64], sign: &[f64], travel: f64) -> Vec<f64> {
+    let mut z = 0.0;
+    (0..q.len())
+        .map(|k| {
+            let step = if k > 0 { q[k] - q[k - 1] } else { 0.0 };
+            // exact over a step in one direction
+            let towards = if step == 0.0 { z } else { step.signum() };
+            z = towards + (z - towards) * (-step.abs() / travel.max(1e-12)).exp();
+            z - sign[k]
+        })
+        .collect()
+}
+
+/// Coulomb friction, how it changes with its turnover and how it builds up.
 fn coulomb(problem: &Problem, joint: usize, turnover: f64) -> Vec<BaseColumn> {
     let dq = &problem.states.motor.dq[joint];
     let slope = dq.iter().map(|dq| {
         let x = dq / turnover;
         -x / libm::cosh(x.clamp(-300.0, 300.0)).powi(2)
     });
+    let fastest = dq.iter().fold(0.0_f64, |most, dq| most.max(dq.abs()));
+    let direction = sign(dq, turnover);
+    let bristle = beyond_sign(
+        &problem.states.motor.q[joint],
+        &direction,
+        BRISTLE_S * fastest,
+    );
     let signals = [
-        (Term::Coulomb { joint }, sign(dq, turnover)),
+        (Term::Bristle { joint }, bristle),
+        (Term::Coulomb { joint }, direction),
         (Term::Turnover { joint }, slope.collect()),
     ];
     let column = |(term, signal): (Term, Vec<f64>)| {
         Some(BaseColumn {
             term,
             known_sd: None,
-            column: problem.of_joint(joint, &signal)?,
+            column: Rc::new(problem.of_joint(joint, &signal)?),
         })
     };
     signals.into_iter().filter_map(column).collect()
@@ -265,27 +274,33 @@ pub(crate) fn slope(signal: &[f64], problem: &Problem) -> Vec<f64> {
         .collect()
 }
 
-/// The turnover of each joint's friction that explains most of what the other columns leave; `others`: of the other joints'
-/// friction.
-fn turnovers(problem: &Problem, columns: &[BaseColumn], others: Option<&[f64]>) -> Vec<f64> {
-    let span = span_of(problem, columns.iter());
-    let rest = span.rest_of(problem.recorded(0.0));
-    let of = |joint: usize, speed: f64| {
-        problem.of_joint(joint, &sign(&problem.states.motor.dq[joint], speed))
-    };
-    let best = |joint: usize| {
-        let beside = others.into_iter().flatten().enumerate();
-        let beside = beside.filter(|(other, _)| *other != joint);
-        let beside: Vec<Column> = beside
-            .filter_map(|(other, speed)| of(other, *speed))
-            .collect();
-        let gains = TURNOVER.map(|speed| {
-            let mut columns = beside.clone();
-            columns.extend(of(joint, speed));
-            gain(&span, &columns, &rest).nats
-        });
-        let most = (0..TURNOVER.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
-        TURNOVER[most.unwrap_or(0)]
-    };
-    (0..problem.arm.joints()).map(best).collect()
+/// The turnover of each joint's friction that explains most of what the other columns and the other joints' friction leave.
+fn turnovers(problem: &Problem, columns: &[BaseColumn]) -> Vec<f64> {
+    let solved = system_of(columns).solve(&problem.recorded(0.0), &[]);
+    let system = system_of(columns);
+    let mut turnover = vec![TURNOVER[TURNOVER.len() / 2]; problem.arm.joints()];
+    for round in 0..2 {
+        let of = |joint: usize, speed: f64| {
+            let column = problem.of_joint(joint, &sign(&problem.states.motor.dq[joint], speed));
+            column.map(Rc::new)
+        };
+        let known = turnover.clone();
+        for &joint in &problem.channels {
+            let beside = problem
+                .channels
+                .iter()
+                .filter(|other| round > 0 && **other != joint);
+            let beside: Vec<Rc<Column>> = beside
+                .filter_map(|other| of(*other, known[*other]))
+                .collect();
+            let gains = TURNOVER.map(|speed| {
+                let mut columns = beside.clone();
+                columns.extend(of(joint, speed));
+                solved.gain(&columns, &system.across(&columns)).nats
+            });
+            let most = (0..TURNOVER.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
+            turnover[joint] = TURNOVER[most.unwrap_or(0)];
+        }
+    }
+    turnover
 }

@@ -5,6 +5,7 @@
 
 mod arm;
 mod base;
+mod column;
 mod effect;
 mod error;
 mod examine;
@@ -14,8 +15,8 @@ mod plausible;
 mod problem;
 mod samples;
 mod select;
-mod span;
 mod states;
+mod system;
 mod trimmed;
 
 pub use error::MotionError;

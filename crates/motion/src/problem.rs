@@ -4,9 +4,9 @@ use haptical_model::Recording;
 
 use crate::MotionError;
 use crate::arm::{Arm, PARAMETERS};
+use crate::column::Column;
 use crate::local_polynomial::LocalPolynomial;
 use crate::samples::Samples;
-use crate::span::Column;
 use crate::states::{States, white_sd};
 
 /// Edges of the band that are tried, widest first \[Hz\]: an arm's motion is below the first, and where positions are coarse the
@@ -40,8 +40,6 @@ pub(crate) struct Problem {
     pub(crate) rigid: Vec<Vec<f64>>,
     /// Weight of each row: one over the standard deviation of what is not known of it.
     weights: Vec<f64>,
-    /// Rows behind those of the channels, one for each number that is known beforehand.
-    pub(crate) known: usize,
 }
 
 impl Problem {
@@ -117,7 +115,6 @@ impl Problem {
             inertial: Vec::new(),
             rigid: Vec::new(),
             weights: Vec::new(),
-            known: 0,
         };
         let rows = problem.states.rows();
         let sds = problem.row_sd.iter();
@@ -145,17 +142,11 @@ impl Problem {
                 self.inertial.iter_mut().for_each(|own| own[at] *= change);
             }
         }
-        self.known = 0;
     }
 
     /// Rows of all channels.
     pub(crate) fn channel_rows(&self) -> usize {
         self.channels.len() * self.states.rows()
-    }
-
-    /// Rows of a column, known numbers included.
-    pub(crate) fn length(&self) -> usize {
-        self.channel_rows() + self.known
     }
 
     /// Position of a joint among the channels.
@@ -199,7 +190,7 @@ impl Problem {
 
     /// Whitened rows of the recorded torques less those of the nominal bodies; `early_s`: how long before the positions.
     pub(crate) fn recorded(&self, early_s: f64) -> Vec<f64> {
-        let mut all = Vec::with_capacity(self.length());
+        let mut all = Vec::with_capacity(self.channel_rows());
         for (channel, &joint) in self.channels.iter().enumerate() {
             let weights = &self.weights[channel * self.states.rows()..];
             let torque = self.states.torque(&self.samples, joint, early_s);
@@ -212,7 +203,6 @@ impl Problem {
         }
         self.of_joints(&self.nominal_torque())
             .add_to(&mut all, -1.0);
-        all.resize(self.length(), 0.0);
         all
     }
 

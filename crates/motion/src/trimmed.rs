@@ -3,12 +3,14 @@
 //! Least trimmed squares by concentration steps (Rousseeuw and Van Driessen 2006): what happens for a part of a recording alone
 //! does not bend the fit of the rest.
 
+use std::rc::Rc;
+
 use haptical_linalg::dot;
-use nalgebra::{DMatrix, DVector};
 
 use crate::base::Base;
+use crate::column::Column;
 use crate::problem::Problem;
-use crate::span::Column;
+use crate::system::System;
 
 /// Share of the times that agree, at least.
 const KEPT: f64 = 0.6;
@@ -24,7 +26,7 @@ pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Vec<bool>> {
     let rows = problem.states.rows();
     let channels = problem.channels.len();
     let recorded = problem.recorded(0.0);
-    let columns: Vec<&Column> = base.columns.iter().map(|own| &own.column).collect();
+    let columns: Vec<&Column> = base.columns.iter().map(|own| own.column.as_ref()).collect();
     let mut inside = vec![true; rows];
     let mut squares = vec![0.0; rows];
     for step in 0..=STEPS {
@@ -63,40 +65,22 @@ fn rest_of(
     inside: &[bool],
 ) -> Option<Vec<f64>> {
     let rows = problem.states.rows();
-    let masked: Vec<Column> = columns
-        .iter()
-        .map(|column| {
-            let (first, values) = column.parts();
-            let keep = |(k, value): (usize, &f64)| match inside[(first + k) % rows] {
-                true => *value,
-                false => 0.0,
-            };
-            Column::Part {
-                first,
-                values: values.iter().enumerate().map(keep).collect(),
-            }
+    let masked = columns.iter().map(|column| {
+        let (first, values) = column.parts();
+        let keep = |(k, value): (usize, &f64)| match inside[(first + k) % rows] {
+            true => *value,
+            false => 0.0,
+        };
+        Rc::new(Column::Part {
+            first,
+            values: values.iter().enumerate().map(keep).collect(),
         })
-        .collect();
-    let count = masked.len();
-    let mut gram = DMatrix::zeros(count, count);
-    for a in 0..count {
-        for b in 0..=a {
-            let value = masked[a].times(&masked[b]);
-            gram[(a, b)] = value;
-            gram[(b, a)] = value;
-        }
-        let known = base.columns[a].known_sd.map_or(0.0, |sd| sd.powi(-2));
-        gram[(a, a)] += known + 1e-12 * gram[(a, a)] + 1e-30;
-    }
-    let products = DVector::from_fn(count, |row, _| masked[row].dot(recorded));
-    // columns are of any size: their lengths out first
-    let scale: Vec<f64> = (0..count).map(|k| gram[(k, k)].sqrt()).collect();
-    let scaled = DMatrix::from_fn(count, count, |a, b| gram[(a, b)] / (scale[a] * scale[b]));
-    let right = DVector::from_fn(count, |k, _| products[k] / scale[k]);
-    let solution = scaled.cholesky()?.solve(&right);
-    let mut rest = recorded[..problem.channel_rows()].to_vec();
-    for (k, column) in columns.iter().enumerate() {
-        column.add_to(&mut rest, -solution[k] / scale[k]);
+    });
+    let known: Vec<Option<f64>> = base.columns.iter().map(|own| own.known_sd).collect();
+    let solved = System::new(masked.collect(), &known).solve(recorded, &[]);
+    let mut rest = recorded.to_vec();
+    for (column, value) in columns.iter().zip(&solved.solution) {
+        column.add_to(&mut rest, -value);
     }
     dot(&rest, &rest).is_finite().then_some(rest)
 }

@@ -13,9 +13,9 @@ pub(super) const EFFECT: Effect = Effect {
 };
 
 /// Time between the nodes of the force's course \[s\].
-const NODES_S: f64 = 0.1;
+const NODES_S: f64 = 0.05;
 /// Most nodes: a longer contact has them further apart.
-const MOST_NODES: usize = 40;
+const MOST_NODES: usize = 60;
 /// A surface pushes in one direction: the mean force over the mean of its size, at least.
 const ONE_WAY: f64 = 0.5;
 
@@ -35,7 +35,11 @@ fn candidate(context: Context<'_>) -> Option<Candidate<'_>> {
     let apart_s = NODES_S.max(total_s / MOST_NODES as f64);
     let mut nodes: Vec<f64> = Vec::new();
     for (row, _) in outside.iter().enumerate().filter(|(_, own)| **own) {
-        for time in [times[row] - row_s, times[row] + row_s] {
+        for time in [
+            times[row] - 2.0 * row_s,
+            times[row],
+            times[row] + 2.0 * row_s,
+        ] {
             // on one grid for the whole log
             let node = (time / apart_s).round() * apart_s;
             if nodes.last().is_none_or(|last| node > last + 0.5 * apart_s) {

@@ -2,12 +2,15 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect};
+use super::{Candidate, Candidates, Context, Effect, ends};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "gravity-spring",
     candidates: Candidates::Given(candidates),
 };
+
+/// Travel from which on a sine is not taken for a constant.
+const LEAST_TRAVEL_RAD: f64 = 1.0;
 
 /// A torque that depends on the joint's own angle alone: straight (a torsion spring) or a sine (a counterweight, a spring on a
 /// crank).
@@ -18,18 +21,26 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         let middle = q.iter().sum::<f64>() / q.len() as f64;
         let straight = q.iter().map(|q| q - middle).collect();
         let ones = vec![1.0; q.len()];
-        let spring = |own: &[f64]| vec![("stiffness_nm_per_rad", own[0])];
+        let spring = |own: &[f64]| vec![("stiffness_nm_per_rad", own[1])];
+        let [low, high] = ends(q);
         let sines = [
             q.iter().map(|q| q.sin()).collect(),
             q.iter().map(|q| q.cos()).collect(),
         ];
         let crank = |own: &[f64]| vec![("moment_nm", own[0].hypot(own[1]))];
+        let crank_seen = high - low > LEAST_TRAVEL_RAD;
         [
-            context.of_signals(EFFECT.name, joint, &[straight, ones], Rc::new(spring)),
-            context.of_signals(EFFECT.name, joint, &sines, Rc::new(crank)),
+            context.of_signals(EFFECT.name, joint, &[ones, straight], Rc::new(spring)),
+            context
+                .of_signals(EFFECT.name, joint, &sines, Rc::new(crank))
+                .filter(|_| crank_seen),
         ]
         .into_iter()
         .flatten()
+        .map(|own| Candidate {
+            needs_last: true,
+            ..own
+        })
         .collect()
     })
 }

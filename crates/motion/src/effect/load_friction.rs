@@ -7,12 +7,15 @@ pub(super) const EFFECT: Effect = Effect {
     candidates: Candidates::Given(candidates),
 };
 
-/// `s(dq) |tau|` by the nominal bodies' torque, which a gear or a bearing carries (Hamon, Gautier and Garrec 2010).
+/// `s(dq) |tau|` by the torque of the nominal bodies, which a bearing carries, or of the whole drive, which a gear does (Hamon, Gautier and Garrec 2010).
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
-        let load = context.problem.rigid[joint].iter().map(|own| own.abs());
-        let signal = product(&context.sign(joint), load);
-        let found = context.of_signals(EFFECT.name, joint, &[signal], first("per_nm"));
-        found.map(Candidate::if_positive).into_iter().collect()
+        let of = |load: &[f64]| {
+            let signal = product(&context.sign(joint), load.iter().map(|own| own.abs()));
+            let found = context.of_signals(EFFECT.name, joint, &[signal], first("per_nm"));
+            found.map(Candidate::if_positive)
+        };
+        let loads = [&context.problem.rigid[joint], &context.torque[joint]];
+        loads.into_iter().filter_map(|load| of(load)).collect()
     })
 }

@@ -21,8 +21,8 @@ mod torque_saturation;
 use std::rc::Rc;
 
 use crate::base::Base;
+use crate::column::Column;
 use crate::problem::Problem;
-use crate::span::Column;
 
 /// Numbers of an effect from the coefficients of its columns.
 pub(crate) type Numbers = Rc<dyn Fn(&[f64]) -> Vec<(&'static str, f64)>>;
@@ -35,8 +35,12 @@ pub(crate) struct Candidate<'c> {
     pub(crate) joint: Option<usize>,
     /// Numbers of its shape, which its columns are not linear in.
     pub(crate) shape: Vec<(&'static str, f64)>,
-    pub(crate) columns: Vec<Column>,
+    pub(crate) columns: Vec<Rc<Column>>,
     pub(crate) numbers: Numbers,
+    /// What it explains of noise alone besides what its numbers do \[nats\].
+    pub(crate) of_noise: f64,
+    /// Whether its last column has to explain something beside the others.
+    pub(crate) needs_last: bool,
     /// Whether coefficients are those of such an effect.
     pub(crate) is_sound: fn(&[f64]) -> bool,
     pub(crate) finer: Finer<'c>,
@@ -154,8 +158,10 @@ impl<'c> Candidate<'c> {
             effect,
             joint,
             shape: Vec::new(),
-            columns,
+            columns: columns.into_iter().map(Rc::new).collect(),
             numbers,
+            of_noise: 0.0,
+            needs_last: false,
             is_sound: |_| true,
             finer: Finer::Settled,
         }

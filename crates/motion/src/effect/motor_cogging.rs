@@ -46,7 +46,7 @@ fn candidates<'c>(context: Context<'c>, rest: &[f64]) -> Vec<Candidate<'c>> {
     })
 }
 
-/// Sine and cosine of an order times an angle.
+/// Sine and cosine of an order times an angle; an effect has its second harmonic too, since poles and slots are no sines.
 fn sines(q: &[f64], order: f64) -> [Vec<f64>; 2] {
     let [mut sine, mut cosine] = [Vec::with_capacity(q.len()), Vec::with_capacity(q.len())];
     for q in q {
@@ -75,7 +75,9 @@ fn at(context: Context<'_>, joint: usize, order: f64, step: f64) -> Option<Candi
             ("phase_rad", own[1].atan2(own[0])),
         ]
     };
-    let found = context.of_signals(EFFECT.name, joint, &sines(q, order), Rc::new(numbers))?;
+    let mut signals = sines(q, order).to_vec();
+    signals.extend(sines(q, 2.0 * order));
+    let found = context.of_signals(EFFECT.name, joint, &signals, Rc::new(numbers))?;
     let again = Rc::new(move |order| at(context, joint, order, step));
     Some(found.shaped(("order", order), 1.0 + 0.7 * step / order, again))
 }

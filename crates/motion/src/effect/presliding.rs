@@ -3,19 +3,21 @@
 use std::rc::Rc;
 
 use super::{Candidate, Candidates, Context, Effect, ends, first};
+use crate::base::beyond_sign;
 
 pub(super) const EFFECT: Effect = Effect {
     name: "presliding",
     candidates: Candidates::Given(candidates),
 };
 
-/// Travels that are tried, as shares of the joint's.
-const TRAVELS: [f64; 5] = [0.0005, 0.002, 0.006, 0.02, 0.05];
+/// Travels that are tried, as the joint's at its fastest in so many seconds.
+const TRAVELS: [f64; 5] = [0.001, 0.003, 0.008, 0.02, 0.05];
+/// The shortest: what is shorter is part of the base model.
+const SHORTEST: f64 = 5e-4;
 
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
-        let [low, high] = ends(&context.problem.states.motor.q[joint]);
-        let travels = TRAVELS.map(|share| share * (high - low));
+        let travels = TRAVELS.map(|time_s| time_s * fastest(context, joint));
         travels
             .into_iter()
             .filter_map(|travel| at(context, joint, travel))
@@ -23,21 +25,22 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     })
 }
 
+fn fastest(context: Context<'_>, joint: usize) -> f64 {
+    let [low, high] = ends(context.speed(joint));
+    high.max(-low)
+}
+
 /// `z - s(dq)` with Dahl's `dz = (sign(dq) - z) |dq| / x dt` (Dahl 1968): beside the base model's Coulomb friction, whose size takes
 /// it off again.
 fn at(context: Context<'_>, joint: usize, travel: f64) -> Option<Candidate<'_>> {
-    let q = &context.problem.states.motor.q[joint];
-    let sign = context.sign(joint);
-    let mut z = 0.0;
-    let signal = (0..q.len())
-        .map(|k| {
-            let step = if k > 0 { q[k] - q[k - 1] } else { 0.0 };
-            // exact over a step in one direction
-            let towards = step.signum();
-            z = towards + (z - towards) * (-step.abs() / travel.max(1e-12)).exp();
-            z - sign[k]
-        })
-        .collect();
+    if travel < SHORTEST * fastest(context, joint) {
+        return None;
+    }
+    let signal = beyond_sign(
+        &context.problem.states.motor.q[joint],
+        &context.sign(joint),
+        travel,
+    );
     let found = context.of_signals(EFFECT.name, joint, &[signal], first("torque_nm"))?;
     let again = Rc::new(move |travel| at(context, joint, travel));
     Some(

@@ -10,7 +10,21 @@ pub(super) const EFFECT: Effect = Effect {
 };
 
 /// Shares of the largest torque at which it may set in.
-const LIMITS: [f64; 8] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.87, 0.93];
+const LIMITS: [f64; 12] = [
+    0.95, 0.85, 0.75, 0.65, 0.55, 0.47, 0.4, 0.34, 0.28, 0.22, 0.16, 0.1,
+];
+/// Longest share of the log that it may last.
+const LONGEST: f64 = 0.4;
+/// Least share of samples that stand at the end of what is read.
+const LEAST_FLAT: f64 = 0.003;
+/// How far below the largest they are, in standard deviations of a reading.
+const END_SDS: f64 = 6.0;
+/// How much denser readings are there than below.
+const DENSER: f64 = 6.0;
+/// From this share of the end on a smoothed reading may hold readings that ended.
+const NEAR_END: f64 = 0.94;
+/// Most nodes of what is missing.
+const MOST_NODES: usize = 60;
 /// How far the share of the excess that is lost may be from all of it.
 const NEAR_ALL: f64 = 0.15;
 
@@ -18,11 +32,74 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
         let [low, high] = ends(&context.problem.recorded_torque(joint));
         let limits = LIMITS.map(|share| share * high.max(-low));
-        limits
-            .into_iter()
-            .filter_map(|limit| at(context, joint, limit))
-            .collect()
+        let mut found: Vec<Candidate<'_>> = clipped(context, joint).into_iter().collect();
+        let lost = limits.into_iter();
+        found.extend(lost.filter_map(|limit| at(context, joint, limit)));
+        found
     })
+}
+
+/// A reading that ends: it stands at its largest value, but for noise, and says there less than there is. What is missing is free,
+/// straight between nodes.
+fn clipped(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
+    let problem = context.problem;
+    let states = &problem.states;
+    let pieces = problem
+        .samples
+        .pieces
+        .iter()
+        .filter_map(|own| own.torque[joint].as_ref());
+    let all: Vec<f64> = pieces.flatten().copied().collect();
+    let most = all.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+    let sd = problem.reading_sd[problem.channel_of(joint)?].max(1e-9 * most);
+    // readings that end pile up there; those of a crest, a parabola, are 2.7 times as dense in the top third
+    let within = |from: f64, to: f64| {
+        let sizes = all.iter().map(|own| most - own.abs());
+        sizes
+            .filter(|own| (from * sd..to * sd).contains(own))
+            .count() as f64
+    };
+    let (top, below) = (within(0.0, END_SDS), within(END_SDS, 3.0 * END_SDS) / 2.0);
+    if top < LEAST_FLAT * all.len() as f64 || top < DENSER * below.max(2.0) {
+        return None;
+    }
+    let limit = most - 0.5 * END_SDS * sd;
+    let smooth = problem.recorded_torque(joint);
+    // where a smoothed reading is near its end, the low pass takes in readings that ended
+    let near: Vec<bool> = smooth
+        .iter()
+        .map(|own| own.abs() > NEAR_END * limit)
+        .collect();
+    let times = near
+        .iter()
+        .zip(&states.time_s)
+        .filter(|(near, _)| **near)
+        .map(|(_, time)| *time);
+    let times: Vec<f64> = times.collect();
+    let apart_s = states
+        .pass
+        .row_s()
+        .max(times.len() as f64 * states.fine_s / MOST_NODES as f64);
+    let mut nodes: Vec<f64> = Vec::new();
+    for time in times {
+        let node = (time / apart_s).round() * apart_s;
+        if nodes.last().is_none_or(|last| node > last + 0.5 * apart_s) {
+            nodes.push(node);
+        }
+    }
+    let signals: Vec<Vec<f64>> = (nodes.iter())
+        .map(|node| {
+            let hat = |time: f64| (1.0 - ((time - node) / apart_s).abs()).max(0.0);
+            // less than there is, on either side
+            (smooth.iter().zip(&states.time_s))
+                .map(|(own, time)| -own.signum() * hat(*time))
+                .collect()
+        })
+        .collect();
+    let mut found = context.of_signals(EFFECT.name, joint, &signals, Rc::new(|_| Vec::new()))?;
+    found.is_sound = |own| own.iter().filter(|own| **own > 0.0).count() * 4 > own.len() * 3;
+    found.shape = vec![("limit_nm", limit)];
+    Some(found)
 }
 
 /// What the logged torque is beyond a limit on each side, the noise of its readings smoothed; all of it is lost, so its coefficients
@@ -40,11 +117,18 @@ fn at(context: Context<'_>, joint: usize, limit: f64) -> Option<Candidate<'_>> {
         .into_iter()
         .filter(|side| side.iter().any(|own| *own != 0.0))
         .collect();
+    let beyond =
+        (logged.iter()).filter(|own| own.abs() > limit).count() as f64 / logged.len() as f64;
+    if beyond > LONGEST {
+        return None;
+    }
     let mut found = context.of_signals(EFFECT.name, joint, &sides, Rc::new(|_| Vec::new()))?;
+    // the noise of what is beyond the limit goes with it
+    found.of_noise = 0.5 * beyond * context.problem.states.rows() as f64;
     found.is_sound = |own| {
         own.iter()
             .all(|own| *own == 0.0 || (own - 1.0).abs() < NEAR_ALL)
     };
     let again = Rc::new(move |limit| at(context, joint, limit));
-    (!sides.is_empty()).then(|| found.shaped(("limit_nm", limit), 1.15, again))
+    (!sides.is_empty()).then(|| found.shaped(("limit_nm", limit), 1.2, again))
 }

@@ -6,21 +6,27 @@ mod refine;
 mod rivals;
 mod scored;
 
-pub(crate) use self::fitted::Fitted;
+use std::rc::Rc;
+
+pub(crate) use self::fitted::{Fitted, Frame};
 use self::numbers::numbers;
 pub(crate) use self::rivals::Rival;
-use self::scored::{Pool, Scored};
+use self::scored::{Pool, Scored, penalty};
 use crate::base::Base;
+use crate::column::Column;
 use crate::effect::{Candidate, Context};
 use crate::problem::Problem;
-use crate::span::Column;
 
 /// Most effects at once.
 const MOST: usize = 4;
 /// What an effect explains beyond its numbers, at least \[nats\].
 const LEAST_NATS: f64 = 12.0;
-/// And of what all rows hold beyond noise.
-const LEAST_SHARE: f64 = 0.03;
+/// A further effect explains this share of the whole, or that one of what is left.
+const OF_WHOLE: f64 = 0.03;
+const OF_REST: f64 = 0.5;
+/// Candidates that are fitted in full, strongest first, and the share of the strongest that they explain at least.
+const IN_FULL: usize = 6;
+const NEAR: f64 = 0.5;
 /// Delays are settled to this share of a step.
 const DELAY_STEPS: f64 = 0.01;
 /// Longest delay that is tried \[s\].
@@ -36,13 +42,9 @@ pub(crate) struct Selection {
     pub(crate) after: f64,
     /// Rows that a rest may have of noise.
     pub(crate) freedom: f64,
-    /// Rests, row by row, known numbers last.
+    /// Rests, row by row.
     pub(crate) rest_before: Vec<f64>,
     pub(crate) rest_after: Vec<f64>,
-    /// How long the torques are before the positions, as picked.
-    pub(crate) early_s: f64,
-    /// Coefficients of the base model's columns without picks.
-    pub(crate) base_solution: Vec<f64>,
 }
 
 /// An effect that was taken.
@@ -55,112 +57,185 @@ pub(crate) struct Pick {
     pub(crate) rivals: Vec<Rival>,
     /// Numbers with standard deviations.
     pub(crate) numbers: Vec<(&'static str, f64, f64)>,
-    /// Numbers of its shape, first ones first, for another recording.
-    pub(crate) shape: Vec<f64>,
+}
+
+/// A fit with effects, and how long its torques are before the positions.
+struct State<'c> {
+    taken: Vec<Candidate<'c>>,
+    fitted: Fitted,
+    early_s: Option<f64>,
 }
 
 /// Selects effects; `without`: names that are left out.
 pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Selection {
-    let bare = Fitted::new(problem, base, &[], None);
-    let torque = base.torque(problem, &bare.base_solution);
+    let frame = Frame::new(problem, base);
+    let bare = frame.fitted(&[], None);
+    let torque = base.torque(problem, &bare.solved.solution);
     let context = Context {
         problem,
         base,
         torque: &torque,
     };
     let pool = Pool::new(context, without);
-    let before = bare.excess();
-    let least = LEAST_NATS.max(LEAST_SHARE * before);
-    let mut picks: Vec<Scored<'_>> = Vec::new();
-    let mut early_s = None;
-    let mut fitted = None;
-    while picks.len() < MOST {
-        let at = fitted.as_ref().unwrap_or(&bare);
-        let best = (pool.scored(at).into_iter())
-            .filter(|scored| scored.nats > least && !is_taken(&picks, &scored.candidate))
-            .reduce(|best, other| if other.nats > best.nats { other } else { best });
-        let Some(best) = best else {
+    let before = bare.excess;
+    let rest_before = bare.solved.rest.clone();
+    let mut state = State {
+        taken: Vec::new(),
+        fitted: bare,
+        early_s: None,
+    };
+    while state.taken.len() < MOST {
+        if !state.taken.is_empty() && is_quiet(problem, &state.fitted) {
+            break;
+        }
+        let least = LEAST_NATS.max((OF_WHOLE * before).min(OF_REST * state.fitted.excess));
+        let Some(next) = best(&frame, &pool, &state, least) else {
             break;
         };
-        picks.push(refine::refined(at, best));
-        if picks.iter().any(|own| own.candidate.effect == DELAY) {
-            early_s = Some(delay(problem, base, &picks, early_s.unwrap_or(0.0)));
-        }
-        fitted = Some(Fitted::new(
-            problem,
-            base,
-            &columns_of(&picks, None),
-            early_s,
-        ));
+        state = next;
     }
-    let rest_before = bare.rest.clone();
-    let base_solution = bare.base_solution.clone();
-    let fitted = fitted.unwrap_or(bare);
-    let after = fitted.excess();
-    let misfit = (1.0 + 2.0 * after / fitted.freedom.max(1.0)).max(1.0);
+    let misfit = (1.0 + 2.0 * state.fitted.excess / state.fitted.freedom.max(1.0)).max(1.0);
     let mut first = 0;
-    let mut found = Vec::new();
-    for (index, scored) in picks.iter().enumerate() {
-        let columns = first..first + scored.candidate.columns.len();
+    let mut picks = Vec::new();
+    for (index, candidate) in state.taken.iter().enumerate() {
+        let columns = first..first + candidate.columns.len();
         first = columns.end;
-        let mut numbers = numbers(&fitted, columns, &scored.candidate, misfit);
-        if scored.candidate.effect == DELAY {
+        let mut numbers = numbers(&state.fitted, columns, candidate, misfit);
+        if candidate.effect == DELAY {
             numbers
                 .iter_mut()
-                .for_each(|own| own.1 += early_s.unwrap_or(0.0));
+                .for_each(|own| own.1 += state.early_s.unwrap_or(0.0));
         }
-        let (nats, rivals) = rivals::rivals(&fitted, &pool, &picks, index, early_s, misfit);
-        found.push(Pick {
-            effect: scored.candidate.effect,
-            joint: scored.candidate.joint,
+        let (nats, rivals) = rivals::rivals(&frame, &pool, &state, index, misfit);
+        picks.push(Pick {
+            effect: candidate.effect,
+            joint: candidate.joint,
             nats,
             rivals,
             numbers,
-            shape: scored.candidate.shape.iter().map(|own| own.1).collect(),
         });
     }
     Selection {
-        picks: found,
+        picks,
         before,
-        after,
-        freedom: fitted.freedom,
+        after: state.fitted.excess,
+        freedom: state.fitted.freedom,
         rest_before,
-        rest_after: fitted.rest,
-        early_s: early_s.unwrap_or(0.0),
-        base_solution,
+        rest_after: state.fitted.solved.rest,
     }
 }
 
-/// Columns of all picks, but for one that may be left out.
-fn columns_of(picks: &[Scored<'_>], without: Option<usize>) -> Vec<Column> {
-    let all = picks
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| Some(*index) != without);
-    all.flat_map(|(_, own)| own.candidate.columns.iter().cloned())
+/// Whether no channel's rest is larger than its noise.
+fn is_quiet(problem: &Problem, fitted: &Fitted) -> bool {
+    let rows = problem.states.rows();
+    let channels = fitted.solved.rest.chunks(rows);
+    let square = |own: &[f64]| haptical_linalg::dot(own, own) / rows as f64;
+    channels.map(square).all(|square| square < 1.0)
+}
+
+/// The state with the further effect that explains most, if it explains enough.
+fn best<'c>(
+    frame: &Frame<'_>,
+    pool: &Pool<'c>,
+    state: &State<'c>,
+    least: f64,
+) -> Option<State<'c>> {
+    let near = nearest(frame, pool, state);
+    let nats = |other: &State<'c>| {
+        let last = other.taken.last();
+        state.fitted.excess - other.fitted.excess - last.map_or(0.0, |own| penalty(frame, own))
+    };
+    near.into_iter()
+        .filter(|other| nats(other) > least)
+        .reduce(|best, other| {
+            if nats(&other) > nats(&best) {
+                other
+            } else {
+                best
+            }
+        })
+}
+
+/// States with each of the effects that explain most of what a fit leaves, strongest candidates first.
+fn nearest<'c>(frame: &Frame<'_>, pool: &Pool<'c>, state: &State<'c>) -> Vec<State<'c>> {
+    let mut all: Vec<Scored<'c>> = pool.scored(frame, &state.fitted);
+    all.retain(|own| own.nats > 0.0 && !is_taken(&state.taken, &own.candidate));
+    all.sort_by(|a, b| b.nats.total_cmp(&a.nats));
+    let mut near: Vec<Scored<'c>> = Vec::new();
+    for own in all {
+        let is_there = |other: &Scored<'_>| {
+            other.candidate.effect == own.candidate.effect
+                && other.candidate.joint == own.candidate.joint
+        };
+        // an effect whose shapes differ in kind may be there twice
+        let copies = near.iter().filter(|other| is_there(other)).count();
+        let is_near = near
+            .first()
+            .is_none_or(|first| own.nats > NEAR * first.nats);
+        if near.len() < IN_FULL && is_near && copies < 1 {
+            near.push(own);
+        }
+    }
+    near.into_iter()
+        .filter_map(|own| with(frame, state, refine::refined(frame, &state.fitted, own)))
         .collect()
 }
 
-fn is_taken(picks: &[Scored<'_>], candidate: &Candidate<'_>) -> bool {
-    let same = |own: &Scored<'_>| {
-        own.candidate.effect == candidate.effect && own.candidate.joint == candidate.joint
-    };
-    picks.iter().any(same)
+/// The state with a further effect; none where its coefficients in the whole fit are not those of one.
+fn with<'c>(frame: &Frame<'_>, state: &State<'c>, scored: Scored<'c>) -> Option<State<'c>> {
+    let mut taken = state.taken.clone();
+    taken.push(scored.candidate);
+    let columns = columns_of(&taken, None);
+    let mut early_s = state.early_s;
+    if taken.iter().any(|own| own.effect == DELAY) {
+        early_s = Some(delay(frame, &taken, &columns, early_s.unwrap_or(0.0)));
+    }
+    let fitted = frame.fitted(&columns, early_s);
+    let mut first = 0;
+    for own in &taken {
+        let coefficients = &fitted.effects()[first..first + own.columns.len()];
+        first += own.columns.len();
+        if own.effect != DELAY && !(own.is_sound)(coefficients) {
+            return None;
+        }
+        let last = fitted.base_columns + first - 1;
+        let variance = fitted.solved.covariance(&[last])[(0, 0)];
+        let last_nats = 0.5 * fitted.solved.solution[last].powi(2) / variance.max(1e-300);
+        if own.needs_last && last_nats < scored::LEAST_LAST_NATS {
+            return None;
+        }
+    }
+    Some(State {
+        taken,
+        fitted,
+        early_s,
+    })
 }
 
-/// The delay that leaves least beside the base model and the other picks: Newton's steps, each from torques shifted by it.
-fn delay(problem: &Problem, base: &Base, picks: &[Scored<'_>], start_s: f64) -> f64 {
-    let columns = columns_of(picks, None);
-    let mut first = 0;
-    for own in picks.iter().take_while(|own| own.candidate.effect != DELAY) {
-        first += own.candidate.columns.len();
-    }
+/// Columns of all effects, but for one that may be left out.
+fn columns_of(taken: &[Candidate<'_>], without: Option<usize>) -> Vec<Rc<Column>> {
+    let all = taken
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| Some(*index) != without);
+    all.flat_map(|(_, own)| own.columns.iter().cloned())
+        .collect()
+}
+
+fn is_taken(taken: &[Candidate<'_>], candidate: &Candidate<'_>) -> bool {
+    let same = |own: &Candidate<'_>| own.effect == candidate.effect && own.joint == candidate.joint;
+    taken.iter().any(same)
+}
+
+/// The delay that leaves least beside the base model and the other effects: Newton's steps, each from torques shifted by it.
+fn delay(frame: &Frame<'_>, taken: &[Candidate<'_>], columns: &[Rc<Column>], start_s: f64) -> f64 {
+    let before = taken.iter().take_while(|own| own.effect != DELAY);
+    let first: usize = before.map(|own| own.columns.len()).sum();
     let mut at = start_s;
     for _ in 0..8 {
-        let fitted = Fitted::new(problem, base, &columns, Some(at));
-        let step = fitted.effect_solution[first];
+        let step = frame.fitted(columns, Some(at)).effects()[first];
         at = (at + step).clamp(-LONGEST_S, LONGEST_S);
-        if step.abs() < DELAY_STEPS * problem.samples.step_s {
+        if step.abs() < DELAY_STEPS * frame.problem.samples.step_s {
             break;
         }
     }

@@ -1,7 +1,7 @@
 //! A candidate's shape, settled by what the rows show.
 
-use super::Fitted;
 use super::scored::{Scored, score};
+use super::{Fitted, Frame};
 use crate::effect::Finer;
 
 /// Steps of a search for a number of a shape, each 0.62 of the one before.
@@ -10,13 +10,13 @@ const STEPS: usize = 8;
 const TIMES: usize = 4;
 
 /// The candidate with the shape that explains most.
-pub(crate) fn refined<'c>(fitted: &Fitted<'_>, start: Scored<'c>) -> Scored<'c> {
+pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>) -> Scored<'c> {
     match start.candidate.finer.clone() {
         Finer::Settled => start,
         Finer::About(about) => {
             let mut best = start;
             for _ in 0..TIMES {
-                let nearer = about_of(&best, &about).and_then(|own| score(fitted, &own));
+                let nearer = about_of(&best, &about).and_then(|own| score(frame, fitted, &own));
                 match nearer {
                     Some(nearer) if nearer.nats > best.nats - 1.0 => best = nearer,
                     _ => break,
@@ -26,7 +26,8 @@ pub(crate) fn refined<'c>(fitted: &Fitted<'_>, start: Scored<'c>) -> Scored<'c> 
         }
         Finer::Shape { ratio, at } => {
             let centre = start.candidate.shape[0].1;
-            let try_at = |x: f64| at(centre * ratio.powf(x)).and_then(|own| score(fitted, &own));
+            let try_at =
+                |x: f64| at(centre * ratio.powf(x)).and_then(|own| score(frame, fitted, &own));
             // golden section (Kiefer 1953) over the logarithm
             let golden = 0.618_033_988_749_895;
             let (mut low, mut high) = (-1.0, 1.0);

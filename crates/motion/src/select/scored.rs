@@ -1,8 +1,10 @@
 //! Candidates with what they explain.
 
-use super::Fitted;
+use super::{Fitted, Frame};
 use crate::effect::{Candidate, Candidates, Context, EFFECTS};
-use crate::span::gain;
+
+/// What the last column of an effect that needs it explains at least \[nats\].
+pub(super) const LEAST_LAST_NATS: f64 = 12.0;
 
 /// A candidate and what it explains.
 #[derive(Clone)]
@@ -37,16 +39,17 @@ impl<'c> Pool<'c> {
     }
 
     /// What each of them explains of what a fit leaves; those that are not sound left out.
-    pub(crate) fn scored(&self, fitted: &Fitted<'_>) -> Vec<Scored<'c>> {
+    pub(crate) fn scored(&self, frame: &Frame<'_>, fitted: &Fitted) -> Vec<Scored<'c>> {
         let given = self.given.iter();
-        let mut found: Vec<Scored<'c>> = given.filter_map(|own| score(fitted, own)).collect();
+        let mut found: Vec<Scored<'c>> =
+            given.filter_map(|own| score(frame, fitted, own)).collect();
         for effect in EFFECTS
             .iter()
             .filter(|own| !self.without.iter().any(|name| name == own.name))
         {
             if let Candidates::ByRest(make) = effect.candidates {
-                let candidates = make(self.context, &fitted.rest).into_iter();
-                found.extend(candidates.filter_map(|own| score(fitted, &own)));
+                let candidates = make(self.context, &fitted.solved.rest).into_iter();
+                found.extend(candidates.filter_map(|own| score(frame, fitted, &own)));
             }
         }
         found
@@ -54,20 +57,26 @@ impl<'c> Pool<'c> {
 }
 
 /// What a candidate explains of what a fit leaves; none where its coefficients are not those of such an effect.
-pub(crate) fn score<'c>(fitted: &Fitted<'_>, candidate: &Candidate<'c>) -> Option<Scored<'c>> {
-    let gain = gain(&fitted.span, &candidate.columns, &fitted.rest);
-    if gain.rank == 0 || !(candidate.is_sound)(&gain.coefficients) {
+pub(crate) fn score<'c>(
+    frame: &Frame<'_>,
+    fitted: &Fitted,
+    candidate: &Candidate<'c>,
+) -> Option<Scored<'c>> {
+    let across = fitted.system.across(&candidate.columns);
+    let gain = fitted.solved.gain(&candidate.columns, &across);
+    let is_empty = candidate.needs_last && gain.last_nats < LEAST_LAST_NATS;
+    if gain.rank == 0 || is_empty || !(candidate.is_sound)(&gain.coefficients) {
         return None;
     }
     Some(Scored {
-        candidate: candidate.clone(),
-        nats: gain.nats - penalty(candidate, fitted),
+        nats: gain.nats - penalty(frame, candidate),
         coefficients: gain.coefficients,
+        candidate: candidate.clone(),
     })
 }
 
 /// What a candidate's numbers would explain of noise (Schwarz 1978) \[nats\].
-pub(crate) fn penalty(candidate: &Candidate<'_>, fitted: &Fitted<'_>) -> f64 {
+pub(crate) fn penalty(frame: &Frame<'_>, candidate: &Candidate<'_>) -> f64 {
     let numbers = candidate.columns.len() + candidate.shape.len();
-    0.5 * numbers as f64 * (fitted.problem.channel_rows() as f64).ln()
+    0.5 * numbers as f64 * (frame.problem.channel_rows() as f64).ln() + candidate.of_noise
 }

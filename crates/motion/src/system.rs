@@ -1,0 +1,342 @@
+//! Least squares by normal equations: columns, some with a coefficient that is known within a standard deviation.
+//!
+//! The columns are of rows that were whitened, and the numbers that the rows say little of are known beforehand, so that the
+//! products of scaled columns are well conditioned; which combinations a motion fixes at all is for the guarded QR of
+//! `haptical-linalg` to say, where somebody asks.
+
+use std::rc::Rc;
+
+use haptical_linalg::dot;
+use nalgebra::DMatrix;
+
+use crate::column::Column;
+
+/// A column of which no more than this share of the square is beside those before it adds nothing.
+const DEPENDENT: f64 = 1e-8;
+
+/// Columns and their products.
+#[derive(Debug, Clone)]
+pub(crate) struct System {
+    pub(crate) columns: Vec<Rc<Column>>,
+    /// Inverse square of the standard deviation that is known of each coefficient; 0 where nothing is.
+    known: Vec<f64>,
+    products: DMatrix<f64>,
+}
+
+/// A solution of a system.
+#[derive(Debug, Clone)]
+pub(crate) struct Solved {
+    /// Columns that are free, in the order of the factor.
+    free: Vec<usize>,
+    /// Their lengths, by which the factor is scaled.
+    scale: Vec<f64>,
+    /// Lower factor of their scaled products; a zero on its diagonal is a column that adds nothing.
+    factor: DMatrix<f64>,
+    /// Coefficients of all columns.
+    pub(crate) solution: Vec<f64>,
+    /// What is left of the target.
+    pub(crate) rest: Vec<f64>,
+    /// Half its square, and that of what is known of the free coefficients.
+    pub(crate) energy: f64,
+}
+
+/// What columns would explain beside a solution.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Gain {
+    /// Half the square that they take off.
+    pub(crate) nats: f64,
+    /// How many of them are told apart from the system and each other.
+    pub(crate) rank: usize,
+    /// Their coefficients, 0 of those that are not told apart.
+    pub(crate) coefficients: Vec<f64>,
+    /// Half the square that the last one takes off beside the others.
+    pub(crate) last_nats: f64,
+}
+
+impl System {
+    /// A system of columns; `known_sd`: of each coefficient, where something is known.
+    pub(crate) fn new(columns: Vec<Rc<Column>>, known_sd: &[Option<f64>]) -> Self {
+        let empty = Self {
+            columns: Vec::new(),
+            known: Vec::new(),
+            products: DMatrix::zeros(0, 0),
+        };
+        empty.with(&columns, known_sd)
+    }
+
+    /// The same with further columns.
+    pub(crate) fn with(&self, further: &[Rc<Column>], known_sd: &[Option<f64>]) -> Self {
+        let mut columns = self.columns.clone();
+        columns.extend(further.iter().cloned());
+        let (before, count) = (self.columns.len(), columns.len());
+        let mut products = DMatrix::zeros(count, count);
+        products
+            .view_mut((0, 0), (before, before))
+            .copy_from(&self.products);
+        for a in before..count {
+            for b in 0..=a {
+                let product = columns[a].times(&columns[b]);
+                products[(a, b)] = product;
+                products[(b, a)] = product;
+            }
+        }
+        let mut known = self.known.clone();
+        known.extend(known_sd.iter().map(|sd| sd.map_or(0.0, |sd| sd.powi(-2))));
+        known.resize(count, 0.0);
+        Self {
+            columns,
+            known,
+            products,
+        }
+    }
+
+    /// Least squares for a target, some coefficients at given values.
+    pub(crate) fn solve(&self, target: &[f64], fixed: &[Option<f64>]) -> Solved {
+        let count = self.columns.len();
+        let fixed_at = |index: usize| fixed.get(index).copied().flatten();
+        let free: Vec<usize> = (0..count)
+            .filter(|index| fixed_at(*index).is_none())
+            .collect();
+        let mut solution: Vec<f64> = (0..count)
+            .map(|index| fixed_at(index).unwrap_or(0.0))
+            .collect();
+        let mut rest = target.to_vec();
+        for (column, value) in self.columns.iter().zip(&solution) {
+            if *value != 0.0 {
+                column.add_to(&mut rest, -value);
+            }
+        }
+        let entry = |a: usize, b: usize| {
+            let known = if a == b { self.known[free[a]] } else { 0.0 };
+            self.products[(free[a], free[b])] + known
+        };
+        let scale: Vec<f64> = (0..free.len())
+            .map(|k| entry(k, k).sqrt().max(1e-150))
+            .collect();
+        let factor = factor(free.len(), |a, b| entry(a, b) / (scale[a] * scale[b]));
+        let mut own = Solved {
+            free,
+            scale,
+            factor,
+            solution: Vec::new(),
+            rest: Vec::new(),
+            energy: 0.0,
+        };
+        let right: Vec<f64> = own
+            .free
+            .iter()
+            .map(|index| self.columns[*index].dot(&rest))
+            .collect();
+        for (index, value) in own.free.iter().zip(own.coefficients(&right)) {
+            solution[*index] = value;
+            self.columns[*index].add_to(&mut rest, -value);
+        }
+        let known: f64 = own
+            .free
+            .iter()
+            .map(|index| self.known[*index] * solution[*index].powi(2))
+            .sum();
+        own.energy = 0.5 * (dot(&rest, &rest) + known);
+        own.solution = solution;
+        own.rest = rest;
+        own
+    }
+
+    /// Products of columns with those of the system.
+    pub(crate) fn across(&self, columns: &[Rc<Column>]) -> Vec<Vec<f64>> {
+        let along =
+            |column: &Rc<Column>| self.columns.iter().map(|own| own.times(column)).collect();
+        columns.iter().map(along).collect()
+    }
+}
+
+impl Solved {
+    /// The scaled factor's forward substitution.
+    fn forward(&self, right: impl Fn(usize) -> f64) -> Vec<f64> {
+        let count = self.free.len();
+        let mut found = vec![0.0; count];
+        for a in 0..count {
+            let pivot = self.factor[(a, a)];
+            if pivot == 0.0 {
+                continue;
+            }
+            let mut value = right(a) / self.scale[a];
+            for b in 0..a {
+                value -= self.factor[(a, b)] * found[b];
+            }
+            found[a] = value / pivot;
+        }
+        found
+    }
+
+    fn backward(&self, mut found: Vec<f64>) -> Vec<f64> {
+        for a in (0..self.free.len()).rev() {
+            let pivot = self.factor[(a, a)];
+            if pivot == 0.0 {
+                found[a] = 0.0;
+                continue;
+            }
+            found[a] /= pivot;
+            for b in 0..a {
+                found[b] -= self.factor[(a, b)] * found[a];
+            }
+        }
+        (found.iter_mut().zip(&self.scale)).for_each(|(value, scale)| *value /= scale);
+        found
+    }
+
+    fn coefficients(&self, right: &[f64]) -> Vec<f64> {
+        self.backward(self.forward(|a| right[a]))
+    }
+
+    /// Covariance of some columns' coefficients, one row each; zero of those that are fixed or add nothing.
+    pub(crate) fn covariance(&self, columns: &[usize]) -> DMatrix<f64> {
+        let halves: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|column| {
+                let at = self.free.iter().position(|own| own == column);
+                let is_kept = at.is_some_and(|at| self.factor[(at, at)] != 0.0);
+                // row of the inverse factor: M^-1 = (L^-1 e)' (L^-1 e)
+                let unit = |a: usize| {
+                    if Some(a) == at && is_kept {
+                        self.scale[a]
+                    } else {
+                        0.0
+                    }
+                };
+                let mut half = self.forward(unit);
+                if let Some(at) = at {
+                    half.iter_mut().for_each(|value| *value /= self.scale[at]);
+                }
+                half
+            })
+            .collect();
+        DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
+            dot(&halves[a], &halves[b])
+        })
+    }
+
+    /// What columns would explain, `across` their products with the system's.
+    pub(crate) fn gain(&self, columns: &[Rc<Column>], across: &[Vec<f64>]) -> Gain {
+        let count = columns.len();
+        let along: Vec<Vec<f64>> = (across.iter())
+            .map(|own| self.forward(|a| own[self.free[a]]))
+            .collect();
+        let mut factor = vec![vec![0.0; count]; count];
+        let mut values = vec![0.0; count];
+        let mut found = Gain {
+            coefficients: vec![0.0; count],
+            ..Gain::default()
+        };
+        for i in 0..count {
+            let whole = columns[i].times(&columns[i]);
+            for j in 0..i {
+                if factor[j][j] != 0.0 {
+                    let product = columns[i].times(&columns[j]) - dot(&along[i], &along[j]);
+                    factor[i][j] = (product - dot(&factor[i][..j], &factor[j][..j])) / factor[j][j];
+                }
+            }
+            let left = whole - dot(&along[i], &along[i]) - dot(&factor[i][..i], &factor[i][..i]);
+            if !(left > DEPENDENT * whole) {
+                continue;
+            }
+            factor[i][i] = left.sqrt();
+            values[i] =
+                (columns[i].dot(&self.rest) - dot(&factor[i][..i], &values[..i])) / factor[i][i];
+            found.last_nats = 0.5 * values[i] * values[i];
+            found.nats += found.last_nats;
+            found.rank += 1;
+        }
+        for i in (0..count).rev().filter(|i| factor[*i][*i] != 0.0) {
+            let later = (i + 1..count)
+                .map(|j| factor[j][i] * found.coefficients[j])
+                .sum::<f64>();
+            found.coefficients[i] = (values[i] - later) / factor[i][i];
+        }
+        found
+    }
+}
+
+/// Lower factor of a symmetric matrix of unit diagonal; a column that adds nothing is left out by a zero on the diagonal.
+fn factor(count: usize, entry: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
+    let mut lower: DMatrix<f64> = DMatrix::zeros(count, count);
+    for a in 0..count {
+        for b in 0..a {
+            if lower[(b, b)] == 0.0 {
+                continue;
+            }
+            let mut value = entry(a, b);
+            for k in 0..b {
+                value -= lower[(a, k)] * lower[(b, k)];
+            }
+            lower[(a, b)] = value / lower[(b, b)];
+        }
+        let mut left = entry(a, a);
+        for k in 0..a {
+            left -= lower[(a, k)].powi(2);
+        }
+        if left > DEPENDENT {
+            lower[(a, a)] = left.sqrt();
+        } else {
+            (0..a).for_each(|k| lower[(a, k)] = 0.0);
+        }
+    }
+    lower
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(values: &[f64]) -> Rc<Column> {
+        Rc::new(Column::All(values.to_vec()))
+    }
+
+    #[test]
+    fn coefficients_and_covariances_are_those_of_least_squares() {
+        let slope = Rc::new(Column::Part {
+            first: 1,
+            values: vec![1.0, 2.0, 3.0],
+        });
+        let columns = [all(&[1.0; 4]), all(&[3.0; 4]), slope];
+        let system = System::new(columns.to_vec(), &[None; 3]);
+        // a line through 1, 2, 3, 5: 0.8 + 1.3 t, of 8.75 squares about the mean 0.3 are left
+        let solved = system.solve(&[1.0, 2.0, 3.0, 5.0], &[]);
+        for (found, wanted) in solved.solution.iter().zip([0.8, 0.0, 1.3]) {
+            assert!((found - wanted).abs() < 1e-12, "{found}");
+        }
+        assert!((solved.energy - 0.15).abs() < 1e-12);
+        // (X'X)^-1 of 1 and 0 to 3: 0.7, -0.3, 0.2
+        let covariance = solved.covariance(&[0, 2]);
+        for ((a, b), wanted) in [((0, 0), 0.7), ((0, 1), -0.3), ((1, 1), 0.2)] {
+            assert!((covariance[(a, b)] - wanted).abs() < 1e-12, "{covariance}");
+        }
+    }
+
+    #[test]
+    fn a_gain_is_what_a_fit_takes_off() {
+        let one = all(&[1.0; 4]);
+        let system = System::new(vec![one], &[None]);
+        let solved = system.solve(&[1.0, 2.0, 3.0, 5.0], &[]);
+        let columns = [all(&[0.0, 1.0, 2.0, 3.0]), all(&[3.0, 2.0, 1.0, 0.0])];
+        let found = solved.gain(&columns, &system.across(&columns));
+        assert_eq!(found.rank, 1);
+        assert!((found.nats - 0.5 * (8.75 - 0.3)).abs() < 1e-12, "{found:?}");
+        assert!((found.coefficients[0] - 1.3).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_known_pulls_and_what_is_fixed_stays() {
+        let (one, two) = (all(&[1.0, 1.0]), all(&[1.0, -1.0]));
+        let system = System::new(vec![one, two], &[Some(0.5), None]);
+        // (2 + 4) b = 6
+        let solved = system.solve(&[4.0, 2.0], &[]);
+        assert!(
+            (solved.solution[0] - 1.0).abs() < 1e-12 && (solved.solution[1] - 1.0).abs() < 1e-12
+        );
+        assert!((solved.energy - 0.5 * (8.0 + 4.0)).abs() < 1e-12);
+        let solved = system.solve(&[4.0, 2.0], &[Some(3.0)]);
+        assert_eq!(solved.rest, [0.0, 0.0]);
+        assert_eq!(solved.energy, 0.0);
+    }
+}
