@@ -12,8 +12,10 @@ use crate::engine::Prepared;
 use crate::engine::base::{Base, Unfinished};
 use crate::engine::earlier_model::placed;
 use crate::engine::onto_touches::onto_touches;
+use crate::force::answer::ForceAnswer;
 use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
+use crate::moving::of_moving_arm;
 use crate::noise::cleaning::without_readings;
 use crate::noise::measured::KnownNoise;
 use crate::noise::stated::is_stated;
@@ -91,11 +93,14 @@ fn diagnose_all(
         ..options.clone()
     };
     let device = &device;
+    // with every row: accelerations need the log's own rate
+    let model = options.model.unwrap_or(device);
+    let moving = of_moving_arm(model, &recording, options.validation, &options.without);
     let thinned = thinned(&recording);
     let recording = thinned.as_ref().unwrap_or(&recording);
     let effects = effects_of(device, options)?;
     if torques_alone::applies(device, recording) {
-        return torques_alone::diagnose(device, recording, &effects, options);
+        return torques_alone::diagnose(device, recording, &effects, (options, moving));
     }
     check_recording(device, recording, &channels(device, recording)?)?;
     let elsewhere = options.model.and_then(|_| with_open_base(device));
@@ -107,6 +112,7 @@ fn diagnose_all(
             recording,
             options,
             effects: &effects,
+            moving: moving.as_ref().map(|(force, _)| force),
         };
         let by_base = |base: &Base| by_base(&case, base);
         match &base.unfinished {
@@ -187,6 +193,8 @@ struct Case<'c> {
     recording: &'c Recording,
     options: &'c Options<'c>,
     effects: &'c [Box<dyn Effect>],
+    /// What the torques say, where they are those of a moving arm.
+    moving: Option<&'c ForceAnswer>,
 }
 
 /// Readings without their outliers, and the postures at which derivatives are taken.
@@ -268,6 +276,7 @@ fn by_noise(
             in_base: &in_base,
             earlier: earlier.as_ref(),
             options: case.options,
+            moving: case.moving,
         };
         let memory = selection
             .engine()

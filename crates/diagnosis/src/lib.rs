@@ -8,6 +8,7 @@ mod engine;
 mod error;
 mod force;
 mod judge;
+mod moving;
 mod noise;
 mod options;
 mod outlying;

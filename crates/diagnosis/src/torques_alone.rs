@@ -8,7 +8,7 @@ use crate::answer::corrected::of_drives;
 use crate::answer::place::in_torques;
 use crate::answer::{Diagnosis, Gap, Place, Provenance, Trace, Untestable, Verdict, Whiteness};
 use crate::force::answer::ForceAnswer;
-use crate::force::examine_both;
+use crate::force::{OnSecond, examine_both};
 use crate::judge::verdict;
 use crate::{DiagnosisError, Options};
 
@@ -36,12 +36,15 @@ pub(crate) fn diagnose(
     device: &Device,
     recording: &Recording,
     effects: &[Box<dyn Effect>],
-    options: &Options<'_>,
+    (options, moving): (&Options<'_>, Option<(ForceAnswer, Option<OnSecond>)>),
 ) -> Result<Diagnosis, DiagnosisError> {
     check_recording(device, recording, &[])?;
     let model = options.model.unwrap_or(device);
     let context = Context::new(model, recording, &[])?;
-    let (force, seen) = examine_both(&context, options.validation, &options.without)?;
+    let (force, seen) = match moving {
+        Some(moving) => moving,
+        None => examine_both(&context, options.validation, &options.without)?,
+    };
     if let (Some(why), true) = (&force.not_tested, force.channels.is_empty()) {
         return Err(DiagnosisError::Torques { why: why.clone() });
     }

@@ -41,6 +41,8 @@ pub enum Need {
     OneBase,
     /// The direction of gravity.
     Gravity,
+    /// A motion at 20 rows a second or more, and the mass and inertia of every link.
+    Inertia,
     /// Counts of the joint's motor-side encoder.
     Counts,
     /// A model identified earlier.
@@ -67,6 +69,7 @@ impl Need {
             Self::Runs => "two runs",
             Self::OneBase => "one tracker place",
             Self::Gravity => "gravity",
+            Self::Inertia => "motion, masses and inertias",
             Self::Counts => "counts",
             Self::EarlierModel => "an earlier model",
         }
@@ -152,6 +155,10 @@ impl Need {
             Self::Gravity => lacks(
                 device.gravity_mps2.is_none(),
                 "no [gravity] in the device file",
+            ),
+            Self::Inertia => lacks(
+                device.bodies.iter().skip(1).flatten().all(|body| body.inertia_kgm2.is_none()),
+                "no inertia_kgm2 in the device file",
             ),
             Self::EarlierModel => None,
         }

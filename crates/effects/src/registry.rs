@@ -4,6 +4,7 @@ use std::slice::from_ref;
 
 use haptical_model::{Device, Joint, JointType, TransmissionKind};
 
+use crate::force::in_motion;
 use crate::laws::{Law, Placed};
 use crate::{Effect, Parameter, Spec};
 use crate::{
@@ -171,6 +172,23 @@ const REGISTRY: &[Line] = &[
     at_joints!(any, force::torque_gain),
     elsewhere(&force::UNBALANCED_GRAVITY),
     elsewhere(&force::GRIP_FORCE),
+    elsewhere(&in_motion::PAYLOAD),
+    elsewhere(&in_motion::STRIBECK_FRICTION),
+    elsewhere(&in_motion::LOAD_FRICTION),
+    elsewhere(&in_motion::FRICTION_ASYMMETRY),
+    elsewhere(&in_motion::FRICTION_DRIFT),
+    elsewhere(&in_motion::PRESLIDING),
+    elsewhere(&in_motion::TORQUE_OFFSET),
+    elsewhere(&in_motion::TORQUE_SATURATION),
+    elsewhere(&in_motion::TORQUE_LATENCY),
+    elsewhere(&in_motion::CONTACT),
+    elsewhere(&in_motion::GRAVITY_SPRING),
+    elsewhere(&in_motion::COUNTERWEIGHT),
+    elsewhere(&in_motion::ARMATURE),
+    elsewhere(&in_motion::LINK_INERTIA),
+    elsewhere(&in_motion::LINK_CENTRE),
+    elsewhere(&in_motion::GRAVITY_DIRECTION),
+    elsewhere(&in_motion::SAMPLING),
 ];
 
 impl Line {

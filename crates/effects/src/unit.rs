@@ -12,6 +12,7 @@ pub enum Unit {
     NewtonMetre,
     Kilogram,
     KilogramMetre,
+    KilogramSquareMetre,
     Celsius,
     Hertz,
     PerRadian,
@@ -31,7 +32,7 @@ pub enum Unit {
 }
 
 /// Suffix of names and symbol; a suffix comes before those that end it.
-const UNITS: [(Unit, &str, &str); 23] = [
+const UNITS: [(Unit, &str, &str); 24] = [
     (
         Unit::NewtonMetreSecondPerRadian,
         "nm_s_per_rad",
@@ -54,6 +55,7 @@ const UNITS: [(Unit, &str, &str); 23] = [
     (Unit::Celsius, "degc", "°C"),
     (Unit::Hertz, "hz", "Hz"),
     (Unit::Radian, "rad", "rad"),
+    (Unit::KilogramSquareMetre, "kgm2", "kg m²"),
     (Unit::KilogramMetre, "kg_m", "kg m"),
     (Unit::Kilogram, "kg", "kg"),
     (Unit::NewtonMetre, "nm", "N m"),

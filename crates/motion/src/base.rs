@@ -54,6 +54,8 @@ pub(crate) struct Base {
     pub(crate) columns: Vec<BaseColumn>,
     /// Speed within which each joint's Coulomb friction turns over.
     pub(crate) turnover: Vec<f64>,
+    /// Size of each joint's Coulomb friction by a first fit; 0 before there is one.
+    pub(crate) coulomb: Vec<f64>,
 }
 
 impl Base {
@@ -73,7 +75,12 @@ impl Base {
         for joint in problem.channels.clone() {
             columns.extend(coulomb(problem, joint, turnover[joint]));
         }
-        let mut base = Self { columns, turnover };
+        let coulomb = vec![0.0; problem.arm.joints()];
+        let mut base = Self {
+            columns,
+            turnover,
+            coulomb,
+        };
         base.with_friction_in_delay(problem);
         base
     }
@@ -89,7 +96,10 @@ impl Base {
             }
         }
         problem.allow_for_rest(&coulomb);
-        Self::new(problem, None)
+        Self {
+            coulomb,
+            ..Self::new(problem, None)
+        }
     }
 
     /// Its columns as a system.

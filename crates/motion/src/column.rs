@@ -39,6 +39,16 @@ impl Column {
         }
     }
 
+    /// The same with the rows alone that are kept.
+    pub(crate) fn masked(&self, is_kept: impl Fn(usize) -> bool) -> Self {
+        let (first, values) = self.parts();
+        let keep = |(k, value): (usize, &f64)| if is_kept(first + k) { *value } else { 0.0 };
+        Self::Part {
+            first,
+            values: values.iter().enumerate().map(keep).collect(),
+        }
+    }
+
     /// Adds a multiple of it to a vector.
     pub(crate) fn add_to(&self, vector: &mut [f64], factor: f64) {
         let (first, values) = self.parts();

@@ -1,12 +1,21 @@
 //! One recording from torques to what they show.
 
+use haptical_linalg::dot;
 use haptical_model::{Device, Recording};
 
 use crate::MotionError;
 use crate::arm::Arm;
-use crate::base::Base;
+use crate::base::{Base, Term};
 use crate::problem::Problem;
 use crate::select::{Rival, Selection, select};
+use crate::unseen::{Unseen, on_second, within};
+
+/// A channel's rest is a gap beyond this multiple of the square of its noise, and beyond `GAP_SDS` standard deviations of such a
+/// square by chance: a sound arm's friction is no law to the last digit.
+const GAP: f64 = 1.21;
+const GAP_SDS: f64 = 4.0;
+/// Share of what the base model leaves beyond noise that effects may leave.
+const UNEXPLAINED: f64 = 0.02;
 
 /// What the torques of a moving arm show.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +32,21 @@ pub struct Examined {
     pub freedom: f64,
     /// Edge of the band that rows were taken of \[Hz\].
     pub edge_hz: f64,
+    /// Numbers of the base model.
+    pub numbers: usize,
+    /// Effects at places that were tried.
+    pub tried: usize,
+    /// Torques of rows that were not fitted: of the second recording, where there is one; of parts that were left out in turn,
+    /// where effects were found; else none.
+    pub unseen: Vec<Unseen>,
+    /// Why the second recording is not among them.
+    pub second: Option<MotionError>,
+    /// Joints whose armature no device file states, with the one that was fitted \[kg m^2\].
+    pub free_armatures: Vec<(usize, f64)>,
+    /// Root mean square deviation of the time stamps from an even grid, as a share of a step.
+    pub jitter: f64,
+    /// Time of each row \[s\].
+    pub time_s: Vec<f64>,
 }
 
 /// One joint's torque.
@@ -36,6 +60,10 @@ pub struct ChannelFit {
     pub rms_after: f64,
     /// Noise of a row.
     pub noise: f64,
+    /// What the base model leaves, row by row, in the torque's unit.
+    pub before: Vec<f64>,
+    /// With all effects.
+    pub after: Vec<f64>,
 }
 
 /// An effect that was found.
@@ -49,43 +77,116 @@ pub struct Finding {
     pub nats: f64,
     /// Numbers with their standard deviations.
     pub numbers: Vec<(&'static str, f64, f64)>,
-    /// Effects that would explain nearly as much in its place, nearest first: how far behind \[nats\], and the share of its gain.
-    pub rivals: Vec<(&'static str, Option<usize>, f64, f64)>,
+    /// Effects that would explain nearly as much in its place, nearest first.
+    pub rivals: Vec<NearRival>,
 }
 
-/// Examines the torques of a motion; `without`: names of effects that are left out.
+/// An effect in the place of a finding.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NearRival {
+    /// Name.
+    pub effect: &'static str,
+    /// Joint, from 0.
+    pub joint: Option<usize>,
+    /// How far behind it is \[nats\], what all effects leave allowed for.
+    pub behind_nats: f64,
+    /// Share of the finding's gain that it has.
+    pub share: f64,
+}
+
+impl Examined {
+    /// Whether a channel shows more than noise.
+    pub fn has_gap(&self) -> bool {
+        self.channels.iter().any(|own| own.has_gap())
+    }
+
+    /// Share of what the base model leaves beyond noise that the effects leave.
+    pub fn unexplained_share(&self) -> f64 {
+        (self.after_nats.max(0.0) / self.before_nats.max(1.0)).clamp(0.0, 1.0)
+    }
+
+    /// Whether the effects explain the gap.
+    pub fn is_adequate(&self) -> bool {
+        !self.findings.is_empty() && self.unexplained_share() <= UNEXPLAINED
+    }
+}
+
+impl ChannelFit {
+    /// Whether the base model leaves more than noise of it.
+    pub fn has_gap(&self) -> bool {
+        let rows = self.before.len().max(1) as f64;
+        (self.rms_before / self.noise).powi(2) > GAP + GAP_SDS * (2.0 / rows).sqrt()
+    }
+}
+
+/// Whether a device and a recording are those of a moving arm: its file gives the mass and the inertia of every row, and the recording has
+/// torques in time, of a motion, without a hand's force.
+pub fn is_moving_arm(device: &Device, recording: &Recording) -> bool {
+    let is_known = || haptical_model::RigidBodies::of_device(device).is_ok();
+    let has_torques = recording.torque_nm.iter().flatten().flatten().any(|own| own.is_finite());
+    if !has_torques || recording.time_s.is_none() || recording.force_n.is_some() || !is_known() {
+        return false;
+    }
+    let Ok(arm) = Arm::new(device) else {
+        return false;
+    };
+    crate::samples::Samples::new(recording).is_ok_and(|own| own.rate_hz() >= crate::problem::LEAST_RATE_HZ)
+        && arm.joints() == recording.joint.len()
+}
+
+/// Examines the torques of a motion, and what is found on a second recording, if there is one; `without`: names of effects that are left
+/// out.
 ///
 /// # Errors
 /// [`MotionError`] for a recording that says nothing of a moving arm.
 pub fn examine(
     device: &Device,
     recording: &Recording,
+    second: Option<&Recording>,
     without: &[String],
 ) -> Result<Examined, MotionError> {
     let arm = Arm::new(device)?;
-    let mut problem = Problem::new(arm, recording, None)?;
+    let mut problem = Problem::new(arm.clone(), recording, None)?;
     let base = Base::weighted(&mut problem);
     let selection = select(&problem, &base, without);
-    Ok(examined(&problem, &selection))
+    let seen = second.map(|second| on_second(&arm, second, (&problem, &base, &selection)));
+    let (unseen, why) = match seen {
+        Some(Ok(unseen)) => (unseen, None),
+        Some(Err(why)) => (within(&problem, &base, &selection), Some(why)),
+        None => (within(&problem, &base, &selection), None),
+    };
+    Ok(Examined {
+        unseen,
+        second: why,
+        ..examined(&problem, &base, &selection)
+    })
 }
 
-fn examined(problem: &Problem, selection: &Selection) -> Examined {
+fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
     let rows = problem.states.rows();
-    let rms = |rest: &[f64], channel: usize| {
-        let own = &rest[channel * rows..][..rows];
-        problem.row_sd[channel] * (haptical_linalg::dot(own, own) / rows as f64).sqrt()
-    };
-    let channels = problem
-        .channels
-        .iter()
-        .enumerate()
-        .map(|(channel, &joint)| ChannelFit {
+    let (before, after) = (&selection.bare.solved.rest, &selection.fitted.solved.rest);
+    let channels = problem.channels.iter().enumerate().map(|(channel, &joint)| {
+        let noise = problem.row_sd[channel];
+        let own = |rest: &[f64]| -> Vec<f64> {
+            rest[channel * rows..][..rows].iter().map(|own| noise * own).collect()
+        };
+        let rms = |rest: &[f64]| (dot(rest, rest) / rows as f64).sqrt();
+        let (before, after) = (own(before), own(after));
+        ChannelFit {
             joint,
-            rms_before: rms(&selection.rest_before, channel),
-            rms_after: rms(&selection.rest_after, channel),
-            noise: problem.row_sd[channel],
-        });
-    let rival = |own: &Rival| (own.effect, own.joint, own.behind, own.share);
+            rms_before: rms(&before),
+            rms_after: rms(&after),
+            noise,
+            before,
+            after,
+        }
+    });
+    let rival = |own: &Rival| NearRival {
+        effect: own.effect,
+        joint: own.joint,
+        behind_nats: own.behind,
+        share: own.share,
+    };
     let findings = selection.picks.iter().map(|pick| Finding {
         effect: pick.effect,
         joint: pick.joint,
@@ -93,12 +194,25 @@ fn examined(problem: &Problem, selection: &Selection) -> Examined {
         numbers: pick.numbers.clone(),
         rivals: pick.rivals.iter().map(rival).collect(),
     });
+    let solution = &selection.fitted.solved.solution;
+    let free = base.columns.iter().zip(solution).filter_map(|(own, value)| match own.term {
+        Term::Armature { joint } if own.known_sd.is_none() => Some((joint, *value)),
+        _ => None,
+    });
+    let centres = problem.states.centre.iter();
     Examined {
         channels: channels.collect(),
         findings: findings.collect(),
-        before_nats: selection.before,
-        after_nats: selection.after,
-        freedom: selection.freedom,
+        before_nats: selection.bare.excess,
+        after_nats: selection.fitted.excess,
+        freedom: selection.fitted.freedom,
         edge_hz: problem.states.pass.edge_hz,
+        numbers: base.columns.len(),
+        tried: selection.tried,
+        unseen: Vec::new(),
+        second: None,
+        free_armatures: free.collect(),
+        jitter: problem.samples.jitter,
+        time_s: centres.map(|step| problem.states.time_s[*step]).collect(),
     }
 }

@@ -18,6 +18,9 @@ mod select;
 mod states;
 mod system;
 mod trimmed;
+mod unseen;
 
+pub use effect::effect_names;
 pub use error::MotionError;
-pub use examine::{ChannelFit, Examined, Finding, examine};
+pub use examine::{ChannelFit, Examined, Finding, NearRival, examine, is_moving_arm};
+pub use unseen::{PARTS, Unseen};

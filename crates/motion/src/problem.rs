@@ -15,7 +15,7 @@ const EDGES_HZ: [f64; 6] = [20.0, 12.0, 8.0, 5.0, 3.0, 2.0];
 /// Edge of the band, at most this share of the log's rate.
 const OF_RATE: f64 = 0.1;
 /// Lowest rate of a log \[Hz\].
-const LEAST_RATE_HZ: f64 = 20.0;
+pub(crate) const LEAST_RATE_HZ: f64 = 20.0;
 /// Fewest rows of a joint.
 const LEAST_ROWS: usize = 30;
 /// A joint that moves slower than this share of its fastest rests: friction that sticks is not known there.
@@ -142,6 +142,11 @@ impl Problem {
                 self.inertial.iter_mut().for_each(|own| own[at] *= change);
             }
         }
+    }
+
+    /// Weight of a row, all channels counted through.
+    pub(crate) fn weight(&self, row: usize) -> f64 {
+        self.weights[row]
     }
 
     /// Rows of all channels.

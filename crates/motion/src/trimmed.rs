@@ -65,17 +65,7 @@ fn rest_of(
     inside: &[bool],
 ) -> Option<Vec<f64>> {
     let rows = problem.states.rows();
-    let masked = columns.iter().map(|column| {
-        let (first, values) = column.parts();
-        let keep = |(k, value): (usize, &f64)| match inside[(first + k) % rows] {
-            true => *value,
-            false => 0.0,
-        };
-        Rc::new(Column::Part {
-            first,
-            values: values.iter().enumerate().map(keep).collect(),
-        })
-    });
+    let masked = columns.iter().map(|column| Rc::new(column.masked(|k| inside[k % rows])));
     let known: Vec<Option<f64>> = base.columns.iter().map(|own| own.known_sd).collect();
     let solved = System::new(masked.collect(), &known).solve(recorded, &[]);
     let mut rest = recorded.to_vec();

@@ -35,6 +35,8 @@ pub(crate) struct Inputs<'i> {
     /// The model identified earlier.
     pub(crate) earlier: Option<&'i Base>,
     pub(crate) options: &'i Options<'i>,
+    /// What the torques say, where they are those of a moving arm.
+    pub(crate) moving: Option<&'i ForceAnswer>,
 }
 
 /// A selection with the judgements on it.
@@ -110,7 +112,10 @@ impl<'f> Findings<'f> {
         };
         let (shrink, force) = rayon::join(
             || findings.on_unseen_rows(),
-            || crate::force::examine(&engine.context, &inputs.options.without),
+            || match inputs.moving {
+                Some(force) => Ok(force.clone()),
+                None => crate::force::examine(&engine.context, &inputs.options.without),
+            },
         );
         (findings.shrink, findings.force) = (shrink?, force?);
         findings.forget_what_no_row_confirms();

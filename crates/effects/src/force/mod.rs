@@ -7,6 +7,7 @@ pub(crate) mod crosstalk;
 pub(crate) mod gain;
 mod grip_force;
 pub(crate) mod hysteresis;
+pub mod in_motion;
 pub(crate) mod joint_friction;
 pub(crate) mod motor_cogging;
 pub(crate) mod payload;

@@ -69,6 +69,7 @@ fn candidate(context: Context<'_>) -> Option<Candidate<'_>> {
         vec![("share", share), ("force_n", force.fold(0.0, f64::max))]
     };
     let mut found = Candidate::new(EFFECT.name, None, columns, Rc::new(numbers));
+    found.is_of_recording = true;
     found.is_sound = |own| {
         let forces = || own.chunks(3).map(Vector3::from_column_slice);
         let sum: Vector3<f64> = forces().sum();

@@ -15,7 +15,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
         let coulomb = context.sign(joint).iter().map(|own| own.abs()).collect();
         let viscous = context.speed(joint).iter().map(|own| own.abs()).collect();
-        let numbers = |own: &[f64]| vec![("coulomb_nm", own[0]), ("viscous_nms_per_rad", own[1])];
+        let numbers = |own: &[f64]| vec![("coulomb_nm", own[0]), ("viscous_nm_s_per_rad", own[1])];
         let found = context.of_signals(EFFECT.name, joint, &[coulomb, viscous], Rc::new(numbers));
         found.into_iter().collect()
     })

@@ -28,14 +28,12 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             let numbers = move |own: &[f64]| {
                 vec![
                     ("coulomb_nm", sense * own[0]),
-                    ("viscous_nms_per_rad", sense * own[1]),
+                    ("viscous_nm_s_per_rad", sense * own[1]),
                 ]
             };
             context.of_signals(EFFECT.name, joint, &[coulomb, viscous], Rc::new(numbers))
         };
-        [(&straight, 1.0), (&settling, -1.0)]
-            .into_iter()
-            .filter_map(of)
-            .collect()
+        let courses = [(&straight, 1.0), (&settling, -1.0)].into_iter().filter_map(of);
+        courses.enumerate().map(|(kind, own)| own.of_kind(kind)).collect()
     })
 }

@@ -18,8 +18,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     let states = &context.problem.states;
     context.at_joints(|joint| {
         let q = &states.motor.q[joint];
-        let middle = q.iter().sum::<f64>() / q.len() as f64;
-        let straight = q.iter().map(|q| q - middle).collect();
+        let straight = q.clone();
         let ones = vec![1.0; q.len()];
         let spring = |own: &[f64]| vec![("stiffness_nm_per_rad", own[1])];
         let [low, high] = ends(q);
@@ -37,9 +36,10 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         ]
         .into_iter()
         .flatten()
-        .map(|own| Candidate {
+        .enumerate()
+        .map(|(kind, own)| Candidate {
             needs_last: true,
-            ..own
+            ..own.of_kind(kind)
         })
         .collect()
     })

@@ -42,7 +42,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             let slope = std::array::from_fn(|k| (ahead[k] - behind[k]) / 0.02);
             context.problem.of_body(body, &slope)
         });
-        found.push(candidate(
+        let of_centre = candidate(
             shifts.collect(),
             Rc::new(|own| {
                 vec![
@@ -51,7 +51,8 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
                     ("centre_z_m", own[2]),
                 ]
             }),
-        ));
+        );
+        found.push(of_centre.of_kind(1));
     }
     found
 }

@@ -16,6 +16,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             found.map(Candidate::if_positive)
         };
         let loads = [&context.problem.rigid[joint], &context.torque[joint]];
-        loads.into_iter().filter_map(|load| of(load)).collect()
+        let found = loads.into_iter().filter_map(|load| of(load)).enumerate();
+        found.map(|(kind, own)| own.of_kind(kind)).collect()
     })
 }

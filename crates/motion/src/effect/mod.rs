@@ -37,6 +37,12 @@ pub(crate) struct Candidate<'c> {
     pub(crate) shape: Vec<(&'static str, f64)>,
     pub(crate) columns: Vec<Rc<Column>>,
     pub(crate) numbers: Numbers,
+    /// Which of its effect's laws it is.
+    pub(crate) kind: usize,
+    /// What it is linear about, if anything.
+    pub(crate) about: Vec<f64>,
+    /// Whether it belongs to its recording alone.
+    pub(crate) is_of_recording: bool,
     /// What it explains of noise alone besides what its numbers do \[nats\].
     pub(crate) of_noise: f64,
     /// Whether its last column has to explain something beside the others.
@@ -105,6 +111,11 @@ pub(crate) const EFFECTS: &[Effect] = &[
     delay::TORQUE_LATENCY,
 ];
 
+/// Names of all effects.
+pub fn effect_names() -> Vec<&'static str> {
+    EFFECTS.iter().map(|own| own.name).collect()
+}
+
 impl<'c> Context<'c> {
     /// One candidate or several a joint with torques.
     pub(crate) fn at_joints(
@@ -160,11 +171,19 @@ impl<'c> Candidate<'c> {
             shape: Vec::new(),
             columns: columns.into_iter().map(Rc::new).collect(),
             numbers,
+            kind: 0,
+            about: Vec::new(),
+            is_of_recording: false,
             of_noise: 0.0,
             needs_last: false,
             is_sound: |_| true,
             finer: Finer::Settled,
         }
+    }
+
+    pub(crate) fn of_kind(mut self, kind: usize) -> Self {
+        self.kind = kind;
+        self
     }
 
     /// Sound only with a first coefficient above zero.

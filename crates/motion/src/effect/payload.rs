@@ -36,12 +36,13 @@ fn at(context: Context<'_>, centre_m: Vector3<f64>) -> Option<Candidate<'_>> {
         let moment = centre_m * mass_kg + Vector3::new(own[1], own[2], own[3]);
         vec![
             ("mass_kg", mass_kg),
-            ("moment_x_kgm", moment.x),
-            ("moment_y_kgm", moment.y),
-            ("moment_z_kgm", moment.z),
+            ("moment_x_kg_m", moment.x),
+            ("moment_y_kg_m", moment.y),
+            ("moment_z_kg_m", moment.z),
         ]
     };
     let mut found = Candidate::new(EFFECT.name, None, columns, Rc::new(numbers));
+    found.about = vec![1.0, centre_m.x, centre_m.y, centre_m.z];
     found.finer = Finer::About(Rc::new(move |own| {
         let shift_m = Vector3::new(own[1], own[2], own[3]) / own[0];
         let is_near = own[0] > 0.0 && shift_m.norm() < 0.5;

@@ -99,6 +99,7 @@ fn clipped(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
     let mut found = context.of_signals(EFFECT.name, joint, &signals, Rc::new(|_| Vec::new()))?;
     found.is_sound = |own| own.iter().filter(|own| **own > 0.0).count() * 4 > own.len() * 3;
     found.shape = vec![("limit_nm", limit)];
+    (found.kind, found.is_of_recording) = (1, true);
     Some(found)
 }
 

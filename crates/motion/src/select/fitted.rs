@@ -23,6 +23,8 @@ pub(crate) struct Frame<'c> {
 pub(crate) struct Fitted {
     pub(crate) system: System,
     pub(crate) solved: Solved,
+    /// Numbers of the base model that are at a limit, or not asked for.
+    pub(crate) fixed: Vec<Option<f64>>,
     /// Columns of the base model, which are before those of the effects.
     pub(crate) base_columns: usize,
     /// Energy beyond noise of what is left \[nats\].
@@ -67,6 +69,7 @@ impl<'c> Frame<'c> {
                     base_columns: self.base.columns.len(),
                     system,
                     solved,
+                    fixed,
                     freedom,
                 };
             }

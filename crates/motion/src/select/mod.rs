@@ -11,7 +11,8 @@ use std::rc::Rc;
 pub(crate) use self::fitted::{Fitted, Frame};
 use self::numbers::numbers;
 pub(crate) use self::rivals::Rival;
-use self::scored::{Pool, Scored, penalty};
+pub(crate) use self::scored::Pool;
+use self::scored::{Scored, penalty};
 use crate::base::Base;
 use crate::column::Column;
 use crate::effect::{Candidate, Context};
@@ -37,14 +38,13 @@ const DELAY: &str = "encoder-latency";
 /// What was found.
 pub(crate) struct Selection {
     pub(crate) picks: Vec<Pick>,
-    /// Energy of the base model's rest beyond noise, and of what all picks leave \[nats\].
-    pub(crate) before: f64,
-    pub(crate) after: f64,
-    /// Rows that a rest may have of noise.
-    pub(crate) freedom: f64,
-    /// Rests, row by row.
-    pub(crate) rest_before: Vec<f64>,
-    pub(crate) rest_after: Vec<f64>,
+    /// The base model alone, and with all picks.
+    pub(crate) bare: Fitted,
+    pub(crate) fitted: Fitted,
+    /// How long the torques are before the positions, as picked.
+    pub(crate) early_s: f64,
+    /// Effects at places that were tried.
+    pub(crate) tried: usize,
 }
 
 /// An effect that was taken.
@@ -57,6 +57,12 @@ pub(crate) struct Pick {
     pub(crate) rivals: Vec<Rival>,
     /// Numbers with standard deviations.
     pub(crate) numbers: Vec<(&'static str, f64, f64)>,
+    pub(crate) columns: Vec<Rc<Column>>,
+    pub(crate) coefficients: Vec<f64>,
+    /// Which of its effect's laws it is, its shape, and what it is linear about.
+    pub(crate) kind: usize,
+    pub(crate) shape: Vec<f64>,
+    pub(crate) about: Vec<f64>,
 }
 
 /// A fit with effects, and how long its torques are before the positions.
@@ -78,10 +84,9 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
     };
     let pool = Pool::new(context, without);
     let before = bare.excess;
-    let rest_before = bare.solved.rest.clone();
     let mut state = State {
         taken: Vec::new(),
-        fitted: bare,
+        fitted: bare.clone(),
         early_s: None,
     };
     while state.taken.len() < MOST {
@@ -100,6 +105,7 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
     for (index, candidate) in state.taken.iter().enumerate() {
         let columns = first..first + candidate.columns.len();
         first = columns.end;
+        let coefficients = state.fitted.effects()[columns.clone()].to_vec();
         let mut numbers = numbers(&state.fitted, columns, candidate, misfit);
         if candidate.effect == DELAY {
             numbers
@@ -113,15 +119,21 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
             nats,
             rivals,
             numbers,
+            coefficients,
+            columns: candidate.columns.clone(),
+            kind: candidate.kind,
+            shape: candidate.shape.iter().map(|own| own.1).collect(),
+            about: candidate.about.clone(),
         });
     }
+    // strongest first
+    picks.sort_by(|a, b| b.nats.total_cmp(&a.nats));
     Selection {
         picks,
-        before,
-        after: state.fitted.excess,
-        freedom: state.fitted.freedom,
-        rest_before,
-        rest_after: state.fitted.solved.rest,
+        bare,
+        fitted: state.fitted,
+        early_s: state.early_s.unwrap_or(0.0),
+        tried: pool.places(),
     }
 }
 

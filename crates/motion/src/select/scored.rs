@@ -1,6 +1,6 @@
 //! Candidates with what they explain.
 
-use super::{Fitted, Frame};
+use super::{Fitted, Frame, Pick};
 use crate::effect::{Candidate, Candidates, Context, EFFECTS};
 
 /// What the last column of an effect that needs it explains at least \[nats\].
@@ -36,6 +36,31 @@ impl<'c> Pool<'c> {
             context,
             without,
         }
+    }
+
+    /// Effects at places.
+    pub(crate) fn places(&self) -> usize {
+        let mut places: Vec<_> = self.given.iter().map(|own| (own.effect, own.joint)).collect();
+        places.sort_unstable();
+        places.dedup();
+        places.len()
+    }
+
+    /// A candidate of the same law at the same place, whatever its shape; none of a law that belongs to one recording.
+    pub(crate) fn like(&self, frame: &Frame<'_>, pick: &Pick) -> Option<Candidate<'c>> {
+        let is_like = |own: &Candidate<'_>| {
+            own.effect == pick.effect && own.joint == pick.joint && own.kind == pick.kind
+        };
+        if let Some(own) = self.given.iter().find(|own| is_like(own)) {
+            return (!own.is_of_recording).then(|| own.clone());
+        }
+        let rest = vec![0.0; frame.problem.channel_rows()];
+        let effects = EFFECTS.iter().filter(|own| own.name == pick.effect);
+        let mut by_rest = effects.filter_map(|own| match own.candidates {
+            Candidates::ByRest(make) => make(self.context, &rest).into_iter().find(is_like),
+            Candidates::Given(_) => None,
+        });
+        by_rest.next()
     }
 
     /// What each of them explains of what a fit leaves; those that are not sound left out.
