@@ -15,7 +15,7 @@ use crate::engine::onto_touches::onto_touches;
 use crate::force::answer::ForceAnswer;
 use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
-use crate::moving::of_moving_arm;
+use crate::moving::{of_moving_arm, with_link_torques};
 use crate::noise::cleaning::without_readings;
 use crate::noise::measured::KnownNoise;
 use crate::noise::stated::is_stated;
@@ -88,16 +88,24 @@ fn diagnose_all(
     let second = options.validation;
     let validation = second.map(|second| attached_at(&mut device.clone(), &at, second));
     let validation = validation.transpose()?;
-    let options = &Options {
-        validation: validation.as_deref(),
-        ..options.clone()
-    };
     let device = &device;
     // with every row: accelerations need the log's own rate
     let model = options.model.unwrap_or(device);
-    let moving = of_moving_arm(model, &recording, options.validation, &options.without);
-    let thinned = thinned(&recording);
-    let recording = thinned.as_ref().unwrap_or(&recording);
+    let moving = of_moving_arm(model, &recording, validation.as_deref(), &options.without);
+    let loaded = |recording: &Recording| {
+        moving
+            .as_ref()
+            .and_then(|_| with_link_torques(model, recording))
+    };
+    let second = validation.as_deref().and_then(loaded);
+    let loaded = loaded(&recording);
+    let recording = loaded.as_ref().unwrap_or(&recording);
+    let options = &Options {
+        validation: second.as_ref().or(validation.as_deref()),
+        ..options.clone()
+    };
+    let thinned = thinned(recording);
+    let recording = thinned.as_ref().unwrap_or(recording);
     let effects = effects_of(device, options)?;
     if torques_alone::applies(device, recording) {
         return torques_alone::diagnose(device, recording, &effects, (options, moving));

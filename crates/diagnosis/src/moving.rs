@@ -3,7 +3,7 @@
 use haptical_calibration::Channel;
 use haptical_effects::force::in_motion::SAMPLING;
 use haptical_model::{Device, JointType, Recording};
-use haptical_motion::{Examined, Finding, PARTS, Unseen, examine, is_moving_arm};
+use haptical_motion::{Examined, Finding, PARTS, Unseen, examine, is_moving_arm, link_torques};
 
 use crate::answer::floor::Floor;
 use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
@@ -32,6 +32,21 @@ pub(crate) fn of_moving_arm(
     Some((answer, seen))
 }
 
+/// A moving arm's recording with the torques that its links ask for in the place of the drives': what is between motor and link carries
+/// those, without friction and the motors' own inertia. None where no encoder is on the links.
+pub(crate) fn with_link_torques(device: &Device, recording: &Recording) -> Option<Recording> {
+    recording.output.iter().flatten().next()?;
+    let torques = link_torques(device, recording).ok()?;
+    let own = recording.torque_nm.iter().zip(torques);
+    let torque_nm = own
+        .map(|(own, torque)| own.as_ref().map(|_| torque))
+        .collect();
+    Some(Recording {
+        torque_nm,
+        ..recording.clone()
+    })
+}
+
 /// Unit of a joint's torque.
 fn unit(device: &Device, joint: usize) -> &'static str {
     match device.joints[joint].joint_type {
@@ -48,9 +63,19 @@ fn answer(device: &Device, examined: &Examined) -> ForceAnswer {
     let is_adequate = examined.is_adequate();
     let gaps = examined.channels.iter().map(|own| {
         let floor = floor(own.joint, own.noise, own.before.len() as f64);
-        let after = if is_adequate { own.rms_after } else { own.rms_before };
+        let after = if is_adequate {
+            own.rms_after
+        } else {
+            own.rms_before
+        };
         let unit = unit(device, own.joint);
-        let mut gap = ChannelGap::fitted(channel(own.joint), Some(own.joint), [own.rms_before, after], &floor, unit);
+        let mut gap = ChannelGap::fitted(
+            channel(own.joint),
+            Some(own.joint),
+            [own.rms_before, after],
+            &floor,
+            unit,
+        );
         gap.has_gap = own.has_gap();
         gap
     });
@@ -95,7 +120,9 @@ fn untestable(_: &Examined) -> Vec<(&'static str, String)> {
 fn warnings(examined: &Examined) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(why) = &examined.second {
-        warnings.push(format!("the torques of the second recording were not predicted: {why}"));
+        warnings.push(format!(
+            "the torques of the second recording were not predicted: {why}"
+        ));
     }
     for (joint, inertia) in &examined.free_armatures {
         warnings.push(format!(
@@ -125,25 +152,45 @@ fn floor(joint: usize, noise: f64, rows: f64) -> Floor {
 
 /// A finding as a cause.
 fn cause(device: &Device, examined: &Examined, found: &Finding, share: f64) -> CauseAnswer {
-    let near = found.rivals.iter().filter(|own| own.behind_nats < NOT_TOLD_APART);
-    let of_rivals: f64 = (found.rivals.iter()).map(|own| (-own.behind_nats.max(-5.0)).exp()).sum();
+    let near = found
+        .rivals
+        .iter()
+        .filter(|own| own.behind_nats < NOT_TOLD_APART);
+    let of_rivals: f64 = (found.rivals.iter())
+        .map(|own| (-own.behind_nats.max(-5.0)).exp())
+        .sum();
     let name = |effect: &str, joint: Option<usize>| match joint {
         Some(joint) if Some(joint) != found.joint => format!("{effect} at joint {}", joint + 1),
         _ => effect.to_owned(),
     };
-    let ratio = found.joint.map_or(1.0, |joint| device.joints[joint].transmission_ratio);
+    let ratio = found
+        .joint
+        .map_or(1.0, |joint| device.joints[joint].transmission_ratio);
     let numbers = found.numbers.iter().map(|(name, value, sd)| {
         // periods of the motor's turn
-        let value = if *name == "order" { value / ratio } else { *value };
-        (number_name(device, found.joint, name), ParameterAnswer::normal(value, *sd))
+        let value = if *name == "order" {
+            value / ratio
+        } else {
+            *value
+        };
+        (
+            number_name(device, found.joint, name),
+            ParameterAnswer::normal(value, *sd),
+        )
     });
     CauseAnswer {
         confusable_with: near.map(|own| name(own.effect, own.joint)).collect(),
-        parameters: numbers.filter(|(_, own)| own.value.is_finite() && own.ci95.iter().all(|end| end.is_finite())).collect(),
+        parameters: numbers
+            .filter(|(_, own)| own.value.is_finite() && own.ci95.iter().all(|end| end.is_finite()))
+            .collect(),
         share,
         class_probability: LISTED_PROBABILITY,
         held_out: held_out(device, examined, found.joint),
-        ..CauseAnswer::named(found.effect, found.joint, LISTED_PROBABILITY / (1.0 + of_rivals))
+        ..CauseAnswer::named(
+            found.effect,
+            found.joint,
+            LISTED_PROBABILITY / (1.0 + of_rivals),
+        )
     }
 }
 
@@ -169,18 +216,29 @@ fn held_out(device: &Device, examined: &Examined, joint: Option<usize>) -> Optio
         own.before.iter().sum::<f64>() / (own.noise.powi(2) * rows.max(1) as f64)
     };
     let of_joint = examined.unseen.iter().find(|own| Some(own.joint) == joint);
-    let largest = || examined.unseen.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+    let largest = || {
+        examined
+            .unseen
+            .iter()
+            .max_by(|a, b| beyond(a).total_cmp(&beyond(b)))
+    };
     of_joint.or_else(largest).map(|own| answer_of(device, own))
 }
 
 fn answer_of(device: &Device, unseen: &Unseen) -> HeldOutAnswer {
     let rms = |sums: &[f64; PARTS], without: Option<usize>| {
         let kept = (0..PARTS).filter(|part| Some(*part) != without);
-        let (sum, rows) = kept.fold((0.0, 0), |(sum, rows), part| (sum + sums[part], rows + unseen.rows[part]));
+        let (sum, rows) = kept.fold((0.0, 0), |(sum, rows), part| {
+            (sum + sums[part], rows + unseen.rows[part])
+        });
         (sum / rows.max(1) as f64).sqrt()
     };
     let reduction = |without| {
-        gap_reduction_percent(rms(&unseen.before, without), rms(&unseen.after, without), unseen.noise)
+        gap_reduction_percent(
+            rms(&unseen.before, without),
+            rms(&unseen.after, without),
+            unseen.noise,
+        )
     };
     let percent = reduction(None);
     // jackknife over the parts (Efron and Stein 1981)
@@ -223,10 +281,18 @@ fn on_second(device: &Device, examined: &Examined) -> OnSecond {
 
 /// The torque with the largest gap over time.
 fn course(device: &Device, examined: &Examined, channels: &[ChannelGap]) -> Option<Course> {
-    let by_share = |a: &usize, b: &usize| channels[*a].share_of_gap.total_cmp(&channels[*b].share_of_gap);
+    let by_share = |a: &usize, b: &usize| {
+        channels[*a]
+            .share_of_gap
+            .total_cmp(&channels[*b].share_of_gap)
+    };
     let most = (0..channels.len()).max_by(by_share)?;
     let own = &examined.channels[most];
-    let after = if examined.is_adequate() { &own.after } else { &own.before };
+    let after = if examined.is_adequate() {
+        &own.after
+    } else {
+        &own.before
+    };
     Some(Course {
         channel: channel(own.joint),
         unit: unit(device, own.joint),

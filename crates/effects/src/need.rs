@@ -157,7 +157,12 @@ impl Need {
                 "no [gravity] in the device file",
             ),
             Self::Inertia => lacks(
-                device.bodies.iter().skip(1).flatten().all(|body| body.inertia_kgm2.is_none()),
+                device
+                    .bodies
+                    .iter()
+                    .skip(1)
+                    .flatten()
+                    .all(|body| body.inertia_kgm2.is_none()),
                 "no inertia_kgm2 in the device file",
             ),
             Self::EarlierModel => None,

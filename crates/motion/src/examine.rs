@@ -123,14 +123,20 @@ impl ChannelFit {
 /// torques in time, of a motion, without a hand's force.
 pub fn is_moving_arm(device: &Device, recording: &Recording) -> bool {
     let is_known = || haptical_model::RigidBodies::of_device(device).is_ok();
-    let has_torques = recording.torque_nm.iter().flatten().flatten().any(|own| own.is_finite());
+    let has_torques = recording
+        .torque_nm
+        .iter()
+        .flatten()
+        .flatten()
+        .any(|own| own.is_finite());
     if !has_torques || recording.time_s.is_none() || recording.force_n.is_some() || !is_known() {
         return false;
     }
     let Ok(arm) = Arm::new(device) else {
         return false;
     };
-    crate::samples::Samples::new(recording).is_ok_and(|own| own.rate_hz() >= crate::problem::LEAST_RATE_HZ)
+    crate::samples::Samples::new(recording)
+        .is_ok_and(|own| own.rate_hz() >= crate::problem::LEAST_RATE_HZ)
         && arm.joints() == recording.joint.len()
 }
 
@@ -165,22 +171,29 @@ pub fn examine(
 fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
     let rows = problem.states.rows();
     let (before, after) = (&selection.bare.solved.rest, &selection.fitted.solved.rest);
-    let channels = problem.channels.iter().enumerate().map(|(channel, &joint)| {
-        let noise = problem.row_sd[channel];
-        let own = |rest: &[f64]| -> Vec<f64> {
-            rest[channel * rows..][..rows].iter().map(|own| noise * own).collect()
-        };
-        let rms = |rest: &[f64]| (dot(rest, rest) / rows as f64).sqrt();
-        let (before, after) = (own(before), own(after));
-        ChannelFit {
-            joint,
-            rms_before: rms(&before),
-            rms_after: rms(&after),
-            noise,
-            before,
-            after,
-        }
-    });
+    let channels = problem
+        .channels
+        .iter()
+        .enumerate()
+        .map(|(channel, &joint)| {
+            let noise = problem.row_sd[channel];
+            let own = |rest: &[f64]| -> Vec<f64> {
+                rest[channel * rows..][..rows]
+                    .iter()
+                    .map(|own| noise * own)
+                    .collect()
+            };
+            let rms = |rest: &[f64]| (dot(rest, rest) / rows as f64).sqrt();
+            let (before, after) = (own(before), own(after));
+            ChannelFit {
+                joint,
+                rms_before: rms(&before),
+                rms_after: rms(&after),
+                noise,
+                before,
+                after,
+            }
+        });
     let rival = |own: &Rival| NearRival {
         effect: own.effect,
         joint: own.joint,
@@ -195,10 +208,14 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
         rivals: pick.rivals.iter().map(rival).collect(),
     });
     let solution = &selection.fitted.solved.solution;
-    let free = base.columns.iter().zip(solution).filter_map(|(own, value)| match own.term {
-        Term::Armature { joint } if own.known_sd.is_none() => Some((joint, *value)),
-        _ => None,
-    });
+    let free = base
+        .columns
+        .iter()
+        .zip(solution)
+        .filter_map(|(own, value)| match own.term {
+            Term::Armature { joint } if own.known_sd.is_none() => Some((joint, *value)),
+            _ => None,
+        });
     let centres = problem.states.centre.iter();
     Examined {
         channels: channels.collect(),

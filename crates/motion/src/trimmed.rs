@@ -65,7 +65,9 @@ fn rest_of(
     inside: &[bool],
 ) -> Option<Vec<f64>> {
     let rows = problem.states.rows();
-    let masked = columns.iter().map(|column| Rc::new(column.masked(|k| inside[k % rows])));
+    let masked = columns
+        .iter()
+        .map(|column| Rc::new(column.masked(|k| inside[k % rows])));
     let known: Vec<Option<f64>> = base.columns.iter().map(|own| own.known_sd).collect();
     let solved = System::new(masked.collect(), &known).solve(recorded, &[]);
     let mut rest = recorded.to_vec();

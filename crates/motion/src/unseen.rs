@@ -42,7 +42,9 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
         return Vec::new();
     }
     let rows = problem.states.rows();
-    let effects: Vec<Rc<Column>> = (selection.picks.iter()).flat_map(|own| own.columns.iter().cloned()).collect();
+    let effects: Vec<Rc<Column>> = (selection.picks.iter())
+        .flat_map(|own| own.columns.iter().cloned())
+        .collect();
     let part = |row: usize| row * PARTS / rows;
     let mut rests = [Vec::new(), Vec::new()];
     for (rest, (fitted, columns, early_s)) in rests.iter_mut().zip([
@@ -51,17 +53,27 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
     ]) {
         let recorded = problem.recorded(early_s);
         *rest = vec![0.0; recorded.len()];
-        let all: Vec<Rc<Column>> = (base.columns.iter().map(|own| &own.column)).chain(columns).cloned().collect();
+        let all: Vec<Rc<Column>> = (base.columns.iter().map(|own| &own.column))
+            .chain(columns)
+            .cloned()
+            .collect();
         let known: Vec<Option<f64>> = base.columns.iter().map(|own| own.known_sd).collect();
         for fold in 0..FOLDS {
             let is_held = |row: usize| part(row) % FOLDS == fold;
-            let kept: Vec<Rc<Column>> = all.iter().map(|own| Rc::new(own.masked(|k| !is_held(k % rows)))).collect();
+            let kept: Vec<Rc<Column>> = all
+                .iter()
+                .map(|own| Rc::new(own.masked(|k| !is_held(k % rows))))
+                .collect();
             let solved = System::new(kept, &known).solve(&recorded, &fitted.fixed);
             let mut left = recorded.clone();
             for (column, value) in all.iter().zip(&solved.solution) {
                 column.add_to(&mut left, -value);
             }
-            for (k, value) in left.into_iter().enumerate().filter(|(k, _)| is_held(k % rows)) {
+            for (k, value) in left
+                .into_iter()
+                .enumerate()
+                .filter(|(k, _)| is_held(k % rows))
+            {
                 rest[k] = value;
             }
         }
@@ -117,8 +129,12 @@ pub(crate) fn on_second(
         let torque = problem.states.torque(&problem.samples, unseen.joint, 0.0);
         let at = |row: usize| {
             let k = channel * rows + row;
-            let [before, after] = [&before, &after].map(|rest| torque[row] - rest[k] / problem.weight(k));
-            (problem.states.row_of[problem.states.centre[row]], [torque[row], before, after])
+            let [before, after] =
+                [&before, &after].map(|rest| torque[row] - rest[k] / problem.weight(k));
+            (
+                problem.states.row_of[problem.states.centre[row]],
+                [torque[row], before, after],
+            )
         };
         unseen.predictions = (0..rows).map(at).collect();
     }
@@ -159,5 +175,10 @@ fn collected(problem: &Problem, rests: &[Vec<f64>; 2]) -> Vec<Unseen> {
         }
         found
     };
-    problem.channels.iter().enumerate().map(of_channel).collect()
+    problem
+        .channels
+        .iter()
+        .enumerate()
+        .map(of_channel)
+        .collect()
 }

@@ -27,9 +27,9 @@ use haptical_model::Recording;
 
 use self::along::Along;
 use self::answer::ForceAnswer;
+pub(crate) use self::answer::names::names;
 use self::base::Base;
 use self::changes::carried::Carried;
-pub(crate) use self::answer::names::names;
 use self::changes::second::Model;
 pub(crate) use self::changes::second::OnSecond;
 use self::effects::Effects;

@@ -33,7 +33,12 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             };
             context.of_signals(EFFECT.name, joint, &[coulomb, viscous], Rc::new(numbers))
         };
-        let courses = [(&straight, 1.0), (&settling, -1.0)].into_iter().filter_map(of);
-        courses.enumerate().map(|(kind, own)| own.of_kind(kind)).collect()
+        let courses = [(&straight, 1.0), (&settling, -1.0)]
+            .into_iter()
+            .filter_map(of);
+        courses
+            .enumerate()
+            .map(|(kind, own)| own.of_kind(kind))
+            .collect()
     })
 }

@@ -40,7 +40,11 @@ impl<'c> Pool<'c> {
 
     /// Effects at places.
     pub(crate) fn places(&self) -> usize {
-        let mut places: Vec<_> = self.given.iter().map(|own| (own.effect, own.joint)).collect();
+        let mut places: Vec<_> = self
+            .given
+            .iter()
+            .map(|own| (own.effect, own.joint))
+            .collect();
         places.sort_unstable();
         places.dedup();
         places.len()

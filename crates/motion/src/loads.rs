@@ -1,0 +1,54 @@
+//! What the links ask of their drives, row by row.
+
+use haptical_model::{Device, Recording};
+
+use crate::MotionError;
+use crate::arm::Arm;
+use crate::local_polynomial::LocalPolynomial;
+use crate::samples::Samples;
+
+/// Positions are smoothed up to this frequency \[Hz\], and up to this share of the log's rate.
+const CUTOFF_HZ: f64 = 40.0;
+const OF_RATE: f64 = 0.2;
+
+/// Torques of the rigid bodies of a device along a recording, joint by joint and row by row, armatures and friction left out:
+/// what a spring between motor and link carries. Positions are those of the links' encoders where there are any. A row that no
+/// piece without a gap reaches has NaN.
+///
+/// # Errors
+/// As [`crate::examine`].
+pub fn link_torques(device: &Device, recording: &Recording) -> Result<Vec<Vec<f64>>, MotionError> {
+    let arm = Arm::new(device)?;
+    let samples = Samples::new(recording)?;
+    let local = LocalPolynomial::new(samples.step_s, CUTOFF_HZ.min(OF_RATE * samples.rate_hz()));
+    let joints = arm.joints();
+    let nominal = arm.nominal();
+    let columns = nominal.len();
+    let mut work = arm.work();
+    let mut regressor = vec![0.0; joints * columns];
+    let mut found = vec![vec![f64::NAN; recording.len()]; joints];
+    let mut at = [vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]];
+    for piece in &samples.pieces {
+        if piece.length <= 2 * local.half {
+            continue;
+        }
+        for k in 0..piece.length {
+            // at its ends the nearest sample that has neighbours enough
+            let inner = k.clamp(local.half, piece.length - 1 - local.half);
+            for (order, values) in at.iter_mut().enumerate() {
+                for joint in 0..joints {
+                    let own = piece.link[joint].as_ref().unwrap_or(&piece.motor[joint]);
+                    values[joint] = local.at(order, own, inner);
+                }
+            }
+            arm.bodies
+                .regressor(&at[0], &at[1], &at[2], &mut work, &mut regressor)?;
+            for (joint, own) in regressor.chunks_exact(columns).enumerate() {
+                if let Some(into) = found[joint].get_mut(piece.first_row + k) {
+                    *into = haptical_linalg::dot(own, &nominal);
+                }
+            }
+        }
+    }
+    Ok(found)
+}
