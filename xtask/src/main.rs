@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use xtask_paper::{experiment, tables};
-use xtask_peers::{bench_peers, bench_scaling, instructions};
+use xtask_peers::{bench_peers, bench_scaling, instructions, moving};
 
 /// Jobs of the Haptical project.
 #[derive(Debug, Parser)]
@@ -34,6 +34,8 @@ enum Job {
     SettleCheck(xtask_trials::SettleArguments),
     /// Compares ours with Ceres, SciPy and Pinocchio on the same files, where they are there.
     BenchPeers(bench_peers::Arguments),
+    /// MuJoCo's system identification and diagnose on logs of a moving arm with withheld effects.
+    PeersMoving(moving::Arguments),
     /// Measures how time and memory grow with poses, parameters and joints.
     BenchScaling(bench_scaling::Arguments),
     /// Computes the figures of docs/evidence.md and writes it.
@@ -53,6 +55,7 @@ fn main() -> ExitCode {
         Job::BlindCheck(arguments) => xtask_trials::check(&arguments),
         Job::SettleCheck(arguments) => xtask_trials::settle(&arguments),
         Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
+        Job::PeersMoving(arguments) => moving::run(&arguments),
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
         Job::Evidence(arguments) => xtask_evidence::evidence(&arguments),
         Job::CompareResults(arguments) => compare_results::run(&arguments),

@@ -12,3 +12,4 @@
 pub mod bench_peers;
 pub mod bench_scaling;
 pub mod instructions;
+pub mod moving;

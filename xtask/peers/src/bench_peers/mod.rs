@@ -14,7 +14,7 @@ mod report;
 mod rounds;
 #[cfg(test)]
 mod tests;
-mod tools;
+pub(crate) mod tools;
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};

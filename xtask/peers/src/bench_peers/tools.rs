@@ -34,7 +34,7 @@ pub(crate) struct Tools {
 }
 
 /// The source of a peer.
-fn source(name: &str) -> PathBuf {
+pub(crate) fn source(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
@@ -96,7 +96,11 @@ impl Tools {
 
     /// A Python that can import `module`: the scratch environment's, after an attempt to install
     /// `packages` there, else the system's.
-    fn python(&self, module: &str, packages: &[&str]) -> std::result::Result<PathBuf, String> {
+    pub(crate) fn python(
+        &self,
+        module: &str,
+        packages: &[&str],
+    ) -> std::result::Result<PathBuf, String> {
         let environment = self.folder.join("python");
         let scratch = environment.join("bin").join("python");
         let import = format!("import {module}");
