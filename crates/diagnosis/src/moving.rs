@@ -81,7 +81,14 @@ fn answer(device: &Device, examined: &Examined) -> ForceAnswer {
     });
     let channels: Vec<ChannelGap> = gaps.collect();
     let mut findings = Vec::new();
-    if is_adequate {
+    let of_log = examined
+        .findings
+        .first()
+        .filter(|own| own.effect == SAMPLING.name);
+    if let Some(found) = of_log.filter(|_| !is_adequate) {
+        // rows that are missing bend the rest
+        findings.push(cause(device, examined, found, 1.0));
+    } else if is_adequate {
         let total: f64 = examined.findings.iter().map(|own| own.nats.max(0.0)).sum();
         let explained = 1.0 - examined.unexplained_share();
         for found in &examined.findings {
@@ -89,7 +96,7 @@ fn answer(device: &Device, examined: &Examined) -> ForceAnswer {
             findings.push(cause(device, examined, found, share));
         }
     }
-    let unexplained = match (examined.has_gap(), is_adequate) {
+    let unexplained = match (examined.has_gap(), is_adequate || of_log.is_some()) {
         (_, true) => examined.unexplained_share(),
         (true, false) => 1.0,
         (false, false) => 0.0,
@@ -129,6 +136,16 @@ fn warnings(examined: &Examined) -> Vec<String> {
             "the device file has no armature of joint {}: it was fitted, {inertia:.4} kg m^2, and is no cause",
             joint + 1
         ));
+    }
+    if examined
+        .findings
+        .iter()
+        .any(|own| own.effect == SAMPLING.name)
+        && !examined.is_adequate()
+    {
+        warnings.push(
+            "the torques were not judged beyond the rows that the log repeats or lacks: record again without such rows".to_owned(),
+        );
     }
     if examined.jitter > 0.1 {
         warnings.push(format!(

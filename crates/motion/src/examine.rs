@@ -14,6 +14,8 @@ use crate::unseen::{Unseen, on_second, within};
 /// square by chance: a sound arm's friction is no law to the last digit.
 const GAP: f64 = 1.21;
 const GAP_SDS: f64 = 4.0;
+/// The fault of a log that repeats rows or lacks some.
+const SAMPLING: &str = "sampling";
 /// Share of what the base model leaves beyond noise that effects may leave.
 const UNEXPLAINED: f64 = 0.02;
 
@@ -100,6 +102,8 @@ impl Examined {
         self.channels.iter().any(|own| own.has_gap())
     }
 
+    /// The fault of a log that repeats rows or lacks some.
+    const SAMPLING: &str = "sampling";
     /// Share of what the base model leaves beyond noise that the effects leave.
     pub fn unexplained_share(&self) -> f64 {
         (self.after_nats.max(0.0) / self.before_nats.max(1.0)).clamp(0.0, 1.0)
@@ -107,15 +111,25 @@ impl Examined {
 
     /// Whether the effects explain the gap.
     pub fn is_adequate(&self) -> bool {
-        !self.findings.is_empty() && self.unexplained_share() <= UNEXPLAINED
+        let is_quiet = !self.channels.iter().any(ChannelFit::has_rest);
+        !self.findings.is_empty() && (is_quiet || self.unexplained_share() <= UNEXPLAINED)
     }
 }
 
 impl ChannelFit {
     /// Whether the base model leaves more than noise of it.
     pub fn has_gap(&self) -> bool {
+        self.is_beyond_noise(self.rms_before)
+    }
+
+    /// Whether the effects leave more than noise of it.
+    pub fn has_rest(&self) -> bool {
+        self.is_beyond_noise(self.rms_after)
+    }
+
+    fn is_beyond_noise(&self, rms: f64) -> bool {
         let rows = self.before.len().max(1) as f64;
-        (self.rms_before / self.noise).powi(2) > GAP + GAP_SDS * (2.0 / rows).sqrt()
+        (rms / self.noise).powi(2) > GAP + GAP_SDS * (2.0 / rows).sqrt()
     }
 }
 
@@ -135,7 +149,7 @@ pub fn is_moving_arm(device: &Device, recording: &Recording) -> bool {
     let Ok(arm) = Arm::new(device) else {
         return false;
     };
-    crate::samples::Samples::new(recording)
+    crate::samples::Samples::new(recording, false)
         .is_ok_and(|own| own.rate_hz() >= crate::problem::LEAST_RATE_HZ)
         && arm.joints() == recording.joint.len()
 }
@@ -152,7 +166,8 @@ pub fn examine(
     without: &[String],
 ) -> Result<Examined, MotionError> {
     let arm = Arm::new(device)?;
-    let mut problem = Problem::new(arm.clone(), recording, None)?;
+    let sets_right = !without.iter().any(|name| name == SAMPLING);
+    let mut problem = Problem::new(arm.clone(), recording, None, sets_right)?;
     let base = Base::weighted(&mut problem);
     let selection = select(&problem, &base, without);
     let seen = second.map(|second| on_second(&arm, second, (&problem, &base, &selection)));
@@ -207,6 +222,16 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
         numbers: pick.numbers.clone(),
         rivals: pick.rivals.iter().map(rival).collect(),
     });
+    let of_log = problem.samples.sampling.map(|[repeated, missing]| Finding {
+        effect: SAMPLING,
+        joint: None,
+        // it is seen row by row, not by what it explains
+        nats: selection.bare.excess.abs().max(1.0)
+            + selection.picks.first().map_or(0.0, |own| own.nats),
+        numbers: vec![("share", repeated + missing, 0.0)],
+        rivals: Vec::new(),
+    });
+    let findings = of_log.into_iter().chain(findings);
     let solution = &selection.fitted.solved.solution;
     let free = base
         .columns

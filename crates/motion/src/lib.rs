@@ -15,6 +15,7 @@ mod low_pass;
 mod plausible;
 mod problem;
 mod samples;
+mod sampling;
 mod select;
 mod states;
 mod system;

@@ -19,7 +19,7 @@ const OF_RATE: f64 = 0.2;
 /// As [`crate::examine`].
 pub fn link_torques(device: &Device, recording: &Recording) -> Result<Vec<Vec<f64>>, MotionError> {
     let arm = Arm::new(device)?;
-    let samples = Samples::new(recording)?;
+    let samples = Samples::new(recording, false)?;
     let local = LocalPolynomial::new(samples.step_s, CUTOFF_HZ.min(OF_RATE * samples.rate_hz()));
     let joints = arm.joints();
     let nominal = arm.nominal();

@@ -43,7 +43,8 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    /// Rows of a recording; `edge_hz`: of the band, where it is settled already.
+    /// Rows of a recording; `edge_hz`: of the band, where it is settled already; `sets_right`: rows that are repeated or
+    /// missing ([`crate::sampling`]).
     ///
     /// # Errors
     /// [`MotionError`] where the recording has no time, no torques or no motion, is too slow or too short.
@@ -51,8 +52,9 @@ impl Problem {
         arm: Arm,
         recording: &Recording,
         edge_hz: Option<f64>,
+        sets_right: bool,
     ) -> Result<Self, MotionError> {
-        let samples = Samples::new(recording)?;
+        let samples = Samples::new(recording, sets_right)?;
         if samples.rate_hz() < LEAST_RATE_HZ {
             return Err(MotionError::Sampling(format!(
                 "{:.3} rows a second are too few for accelerations: {LEAST_RATE_HZ} are needed",

@@ -3,9 +3,12 @@
 use haptical_model::Recording;
 
 use crate::MotionError;
+use crate::sampling::Sampling;
 
 /// Steps that differ from the usual one by more than this share end a piece.
 const BREAK: f64 = 0.6;
+/// Steps over which readings are filled in, of a log of which rows are missing.
+const FILLED: f64 = 4.6;
 /// Stamps that lie within this share of a step beside an even grid are taken as even.
 const EVEN: f64 = 0.05;
 /// Fewest samples of a piece.
@@ -33,16 +36,18 @@ pub(crate) struct Samples {
     pub(crate) pieces: Vec<Piece>,
     /// Share of the rows that are in no piece.
     pub(crate) lost_share: f64,
+    /// Rows that it repeats or lacks, as shares of all: they were set right.
+    pub(crate) sampling: Option<[f64; 2]>,
     /// Root mean square deviation of the stamps from an even grid, as a share of a step.
     pub(crate) jitter: f64,
 }
 
 impl Samples {
-    /// Takes a recording apart.
+    /// Takes a recording apart; `sets_right`: rows that it repeats are left out, and times of rows behind missing ones moved.
     ///
     /// # Errors
     /// [`MotionError`] without time, torques, or enough rows.
-    pub(crate) fn new(recording: &Recording) -> Result<Self, MotionError> {
+    pub(crate) fn new(recording: &Recording, sets_right: bool) -> Result<Self, MotionError> {
         let missing = |what: &str, why| MotionError::Missing {
             what: what.to_owned(),
             why,
@@ -57,9 +62,22 @@ impl Samples {
         }
         let step_s = usual_step(recording, time_s)
             .ok_or_else(|| MotionError::Sampling("the log has too few rows".to_owned()))?;
+        let sampling = Sampling::of(recording, time_s, step_s).filter(|_| sets_right);
+        let shares = sampling
+            .as_ref()
+            .map(|own| [own.repeated_share, own.missing_share]);
+        let kept = sampling.as_ref().map(|own| recording.select(&own.rows));
+        let (recording, time_s, longest) = match (&kept, &sampling) {
+            (Some(kept), Some(own)) => (kept, own.time_s.as_slice(), FILLED),
+            _ => (recording, time_s.as_slice(), 1.0 + BREAK),
+        };
         let mut pieces = Vec::new();
         let (mut deviation, mut count) = (0.0, 0);
-        for rows in stretches(recording, time_s, step_s) {
+        for rows in stretches(
+            recording,
+            time_s,
+            [(1.0 - BREAK) * step_s, longest * step_s],
+        ) {
             let (piece, square) = piece(recording, time_s, step_s, rows.clone());
             deviation += square * piece.length as f64;
             count += piece.length;
@@ -72,6 +90,7 @@ impl Samples {
         Ok(Self {
             step_s,
             pieces,
+            sampling: shares,
             lost_share: 1.0 - count as f64 / recording.len() as f64,
             jitter: (deviation / count as f64).sqrt(),
         })
@@ -94,7 +113,11 @@ fn usual_step(recording: &Recording, time_s: &[f64]) -> Option<f64> {
 }
 
 /// Rows that follow each other at the usual step, with every torque that the recording has anywhere.
-fn stretches(recording: &Recording, time_s: &[f64], step_s: f64) -> Vec<std::ops::Range<usize>> {
+fn stretches(
+    recording: &Recording,
+    time_s: &[f64],
+    [shortest_s, longest_s]: [f64; 2],
+) -> Vec<std::ops::Range<usize>> {
     let columns: Vec<&[f64]> = (recording.torque_nm.iter().flatten())
         .chain(recording.output.iter().flatten())
         .map(Vec::as_slice)
@@ -112,7 +135,7 @@ fn stretches(recording: &Recording, time_s: &[f64], step_s: f64) -> Vec<std::ops
         let goes_on = row < recording.len() && is_whole(row) && {
             let step = time_s[row] - time_s[row - 1];
             recording.run_at(row) == recording.run_at(row - 1)
-                && (step - step_s).abs() <= BREAK * step_s
+                && (shortest_s..=longest_s).contains(&step)
         };
         if goes_on {
             continue;
@@ -215,7 +238,7 @@ mod tests {
         stamps[100..].iter_mut().for_each(|t| *t += 0.05);
         let mut log = recording(stamps);
         log.torque_nm[0].as_mut().unwrap()[150] = f64::NAN;
-        let samples = Samples::new(&log).unwrap();
+        let samples = Samples::new(&log, true).unwrap();
         let found: Vec<_> = (samples.pieces.iter())
             .map(|piece| (piece.first_row, piece.length))
             .collect();
@@ -228,7 +251,7 @@ mod tests {
         let stamps: Vec<f64> = (0..400)
             .map(|k| 0.01 * (f64::from(k) + 0.3 * (1.7 * f64::from(k)).sin()))
             .collect();
-        let samples = Samples::new(&recording(stamps)).unwrap();
+        let samples = Samples::new(&recording(stamps), true).unwrap();
         let piece = &samples.pieces[0];
         assert!((samples.jitter - 0.21).abs() < 0.01, "{}", samples.jitter);
         for (k, value) in piece.motor[0].iter().enumerate() {

@@ -91,7 +91,7 @@ pub(crate) fn on_second(
     first: (&Problem, &Base, &Selection),
 ) -> Result<Vec<Unseen>, MotionError> {
     let (own, base, selection) = first;
-    let mut problem = Problem::new(arm.clone(), second, Some(own.states.pass.edge_hz))?;
+    let mut problem = Problem::new(arm.clone(), second, Some(own.states.pass.edge_hz), true)?;
     problem.allow_for_rest(&base.coulomb);
     let there = Base::new(&problem, Some(&base.turnover));
     if there.columns.len() != base.columns.len() || problem.channels != own.channels {

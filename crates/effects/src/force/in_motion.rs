@@ -13,8 +13,8 @@ const MOVING: Spec = Spec {
 /// A mass at the flange that the model lacks, by its weight and its inertia.
 pub const PAYLOAD: Spec = Spec {
     name: "payload",
-    meaning: "the arm carries a mass that its model lacks",
-    inspect: "what hangs at the flange",
+    meaning: super::payload::SPEC.meaning,
+    inspect: super::payload::SPEC.inspect,
     adds: "another mass, centre and inertia behind the flange",
     family: Family::Tool,
     parameters: &[

@@ -5,7 +5,7 @@ use crate::{catalogue, names};
 
 /// Effects with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
-const STABLE: [(&str, &[&str]); 57] = [
+const STABLE: [(&str, &[&str]); 71] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),
     ("capstan-creep", &["creep_per_nm"]),
     ("capstan-slip", &["slip_rad", "time_s"]),
@@ -72,6 +72,20 @@ const STABLE: [(&str, &[&str]); 57] = [
     ("unbalanced-gravity", &[]),
     ("payload", &[]),
     ("grip-force", &[]),
+    ("stribeck-friction", &[]),
+    ("load-friction", &[]),
+    ("friction-asymmetry", &[]),
+    ("friction-drift", &[]),
+    ("presliding", &[]),
+    ("torque-offset", &[]),
+    ("torque-saturation", &[]),
+    ("torque-latency", &[]),
+    ("contact", &[]),
+    ("gravity-spring", &[]),
+    ("armature", &[]),
+    ("link-inertia", &[]),
+    ("gravity-direction", &[]),
+    ("sampling", &[]),
 ];
 
 #[test]

@@ -12,8 +12,8 @@ pub(super) const EFFECT: Effect = Effect {
     candidates: Candidates::Given(|context| candidate(context).into_iter().collect()),
 };
 
-/// Time between the nodes of the force's course \[s\].
-const NODES_S: f64 = 0.05;
+/// Rows between the nodes of the force's course.
+const NODES: f64 = 2.0;
 /// Most nodes: a longer contact has them further apart.
 const MOST_NODES: usize = 60;
 /// A surface pushes in one direction: the mean force over the mean of its size, at least.
@@ -32,7 +32,7 @@ fn candidate(context: Context<'_>) -> Option<Candidate<'_>> {
         .collect();
     let row_s = states.pass.row_s();
     let total_s = share * outside.len() as f64 * row_s;
-    let apart_s = NODES_S.max(total_s / MOST_NODES as f64);
+    let apart_s = (NODES * row_s).max(total_s / MOST_NODES as f64);
     let mut nodes: Vec<f64> = Vec::new();
     for (row, _) in outside.iter().enumerate().filter(|(_, own)| **own) {
         for time in [

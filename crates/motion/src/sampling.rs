@@ -1,0 +1,176 @@
+//! Rows that a log repeats, and rows that it lacks though its stamps run on.
+
+use haptical_model::Recording;
+
+/// Fewest such rows, and their least share, that are a fault of the log.
+const LEAST: usize = 3;
+const LEAST_SHARE: f64 = 0.001;
+/// A step of all joints together that is this many times what its neighbours say is one with rows missing.
+const LONG: f64 = 1.6;
+/// A step whose stamps are within this share of a whole number of steps is judged.
+const EVEN: f64 = 0.1;
+/// Most rows that are missing at one place.
+const MOST_MISSING: f64 = 20.0;
+/// Joints move over this many of their smallest steps at least where a step is judged.
+const FINE: f64 = 20.0;
+
+/// Rows that stay, with the times that they have.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Sampling {
+    pub(crate) rows: Vec<usize>,
+    pub(crate) time_s: Vec<f64>,
+    /// Rows that repeat the one before them, and rows that are missing, as shares of all.
+    pub(crate) repeated_share: f64,
+    pub(crate) missing_share: f64,
+}
+
+impl Sampling {
+    /// What a recording has wrong; none where it has nothing.
+    pub(crate) fn of(recording: &Recording, time_s: &[f64], step_s: f64) -> Option<Self> {
+        let all = recording.len();
+        let is_next = |row: usize| recording.run_at(row) == recording.run_at(row - 1);
+        let values = |row: usize| {
+            let joints = recording.joint.iter();
+            joints
+                .chain(recording.torque_nm.iter().flatten())
+                .map(move |own| own[row])
+        };
+        let moves =
+            |row: usize, other: usize| recording.joint.iter().any(|own| own[row] != own[other]);
+        let is_repeated = |row: usize| {
+            row > 1
+                && row + 1 < all
+                && is_next(row)
+                && values(row)
+                    .zip(values(row - 1))
+                    .all(|(own, before)| own == before)
+                && moves(row + 1, row)
+                && moves(row - 1, row - 2)
+        };
+        let rows: Vec<usize> = (0..all).filter(|&row| !is_repeated(row)).collect();
+        let repeated = all - rows.len();
+        let mut stamps: Vec<f64> = rows.iter().map(|&row| time_s[row]).collect();
+        let mut missing = 0;
+        let smallest: Vec<f64> = recording
+            .joint
+            .iter()
+            .map(|own| smallest_step(own))
+            .collect();
+        let per_step = |k: usize, joint: usize| {
+            let own = &recording.joint[joint];
+            // a row that follows a repeated one took two steps
+            (own[rows[k]] - own[rows[k - 1]]) / ((stamps[k] - stamps[k - 1]) / step_s)
+        };
+        // stamps that jitter say themselves how long a step took
+        let is_even = |k: usize| {
+            let steps = (stamps[k] - stamps[k - 1]) / step_s;
+            (steps - steps.round().max(1.0)).abs() < EVEN
+        };
+        let mut shifts = vec![0.0; rows.len()];
+        for k in 3..rows.len().saturating_sub(3) {
+            let is_whole = (rows[k - 3]..rows[k + 2]).all(|row| is_next(row + 1));
+            if !is_whole || !(k - 2..=k + 2).all(is_even) {
+                continue;
+            }
+            let (mut product, mut square, mut size) = (0.0, 0.0, 0.0_f64);
+            for joint in 0..recording.joint.len() {
+                let near = [
+                    per_step(k - 2, joint),
+                    per_step(k - 1, joint),
+                    per_step(k + 1, joint),
+                    per_step(k + 2, joint),
+                ];
+                let usual = near.iter().sum::<f64>() / 4.0;
+                let scale = smallest[joint].max(1e-300);
+                product += per_step(k, joint) * usual / scale.powi(2);
+                square += usual * usual / scale.powi(2);
+                size = size.max(usual.abs() / scale);
+            }
+            let ratio = product / square.max(1e-300);
+            if size > FINE && (LONG..MOST_MISSING).contains(&ratio) {
+                let lost = ratio.round() - 1.0;
+                shifts[k] = lost * step_s;
+                missing += lost as usize;
+            }
+        }
+        let share = (repeated + missing) as f64 / all as f64;
+        if repeated + missing < LEAST || share < LEAST_SHARE {
+            return None;
+        }
+        let mut shift = 0.0;
+        for (stamp, own) in stamps.iter_mut().zip(&shifts) {
+            shift += own;
+            *stamp += shift;
+        }
+        Some(Self {
+            rows,
+            time_s: stamps,
+            repeated_share: repeated as f64 / all as f64,
+            missing_share: missing as f64 / all as f64,
+        })
+    }
+}
+
+/// Smallest change of a column between rows: a count, or the last digit that is written.
+fn smallest_step(column: &[f64]) -> f64 {
+    let steps = column.windows(2).map(|own| (own[1] - own[0]).abs());
+    steps.filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording(values: &[f64]) -> Recording {
+        Recording {
+            line: (2..).take(values.len()).collect(),
+            joint: vec![
+                values
+                    .iter()
+                    .map(|t| (t.sin() * 1e6).round() * 1e-6)
+                    .collect(),
+            ],
+            output: vec![None],
+            torque_nm: vec![Some(values.iter().map(|t| t.cos()).collect())],
+            time_s: Some((0..values.len()).map(|k| 0.01 * k as f64).collect()),
+            ..Recording::default()
+        }
+    }
+
+    fn sampling(values: &[f64]) -> Option<Sampling> {
+        let log = recording(values);
+        Sampling::of(&log, log.time_s.as_deref().unwrap(), 0.01)
+    }
+
+    #[test]
+    fn a_sound_log_has_nothing_wrong() {
+        let values: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+        assert_eq!(sampling(&values), None);
+    }
+
+    #[test]
+    fn missing_rows_are_found_where_they_are_and_time_is_set_right() {
+        let lost = [100, 300, 301, 620];
+        let values: Vec<f64> = (0..1000)
+            .filter(|k| !lost.contains(k))
+            .map(|k| 0.01 * f64::from(k))
+            .collect();
+        let found = sampling(&values).unwrap();
+        assert!(
+            (found.missing_share - 4.0 / 996.0).abs() < 1e-12,
+            "{found:?}"
+        );
+        for (time, value) in found.time_s.iter().zip(&values) {
+            assert!((time - value).abs() < 1e-9, "{time}, {value}");
+        }
+    }
+
+    #[test]
+    fn repeated_rows_are_left_out() {
+        let held = |k: u32| if k % 50 == 7 { k - 1 } else { k };
+        let values: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(held(k))).collect();
+        let found = sampling(&values).unwrap();
+        assert_eq!((found.repeated_share, found.missing_share), (0.02, 0.0));
+        assert!(!found.rows.contains(&57) && found.rows.contains(&56));
+    }
+}
