@@ -9,6 +9,12 @@ pub(super) const ENCODER_LATENCY: Effect = Effect {
     candidates: Candidates::Given(of_all),
 };
 
+/// Positions of one joint are late.
+pub(super) const OF_ONE_ENCODER: Effect = Effect {
+    name: ENCODER_LATENCY.name,
+    candidates: Candidates::Given(of_one_encoder),
+};
+
 /// The torque of one joint is late.
 pub(super) const TORQUE_LATENCY: Effect = Effect {
     name: "torque-latency",
@@ -28,11 +34,19 @@ fn of_all(context: Context<'_>) -> Vec<Candidate<'_>> {
 }
 
 fn of_one(context: Context<'_>) -> Vec<Candidate<'_>> {
+    one(context, TORQUE_LATENCY.name, -1.0)
+}
+
+/// Late positions of one joint are an early torque of it, but for what they do to the others.
+fn of_one_encoder(context: Context<'_>) -> Vec<Candidate<'_>> {
+    one(context, OF_ONE_ENCODER.name, 1.0)
+}
+
+fn one<'c>(context: Context<'c>, name: &'static str, sense: f64) -> Vec<Candidate<'c>> {
     context.at_joints(|joint| {
-        let late: Vec<f64> = (slope(&context.torque[joint], context.problem).iter())
-            .map(|own| -own)
-            .collect();
-        let found = context.of_signals(TORQUE_LATENCY.name, joint, &[late], first("delay_s"));
-        found.into_iter().collect()
+        let slope = slope(&context.torque[joint], context.problem);
+        let signal: Vec<f64> = slope.iter().map(|own| sense * own).collect();
+        let found = context.of_signals(name, joint, &[signal], first("delay_s"));
+        found.map(Candidate::if_positive).into_iter().collect()
     })
 }

@@ -108,12 +108,15 @@ pub(crate) const EFFECTS: &[Effect] = &[
     torque_saturation::EFFECT,
     joint_compliance::EFFECT,
     contact::EFFECT,
+    delay::OF_ONE_ENCODER,
     delay::TORQUE_LATENCY,
 ];
 
 /// Names of all effects.
 pub fn effect_names() -> Vec<&'static str> {
-    EFFECTS.iter().map(|own| own.name).collect()
+    let mut names: Vec<&str> = EFFECTS.iter().map(|own| own.name).collect();
+    names.dedup();
+    names
 }
 
 impl<'c> Context<'c> {
@@ -184,6 +187,11 @@ impl<'c> Candidate<'c> {
     pub(crate) fn of_kind(mut self, kind: usize) -> Self {
         self.kind = kind;
         self
+    }
+
+    /// Whether it is the one whose size is settled by shifting all torques.
+    pub(crate) fn is_delay_of_all(&self) -> bool {
+        self.effect == delay::ENCODER_LATENCY.name && self.joint.is_none()
     }
 
     /// Sound only with a first coefficient above zero.

@@ -32,8 +32,6 @@ const NEAR: f64 = 0.5;
 const DELAY_STEPS: f64 = 0.01;
 /// Longest delay that is tried \[s\].
 const LONGEST_S: f64 = 0.1;
-/// The effect whose size is settled by shifting the torques.
-const DELAY: &str = "encoder-latency";
 
 /// What was found.
 pub(crate) struct Selection {
@@ -107,7 +105,7 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         first = columns.end;
         let coefficients = state.fitted.effects()[columns.clone()].to_vec();
         let mut numbers = numbers(&state.fitted, columns, candidate, misfit);
-        if candidate.effect == DELAY {
+        if candidate.is_delay_of_all() {
             numbers
                 .iter_mut()
                 .for_each(|own| own.1 += state.early_s.unwrap_or(0.0));
@@ -199,7 +197,7 @@ fn with<'c>(frame: &Frame<'_>, state: &State<'c>, scored: Scored<'c>) -> Option<
     taken.push(scored.candidate);
     let columns = columns_of(&taken, None);
     let mut early_s = state.early_s;
-    if taken.iter().any(|own| own.effect == DELAY) {
+    if taken.iter().any(|own| own.is_delay_of_all()) {
         early_s = Some(delay(frame, &taken, &columns, early_s.unwrap_or(0.0)));
     }
     let fitted = frame.fitted(&columns, early_s);
@@ -207,7 +205,7 @@ fn with<'c>(frame: &Frame<'_>, state: &State<'c>, scored: Scored<'c>) -> Option<
     for own in &taken {
         let coefficients = &fitted.effects()[first..first + own.columns.len()];
         first += own.columns.len();
-        if own.effect != DELAY && !(own.is_sound)(coefficients) {
+        if !own.is_delay_of_all() && !(own.is_sound)(coefficients) {
             return None;
         }
         let last = fitted.base_columns + first - 1;
@@ -241,7 +239,7 @@ fn is_taken(taken: &[Candidate<'_>], candidate: &Candidate<'_>) -> bool {
 
 /// The delay that leaves least beside the base model and the other effects: Newton's steps, each from torques shifted by it.
 fn delay(frame: &Frame<'_>, taken: &[Candidate<'_>], columns: &[Rc<Column>], start_s: f64) -> f64 {
-    let before = taken.iter().take_while(|own| own.effect != DELAY);
+    let before = taken.iter().take_while(|own| !own.is_delay_of_all());
     let first: usize = before.map(|own| own.columns.len()).sum();
     let mut at = start_s;
     for _ in 0..8 {

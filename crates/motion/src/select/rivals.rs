@@ -1,7 +1,7 @@
 //! What would explain as much in the place of an effect that was taken.
 
 use super::scored::{Pool, penalty};
-use super::{DELAY, Frame, State, columns_of, is_taken, nearest};
+use super::{Frame, State, columns_of, is_taken, nearest};
 
 /// Another effect in the place of a pick.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,7 @@ pub(super) fn rivals<'c>(
     let mut taken = whole.taken.clone();
     let own = taken.remove(index);
     // a delay that was taken is in the recorded rows: rivals in its place have to do without
-    let early_s = whole.early_s.filter(|_| own.effect != DELAY);
+    let early_s = whole.early_s.filter(|_| !own.is_delay_of_all());
     let others = State {
         fitted: frame.fitted(&columns_of(&taken, None), early_s),
         taken,

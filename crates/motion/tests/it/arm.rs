@@ -1,0 +1,149 @@
+//! Two links in a vertical plane, by the closed form of a textbook: Spong, Hutchinson and Vidyasagar, Robot Modeling and Control
+//! (2006), example 7.2, with armatures. Nothing of it is the library's.
+
+use haptical_model::{Device, Recording};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// What the file says; the true arm has other numbers.
+const NOMINAL: &str = "\
+[device]
+name = \"two links\"
+dof = 2
+[gravity]
+vector_mps2 = [0.0, -9.81, 0.0]
+[[link]]
+a_m = 0.0
+alpha_rad = 0.0
+d_m = 0.0
+[[link]]
+a_m = 0.4
+alpha_rad = 0.0
+d_m = 0.0
+mass_kg = 3.0
+centre_of_mass_m = [0.2, 0.0, 0.0]
+inertia_kgm2 = [0.002, 0.05, 0.05, 0.0, 0.0, 0.0]
+[[link]]
+a_m = 0.3
+alpha_rad = 0.0
+d_m = 0.0
+mass_kg = 2.0
+centre_of_mass_m = [0.15, 0.0, 0.0]
+inertia_kgm2 = [0.001, 0.02, 0.02, 0.0, 0.0, 0.0]
+[[joint]]
+armature_kgm2 = 0.3
+[[joint]]
+armature_kgm2 = 0.1
+";
+
+/// What is added to the true arm, or to its log.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Truth {
+    /// At the flange \[kg\].
+    pub payload_kg: f64,
+    /// How late positions are logged \[s\].
+    pub late_s: f64,
+    /// What the second joint's torque is logged too large by.
+    pub gain: f64,
+    /// Amplitude of a torque of 30 periods a turn of the first joint \[N m\].
+    pub cogging_nm: f64,
+    /// Friction more at low speed, first joint \[N m\].
+    pub stribeck_nm: f64,
+    /// Friction more near an angle, first joint: in no catalogue \[N m\].
+    pub dent_nm: f64,
+    /// The torques are noise of this size and nothing else \[N m\].
+    pub unrelated_nm: f64,
+}
+
+pub fn device() -> Device {
+    Device::from_toml(NOMINAL, "two_links.toml").unwrap().device
+}
+
+/// 20 s at 200 Hz.
+pub fn recording(truth: Truth, seed: u64) -> Recording {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let rows = 4000;
+    let mut courses = [[(0.0, 0.0); 6]; 2];
+    for course in &mut courses {
+        for wave in course {
+            *wave = (
+                random.random_range(0.05..0.25),
+                random.random_range(0.0..6.28),
+            );
+        }
+    }
+    let factor: Vec<f64> = (0..4).map(|_| random.random_range(0.94..1.06)).collect();
+    let mut log = Recording {
+        line: (2..).take(rows).collect(),
+        time_s: Some((0..rows).map(|row| 0.005 * row as f64).collect()),
+        joint: vec![Vec::new(); 2],
+        output: vec![None; 2],
+        torque_nm: vec![Some(Vec::new()), Some(Vec::new())],
+        ..Recording::default()
+    };
+    for row in 0..rows {
+        let time = 0.005 * row as f64;
+        let logged = motion(&courses, time - truth.late_s);
+        let now = motion(&courses, time);
+        let torque = torque(&truth, &factor, now);
+        for joint in 0..2 {
+            let count = 2.0 * std::f64::consts::PI / 400_000.0;
+            log.joint[joint].push((logged[joint][0] / count).round() * count);
+            let noise: f64 = StandardNormal.sample(&mut random);
+            let own = match truth.unrelated_nm > 0.0 {
+                true => truth.unrelated_nm * (3.0 * time + joint as f64).sin() * (0.7 * time).cos(),
+                false => torque[joint] * (1.0 + truth.gain * joint as f64),
+            };
+            log.torque_nm[joint]
+                .as_mut()
+                .unwrap()
+                .push(own + 0.1 * noise);
+        }
+    }
+    log
+}
+
+/// Position, velocity and acceleration of both joints.
+fn motion(courses: &[[(f64, f64); 6]; 2], time: f64) -> [[f64; 3]; 2] {
+    courses.map(|course| {
+        let mut own = [0.0; 3];
+        for (k, (size, phase)) in course.iter().enumerate() {
+            let rate = 2.0 * std::f64::consts::PI * (0.1 + 0.15 * k as f64);
+            let (sine, cosine) = (rate * time + phase).sin_cos();
+            own[0] += size * sine;
+            own[1] += size * rate * cosine;
+            own[2] -= size * rate * rate * sine;
+        }
+        own
+    })
+}
+
+fn torque(truth: &Truth, factor: &[f64], [[q1, w1, a1], [q2, w2, a2]]: [[f64; 3]; 2]) -> [f64; 2] {
+    let (l1, l2, c1, c2) = (0.4, 0.3, 0.2, 0.15);
+    let (m1, m2, p) = (3.0 * factor[0], 2.0 * factor[1], truth.payload_kg);
+    let (i1, i2) = (0.05 * factor[0], 0.02 * factor[1]);
+    // second link and payload together about the second joint
+    let moment = m2 * c2 + p * l2;
+    let about = m2 * c2 * c2 + i2 + p * l2 * l2;
+    let (sine, cosine) = q2.sin_cos();
+    let d11 = m1 * c1 * c1 + i1 + (m2 + p) * l1 * l1 + about + 2.0 * l1 * moment * cosine;
+    let d12 = about + l1 * moment * cosine;
+    let h = -l1 * moment * sine;
+    let g = 9.81;
+    let g2 = moment * g * (q1 + q2).cos();
+    let g1 = (m1 * c1 + (m2 + p) * l1) * g * q1.cos() + g2;
+    let friction = |w: f64, coulomb: f64, viscous: f64| coulomb * (w / 0.006).tanh() + viscous * w;
+    let more = truth.stribeck_nm / (1.0 + (w1 / 0.15).powi(2))
+        + truth.dent_nm * (-0.5 * ((q1 - 0.1) / 0.05).powi(2)).exp();
+    [
+        d11 * a1
+            + d12 * a2
+            + h * (2.0 * w1 * w2 + w2 * w2)
+            + g1
+            + 0.3 * factor[2] * a1
+            + friction(w1, 1.5 + more, 0.8)
+            + truth.cogging_nm * (30.0 * q1 + 0.4).sin(),
+        d12 * a1 + about * a2 - h * w1 * w1 + g2 + 0.1 * factor[3] * a2 + friction(w2, 0.6, 0.3),
+    ]
+}

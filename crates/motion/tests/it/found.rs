@@ -1,0 +1,140 @@
+//! What is found on an arm of another hand's equations.
+
+use haptical_motion::{Examined, examine};
+
+use super::arm::{Truth, device, recording};
+
+fn examined(truth: Truth, seed: u64) -> Examined {
+    let second = recording(truth, seed + 1000);
+    // the second recording is another specimen: its masses differ too, so that what is unseen is only bounded
+    examine(&device(), &recording(truth, seed), Some(&second), &[]).unwrap()
+}
+
+/// The one effect that explains the gap, with the interval of a number of it.
+fn assert_found(truth: Truth, effect: &str, joint: Option<usize>, number: (&str, f64, f64)) {
+    for seed in [1, 2] {
+        let found = examined(truth, seed);
+        assert!(
+            found.has_gap() && found.is_adequate(),
+            "{effect}: {:?}",
+            found.findings
+        );
+        let first = &found.findings[0];
+        assert_eq!(
+            (first.effect, first.joint),
+            (effect, joint),
+            "seed {seed}: {:?}",
+            found.findings
+        );
+        let (name, wanted, tolerance) = number;
+        let (_, value, _) = first.numbers.iter().find(|own| own.0 == name).unwrap();
+        assert!(
+            (value - wanted).abs() < tolerance,
+            "{name}: {value}, {wanted}"
+        );
+    }
+}
+
+#[test]
+fn a_sound_arm_has_no_gap_though_its_masses_are_off() {
+    for seed in 1..=5 {
+        let found = examined(Truth::default(), seed);
+        assert!(
+            !found.has_gap(),
+            "seed {seed}: {:?}",
+            found
+                .channels
+                .iter()
+                .map(|own| own.rms_before / own.noise)
+                .collect::<Vec<_>>()
+        );
+        assert!(
+            found.findings.is_empty(),
+            "seed {seed}: {:?}",
+            found.findings
+        );
+    }
+}
+
+#[test]
+fn a_payload_is_named_with_its_mass() {
+    let truth = Truth {
+        payload_kg: 1.2,
+        ..Truth::default()
+    };
+    assert_found(truth, "payload", None, ("mass_kg", 1.2, 0.25));
+}
+
+#[test]
+fn a_delay_is_named_with_its_length() {
+    let truth = Truth {
+        late_s: 0.016,
+        ..Truth::default()
+    };
+    assert_found(truth, "encoder-latency", None, ("delay_s", 0.016, 0.001));
+}
+
+#[test]
+fn a_scale_of_a_torque_is_named_at_its_joint() {
+    let truth = Truth {
+        gain: 3.0,
+        ..Truth::default()
+    };
+    assert_found(truth, "torque-gain", Some(1), ("gain", 3.0, 0.15));
+}
+
+#[test]
+fn cogging_is_named_with_its_order() {
+    let truth = Truth {
+        cogging_nm: 0.5,
+        ..Truth::default()
+    };
+    assert_found(truth, "motor-cogging", Some(0), ("order", 30.0, 0.3));
+}
+
+#[test]
+fn friction_near_rest_is_named_by_another_law_than_it_was_made_with() {
+    let truth = Truth {
+        stribeck_nm: 2.0,
+        ..Truth::default()
+    };
+    assert_found(truth, "stribeck-friction", Some(0), ("torque_nm", 1.8, 0.6));
+}
+
+#[test]
+fn what_is_in_no_catalogue_has_no_name() {
+    for truth in [
+        Truth {
+            dent_nm: 2.0,
+            ..Truth::default()
+        },
+        Truth {
+            unrelated_nm: 20.0,
+            ..Truth::default()
+        },
+    ] {
+        for seed in [1, 2] {
+            let found = examined(truth, seed);
+            assert!(
+                found.has_gap() && !found.is_adequate(),
+                "{truth:?}: {:?}",
+                found.findings
+            );
+        }
+    }
+}
+
+#[test]
+fn an_effect_that_is_left_out_is_not_named_and_leaves_a_gap() {
+    let truth = Truth {
+        late_s: 0.016,
+        ..Truth::default()
+    };
+    let without = ["encoder-latency".to_owned()];
+    let found = examine(&device(), &recording(truth, 1), None, &without).unwrap();
+    assert!(
+        found.has_gap() && !found.is_adequate(),
+        "{:?}",
+        found.findings
+    );
+}

@@ -1,0 +1,4 @@
+//! The library as a stranger uses it.
+
+mod arm;
+mod found;
