@@ -15,15 +15,6 @@ pub(crate) const PARAMETERS: usize = 10;
 pub(crate) struct Deviation {
     pub(crate) body: usize,
     pub(crate) parameters: [f64; PARAMETERS],
-    pub(crate) what: Deviates,
-}
-
-/// What deviates of a body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Deviates {
-    Mass,
-    Centre(usize),
-    Inertia(usize, usize),
 }
 
 /// A device in motion.
@@ -92,17 +83,8 @@ impl Arm {
                 plausible::INERTIA,
                 plausible::ASSUMED_INERTIA,
             );
-            let mut add = |what, parameters| {
-                found.push(Deviation {
-                    body,
-                    parameters,
-                    what,
-                });
-            };
-            add(
-                Deviates::Mass,
-                own.inertia.parameters().map(|value| share * value),
-            );
+            let mut add = |parameters| found.push(Deviation { body, parameters });
+            add(own.inertia.parameters().map(|value| share * value));
             for axis in 0..3 {
                 let mut shift = Vector3::zeros();
                 shift[axis] = reach_m;
@@ -110,10 +92,7 @@ impl Arm {
                     |centre_m| Inertia::about_centre(mass_kg, &centre_m, &inertia).parameters();
                 let (ahead, behind) = (at(centre_m + shift), at(centre_m - shift));
                 // the parameters are quadratic in the centre: the central difference is the derivative
-                add(
-                    Deviates::Centre(axis),
-                    std::array::from_fn(|k| 0.5 * (ahead[k] - behind[k])),
-                );
+                add(std::array::from_fn(|k| 0.5 * (ahead[k] - behind[k])));
             }
             for (row, column) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
                 let mut change = Matrix3::zeros();
@@ -124,7 +103,7 @@ impl Arm {
                 change[(row, column)] = size;
                 change[(column, row)] = size;
                 let own = Inertia::about_centre(0.0, &Vector3::zeros(), &change);
-                add(Deviates::Inertia(row, column), own.parameters());
+                add(own.parameters());
             }
         }
         found

@@ -27,15 +27,15 @@ pub(crate) enum Term {
     /// Coulomb friction of a joint.
     Coulomb { joint: usize },
     /// How its Coulomb friction builds up over a short travel after a reversal.
-    Bristle { joint: usize },
+    Bristle,
     /// How its Coulomb friction changes with the logarithm of the speed within which it turns over.
-    Turnover { joint: usize },
+    Turnover,
     /// Armature of a joint; beyond the stated one, if one is stated.
     Armature { joint: usize },
     /// A body's deviation.
-    Body(Deviation),
+    Body,
     /// Offset of a joint's torque.
-    Offset { joint: usize },
+    Offset,
     /// Delay: how long the torques are logged before their positions.
     Delay,
 }
@@ -153,10 +153,8 @@ pub(crate) fn sign(dq: &[f64], turnover: f64) -> Vec<f64> {
 
 fn system_of(columns: &[BaseColumn]) -> System {
     let known: Vec<Option<f64>> = columns.iter().map(|own| own.known_sd).collect();
-    System::new(
-        columns.iter().map(|own| Rc::clone(&own.column)).collect(),
-        &known,
-    )
+    let columns: Vec<Rc<Column>> = columns.iter().map(|own| Rc::clone(&own.column)).collect();
+    System::new(&columns, &known)
 }
 
 fn viscous(problem: &Problem) -> Vec<BaseColumn> {
@@ -190,7 +188,7 @@ fn bodies(problem: &Problem) -> Vec<BaseColumn> {
     let column = |deviation: Deviation| BaseColumn {
         column: Rc::new(problem.of_body(deviation.body, &deviation.parameters)),
         known_sd: Some(1.0),
-        term: Term::Body(deviation),
+        term: Term::Body,
     };
     deviations.map(column).collect()
 }
@@ -200,7 +198,7 @@ fn offsets(problem: &Problem) -> Vec<BaseColumn> {
     let joints = problem.channels.iter().copied().enumerate();
     let column = |(channel, joint): (usize, usize)| {
         Some(BaseColumn {
-            term: Term::Offset { joint },
+            term: Term::Offset,
             known_sd: Some(
                 0.5 * plausible::OFFSET_NOISES
                     * problem.reading_sd[channel].max(problem.row_sd[channel]),
@@ -250,9 +248,9 @@ fn coulomb(problem: &Problem, joint: usize, turnover: f64) -> Vec<BaseColumn> {
         BRISTLE_S * fastest,
     );
     let signals = [
-        (Term::Bristle { joint }, bristle),
+        (Term::Bristle, bristle),
         (Term::Coulomb { joint }, direction),
-        (Term::Turnover { joint }, slope.collect()),
+        (Term::Turnover, slope.collect()),
     ];
     let column = |(term, signal): (Term, Vec<f64>)| {
         Some(BaseColumn {

@@ -99,11 +99,9 @@ pub struct NearRival {
 impl Examined {
     /// Whether a channel shows more than noise.
     pub fn has_gap(&self) -> bool {
-        self.channels.iter().any(|own| own.has_gap())
+        self.channels.iter().any(ChannelFit::has_gap)
     }
 
-    /// The fault of a log that repeats rows or lacks some.
-    const SAMPLING: &str = "sampling";
     /// Share of what the base model leaves beyond noise that the effects leave.
     pub fn unexplained_share(&self) -> f64 {
         (self.after_nats.max(0.0) / self.before_nats.max(1.0)).clamp(0.0, 1.0)

@@ -55,13 +55,13 @@ pub(crate) struct Gain {
 
 impl System {
     /// A system of columns; `known_sd`: of each coefficient, where something is known.
-    pub(crate) fn new(columns: Vec<Rc<Column>>, known_sd: &[Option<f64>]) -> Self {
+    pub(crate) fn new(columns: &[Rc<Column>], known_sd: &[Option<f64>]) -> Self {
         let empty = Self {
             columns: Vec::new(),
             known: Vec::new(),
             products: DMatrix::zeros(0, 0),
         };
-        empty.with(&columns, known_sd)
+        empty.with(columns, known_sd)
     }
 
     /// The same with further columns.
@@ -237,7 +237,7 @@ impl Solved {
                 }
             }
             let left = whole - dot(&along[i], &along[i]) - dot(&factor[i][..i], &factor[i][..i]);
-            if !(left > DEPENDENT * whole) {
+            if left.is_nan() || left <= DEPENDENT * whole {
                 continue;
             }
             factor[i][i] = left.sqrt();
@@ -299,7 +299,7 @@ mod tests {
             values: vec![1.0, 2.0, 3.0],
         });
         let columns = [all(&[1.0; 4]), all(&[3.0; 4]), slope];
-        let system = System::new(columns.to_vec(), &[None; 3]);
+        let system = System::new(&columns, &[None; 3]);
         // a line through 1, 2, 3, 5: 0.8 + 1.3 t, of 8.75 squares about the mean 0.3 are left
         let solved = system.solve(&[1.0, 2.0, 3.0, 5.0], &[]);
         for (found, wanted) in solved.solution.iter().zip([0.8, 0.0, 1.3]) {
@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn a_gain_is_what_a_fit_takes_off() {
         let one = all(&[1.0; 4]);
-        let system = System::new(vec![one], &[None]);
+        let system = System::new(&[one], &[None]);
         let solved = system.solve(&[1.0, 2.0, 3.0, 5.0], &[]);
         let columns = [all(&[0.0, 1.0, 2.0, 3.0]), all(&[3.0, 2.0, 1.0, 0.0])];
         let found = solved.gain(&columns, &system.across(&columns));
@@ -328,7 +328,7 @@ mod tests {
     #[test]
     fn what_is_known_pulls_and_what_is_fixed_stays() {
         let (one, two) = (all(&[1.0, 1.0]), all(&[1.0, -1.0]));
-        let system = System::new(vec![one, two], &[Some(0.5), None]);
+        let system = System::new(&[one, two], &[Some(0.5), None]);
         // (2 + 4) b = 6
         let solved = system.solve(&[4.0, 2.0], &[]);
         assert!(

@@ -69,7 +69,7 @@ fn rest_of(
         .iter()
         .map(|column| Rc::new(column.masked(|k| inside[k % rows])));
     let known: Vec<Option<f64>> = base.columns.iter().map(|own| own.known_sd).collect();
-    let solved = System::new(masked.collect(), &known).solve(recorded, &[]);
+    let solved = System::new(&masked.collect::<Vec<_>>(), &known).solve(recorded, &[]);
     let mut rest = recorded.to_vec();
     for (column, value) in columns.iter().zip(&solved.solution) {
         column.add_to(&mut rest, -value);

@@ -64,7 +64,7 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
                 .iter()
                 .map(|own| Rc::new(own.masked(|k| !is_held(k % rows))))
                 .collect();
-            let solved = System::new(kept, &known).solve(&recorded, &fitted.fixed);
+            let solved = System::new(&kept, &known).solve(&recorded, &fitted.fixed);
             let mut left = recorded.clone();
             for (column, value) in all.iter().zip(&solved.solution) {
                 column.add_to(&mut left, -value);

@@ -52,18 +52,20 @@ pub(crate) struct Candidate<'c> {
     pub(crate) finer: Finer<'c>,
 }
 
+/// A candidate from a number, or from coefficients.
+pub(crate) type Made<'c, A> = Rc<dyn Fn(A) -> Option<Candidate<'c>> + 'c>;
+/// A candidate that is linear about coefficients.
+pub(crate) type MadeAbout<'c> = Rc<dyn Fn(&[f64]) -> Option<Candidate<'c>> + 'c>;
+
 /// How a candidate is made nearer to what the rows show.
 #[derive(Clone)]
 pub(crate) enum Finer<'c> {
     /// There is nothing to settle.
     Settled,
     /// The same effect with another first number of its shape, from 1 / `ratio` to `ratio` times its own.
-    Shape {
-        ratio: f64,
-        at: Rc<dyn Fn(f64) -> Option<Candidate<'c>> + 'c>,
-    },
+    Shape { ratio: f64, at: Made<'c, f64> },
     /// The same effect linear about its coefficients.
-    About(Rc<dyn Fn(&[f64]) -> Option<Candidate<'c>> + 'c>),
+    About(MadeAbout<'c>),
 }
 
 /// What effects are worked out of.
@@ -205,7 +207,7 @@ impl<'c> Candidate<'c> {
         mut self,
         shape: (&'static str, f64),
         ratio: f64,
-        at: Rc<dyn Fn(f64) -> Option<Candidate<'c>> + 'c>,
+        at: Made<'c, f64>,
     ) -> Self {
         self.shape = vec![shape];
         self.finer = Finer::Shape { ratio, at };

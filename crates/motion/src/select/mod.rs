@@ -197,7 +197,7 @@ fn with<'c>(frame: &Frame<'_>, state: &State<'c>, scored: Scored<'c>) -> Option<
     taken.push(scored.candidate);
     let columns = columns_of(&taken, None);
     let mut early_s = state.early_s;
-    if taken.iter().any(|own| own.is_delay_of_all()) {
+    if taken.iter().any(Candidate::is_delay_of_all) {
         early_s = Some(delay(frame, &taken, &columns, early_s.unwrap_or(0.0)));
     }
     let fitted = frame.fitted(&columns, early_s);

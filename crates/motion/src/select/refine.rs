@@ -2,7 +2,7 @@
 
 use super::scored::{Scored, score};
 use super::{Fitted, Frame};
-use crate::effect::Finer;
+use crate::effect::{Candidate, Finer, MadeAbout};
 
 /// Steps of a search for a number of a shape, each 0.62 of the one before.
 const STEPS: usize = 8;
@@ -65,10 +65,7 @@ pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>)
 }
 
 /// The candidate that is linear about where another one was found, by that one's own way of making it.
-fn about_of<'c>(
-    found: &Scored<'c>,
-    first: &std::rc::Rc<dyn Fn(&[f64]) -> Option<crate::effect::Candidate<'c>> + 'c>,
-) -> Option<crate::effect::Candidate<'c>> {
+fn about_of<'c>(found: &Scored<'c>, first: &MadeAbout<'c>) -> Option<Candidate<'c>> {
     match &found.candidate.finer {
         Finer::About(own) => own(&found.coefficients),
         _ => first(&found.coefficients),

@@ -39,29 +39,29 @@ armature_kgm2 = 0.1
 
 /// What is added to the true arm, or to its log.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Truth {
+pub(crate) struct Truth {
     /// At the flange \[kg\].
-    pub payload_kg: f64,
+    pub(crate) payload_kg: f64,
     /// How late positions are logged \[s\].
-    pub late_s: f64,
+    pub(crate) late_s: f64,
     /// What the second joint's torque is logged too large by.
-    pub gain: f64,
+    pub(crate) gain: f64,
     /// Amplitude of a torque of 30 periods a turn of the first joint \[N m\].
-    pub cogging_nm: f64,
+    pub(crate) cogging_nm: f64,
     /// Friction more at low speed, first joint \[N m\].
-    pub stribeck_nm: f64,
+    pub(crate) stribeck_nm: f64,
     /// Friction more near an angle, first joint: in no catalogue \[N m\].
-    pub dent_nm: f64,
+    pub(crate) dent_nm: f64,
     /// The torques are noise of this size and nothing else \[N m\].
-    pub unrelated_nm: f64,
+    pub(crate) unrelated_nm: f64,
 }
 
-pub fn device() -> Device {
+pub(crate) fn device() -> Device {
     Device::from_toml(NOMINAL, "two_links.toml").unwrap().device
 }
 
 /// 20 s at 200 Hz.
-pub fn recording(truth: Truth, seed: u64) -> Recording {
+pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let rows = 4000;
     let mut courses = [[(0.0, 0.0); 6]; 2];
@@ -69,7 +69,7 @@ pub fn recording(truth: Truth, seed: u64) -> Recording {
         for wave in course {
             *wave = (
                 random.random_range(0.05..0.25),
-                random.random_range(0.0..6.28),
+                random.random_range(0.0..std::f64::consts::TAU),
             );
         }
     }

@@ -1,4 +1,8 @@
-//! The library as a stranger uses it.
+//! Integration tests of `haptical-motion`, in one binary.
+#![allow(
+    clippy::unwrap_used,
+    reason = "clippy.toml allows it in test functions; helpers of tests are meant too"
+)]
 
 mod arm;
 mod found;
