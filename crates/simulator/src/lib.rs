@@ -77,7 +77,7 @@ pub use effect::error::EffectError;
 pub use effect::names::{simulated_effects, simulated_keys};
 pub use effect::{Driver, Effect, Effects};
 pub use error::{Part, SimulatorError};
-pub use forward::controller::{Command, Controller, ControllerState};
+pub use forward::controller::{Command, Controller, ControllerFile, ControllerState};
 pub use forward::step::{ForwardState, ForwardWork};
 pub use forward::{ForwardModel, LONGEST_STEP_S};
 pub use motion::hand_path::{JointMotion, Motion};

@@ -5,10 +5,6 @@ use haptical_model::{Device, DeviceEffect, JointType};
 
 /// Shortest travel and slowest rate over which friction changes sides \[m\], \[rad\], per second.
 const SHORTEST: f64 = 1e-9;
-/// Rate over which Coulomb's friction changes sides where an effect names neither a rate nor a travel \[rad/s\], \[m/s\]:
-/// assumption A156.
-const TRANSITION_PER_S: [f64; 2] = [0.01, 0.001];
-
 /// Over what Coulomb's friction changes sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Side {
@@ -71,11 +67,9 @@ impl JointForces {
                 let rate = number(["transition_rad_per_s", "transition_m_per_s"]);
                 let travel = number(["transition_rad", "transition_m"]);
                 let side = match (rate, travel) {
+                    (Some(rate), _) => Side::Rate(rate.max(SHORTEST)),
                     (None, Some(travel)) => Side::Travel(travel.max(SHORTEST)),
-                    (rate, _) => {
-                        let usual = TRANSITION_PER_S[usize::from(slides)];
-                        Side::Rate(rate.unwrap_or(usual).max(SHORTEST))
-                    }
+                    (None, None) => return false,
                 };
                 self.friction.push(Friction {
                     coulomb: number(["coulomb_nm", "coulomb_n"]).unwrap_or(0.0),

@@ -34,7 +34,7 @@ const CHANGE: f64 = 2.0;
 ///     [[link]]\na_m = 0.5\nalpha_rad = 0.0\nd_m = 0.0\nmass_kg = 2.0\ncentre_of_mass_m = [0.5, 0.0, 0.0]\n\
 ///     inertia_kgm2 = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n[[joint]]\n[gravity]\nvector_mps2 = [0.0, -9.81, 0.0]\n";
 /// let pendulum = Device::from_toml(text, "pendulum.toml")?.device;
-/// let model = ForwardModel::of_device(&pendulum, 0)?;
+/// let model = ForwardModel::of_device(&pendulum, (0, 1))?;
 /// let (mut work, mut state) = (model.work(), model.start(&[-1.5], &[0.0]));
 /// let zero = [0.0];
 /// // swings to the other side of -pi/2 within half a period of 2 pi sqrt(0.5 / 9.81) s
@@ -53,11 +53,12 @@ pub struct ForwardModel {
 }
 
 impl ForwardModel {
-    /// The model of a device in a run of a recording (the number of runs before it): a payload may be there from a run on.
+    /// The model of a device in a run of a recording, from 0, of so many runs. A payload may be there from a run on; where a
+    /// recording has fewer runs it is there in all of them (assumption A155).
     ///
     /// # Errors
     /// As [`RigidBodies::of_device`], which refuses a device without masses, inertias or gravity.
-    pub fn of_device(device: &Device, run: usize) -> Result<Self, ModelError> {
+    pub fn of_device(device: &Device, (run, runs): (usize, usize)) -> Result<Self, ModelError> {
         let mut bodies = RigidBodies::of_device(device)?;
         let mut joints = vec![JointForces::default(); device.joints.len()];
         let mut worth = vec![1.0; device.joints.len()];
@@ -69,7 +70,7 @@ impl ForwardModel {
                 ("payload", _) => match (number("mass_kg"), number("on_link")) {
                     (Some(mass_kg), None) => {
                         let from = number("from_run").unwrap_or(1.0);
-                        if run as f64 + 1.0 >= from {
+                        if run as f64 + 1.0 >= from || from > runs as f64 {
                             bodies = with_payload(&bodies, mass_kg)?;
                         }
                         true

@@ -13,7 +13,9 @@ fn pendulum(effects: &str) -> Device {
          [[joint]]\nhome_rad = {home}\n[gravity]\nvector_mps2 = [0.0, -9.81, 0.0]\n{effects}",
         home = -FRAC_PI_2
     );
-    Device::from_toml(&text, "pendulum.toml").unwrap().device
+    Device::from_toml(&text, "pendulum.toml")
+        .expect("a number")
+        .device
 }
 
 /// K(k) by the arithmetic-geometric mean: the period of a pendulum from rest at an amplitude is 4 K(sin(a/2)) / omega.
@@ -28,13 +30,13 @@ fn period_s(amplitude: f64) -> f64 {
 
 #[test]
 fn a_pendulum_comes_back_after_its_period() {
-    let model = ForwardModel::of_device(&pendulum(""), 0).unwrap();
+    let model = ForwardModel::of_device(&pendulum(""), (0, 1)).expect("a number");
     let mut work = model.work();
     for amplitude in [0.2, 1.5, 2.8] {
         let mut state = model.start(&[amplitude], &[0.0]);
         model
             .run(&mut state, &mut work, period_s(amplitude), [&[0.0], &[0.0]])
-            .unwrap();
+            .expect("a number");
         assert!((state.theta[0] - amplitude).abs() < 1e-5, "{amplitude}");
         assert!(
             state.dtheta[0].abs() < 2e-4,
@@ -54,25 +56,30 @@ fn double(effects: &str) -> Device {
          inertia_kgm2 = [0.002, 0.015, 0.016, 0.0, 0.0002, 0.0]\n\
          [[joint]]\narmature_kgm2 = 0.02\n[[joint]]\n[gravity]\nvector_mps2 = [0.0, -9.81, -1.0]\n{effects}"
     );
-    Device::from_toml(&text, "double.toml").unwrap().device
+    Device::from_toml(&text, "double.toml")
+        .expect("a number")
+        .device
 }
 
 fn energy_j(bodies: &RigidBodies, theta: &[f64], dtheta: &[f64]) -> f64 {
     use haptical_simulator::model::dynamics::Scratch;
-    let tree = bodies.tree().unwrap();
+    let tree = bodies.tree().expect("a number");
     let mut scratch = [Scratch::default(); 2];
-    tree.kinetic_energy_j(theta, dtheta, &mut scratch).unwrap()
-        + tree.potential_energy_j(theta, &mut scratch).unwrap()
+    tree.kinetic_energy_j(theta, dtheta, &mut scratch)
+        .expect("a number")
+        + tree
+            .potential_energy_j(theta, &mut scratch)
+            .expect("a number")
 }
 
 #[test]
 fn what_swings_freely_keeps_its_energy() {
-    let model = ForwardModel::of_device(&double(""), 0).unwrap();
+    let model = ForwardModel::of_device(&double(""), (0, 1)).expect("a number");
     let (mut work, mut state) = (model.work(), model.start(&[0.4, 0.9], &[1.0, -2.0]));
     let before = energy_j(model.bodies(), &state.theta, &state.dtheta);
     model
         .run(&mut state, &mut work, 5.0, [&[0.0; 2], &[0.0; 2]])
-        .unwrap();
+        .expect("a number");
     let after = energy_j(model.bodies(), &state.theta, &state.dtheta);
     // of some 10 J that go to and fro
     assert!((after - before).abs() < 1e-3, "{before} {after}");
@@ -80,14 +87,14 @@ fn what_swings_freely_keeps_its_energy() {
 
 /// Errors of three steps, each half of the one before: of the second order they go down to a quarter.
 fn errors(device: &Device, longest_s: f64, seconds: f64) -> [f64; 3] {
-    let model = ForwardModel::of_device(device, 0).unwrap();
+    let model = ForwardModel::of_device(device, (0, 1)).expect("a number");
     let mut work = model.work();
     let mut end = |longest_s: f64| {
         let mut state = model.start(&[0.4, 0.9], &[1.0, -2.0]);
         let torques: [&[f64]; 2] = [&[0.0, 1.0], &[3.0, -1.0]];
         model
             .run_by(&mut state, &mut work, (seconds, longest_s), torques)
-            .unwrap();
+            .expect("a number");
         state.theta[1]
     };
     let exact = end(longest_s / 64.0);
@@ -124,14 +131,14 @@ fn friction_stops_a_joint_and_holds_it() {
         let own = format!(
             "[[effect]]\nname = \"joint-friction\"\njoint = 1\ncoulomb_nm = 2.0\ntransition_rad_per_s = {transition}\n"
         );
-        let model = ForwardModel::of_device(&text(&own), 0).unwrap();
+        let model = ForwardModel::of_device(&text(&own), (0, 1)).expect("a number");
         let mut work = model.work();
         let mut state = model.start(&[0.0], &[1.0]);
         let mut run = |state: &mut ForwardState, seconds: f64, torque: f64| {
             let torque = [torque];
             model
                 .run(state, &mut work, seconds, [&torque, &torque])
-                .unwrap();
+                .expect("a number");
         };
         run(&mut state, 0.2, 0.0);
         assert!((state.dtheta[0] - (1.0 - friction / inertia * 0.2)).abs() < 1e-9);
@@ -161,11 +168,11 @@ fn friction_over_a_travel_is_a_spring_at_first() {
         viscous_nm_s_per_rad = 5.0\n";
     let mut device = pendulum(own);
     device.gravity_mps2 = Some([0.0; 3]);
-    let model = ForwardModel::of_device(&device, 0).unwrap();
+    let model = ForwardModel::of_device(&device, (0, 2)).expect("a number");
     let (mut work, mut state) = (model.work(), model.start(&[0.0], &[0.0]));
     model
         .run(&mut state, &mut work, 3.0, [&[0.0], &[1.0]])
-        .unwrap();
+        .expect("a number");
     // where 2 (1 - exp(-x / 0.01)) is 1, but for what viscous friction takes
     let expected = 0.01 * 2.0_f64.ln();
     assert!(
@@ -181,18 +188,21 @@ fn a_payload_and_a_gain_are_taken_and_others_are_named() {
         [[effect]]\nname = \"torque-gain\"\njoint = 1\ngain = 0.1\n\
         [[effect]]\nname = \"backlash\"\njoint = 1\nwidth_rad = 0.001\n";
     let device = pendulum(own);
-    let before = ForwardModel::of_device(&device, 0).unwrap();
-    let after = ForwardModel::of_device(&device, 1).unwrap();
+    let before = ForwardModel::of_device(&device, (0, 2)).expect("a number");
+    let after = ForwardModel::of_device(&device, (1, 2)).expect("a number");
     let inertia = |model: &ForwardModel| {
         let (mut work, mut mass) = (model.bodies().work(), [0.0]);
         model
             .bodies()
             .mass_matrix(&[0.0], &mut work, &mut mass)
-            .unwrap();
+            .expect("a number");
         mass[0]
     };
     assert!((inertia(&before) - 0.5).abs() < 1e-12);
     assert!((inertia(&after) - 0.75).abs() < 1e-12);
+    // a log of one run was recorded later
+    let later = ForwardModel::of_device(&device, (0, 1)).expect("a model");
+    assert!((inertia(&later) - 0.75).abs() < 1e-12);
     assert!((before.worth(0) - 0.9).abs() < 1e-15);
     assert_eq!(before.left_out().len(), 1, "{:?}", before.left_out());
     assert!(before.left_out()[0].contains("backlash"));
