@@ -7,7 +7,7 @@ pub(crate) mod step;
 use haptical_model::cholesky::{factor, solve};
 use haptical_model::dynamics::Inertia;
 use haptical_model::dynamics::nalgebra::Matrix3;
-use haptical_model::{Device, ModelError, RigidBodies};
+use haptical_model::{Device, DeviceEffect, ModelError, RigidBodies};
 
 use self::joint::JointForces;
 use self::step::{ForwardState, ForwardWork};
@@ -67,8 +67,9 @@ impl ForwardModel {
             let joint = effect.joint.filter(|joint| *joint < joints.len());
             let number = |key: &str| effect.numbers.get(key).copied();
             let is_taken = match (effect.name.as_str(), joint) {
-                ("payload", _) => match (number("mass_kg"), number("on_link")) {
-                    (Some(mass_kg), None) => {
+                ("payload", _) => match number("mass_kg") {
+                    // at a place of its own, or on a link, it is another payload
+                    Some(mass_kg) if is_at_handle(effect) => {
                         let from = number("from_run").unwrap_or(1.0);
                         if run as f64 + 1.0 >= from || from > runs as f64 {
                             bodies = with_payload(&bodies, mass_kg)?;
@@ -191,6 +192,12 @@ impl ForwardModel {
         work.ends = ends;
         result
     }
+}
+
+/// Whether a payload is a mass at the handle and nothing else.
+fn is_at_handle(effect: &DeviceEffect) -> bool {
+    let mut keys = effect.numbers.keys();
+    keys.all(|key| ["mass_kg", "from_run"].contains(&key.as_str()))
 }
 
 /// The same with a point mass at the handle.

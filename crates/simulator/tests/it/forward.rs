@@ -204,6 +204,12 @@ fn a_payload_and_a_gain_are_taken_and_others_are_named() {
     let later = ForwardModel::of_device(&device, (0, 1)).expect("a model");
     assert!((inertia(&later) - 0.75).abs() < 1e-12);
     assert!((before.worth(0) - 0.9).abs() < 1e-15);
+    // a payload of another place is no point mass at the handle
+    let mut other = device.clone();
+    let moment = ("moment_x_kg_m".to_owned(), 0.2);
+    other.effects[0].numbers.extend([moment]);
+    let other = ForwardModel::of_device(&other, (1, 2)).expect("a model");
+    assert!((inertia(&other) - 0.5).abs() < 1e-12 && other.left_out().len() == 2);
     assert_eq!(before.left_out().len(), 1, "{:?}", before.left_out());
     assert!(before.left_out()[0].contains("backlash"));
 }
