@@ -1,5 +1,6 @@
 //! `haptical simulate`: a log of a device that a hand moves, written row by row, or of single postures.
 
+mod forward;
 mod made;
 mod poses;
 mod replay;
@@ -63,6 +64,21 @@ pub(crate) struct SimulateArguments {
     /// channels go to --out, and OUT.residuals.csv has them beside the measured ones
     #[arg(long, value_name = "FILE", conflicts_with_all = ["truth", "deviate", "effects", "seconds", "rate_hz", "seed"])]
     replay: Option<PathBuf>,
+    /// Move the device by the torques of --log, or by a --controller that follows its commands, and say joint by joint how
+    /// far that drifts from the log within 0.1, 0.5, 1 and 5 s and over each run, begun again from the log's state; --out is a CSV
+    /// with the log and the predictions of 1 s, OUT.html a page
+    #[arg(long, requires = "log", conflicts_with_all = ["truth", "deviate", "effects", "poses", "replay", "seconds", "rate_hz", "seed"])]
+    forward: bool,
+    /// Log of --forward: t_s, theta1_rad, ... and torque1_nm, ... or command1_rad, ...
+    #[arg(long, value_name = "FILE", requires = "forward")]
+    log: Option<PathBuf>,
+    /// A second device of --forward, such as a corrected one: the table has both
+    #[arg(long, value_name = "FILE", requires = "forward")]
+    with: Option<PathBuf>,
+    /// Controller (TOML) that moves the devices of --forward: kp_nm_per_rad, kd_nm_s_per_rad (lists), gravity_compensation
+    /// (of --device), rate_hz, velocity_lowpass_hz
+    #[arg(long, value_name = "FILE", requires = "forward")]
+    controller: Option<PathBuf>,
     /// Length of the recording in s
     #[arg(long, value_name = "SECONDS", default_value_t = 100.0, value_parser = above_zero, allow_negative_numbers = true)]
     seconds: f64,
@@ -112,6 +128,8 @@ Example:
   haptical simulate --device corrected.toml --out log.csv.gz
   haptical simulate --device corrected.toml --replay log.csv.gz --out predicted.csv.gz
 
+  haptical simulate --forward --device nominal.toml --with corrected.toml --log log.csv.gz --out forward.csv
+
 Effects of the device file (`[[effect]]`) are part of the device, every law of `haptical diagnose --list`; an arm
 with a [tracker] gets its positions and orientations. With --poses OUT.truth.toml is the true device with the
 places of all that it touched, and of the tracker. --effects adds effects by laws of the simulator's own to a hand's
@@ -128,6 +146,9 @@ Names of effects: {}",
 
 /// Runs the command.
 pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
+    if let Some(log) = arguments.log.as_ref().filter(|_| arguments.forward) {
+        return forward::run(arguments, log);
+    }
     if let Some(log) = &arguments.replay {
         return replay::run(arguments, log);
     }

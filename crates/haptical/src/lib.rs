@@ -7,6 +7,7 @@ mod device;
 mod diagnose;
 mod error;
 pub mod files;
+mod forward;
 mod identify;
 mod log;
 mod page;
@@ -39,6 +40,9 @@ pub use diagnose::{
     Cause, Diagnose, Diagnosed, Repair, RepairChange, RepairCheck, diagnose, diagnose_as,
 };
 pub use error::{Error, ErrorKind, Place};
+pub use forward::{
+    Drift, Drive, Forward, ForwardDevice, HORIZONS_S, JointDrift, KEPT_HORIZON_S, forward,
+};
 pub use identify::{
     EffectEntry, EffectNumber, Found, IdentifiabilityEntry, Identified, Identify, LossEntry,
     NoiseEntry, NotIdentified, ParameterEntry, RankEntry, RejectedEntry, TransmissionEntry,

@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+pub mod cholesky;
 mod device;
 mod error;
 mod evaluation;

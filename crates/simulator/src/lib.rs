@@ -5,6 +5,7 @@
 //! [`true_poses`] says where the handle is at given readings. [`simulate_motion`] and [`record_motion`]
 //! record a device that a hand moves through time, with [`Effects`] that its model leaves out.
 //! [`PostureSimulation`] records single postures, at which the handle may touch points and planes or a fixture hold links.
+//! [`ForwardModel`] moves a device under torques or under a [`Controller`].
 //!
 //! # What a seed means
 //!
@@ -57,6 +58,7 @@ struct ReadmeDoctests;
 
 mod effect;
 mod error;
+mod forward;
 mod motion;
 mod poses;
 mod postures;
@@ -75,6 +77,9 @@ pub use effect::error::EffectError;
 pub use effect::names::{simulated_effects, simulated_keys};
 pub use effect::{Driver, Effect, Effects};
 pub use error::{Part, SimulatorError};
+pub use forward::controller::{Command, Controller, ControllerFile, ControllerState};
+pub use forward::step::{ForwardState, ForwardWork};
+pub use forward::{ForwardModel, LONGEST_STEP_S};
 pub use motion::hand_path::{JointMotion, Motion};
 pub use motion::settings::{Encoders, HandMotion, MotionSettings, Temperature};
 pub use motion::simulate::{MotionSimulation, record_motion, simulate_motion};

@@ -52,7 +52,7 @@ pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
 /// next origin, the last one being the handle's. So every row is general: its six numbers, to first order
 /// the local coordinates of a product of exponentials, may be identified whichever way the axes are
 /// ([`Link`]). Home is 0 everywhere. Joints that follow another one (`<mimic>`)
-/// are rows that its joint drives, and no joints of a log. Masses are those of the links, with all that
+/// are rows that its joint drives, and no joints of a log. A limit of effort above 0 is the joint's largest torque. Masses are those of the links, with all that
 /// hangs on them off the chain: such a branch, a hand or another arm, counts as fixed, its joints at 0, or
 /// in the middle of their limits where these exclude 0; a warning says so.
 ///
@@ -105,6 +105,8 @@ pub fn device_from_urdf(
 /// `ref` moves by its value less `ref`. What several joints of one body do is done in the order of the file. A hinge or
 /// slide that is bound to another one by an `<equality>` of the first degree follows it. A second hinge along the first
 /// one's axis, without an actuator, is what the drive yields: its stiffness is the joint's compliance, a play is left out.
+/// `armature` is that of the joint, with those of the joints that follow it; the largest torque is the smaller of what its
+/// `actuatorfrcrange` and its actuators' `forcerange`, times their `gear`, allow.
 ///
 /// Gravity is that of `<option>`. Masses are those of `<inertial>`; those that MuJoCo works out from geoms are left out,
 /// and a warning says so.
@@ -173,11 +175,13 @@ fn device_of(read: ReadChain, file: &str) -> Result<UrdfDevice, UrdfError> {
     // each hand has its own place, and the device none
     let only = rows.ends.first().filter(|_| hands.is_empty());
     origins.push(only.map(|end| Origin::from_pose(&end.handle)));
-    let joints = rows.drivers.iter().map(|driver| {
-        let joint = &robot.joints[*driver];
-        let (joint, warning) = device_joint(joint, file);
+    let joints = rows.drivers.iter().enumerate().map(|(number, driver)| {
+        let (joint, warning) = device_joint(&robot.joints[*driver], file);
         warnings.extend(warning);
-        joint
+        Joint {
+            armature_kgm2: armature(&robot, &rows, number),
+            ..joint
+        }
     });
     let joints: Vec<Joint> = joints.collect();
     let drives: Vec<_> = rows.rows.iter().map(|row| row.drive).collect();
@@ -343,7 +347,18 @@ fn device_joint(joint: &RobotJoint, file: &str) -> (Joint, Option<String>) {
         joint_type,
         lower_rad: lower,
         upper_rad: upper,
+        torque_limit_nm: joint.effort,
         ..Joint::default()
     };
     (joint, warning)
+}
+
+/// Armature of one of the device's joints: the file's, with those of the rows that follow it, seen at the joint.
+pub(crate) fn armature(robot: &Robot, rows: &Rows, number: usize) -> Option<f64> {
+    let own = rows.rows.iter().filter(|row| row.drive.joint == number);
+    let own = own.filter_map(|row| {
+        let armature = robot.joints[row.joint].armature?;
+        Some(row.drive.multiplier * row.drive.multiplier * armature)
+    });
+    own.reduce(|sum, armature| sum + armature)
 }

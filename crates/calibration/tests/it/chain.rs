@@ -99,6 +99,8 @@ pub(crate) fn direct_joint(number: usize) -> Joint {
         lower_rad: -2.0,
         upper_rad: 2.0,
         sampling_sd_rad: Some(0.6),
+        armature_kgm2: None,
+        torque_limit_nm: None,
         transmission: TransmissionKind::Direct,
         transmission_ratio: 1.0,
         drum_distance_m: None,

@@ -13,6 +13,7 @@ mod diagnose_refusals;
 mod export;
 mod export_header;
 mod folder;
+mod forward;
 mod guides;
 mod happy_path;
 mod hostile_inputs;

@@ -15,6 +15,7 @@ mod diagnosis;
 mod errors;
 #[path = "../../examples/fleet.rs"]
 mod fleet;
+mod forward;
 #[path = "../../examples/next_poses.rs"]
 mod next_poses;
 #[path = "../../examples/own_effect.rs"]

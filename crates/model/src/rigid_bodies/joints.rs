@@ -2,12 +2,11 @@
 
 use haptical_dynamics::{DynamicsError, TorqueDerivatives, Tree};
 
+use crate::cholesky::{factor, solve};
 use crate::{ModelError, MotionWork, RigidBodies};
 
 /// Inertial parameters of a body.
 const PARAMETERS: usize = 10;
-/// A pivot of the mass matrix, per diagonal entry, below which it is rounding.
-const ROUNDING: f64 = 1e-14;
 
 impl RigidBodies {
     /// Room for one evaluation.
@@ -167,7 +166,9 @@ impl RigidBodies {
             for ((out, tau), bias) in out.iter_mut().zip(tau).zip(&bias) {
                 *out = tau - bias;
             }
-            Ok(solve(&mut matrix, out)?)
+            factor(&mut matrix, out.len())?;
+            solve(&matrix, out);
+            Ok(())
         });
         work.joint_matrix = matrix;
         work.joint_vector = bias;
@@ -241,48 +242,4 @@ impl RigidBodies {
             .into()),
         }
     }
-}
-
-/// Solves `M x = b` for a symmetric positive definite M in place, by its Cholesky factor.
-fn solve(matrix: &mut [f64], vector: &mut [f64]) -> Result<(), DynamicsError> {
-    let count = vector.len();
-    for j in 0..count {
-        let diagonal = matrix[j * count + j];
-        let mut pivot = diagonal;
-        for k in 0..j {
-            pivot -= matrix[j * count + k] * matrix[j * count + k];
-        }
-        // not `<=`: a NaN is caught as well
-        let resists = pivot > ROUNDING * diagonal;
-        if !resists {
-            return Err(DynamicsError::NoInertia { joint: j });
-        }
-        let pivot = libm::sqrt(pivot);
-        matrix[j * count + j] = pivot;
-        for i in j + 1..count {
-            let mut entry = matrix[i * count + j];
-            for k in 0..j {
-                entry -= matrix[i * count + k] * matrix[j * count + k];
-            }
-            matrix[i * count + j] = entry / pivot;
-        }
-    }
-    for i in 0..count {
-        for k in 0..i {
-            vector[i] -= matrix[i * count + k] * vector[k];
-        }
-        vector[i] /= matrix[i * count + i];
-    }
-    for i in (0..count).rev() {
-        for k in i + 1..count {
-            vector[i] -= matrix[k * count + i] * vector[k];
-        }
-        vector[i] /= matrix[i * count + i];
-    }
-    if vector.iter().all(|own| own.is_finite()) {
-        return Ok(());
-    }
-    Err(DynamicsError::Overflow {
-        quantity: "an acceleration",
-    })
 }

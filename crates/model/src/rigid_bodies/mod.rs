@@ -180,14 +180,15 @@ impl RigidBodies {
             segments.rows.iter().zip(carried).enumerate()
         {
             let (row, drive) = (index + 1, segment.drive);
-            let joint = device.joints.get(drive.joint);
-            let joint = joint.ok_or_else(|| ModelError::NoJoint {
+            let joints = device.joints.len();
+            let known = has_row.get_mut(drive.joint);
+            let known = known.ok_or(ModelError::NoJoint {
                 joint: drive.joint + 1,
-                joints: device.joints.len(),
+                joints,
             })?;
-            // a joint's armature is on the first row that it moves, seen at that row
-            let own = joint.armature_kgm2.filter(|_| !has_row[drive.joint]);
-            has_row[drive.joint] = true;
+            // a joint's armature is on the first row that it moves
+            let armature = segment.armature(device).filter(|_| !*known);
+            *known = true;
             bodies.push(Body {
                 parent: device.parent(row).and_then(|parent| parent.checked_sub(1)),
                 placement: segment.origin(device),
@@ -196,7 +197,7 @@ impl RigidBodies {
                     JointType::Prismatic => Joint::Prismatic(Vector3::z_axis()),
                 },
                 inertia: *inertia,
-                armature_kgm2: own.unwrap_or(0.0) / (drive.multiplier * drive.multiplier),
+                armature_kgm2: armature.unwrap_or(0.0),
             });
             drives.push((drive.joint, drive.multiplier));
             masses.push(RowMass {

@@ -45,6 +45,18 @@ impl Segment {
         then(&self.before, &moved)
     }
 
+    /// The largest torque of the row's drive \[N m\], \[N\], where the row moves with its joint's own drive.
+    pub fn torque_limit(&self, device: &Device) -> Option<f64> {
+        let limit = device.joints.get(self.drive.joint)?.torque_limit_nm?;
+        Some(limit / self.drive.multiplier.abs())
+    }
+
+    /// The armature of the row's drive, seen at the row \[kg m^2\], \[kg\], where the row moves with its joint's own drive.
+    pub fn armature(&self, device: &Device) -> Option<f64> {
+        let armature = device.joints.get(self.drive.joint)?.armature_kgm2?;
+        Some(armature / (self.drive.multiplier * self.drive.multiplier))
+    }
+
     /// The joint's limits in a description of such values; infinite where it has none.
     pub fn limits(&self, device: &Device) -> [f64; 2] {
         let joint = device.joints.get(self.drive.joint);

@@ -317,3 +317,28 @@ fn a_device_without_links_has_transmissions_only() {
     assert_eq!(device.joints[1].lower_rad, f64::NEG_INFINITY);
     assert!(device.cables.is_empty() && device.tracker.is_none());
 }
+
+#[test]
+fn what_a_drive_weighs_and_gives_is_read_in_its_unit() {
+    let text = "[[joint]]\narmature_kgm2 = 0.25\ntorque_limit_nm = 40.0\n\
+        [[joint]]\ntype = \"prismatic\"\narmature_kg = 3.0\ntorque_limit_n = 200.0\n\
+        [[joint]]\ntype = \"prismatic\"\narmature_kgm2 = 2.0\n";
+    let loaded = Device::from_toml(text, "drives.toml").unwrap();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    let own = |joint: usize| {
+        let joint = &loaded.device.joints[joint];
+        (joint.armature_kgm2, joint.torque_limit_nm)
+    };
+    assert_eq!(own(0), (Some(0.25), Some(40.0)));
+    assert_eq!(own(1), (Some(3.0), Some(200.0)));
+    assert_eq!(own(2), (Some(2.0), None));
+    let written = loaded.device.to_new_toml().unwrap();
+    assert!(written.contains("armature_kg = 3.0"), "{written}");
+    let refused = |text: &str| {
+        Device::from_toml(text, "drives.toml")
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(refused("[[joint]]\narmature_kgm2 = -0.1\n").contains("an inertia is not negative"));
+    assert!(refused("[[joint]]\ntorque_limit_nm = 0.0\n").contains("torque_limit_nm"));
+}

@@ -4,7 +4,7 @@ use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::kinematics::{Convention, Link, Pose};
 use haptical_model::{
     Body, Device, DeviceChain, Drive, Evaluation, Hand, Joint, JointType, ModelError, Origin,
-    Recording, Statics,
+    Recording, RigidBodies, Statics,
 };
 use proptest::prelude::*;
 
@@ -457,6 +457,31 @@ proptest! {
                 let slope = (at(STEP) - at(-STEP)) / (2.0 * STEP);
                 prop_assert!((torque - slope).abs() < 1e-5, "{torque} for {slope}");
             }
+        }
+    }
+
+    /// Two forms of torques at rest: moments carried inwards along each chain, and the equations of motion of the rows.
+    #[test]
+    fn rigid_bodies_at_rest_are_held_as_statics_say((mut device, readings) in tree()) {
+        for body in &mut device.bodies {
+            let own = body.unwrap_or(Body { mass_kg: 0.0, centre_of_mass_m: [0.0; 3], inertia_kgm2: None });
+            *body = Some(Body { inertia_kgm2: Some([0.03, 0.02, 0.04, 0.0, 0.01, 0.0]), ..own });
+        }
+        let bodies = RigidBodies::of_device(&device).unwrap();
+        let (mut work, mut torques) = (bodies.work(), vec![0.0; device.joints.len()]);
+        bodies.bias(&readings, &vec![0.0; readings.len()], &mut work, &mut torques).unwrap();
+        let mut statics = Statics::new(&device);
+        let load = statics.load(&readings, |_| None).unwrap();
+        for (torque, expected) in torques.iter().zip(load.torques_nm) {
+            prop_assert!((torque - expected).abs() < 1e-9, "{torque} {expected}");
+        }
+        for hand in 0..device.hands.len() {
+            let flange = bodies.flange(hand).unwrap();
+            let body = work.pose(flange.body.unwrap()).unwrap();
+            let found = haptical_model::rigid::then(body, &flange.pose);
+            let expected = DeviceChain::of_hand(&device, hand).pose(&readings).unwrap();
+            prop_assert!((found.position_m - expected.position_m).amax() < 1e-12);
+            prop_assert!((found.rotation - expected.rotation).amax() < 1e-12);
         }
     }
 

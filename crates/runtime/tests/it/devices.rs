@@ -255,6 +255,8 @@ fn any_joint() -> impl Strategy<Value = ModelJoint> {
                 home_rad,
                 lower_rad: -2.0,
                 upper_rad: 2.0,
+                armature_kgm2: None,
+                torque_limit_nm: None,
                 sampling_sd_rad: None,
                 transmission: TransmissionKind::Capstan,
                 transmission_ratio: ratio,

@@ -2,7 +2,7 @@
 
 use haptical_simulator::model::kinematics::nalgebra::{Rotation3, Vector3};
 use haptical_simulator::model::kinematics::{Chain, distance_m};
-use haptical_simulator::model::{Device, Evaluation, Recording};
+use haptical_simulator::model::{Device, Evaluation, Recording, Statics};
 use haptical_simulator::{
     Effect, Effects, Encoders, MotionSettings, Noise, Settings, SimulatorError, record_motion,
     simulate_motion,
@@ -87,6 +87,29 @@ fn torques_are_the_slope_of_the_potential_energy() {
         }
     }
     assert!(sizes.iter().all(|size| *size > 0.1), "{sizes:?}");
+}
+
+/// The slide is 0.2 m out at home, and what it carries is too.
+#[test]
+fn a_slide_carries_its_mass_from_home() {
+    let mut device = heavy_arm();
+    device.bodies[3] = device.bodies[2];
+    let recording = record_motion(&device, &Effects::none(), &quiet(), SEED).expect("a recording");
+    let force = recording.force_n.as_ref().expect("forces");
+    let mut statics = Statics::new(&device);
+    for row in (0..recording.len()).step_by(97) {
+        let evaluation = at_row(&device, &recording, row);
+        let angles: Vec<f64> = (0..4).map(|joint| evaluation.output_rad(joint)).collect();
+        let own = Vector3::new(force[0][row], force[1][row], force[2][row]);
+        let load = statics.load(&angles, |handle| Some(handle.rotation * own));
+        for (joint, expected) in load.expect("a load").torques_nm.iter().enumerate() {
+            let got = torque(&recording, joint)[row];
+            assert!(
+                (got - expected).abs() < 1e-9,
+                "joint {joint}: {got} {expected}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod effect_file;
 mod effects;
 mod effects_of_structure;
 mod errors;
+mod forward;
 mod golden;
 mod hand;
 mod hand_guided;

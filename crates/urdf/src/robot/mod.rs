@@ -100,6 +100,10 @@ pub(crate) struct RobotJoint {
     /// Unit vector in the joint frame.
     pub(crate) axis: [f64; 3],
     pub(crate) limits: Option<(f64, f64)>,
+    /// Inertia of rotor and gear, seen at the joint \[kg m^2\], \[kg\].
+    pub(crate) armature: Option<f64>,
+    /// Largest torque of its drive \[N m\], \[N\].
+    pub(crate) effort: Option<f64>,
     pub(crate) mimic: Option<Mimic>,
     /// Element of an MJCF that places it; none in a URDF, and for what no single element places.
     pub(crate) placed_by: Option<PlacedBy>,

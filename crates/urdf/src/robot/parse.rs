@@ -219,6 +219,8 @@ impl Reader<'_, '_> {
                 _ => self.axis(element, &place)?,
             },
             limits: self.limits(element, &place)?,
+            armature: None,
+            effort: self.effort(element, &place)?,
             mimic: self.mimic(element, &place)?,
             placed_by: None,
             is_part: false,
@@ -269,6 +271,21 @@ impl Reader<'_, '_> {
             },
         };
         Ok(Some((limit("lower")?, limit("upper")?)))
+    }
+
+    /// The limit of effort; exporters write 0 where they know none.
+    fn effort(&self, element: Element<'_, '_>, place: &str) -> Result<Option<f64>> {
+        let node = elements(element, "limit").next();
+        let Some((node, text)) = node.and_then(|node| Some((node, node.attribute("effort")?)))
+        else {
+            return Ok(None);
+        };
+        match text.trim().parse::<f64>() {
+            Ok(effort) if !effort.is_nan() => {
+                Ok(Some(effort).filter(|effort| *effort > 0.0 && effort.is_finite()))
+            }
+            _ => Err(self.refuse(node, place, "effort", &format!("\"{text}\""), ONE_NUMBER)),
+        }
     }
 
     fn mimic(&self, element: Element<'_, '_>, place: &str) -> Result<Option<Mimic>> {

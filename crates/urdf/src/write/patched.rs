@@ -9,7 +9,7 @@ use haptical_model::kinematics::Pose;
 use crate::UrdfError;
 use crate::chain::gaps::Correction;
 use crate::chain::path::BaseAndTip;
-use crate::device::ReadChain;
+use crate::device::{ReadChain, armature as armature_of};
 use crate::numbers::{escaped, written};
 use crate::robot::mjcf::frames::ORIENTATIONS;
 use crate::robot::xml::{Element, document};
@@ -42,7 +42,7 @@ pub(super) type Edit = (Range<usize>, String);
 
 /// The text of an MJCF with `pos` and `quat` of the chain's bodies, and of the site or fixed body at its end, replaced so
 /// that its forward kinematics is that of `device`, of every chain where it has several; and with `frictionloss` and `damping`
-/// of joints whose friction the device knows. All other bytes stay as they are; an attribute whose value is right is not
+/// of joints whose friction the device knows, and `armature` where the device has another one. All other bytes stay as they are; an attribute whose value is right is not
 /// touched.
 ///
 /// `device` must have come from this MJCF, this base and this tip. Where the chain ends at a body that moves itself, a site
@@ -119,7 +119,17 @@ pub fn corrected_mjcf(
     }
     let effects = Effects::new(device);
     for (joint, driver) in rows.drivers.iter().enumerate() {
-        edits.extend(patch.friction(&effects, joint, &robot.joints[*driver]));
+        let armature = device.joints.get(joint).and_then(|own| own.armature_kgm2);
+        let known = armature_of(&robot, &rows, joint);
+        let own = &robot.joints[*driver];
+        // what the joint's followers have stays as it is
+        let armature = armature
+            .filter(|wanted| Some(*wanted) != known)
+            .map(|wanted| {
+                let behind = known.unwrap_or(0.0) - own.armature.unwrap_or(0.0);
+                (wanted - behind).max(0.0)
+            });
+        edits.extend(patch.drive(&effects, joint, own, armature));
     }
     warnings.extend(effects.said.iter().cloned());
     let drivers: Vec<&RobotJoint> = (rows.drivers.iter())
@@ -274,8 +284,14 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
         Ok(((end..end, addition), name))
     }
 
-    /// Friction that the device knows.
-    fn friction(&self, effects: &Effects<'_>, joint: usize, own: &RobotJoint) -> Vec<Edit> {
+    /// Friction that the device knows, and an armature that is not the file's.
+    fn drive(
+        &self,
+        effects: &Effects<'_>,
+        joint: usize,
+        own: &RobotJoint,
+        armature: Option<f64>,
+    ) -> Vec<Edit> {
         let friction = effects.friction.get(joint).copied().unwrap_or_default();
         let Some(node) = self.element(own.place) else {
             return Vec::new();
@@ -283,6 +299,7 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
         let numbers = [
             ("frictionloss", friction.coulomb),
             ("damping", friction.viscous),
+            ("armature", armature),
         ];
         let stated = numbers.into_iter();
         let edits =

@@ -38,8 +38,8 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
     let effects = Effects::new(device);
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <!-- Lengths in m, angles in rad. Joint values are \
-         the readings of a log, 0 at home. Limits of effort and\n       velocity are not \
-         known, and what is marked as plausible. -->\n  <link name=\"base\"/>\n",
+         the readings of a log, 0 at home. What is marked as\n       plausible is not known, \
+         nor are limits of velocity, nor of effort where it is 0. -->\n  <link name=\"base\"/>\n",
         escaped(&device.name)
     );
     let link_of = |row: usize| match row {
@@ -74,15 +74,10 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
             escaped(&names[index]),
             origin_element(&segment.origin(device)),
         );
-        if let Some([lower, upper]) = limits {
-            let _ = writeln!(
-                text,
-                "    <limit lower=\"{}\" upper=\"{}\" effort=\"0\" velocity=\"0\"/>",
-                written(&[lower]),
-                written(&[upper])
-            );
-        }
-        if segments.followed(device, index).is_none() {
+        let is_own = segments.followed(device, index).is_none();
+        let effort = segment.torque_limit(device).filter(|_| is_own);
+        text.push_str(&limit_element(limits, effort));
+        if is_own {
             let friction = effects.friction.get(segment.drive.joint);
             text.push_str(&dynamics(friction.copied().unwrap_or_default()));
         }
@@ -145,6 +140,22 @@ fn said(
         )
     }));
     warnings
+}
+
+/// Limits of position and effort; an effort of 0 is not known.
+fn limit_element(limits: Option<[f64; 2]>, effort: Option<f64>) -> String {
+    let ends = limits.map_or(String::new(), |[lower, upper]| {
+        format!(
+            " lower=\"{}\" upper=\"{}\"",
+            written(&[lower]),
+            written(&[upper])
+        )
+    });
+    if limits.is_none() && effort.is_none() {
+        return String::new();
+    }
+    let effort = written(&[effort.unwrap_or(0.0)]);
+    format!("    <limit{ends} effort=\"{effort}\" velocity=\"0\"/>\n")
 }
 
 fn inertial(body: &RowBody) -> String {

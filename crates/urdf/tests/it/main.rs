@@ -14,6 +14,7 @@ mod described;
 mod hands;
 mod mjcf_patch;
 mod mjcf_read;
+mod motion;
 mod pinocchio;
 mod random;
 mod refusals;

@@ -326,3 +326,22 @@ fn new_joints_are_put_in_behind_their_own_and_into_keyframes() {
     );
     assert!(odd.text.contains("qpos=\"0.3 -0.2\""));
 }
+
+/// An armature that a device has learnt goes into the file; one that is the file's is not touched.
+#[test]
+fn another_armature_is_put_in() {
+    let ends = BaseAndTip::to("tool");
+    let text = ARM.replace("name=\"b\"", "name=\"b\" armature=\"0.25\"");
+    let mut device = haptical_urdf::device_from_mjcf(&text, "arm.xml", ends)
+        .unwrap()
+        .device;
+    let same = corrected_mjcf(&text, "arm.xml", ends, &device).unwrap();
+    assert_eq!(same.text, text);
+    device.joints[0].armature_kgm2 = Some(0.125);
+    device.joints[1].armature_kgm2 = Some(0.375);
+    let corrected = corrected_mjcf(&text, "arm.xml", ends, &device).unwrap();
+    let expected = text
+        .replace("<joint name=\"a\"", "<joint armature=\"0.125\" name=\"a\"")
+        .replace("armature=\"0.25\"", "armature=\"0.375\"");
+    assert_eq!(corrected.text, expected);
+}

@@ -249,20 +249,25 @@ impl Arm {
     }
 }
 
-/// The masses of links 1 and on, each with the table that ends in the frame after Rz(theta_i). A
-/// slide carries its mass with it, which is where the file says at home.
+/// The masses of links 1 and on, each with the table that ends in the frame after Rz(theta_i). A slide carries its mass
+/// by all of its variable, home included.
 fn bodies(device: &Device, links: &[Link]) -> Vec<Body> {
     let with_row = device.bodies.iter().enumerate().skip(1);
     with_row
         .filter_map(|(row, body)| {
             let (body, link) = (body.as_ref()?, links.get(row)?);
+            let home_m = link.d_m - device.links.get(row)?.d_m;
             let mut table = links.get(..row)?.to_vec();
             table.push(match device.convention {
                 Convention::Standard => Link {
                     theta_rad: link.theta_rad,
+                    d_m: home_m,
                     ..Link::default()
                 },
-                Convention::Modified => Link { d_m: 0.0, ..*link },
+                Convention::Modified => Link {
+                    d_m: home_m,
+                    ..*link
+                },
             });
             Some(Body {
                 links: table,

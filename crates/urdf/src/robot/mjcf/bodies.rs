@@ -270,6 +270,8 @@ pub(crate) fn bare(
         origin_range: None,
         axis: [0.0, 0.0, 1.0],
         limits: None,
+        armature: None,
+        effort: None,
         mimic: None,
         placed_by,
         is_part: false,

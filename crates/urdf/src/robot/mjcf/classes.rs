@@ -115,9 +115,15 @@ impl<'d> Classes<'d> {
 
     /// What a class says of an attribute of an element.
     pub(crate) fn stated(&self, class: ClassId, tag: &str, key: &str) -> Option<&'d str> {
+        self.stated_of(class, &[tag], key)
+    }
+
+    /// What a class says of an attribute of any of these elements, whose defaults are one.
+    pub(crate) fn stated_of(&self, class: ClassId, tags: &[&str], key: &str) -> Option<&'d str> {
         let mut next = Some(class.0);
         while let Some(class) = next.and_then(|index| self.classes.get(index)) {
-            if let Some(value) = class.defaults.get(&(tag, key)) {
+            let own = |tag: &&str| class.defaults.get(&(*tag, key)).copied();
+            if let Some(value) = tags.iter().find_map(own) {
                 return Some(value);
             }
             next = class.parent;

@@ -24,6 +24,8 @@ struct Own {
     reference: f64,
     limits: Option<(f64, f64)>,
     stiffness: f64,
+    armature: Option<f64>,
+    effort: Option<f64>,
 }
 
 impl Own {
@@ -97,6 +99,8 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
                 joint_type: self.joint_type(part, own.as_ref()),
                 axis: axis.into_inner().into(),
                 limits: own.as_ref().and_then(|own| own.limits),
+                armature: own.as_ref().and_then(|own| own.armature),
+                effort: own.as_ref().and_then(|own| own.effort),
                 name: name.clone(),
                 ..bare(place, (at, child), then(&before, &behind), placed)
             })?;
@@ -177,6 +181,8 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
         // MuJoCo takes further coefficients of a spring that hardens
         let stiffness = stiffness.and_then(|text| text.split_ascii_whitespace().next());
         Ok(Some(Own {
+            armature: self.armature(part, &place)?,
+            effort: mjcf.effort(own),
             name,
             is_slide,
             place_m: part.frame.position_m + part.frame.rotation * Vector3::from(position_m),
@@ -185,6 +191,17 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
             limits: self.limits(part, &place, unit)?,
             stiffness: stiffness.and_then(|word| word.parse().ok()).unwrap_or(0.0),
         }))
+    }
+
+    /// What the file or the joint's class says of its armature.
+    fn armature(&self, part: &Part<'d, 'input>, place: &str) -> Result<Option<f64>> {
+        let armature = self.mjcf.one(&part.own, place, "armature")?;
+        if let Some(found) = armature.filter(|own| *own < 0.0) {
+            let (reader, allowed) = (&self.mjcf.reader, "an inertia is not negative");
+            let found = found.to_string();
+            return Err(reader.refuse(part.own.node, place, "armature", &found, allowed));
+        }
+        Ok(armature)
     }
 
     fn limits(

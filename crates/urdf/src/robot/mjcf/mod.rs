@@ -4,6 +4,7 @@ mod bodies;
 mod bonds;
 mod classes;
 mod compiler;
+mod efforts;
 pub(crate) mod frames;
 mod joints;
 
@@ -14,6 +15,7 @@ use crate::robot::Robot;
 use crate::robot::mjcf::bodies::Bodies;
 use crate::robot::mjcf::classes::{ClassId, Classes};
 use crate::robot::mjcf::compiler::Compiler;
+use crate::robot::mjcf::efforts::{Efforts, efforts};
 use crate::robot::xml::{Element, Reader, Result, document, elements};
 
 /// An MJCF with what its elements depend on.
@@ -25,6 +27,8 @@ pub(crate) struct Mjcf<'d, 'input> {
     actuated: BTreeSet<&'d str>,
     /// Joints that an equality binds to another one.
     bound: BTreeSet<&'d str>,
+    /// What their actuators give.
+    efforts: Efforts<'d>,
 }
 
 /// An element with the class whose defaults it has.
@@ -61,10 +65,13 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
             "other files are not read: save the model as one file, as MuJoCo's mj_saveLastXML does";
         return Err(reader.refuse(include, "<include>", "the file", &found, allowed));
     }
+    let classes = Classes::read(&reader)?;
+    let compiler = Compiler::read(&reader, &mut robot)?;
     let mjcf = Mjcf {
+        efforts: efforts(&reader, &classes, compiler.has_automatic_limits)?,
         reader,
-        classes: Classes::read(&reader)?,
-        compiler: Compiler::read(&reader, &mut robot)?,
+        classes,
+        compiler,
         actuated: names(root, "actuator", &["joint", "jointinparent"]),
         bound: names(root, "equality", &["joint1"]),
     };

@@ -35,6 +35,8 @@ const LEAST_INERTIA: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub(crate) struct RowDynamics {
     pub(crate) armature: f64,
+    /// Whether the armature is the device's own.
+    pub(crate) is_armature_known: bool,
     pub(crate) damping: f64,
     /// Whether the damping is the device's own.
     pub(crate) is_damping_known: bool,
@@ -50,6 +52,13 @@ pub(crate) struct RowYield {
     pub(crate) of: Yield,
     pub(crate) damping: f64,
     pub(crate) armature: f64,
+}
+
+impl RowDynamics {
+    /// Armature with which its actuator is stable in every posture.
+    fn needed(&self, step_s: f64) -> f64 {
+        needed(step_s, self.gains[0], self.damping + self.gains[1])
+    }
 }
 
 /// Inertia and load of a joint.
@@ -128,7 +137,8 @@ pub(crate) fn row_dynamics(
         let is_own = segments.followed(device, row).is_none();
         let friction = effects.friction.get(segment.drive.joint).copied();
         let friction = friction.filter(|_| is_own).unwrap_or_default();
-        let armature = ARMATURE * inertia;
+        let known = segment.armature(device).filter(|_| is_own);
+        let armature = known.unwrap_or(ARMATURE * inertia);
         let sag = SAG[usize::from(segment.drive.motion == JointType::Prismatic)];
         let stiffness = (inertia * HOLDING_RAD_PER_S * HOLDING_RAD_PER_S).max(carried.load / sag);
         let yields = effects.yields.get(segment.drive.joint).filter(|_| is_own);
@@ -157,6 +167,7 @@ pub(crate) fn row_dynamics(
         });
         RowDynamics {
             armature,
+            is_armature_known: known.is_some(),
             damping: friction.viscous.unwrap_or(inertia / COASTING_S),
             is_damping_known: friction.viscous.is_some(),
             friction_loss: friction.coulomb.unwrap_or(0.0),
@@ -170,9 +181,9 @@ pub(crate) fn row_dynamics(
     let mut rows: Vec<RowDynamics> = rows.collect();
     let step_s = step(&rows, &carried);
     for row in &mut rows {
-        row.armature = row
-            .armature
-            .max(needed(step_s, row.gains[0], row.damping + row.gains[1]));
+        if !row.is_armature_known {
+            row.armature = row.armature.max(row.needed(step_s));
+        }
         for own in &mut row.yields {
             if let YieldKind::Spring(stiffness) = own.of.kind {
                 own.armature = own.armature.max(needed(step_s, stiffness, own.damping));
@@ -189,13 +200,15 @@ fn step(rows: &[RowDynamics], carried: &[Carried]) -> f64 {
             let inertia = carried.inertia.max(LEAST_INERTIA);
             // motor and link swing against each other
             let reduced = row.armature * inertia / (row.armature + inertia);
-            row.yields.iter().all(|own| match own.of.kind {
-                YieldKind::Spring(stiffness) => {
-                    needed(*step_s, stiffness, own.damping) <= FURTHER_ARMATURE * inertia
-                        && step_s * libm::sqrt(stiffness / reduced) <= PHASE_RAD
-                }
-                _ => true,
-            })
+            let is_steady = !row.is_armature_known || row.needed(*step_s) <= row.armature;
+            is_steady
+                && row.yields.iter().all(|own| match own.of.kind {
+                    YieldKind::Spring(stiffness) => {
+                        needed(*step_s, stiffness, own.damping) <= FURTHER_ARMATURE * inertia
+                            && step_s * libm::sqrt(stiffness / reduced) <= PHASE_RAD
+                    }
+                    _ => true,
+                })
         })
     };
     let [.., shortest] = STEPS_S;

@@ -241,13 +241,15 @@ impl Model<'_> {
             JointType::Prismatic => "slide",
         };
         let name = escaped(&self.names[row]);
-        let what = match own.is_damping_known {
-            true => "armature",
-            false => "armature, damping",
+        let what = match (own.is_armature_known, own.is_damping_known) {
+            (true, true) => String::new(),
+            (false, true) => format!("{indent}<!-- plausible: armature -->\n"),
+            (true, false) => format!("{indent}<!-- plausible: damping -->\n"),
+            (false, false) => format!("{indent}<!-- plausible: armature, damping -->\n"),
         };
         let _ = write!(
             text,
-            "{indent}<!-- plausible: {what} -->\n{indent}<joint name=\"{name}\" type=\"{kind}\" axis=\"0 0 1\""
+            "{what}{indent}<joint name=\"{name}\" type=\"{kind}\" axis=\"0 0 1\""
         );
         if let Some(range) = self.range(row) {
             let _ = write!(text, " range=\"{}\"", written(&range));

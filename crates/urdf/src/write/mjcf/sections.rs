@@ -106,6 +106,9 @@ impl Model<'_> {
             if let Some(range) = self.range(row) {
                 let _ = write!(text, " ctrlrange=\"{}\"", written(&range));
             }
+            if let Some(limit) = self.segments.rows[row].torque_limit(self.device) {
+                let _ = write!(text, " forcerange=\"{}\"", written(&[-limit, limit]));
+            }
             text.push_str("/>\n");
         }
         text.push_str("  </actuator>\n");

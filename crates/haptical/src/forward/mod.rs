@@ -1,0 +1,159 @@
+//! A log's motion out of its torques or commands: how far a device's equations of motion drift from it.
+
+mod drift;
+mod inputs;
+mod predict;
+mod told;
+
+use haptical_model::{Device as Model, ModelError};
+use haptical_simulator::{ControllerFile, ForwardModel};
+use serde::Serialize;
+
+pub use self::drift::{Drift, JointDrift};
+use self::inputs::Inputs;
+use self::predict::Prediction;
+use crate::device::Device;
+use crate::error::Error;
+use crate::log::Log;
+
+/// Times after which a prediction begins again from the log's state \[s\]; the whole of each run is one more.
+pub const HORIZONS_S: [f64; 4] = [0.1, 0.5, 1.0, 5.0];
+/// The one of them whose predictions are kept row by row \[s\].
+pub const KEPT_HORIZON_S: f64 = 1.0;
+/// Windows in which the step is halved.
+const CHECKED_WINDOWS: usize = 10;
+
+/// What moves the devices.
+#[derive(Debug, Clone, Copy, Default)]
+pub enum Drive<'c> {
+    /// The torques of the log, in straight lines from row to row.
+    #[default]
+    Torques,
+    /// A controller that follows the commands of the log (`command1_rad`, ...). It has the gravity of the first device.
+    Controller(&'c ControllerFile),
+}
+
+/// How far devices drift from a log.
+#[derive(Debug, Clone, Serialize)]
+pub struct Forward {
+    /// Device by device.
+    pub devices: Vec<ForwardDevice>,
+    /// What is odd.
+    #[serde(skip)]
+    pub warnings: Vec<String>,
+    /// Rows of the log that begin a window of [`KEPT_HORIZON_S`].
+    #[serde(skip)]
+    pub starts: Vec<usize>,
+}
+
+/// Predictions of one device.
+#[derive(Debug, Clone, Serialize)]
+pub struct ForwardDevice {
+    /// What it is called: `before`, `after`.
+    pub name: String,
+    /// The shortest horizon first, the whole log last.
+    pub drifts: Vec<Drift>,
+    /// Step of the integration \[s\].
+    pub step_s: f64,
+    /// Root mean square by which half the step moves the predictions of [`KEPT_HORIZON_S`], joint by joint \[rad\], \[m\].
+    pub halved_step_moves: Vec<f64>,
+    /// Predicted positions of each joint, begun again every [`KEPT_HORIZON_S`], row by row; NaN where there is none.
+    #[serde(skip)]
+    pub theta: Vec<Vec<f64>>,
+    /// Torques of the controller, likewise; empty without one.
+    #[serde(skip)]
+    pub torque: Vec<Vec<f64>>,
+}
+
+/// Moves devices through a log: from its state at the start of each window, under its torques or its commands, and compares
+/// with its positions.
+///
+/// Positions and velocities of the log are those of local cubics through seven rows ([`haptical_effects::signal`]).
+///
+/// ```no_run
+/// use haptical::{Device, Drive, Log, forward};
+/// let nominal = Device::load("nominal.toml")?;
+/// let corrected = Device::load("corrected.toml")?;
+/// let log = Log::read("log.csv", &nominal)?;
+/// let told = forward(&[("before", &nominal), ("after", &corrected)], &log, Drive::Torques)?;
+/// for device in &told.devices {
+///     println!("{}: joint 1 drifts by {} rad", device.name, device.drifts[0].joints[0].rms);
+/// }
+/// # Ok::<(), haptical::Error>(())
+/// ```
+///
+/// # Errors
+/// A log without times, torques or commands; a device without masses, inertias or gravity; other joints in a further device.
+///
+/// # Panics
+/// Without a device.
+pub fn forward(devices: &[(&str, &Device)], log: &Log, drive: Drive<'_>) -> Result<Forward, Error> {
+    let (_, nominal) = devices[0];
+    let inputs = Inputs::new(nominal, log, drive)?;
+    let mut told = Forward {
+        devices: Vec::new(),
+        warnings: inputs.warnings.clone(),
+        starts: Vec::new(),
+    };
+    let controller = match drive {
+        Drive::Torques => None,
+        Drive::Controller(file) => {
+            let own = file.of(&nominal.model);
+            Some(own.map_err(|error| refusal(&error, nominal))?)
+        }
+    };
+    for (name, device) in devices {
+        crate::refuse_other_device(&nominal.model, &device.model, &device.source().path)?;
+        let refuse = |error: ModelError| refusal(&error, device);
+        let mut models = Vec::new();
+        for run in 0..inputs.runs() {
+            models.push(
+                ForwardModel::of_device(&device.model, (run, inputs.runs())).map_err(refuse)?,
+            );
+        }
+        told.warnings
+            .extend(said(name, &device.model, models.first()));
+        let prediction = Prediction {
+            inputs: &inputs,
+            models: &models,
+            controller: controller.as_ref(),
+        };
+        told.devices
+            .push(prediction.device(name, &mut told.starts).map_err(refuse)?);
+    }
+    Ok(told)
+}
+
+/// What is not as it seems.
+fn said(name: &str, device: &Model, model: Option<&ForwardModel>) -> Vec<String> {
+    let mut said = Vec::new();
+    let left_out = model.map_or(&[][..], ForwardModel::left_out);
+    if !left_out.is_empty() {
+        said.push(format!(
+            "{name}: not part of the motion: {}",
+            left_out.join(", ")
+        ));
+    }
+    let bare = device
+        .joints
+        .iter()
+        .filter(|joint| joint.armature_kgm2.is_none());
+    let bare: Vec<&str> = bare.map(|joint| joint.name.as_str()).collect();
+    if !bare.is_empty() {
+        said.push(format!(
+            "{name}: no armature_kgm2 of the joints {}: their rotors and gears weigh nothing here",
+            bare.join(", ")
+        ));
+    }
+    said
+}
+
+fn refusal(error: &ModelError, device: &Device) -> Error {
+    let next = match error {
+        ModelError::Unweighed { .. } => {
+            "give what is missing in the device file, or take a URDF or MJCF with inertias"
+        }
+        _ => "correct the device file",
+    };
+    Error::in_file("device", error.to_string(), &device.source().path, next).with_equipment(device)
+}

@@ -1,0 +1,301 @@
+//! Predictions window by window.
+
+use std::ops::Range;
+
+use haptical_model::ModelError;
+use haptical_simulator::{
+    Command, Controller, ControllerState, ForwardModel, ForwardState, ForwardWork,
+};
+
+use super::drift::{Drift, Sums};
+use super::inputs::Inputs;
+use super::{CHECKED_WINDOWS, ForwardDevice, HORIZONS_S, KEPT_HORIZON_S};
+
+/// A device with what moves it.
+pub(super) struct Prediction<'p> {
+    pub(super) inputs: &'p Inputs,
+    /// One for each run.
+    pub(super) models: &'p [ForwardModel],
+    /// What drives it; none for the torques of the log.
+    pub(super) controller: Option<&'p Controller>,
+}
+
+/// Rows of a window, with its run.
+type Window = (Range<usize>, usize);
+
+/// Positions and torques of a window's rows, row after row.
+#[derive(Debug, Default)]
+struct Path {
+    theta: Vec<f64>,
+    torque: Vec<f64>,
+}
+
+impl Prediction<'_> {
+    pub(super) fn device(
+        &self,
+        name: &str,
+        starts: &mut Vec<usize>,
+    ) -> Result<ForwardDevice, ModelError> {
+        let joints = self.inputs.theta.len();
+        let rows = self.inputs.time_s.len();
+        let mut kept = vec![vec![f64::NAN; rows]; joints];
+        let mut torque = match self.controller {
+            None => Vec::new(),
+            Some(_) => kept.clone(),
+        };
+        let mut drifts = Vec::new();
+        for horizon_s in HORIZONS_S.map(Some).into_iter().chain([None]) {
+            let windows = self.windows(horizon_s);
+            let mut sums = vec![Sums::default(); joints];
+            for window in &windows {
+                let path = self.path(window, 1.0)?;
+                self.compare(window, &path, &mut sums);
+                if horizon_s == Some(KEPT_HORIZON_S) {
+                    for (row, values) in window.0.clone().zip(path.theta.chunks(joints)) {
+                        for (column, value) in kept.iter_mut().zip(values) {
+                            column[row] = *value;
+                        }
+                    }
+                    for (row, values) in window.0.clone().zip(path.torque.chunks(joints)) {
+                        for (column, value) in torque.iter_mut().zip(values) {
+                            column[row] = *value;
+                        }
+                    }
+                }
+            }
+            if horizon_s == Some(KEPT_HORIZON_S) {
+                *starts = windows.iter().map(|(rows, _)| rows.start).collect();
+            }
+            drifts.push(Drift {
+                horizon_s,
+                windows: windows.len(),
+                rows: sums.first().map_or(0, Sums::rows),
+                joints: sums.iter().map(Sums::told).collect(),
+            });
+        }
+        Ok(ForwardDevice {
+            name: name.to_owned(),
+            drifts,
+            step_s: self
+                .models
+                .first()
+                .map_or(0.0, ForwardModel::longest_step_s),
+            halved_step_moves: self.halved()?,
+            theta: kept,
+            torque,
+        })
+    }
+
+    /// Windows of a length in time, or whole pieces. The first row of one may be the last of the one before.
+    fn windows(&self, horizon_s: Option<f64>) -> Vec<Window> {
+        let time_s = &self.inputs.time_s;
+        let mut windows = Vec::new();
+        for (piece, run) in &self.inputs.pieces {
+            let Some(horizon_s) = horizon_s else {
+                windows.push((piece.clone(), *run));
+                continue;
+            };
+            let mut start = piece.start;
+            for row in piece.start + 1..piece.end {
+                // rounding of times is no reason for another row
+                if time_s[row] - time_s[start] >= horizon_s * (1.0 - 1e-9) {
+                    windows.push((start..row + 1, *run));
+                    start = row;
+                }
+            }
+            if piece.end - start > 1 {
+                windows.push((start..piece.end, *run));
+            }
+        }
+        windows
+    }
+
+    fn compare(&self, (rows, _): &Window, path: &Path, sums: &mut [Sums]) {
+        let joints = sums.len();
+        for (place, values) in path.theta.chunks(joints).enumerate().skip(1) {
+            let row = rows.start + place;
+            for (joint, value) in values.iter().enumerate() {
+                let gap = value - self.inputs.theta[joint][row];
+                sums[joint].add(gap);
+                if row + 1 == rows.end {
+                    sums[joint].end(gap);
+                }
+            }
+        }
+        if self.inputs.torque.is_empty() {
+            return;
+        }
+        for (place, values) in path.torque.chunks(joints).enumerate().skip(1) {
+            for (joint, value) in values.iter().enumerate() {
+                sums[joint].torque(value - self.inputs.torque[joint][rows.start + place]);
+            }
+        }
+    }
+
+    /// By how much half the step moves predictions, in a few windows of the log.
+    fn halved(&self) -> Result<Vec<f64>, ModelError> {
+        let joints = self.inputs.theta.len();
+        let windows = self.windows(Some(KEPT_HORIZON_S));
+        let each = windows.len().div_ceil(CHECKED_WINDOWS).max(1);
+        let (mut squares, mut rows) = (vec![0.0; joints], 0_usize);
+        for window in windows.iter().step_by(each) {
+            let (whole, half) = (self.path(window, 1.0)?, self.path(window, 0.5)?);
+            let both = whole.theta.chunks(joints).zip(half.theta.chunks(joints));
+            for (whole, half) in both {
+                rows += 1;
+                for (square, (whole, half)) in squares.iter_mut().zip(whole.iter().zip(half)) {
+                    *square += (whole - half) * (whole - half);
+                }
+            }
+        }
+        let mean = squares.iter().map(|square| square / rows.max(1) as f64);
+        Ok(mean.map(f64::sqrt).collect())
+    }
+
+    /// Positions of a window's rows, from the log's state at the first, in steps of this share of the usual ones.
+    fn path(&self, (rows, run): &Window, share: f64) -> Result<Path, ModelError> {
+        let model = &self.models[*run];
+        let at = |columns: &[Vec<f64>], row: usize| -> Vec<f64> {
+            columns.iter().map(|column| column[row]).collect()
+        };
+        let mut mover = Mover {
+            inputs: self.inputs,
+            model,
+            work: model.work(),
+            state: model.start(
+                &at(&self.inputs.theta, rows.start),
+                &at(&self.inputs.dtheta, rows.start),
+            ),
+            longest_s: share * model.longest_step_s(),
+            rows,
+        };
+        match self.controller {
+            None => mover.by_torques(),
+            Some(controller) => mover.by_controller(controller),
+        }
+    }
+}
+
+/// A device on its way through a window.
+struct Mover<'m> {
+    inputs: &'m Inputs,
+    model: &'m ForwardModel,
+    work: ForwardWork,
+    state: ForwardState,
+    longest_s: f64,
+    rows: &'m Range<usize>,
+}
+
+impl Mover<'_> {
+    fn by_torques(&mut self) -> Result<Path, ModelError> {
+        let torque = &self.inputs.torque;
+        let at = |row: usize| -> Vec<f64> {
+            let joints = torque.iter().enumerate();
+            joints
+                .map(|(joint, column)| self.model.worth(joint) * column[row])
+                .collect()
+        };
+        let mut path = Path {
+            theta: self.state.theta.clone(),
+            torque: Vec::new(),
+        };
+        let mut from = at(self.rows.start);
+        for row in self.rows.start + 1..self.rows.end {
+            let to = at(row);
+            let seconds = self.inputs.time_s[row] - self.inputs.time_s[row - 1];
+            let (state, work) = (&mut self.state, &mut self.work);
+            self.model
+                .run_by(state, work, (seconds, self.longest_s), [&from, &to])?;
+            path.theta.extend_from_slice(&self.state.theta);
+            from = to;
+        }
+        Ok(path)
+    }
+
+    fn by_controller(&mut self, controller: &Controller) -> Result<Path, ModelError> {
+        let time_s = &self.inputs.time_s;
+        let (tick_s, begin_s) = (1.0 / controller.rate_hz, time_s[self.rows.start]);
+        let mut own = controller.start(&self.state.dtheta);
+        let mut path = Path::default();
+        let mut torques = vec![0.0; self.state.theta.len()];
+        // a drive gives what its reading is worth
+        let mut given = torques.clone();
+        let mut now_s = begin_s;
+        let mut ticks = 0_u64;
+        for row in self.rows.clone() {
+            loop {
+                let next_s = begin_s + ticks as f64 * tick_s;
+                // a tick at a row's time comes first
+                if next_s <= time_s[row] + 1e-9 * tick_s {
+                    self.pass(now_s, next_s, &given)?;
+                    now_s = next_s.max(now_s);
+                    self.tick(controller, &mut own, row, now_s, &mut torques)?;
+                    for (joint, (given, torque)) in given.iter_mut().zip(&torques).enumerate() {
+                        *given = self.model.worth(joint) * torque;
+                    }
+                    ticks += 1;
+                    continue;
+                }
+                self.pass(now_s, time_s[row], &given)?;
+                now_s = time_s[row].max(now_s);
+                break;
+            }
+            path.theta.extend_from_slice(&self.state.theta);
+            path.torque.extend_from_slice(&torques);
+        }
+        Ok(path)
+    }
+
+    /// Moves on under a constant torque.
+    fn pass(&mut self, from_s: f64, to_s: f64, torques: &[f64]) -> Result<(), ModelError> {
+        let seconds = to_s - from_s;
+        if seconds <= 0.0 {
+            return Ok(());
+        }
+        let (state, work) = (&mut self.state, &mut self.work);
+        self.model
+            .run_by(state, work, (seconds, self.longest_s), [torques, torques])
+    }
+
+    /// One tick, at or before a row's time.
+    fn tick(
+        &mut self,
+        controller: &Controller,
+        own: &mut ControllerState,
+        row: usize,
+        now_s: f64,
+        torques: &mut [f64],
+    ) -> Result<(), ModelError> {
+        let last = row.max(self.rows.start + 1);
+        let time_s = [self.inputs.time_s[last - 1], self.inputs.time_s[last]];
+        let commands = self.inputs.command.iter().zip(&self.inputs.command_rate);
+        let commands = commands.map(|(value, rate)| {
+            let ends = [last - 1, last];
+            hermite(
+                time_s,
+                ends.map(|row| value[row]),
+                ends.map(|row| rate[row]),
+                now_s,
+            )
+        });
+        let (theta, dtheta): (Vec<f64>, Vec<f64>) = commands.unzip();
+        let command = Command {
+            theta: &theta,
+            dtheta: &dtheta,
+        };
+        let place = (&self.state.theta[..], &self.state.dtheta[..]);
+        controller.tick(own, command, place, torques)
+    }
+}
+
+/// The cubic through two values with their rates, and its rate.
+fn hermite([from_s, to_s]: [f64; 2], [a, b]: [f64; 2], [u, v]: [f64; 2], now_s: f64) -> (f64, f64) {
+    let span = to_s - from_s;
+    let t = ((now_s - from_s) / span).clamp(0.0, 1.0);
+    let (u, v) = (u * span, v * span);
+    let rise = b - a;
+    let (second, third) = (3.0 * rise - 2.0 * u - v, u + v - 2.0 * rise);
+    let value = a + t * (u + t * (second + t * third));
+    let rate = (u + t * (2.0 * second + 3.0 * t * third)) / span;
+    (value, rate)
+}
