@@ -13,16 +13,16 @@ use crate::moving::trial::{Moving, make};
 use crate::suites::Suite;
 
 /// Writes the trial at an index of the suite `moving`: `device.toml`, `log.csv.gz`, `log2.csv.gz`, `arm.urdf`, `arm.json` and
-/// `truth.json` below `folder`; returns the name of its own folder there.
+/// `truth.json` into a folder of its own below `folder`.
 ///
 /// # Errors
 /// [`BlindError`] where it cannot be drawn or written.
-pub fn write_moving(index: u64, seed: u64, folder: &Path) -> Result<String, BlindError> {
+pub fn write_moving(index: u64, seed: u64, folder: &Path) -> Result<(), BlindError> {
     let mut random = Suite::Moving.random(index, seed);
     let plan = plan(index, &mut random);
     let moving = make(&plan, 0.0, (Suite::Moving.name(), index, seed), &mut random)?;
     let truth = &moving.trial.truth;
-    let name = format!("{index:03}-{}", truth.name);
+    let name = format!("{}-{index:03}-{}", Suite::Moving.name(), truth.name);
     let own = folder.join(&name);
     write_trial(&moving.trial, &own, false)?;
     let effects: Vec<serde_json::Value> = truth
@@ -65,7 +65,7 @@ pub fn write_moving(index: u64, seed: u64, folder: &Path) -> Result<String, Blin
     write("truth.json", text(&truth_json))?;
     write("arm.json", text(&described(&moving)))?;
     write("arm.urdf", urdf(moving.arm))?;
-    Ok(name)
+    Ok(())
 }
 
 /// What stands in no device file.
