@@ -181,6 +181,15 @@ impl At {
         }
     }
 
+    /// Energy of the weights, 0 at the base's origin \[J\].
+    #[cfg(test)]
+    pub(crate) fn potential_j(&self, chain: &Chain) -> f64 {
+        let bodies = chain.links.iter().zip(&self.moved);
+        bodies
+            .map(|(link, moved)| -link.mass_kg * chain.gravity_mps2.dot(&moved.centre_m))
+            .sum()
+    }
+
     /// Where the flange is, and its velocity \[m\], \[m/s\].
     pub(crate) fn flange(&self) -> (Vector3<f64>, Vector3<f64>) {
         let own = &self.moved[self.flange];

@@ -48,6 +48,8 @@ impl Sensors {
             line: (0..rows.len() as u64).map(|row| row + 2).collect(),
             time_s: Some((0..rows.len()).map(time).collect()),
             run: Some(vec![1; rows.len()]),
+            // a chain may have a cable, as a reader keeps it
+            cable_m: vec![None],
             ..Recording::default()
         };
         for joint in 0..joints {
@@ -75,7 +77,7 @@ impl Sensors {
     }
 
     /// Noise of the rows; a row that is shown twice has the same.
-    fn noise_of(&self, joint: usize, rows: &[usize], random: &mut Random) -> Vec<f64> {
+    pub(crate) fn noise_of(&self, joint: usize, rows: &[usize], random: &mut Random) -> Vec<f64> {
         let memory = libm::pow(self.memory, 200.0 / self.rate_hz);
         let fresh = libm::sqrt(1.0 - memory * memory);
         let mut before = random.normal();

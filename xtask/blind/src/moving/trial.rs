@@ -33,6 +33,9 @@ pub(crate) struct Moving {
     pub(crate) arm: &'static Arm,
     pub(crate) design: Design,
     pub(crate) sensors: Sensors,
+    /// What its effects change.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests look at it"))]
+    pub(crate) change: Changes,
 }
 
 /// The trial at an index of the suite `moving`.
@@ -286,6 +289,10 @@ pub(crate) fn make(
     for effect in &mut truth.effects {
         effect.size = size;
     }
+    if plan.stratum == Stratum::Foreign {
+        truth.joints = truth.effects.iter().map(|effect| effect.joint).collect();
+        truth.joint = truth.joints.first().copied().flatten();
+    }
     let trial = Trial {
         device,
         device_toml,
@@ -302,6 +309,7 @@ pub(crate) fn make(
         arm: scene.arm,
         design: scene.design,
         sensors: scene.sensors,
+        change: found,
     })
 }
 
@@ -376,7 +384,11 @@ fn story(
     let planted = |(kind, effect): (&&'static Kind, &Drawn)| {
         let mut law = effect.numbers.clone();
         law.insert("size".to_owned(), size);
-        for (side, change) in [("arm", found.arm), ("controller", found.controller)] {
+        let heard = scene
+            .sensors
+            .has_command
+            .then_some(("controller", found.controller));
+        for (side, change) in [("arm", found.arm)].into_iter().chain(heard) {
             law.insert(format!("change_{side}_over_noise"), change.over_noise);
             law.insert(format!("change_{side}_of_range"), change.of_range);
         }
