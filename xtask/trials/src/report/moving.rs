@@ -94,12 +94,12 @@ pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
             Some(Bar::AtMost(0.01)),
         ),
         figure(
-            "clean, noise with a memory: named",
+            "noise with a memory: named",
             share(&memory, any, named),
             Some(Bar::AtMost(0.02)),
         ),
         figure(
-            "clean, noise with a memory: any verdict but no-gap",
+            "noise with a memory: any verdict but no-gap",
             share(&memory, any, detected),
             None,
         ),
@@ -136,12 +136,12 @@ pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
             None,
         ),
         figure(
-            "withheld or in no catalogue: unknown, of detected",
+            "no name is right: unknown, of detected",
             share(&unnamed, detected, right),
             Some(Bar::AtLeast(0.9)),
         ),
         figure(
-            "withheld or in no catalogue: confidently wrong, of detected",
+            "no name is right: confidently wrong, of detected",
             share(&unnamed, detected, wrong),
             Some(Bar::AtMost(0.03)),
         ),
@@ -156,7 +156,7 @@ pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
             Some(Bar::AtLeast(1.0)),
         ),
         figure(
-            "strong, first name right: gap closed on the second recording, as stated, median",
+            "strong, name right: gap stated as closed, median",
             stated(&strong),
             None,
         ),
@@ -187,7 +187,7 @@ fn time(cases: &[Case]) -> Value {
 }
 
 /// Effect by effect; none without trials.
-pub(super) fn table(cases: &[Case]) -> Result<Option<Table>, ReportError> {
+pub(crate) fn table(cases: &[Case]) -> Result<Option<Table>, ReportError> {
     let mut by_label: BTreeMap<&str, Vec<&Case>> = BTreeMap::new();
     for case in cases
         .iter()

@@ -158,6 +158,10 @@ fn the_file_describes_the_arm() {
             );
             assert_eq!(body.inertia_kgm2.unwrap()[..3], axis.inertia_kgm2);
         }
+        for (axis, joint) in arm.axes.iter().zip(&device.joints) {
+            let stated = (joint.armature_kgm2, joint.torque_limit_nm);
+            assert_eq!(stated, (Some(axis.armature), Some(axis.range)));
+        }
     }
 }
 
