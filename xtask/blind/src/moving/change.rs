@@ -1,12 +1,12 @@
 //! How much an effect changes: the part of the logged torque that the same arm and controller without it do not explain.
 
 use crate::moving::arms::Arm;
-use crate::moving::control::{Controller, Design, TICKS_PER_S};
 use crate::moving::laws::Sliding;
-use crate::moving::log::Ticks;
-use crate::moving::plant::Plant;
-use crate::moving::rigid::At;
-use crate::moving::specimen::Specimen;
+use crate::moving::motion::control::{Controller, Design, TICKS_PER_S};
+use crate::moving::motion::log::Ticks;
+use crate::moving::motion::plant::Plant;
+use crate::moving::motion::rigid::At;
+use crate::moving::motion::specimen::Specimen;
 
 /// Corner of the filter through which both change and noise are seen \[Hz\].
 const CORNER_HZ: f64 = 10.0;

@@ -7,7 +7,7 @@ use serde_json::json;
 use crate::error::BlindError;
 use crate::files::write_trial;
 use crate::moving::arms::urdf;
-use crate::moving::control::Kind;
+use crate::moving::motion::control::Kind;
 use crate::moving::plan::plan;
 use crate::moving::trial::{Moving, make};
 use crate::suites::Suite;

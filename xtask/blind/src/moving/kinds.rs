@@ -36,6 +36,8 @@ pub(crate) struct Kind {
     pub(crate) label: &'static str,
     /// Names of which one must be answered; none for an effect in no catalogue.
     pub(crate) right: &'static [&'static str],
+    /// Names of nearly the same torques, that may be answered besides, or where the right ones are withheld.
+    pub(crate) twins: &'static [&'static str],
     pub(crate) site: Site,
     pub(crate) need: Need,
     /// Whether it has a weak form, and whether it may be one of two.
@@ -56,6 +58,7 @@ const fn kind(
     Kind {
         label,
         right,
+        twins: &[],
         site,
         need: Need::Nothing,
         scales: true,
@@ -68,6 +71,10 @@ const fn kind(
 impl Kind {
     const fn needs(self, need: Need) -> Self {
         Self { need, ..self }
+    }
+
+    const fn like(self, twins: &'static [&'static str]) -> Self {
+        Self { twins, ..self }
     }
 
     const fn as_it_is(self) -> Self {
@@ -118,7 +125,7 @@ const TWIST: &[&str] = &["capstan-compliance", "joint-compliance"];
 
 /// In the catalogue.
 pub(crate) const NAMED: [Kind; 23] = [
-    kind("payload", &["payload"], Site::Whole, masses::payload),
+    kind("payload", &["payload"], Site::Whole, masses::payload).like(&["link-inertia"]),
     kind("torque-gain", &["torque-gain"], Site::Loaded, sensing::gain),
     kind(
         "stribeck-friction",
@@ -171,7 +178,8 @@ pub(crate) const NAMED: [Kind; 23] = [
         &["friction-asymmetry"],
         Site::Any,
         friction::asymmetry,
-    ),
+    )
+    .like(&["torque-offset"]),
     kind(
         "command-latency",
         &["command-latency"],
@@ -179,13 +187,14 @@ pub(crate) const NAMED: [Kind; 23] = [
         sensing::command_latency,
     )
     .needs(Need::Command),
-    kind("armature", &["armature"], Site::Any, masses::armature),
+    kind("armature", &["armature"], Site::Any, masses::armature).like(&["link-inertia"]),
     kind(
         "backlash-second-encoder",
         &["backlash"],
         Site::Proximal,
         drives::backlash,
     )
+    .like(&["hysteresis"])
     .needs(Need::Outputs)
     .unsized_by_torque(),
     kind(
@@ -212,7 +221,8 @@ pub(crate) const NAMED: [Kind; 23] = [
         &["gravity-spring"],
         Site::Loaded,
         torques::spring,
-    ),
+    )
+    .like(&["link-inertia"]),
     kind(
         "torque-saturation",
         &["torque-saturation"],

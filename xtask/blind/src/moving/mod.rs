@@ -3,18 +3,14 @@
 
 mod arms;
 mod change;
-mod control;
-mod course;
 mod files;
 mod kinds;
 mod laws;
-mod log;
+mod motion;
 mod plan;
-mod plant;
-mod rigid;
-mod run;
+mod scene;
 mod sensors;
-mod specimen;
+mod sloppy;
 mod trial;
 
 #[cfg(test)]

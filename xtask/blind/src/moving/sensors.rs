@@ -4,8 +4,8 @@ use haptical_model::Recording;
 
 use crate::moving::arms::Arm;
 use crate::moving::arms::OUTPUT_COUNTS;
-use crate::moving::log::Ticks;
-use crate::moving::run::count;
+use crate::moving::motion::log::Ticks;
+use crate::moving::motion::run::count;
 use crate::random::Random;
 use crate::rig::readings::rounded;
 

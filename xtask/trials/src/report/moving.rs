@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use haptical_report::{Cell, ReportError, Table};
-use xtask_blind::{Rate, TrialScore, Verdict};
+use xtask_blind::{Rate, TrialScore};
 
 use crate::batch::Case;
 use crate::measure::{Bar, Measure, Value, number, quantile};
+use crate::report::bars::{any, detected, named, right, scores_of, share};
 
 /// The suite, and that of clean arms whose noise has a memory.
 const SUITE: &str = "moving";
@@ -53,44 +54,54 @@ pub(crate) fn is_weak(case: &Case) -> bool {
     case.suite == SUITE && case.truth.effects.iter().any(|effect| effect.size < 1.0)
 }
 
+/// Trials of the suite that belong to these strata.
+fn of<'c>(cases: &'c [Case], strata: &[Stratum]) -> Vec<&'c Case> {
+    let own = cases.iter().filter(|case| case.suite == SUITE);
+    own.filter(|case| strata.contains(&Stratum::of(case)))
+        .collect()
+}
+
+fn scores<'c>(cases: &[&'c Case]) -> Vec<&'c TrialScore> {
+    cases
+        .iter()
+        .filter_map(|case| case.score.as_ref())
+        .collect()
+}
+
+fn figure(name: &str, value: Value, bar: Option<Bar>) -> Measure {
+    Measure::new("moving arms", name, value, bar)
+}
+
+fn wrong(score: &TrialScore) -> bool {
+    score.confidently_wrong
+}
+
 /// All figures of the suite.
 pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
-    let group = "moving arms";
-    let of = |strata: &[Stratum]| -> Vec<&Case> {
-        let own = cases.iter().filter(|case| case.suite == SUITE);
-        own.filter(|case| strata.contains(&Stratum::of(case)))
-            .collect()
-    };
-    let share = |cases: &[&Case], of: fn(&TrialScore) -> bool, is: fn(&TrialScore) -> bool| {
-        let scores = cases.iter().filter_map(|case| case.score.as_ref());
-        Value::Share(Rate::of_cases(scores.filter(|score| of(score)).map(is)))
-    };
-    let any = |_: &TrialScore| true;
-    let detected = |score: &TrialScore| score.detected;
-    let right = |score: &TrialScore| score.right;
-    let named = |score: &TrialScore| score.verdict == Verdict::Named;
-    let wrong = |score: &TrialScore| score.confidently_wrong;
-    let joint = |cases: &[&Case]| {
-        let scores = cases.iter().filter_map(|case| case.score.as_ref());
-        Value::Share(Rate::of_cases(scores.filter_map(|score| score.joint_right)))
-    };
-    let clean = of(&[Stratum::Clean]);
-    let memory: Vec<&Case> = cases.iter().filter(|case| case.suite == MEMORY).collect();
-    let (strong, weak) = (of(&[Stratum::Strong]), of(&[Stratum::Weak]));
-    let (withheld, foreign) = (of(&[Stratum::Withheld]), of(&[Stratum::Foreign]));
-    let (pairs, sloppy) = (of(&[Stratum::Pair]), of(&[Stratum::Sloppy]));
-    let unnamed = of(&[Stratum::Withheld, Stratum::Foreign]);
-    let all_found = |score: &TrialScore| score.groups_found == score.groups;
-    let figure = |name: &str, value, bar| Measure::new(group, name, value, bar);
+    let mut all = clean(cases);
+    all.extend(listed(cases));
+    all.extend(nameless(cases));
+    let times = cases
+        .iter()
+        .filter(|case| [SUITE, MEMORY].contains(&case.suite));
+    let times_s: Vec<f64> = times.map(|case| case.time_s).collect();
+    let time = number(&times_s, 2, "s", |values| quantile(values, 0.5));
+    all.push(figure("time of a diagnosis, median", time, None));
+    all
+}
+
+fn clean(cases: &[Case]) -> Vec<Measure> {
+    let own = scores(&of(cases, &[Stratum::Clean]));
+    let memory = scores_of(cases, &[MEMORY]);
     vec![
         figure(
             "clean: any verdict but no-gap",
-            share(&clean, any, detected),
+            share(&own, any, detected),
             Some(Bar::AtMost(0.03)),
         ),
         figure(
             "clean: named",
-            share(&clean, any, named),
+            share(&own, any, named),
             Some(Bar::AtMost(0.01)),
         ),
         figure(
@@ -103,64 +114,75 @@ pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
             share(&memory, any, detected),
             None,
         ),
+    ]
+}
+
+/// Effects that the catalogue has.
+fn listed(cases: &[Case]) -> Vec<Measure> {
+    let strong_cases = of(cases, &[Stratum::Strong]);
+    let strong = scores(&strong_cases);
+    let weak = scores(&of(cases, &[Stratum::Weak]));
+    let pairs = scores(&of(cases, &[Stratum::Pair]));
+    let joints = strong.iter().filter_map(|score| score.joint_right);
+    let joints = Value::Share(Rate::of_cases(joints));
+    let most = Some(Bar::AtLeast(0.9));
+    let right_of = |scores: &[&TrialScore]| share(scores, detected, right);
+    let few = Some(Bar::AtMost(0.03));
+    let both = share(&pairs, any, |score| score.groups_found == score.groups);
+    let is_wrong = share(&strong, detected, wrong);
+    vec![
         figure("strong: detected", share(&strong, any, detected), None),
-        figure(
-            "strong: right, of detected",
-            share(&strong, detected, right),
-            Some(Bar::AtLeast(0.9)),
-        ),
+        figure("strong: right, of detected", right_of(&strong), most),
         figure(
             "strong: joint right, of those found",
-            joint(&strong),
+            joints,
             Some(Bar::AtLeast(0.95)),
         ),
+        figure("strong: confidently wrong, of detected", is_wrong, few),
         figure(
-            "strong: confidently wrong, of detected",
-            share(&strong, detected, wrong),
-            Some(Bar::AtMost(0.03)),
+            "strong, name right: gap stated as closed, median",
+            stated(&strong_cases),
+            None,
         ),
         figure("weak: detected", share(&weak, any, detected), None),
-        figure(
-            "weak: right, of detected",
-            share(&weak, detected, right),
-            Some(Bar::AtLeast(0.9)),
-        ),
+        figure("weak: right, of detected", right_of(&weak), most),
+        figure("two effects: both found", both, Some(Bar::AtLeast(0.8))),
+    ]
+}
+
+/// Effects that the catalogue does not have, and torques that no effect makes.
+fn nameless(cases: &[Case]) -> Vec<Measure> {
+    let withheld = scores(&of(cases, &[Stratum::Withheld]));
+    let foreign = scores(&of(cases, &[Stratum::Foreign]));
+    let both = scores(&of(cases, &[Stratum::Withheld, Stratum::Foreign]));
+    let sloppy = scores(&of(cases, &[Stratum::Sloppy]));
+    let right_of = |scores: &[&TrialScore]| share(scores, detected, right);
+    vec![
         figure(
             "withheld: unknown or a twin class, of detected",
-            share(&withheld, detected, right),
+            right_of(&withheld),
             None,
         ),
         figure(
             "in no catalogue: unknown, of detected",
-            share(&foreign, detected, right),
+            right_of(&foreign),
             None,
         ),
         figure(
             "no name is right: unknown, of detected",
-            share(&unnamed, detected, right),
+            right_of(&both),
             Some(Bar::AtLeast(0.9)),
         ),
         figure(
             "no name is right: confidently wrong, of detected",
-            share(&unnamed, detected, wrong),
+            share(&both, detected, wrong),
             Some(Bar::AtMost(0.03)),
-        ),
-        figure(
-            "two effects: both found",
-            share(&pairs, any, all_found),
-            Some(Bar::AtLeast(0.8)),
         ),
         figure(
             "torques of something else: unknown",
             share(&sloppy, any, right),
             Some(Bar::AtLeast(1.0)),
         ),
-        figure(
-            "strong, name right: gap stated as closed, median",
-            stated(&strong),
-            None,
-        ),
-        figure("time of a diagnosis, median", time(cases), None),
     ]
 }
 
@@ -176,14 +198,6 @@ fn stated(cases: &[&Case]) -> Value {
         })
         .collect();
     number(&percents, 1, "%", |values| quantile(values, 0.5))
-}
-
-fn time(cases: &[Case]) -> Value {
-    let own = cases
-        .iter()
-        .filter(|case| [SUITE, MEMORY].contains(&case.suite));
-    let times_s: Vec<f64> = own.map(|case| case.time_s).collect();
-    number(&times_s, 2, "s", |values| quantile(values, 0.5))
 }
 
 /// Effect by effect; none without trials.

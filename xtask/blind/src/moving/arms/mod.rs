@@ -7,7 +7,7 @@ mod slider;
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::moving::rigid::{Chain, Link};
+use crate::moving::motion::rigid::{Chain, Link};
 
 pub(crate) use file::{OUTPUT_COUNTS, device_toml, urdf};
 pub(crate) use seven::SEVEN;

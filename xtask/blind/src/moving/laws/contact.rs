@@ -38,7 +38,7 @@ impl Law for Wall {
 }
 
 pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
-    let reach: Vec<f64> = draw.flange_m.iter().map(|place| place.norm()).collect();
+    let reach: Vec<f64> = draw.flange_m.iter().map(Vector3::norm).collect();
     let lever_m = reach.iter().fold(0.1_f64, |most, own| own.max(most));
     let strongest = draw.arm.axes[0].range.max(draw.arm.axes[1].range);
     let force_n = draw.size * draw.random.uniform(0.25, 0.5) * strongest / lever_m;

@@ -1,7 +1,7 @@
 //! Drives that give way: a gear that twists, a gear with play.
 
 use super::{Draw, Drawn, Law};
-use crate::moving::specimen::{Soft, Specimen};
+use crate::moving::motion::specimen::{Soft, Specimen};
 
 #[derive(Debug)]
 struct Yielding(Soft);

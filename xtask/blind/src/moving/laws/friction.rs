@@ -1,7 +1,7 @@
 //! Friction that depends on speed, load, direction, time or angle.
 
 use super::{Draw, Drawn, Law, Levels, Sliding};
-use crate::moving::specimen::{Sense, Specimen};
+use crate::moving::motion::specimen::{Sense, Specimen};
 
 /// Higher near rest: `extra / (1 + (v / speed)^2)`. Source: Hess & Soom, "Friction at a lubricated line contact operating at
 /// oscillating sliding velocities", Journal of Tribology 112, 1990.

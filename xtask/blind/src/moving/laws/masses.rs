@@ -3,8 +3,8 @@
 use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 use super::{Draw, Drawn, Law};
-use crate::moving::rigid::Link;
-use crate::moving::specimen::Specimen;
+use crate::moving::motion::rigid::Link;
+use crate::moving::motion::specimen::Specimen;
 
 /// A ball that is bolted to a body.
 #[derive(Debug)]

@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::moving::arms::Arm;
-use crate::moving::log::Ticks;
-use crate::moving::rigid::At;
-use crate::moving::specimen::Specimen;
+use crate::moving::motion::log::Ticks;
+use crate::moving::motion::rigid::At;
+use crate::moving::motion::specimen::Specimen;
 use crate::random::Random;
 
 /// A drive whose friction is looked at.
@@ -69,11 +69,6 @@ pub(crate) trait Law: std::fmt::Debug + Send + Sync {
     /// Factors of the controller's stiffness and damping.
     fn gains(&self, _time_s: f64) -> [f64; 2] {
         [1.0, 1.0]
-    }
-
-    /// Largest share of its range that a drive exerts.
-    fn drive_share(&self, _joint: usize) -> f64 {
-        1.0
     }
 
     /// Changes what is logged, at the controller's rate.

@@ -1,8 +1,8 @@
 //! What sensors, recorder and controller do that their user does not know of.
 
 use super::{Draw, Drawn, Law};
-use crate::moving::control::TICKS_PER_S;
-use crate::moving::log::Ticks;
+use crate::moving::motion::control::TICKS_PER_S;
+use crate::moving::motion::log::Ticks;
 use crate::random::Random;
 
 /// A current sensor's characteristic.

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use super::{Draw, Drawn, Instant, Law};
-use crate::moving::rigid::Link;
-use crate::moving::specimen::Specimen;
+use crate::moving::motion::rigid::Link;
+use crate::moving::motion::specimen::Specimen;
 
 /// A spring between a place beside the axis and one on the link: its pull times its lever,
 /// `k a b sin(q - q0) (1 - L0 / L)` with `L^2 = a^2 + b^2 - 2 a b cos(q - q0)`.

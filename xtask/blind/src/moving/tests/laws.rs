@@ -5,10 +5,10 @@ use haptical_model::kinematics::nalgebra::Vector3;
 use crate::moving::arms::{Arm, SIX};
 use crate::moving::kinds::{FOREIGN, Kind, NAMED};
 use crate::moving::laws::{Draw, Drawn, Instant, Levels, Sliding};
-use crate::moving::log::Ticks;
-use crate::moving::plant::Plant;
-use crate::moving::rigid::At;
-use crate::moving::specimen::Specimen;
+use crate::moving::motion::log::Ticks;
+use crate::moving::motion::plant::Plant;
+use crate::moving::motion::rigid::At;
+use crate::moving::motion::specimen::Specimen;
 use crate::random::Random;
 
 const ARM: &Arm = &SIX;
@@ -139,15 +139,18 @@ fn levels(effect: &Drawn, sliding: &Sliding) -> Levels {
     levels
 }
 
+/// The second joint turns at 1 rad/s.
+const SLIDING: Sliding = Sliding {
+    joint: 1,
+    time_s: 0.0,
+    angle: 0.0,
+    speed: 1.0,
+    drive: 0.0,
+};
+
 #[test]
 fn friction_changes_by_its_numbers() {
-    let sliding = Sliding {
-        joint: 1,
-        time_s: 0.0,
-        angle: 0.0,
-        speed: 1.0,
-        drive: 0.0,
-    };
+    let sliding = SLIDING;
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
 
     let stribeck = drawn("stribeck-friction", 1, 1.0);
@@ -213,7 +216,12 @@ fn friction_changes_by_its_numbers() {
         (there.viscous - back.viscous) / (there.viscous + back.viscous),
         share,
     );
+}
 
+#[test]
+fn friction_changes_with_time_and_angle() {
+    let sliding = SLIDING;
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
     let drift = drawn("friction-drift", 1, 1.0);
     close(
         levels(&drift, &sliding).coulomb,

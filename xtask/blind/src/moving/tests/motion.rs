@@ -1,13 +1,13 @@
 //! Motion: energy is kept, steps are small enough, the controller holds its course.
 
 use crate::moving::arms::{Arm, SEVEN, SIX, SLIDER};
-use crate::moving::control::Design;
-use crate::moving::course::Course;
-use crate::moving::log::Ticks;
-use crate::moving::plant::Plant;
-use crate::moving::rigid::At;
-use crate::moving::run::Rig;
-use crate::moving::specimen::{Friction, Sense, Soft, Specimen};
+use crate::moving::motion::control::Design;
+use crate::moving::motion::course::Course;
+use crate::moving::motion::log::Ticks;
+use crate::moving::motion::plant::Plant;
+use crate::moving::motion::rigid::At;
+use crate::moving::motion::run::Rig;
+use crate::moving::motion::specimen::{Friction, Sense, Soft, Specimen};
 use crate::random::Random;
 
 const ARMS: [&Arm; 3] = [&SIX, &SEVEN, &SLIDER];

@@ -7,7 +7,7 @@ use haptical_model::{Device, Evaluation};
 use serde_json::Value;
 
 use crate::moving::arms::{Arm, SEVEN, SIX, SLIDER, device_toml};
-use crate::moving::rigid::{At, Chain, Link, solve};
+use crate::moving::motion::rigid::{At, Chain, Link, solve};
 use crate::random::Random;
 
 /// Relative to the largest entry: sums of some hundred products.

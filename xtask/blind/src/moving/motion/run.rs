@@ -1,12 +1,12 @@
 //! One recording: controller and arm tick by tick.
 
 use crate::moving::arms::Arm;
-use crate::moving::control::{Asked, Controller, Design, TICKS_PER_S};
-use crate::moving::course::Course;
 use crate::moving::laws::Law;
-use crate::moving::log::Ticks;
-use crate::moving::plant::Plant;
-use crate::moving::specimen::Specimen;
+use crate::moving::motion::control::{Asked, Controller, Design, TICKS_PER_S};
+use crate::moving::motion::course::Course;
+use crate::moving::motion::log::Ticks;
+use crate::moving::motion::plant::Plant;
+use crate::moving::motion::specimen::Specimen;
 
 /// Time at rest before the first row \[s\].
 const BEFORE_S: f64 = 0.4;
@@ -35,7 +35,6 @@ impl Rig<'_> {
         let mut plant = Plant::new(self.specimen, self.laws.clone(), &course.about);
         let mut controller = Controller::new(self.design);
         let delay_s: f64 = self.laws.iter().map(|law| law.command_delay_s()).sum();
-        let limit: Vec<f64> = (0..joints).map(|joint| self.limit(joint)).collect();
         let mut ticks = Ticks::new(joints);
         let (mut held, mut torque) = (vec![0.0; joints], vec![0.0; joints]);
         let mut read = vec![0.0; joints];
@@ -57,9 +56,6 @@ impl Rig<'_> {
                 factors = [factors[0] * own[0], factors[1] * own[1]];
             }
             controller.tick(&heard, &read, factors, &mut torque);
-            for (torque, limit) in torque.iter_mut().zip(&limit) {
-                *torque = torque.clamp(-limit, *limit);
-            }
             if tick >= 0 {
                 let state = plant.state.clone();
                 plant.accelerations(time_s, &state, &held, &mut before);
@@ -83,10 +79,5 @@ impl Rig<'_> {
             }
         }
         ticks
-    }
-
-    fn limit(&self, joint: usize) -> f64 {
-        let shares = self.laws.iter().map(|law| law.drive_share(joint));
-        self.arm.axes[joint].range * shares.fold(1.0, f64::min)
     }
 }

@@ -3,7 +3,7 @@
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::moving::arms::Arm;
-use crate::moving::rigid::Chain;
+use crate::moving::motion::rigid::Chain;
 use crate::random::Random;
 
 /// Share by which a mass is off, at most.

@@ -1,8 +1,8 @@
 //! The arm in motion: bodies, drives with their friction, what the effects add, and a fixed step of Runge and Kutta's.
 
 use crate::moving::laws::{Instant, Law, Levels, Sliding};
-use crate::moving::rigid::{At, solve};
-use crate::moving::specimen::{Friction, Specimen};
+use crate::moving::motion::rigid::{At, solve};
+use crate::moving::motion::specimen::{Friction, Specimen};
 
 /// Angles and rates: of the bodies, then of a motor that a soft drive has apart from its link.
 #[derive(Debug, Clone, PartialEq)]
@@ -188,7 +188,7 @@ impl<'a> Plant<'a> {
             let (stood, from) = self.bristle[joint];
             let sense = self.specimen.friction[joint].sense;
             self.bristle[joint] = match sense {
-                crate::moving::specimen::Sense::Bristle { .. } => {
+                crate::moving::motion::specimen::Sense::Bristle { .. } => {
                     (sense.at(stood, angle - from, 0.0), angle)
                 }
                 _ => (0.0, angle),
@@ -200,7 +200,10 @@ impl<'a> Plant<'a> {
     pub(crate) fn follow(&mut self, joint: usize, angle: f64) {
         let (stood, from) = self.bristle[joint];
         let sense = self.specimen.friction[joint].sense;
-        if matches!(sense, crate::moving::specimen::Sense::Bristle { .. }) {
+        if matches!(
+            sense,
+            crate::moving::motion::specimen::Sense::Bristle { .. }
+        ) {
             self.bristle[joint] = (sense.at(stood, angle - from, 0.0), angle);
         }
     }

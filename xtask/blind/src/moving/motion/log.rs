@@ -1,6 +1,6 @@
 //! What there is to read at each tick of the controller, before sensors and recorder have it.
 
-use crate::moving::control::Asked;
+use crate::moving::motion::control::Asked;
 
 /// Columns at the controller's rate: joint by joint, tick by tick.
 #[derive(Debug, Clone, Default, PartialEq)]

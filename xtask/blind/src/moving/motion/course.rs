@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use crate::moving::arms::Arm;
-use crate::moving::control::Asked;
-use crate::moving::rigid::At;
+use crate::moving::motion::control::Asked;
+use crate::moving::motion::rigid::At;
 use crate::random::Random;
 
 /// Time over which a sum of harmonics is eased in \[s\].

@@ -1,7 +1,7 @@
 //! Controllers of the arms, at 1 kHz: stiffness and damping with the nominal gravity, or the computed torque.
 
 use crate::moving::arms::Arm;
-use crate::moving::rigid::{At, Chain};
+use crate::moving::motion::rigid::{At, Chain};
 use crate::random::Random;
 
 /// Ticks of the controller per second.
