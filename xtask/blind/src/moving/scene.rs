@@ -6,7 +6,7 @@ use crate::error::BlindError;
 use crate::moving::arms::{Arm, SEVEN, SIX, SLIDER};
 use crate::moving::change::{Changes, changes, every};
 use crate::moving::kinds::{Kind, Need, Site};
-use crate::moving::laws::{Draw, Drawn, Law};
+use crate::moving::laws::{ANGLES_PER_S, Draw, Drawn, Law};
 use crate::moving::motion::control::Design;
 use crate::moving::motion::course::{Course, loads};
 use crate::moving::motion::log::Ticks;
@@ -72,8 +72,8 @@ impl Scene {
     fn look_along(&mut self) {
         let chain = self.arm.chain();
         let mut at = At::default();
-        for step in 0..(20.0 * self.sensors.duration_s) as usize {
-            let asked = self.courses[0].at(0.05 * step as f64);
+        for step in 0..(ANGLES_PER_S * self.sensors.duration_s) as usize {
+            let asked = self.courses[0].at(step as f64 / ANGLES_PER_S);
             chain.at(&asked.angle, &asked.rate, &mut at);
             let own = loads(self.arm, &asked, &at);
             for (joint, load) in own.into_iter().enumerate() {

@@ -23,7 +23,7 @@ impl Law for Stribeck {
 
 pub(crate) fn stribeck(draw: &mut Draw<'_>) -> Drawn {
     let extra = draw.of_range(0.06, 0.1);
-    let speed = draw.arm.axes[draw.joint].speed * draw.random.uniform(0.03, 0.08);
+    let speed = draw.top_speed() * draw.random.uniform(0.05, 0.12);
     Drawn::new(Stribeck {
         joint: draw.joint,
         extra,
@@ -68,6 +68,7 @@ pub(crate) fn load(draw: &mut Draw<'_>) -> Drawn {
 struct OneWay {
     joint: usize,
     share: f64,
+    viscous: f64,
 }
 
 impl Law for OneWay {
@@ -80,18 +81,22 @@ impl Law for OneWay {
     }
 
     fn prepare(&self, specimen: &mut Specimen) {
-        specimen.friction[self.joint].viscous *= 2.0;
+        specimen.friction[self.joint].viscous = self.viscous;
     }
 }
 
 pub(crate) fn asymmetry(draw: &mut Draw<'_>) -> Drawn {
     let share = draw.random.sign() * draw.size * draw.random.uniform(0.35, 0.6);
+    let range = draw.arm.axes[draw.joint].range;
+    let viscous = range * draw.random.uniform(0.08, 0.13) / draw.top_speed();
     Drawn::new(OneWay {
         joint: draw.joint,
         share,
+        viscous,
     })
     .at(draw.joint)
     .with("share", share)
+    .with("viscous", viscous)
 }
 
 /// Grease that warms: `1 + share exp(-t / time)`.
@@ -148,7 +153,7 @@ impl Law for Long {
 
 pub(crate) fn presliding(draw: &mut Draw<'_>) -> Drawn {
     let level = draw.arm.axes[draw.joint].range * draw.random.uniform(0.04, 0.06);
-    let length = draw.size * draw.arm.axes[draw.joint].speed * draw.random.uniform(0.005, 0.012);
+    let length = draw.size * draw.top_speed() * draw.random.uniform(0.008, 0.02);
     Drawn::new(Long {
         joint: draw.joint,
         level,

@@ -17,6 +17,9 @@ use crate::moving::motion::rigid::At;
 use crate::moving::motion::specimen::Specimen;
 use crate::random::Random;
 
+/// Entries per second of what an effect is drawn from.
+pub(crate) const ANGLES_PER_S: f64 = 20.0;
+
 /// A drive whose friction is looked at.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sliding {
@@ -137,6 +140,13 @@ impl Draw<'_> {
         let mut angles = self.angles[self.joint].clone();
         angles.sort_by(f64::total_cmp);
         angles[((angles.len() - 1) as f64 * share) as usize]
+    }
+
+    /// Largest speed of the joint.
+    pub(crate) fn top_speed(&self) -> f64 {
+        let steps = self.angles[self.joint].windows(2);
+        let largest = steps.fold(0.0_f64, |most, pair| most.max((pair[1] - pair[0]).abs()));
+        largest * ANGLES_PER_S
     }
 
     /// Largest torque that the joint's drive needs.

@@ -146,7 +146,7 @@ impl Law for Repeats {
 }
 
 pub(crate) fn repeated(draw: &mut Draw<'_>) -> Drawn {
-    let share = draw.size * draw.random.uniform(0.06, 0.15);
+    let share = draw.size * draw.random.uniform(0.02, 0.06);
     Drawn::new(Repeats(share)).with("share", share)
 }
 
@@ -176,6 +176,6 @@ impl Law for Losses {
 }
 
 pub(crate) fn dropped(draw: &mut Draw<'_>) -> Drawn {
-    let share = draw.size * draw.random.uniform(0.01, 0.025);
+    let share = draw.size * draw.random.uniform(0.004, 0.01);
     Drawn::new(Losses { share, most: 4 }).with("share", share)
 }
