@@ -1,6 +1,6 @@
 //! Sizes of effects mean what they say.
 
-use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::moving::arms::{Arm, SIX};
 use crate::moving::kinds::{FOREIGN, Kind, NAMED};
@@ -106,15 +106,15 @@ fn masses_weigh_what_they_say() {
             );
         }
     }
-    // two halves of a body are the body
-    let whole = ARM.chain().links[1].clone();
-    let mut halves = whole.clone();
-    halves.mass_kg *= 0.5;
-    halves.inertia_kgm2 *= 0.5;
-    let (half, centre) = (halves.mass_kg, halves.centre_m);
-    crate::moving::laws::masses::bolt(&mut halves, half, centre, 0.0);
-    assert!((halves.mass_kg - whole.mass_kg).abs() < 1e-12);
-    assert!((halves.inertia_kgm2 - whole.inertia_kgm2 * 0.5).norm() < 1e-12);
+    // two points make a dumbbell: the reduced mass at their distance, about axes across it
+    let mut dumbbell = ARM.chain().links[1].clone();
+    dumbbell.mass_kg = 2.0;
+    dumbbell.centre_m = Vector3::new(0.5, 0.0, 0.0);
+    dumbbell.inertia_kgm2 = Matrix3::zeros();
+    crate::moving::laws::masses::bolt(&mut dumbbell, 3.0, Vector3::new(1.5, 0.0, 0.0), 0.0);
+    assert!((dumbbell.centre_m - Vector3::new(1.1, 0.0, 0.0)).norm() < 1e-12);
+    let expected = Matrix3::from_diagonal(&Vector3::new(0.0, 1.2, 1.2));
+    assert!((dumbbell.inertia_kgm2 - expected).norm() < 1e-12);
 }
 
 #[test]
