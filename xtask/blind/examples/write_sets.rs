@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use xtask_blind::{Suite, write_trial};
+use xtask_blind::{Suite, write_moving, write_trial};
 
 /// The value after a flag.
 fn flag(name: &str) -> Option<String> {
@@ -20,6 +20,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let seed = number("--seed", 1)?;
     let out = PathBuf::from(flag("--out").unwrap_or_else(|| "target/blind".to_owned()));
     for index in first..first + count {
+        if suite == Suite::Moving {
+            write_moving(index, seed, &out)?;
+            continue;
+        }
         let trial = suite.draw(index, seed)?;
         let folder = out.join(format!("{index:03}-{}", trial.truth.name));
         write_trial(&trial, &folder, true)?;

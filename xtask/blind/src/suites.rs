@@ -11,7 +11,7 @@ use crate::random::Random;
 use crate::rig::devices::{NOMINALS, Nominal};
 use crate::rig::motion::MotionPlan;
 use crate::trial::{Order, Trial};
-use crate::{arms, colour, wrist};
+use crate::{arms, colour, moving, wrist};
 
 /// A suite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -66,6 +66,10 @@ pub enum Suite {
     LoopPairs,
     /// SLA: clean, and an effect that is not there is asked for.
     Absent,
+    /// Arms that a controller moves: clean, with effects of all kinds, with torques of something else.
+    Moving,
+    /// The same arms, clean, with torque noise that remembers a little.
+    MovingMemory,
 }
 
 /// Streams of suites do not meet: suite number times this, plus the index.
@@ -73,7 +77,7 @@ const SUITE_STREAM: u64 = 1 << 40;
 
 impl Suite {
     /// All suites.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 27] = [
         Self::Clean,
         Self::Singles,
         Self::NearSingles,
@@ -99,6 +103,8 @@ impl Suite {
         Self::Loop,
         Self::LoopPairs,
         Self::Absent,
+        Self::Moving,
+        Self::MovingMemory,
     ];
 
     /// Short name: `s0`, `s1`, `s1n`, ...
@@ -129,6 +135,8 @@ impl Suite {
             Self::Loop => "sl",
             Self::LoopPairs => "slp",
             Self::Absent => "sla",
+            Self::Moving => "moving",
+            Self::MovingMemory => "moving-memory",
         }
     }
 
@@ -160,12 +168,19 @@ impl Suite {
             Self::Loop => 20,
             Self::LoopPairs => 21,
             Self::Absent => 22,
+            Self::Moving => 23,
+            Self::MovingMemory => 24,
         }
     }
 
     /// Whether the diagnosis must not see the second recording: what it made of the first is tried on it.
     pub const fn keeps_second_back(self) -> bool {
         matches!(self, Self::Loop | Self::LoopPairs | Self::Absent)
+    }
+
+    /// The random numbers of a trial.
+    pub(crate) fn random(self, index: u64, batch_seed: u64) -> Random {
+        Random::new(batch_seed, SUITE_STREAM * self.stream() + index)
     }
 
     /// The suite of that name.
@@ -186,13 +201,15 @@ impl Suite {
     /// # Errors
     /// [`BlindError`] where a device cannot be evaluated.
     pub fn draw(self, index: u64, batch_seed: u64) -> Result<Trial, BlindError> {
-        let mut random = Random::new(batch_seed, SUITE_STREAM * self.stream() + index);
+        let mut random = self.random(index, batch_seed);
         let of_its_own = match self {
             Self::Elastic => arms::elastic,
             Self::Repeats => arms::repeats,
             Self::Moved => arms::moved,
             Self::Wrist => wrist::draw,
             Self::Absent => loop_suites::absent,
+            Self::Moving => moving::draw,
+            Self::MovingMemory => moving::with_memory,
             _ => {
                 let order = self.order(index, &mut random)?;
                 return order.make(self.name(), index, batch_seed, &mut random);
@@ -213,12 +230,18 @@ impl Suite {
     ) -> Result<Option<(Trial, Again)>, BlindError> {
         let is_of_its_own = matches!(
             self,
-            Self::Elastic | Self::Repeats | Self::Moved | Self::Wrist | Self::Absent
+            Self::Elastic
+                | Self::Repeats
+                | Self::Moved
+                | Self::Wrist
+                | Self::Absent
+                | Self::Moving
+                | Self::MovingMemory
         );
         if is_of_its_own {
             return Ok(None);
         }
-        let mut random = Random::new(batch_seed, SUITE_STREAM * self.stream() + index);
+        let mut random = self.random(index, batch_seed);
         let order = self.order(index, &mut random)?;
         let made = order.make_again(self.name(), index, batch_seed, &mut random);
         made.map(Some)
@@ -267,9 +290,13 @@ impl Suite {
             Self::PayloadSame => payload_suites::unchanged(index, random),
             Self::Coloured => colour::order(index, random),
             // drawn without an order
-            Self::Elastic | Self::Repeats | Self::Moved | Self::Wrist | Self::Absent => {
-                clean(index, random)
-            }
+            Self::Elastic
+            | Self::Repeats
+            | Self::Moved
+            | Self::Wrist
+            | Self::Absent
+            | Self::Moving
+            | Self::MovingMemory => clean(index, random),
         }
     }
 }

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use xtask_blind::{
     Answer, Random, Sealed, Suite, TrialScore, TrueReduction, Truth, judge, seal, sha256_hex,
-    true_reductions, write_trial,
+    true_reductions, write_moving, write_trial,
 };
 use xtask_output::Progress;
 
@@ -244,11 +244,16 @@ impl Batch {
 
     /// Writes every trial with its truth below `folder`.
     pub(crate) fn dump(&self, folder: &Path) -> Result<()> {
-        for (suite, index) in &self.trials {
-            let trial = suite.draw(*index, self.seed)?;
+        let progress = Progress::new("writing", self.trials.len());
+        let written = in_parallel(self.jobs, self.trials.len(), &progress, |number| {
+            let (suite, index) = self.trials[number];
+            if suite == Suite::Moving {
+                return Ok(write_moving(index, self.seed, folder)?);
+            }
+            let trial = suite.draw(index, self.seed)?;
             let name = format!("{}-{index:03}-{}", suite.name(), trial.truth.name);
-            write_trial(&trial, &folder.join(name), true)?;
-        }
-        Ok(())
+            Ok(write_trial(&trial, &folder.join(name), true)?)
+        })?;
+        written.into_iter().collect()
     }
 }

@@ -48,7 +48,8 @@ use seed::SeedRule;
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Example: cargo xtask blind-check --suite s1 --first 17 --count 1 --seed 5")]
 pub struct Arguments {
-    /// Suites: s0, s1, s1n, s2, s3, s4, s5, s6, s7, s8, s10, sf, sfw, sfu, sp, spw, spc, se, sr, sm, sc, sw, sl, slp, sla (default: all).
+    /// Suites: s0, s1, s1n, s2, s3, s4, s5, s6, s7, s8, s10, sf, sfw, sfu, sp, spw, spc, se, sr, sm, sc, sw, sl, slp, sla, moving,
+    /// moving-memory (default: all).
     #[arg(long, value_delimiter = ',')]
     suite: Vec<String>,
     /// Trials of each suite (default: as many as a scored batch has).
@@ -76,6 +77,9 @@ pub struct Arguments {
     /// Writes each trial, truth included, to a folder of its own below this one.
     #[arg(long)]
     dump: Option<PathBuf>,
+    /// Writes each trial as `--dump` does, and ends: nothing is diagnosed.
+    #[arg(long, conflicts_with_all = ["dump", "record"])]
+    write: Option<PathBuf>,
     /// Adds a row to docs/blind-checks.md; for a scored batch alone.
     #[arg(long)]
     record: bool,
@@ -110,8 +114,12 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         jobs,
         haptical,
     };
-    if let Some(folder) = &arguments.dump {
+    if let Some(folder) = arguments.dump.as_ref().or(arguments.write.as_ref()) {
         batch.dump(folder)?;
+    }
+    if let Some(folder) = &arguments.write {
+        println!("trials: {}", folder.display());
+        return Ok(());
     }
     let run = Run {
         date: seed::today(),

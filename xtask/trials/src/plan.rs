@@ -6,7 +6,7 @@ use xtask_blind::Suite;
 use super::Arguments;
 
 /// Trials of a scored batch.
-const SCORED: [(Suite, u64); 25] = [
+const SCORED: [(Suite, u64); 27] = [
     (Suite::Clean, 300),
     (Suite::Singles, 300),
     (Suite::NearSingles, 150),
@@ -32,9 +32,11 @@ const SCORED: [(Suite, u64); 25] = [
     (Suite::Loop, 96),
     (Suite::LoopPairs, 50),
     (Suite::Absent, 100),
+    (Suite::Moving, 400),
+    (Suite::MovingMemory, 40),
 ];
 /// Trials of a quick check: each kind of clean recording twice, each strong effect once.
-const QUICK: [(Suite, u64); 25] = [
+const QUICK: [(Suite, u64); 27] = [
     (Suite::Clean, 12),
     (Suite::Singles, 32),
     (Suite::NearSingles, 2),
@@ -60,6 +62,8 @@ const QUICK: [(Suite, u64); 25] = [
     (Suite::Loop, 2),
     (Suite::LoopPairs, 1),
     (Suite::Absent, 2),
+    (Suite::Moving, 2),
+    (Suite::MovingMemory, 1),
 ];
 
 /// Some trials of one suite.

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod end_to_end;
+mod moving;
 mod scores;
 mod seeds;
 

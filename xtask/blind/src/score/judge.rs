@@ -90,7 +90,8 @@ pub struct TrialScore {
 
 /// Judges an answer; `reductions` are the true ones of the second recording, where known.
 ///
-/// Right is: `no-gap` for a clean truth; `unknown` (or acceptable names alone) where no name is right;
+/// Right is: `no-gap` for a clean truth, and where it is said to be right; `unknown` (or acceptable names alone) where no name
+/// is right;
 /// else a verdict `named` or `ambiguous` with one name of every group of the truth among the causes or
 /// what they are declared to be confused with.
 pub fn judge(
@@ -130,7 +131,7 @@ pub fn judge(
     let right = if truth.is_clean() {
         !detected
     } else if truth.is_unknown() {
-        answer.verdict == Verdict::Unknown || twins_alone
+        answer.verdict == Verdict::Unknown || twins_alone || (truth.no_gap_is_right && !detected)
     } else {
         all_found || (truth.no_gap_is_right && !detected)
     };

@@ -63,6 +63,7 @@ pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
     all.extend(parameters(cases));
     all.extend(near(cases));
     all.extend(super::measured::measures(cases));
+    all.extend(super::moving::measures(cases));
     all.extend(super::closed::measures(cases));
     all.extend(others(cases));
     all

@@ -4,6 +4,7 @@ pub(crate) mod bars;
 pub(crate) mod closed;
 pub(crate) mod figures;
 mod measured;
+pub(crate) mod moving;
 pub(crate) mod payloads;
 pub(crate) mod record;
 pub(crate) mod wrong;
@@ -50,6 +51,8 @@ fn about(suite: &str) -> &'static str {
         "sl" => "one strong effect, corrected and predicted",
         "slp" => "two effects, corrected and predicted",
         "sla" => "clean, and an effect asked for",
+        "moving" => "arms that a controller moves",
+        "moving-memory" => "the same, clean, noise with a memory",
         _ => "",
     }
 }
@@ -66,6 +69,10 @@ pub(crate) fn write(output: &mut Output, cases: &[Case], measures: &[Measure]) -
         output.figure("ladder", caption, &figure)?;
     }
     parameters(output, cases)?;
+    if let Some(table) = moving::table(cases)? {
+        output.section("Moving arms");
+        output.table("moving", table)?;
+    }
     let open = closed::table(cases)?;
     if !open.rows().is_empty() {
         output.section("Loops that are not closed, or counted apart");
@@ -221,6 +228,11 @@ fn confusions(output: &mut Output, cases: &[Case]) -> Result<()> {
             "Suites like measured sets",
             &["se", "sr", "sm", "sc", "sw"],
         ),
+        (
+            "confusion-moving",
+            "Arms that a controller moves",
+            &["moving", "moving-memory"],
+        ),
     ] {
         let wanted: Vec<&Case> = cases
             .iter()
@@ -262,8 +274,9 @@ fn wrong_ones(output: &mut Output, cases: &[Case]) -> Result<()> {
         "Each can be run again with the arguments in its row and the seed of the batch; --dump FOLDER \
          writes its files.",
     );
-    let is_small =
-        |case: &Case, fault: Fault| fault == Fault::Missed && SMALL.contains(&case.suite);
+    let is_small = |case: &Case, fault: Fault| {
+        fault == Fault::Missed && (SMALL.contains(&case.suite) || moving::is_weak(case))
+    };
     let table = wrong::table("", cases, |case, fault| !is_small(case, fault))?;
     if table.rows().is_empty() {
         output.words("None.");

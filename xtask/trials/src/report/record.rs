@@ -29,7 +29,7 @@ pub(crate) struct Run {
 }
 
 /// Headline figures: group and name as in the table of bars, and what a row calls them.
-pub(crate) const HEADLINES: [(&str, &str, &str); 20] = [
+pub(crate) const HEADLINES: [(&str, &str, &str); 23] = [
     ("clean sets", "named, all", "clean: named"),
     (
         "clean sets",
@@ -121,6 +121,21 @@ pub(crate) const HEADLINES: [(&str, &str, &str); 20] = [
         "an effect that is not there",
         "fitted, and said not to be shown",
         "absent effects not shown",
+    ),
+    (
+        "moving arms",
+        "clean: any verdict but no-gap",
+        "moving arms, clean: any verdict but no-gap",
+    ),
+    (
+        "moving arms",
+        "strong: right, of detected",
+        "moving arms, strong: right of detected",
+    ),
+    (
+        "moving arms",
+        "no name is right: confidently wrong, of detected",
+        "moving arms, no name is right: confidently wrong",
     ),
 ];
 

@@ -1,0 +1,78 @@
+//! A wall in the flange's way for a part of the log.
+
+use haptical_model::kinematics::nalgebra::Vector3;
+
+use super::{Draw, Drawn, Instant, Law};
+
+/// Power of the depth: between a flat stamp's 1 and a ball's 3/2.
+const POWER: f64 = 1.3;
+
+/// Source: Hunt & Crossley, "Coefficient of restitution interpreted as damping in vibroimpact", Journal of Applied Mechanics
+/// 42, 1975: `k d^p (1 + c d')`.
+#[derive(Debug)]
+struct Wall {
+    normal: Vector3<f64>,
+    /// Along the normal \[m\].
+    place_m: f64,
+    stiffness: f64,
+    damping: f64,
+    from_s: f64,
+    until_s: f64,
+}
+
+impl Law for Wall {
+    fn torque(&self, instant: &Instant<'_>, torque: &mut [f64]) {
+        if instant.time_s < self.from_s || instant.time_s > self.until_s {
+            return;
+        }
+        let (place_m, velocity) = instant.at.flange();
+        let depth = self.normal.dot(&place_m) - self.place_m;
+        if depth > 0.0 {
+            let rate = self.normal.dot(&velocity);
+            let force_n = self.stiffness * libm::pow(depth, POWER) * (1.0 + self.damping * rate);
+            instant
+                .at
+                .add_at_flange(&(self.normal * -force_n.max(0.0)), torque);
+        }
+    }
+}
+
+pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
+    let reach: Vec<f64> = draw.flange_m.iter().map(Vector3::norm).collect();
+    let lever_m = reach.iter().fold(0.1_f64, |most, own| own.max(most));
+    let strongest = draw.arm.axes[0].range.max(draw.arm.axes[1].range);
+    let force_n = draw.size * draw.random.uniform(0.25, 0.5) * strongest / lever_m;
+    let (sine, cosine) = libm::sincos(draw.random.phase_rad());
+    let down = match draw.arm.axes.iter().any(|axis| axis.slides) {
+        true => 0.0,
+        false => draw.random.uniform(-0.8, 0.3),
+    };
+    let normal = Vector3::new(cosine, sine, down).normalize();
+    let from_s = draw.duration_s * draw.random.uniform(0.1, 0.3);
+    let until_s = draw.duration_s * draw.random.uniform(0.7, 0.95);
+    let mut along: Vec<f64> = draw
+        .flange_m
+        .iter()
+        .map(|place| normal.dot(place))
+        .collect();
+    along.sort_by(f64::total_cmp);
+    let share = draw.random.uniform(0.12, 0.25);
+    let last = along.len() - 1;
+    let place_m = along[(last as f64 * (1.0 - share)) as usize];
+    let deepest = (along[last] - place_m).max(1e-3);
+    Drawn::new(Wall {
+        normal,
+        place_m,
+        stiffness: force_n / libm::pow(deepest, POWER),
+        damping: 0.5,
+        from_s,
+        until_s,
+    })
+    .with("force_n", force_n)
+    .with("place_m", place_m)
+    .with("normal_x", normal.x)
+    .with("normal_y", normal.y)
+    .with("normal_z", normal.z)
+    .with("from_s", from_s)
+    .with("until_s", until_s)
+}

@@ -1,0 +1,6 @@
+//! Laws of moving arms: bodies against other programs, energies, steps of integration, sizes of effects, strata.
+
+mod laws;
+mod motion;
+mod rigid;
+mod strata;

@@ -1,0 +1,275 @@
+//! Figures of arms that a controller moves (docs/blind-checks.md, Moving arms).
+
+use std::collections::BTreeMap;
+
+use haptical_report::{Cell, ReportError, Table};
+use xtask_blind::{Rate, TrialScore};
+
+use crate::batch::Case;
+use crate::measure::{Bar, Measure, Value, number, quantile};
+use crate::report::bars::{any, detected, named, right, scores_of, share};
+
+/// The suite, and that of clean arms whose noise has a memory.
+const SUITE: &str = "moving";
+const MEMORY: &str = "moving-memory";
+/// Labels of trials whose torques are of something else begin so.
+const SLOPPY: &str = "torques-of-";
+
+/// A part of the suite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stratum {
+    Clean,
+    Strong,
+    Weak,
+    Withheld,
+    Foreign,
+    Pair,
+    Sloppy,
+}
+
+impl Stratum {
+    /// Where a trial of the suite belongs.
+    fn of(case: &Case) -> Self {
+        let truth = &case.truth;
+        if truth.name.starts_with(SLOPPY) {
+            Self::Sloppy
+        } else if truth.is_clean() {
+            Self::Clean
+        } else if !truth.without.is_empty() {
+            Self::Withheld
+        } else if truth.is_unknown() {
+            Self::Foreign
+        } else if truth.effects.len() > 1 {
+            Self::Pair
+        } else if is_weak(case) {
+            Self::Weak
+        } else {
+            Self::Strong
+        }
+    }
+}
+
+/// Whether a trial of the suite has one weak effect.
+pub(crate) fn is_weak(case: &Case) -> bool {
+    case.suite == SUITE && case.truth.effects.iter().any(|effect| effect.size < 1.0)
+}
+
+/// Trials of the suite that belong to these strata.
+fn of<'c>(cases: &'c [Case], strata: &[Stratum]) -> Vec<&'c Case> {
+    let own = cases.iter().filter(|case| case.suite == SUITE);
+    own.filter(|case| strata.contains(&Stratum::of(case)))
+        .collect()
+}
+
+fn scores<'c>(cases: &[&'c Case]) -> Vec<&'c TrialScore> {
+    cases
+        .iter()
+        .filter_map(|case| case.score.as_ref())
+        .collect()
+}
+
+fn figure(name: &str, value: Value, bar: Option<Bar>) -> Measure {
+    Measure::new("moving arms", name, value, bar)
+}
+
+fn wrong(score: &TrialScore) -> bool {
+    score.confidently_wrong
+}
+
+/// All figures of the suite.
+pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
+    let mut all = clean(cases);
+    all.extend(listed(cases));
+    all.extend(nameless(cases));
+    let times = cases
+        .iter()
+        .filter(|case| [SUITE, MEMORY].contains(&case.suite));
+    let times_s: Vec<f64> = times.map(|case| case.time_s).collect();
+    let time = number(&times_s, 2, "s", |values| quantile(values, 0.5));
+    all.push(figure("time of a diagnosis, median", time, None));
+    all
+}
+
+fn clean(cases: &[Case]) -> Vec<Measure> {
+    let own = scores(&of(cases, &[Stratum::Clean]));
+    let memory = scores_of(cases, &[MEMORY]);
+    vec![
+        figure(
+            "clean: any verdict but no-gap",
+            share(&own, any, detected),
+            Some(Bar::AtMost(0.03)),
+        ),
+        figure(
+            "clean: named",
+            share(&own, any, named),
+            Some(Bar::AtMost(0.01)),
+        ),
+        figure(
+            "noise with a memory: named",
+            share(&memory, any, named),
+            Some(Bar::AtMost(0.02)),
+        ),
+        figure(
+            "noise with a memory: any verdict but no-gap",
+            share(&memory, any, detected),
+            None,
+        ),
+    ]
+}
+
+/// Effects that the catalogue has.
+fn listed(cases: &[Case]) -> Vec<Measure> {
+    let strong_cases = of(cases, &[Stratum::Strong]);
+    let strong = scores(&strong_cases);
+    let weak = scores(&of(cases, &[Stratum::Weak]));
+    let pairs = scores(&of(cases, &[Stratum::Pair]));
+    let joints = strong.iter().filter_map(|score| score.joint_right);
+    let joints = Value::Share(Rate::of_cases(joints));
+    let most = Some(Bar::AtLeast(0.9));
+    let right_of = |scores: &[&TrialScore]| share(scores, detected, right);
+    let few = Some(Bar::AtMost(0.03));
+    let both = share(&pairs, any, |score| score.groups_found == score.groups);
+    let is_wrong = share(&strong, detected, wrong);
+    vec![
+        figure("strong: detected", share(&strong, any, detected), None),
+        figure("strong: right, of detected", right_of(&strong), most),
+        figure(
+            "strong: joint right, of those found",
+            joints,
+            Some(Bar::AtLeast(0.95)),
+        ),
+        figure("strong: confidently wrong, of detected", is_wrong, few),
+        figure(
+            "strong, name right: gap stated as closed, median",
+            stated(&strong_cases),
+            None,
+        ),
+        figure("weak: detected", share(&weak, any, detected), None),
+        figure("weak: right, of detected", right_of(&weak), most),
+        figure("two effects: both found", both, Some(Bar::AtLeast(0.8))),
+    ]
+}
+
+/// Effects that the catalogue does not have, and torques that no effect makes.
+fn nameless(cases: &[Case]) -> Vec<Measure> {
+    let withheld = scores(&of(cases, &[Stratum::Withheld]));
+    let foreign = scores(&of(cases, &[Stratum::Foreign]));
+    let both = scores(&of(cases, &[Stratum::Withheld, Stratum::Foreign]));
+    let sloppy = scores(&of(cases, &[Stratum::Sloppy]));
+    let right_of = |scores: &[&TrialScore]| share(scores, detected, right);
+    vec![
+        figure(
+            "withheld: unknown or a twin class, of detected",
+            right_of(&withheld),
+            None,
+        ),
+        figure(
+            "in no catalogue: unknown, of detected",
+            right_of(&foreign),
+            None,
+        ),
+        figure(
+            "no name is right: unknown, of detected",
+            right_of(&both),
+            Some(Bar::AtLeast(0.9)),
+        ),
+        figure(
+            "no name is right: confidently wrong, of detected",
+            share(&both, detected, wrong),
+            Some(Bar::AtMost(0.03)),
+        ),
+        figure(
+            "torques of something else: unknown",
+            share(&sloppy, any, right),
+            Some(Bar::AtLeast(1.0)),
+        ),
+    ]
+}
+
+/// Stated reduction of the gap on the second recording, where the first name is right.
+fn stated(cases: &[&Case]) -> Value {
+    let right = cases
+        .iter()
+        .filter(|case| case.score.as_ref().is_some_and(|score| score.top_right));
+    let percents: Vec<f64> = right
+        .filter_map(|case| {
+            let cause = case.answer.as_ref()?.causes.first()?;
+            cause.held_out.as_ref()?.reduction_percent
+        })
+        .collect();
+    number(&percents, 1, "%", |values| quantile(values, 0.5))
+}
+
+/// Effect by effect; none without trials.
+pub(crate) fn table(cases: &[Case]) -> Result<Option<Table>, ReportError> {
+    let mut by_label: BTreeMap<&str, Vec<&Case>> = BTreeMap::new();
+    for case in cases
+        .iter()
+        .filter(|case| [SUITE, MEMORY].contains(&case.suite))
+    {
+        by_label.entry(&case.truth.name).or_default().push(case);
+    }
+    if by_label.is_empty() {
+        return Ok(None);
+    }
+    let heads = "trials with | trials | change over noise, median | detected | right | first name right | joint right \
+                 | confidently wrong | answered first";
+    let mut table = Table::with_heads("", heads);
+    for (label, own) in by_label {
+        let scores: Vec<&TrialScore> = own.iter().filter_map(|case| case.score.as_ref()).collect();
+        let count = |is: fn(&TrialScore) -> bool| {
+            Cell::number(scores.iter().filter(|score| is(score)).count() as f64, 0)
+        };
+        let joints: Vec<bool> = scores
+            .iter()
+            .filter_map(|score| score.joint_right)
+            .collect();
+        let at_joint = joints.iter().filter(|right| **right).count();
+        let changes: Vec<f64> = own.iter().filter_map(|case| change(case)).collect();
+        let changes: Vec<&f64> = changes.iter().collect();
+        let joint = match joints.len() {
+            0 => Cell::Missing,
+            of => Cell::Text(format!("{at_joint} of {of}")),
+        };
+        table.push(vec![
+            Cell::Text(label.to_owned()),
+            Cell::number(own.len() as f64, 0),
+            Cell::number_or_missing(quantile(&changes, 0.5), 1),
+            count(|score| score.detected),
+            count(|score| score.right),
+            count(|score| score.top_right),
+            joint,
+            count(|score| score.confidently_wrong),
+            Cell::Text(answers(&scores)),
+        ])?;
+    }
+    table.notes.push(
+        "Change: of the torque, filtered at 10 Hz, root mean square over the noise, worst joint, against the same arm and \
+         controller without the effect; of what shows on second encoders or in lost rows it says nothing."
+            .to_owned(),
+    );
+    Ok(Some(table))
+}
+
+/// The larger of the changes against the arm and, where the log has a command, the controller.
+fn change(case: &Case) -> Option<f64> {
+    let law = &case.truth.effects.first()?.law;
+    let arm = law.get("change_arm_over_noise")?;
+    let controller = law.get("change_controller_over_noise").copied();
+    Some(controller.map_or(*arm, |own| own.max(*arm)))
+}
+
+/// `payload 3, unknown 2`, most frequent first.
+fn answers(scores: &[&TrialScore]) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for score in scores {
+        *counts.entry(&score.answered).or_default() += 1;
+    }
+    let mut counts: Vec<(&str, usize)> = counts.into_iter().collect();
+    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let words: Vec<String> = counts
+        .into_iter()
+        .map(|(name, count)| format!("{name} {count}"))
+        .collect();
+    words.join(", ")
+}
