@@ -28,6 +28,7 @@ pub use haptical_kinematics as kinematics;
 pub use haptical_linalg as linalg;
 pub use haptical_metrics as metrics;
 pub use haptical_model as model;
+pub use haptical_motion as motion;
 pub use haptical_report as report;
 pub use haptical_runtime as runtime;
 pub use haptical_simulator as simulator;

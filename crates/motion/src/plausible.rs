@@ -1,6 +1,6 @@
 //! How far a sound arm's numbers may be from its model's. What stays within is calibration and no gap.
 //!
-//! The limits are two standard deviations of what the base model allows for (docs/assumptions.md, A155).
+//! The limits are two standard deviations of what the base model allows for (docs/assumptions.md, A157).
 
 /// A number is never further off than this many of its standard deviations: a gap stays a gap, however many rows would rather have
 /// it otherwise.

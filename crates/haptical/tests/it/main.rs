@@ -2,6 +2,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
+    clippy::print_stdout,
     reason = "a test that cannot go on fails there"
 )]
 
@@ -16,6 +17,7 @@ mod errors;
 #[path = "../../examples/fleet.rs"]
 mod fleet;
 mod forward;
+mod moving_sets;
 #[path = "../../examples/next_poses.rs"]
 mod next_poses;
 #[path = "../../examples/own_effect.rs"]

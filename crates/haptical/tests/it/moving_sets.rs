@@ -1,0 +1,58 @@
+//! Recordings of a moving arm whose effects are known, simulated by others: another library's rigid bodies, drives with laws of their
+//! own.
+
+use std::path::PathBuf;
+
+use haptical::diagnosis::Verdict;
+use haptical::{Device, Diagnose, Log, diagnose};
+
+/// The set, what may be named first, and the joint. Of `07-backlash-second` the answer is `unknown`, and is not asked here.
+const SETS: [(&str, &[&str], Option<usize>); 9] = [
+    ("01-clean", &[], None),
+    ("02-payload", &["payload"], None),
+    ("03-encoder-latency", &["encoder-latency"], None),
+    ("04-torque-gain", &["torque-gain"], Some(3)),
+    ("05-stribeck", &["stribeck-friction"], Some(2)),
+    (
+        "06-elastic-second",
+        &["capstan-compliance", "joint-compliance"],
+        Some(2),
+    ),
+    ("08-cogging", &["motor-cogging"], Some(1)),
+    ("09-contact", &["contact"], None),
+    ("10-unknown-dent", &["unknown"], None),
+];
+
+#[test]
+fn what_moves_an_arm_is_named() {
+    let sets = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/moving-sets");
+    if !sets.exists() {
+        println!("skipped: no {}", sets.display());
+        return;
+    }
+    for model in ["arm_a.urdf", "arm_a.xml"] {
+        let device = Device::load(sets.join(model)).unwrap();
+        for (set, right, joint) in SETS {
+            let log = Log::read(sets.join(set).join("log.csv.gz"), &device).unwrap();
+            let found = diagnose(&device, &log, &Diagnose::default())
+                .unwrap()
+                .diagnosis;
+            let first = found.causes.first();
+            let told = (
+                found.verdict,
+                first.map(|own| (own.effect.as_str(), own.joint)),
+            );
+            let is_right = match right {
+                [] => told == (Verdict::NoGap, None),
+                ["unknown"] => found.verdict == Verdict::Unknown,
+                names => {
+                    found.verdict == Verdict::Named
+                        && first.is_some_and(|own| {
+                            names.contains(&own.effect.as_str()) && own.joint == joint
+                        })
+                }
+            };
+            assert!(is_right, "{set} with {model}: {told:?}");
+        }
+    }
+}
