@@ -22,7 +22,7 @@ use crate::select::{Selection, Selector};
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
 use crate::thresholds::recording::MOST_ROWS;
-use crate::{DiagnosisError, Options, torques_alone};
+use crate::{DiagnosisError, Options, servo_alone, torques_alone};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
 /// effect of the catalogue causes it, or that none does.
@@ -91,6 +91,10 @@ fn diagnose_all(
         ..options.clone()
     };
     let device = &device;
+    if servo_alone::applies(device, &recording) {
+        let effects = effects_of(device, options)?;
+        return servo_alone::diagnose(device, &recording, &effects, options);
+    }
     let thinned = thinned(&recording);
     let recording = thinned.as_ref().unwrap_or(&recording);
     let effects = effects_of(device, options)?;
@@ -363,6 +367,7 @@ fn effects_of(
     let mut effects = catalogue(device);
     effects.extend(options.own_effects.into_iter().flat_map(|own| own(device)));
     let mut names = haptical_effects::names();
+    names.extend(haptical_servo::SPECS.iter().map(|spec| spec.name));
     names.extend(effects.iter().map(|effect| effect.name()));
     let without: Vec<String> = options
         .without

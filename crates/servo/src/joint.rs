@@ -5,7 +5,9 @@ use crate::change::{self, Change};
 use crate::effect::{friction, gain, lag, latency, offset, saturation};
 use crate::log::{JointLog, Series, Untested, range, rms};
 use crate::select::{Judged, Law, Selection, gain as gain_over, select};
-use crate::thresholds::{ABOVE_FLOOR, ALL_CLOSED, CLOSED, DROOP_GAIN, OFFSET_COUNTS, WIDE_RAD};
+use crate::thresholds::{
+    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, WIDE_RAD,
+};
 
 /// Says how a joint answers its command, and what of that changed within the log.
 ///
@@ -224,7 +226,9 @@ impl Joint<'_> {
         }
         let columns = std::iter::once(&self.series.command).chain(&self.series.others);
         let widest = columns.map(|column| range(column)).fold(0.0, f64::max);
-        let rivals = match widest > WIDE_RAD || self.series.load_nm.is_some() {
+        let has_droop = Law::Droop.is_in(chosen.terms);
+        let is_wide = widest > WIDE_RAD && !has_droop;
+        let rivals = match is_wide || self.series.load_nm.is_some() {
             // gravity's torque would have varied, and no droop that follows it is missed
             true => Vec::new(),
             false => vec![lag::SPEC.name],
@@ -235,21 +239,24 @@ impl Joint<'_> {
     /// Delay or lag: both where neither alone does.
     fn timing(&self) -> Named {
         let chosen = &self.selection.chosen;
+        let least = AS_GOOD * chosen.unseen_squares();
         let is_worse = |alone: &Option<Judged>| {
-            let gained = alone.as_ref().map(|alone| {
-                let gain = gain_over(&chosen.unseen, &alone.unseen);
-                gain.is_sure && gain.squares > 0.05 * chosen.unseen_squares()
-            });
-            gained.unwrap_or(false)
+            (alone.as_ref()).is_some_and(|alone| alone.unseen_squares() > least)
+        };
+        let is_surely_worse = |alone: &Option<Judged>| {
+            let sure = |alone: &Judged| gain_over(&chosen.unseen, &alone.unseen).is_sure;
+            is_worse(alone) && alone.as_ref().is_some_and(sure)
         };
         let delay = number("delay_s", chosen, |fit| fit.shape.delay_s + fit.shape.lag_s);
         let part = number("lag_s", chosen, |fit| fit.shape.lag_s);
-        match [&self.selection.delay_alone, &self.selection.lag_alone].map(is_worse) {
-            // a lag is refused, a delay is enough
-            [false, true] => (latency::SPEC.name, vec![delay], Vec::new()),
-            [true, false] => (lag::SPEC.name, vec![part], vec![latency::SPEC.name]),
-            _ => (latency::SPEC.name, vec![delay, part], vec![lag::SPEC.name]),
+        let [delay_alone, lag_alone] = [&self.selection.delay_alone, &self.selection.lag_alone];
+        if !is_worse(delay_alone) && is_surely_worse(lag_alone) {
+            return (latency::SPEC.name, vec![delay], Vec::new());
         }
+        if !is_worse(lag_alone) && is_surely_worse(delay_alone) {
+            return (lag::SPEC.name, vec![part], vec![latency::SPEC.name]);
+        }
+        (latency::SPEC.name, vec![delay, part], vec![lag::SPEC.name])
     }
 
     fn gain(&self) -> Named {
@@ -277,7 +284,11 @@ impl Joint<'_> {
                 }]
             }
         };
-        (lag::SPEC.name, numbers, Vec::new())
+        let rivals = match self.series.load_nm {
+            Some(_) => Vec::new(),
+            None => vec![gain::SPEC.name],
+        };
+        (lag::SPEC.name, numbers, rivals)
     }
 }
 

@@ -190,12 +190,26 @@ impl Series {
                 column[k] += turns;
             }
         }
+        if found.iter().any(|times| *times > 0) {
+            self.bring_together();
+        }
         for (times, name) in found.iter().zip(["position", "command"]) {
             if *times > 0 {
                 self.warnings.push(format!(
                     "its {name} jumps by a whole turn {times} times: taken as an angle that wraps"
                 ));
             }
+        }
+    }
+
+    /// Takes off whole turns that lie between a position and its command at the start of a piece.
+    fn bring_together(&mut self) {
+        let turn = std::f64::consts::TAU;
+        for piece in self.pieces().collect::<Vec<_>>() {
+            let apart = mean(&self.response[piece.clone()]) - mean(&self.command[piece.clone()]);
+            let turns = (apart / turn).round() * turn;
+            let own = &mut self.response[piece];
+            own.iter_mut().for_each(|value| *value -= turns);
         }
     }
 

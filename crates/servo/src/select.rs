@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::fit::{Fit, Problem, Shape, Terms};
 use crate::log::Series;
-use crate::thresholds::{FOLDS, LEAST_SHARE, SURE_SD};
+use crate::thresholds::{FOLDS, LEAST_DROOP_SHARE, LEAST_SHARE, SURE_SD};
 
 /// A model with what it leaves of rows that its fit did not see, part by part.
 #[derive(Debug, Clone)]
@@ -121,7 +121,10 @@ pub(crate) fn select(series: &Series) -> Selection {
             continue;
         }
         let with = chooser.judged(law.set(chosen.terms, true), Some(chosen.fit.shape));
-        if is_missed(gain(&with.unseen, &chosen.unseen), total) {
+        let found = gain(&with.unseen, &chosen.unseen);
+        let is_known = law != Law::Droop || series.load_nm.is_some();
+        let least = if is_known { 0.0 } else { LEAST_DROOP_SHARE };
+        if is_missed(found, total) && found.squares > least * total {
             chosen = with;
         }
     }

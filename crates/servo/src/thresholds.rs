@@ -18,9 +18,13 @@ pub(crate) const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
 /// Contiguous parts of a log that are held out in turn.
 pub(crate) const FOLDS: usize = 8;
 /// A delay or a lag beyond this is no servo's \[s\].
-pub(crate) const MOST_LAG_S: f64 = 0.5;
+pub(crate) const MOST_LAG_S: f64 = 0.3;
 /// What an effect must close of the gap's squares on unseen rows.
 pub(crate) const LEAST_SHARE: f64 = 0.01;
+/// The same of a droop that no torque is known of: sines and cosines of all angles follow much.
+pub(crate) const LEAST_DROOP_SHARE: f64 = 0.1;
+/// One of delay and lag alone is enough where it leaves no more of the unseen squares than this many times what both do.
+pub(crate) const AS_GOOD: f64 = 1.02;
 /// A gain on unseen rows is sure if it is this many standard deviations over the folds, or if all folds but one gain.
 pub(crate) const SURE_SD: f64 = 2.0;
 /// An answer needs causes that close this share of the gap's squares on unseen rows.
