@@ -6,7 +6,7 @@ use crate::effect::{friction, gain, lag, latency, offset, saturation};
 use crate::log::{JointLog, Series, Untested, range, rms};
 use crate::select::{Judged, Law, Selection, gain as gain_over, select};
 use crate::thresholds::{
-    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, WIDE_RAD,
+    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, WIDE_RAD,
 };
 
 /// Says how a joint answers its command, and what of that changed within the log.
@@ -239,22 +239,27 @@ impl Joint<'_> {
     /// Delay or lag: both where neither alone does.
     fn timing(&self) -> Named {
         let chosen = &self.selection.chosen;
-        let least = AS_GOOD * chosen.unseen_squares();
-        let is_worse = |alone: &Option<Judged>| {
-            (alone.as_ref()).is_some_and(|alone| alone.unseen_squares() > least)
-        };
+        let leaves = |alone: &Judged| alone.unseen_squares() / chosen.unseen_squares().max(1e-300);
+        let is_worse =
+            |alone: &Option<Judged>| (alone.as_ref()).is_none_or(|alone| leaves(alone) > AS_GOOD);
         let is_surely_worse = |alone: &Option<Judged>| {
             let sure = |alone: &Judged| gain_over(&chosen.unseen, &alone.unseen).is_sure;
-            is_worse(alone) && alone.as_ref().is_some_and(sure)
+            (alone.as_ref()).is_some_and(|alone| leaves(alone) > REFUSED && sure(alone))
         };
         let delay = number("delay_s", chosen, |fit| fit.shape.delay_s + fit.shape.lag_s);
         let part = number("lag_s", chosen, |fit| fit.shape.lag_s);
         let [delay_alone, lag_alone] = [&self.selection.delay_alone, &self.selection.lag_alone];
-        if !is_worse(delay_alone) && is_surely_worse(lag_alone) {
+        if let Some(alone) = delay_alone.as_ref().filter(|_| !is_worse(delay_alone))
+            && is_surely_worse(lag_alone)
+        {
+            let delay = number("delay_s", alone, |fit| fit.shape.delay_s);
             return (latency::SPEC.name, vec![delay], Vec::new());
         }
-        if !is_worse(lag_alone) && is_surely_worse(delay_alone) {
-            return (lag::SPEC.name, vec![part], vec![latency::SPEC.name]);
+        if let Some(alone) = lag_alone.as_ref().filter(|_| !is_worse(lag_alone))
+            && is_surely_worse(delay_alone)
+        {
+            let lag = number("lag_s", alone, |fit| fit.shape.lag_s);
+            return (lag::SPEC.name, vec![lag], vec![latency::SPEC.name]);
         }
         (latency::SPEC.name, vec![delay, part], vec![lag::SPEC.name])
     }
@@ -292,12 +297,15 @@ impl Joint<'_> {
     }
 }
 
+/// What the search stops at, as a share of a number: folds that end at one point are no surer than that.
+const RESOLUTION: f64 = 2e-3;
+
 type Named = (&'static str, Vec<Number>, Vec<&'static str>);
 
 /// A number with the interval of what the parts of the log differ by (delete-a-part jackknife, Efron & Tibshirani 1993, 11).
 fn number(name: &'static str, judged: &Judged, of: impl Fn(&crate::fit::Fit) -> f64) -> Number {
     let value = of(&judged.fit);
-    let sd = jackknife_sd(judged.folds.iter().map(of));
+    let sd = jackknife_sd(judged.folds.iter().map(of)).max(RESOLUTION * value.abs());
     Number {
         name,
         value,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::fit::{Fit, Problem, Shape, Terms};
 use crate::log::Series;
-use crate::thresholds::{FOLDS, LEAST_DROOP_SHARE, LEAST_SHARE, SURE_SD};
+use crate::thresholds::{AS_GOOD, FOLDS, LEAST_DROOP_SHARE, LEAST_SHARE, SURE_SD};
 
 /// A model with what it leaves of rows that its fit did not see, part by part.
 #[derive(Debug, Clone)]
@@ -116,7 +116,12 @@ pub(crate) fn select(series: &Series) -> Selection {
     let before = chooser.judged(Terms::NONE, Some(Shape::default()));
     let total = before.unseen_squares();
     let mut chosen = chooser.judged(core, None);
-    for law in [Law::Droop, Law::Gain] {
+    // sines of the joint's own angle follow a gain too, and a known torque follows no gain
+    let further = match series.load_nm {
+        Some(_) => [Law::Droop, Law::Gain],
+        None => [Law::Gain, Law::Droop],
+    };
+    for law in further {
         if law == Law::Droop && !problem.has_droop() {
             continue;
         }
@@ -181,9 +186,14 @@ pub(crate) fn select(series: &Series) -> Selection {
         };
         chooser.judged(terms, Some(start))
     };
-    let delay_alone = timing.then(|| alone(true));
-    let lag_alone = timing.then(|| alone(false));
+    let mut delay_alone = timing.then(|| alone(true));
+    let mut lag_alone = timing.then(|| alone(false));
     chooser.refit(&mut chosen);
+    for own in [&mut delay_alone, &mut lag_alone].into_iter().flatten() {
+        if own.unseen_squares() <= AS_GOOD * chosen.unseen_squares() {
+            chooser.refit(own);
+        }
+    }
     Selection {
         droop_size: problem.droop_size(&chosen.fit),
         delay_alone,

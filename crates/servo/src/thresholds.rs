@@ -25,6 +25,9 @@ pub(crate) const LEAST_SHARE: f64 = 0.01;
 pub(crate) const LEAST_DROOP_SHARE: f64 = 0.1;
 /// One of delay and lag alone is enough where it leaves no more of the unseen squares than this many times what both do.
 pub(crate) const AS_GOOD: f64 = 1.02;
+/// And the other alone is refused where it leaves more than this many times: a loop's stick and slip favours the one or the other
+/// by a few percent (real arm: up to 1.4).
+pub(crate) const REFUSED: f64 = 2.0;
 /// A gain on unseen rows is sure if it is this many standard deviations over the folds, or if all folds but one gain.
 pub(crate) const SURE_SD: f64 = 2.0;
 /// An answer needs causes that close this share of the gap's squares on unseen rows.
@@ -53,5 +56,7 @@ pub(crate) const LEVEL_LEAVES: f64 = 0.5;
 pub(crate) const BEYOND_BAND: f64 = 1.5;
 /// The instant lies where the likelihood is within this of its largest \[nats\].
 pub(crate) const PLACE_NATS: f64 = 4.6;
+/// Or within this share of it.
+pub(crate) const PLACE_SHARE: f64 = 0.05;
 /// Changes of one joint at most.
 pub(crate) const MOST_CHANGES: usize = 3;

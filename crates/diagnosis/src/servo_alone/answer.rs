@@ -211,13 +211,12 @@ fn gap(device: &Device, joint: &Joint) -> ChannelGap {
         noise_source: NoiseSource::Motion,
         unit: unit(device, joint.index).to_owned(),
         share_of_gap: joint.weight,
-        reduction_percent: is_closed.then(|| reduction_percent(answer.closed)),
+        reduction_percent: has_gap.then(|| match is_closed {
+            true => reduction_percent(answer.closed),
+            false => 0.0,
+        }),
         reduction_ci95: is_closed.then(|| answer.closed_ci95.map(reduction_percent)),
-        no_reduction: match (has_gap, is_closed) {
-            (false, _) => Some(NoReduction::NoGap),
-            (true, false) => Some(NoReduction::WithinNoise),
-            (true, true) => None,
-        },
+        no_reduction: (!has_gap).then_some(NoReduction::NoGap),
     }
 }
 

@@ -93,7 +93,7 @@ fn since(instant: Instant) -> (String, ParameterAnswer) {
         Some([_, after]) => {
             let value = after as f64;
             let ci95 = [value, value];
-            ("run".to_owned(), ParameterAnswer { value, ci95 })
+            ("from_run".to_owned(), ParameterAnswer { value, ci95 })
         }
         None => {
             let ci95 = [first, last];

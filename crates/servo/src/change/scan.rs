@@ -2,7 +2,7 @@
 //! Abrupt Changes, 1993, 2.4 and 7.2).
 
 use super::sums::{ORDER, Prefix, Regression, Sums};
-use crate::thresholds::{PLACE_NATS, SHARE_OF_FREE};
+use crate::thresholds::{PLACE_NATS, PLACE_SHARE, SHARE_OF_FREE};
 
 /// Factors that a gain is looked for at.
 const FACTORS: [f64; 6] = [0.125, 0.25, 0.5, 2.0, 4.0, 8.0];
@@ -108,7 +108,8 @@ impl<'r> Scan<'r> {
             .map(|row| (row, nats(row)))
             .collect();
         let &(at, best) = fine.iter().max_by(by_nats)?;
-        let limit = best - PLACE_NATS;
+        // errors that are not quite white make all of it larger than it is
+        let limit = best - PLACE_NATS.max(PLACE_SHARE * best);
         // from the best row outwards, finely and then on the grid, as long as it is nearly as likely
         let walk = |towards: &mut dyn Iterator<Item = &(usize, f64)>| {
             towards

@@ -48,11 +48,15 @@ fn a_standstill_is_refused() {
 #[test]
 fn commands_in_degrees_are_no_gain_of_57() {
     let mut log = sound();
-    log.command.iter_mut().for_each(|value| *value = value.to_degrees());
+    log.command
+        .iter_mut()
+        .for_each(|value| *value = value.to_degrees());
     let text = said(&log);
     assert!(text.contains("57.") && text.contains("degrees"), "{text}");
     let mut log = sound();
-    log.response.iter_mut().for_each(|value| *value = value.to_degrees());
+    log.response
+        .iter_mut()
+        .for_each(|value| *value = value.to_degrees());
     assert!(said(&log).contains("degrees"));
 }
 
@@ -60,7 +64,10 @@ fn commands_in_degrees_are_no_gain_of_57() {
 fn the_command_of_another_joint_is_refused() {
     let mut log = sound();
     log.command = Servo::default().log(&motion(99), 60.0).command;
-    assert!(matches!(asked(&log).unwrap_err(), Untested::Unrelated { .. }));
+    assert!(matches!(
+        asked(&log).unwrap_err(),
+        Untested::Unrelated { .. }
+    ));
 }
 
 #[test]
@@ -89,7 +96,11 @@ fn an_angle_that_wraps_is_unwrapped_and_said() {
     }
     // the first row of one may be a turn from the other's
     let answer = asked(&log).unwrap();
-    assert!(answer.warnings.iter().any(|text| text.contains("wraps")), "{:?}", answer.warnings);
+    assert!(
+        answer.warnings.iter().any(|text| text.contains("wraps")),
+        "{:?}",
+        answer.warnings
+    );
     let offset = |answer| cause(answer, "joint-offset").unwrap().numbers[0].value;
     assert!((offset(&answer) - offset(&whole)).abs() < 1e-6);
 }
@@ -101,7 +112,11 @@ fn times_that_jitter_are_said() {
         *time_s += if row % 3 == 0 { 0.008 } else { 0.0 };
     }
     let answer = asked(&log).unwrap();
-    assert!(answer.warnings.iter().any(|text| text.contains("vary")), "{:?}", answer.warnings);
+    assert!(
+        answer.warnings.iter().any(|text| text.contains("vary")),
+        "{:?}",
+        answer.warnings
+    );
     assert_ne!(answer.verdict, Verdict::NoGap);
 }
 

@@ -82,7 +82,8 @@ impl Servo {
             log.time_s.push(time_s);
             log.run.push(0);
             log.command.push(command(time_s));
-            log.response.push((read / self.count_rad).round() * self.count_rad);
+            log.response
+                .push((read / self.count_rad).round() * self.count_rad);
             for step in 0..STEPS {
                 let now = time_s + step as f64 * STEP_S;
                 let wanted = command((now - self.delay_s).max(0.0));
@@ -104,9 +105,14 @@ impl Servo {
             return (angle, 0.0);
         }
         let against = if speed.abs() < 1e-3 { pull } else { speed };
-        let next = speed + natural * natural * (drive - self.friction_rad * against.signum()) * STEP_S;
+        let next =
+            speed + natural * natural * (drive - self.friction_rad * against.signum()) * STEP_S;
         // friction stops a motion, it does not turn it round
-        let next = if speed.abs() >= 1e-3 && next * speed < 0.0 { 0.0 } else { next };
+        let next = if speed.abs() >= 1e-3 && next * speed < 0.0 {
+            0.0
+        } else {
+            next
+        };
         (angle + next * STEP_S, next)
     }
 }
