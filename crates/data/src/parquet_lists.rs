@@ -8,8 +8,8 @@ use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
+use crate::error::DataError;
 use crate::error::place::Place;
-use crate::error::{DataError, Fault};
 use crate::parquet_log::{check_chunk, content, cut_short, damaged, refused};
 use crate::read::source::open_error;
 

@@ -48,15 +48,38 @@ fn errors(series: &Series) -> Vec<f64> {
 
 /// Noise of a sensor: the rounding to counts, or what neighbours scatter by, whichever is larger.
 fn floor(series: &Series) -> f64 {
-    let mut bends: Vec<f64> = series
+    // of a smooth motion the one or the other difference is smaller
+    let second = scatter(series, &[1.0, -2.0, 1.0]);
+    let third = scatter(series, &[1.0, -3.0, 3.0, -1.0]);
+    second.min(third).max(rounding(series))
+}
+
+fn rounding(series: &Series) -> f64 {
+    series.count / 12.0_f64.sqrt()
+}
+
+/// Deviation of white noise with the median size of a difference of neighbours that its weights give.
+fn scatter(series: &Series, weights: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = series
         .pieces()
-        .flat_map(|piece| series.response[piece].windows(3))
-        .map(|three| (three[0] - 2.0 * three[1] + three[2]).abs())
+        .flat_map(|piece| series.response[piece].windows(weights.len()))
+        .map(|own| {
+            own.iter()
+                .zip(weights)
+                .map(|(a, b)| a * b)
+                .sum::<f64>()
+                .abs()
+        })
         .collect();
-    bends.sort_unstable_by(f64::total_cmp);
-    let median = bends.get(bends.len() / 2).copied().unwrap_or(0.0);
-    // a normal deviate's median size is 0.6745, a second difference has six variances
-    (median / 0.6745 / 6.0_f64.sqrt()).max(series.count / 12.0_f64.sqrt())
+    sizes.sort_unstable_by(f64::total_cmp);
+    let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    let gain = weights
+        .iter()
+        .map(|weight| weight * weight)
+        .sum::<f64>()
+        .sqrt();
+    // a normal deviate's median size is 0.6745
+    median / 0.6745 / gain
 }
 
 /// The answer of a joint whose command stands, but which does not.
@@ -107,6 +130,12 @@ impl Joint<'_> {
         let chosen = &self.selection.chosen;
         let rows = self.series.len() as f64;
         let floor = floor(self.series);
+        // what neighbours scatter by is partly motion: no more of it is noise than the causes leave
+        let floor = floor.min(
+            (chosen.unseen_squares() / rows)
+                .sqrt()
+                .max(rounding(self.series)),
+        );
         let before = rms(&self.bare);
         let after = (chosen.unseen_squares() / rows).sqrt();
         let total = (self.bare.iter().map(|e| e * e).sum::<f64>()).max(1e-300);

@@ -131,7 +131,7 @@ pub(super) fn run(arguments: &LerobotArguments) -> Result<(), Failure> {
 
 /// The description of a data set; none of a single file without one above it.
 fn info(dataset: &Path) -> Result<Option<Value>, Failure> {
-    let mut folders = dataset.ancestors().take(4);
+    let folders = dataset.ancestors().take(4);
     let Some(path) = folders
         .map(|folder| folder.join("meta/info.json"))
         .find(|path| path.is_file())

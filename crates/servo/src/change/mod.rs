@@ -135,6 +135,7 @@ fn next(series: &Series, is_level: bool) -> Option<Change> {
     let scan = Scan::new(&regression);
     let enough = |likely: &Likely| likely.nats > LEVEL_NATS;
     let offset = scan.offset().filter(enough);
+    let offset = offset.or_else(|| by_means(series, regression.lags));
     let gain = scan.gain().filter(enough);
     if offset.is_some() || gain.is_some() {
         let before = left(series, None);
@@ -158,6 +159,53 @@ fn next(series: &Series, is_level: bool) -> Option<Change> {
     let half_step = 0.5 * series.step_s / 1.96;
     let kind = Kind::Delay(likely.size as isize);
     Some(Change::new(series, kind, likely.rows, half_step))
+}
+
+/// The first row of a run at which the mean of what delay and lag leave changes most, where that is half of it. A regression on the position's own
+/// past explains another level between two runs, whose first rows have no past.
+fn by_means(series: &Series, lags: usize) -> Option<Likely> {
+    let terms = Terms {
+        friction: false,
+        ..LAWS
+    };
+    let residual = Problem::new(series).fit(terms, &None, None).residual;
+    let (at, share) = best_split(&residual)?;
+    let rows = series.len();
+    let (first, last) = (at.saturating_sub(lags).max(1), (at + lags).min(rows - 1));
+    let start = (first..=last).find(|&row| series.run[row] != series.run[row - 1])?;
+    (share > SPLIT_SHARE).then(|| Likely {
+        nats: -0.5 * rows as f64 * (1.0 - share).ln(),
+        rows: [first, start, last],
+        size: 1.0,
+    })
+}
+
+/// Share of the squares that two means take which one leaves.
+const SPLIT_SHARE: f64 = 0.5;
+
+/// The row that splits values into two with the most different means, and the share of their squares about one mean that takes.
+fn best_split(values: &[f64]) -> Option<(usize, f64)> {
+    let rows = values.len() as f64;
+    let total: f64 = values.iter().sum();
+    let spread: f64 = values
+        .iter()
+        .map(|value| (value - total / rows).powi(2))
+        .sum();
+    let (mut sum, mut best) = (0.0, (0, 0.0));
+    for (before, value) in values
+        .iter()
+        .enumerate()
+        .skip(1)
+        .map(|(row, _)| (row, values[row - 1]))
+    {
+        sum += value;
+        let (a, b) = (before as f64, rows - before as f64);
+        let between = (sum / a - (total - sum) / b).powi(2) * a * b / rows;
+        if between > best.1 {
+            best = (before, between);
+        }
+    }
+    (spread > 0.0).then(|| (best.0, best.1 / spread))
 }
 
 /// Laws that explain what they can of a log with or without a change.
@@ -323,17 +371,7 @@ pub(crate) fn of_a_still_joint(series: &Series) -> Vec<Change> {
     let errors: Vec<f64> = (series.response.iter().zip(&series.command))
         .map(|(response, command)| response - command)
         .collect();
-    let total: f64 = errors.iter().sum();
-    let (mut sum, mut best) = (0.0, (0.0, 0));
-    for row in 1..rows {
-        sum += errors[row - 1];
-        let (a, b) = (row as f64, (rows - row) as f64);
-        let between = (sum / a - (total - sum) / b).powi(2) * a * b;
-        if between > best.0 {
-            best = (between, row);
-        }
-    }
-    let at = best.1;
+    let at = best_split(&errors).map_or(0, |(at, _)| at);
     if at < rows / 20 || at > rows - rows / 20 {
         return Vec::new();
     }

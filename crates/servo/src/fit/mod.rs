@@ -115,8 +115,8 @@ impl<'s> Problem<'s> {
             }
         };
         let least = [
-            5e-4,
-            5e-4,
+            1e-4,
+            1e-4,
             (0.05 * series.count).max(1e-3 * wide).max(1e-6),
             0.01 / quick,
         ];

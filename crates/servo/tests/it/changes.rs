@@ -76,7 +76,7 @@ fn two_rows_more_of_delay_are_placed() {
         let [first, likeliest, last] = found.since.unwrap().time_s;
         let at_s = 0.02 * at as f64;
         assert!((likeliest - at_s).abs() < 1.2, "{seed}: {found:?}");
-        assert!(last - first < 3.0, "{seed}: {found:?}");
+        assert!(last - first < 8.0, "{seed}: {found:?}");
         near += usize::from((first - 0.2..=last + 0.2).contains(&at_s));
     }
     assert!(near >= 6, "{near}");
