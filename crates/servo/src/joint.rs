@@ -19,7 +19,7 @@ pub fn diagnose_joint(log: &JointLog<'_>) -> Result<JointAnswer, Untested> {
         let changes = change::of_a_still_joint(&series);
         return match changes.is_empty() {
             true => Err(Untested::Still),
-            false => Ok(still(&series, changes)),
+            false => Ok(still(&series, &changes)),
         };
     }
     let bare = errors(&series);
@@ -83,10 +83,10 @@ fn scatter(series: &Series, weights: &[f64]) -> f64 {
 }
 
 /// The answer of a joint whose command stands, but which does not.
-fn still(series: &Series, changes: Vec<Change>) -> JointAnswer {
+fn still(series: &Series, changes: &[Change]) -> JointAnswer {
     let before = errors(series);
     let mut calm = series.clone();
-    for change in &changes {
+    for change in changes {
         change.undo(&mut calm);
     }
     let middle = crate::log::mean(&errors(&calm));

@@ -357,7 +357,7 @@ fn scaled(series: &Series, change: &Change) -> (f64, Option<(f64, f64)>) {
     let factor = along / spread.max(1e-300);
     (
         squares,
-        factor.is_finite().then(|| (factor, y - factor * x)),
+        factor.is_finite().then_some((factor, y - factor * x)),
     )
 }
 

@@ -85,7 +85,8 @@ impl Servo {
             log.response
                 .push((read / self.count_rad).round() * self.count_rad);
             for step in 0..STEPS {
-                let now = time_s + step as f64 * STEP_S;
+                // the command at the end of the step
+                let now = time_s + (step + 1) as f64 * STEP_S;
                 let wanted = command((now - self.delay_s).max(0.0));
                 (angle, speed) = self.moved((angle, speed), wanted);
             }
