@@ -99,7 +99,18 @@ fn diagnose_all(
     let recording = thinned.as_ref().unwrap_or(&recording);
     let effects = effects_of(device, options)?;
     if torques_alone::applies(device, recording) {
-        return torques_alone::diagnose(device, recording, &effects, options);
+        let found = torques_alone::diagnose(device, recording, &effects, options);
+        // torques that cannot be tested leave the word to the commands, where there are any
+        let Err(DiagnosisError::Torques { why }) = &found else {
+            return found;
+        };
+        if !servo_alone::has_commands(device, recording) {
+            return found;
+        }
+        let mut answer = servo_alone::diagnose(device, recording, &effects, options)?;
+        let warning = format!("the torques were not tested: {why}");
+        answer.warnings.insert(0, warning);
+        return Ok(answer);
     }
     check_recording(device, recording, &channels(device, recording)?)?;
     let elsewhere = options.model.and_then(|_| with_open_base(device));

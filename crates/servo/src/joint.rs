@@ -4,9 +4,11 @@ use crate::answer::{Course, Finding, JointAnswer, Number, Verdict};
 use crate::change::{self, Change};
 use crate::effect::{friction, gain, lag, latency, offset, saturation};
 use crate::log::{JointLog, Series, Untested, range, rms};
+use crate::next::next;
+use crate::noise::{floor, rounding};
 use crate::select::{Judged, Law, Selection, gain as gain_over, select};
 use crate::thresholds::{
-    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, WIDE_RAD,
+    ABOVE_FLOOR, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, WIDE_RAD,
 };
 
 /// Says how a joint answers its command, and what of that changed within the log.
@@ -44,42 +46,6 @@ fn errors(series: &Series) -> Vec<f64> {
     pairs
         .map(|(response, command)| response - command)
         .collect()
-}
-
-/// Noise of a sensor: the rounding to counts, or what neighbours scatter by, whichever is larger.
-fn floor(series: &Series) -> f64 {
-    // of a smooth motion the one or the other difference is smaller
-    let second = scatter(series, &[1.0, -2.0, 1.0]);
-    let third = scatter(series, &[1.0, -3.0, 3.0, -1.0]);
-    second.min(third).max(rounding(series))
-}
-
-fn rounding(series: &Series) -> f64 {
-    series.count / 12.0_f64.sqrt()
-}
-
-/// Deviation of white noise with the median size of a difference of neighbours that its weights give.
-fn scatter(series: &Series, weights: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = series
-        .pieces()
-        .flat_map(|piece| series.response[piece].windows(weights.len()))
-        .map(|own| {
-            own.iter()
-                .zip(weights)
-                .map(|(a, b)| a * b)
-                .sum::<f64>()
-                .abs()
-        })
-        .collect();
-    sizes.sort_unstable_by(f64::total_cmp);
-    let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
-    let gain = weights
-        .iter()
-        .map(|weight| weight * weight)
-        .sum::<f64>()
-        .sqrt();
-    // a normal deviate's median size is 0.6745
-    median / 0.6745 / gain
 }
 
 /// The answer of a joint whose command stands, but which does not.
@@ -348,41 +314,4 @@ fn jackknife_sd(values: impl Iterator<Item = f64>) -> f64 {
     let mean = values.iter().sum::<f64>() / count.max(1.0);
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     (squares * (count - 1.0) / count.max(1.0)).sqrt()
-}
-
-/// Which motion would tell what this one cannot.
-fn next(verdict: Verdict, causes: &[Finding], closed: f64) -> Option<String> {
-    if verdict == Verdict::NoGap {
-        return None;
-    }
-    let first = causes.first();
-    let rivals = first.map_or(&[][..], |cause| &cause.confusable_with[..]);
-    let text = match first.map(|cause| cause.effect) {
-        Some(_) if first.is_some_and(|cause| cause.since.is_some()) => {
-            "look at what was done to the joint then; the same motion once more says whether it lasts"
-        }
-        Some("joint-friction") => {
-            "hold a command and push the joint by hand: friction leaves it where it was pushed to, a dead zone lets go at its two \
-             edges, and play shows on the link while the reading stands"
-        }
-        Some("command-latency" | "servo-stiffness") if !rivals.is_empty() => {
-            "steps of the command of several sizes, recorded as fast as the bus allows: a delay keeps the joint still and then \
-             starts it at full speed, a low gain starts it at once and slowly; then once with a higher gain"
-        }
-        Some("joint-offset") if !rivals.is_empty() => {
-            "rest in postures far apart, with the joint's axis upright and level: an offset stays, a droop follows the weight"
-        }
-        Some("servo-gain") if !rivals.is_empty() => {
-            "move through a wide range with the joint's axis upright: a factor stays, a droop under gravity does not"
-        }
-        Some("torque-saturation") => {
-            "the same motion at half the size: a limit of speed is gone then, a lag keeps its time"
-        }
-        Some(_) if closed > ALL_CLOSED => return None,
-        _ => {
-            "move this joint alone, slowly through its range and back with rests, then in steps: what is at rest is offset, droop \
-             or friction, what moves is lag"
-        }
-    };
-    Some(text.to_owned())
 }

@@ -8,6 +8,8 @@ mod effect;
 mod fit;
 mod joint;
 mod log;
+mod next;
+mod noise;
 mod select;
 mod thresholds;
 

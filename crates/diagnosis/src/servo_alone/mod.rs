@@ -22,18 +22,22 @@ const UNTRUSTED_SCALE: f64 = 1.0;
 /// Whether commands and joints are all that a recording has to say of a device. Torques of a device with links decide
 /// themselves, unless the device file says that their scale is not known.
 pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
-    let has_commands = (0..device.joints.len()).any(|joint| recording.command(joint).is_some());
     let has_torques = device.joints.iter().enumerate().any(|(joint, own)| {
         let column = recording.torque_nm.get(joint).and_then(Option::as_ref);
         let is_read = column.is_some_and(|column| column.iter().any(|value| value.is_finite()));
         is_read && own.torque_scale_sd < UNTRUSTED_SCALE
     });
-    has_commands
+    has_commands(device, recording)
         && !(has_torques && device.has_links())
         && matches!(
             channels(device, recording),
             Err(CalibrationError::NoChannel)
         )
+}
+
+/// Whether any joint has commands.
+pub(crate) fn has_commands(device: &Device, recording: &Recording) -> bool {
+    (0..device.joints.len()).any(|joint| recording.command(joint).is_some())
 }
 
 /// Diagnoses each joint's answer to its command.

@@ -1,4 +1,9 @@
 //! Tests of the crate as its users see it.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails there"
+)]
 
 mod changes;
 mod input;
