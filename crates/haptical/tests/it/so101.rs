@@ -97,7 +97,7 @@ fn planted_faults_are_found_and_sound_logs_have_none() {
     let Some(folder) = measured() else { return };
     let device = "../../fixtures/devices/so101.toml";
     let device = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(device);
-    let device = Device::read(&device).unwrap();
+    let device = Device::load(&device).unwrap();
     let entries = std::fs::read_dir(folder).unwrap();
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     files.retain(|file| file.extension().is_some_and(|end| end == "gz"));
