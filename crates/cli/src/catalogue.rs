@@ -1,6 +1,7 @@
 //! `haptical diagnose --list`: the effects that can be named, as a table or as JSON.
 
-use haptical_effects::{Parameter, Spec, specs};
+use haptical::servo::{SPECS, Spec as OfServo};
+use haptical_effects::{Parameter, Spec, Unit, specs};
 use haptical_report::Table;
 use serde::Serialize;
 
@@ -29,7 +30,8 @@ struct Number {
 /// Prints the catalogue.
 pub(crate) fn print(json: bool) -> Result<(), Failure> {
     if json {
-        return terminal::write_json(&specs().map(entry).collect::<Vec<_>>());
+        let all = specs().map(entry).chain(SPECS.iter().map(of_servo));
+        return terminal::write_json(&all.collect::<Vec<_>>());
     }
     terminal::write_output(format!("{}\n", table()?.to_terminal()).as_bytes())
 }
@@ -52,6 +54,25 @@ fn entry(spec: &'static Spec) -> Entry {
     }
 }
 
+/// Where a servo's laws enter.
+const ANSWER: &str = "answer to the command";
+
+fn of_servo(spec: &'static OfServo) -> Entry {
+    let number = |name: &&'static str| Number {
+        name,
+        unit: Unit::split(name).1.symbol(),
+        plausible: [None, None],
+    };
+    Entry {
+        name: spec.name,
+        enters: ANSWER,
+        needs: vec!["time", "command"],
+        parameters: spec.parameters.iter().map(number).collect(),
+        meaning: spec.meaning,
+        inspect: spec.inspect,
+    }
+}
+
 fn table() -> Result<Table, Failure> {
     let rows = specs().map(|spec| {
         let parameters: Vec<String> = spec.parameters.iter().map(with_unit).collect();
@@ -63,6 +84,14 @@ fn table() -> Result<Table, Failure> {
             spec.meaning.into(),
         ]
     });
+    let rows = rows.chain(SPECS.iter().map(|spec| {
+        vec![
+            spec.name.into(),
+            ANSWER.into(),
+            spec.parameters.join("\n").into(),
+            spec.meaning.into(),
+        ]
+    }));
     Ok(Table::with_heads("", "effect | enters | parameters | meaning").with_rows(rows)?)
 }
 

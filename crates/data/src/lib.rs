@@ -28,6 +28,8 @@ mod error;
 #[cfg(feature = "mcap")]
 mod mcap_log;
 #[cfg(feature = "parquet")]
+mod parquet_lists;
+#[cfg(feature = "parquet")]
 mod parquet_log;
 mod read;
 mod shape;
@@ -40,6 +42,8 @@ pub use error::place::Place;
 pub use error::{DataError, Fault};
 #[cfg(feature = "mcap")]
 pub use mcap_log::{McapOptions, read_mcap, read_mcap_from};
+#[cfg(feature = "parquet")]
+pub use parquet_lists::{ParquetColumns, read_parquet_columns};
 pub use read::table::{Cells, log_from_columns};
 pub use read::{LoadedLog, read_log, read_log_from};
 pub use shape::{JointShape, LogShape};

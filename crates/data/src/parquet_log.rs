@@ -62,7 +62,7 @@ fn read_content(content: Bytes, name: &str, shape: &LogShape) -> Result<LoadedLo
 }
 
 /// The whole file: its directory is at its end.
-fn content(reader: impl Read, name: &str) -> Result<Bytes, DataError> {
+pub(crate) fn content(reader: impl Read, name: &str) -> Result<Bytes, DataError> {
     let mut content = Vec::new();
     let mut limited = reader.take(MOST_MEMORY_BYTES + 1);
     let read = limited.read_to_end(&mut content);
@@ -77,18 +77,18 @@ fn content(reader: impl Read, name: &str) -> Result<Bytes, DataError> {
     Ok(Bytes::from(content))
 }
 
-fn damaged(name: &str, error: &ParquetError) -> DataError {
+pub(crate) fn damaged(name: &str, error: &ParquetError) -> DataError {
     cut_short(Place::file(name), error.to_string())
 }
 
-fn cut_short(at: Box<Place>, what: impl Into<String>) -> DataError {
+pub(crate) fn cut_short(at: Box<Place>, what: impl Into<String>) -> DataError {
     at.error(Fault::Damaged {
         format: "Parquet",
         what: what.into(),
     })
 }
 
-fn refused(at: Box<Place>, what: String, advice: &str) -> DataError {
+pub(crate) fn refused(at: Box<Place>, what: String, advice: &str) -> DataError {
     at.error(Fault::NotALog {
         what,
         advice: advice.to_owned(),
@@ -101,11 +101,16 @@ fn check_columns(schema: &SchemaDescriptor, name: &str) -> Result<(), DataError>
         let header = column.path().string();
         let at = Place::column(name, index + 1, &header);
         if column.max_rep_level() > 0 || column.path().parts().len() > 1 {
-            return Err(refused(
-                at,
-                "the column is a list or a structure".to_owned(),
-                "write each part as a column of its own, with one number or text in each row",
-            ));
+            let advice = match is_of_lerobot(schema) {
+                true => {
+                    "this is a file of a LeRobot data set: `haptical import lerobot` makes a log of it"
+                }
+                false => {
+                    "write each part as a column of its own, with one number or text in each row"
+                }
+            };
+            let what = "the column is a list or a structure".to_owned();
+            return Err(refused(at, what, advice));
         }
         let advice = match (column.logical_type_ref(), column.physical_type()) {
             (
@@ -127,8 +132,17 @@ fn check_columns(schema: &SchemaDescriptor, name: &str) -> Result<(), DataError>
     Ok(())
 }
 
+/// Whether the columns are those of a LeRobot data set.
+fn is_of_lerobot(schema: &SchemaDescriptor) -> bool {
+    let has = |name: &str| {
+        let mut columns = schema.columns().iter();
+        columns.any(|column| column.path().parts().first().is_some_and(|own| own == name))
+    };
+    has("action") && has("observation.state")
+}
+
 /// A part of a column that can be read: its place in the file, its codec.
-fn check_chunk(chunk: &ColumnChunkMetaData, at: Box<Place>) -> Result<(), DataError> {
+pub(crate) fn check_chunk(chunk: &ColumnChunkMetaData, at: Box<Place>) -> Result<(), DataError> {
     let offsets = [
         chunk.dictionary_page_offset().unwrap_or(0),
         chunk.data_page_offset(),

@@ -24,7 +24,7 @@ use crate::select::{Selection, Selector};
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
 use crate::thresholds::recording::MOST_ROWS;
-use crate::{DiagnosisError, Options, torques_alone};
+use crate::{DiagnosisError, Options, servo_alone, torques_alone};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
 /// effect of the catalogue causes it, or that none does.
@@ -104,11 +104,26 @@ fn diagnose_all(
         validation: second.as_ref().or(validation.as_deref()),
         ..options.clone()
     };
+    if servo_alone::applies(device, recording) {
+        let effects = effects_of(device, options)?;
+        return servo_alone::diagnose(device, recording, &effects, options);
+    }
     let thinned = thinned(recording);
     let recording = thinned.as_ref().unwrap_or(recording);
     let effects = effects_of(device, options)?;
     if torques_alone::applies(device, recording) {
-        return torques_alone::diagnose(device, recording, &effects, (options, moving));
+        let found = torques_alone::diagnose(device, recording, &effects, (options, moving));
+        // torques that cannot be tested leave the word to the commands, where there are any
+        let Err(DiagnosisError::Torques { why }) = &found else {
+            return found;
+        };
+        if !servo_alone::has_commands(device, recording) {
+            return found;
+        }
+        let mut answer = servo_alone::diagnose(device, recording, &effects, options)?;
+        let warning = format!("the torques were not tested: {why}");
+        answer.warnings.insert(0, warning);
+        return Ok(answer);
     }
     check_recording(device, recording, &channels(device, recording)?)?;
     let elsewhere = options.model.and_then(|_| with_open_base(device));
@@ -380,6 +395,7 @@ fn effects_of(
     let mut effects = catalogue(device);
     effects.extend(options.own_effects.into_iter().flat_map(|own| own(device)));
     let mut names = haptical_effects::names();
+    names.extend(haptical_servo::SPECS.iter().map(|spec| spec.name));
     names.extend(effects.iter().map(|effect| effect.name()));
     let without: Vec<String> = options
         .without

@@ -62,6 +62,14 @@ pub enum DiagnosisError {
         /// Reason.
         why: String,
     },
+    /// Joints and commands are all that the log has, and nothing can be said of them.
+    #[error(
+        "the log has joints and commands alone, and the answer to the commands cannot be tested: {why}"
+    )]
+    Commands {
+        /// Reason.
+        why: String,
+    },
     /// There is nothing that a further recording could tell apart.
     #[error("nothing to settle: {why}")]
     NothingToSettle {
@@ -88,7 +96,7 @@ impl DiagnosisError {
     pub fn is_unidentifiable(&self) -> bool {
         match self {
             Self::Calibration(error) => error.is_unidentifiable(),
-            Self::TooFewReadings { .. } | Self::Torques { .. } => true,
+            Self::TooFewReadings { .. } | Self::Torques { .. } | Self::Commands { .. } => true,
             _ => false,
         }
     }

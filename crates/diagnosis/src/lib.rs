@@ -14,6 +14,7 @@ mod options;
 mod outlying;
 mod own_effects;
 mod select;
+mod servo_alone;
 mod settle;
 mod start_values;
 #[cfg(test)]

@@ -31,6 +31,7 @@ pub use haptical_model as model;
 pub use haptical_motion as motion;
 pub use haptical_report as report;
 pub use haptical_runtime as runtime;
+pub use haptical_servo as servo;
 pub use haptical_simulator as simulator;
 pub use haptical_transmission as transmission;
 pub use haptical_urdf as urdf;

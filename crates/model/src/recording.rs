@@ -96,6 +96,28 @@ impl Recording {
         all.any(|column| column[row].is_finite())
     }
 
+    /// The positions that a joint was commanded to, row by row (\[rad\], or \[m\] for a slide): the column `command1_rad` or
+    /// `command1_m` of joint 0. `NaN` where a row has none; none where the log has no such column.
+    ///
+    /// # Examples
+    /// ```
+    /// use haptical_model::Recording;
+    ///
+    /// let recording = Recording {
+    ///     covariates: vec![("command2_rad".to_owned(), vec![0.1, 0.2])],
+    ///     ..Recording::default()
+    /// };
+    /// assert_eq!(recording.command(1), Some(&[0.1, 0.2][..]));
+    /// assert_eq!(recording.command(0), None);
+    /// ```
+    pub fn command(&self, joint: usize) -> Option<&[f64]> {
+        let number = joint + 1;
+        let names = [format!("command{number}_rad"), format!("command{number}_m")];
+        let mut columns = self.covariates.iter();
+        let own = columns.find(|(name, _)| names.contains(name));
+        own.map(|(_, column)| column.as_slice())
+    }
+
     /// Writes the joint readings of a row into `readings`, one for each joint.
     ///
     /// # Panics

@@ -1,5 +1,7 @@
 //! `haptical import`: recordings of other makers as logs of this program, written whole or not at all.
 
+#[cfg(feature = "parquet")]
+mod lerobot;
 #[cfg(feature = "mcap")]
 mod mcap;
 mod mukca;
@@ -45,6 +47,10 @@ enum From {
     #[cfg(feature = "mcap")]
     #[command(after_help = mcap::HELP)]
     Mcap(mcap::McapArguments),
+    /// A LeRobot data set: its actions as commands, its observed states as joints, its episodes as runs
+    #[cfg(feature = "parquet")]
+    #[command(after_help = lerobot::HELP)]
+    Lerobot(lerobot::LerobotArguments),
 }
 
 /// Runs the command.
@@ -54,6 +60,8 @@ pub(crate) fn run(arguments: &ImportArguments) -> Result<(), Failure> {
         From::Poses(arguments) => poses::run(arguments),
         #[cfg(feature = "mcap")]
         From::Mcap(arguments) => mcap::run(arguments),
+        #[cfg(feature = "parquet")]
+        From::Lerobot(arguments) => lerobot::run(arguments),
     }
 }
 

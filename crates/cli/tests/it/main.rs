@@ -7,6 +7,7 @@
 )]
 
 mod bad_input;
+mod commands_alone;
 mod correction;
 mod diagnose;
 mod diagnose_refusals;

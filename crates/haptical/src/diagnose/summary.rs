@@ -15,6 +15,8 @@ use crate::units::Shown;
 const WIDTH: usize = 100;
 /// Lines that channels and causes have together; gap.json has all of both.
 const LISTED: usize = 9;
+/// Causes that are listed where there are more than one more.
+const MOST_CAUSES: usize = 5;
 /// Lines of the whole summary: what is to be done next has the room that is left, two lines at least.
 const MOST_LINES: usize = 23;
 /// Numbers listed of those that move with a cause.
@@ -100,7 +102,7 @@ fn cause_lines(diagnosis: &Diagnosis) -> usize {
     absorbed
         + match diagnosis.causes.len() {
             1 => 2,
-            count => count,
+            count => count.min(MOST_CAUSES + 1),
         }
 }
 
@@ -109,9 +111,17 @@ fn causes(text: &mut String, causes: &[CauseAnswer]) {
     if let [only] = causes {
         return push(text, "cause", &cause(only), 2);
     }
-    for (index, cause) in causes.iter().enumerate() {
+    let listed = match causes.len() {
+        count if count > MOST_CAUSES + 1 => MOST_CAUSES,
+        count => count,
+    };
+    for (index, cause) in causes.iter().take(listed).enumerate() {
         let label = format!("cause {}", index + 1);
         push(text, &label, &self::cause(cause), 1);
+    }
+    if listed < causes.len() {
+        let more = causes.len() - listed;
+        let _ = writeln!(text, "and {more} more causes, see gap.json");
     }
 }
 

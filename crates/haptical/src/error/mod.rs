@@ -197,6 +197,11 @@ impl Error {
                 Self::in_file("torques-not-tested", text, log, next)
                     .of_kind(ErrorKind::Unidentifiable)
             }
+            DiagnosisError::Commands { .. } => {
+                let next = "record t_s, thetaN_rad and commandN_rad in radians of a joint that is moved through its range, with rests";
+                Self::in_file("commands-not-tested", text, log, next)
+                    .of_kind(ErrorKind::Unidentifiable)
+            }
             DiagnosisError::Identification(_) => {
                 Self::in_file("identification", text, log, CHECK_DEVICE)
             }

@@ -23,6 +23,7 @@ mod next_poses;
 #[path = "../../examples/own_effect.rs"]
 mod own_effect;
 mod simulated_rigs;
+mod so101;
 #[path = "../../examples/tracker.rs"]
 mod tracker;
 #[path = "../../examples/two_step.rs"]

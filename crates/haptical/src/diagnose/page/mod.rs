@@ -105,11 +105,8 @@ fn place(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
 fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     let mut blocks = Vec::new();
     let words = diagnosis.causes.iter().filter_map(|cause| {
-        let spec = haptical_effects::spec(&cause.effect)?;
-        Some(format!(
-            "{}: {}. Check {}.",
-            spec.name, spec.meaning, spec.inspect
-        ))
+        let (meaning, inspect) = said_of(&cause.effect)?;
+        Some(format!("{}: {meaning}. Check {inspect}.", cause.effect))
     });
     let words: Vec<String> = words.collect();
     if !words.is_empty() {
@@ -119,6 +116,14 @@ fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     blocks.push(tables::parameters(diagnosis)?.into());
     blocks.extend(absorbed_sentence(diagnosis, usize::MAX).map(Block::Paragraph));
     Ok(blocks)
+}
+
+/// What an effect is, and what to look at.
+fn said_of(name: &str) -> Option<(&'static str, &'static str)> {
+    let of_servo = haptical_servo::SPECS.iter().find(|spec| spec.name == name);
+    let of_servo = of_servo.map(|spec| (spec.meaning, spec.inspect));
+    let own = haptical_effects::spec(name).map(|spec| (spec.meaning, spec.inspect));
+    own.or(of_servo)
 }
 
 /// How far the data tell the candidates for the first cause apart.

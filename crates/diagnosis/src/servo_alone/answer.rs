@@ -1,0 +1,324 @@
+//! Joints' answers as one diagnosis.
+
+use haptical_effects::Effect;
+use haptical_model::{Device, JointType, Recording};
+use haptical_servo::{JointAnswer, SPECS, Verdict as OfJoint};
+
+use super::Asked;
+use super::causes::{cause, changed, kept};
+use crate::Options;
+use crate::answer::{
+    CauseAnswer, ChannelGap, Diagnosis, Gap, HeldOutAnswer, NoReduction, NoiseAnswer, Place,
+    Provenance, Trace, Untestable, Verdict, Whiteness,
+};
+use crate::noise::NoiseSource;
+
+/// Share of a gap above which all of it is accounted for.
+const ALL_CLOSED: f64 = 0.95;
+/// Least floor, so that shares of noiseless logs are finite.
+const LEAST_FLOOR: f64 = 1e-7;
+
+/// What one joint says, with its share of all joints' gap.
+struct Joint {
+    index: usize,
+    answer: JointAnswer,
+    weight: f64,
+}
+
+/// Puts the joints together.
+pub(super) fn answer(
+    device: &Device,
+    recording: &Recording,
+    effects: &[Box<dyn Effect>],
+    options: &Options<'_>,
+    asked: Vec<Asked>,
+) -> Diagnosis {
+    let mut joints = Vec::new();
+    let mut untested = Vec::new();
+    for (index, result) in asked {
+        match result {
+            Ok(own) => joints.push(Joint {
+                answer: kept(&own, &options.without),
+                index,
+                weight: 0.0,
+            }),
+            Err(why) => untested.push((index, why.to_string())),
+        }
+    }
+    let energy = |joint: &Joint| match joint.answer.verdict {
+        OfJoint::NoGap => 0.0,
+        _ => (joint.answer.rms_before / joint.answer.noise_floor.max(LEAST_FLOOR)).powi(2),
+    };
+    let total: f64 = joints.iter().map(energy).sum();
+    for joint in &mut joints {
+        joint.weight = energy(joint) / total.max(1e-300);
+    }
+    joints.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    let (causes, words) = causes(device, &joints);
+    let verdict = verdict(&joints, &causes);
+    let located = located(&joints, &causes);
+    let name = located.map(|joint| channel(joint.index));
+    let channels = joints.iter().map(|joint| gap(device, joint)).collect();
+    let gap = Gap::new(verdict, name.as_deref(), channels);
+    let place = located.filter(|_| verdict != Verdict::NoGap);
+    let place = place.map(|joint| place_of(joint, &words));
+    let left: f64 = joints
+        .iter()
+        .map(|joint| joint.weight * (1.0 - joint.answer.closed).clamp(0.0, 1.0))
+        .sum();
+    let is_explained = matches!(verdict, Verdict::Named | Verdict::Ambiguous);
+    Diagnosis {
+        next_experiment: located.and_then(|joint| {
+            let next = joint.answer.next.as_ref();
+            next.map(|next| format!("joint {}: {next}", joint.index + 1))
+        }),
+        traces: joints
+            .iter()
+            .filter_map(|joint| trace(device, joint))
+            .collect(),
+        unexplained_share: left,
+        closed_unseen_share: Some(1.0 - left).filter(|closed| is_explained && *closed < ALL_CLOSED),
+        own_effects_leave: None,
+        steps: Vec::new(),
+        correction: None,
+        probability_unknown: match (verdict, causes.first()) {
+            (Verdict::NoGap, _) => 0.0,
+            (Verdict::Unknown, _) | (_, None) => 1.0,
+            (_, Some(first)) => 1.0 - first.class_probability,
+        },
+        untestable: untestable(effects, &untested),
+        invisible: Vec::new(),
+        detectable: Vec::new(),
+        noise: joints.iter().map(noise).collect(),
+        whiteness: Whiteness::default(),
+        candidates: Vec::new(),
+        absorbed: None,
+        plausibility: Vec::new(),
+        warnings: warnings(&joints, &untested, words, options),
+        held_out: "an eighth of the log in turn".to_owned(),
+        provenance: Provenance {
+            rows: recording.len(),
+            base_parameters: 0,
+            base_identifiable: 0,
+            tested: joints.iter().map(|joint| joint.answer.tried).sum(),
+            thresholds: crate::thresholds::VERSION.to_owned(),
+            last_step: 0.0,
+            without: options.without.clone(),
+        },
+        device: options.model.unwrap_or(device).clone(),
+        corrected: None,
+        predictions: Vec::new(),
+        verdict,
+        gap,
+        place,
+        causes,
+    }
+}
+
+fn channel(joint: usize) -> String {
+    format!("theta{}", joint + 1)
+}
+
+fn unit(device: &Device, joint: usize) -> &'static str {
+    match device.joints[joint].joint_type {
+        JointType::Prismatic => "m",
+        JointType::Revolute => "rad",
+    }
+}
+
+/// Changes first, then what holds all along, by share of the gap; and the changes in words.
+fn causes(device: &Device, joints: &[Joint]) -> (Vec<CauseAnswer>, Vec<(usize, String)>) {
+    let mut found: Vec<(bool, CauseAnswer)> = Vec::new();
+    let mut words = Vec::new();
+    let with_gap = joints
+        .iter()
+        .filter(|joint| !matches!(joint.answer.verdict, OfJoint::NoGap | OfJoint::Unknown));
+    for joint in with_gap {
+        for finding in &joint.answer.causes {
+            let held_out = held_out(device, joint);
+            let own = (joint.index, &joint.answer);
+            let cause = cause(device, own, finding, joint.weight, held_out);
+            found.push((finding.since.is_some(), cause));
+            words.extend(changed(joint.index, finding).map(|word| (joint.index, word)));
+        }
+    }
+    found.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.share.total_cmp(&a.1.share)));
+    (found.into_iter().map(|(_, cause)| cause).collect(), words)
+}
+
+fn verdict(joints: &[Joint], causes: &[CauseAnswer]) -> Verdict {
+    let has_gap = |joint: &Joint| joint.answer.verdict != OfJoint::NoGap;
+    match causes.first() {
+        _ if !joints.iter().any(has_gap) => Verdict::NoGap,
+        Some(first) if first.confusable_with.is_empty() => Verdict::Named,
+        Some(_) => Verdict::Ambiguous,
+        None => Verdict::Unknown,
+    }
+}
+
+/// The joint of the first cause, else the one with most of the gap.
+fn located<'j>(joints: &'j [Joint], causes: &[CauseAnswer]) -> Option<&'j Joint> {
+    let first = causes.first().and_then(|cause| cause.joint);
+    let of_first = joints.iter().find(|joint| Some(joint.index + 1) == first);
+    of_first.or(joints.first())
+}
+
+fn place_of(joint: &Joint, words: &[(usize, String)]) -> Place {
+    let number = joint.index + 1;
+    let own = words.iter().find(|(index, _)| *index == joint.index);
+    let depends_on = match own {
+        Some(_) => vec!["t_s".to_owned()],
+        None => vec![format!("command{number}_rad")],
+    };
+    Place {
+        channel: channel(joint.index),
+        joint: Some(number),
+        explained: vec![joint.answer.closed; depends_on.len()],
+        depends_on,
+        region: own.map_or_else(
+            || format!("joint {number} beside its command"),
+            |(_, words)| words.clone(),
+        ),
+        dependence: Vec::new(),
+    }
+}
+
+/// Share of the gap that closes, of sizes and of squares: contract, reduction_percent.
+fn reduction_percent(closed: f64) -> f64 {
+    100.0 * (1.0 - (1.0 - closed.clamp(0.0, 1.0)).sqrt())
+}
+
+fn gap(device: &Device, joint: &Joint) -> ChannelGap {
+    let answer = &joint.answer;
+    let has_gap = answer.verdict != OfJoint::NoGap;
+    let is_closed = has_gap && answer.verdict != OfJoint::Unknown;
+    let floor = answer.noise_floor;
+    // as many independent readings as eighths of a second are few of
+    let relative = 1.96 / (answer.course.row.len() as f64 / 4.0).max(1.0).sqrt();
+    ChannelGap {
+        channel: channel(joint.index),
+        joint: Some(joint.index + 1),
+        has_gap,
+        held_out: true,
+        rms_before: answer.rms_before,
+        rms_after: if is_closed {
+            answer.rms_after
+        } else {
+            answer.rms_before
+        },
+        noise_floor: floor,
+        noise_floor_ci95: [floor * (1.0 - relative).max(0.0), floor * (1.0 + relative)],
+        noise_source: NoiseSource::Motion,
+        unit: unit(device, joint.index).to_owned(),
+        share_of_gap: joint.weight,
+        reduction_percent: has_gap.then(|| match is_closed {
+            true => reduction_percent(answer.closed),
+            false => 0.0,
+        }),
+        reduction_ci95: is_closed.then(|| answer.closed_ci95.map(reduction_percent)),
+        no_reduction: (!has_gap).then_some(NoReduction::NoGap),
+    }
+}
+
+fn held_out(device: &Device, joint: &Joint) -> HeldOutAnswer {
+    let gap = gap(device, joint);
+    HeldOutAnswer {
+        channel: gap.channel,
+        rms_before: gap.rms_before,
+        rms_after: gap.rms_after,
+        noise_floor: gap.noise_floor,
+        unit: gap.unit,
+        reduction_percent: gap.reduction_percent,
+        reduction_ci95: gap.reduction_ci95,
+        no_reduction: gap.no_reduction,
+    }
+}
+
+fn trace(device: &Device, joint: &Joint) -> Option<Trace> {
+    let answer = &joint.answer;
+    let course = &answer.course;
+    (answer.verdict != OfJoint::NoGap).then(|| Trace {
+        channel: channel(joint.index),
+        unit: unit(device, joint.index).to_owned(),
+        covariate: "t_s".to_owned(),
+        is_held_out: false,
+        at: course.time_s.clone(),
+        before: course.before.clone(),
+        after: match answer.verdict {
+            OfJoint::Unknown => course.before.clone(),
+            _ => course.after.clone(),
+        },
+    })
+}
+
+fn noise(joint: &Joint) -> NoiseAnswer {
+    NoiseAnswer {
+        channel: channel(joint.index),
+        ratio: 1.0,
+        speed_ratio: 1.0,
+        colour: 0.0,
+        outlier_share: 0.0,
+        readings: joint.answer.course.row.len(),
+        degrees_of_freedom: joint.answer.course.row.len() as f64 / 4.0,
+        source: NoiseSource::Motion,
+        from: "the rounding of its readings, or what neighbours scatter by".to_owned(),
+    }
+}
+
+/// Why effects on positions are not tested.
+const POSITIONS: &str =
+    "the log has joints and their commands alone: no second sensor or position shows it";
+
+fn untestable(effects: &[Box<dyn Effect>], untested: &[(usize, String)]) -> Vec<Untestable> {
+    let mut found: Vec<Untestable> = Vec::new();
+    for spec in SPECS {
+        for (joint, why) in untested {
+            let same = |entry: &&mut Untestable| entry.effect == spec.name && entry.why == *why;
+            match found.iter_mut().find(same) {
+                Some(entry) => entry.joints.push(joint + 1),
+                None => found.push(Untestable {
+                    effect: spec.name.to_owned(),
+                    joints: vec![joint + 1],
+                    why: why.clone(),
+                }),
+            }
+        }
+    }
+    for effect in effects {
+        let name = effect.name();
+        let is_servo = SPECS.iter().any(|spec| spec.name == name);
+        if !is_servo && !found.iter().any(|entry| entry.effect == name) {
+            found.push(Untestable {
+                effect: name.to_owned(),
+                joints: Vec::new(),
+                why: POSITIONS.to_owned(),
+            });
+        }
+    }
+    found
+}
+
+fn warnings(
+    joints: &[Joint],
+    untested: &[(usize, String)],
+    words: Vec<(usize, String)>,
+    options: &Options<'_>,
+) -> Vec<String> {
+    let mut said: Vec<String> = match words.len() {
+        0 | 1 => Vec::new(),
+        _ => words.into_iter().map(|(_, words)| words).collect(),
+    };
+    for joint in joints {
+        let own = joint.answer.warnings.iter();
+        said.extend(own.map(|text| format!("joint {}: {text}", joint.index + 1)));
+    }
+    let whys = untested.iter();
+    said.extend(whys.map(|(joint, why)| format!("joint {} was not tested: {why}", joint + 1)));
+    if options.validation.is_some() {
+        said.push(
+            "the second recording was not used: answers to commands are checked on parts of the log itself"
+                .to_owned(),
+        );
+    }
+    said
+}

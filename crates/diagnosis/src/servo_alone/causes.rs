@@ -1,0 +1,115 @@
+//! Findings of a joint as causes.
+
+use std::collections::BTreeMap;
+
+use haptical_model::{Device, JointType};
+use haptical_servo::{Finding, Instant, JointAnswer, Number, Verdict as OfJoint};
+
+use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer};
+
+/// Probability of a class of names that closes most of a gap.
+const SURE: f64 = 0.95;
+
+/// Causes of a joint without the effects that are left out: a rival takes the place of one, and without a rival it goes.
+pub(super) fn kept(answer: &JointAnswer, without: &[String]) -> JointAnswer {
+    let mut kept = answer.clone();
+    let is_left_out = |name: &str| without.iter().any(|other| other == name);
+    kept.causes.retain_mut(|cause| {
+        let names = std::iter::once(cause.effect).chain(cause.confusable_with.iter().copied());
+        let mut names = names.filter(|name| !is_left_out(name)).collect::<Vec<_>>();
+        if names.is_empty() {
+            return false;
+        }
+        cause.effect = names.remove(0);
+        cause.confusable_with = names;
+        true
+    });
+    if kept.causes.len() < answer.causes.len() {
+        let lost: f64 = answer.causes.iter().map(|cause| cause.share).sum::<f64>()
+            - kept.causes.iter().map(|cause| cause.share).sum::<f64>();
+        kept.closed = (answer.closed - lost).max(0.0);
+        kept.verdict = match kept.causes.first() {
+            _ if answer.verdict == OfJoint::NoGap => OfJoint::NoGap,
+            Some(first) if kept.closed > 0.3 => match first.confusable_with.is_empty() {
+                true => OfJoint::Named,
+                false => OfJoint::Ambiguous,
+            },
+            _ => OfJoint::Unknown,
+        };
+    }
+    kept
+}
+
+/// A finding at a joint; `weight` is the joint's share of the gap.
+pub(super) fn cause(
+    device: &Device,
+    (joint, answer): (usize, &JointAnswer),
+    finding: &Finding,
+    weight: f64,
+    held_out: HeldOutAnswer,
+) -> CauseAnswer {
+    let class = SURE * answer.closed.clamp(0.5, 1.0);
+    let own = match finding.confusable_with.len() {
+        0 => class,
+        rivals => class * (0.5 + 0.5 / (1.0 + rivals as f64)),
+    };
+    let slides = device.joints[joint].joint_type == JointType::Prismatic;
+    let mut parameters: BTreeMap<String, ParameterAnswer> = finding
+        .numbers
+        .iter()
+        .map(|number| (named(number, slides), value(number)))
+        .collect();
+    parameters.extend(finding.since.map(since));
+    CauseAnswer {
+        class_probability: class,
+        confusable_with: (finding.confusable_with.iter())
+            .map(|name| (*name).to_owned())
+            .collect(),
+        parameters,
+        share: finding.share * weight,
+        held_out: Some(held_out),
+        ..CauseAnswer::named(finding.effect, Some(joint), own)
+    }
+}
+
+fn named(number: &Number, slides: bool) -> String {
+    match slides {
+        true => number.name.replace("_rad", "_m"),
+        false => number.name.to_owned(),
+    }
+}
+
+fn value(number: &Number) -> ParameterAnswer {
+    ParameterAnswer {
+        value: number.value,
+        ci95: number.ci95,
+    }
+}
+
+/// When it came about: the time in its run, or the first run after it.
+fn since(instant: Instant) -> (String, ParameterAnswer) {
+    let [first, at, last] = instant.time_s;
+    match instant.between_runs {
+        Some([_, after]) => {
+            let value = after as f64;
+            let ci95 = [value, value];
+            ("from_run".to_owned(), ParameterAnswer { value, ci95 })
+        }
+        None => {
+            let ci95 = [first, last];
+            ("time_s".to_owned(), ParameterAnswer { value: at, ci95 })
+        }
+    }
+}
+
+/// A change in words, for the place and the warnings.
+pub(super) fn changed(joint: usize, finding: &Finding) -> Option<String> {
+    let since = finding.since?;
+    let size = finding.numbers.first()?.value;
+    let what = match finding.effect {
+        "joint-offset" => format!("its offset changed by {:.1} degrees", size.to_degrees()),
+        "command-latency" => format!("its delay changed by {:.0} ms", size * 1e3),
+        _ => format!("its gain changed by a factor {size:.2}"),
+    };
+    Some(format!("joint {}: {since} {what}", joint + 1))
+}

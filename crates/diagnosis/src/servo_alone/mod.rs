@@ -1,0 +1,112 @@
+//! The diagnosis of a log that has joints and their commands alone: how each joint answers what it is told
+//! (docs/diagnosis-servo.md). No position is fitted, and torques are not asked.
+
+mod answer;
+mod causes;
+
+use haptical_calibration::{CalibrationError, channels};
+use haptical_effects::Effect;
+use haptical_model::{Device, Recording, Statics};
+use haptical_servo::{JointAnswer, JointLog, Untested, diagnose_joint};
+use rayon::prelude::*;
+
+use crate::answer::Diagnosis;
+use crate::{DiagnosisError, Options};
+
+/// A joint and what its commands say of it.
+pub(crate) type Asked = (usize, Result<JointAnswer, Untested>);
+
+/// Torque scales that are known no better than this say nothing: the device file's way to call its torques untrusted.
+const UNTRUSTED_SCALE: f64 = 1.0;
+
+/// Whether commands and joints are all that a recording has to say of a device. Torques of a device with links decide
+/// themselves, unless the device file says that their scale is not known.
+pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
+    let has_torques = device.joints.iter().enumerate().any(|(joint, own)| {
+        let column = recording.torque_nm.get(joint).and_then(Option::as_ref);
+        let is_read = column.is_some_and(|column| column.iter().any(|value| value.is_finite()));
+        is_read && own.torque_scale_sd < UNTRUSTED_SCALE
+    });
+    has_commands(device, recording)
+        && !(has_torques && device.has_links())
+        && matches!(
+            channels(device, recording),
+            Err(CalibrationError::NoChannel)
+        )
+}
+
+/// Whether any joint has commands.
+pub(crate) fn has_commands(device: &Device, recording: &Recording) -> bool {
+    (0..device.joints.len()).any(|joint| recording.command(joint).is_some())
+}
+
+/// Diagnoses each joint's answer to its command.
+///
+/// # Errors
+/// [`DiagnosisError::Commands`] where no joint can be tested, or a column is in other units than its name says, and why.
+pub(crate) fn diagnose(
+    device: &Device,
+    recording: &Recording,
+    effects: &[Box<dyn Effect>],
+    options: &Options<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let loads = loads(device, recording);
+    let asked: Vec<Asked> = (0..device.joints.len())
+        .into_par_iter()
+        .map(|joint| {
+            let others = recording.joint.iter().enumerate();
+            let others = others.filter(|(other, _)| *other != joint);
+            let others: Vec<&[f64]> = others.map(|(_, column)| column.as_slice()).collect();
+            let log = JointLog {
+                time_s: recording.time_s.as_deref(),
+                run: recording.run.as_deref(),
+                command: recording.command(joint),
+                response: &recording.joint[joint],
+                others: &others,
+                load_nm: loads.as_ref().map(|loads| loads[joint].as_slice()),
+            };
+            (joint, diagnose_joint(&log))
+        })
+        .collect();
+    for (joint, result) in &asked {
+        if let Err(why @ Untested::Degrees { .. }) = result {
+            return Err(DiagnosisError::Commands {
+                why: format!("joint {}: {why}", joint + 1),
+            });
+        }
+    }
+    if asked.iter().all(|(_, result)| result.is_err()) {
+        let mut whys: Vec<String> = Vec::new();
+        for (joint, result) in &asked {
+            if let Err(why) = result {
+                whys.push(format!("joint {}: {why}", joint + 1));
+            }
+        }
+        return Err(DiagnosisError::Commands {
+            why: whys.join("; "),
+        });
+    }
+    Ok(answer::answer(device, recording, effects, options, asked))
+}
+
+/// Torques that gravity asks of each joint, row by row; none where the device has no masses.
+fn loads(device: &Device, recording: &Recording) -> Option<Vec<Vec<f64>>> {
+    if !device.has_links() {
+        return None;
+    }
+    let mut statics = Statics::new(device);
+    if !statics.has_weights() {
+        return None;
+    }
+    let joints = device.joints.len();
+    let mut loads = vec![Vec::with_capacity(recording.len()); joints];
+    let mut angles = vec![0.0; joints];
+    for row in 0..recording.len() {
+        recording.read_joints(row, &mut angles);
+        let load = statics.load(&angles, |_| None).ok()?;
+        for (column, torque_nm) in loads.iter_mut().zip(load.torques_nm) {
+            column.push(*torque_nm);
+        }
+    }
+    Some(loads)
+}

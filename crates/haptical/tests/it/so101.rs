@@ -1,0 +1,120 @@
+//! Twelve motions of a real SO-101 with faults planted from the middle on: found, placed, and nothing where nothing was planted.
+//! The numbers of docs/diagnosis-servo.md.
+
+use std::path::PathBuf;
+
+use haptical::servo::{Finding, JointLog, diagnose_joint};
+use haptical::{Device, Log};
+
+/// The folder of measured data, or a printed line.
+fn measured() -> Option<PathBuf> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let places = ["../../../shared", "../../../../shared"];
+    let mut places = places
+        .iter()
+        .map(|place| root.join(place).join("measured/so101"));
+    let found = places.find(|place| place.is_dir());
+    if found.is_none() {
+        println!("skipped: no folder measured/so101 beside the project");
+    }
+    found
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Fault {
+    None,
+    Offset,
+    Gain,
+    Delay,
+}
+
+impl Fault {
+    fn effect(self) -> &'static str {
+        match self {
+            Self::None => "",
+            Self::Offset => "joint-offset",
+            Self::Gain => "servo-gain",
+            Self::Delay => "command-latency",
+        }
+    }
+
+    /// Plants it from a row on.
+    fn plant(self, readings: &mut [f64], at: usize) {
+        let before = readings.to_vec();
+        let mean = before.iter().sum::<f64>() / before.len() as f64;
+        for row in at..readings.len() {
+            readings[row] = match self {
+                Self::None => before[row],
+                Self::Offset => before[row] + 17_f64.to_radians(),
+                Self::Gain => mean + 4.0 * (before[row] - mean),
+                Self::Delay => before[row - 1],
+            };
+        }
+    }
+}
+
+/// Joints' logs that were tested, with the fault found, with it placed, and with another change.
+type Counts = [usize; 4];
+
+fn counted(device: &Device, files: &[PathBuf], fault: Fault) -> Counts {
+    let mut counts = [0; 4];
+    for file in files {
+        let log = Log::read(file, device).unwrap();
+        let recording = &log.recording;
+        let time_s = recording.time_s.as_deref().unwrap();
+        let at = time_s.len() / 2;
+        for joint in 0..6 {
+            let mut readings = recording.joint[joint].clone();
+            fault.plant(&mut readings, at);
+            let others = (0..6).filter(|other| *other != joint);
+            let others: Vec<&[f64]> = others.map(|other| &recording.joint[other][..]).collect();
+            let answer = diagnose_joint(&JointLog {
+                time_s: Some(time_s),
+                run: None,
+                command: recording.command(joint),
+                response: &readings,
+                others: &others,
+                load_nm: None,
+            });
+            let Ok(answer) = answer else { continue };
+            counts[0] += 1;
+            let changes: Vec<&Finding> = (answer.causes.iter())
+                .filter(|cause| cause.since.is_some())
+                .collect();
+            let own = changes.iter().find(|cause| cause.effect == fault.effect());
+            let placed = own.and_then(|cause| cause.since);
+            let placed = placed.filter(|since| (since.time_s[1] - time_s[at]).abs() < 0.2);
+            counts[1] += usize::from(own.is_some());
+            counts[2] += usize::from(placed.is_some());
+            counts[3] += usize::from(changes.iter().any(|cause| cause.effect != fault.effect()));
+        }
+    }
+    counts
+}
+
+#[test]
+fn planted_faults_are_found_and_sound_logs_have_none() {
+    let Some(folder) = measured() else { return };
+    let device = "../../fixtures/devices/so101.toml";
+    let device = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(device);
+    let device = Device::load(&device).unwrap();
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|end| end == "gz"));
+    files.sort();
+    assert_eq!(files.len(), 12);
+    for (fault, found, placed) in [
+        (Fault::None, 0, 0),
+        (Fault::Offset, 72, 72),
+        (Fault::Gain, 57, 57),
+        (Fault::Delay, 23, 14),
+    ] {
+        let counts = counted(&device, &files, fault);
+        println!("{fault:?}: tested, found, placed, another: {counts:?}");
+        assert!(
+            counts[1] >= found && counts[2] >= placed,
+            "{fault:?}: {counts:?}"
+        );
+        assert_eq!(counts[3], 0, "{fault:?}: {counts:?}");
+    }
+}

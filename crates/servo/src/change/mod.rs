@@ -1,0 +1,318 @@
+//! What changed within a log: the joint's offset, its delay, its gain.
+
+mod scan;
+mod still;
+mod sums;
+
+use self::scan::{Likely, Scan};
+use self::still::by_means;
+pub(crate) use self::still::of_a_still_joint;
+use self::sums::{ORDER, Regression};
+use crate::answer::{Finding, Instant, Number};
+use crate::effect::{gain, latency, offset};
+use crate::fit::{Problem, Terms};
+use crate::log::{Series, mean, rms};
+use crate::thresholds::{
+    BEYOND_BAND, DELAY_NATS, LEVEL_LEAVES, LEVEL_NATS, MOST_CHANGES, STILL_COUNTS,
+};
+
+/// What changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    /// The position reads more by this.
+    Offset(f64),
+    /// The position is `level` and a factor times what it was.
+    Gain { factor: f64, level: f64 },
+    /// The command acts some rows later.
+    Delay(isize),
+}
+
+/// A change within a log.
+#[derive(Debug, Clone)]
+pub(crate) struct Change {
+    kind: Kind,
+    /// First index after it.
+    at: usize,
+    instant: Instant,
+    /// Number as it is reported.
+    number: Number,
+}
+
+impl Change {
+    fn new(series: &Series, kind: Kind, rows: [usize; 3], sd: f64) -> Self {
+        let (name, value) = match kind {
+            Kind::Offset(size) => (offset::SPEC.parameters[0], size),
+            Kind::Gain { factor, .. } => (gain::SPEC.parameters[0], factor),
+            Kind::Delay(shift) => (latency::SPEC.parameters[0], shift as f64 * series.step_s),
+        };
+        Self {
+            kind,
+            at: rows[1],
+            instant: instant(series, rows),
+            number: Number {
+                name,
+                value,
+                ci95: [value - 1.96 * sd, value + 1.96 * sd],
+            },
+        }
+    }
+
+    /// The log as it would have been without the change.
+    pub(crate) fn undo(&self, series: &mut Series) {
+        match self.kind {
+            Kind::Offset(size) => {
+                let after = &mut series.response[self.at..];
+                after.iter_mut().for_each(|value| *value -= size);
+            }
+            Kind::Gain { factor, level } => {
+                let after = &mut series.response[self.at..];
+                after
+                    .iter_mut()
+                    .for_each(|value| *value = (*value - level) / factor);
+            }
+            Kind::Delay(shift) => {
+                let before = series.command.clone();
+                let pieces: Vec<_> = series.pieces().collect();
+                for piece in pieces {
+                    for row in piece.clone().filter(|&row| row >= self.at) {
+                        let from = (row as isize - shift)
+                            .clamp(piece.start as isize, piece.end as isize - 1);
+                        series.command[row] = before[from as usize];
+                    }
+                }
+            }
+        }
+    }
+
+    /// As a cause.
+    pub(crate) fn finding(&self, share: f64) -> Finding {
+        let effect = match self.kind {
+            Kind::Offset(_) => offset::SPEC.name,
+            Kind::Gain { .. } => gain::SPEC.name,
+            Kind::Delay(_) => latency::SPEC.name,
+        };
+        Finding {
+            effect,
+            numbers: vec![self.number],
+            confusable_with: Vec::new(),
+            share,
+            since: Some(self.instant),
+        }
+    }
+}
+
+fn instant(series: &Series, rows: [usize; 3]) -> Instant {
+    let [first, at, last] = rows;
+    let start = |&row: &usize| row > 0 && series.run[row] != series.run[row - 1];
+    // a change that may as well have come between two runs did
+    let between = (first..=last).find(start);
+    let at = between.unwrap_or(at);
+    Instant {
+        rows: [first, at, last].map(|row| series.row[row]),
+        time_s: [first, at, last].map(|row| series.time_s[row]),
+        between_runs: between.map(|row| [series.run[row - 1], series.run[row]]),
+        run: series.run[at],
+    }
+}
+
+/// Changes of a joint that moves, in the order in which they were found.
+pub(crate) fn find(series: &Series) -> Vec<Change> {
+    let mut rest = series.clone();
+    let mut found = Vec::new();
+    while found.len() < MOST_CHANGES {
+        let Some(change) = next(&rest, found.is_empty()) else {
+            break;
+        };
+        change.undo(&mut rest);
+        found.push(change);
+    }
+    found
+}
+
+/// The likeliest change; a delay only of a log of one level, since a level that is not quite right looks like one.
+fn next(series: &Series, is_level: bool) -> Option<Change> {
+    let regression = Regression::new(series);
+    if series.len() < 8 * regression.regressors() {
+        return None;
+    }
+    let scan = Scan::new(&regression);
+    let enough = |likely: &Likely| likely.nats > LEVEL_NATS;
+    let offset = scan.offset().filter(enough);
+    let offset = offset.or_else(|| by_means(series, regression.lags));
+    let gain = scan.gain().filter(enough);
+    if offset.is_some() || gain.is_some() {
+        let before = left(series, None);
+        let offset = offset.and_then(|likely| of_offset(series, &regression, &scan, &likely));
+        let gain = gain.and_then(|likely| of_gain(series, &regression, &scan, &likely));
+        let is_one = |(_, squares): &(Change, f64)| *squares < LEVEL_LEAVES * before;
+        let (offset, gain) = (offset.filter(is_one), gain.filter(is_one));
+        let gain = gain.filter(|(change, _)| change.number.value.ln().abs() > LEAST_GAIN.ln());
+        match (offset, gain) {
+            // a gain has one number more
+            (Some(offset), Some(gain)) if gain.1 < 0.5 * offset.1 => return Some(gain.0),
+            (Some(offset), _) => return Some(offset.0),
+            (None, Some(gain)) => return Some(gain.0),
+            (None, None) => {}
+        }
+    }
+    if !is_level {
+        return None;
+    }
+    let likely = scan.delay().filter(|likely| likely.nats > DELAY_NATS)?;
+    let half_step = 0.5 * series.step_s / 1.96;
+    let kind = Kind::Delay(likely.size as isize);
+    Some(Change::new(series, kind, likely.rows, half_step))
+}
+
+/// Laws that explain what they can of a log with or without a change.
+const LAWS: Terms = Terms {
+    offset: true,
+    delay: true,
+    lag: true,
+    friction: true,
+    ..Terms::NONE
+};
+
+/// Squares that the laws leave of a log, in its own unit, a change undone.
+fn left(series: &Series, change: Option<&Change>) -> f64 {
+    let mut undone = series.clone();
+    if let Some(change) = change {
+        change.undo(&mut undone);
+    }
+    let fit = Problem::new(&undone).fit(LAWS, &None, None);
+    squares_in_unit(&fit.residual, change)
+}
+
+fn squares_in_unit(residual: &[f64], change: Option<&Change>) -> f64 {
+    let (at, factor) = match change.map(|change| (change.at, change.kind)) {
+        Some((at, Kind::Gain { factor, .. })) => (at, factor),
+        _ => (0, 1.0),
+    };
+    let rows = residual.iter().enumerate();
+    rows.map(|(row, value)| match row >= at {
+        true => (value * factor).powi(2),
+        false => value * value,
+    })
+    .sum()
+}
+
+/// An offset at its likeliest row, with what the laws leave beside it; none where friction could have done it.
+fn of_offset(
+    series: &Series,
+    regression: &Regression,
+    scan: &Scan<'_>,
+    likely: &Likely,
+) -> Option<(Change, f64)> {
+    let at = likely.rows[1];
+    let solution = scan.solution(at, 1.0);
+    let own = 1.0 - solution[..ORDER].iter().sum::<f64>();
+    let settled = solution.last()? / own;
+    let jumped = regression
+        .predicted(&solution, at)
+        .map(|before| regression.position(at) - before);
+    let sizes = [Some(settled), jumped].into_iter().flatten();
+    let sizes = sizes.filter(|size| size.is_finite());
+    let tried = sizes.map(|size| {
+        let change = Change::new(series, Kind::Offset(size), likely.rows, 0.0);
+        let (squares, fit, after) = adjusted(series, &change);
+        (squares, size + after, fit)
+    });
+    let (squares, size, half_width) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let rest = (squares / series.len() as f64).sqrt();
+    let band = 2.0 * half_width;
+    if size.abs() < BEYOND_BAND * band + 3.0 * rest + STILL_COUNTS * series.count {
+        return None;
+    }
+    // half a second of what is left is one number
+    let pieces = (series.len() as f64 * series.step_s / 0.5).max(2.0);
+    let sd = rest * (4.0 / pieces).sqrt();
+    let change = Change::new(series, Kind::Offset(size), likely.rows, sd);
+    let squares = left(series, Some(&change)).min(squares);
+    Some((change, squares))
+}
+
+/// What the laws leave beside a change, half the width of their band, and by how much the level after it is still off.
+fn adjusted(series: &Series, change: &Change) -> (f64, f64, f64) {
+    let mut undone = series.clone();
+    change.undo(&mut undone);
+    let fit = Problem::new(&undone).fit(LAWS, &None, None);
+    let (before, after) = fit.residual.split_at(change.at);
+    let off = mean(after) - mean(before);
+    let squares = squares_in_unit(&fit.residual, Some(change));
+    (squares, fit.shape.half_width, off)
+}
+
+fn of_gain(
+    series: &Series,
+    regression: &Regression,
+    scan: &Scan<'_>,
+    likely: &Likely,
+) -> Option<(Change, f64)> {
+    let (at, factor) = (likely.rows[1], likely.size.clamp(GAINS.start, GAINS.end));
+    let solution = scan.solution(at, factor);
+    let own = 1.0 - solution[..ORDER].iter().sum::<f64>();
+    let constant = solution.get(regression.regressors() - 1)? / own;
+    let step = solution.last()? / own;
+    let middle = mean(&series.response);
+    // about the mean: y = after + factor (x - before) where it was x; then by the laws, again and again
+    let mut kind = (
+        factor,
+        middle + constant + step - factor * (middle + constant),
+    );
+    let mut best: Option<(f64, Change)> = None;
+    for _ in 0..GAIN_ROUNDS {
+        let (factor, level) = kind;
+        let change = Change::new(series, Kind::Gain { factor, level }, likely.rows, 0.0);
+        let (squares, follows) = scaled(series, &change);
+        if best
+            .as_ref()
+            .is_some_and(|(least, _)| squares >= 0.999 * least)
+        {
+            break;
+        }
+        best = Some((squares, change));
+        let Some(next) = follows.filter(|(factor, _)| GAINS.contains(factor)) else {
+            break;
+        };
+        kind = next;
+    }
+    let (squares, mut change) = best?;
+    let factor = change.number.value;
+    let rest = (squares / series.len() as f64).sqrt();
+    let moved = rms(&series.response[at..]
+        .iter()
+        .map(|value| value - mean(&series.response[at..]))
+        .collect::<Vec<_>>());
+    let pieces = (series.len() as f64 * series.step_s / 0.5).max(2.0);
+    let sd = factor * rest / moved.max(1e-300) * (4.0 / pieces).sqrt();
+    change.number.ci95 = [factor - 1.96 * sd, factor + 1.96 * sd];
+    Some((change, squares))
+}
+
+/// Gains of a joint that changed.
+const GAINS: std::ops::Range<f64> = 0.1..10.0;
+/// A factor that is nearer to 1 is what the laws get wrong.
+const LEAST_GAIN: f64 = 1.3;
+const GAIN_ROUNDS: usize = 6;
+
+/// What the laws leave where a gain is undone, and the factor and level that the readings after it have on what they predict.
+fn scaled(series: &Series, change: &Change) -> (f64, Option<(f64, f64)>) {
+    let mut undone = series.clone();
+    change.undo(&mut undone);
+    let fit = Problem::new(&undone).fit(LAWS, &None, None);
+    let squares = squares_in_unit(&fit.residual, Some(change));
+    let after = change.at..series.len();
+    let predicted: Vec<f64> = (after.clone())
+        .map(|row| undone.response[row] - fit.residual[row])
+        .collect();
+    let read = &series.response[after];
+    let (x, y) = (mean(&predicted), mean(read));
+    let pairs = || predicted.iter().zip(read);
+    let along: f64 = pairs().map(|(p, r)| (p - x) * (r - y)).sum();
+    let spread: f64 = pairs().map(|(p, _)| (p - x).powi(2)).sum();
+    let factor = along / spread.max(1e-300);
+    (
+        squares,
+        factor.is_finite().then_some((factor, y - factor * x)),
+    )
+}

@@ -1,0 +1,219 @@
+//! The likelihood of each change at each row: generalised likelihood ratios of a regression (Basseville & Nikiforov, Detection of
+//! Abrupt Changes, 1993, 2.4 and 7.2).
+
+use super::sums::{ORDER, Prefix, Regression, Sums};
+use crate::thresholds::{PLACE_NATS, PLACE_SHARE, SHARE_OF_FREE};
+
+/// Factors that a gain is looked for at.
+const FACTORS: [f64; 6] = [0.125, 0.25, 0.5, 2.0, 4.0, 8.0];
+/// Rows by which a delay is looked for at.
+const SHIFTS: [isize; 8] = [-5, -3, -2, -1, 1, 2, 3, 5];
+
+/// Part of the log at either end in which no change of a level is looked for, and none of a delay, which a single step shows
+/// badly.
+const LEVEL_EDGE: usize = 20;
+const DELAY_EDGE: usize = 8;
+
+/// Rows that are looked at besides a grid.
+const WILD: usize = 12;
+
+/// A change where it is likeliest.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Likely {
+    /// What the likelihood gains \[nats\].
+    pub(super) nats: f64,
+    /// First row after it: the first, the likeliest and the last that may be.
+    pub(super) rows: [usize; 3],
+    /// Factor of a gain, rows of a delay; 1 for an offset.
+    pub(super) size: f64,
+}
+
+/// A scan of a log.
+#[derive(Debug)]
+pub(super) struct Scan<'r> {
+    regression: &'r Regression,
+    own: Prefix,
+    all: Sums,
+    /// Squares that one regression for the whole log leaves.
+    squares: f64,
+    /// Rows that one regression predicts worst: a jump lies between the points of a grid.
+    wild: Vec<usize>,
+}
+
+impl<'r> Scan<'r> {
+    pub(super) fn new(regression: &'r Regression) -> Self {
+        let own = regression.prefix(0);
+        let all = regression.up_to(&own, regression.rows);
+        let (squares, solution) = all.fitted();
+        let surprise = |&row: &usize| {
+            let predicted = regression.predicted(&solution, row)?;
+            Some(((regression.position(row) - predicted).abs(), row))
+        };
+        let mut wild: Vec<(f64, usize)> = (0..regression.rows)
+            .collect::<Vec<_>>()
+            .iter()
+            .filter_map(surprise)
+            .collect();
+        wild.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        wild.truncate(WILD);
+        Self {
+            squares,
+            wild: wild.into_iter().map(|(_, row)| row).collect(),
+            regression,
+            own,
+            all,
+        }
+    }
+
+    fn count(&self) -> f64 {
+        let regressors = self.regression.regressors();
+        self.all.at(regressors - 1, regressors - 1)
+    }
+
+    fn nats(&self, squares: f64) -> f64 {
+        let rounding = self.count() * self.regression.rounding;
+        0.5 * self.count() * ((self.squares + rounding) / (squares + rounding)).ln()
+    }
+
+    /// Rows at which a change is looked for: a part of the log and its regression's memory off either end.
+    fn grid(&self, part: usize) -> Vec<usize> {
+        let rows = self.regression.rows;
+        let edge = (rows / part).max(3 * self.regression.regressors());
+        let step = self.regression.step;
+        let inner = edge..rows.saturating_sub(edge);
+        let wild = self
+            .wild
+            .iter()
+            .copied()
+            .filter(|row| part == LEVEL_EDGE && inner.contains(row));
+        let mut grid: Vec<usize> = inner.clone().step_by(step).chain(wild).collect();
+        grid.sort_unstable();
+        grid.dedup();
+        grid
+    }
+
+    /// The likeliest row by a function of it, and how far on either side it is nearly as likely.
+    fn placed(&self, size: f64, part: usize, nats: &dyn Fn(usize) -> f64) -> Option<Likely> {
+        let coarse: Vec<(usize, f64)> = self
+            .grid(part)
+            .into_iter()
+            .map(|row| (row, nats(row)))
+            .collect();
+        let by_nats = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
+        let &(near, _) = coarse.iter().max_by(by_nats)?;
+        let step = self.regression.step;
+        let rows = self.regression.rows;
+        let fine: Vec<(usize, f64)> = (near.saturating_sub(step).max(ORDER + 1)
+            ..=(near + step).min(rows - ORDER - 2))
+            .map(|row| (row, nats(row)))
+            .collect();
+        let &(at, best) = fine.iter().max_by(by_nats)?;
+        // errors that are not quite white make all of it larger than it is
+        let limit = best - PLACE_NATS.max(PLACE_SHARE * best);
+        // from the best row outwards, finely and then on the grid, as long as it is nearly as likely
+        let walk = |towards: &mut dyn Iterator<Item = &(usize, f64)>| {
+            towards
+                .take_while(|(_, nats)| *nats >= limit)
+                .last()
+                .map_or(at, |(row, _)| *row)
+        };
+        let mut first = walk(&mut fine.iter().rev().skip_while(|(row, _)| *row > at));
+        let mut last = walk(&mut fine.iter().skip_while(|(row, _)| *row < at));
+        if first == fine.first()?.0 {
+            let mut before = coarse.iter().rev().skip_while(|(row, _)| *row > first);
+            first = first.min(walk(&mut before));
+        }
+        if last == fine.last()?.0 {
+            let mut after = coarse.iter().skip_while(|(row, _)| *row < last);
+            last = last.max(walk(&mut after));
+        }
+        Some(Likely {
+            nats: best,
+            rows: [first, at, last],
+            size,
+        })
+    }
+
+    /// Sums before a row, and of the rows that have nothing of what was before it in their past.
+    fn sides(&self, row: usize) -> [Sums; 2] {
+        let before = self.regression.up_to(&self.own, row);
+        let clear = (row + ORDER).min(self.regression.rows);
+        let up_to = self.regression.up_to(&self.own, clear);
+        [before, self.all.plus(&up_to, -1.0)]
+    }
+
+    /// The position is read with another offset from a row on, and with another gain.
+    fn of_level(&self, row: usize, factor: f64) -> Sums {
+        let [before, after] = self.sides(row);
+        let commands = ORDER..self.regression.regressors() - 1;
+        let after = after.scaled(commands, factor);
+        before.plus(&after, 1.0).with_step(&after)
+    }
+
+    /// The likeliest offset.
+    pub(super) fn offset(&self) -> Option<Likely> {
+        self.placed(1.0, LEVEL_EDGE, &|row| {
+            self.nats(self.of_level(row, 1.0).fitted().0)
+        })
+    }
+
+    /// Regression with a level that changes at a row: coefficients, the step's last.
+    pub(super) fn solution(&self, row: usize, factor: f64) -> Vec<f64> {
+        self.of_level(row, factor).fitted().1
+    }
+
+    /// The likeliest gain.
+    pub(super) fn gain(&self) -> Option<Likely> {
+        let found = FACTORS.iter().filter_map(|&factor| {
+            self.placed(factor, LEVEL_EDGE, &|row| {
+                self.nats(self.of_level(row, factor).fitted().0)
+            })
+        });
+        let best = found.max_by(|a, b| a.nats.total_cmp(&b.nats))?;
+        // between the factors by halving its logarithm's step
+        let (mut size, mut nats, mut step) = (best.size.ln(), best.nats, 0.35);
+        for _ in 0..12 {
+            let mut has_moved = false;
+            for next in [size + step, size - step] {
+                let squares = self.of_level(best.rows[1], next.exp()).fitted().0;
+                if self.nats(squares) > nats {
+                    (size, nats, has_moved) = (next, self.nats(squares), true);
+                    break;
+                }
+            }
+            if !has_moved {
+                step *= 0.5;
+            }
+        }
+        Some(Likely {
+            nats,
+            size: size.exp(),
+            ..best
+        })
+    }
+
+    /// The likeliest delay: the command acts some rows later than before. What a regression of its own after the change
+    /// explains must mostly be that.
+    pub(super) fn delay(&self) -> Option<Likely> {
+        let found = SHIFTS.iter().filter_map(|&shift| {
+            let shifted = self.regression.prefix(shift);
+            let whole = self.regression.up_to(&shifted, self.regression.rows);
+            let nats = |row: usize| {
+                let before = self.regression.up_to(&self.own, row);
+                let later = whole.plus(&self.regression.up_to(&shifted, row), -1.0);
+                let own = self.nats(before.plus(&later, 1.0).fitted().0);
+                if own <= 0.0 {
+                    return own;
+                }
+                let after = self.all.plus(&before, -1.0);
+                let free = after.fitted().0.min(later.fitted().0) + before.fitted().0;
+                match own > SHARE_OF_FREE * self.nats(free) {
+                    true => own,
+                    false => 0.0,
+                }
+            };
+            self.placed(shift as f64, DELAY_EDGE, &nats)
+        });
+        found.max_by(|a, b| a.nats.total_cmp(&b.nats))
+    }
+}

@@ -1,0 +1,264 @@
+//! One fit of a servo's laws to a joint: numbers that enter linearly in closed form, the others by a search.
+
+pub(crate) mod linear;
+pub(crate) mod search;
+
+use std::ops::Range;
+
+use crate::effect::{droop, friction, lag, latency, offset, saturation};
+use crate::log::Series;
+use crate::thresholds::MOST_LAG_S;
+
+use self::linear::Normal;
+use self::search::AXES;
+
+/// Which laws a model has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Terms {
+    pub(crate) offset: bool,
+    pub(crate) delay: bool,
+    pub(crate) lag: bool,
+    pub(crate) friction: bool,
+    pub(crate) saturation: bool,
+    pub(crate) gain: bool,
+    pub(crate) droop: bool,
+}
+
+impl Terms {
+    /// The command itself.
+    pub(crate) const NONE: Self = Self {
+        offset: false,
+        delay: false,
+        lag: false,
+        friction: false,
+        saturation: false,
+        gain: false,
+        droop: false,
+    };
+}
+
+/// Numbers that do not enter linearly.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Shape {
+    pub(crate) delay_s: f64,
+    pub(crate) lag_s: f64,
+    /// Half the width of the band in which the joint rests.
+    pub(crate) half_width: f64,
+    /// One over the largest speed; 0 without a limit.
+    pub(crate) slowness: f64,
+}
+
+/// A fitted model.
+#[derive(Debug, Clone)]
+pub(crate) struct Fit {
+    pub(crate) shape: Shape,
+    /// Mean distance of the joint from what it follows.
+    pub(crate) offset: f64,
+    pub(crate) gain: f64,
+    /// Coefficients of the droop's columns.
+    pub(crate) droop: Vec<f64>,
+    /// Sum of the squares on the rows of the fit.
+    pub(crate) squares: f64,
+    /// On all rows.
+    pub(crate) residual: Vec<f64>,
+}
+
+/// A joint and its laws, ready to be fitted.
+#[derive(Debug)]
+pub(crate) struct Problem<'s> {
+    series: &'s Series,
+    droop: Vec<Vec<f64>>,
+}
+
+/// Rows that a fit leaves out.
+pub(crate) type Held = Option<Range<usize>>;
+
+impl<'s> Problem<'s> {
+    pub(crate) fn new(series: &'s Series) -> Self {
+        Self {
+            droop: droop::columns(series),
+            series,
+        }
+    }
+
+    /// Whether anything moves that gravity's torque could depend on.
+    pub(crate) fn has_droop(&self) -> bool {
+        !self.droop.is_empty()
+    }
+
+    /// Fits a model, from several starts or from one.
+    pub(crate) fn fit(&self, terms: Terms, held: &Held, start: Option<Shape>) -> Fit {
+        let series = self.series;
+        let errors = (series.response.iter()).zip(&series.command);
+        let mut errors: Vec<f64> = errors
+            .map(|(response, command)| response - command)
+            .collect();
+        errors.sort_unstable_by(f64::total_cmp);
+        let wide = errors[errors.len() * 9 / 10] - errors[errors.len() / 10];
+        // the speed of a servo that crosses the motion in a quarter of a second
+        let quick = 4.0 * crate::log::range(&series.command).max(1e-6);
+        let (starts, steps) = match start {
+            Some(shape) => (vec![shape], [0.01, 0.01, 0.05 * wide, 0.2 / quick]),
+            None => {
+                let at = |delay_s, lag_s, share: f64| Shape {
+                    delay_s,
+                    lag_s,
+                    half_width: share * wide,
+                    slowness: 0.0,
+                };
+                let starts = vec![
+                    at(0.04, 0.03, 0.05),
+                    at(0.02, 0.1, 0.3),
+                    at(0.1, 0.01, 0.45),
+                ];
+                (starts, [0.03, 0.03, 0.15 * wide, 0.5 / quick])
+            }
+        };
+        let least = [
+            1e-4,
+            1e-4,
+            (0.05 * series.count).max(1e-3 * wide).max(1e-6),
+            0.01 / quick,
+        ];
+        let range = crate::log::range(&series.command);
+        let most = [MOST_LAG_S, MOST_LAG_S, 0.5 * range, 20.0 / quick];
+        let free = [terms.delay, terms.lag, terms.friction, terms.saturation];
+        let limits = search::Limits {
+            free,
+            steps,
+            least,
+            most,
+        };
+        let mut squares = |at: [f64; AXES]| self.evaluate(terms, shape_of(at, terms), held).squares;
+        let found = starts
+            .iter()
+            .map(|start| {
+                let at = [start.delay_s, start.lag_s, start.half_width, start.slowness];
+                search::compass(at, &limits, &mut squares)
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let at = found.map_or([0.0; AXES], |(at, _)| at);
+        self.evaluate(terms, shape_of(at, terms), held)
+    }
+
+    /// The fit of the linear numbers, at given numbers of the shape.
+    pub(crate) fn evaluate(&self, terms: Terms, shape: Shape, held: &Held) -> Fit {
+        let series = self.series;
+        let rows = series.len();
+        let mut input = vec![0.0; rows];
+        for piece in series.pieces() {
+            latency::delayed(
+                &series.command,
+                &series.time_s,
+                piece.clone(),
+                shape.delay_s,
+                &mut input,
+            );
+            lag::lagged(&series.time_s, piece.clone(), shape.lag_s, &mut input);
+            saturation::limited(&series.time_s, piece, shape.slowness, &mut input);
+        }
+        let mut offset = match terms.offset {
+            true => mean_outside(held, |row| series.response[row] - input[row], rows),
+            false => 0.0,
+        };
+        let mut fit = None;
+        for _ in 0..2 {
+            let mut followed = input.clone();
+            for piece in series.pieces() {
+                let first = series.response[piece.start] - offset;
+                friction::followed(piece, shape.half_width, first, &mut followed);
+            }
+            let own = self.linear(terms, shape, &followed, held);
+            let moved = (own.offset - offset).abs();
+            offset = own.offset;
+            fit = Some(own);
+            if !terms.friction || moved < 1e-5 {
+                break;
+            }
+        }
+        fit.unwrap_or_else(|| self.linear(terms, shape, &input, held))
+    }
+
+    fn linear(&self, terms: Terms, shape: Shape, followed: &[f64], held: &Held) -> Fit {
+        let response = &self.series.response;
+        let rows = response.len();
+        let mut columns: Vec<&[f64]> = Vec::new();
+        let ones = offset::column(if terms.offset { rows } else { 0 });
+        columns.extend(terms.offset.then_some(ones.as_slice()));
+        columns.extend(terms.gain.then_some(followed));
+        let free = terms.droop.then_some(&self.droop).into_iter().flatten();
+        columns.extend(free.map(Vec::as_slice));
+        let target: Vec<f64> = match terms.gain {
+            true => response.clone(),
+            false => (response.iter().zip(followed))
+                .map(|(a, b)| a - b)
+                .collect(),
+        };
+        let (solution, residual) = Normal::solve(&columns, &target, held);
+        let mut numbers = solution.iter().copied();
+        let mut offset = if terms.offset {
+            numbers.next().unwrap_or(0.0)
+        } else {
+            0.0
+        };
+        let gain = if terms.gain {
+            numbers.next().unwrap_or(1.0)
+        } else {
+            1.0
+        };
+        let droop: Vec<f64> = numbers.collect();
+        // at the middle of the motion, where a gain moves nothing
+        offset += (gain - 1.0) * crate::log::mean(followed);
+        for (column, coefficient) in self.droop.iter().zip(&droop) {
+            offset += coefficient * crate::log::mean(column);
+        }
+        Fit {
+            shape,
+            offset,
+            gain,
+            droop,
+            squares: squares_outside(held, &residual),
+            residual,
+        }
+    }
+
+    /// How far the droop moves the joint \[rad\]: the standard deviation of its course.
+    pub(crate) fn droop_size(&self, fit: &Fit) -> f64 {
+        let rows = self.series.len();
+        let mut course = vec![0.0; rows];
+        for (column, coefficient) in self.droop.iter().zip(&fit.droop) {
+            for (sum, value) in course.iter_mut().zip(column) {
+                *sum += coefficient * value;
+            }
+        }
+        let middle = crate::log::mean(&course);
+        crate::log::rms(&course.iter().map(|at| at - middle).collect::<Vec<_>>())
+    }
+}
+
+/// Sum of squares on the rows of a fit.
+fn squares_outside(held: &Held, residual: &[f64]) -> f64 {
+    let is_seen = |row: &usize| held.as_ref().is_none_or(|held| !held.contains(row));
+    let rows = (0..residual.len()).filter(is_seen);
+    rows.map(|row| residual[row] * residual[row]).sum()
+}
+
+fn mean_outside(held: &Held, value: impl Fn(usize) -> f64, rows: usize) -> f64 {
+    let is_seen = |row: &usize| held.as_ref().is_none_or(|held| !held.contains(row));
+    let (sum, count) = (0..rows)
+        .filter(is_seen)
+        .fold((0.0, 0.0), |(sum, count), row| {
+            (sum + value(row), count + 1.0)
+        });
+    sum / f64::max(count, 1.0)
+}
+
+fn shape_of([delay_s, lag_s, half_width, slowness]: [f64; AXES], terms: Terms) -> Shape {
+    let only = |is_free: bool, value: f64| if is_free { value } else { 0.0 };
+    Shape {
+        delay_s: only(terms.delay, delay_s),
+        lag_s: only(terms.lag, lag_s),
+        half_width: only(terms.friction, half_width),
+        slowness: only(terms.saturation, slowness),
+    }
+}

@@ -1,0 +1,317 @@
+//! One joint from its log to an answer.
+
+use crate::answer::{Course, Finding, JointAnswer, Number, Verdict};
+use crate::change::{self, Change};
+use crate::effect::{friction, gain, lag, latency, offset, saturation};
+use crate::log::{JointLog, Series, Untested, range, rms};
+use crate::next::next;
+use crate::noise::{floor, rounding};
+use crate::select::{Judged, Law, Selection, gain as gain_over, select};
+use crate::thresholds::{
+    ABOVE_FLOOR, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, WIDE_RAD,
+};
+
+/// Says how a joint answers its command, and what of that changed within the log.
+///
+/// # Errors
+/// [`Untested`] where the log cannot say.
+pub fn diagnose_joint(log: &JointLog<'_>) -> Result<JointAnswer, Untested> {
+    let mut series = Series::new(log)?;
+    if !series.moves() {
+        let changes = change::of_a_still_joint(&series);
+        return match changes.is_empty() {
+            true => Err(Untested::Still),
+            false => Ok(still(&series, &changes)),
+        };
+    }
+    let bare = errors(&series);
+    let changes = change::find(&series);
+    for change in &changes {
+        change.undo(&mut series);
+    }
+    // a change may be what a position does not follow its command for
+    series.check_related()?;
+    let selection = select(&series);
+    Ok(Joint {
+        series: &series,
+        selection: &selection,
+        changes,
+        bare,
+    }
+    .answer())
+}
+
+fn errors(series: &Series) -> Vec<f64> {
+    let pairs = series.response.iter().zip(&series.command);
+    pairs
+        .map(|(response, command)| response - command)
+        .collect()
+}
+
+/// The answer of a joint whose command stands, but which does not.
+fn still(series: &Series, changes: &[Change]) -> JointAnswer {
+    let before = errors(series);
+    let mut calm = series.clone();
+    for change in changes {
+        change.undo(&mut calm);
+    }
+    let middle = crate::log::mean(&errors(&calm));
+    let after: Vec<f64> = errors(&calm).iter().map(|error| error - middle).collect();
+    let sizes = [&before, &after].map(|values| rms(values));
+    let share = 1.0 - (sizes[1] / sizes[0].max(1e-300)).powi(2);
+    JointAnswer {
+        verdict: Verdict::Named,
+        causes: changes.iter().map(|own| own.finding(share)).collect(),
+        rms_before: sizes[0],
+        rms_after: sizes[1],
+        noise_floor: floor(series),
+        closed: share,
+        closed_ci95: [share, share],
+        course: course(series, before, after),
+        next: Some("move the joint: at rest an offset is all that a change can show".to_owned()),
+        warnings: series.warnings.clone(),
+        tried: 1,
+    }
+}
+
+fn course(series: &Series, before: Vec<f64>, after: Vec<f64>) -> Course {
+    Course {
+        row: series.row.clone(),
+        time_s: series.time_s.clone(),
+        before,
+        after,
+    }
+}
+
+struct Joint<'s> {
+    series: &'s Series,
+    selection: &'s Selection,
+    changes: Vec<Change>,
+    /// Position less command, as recorded.
+    bare: Vec<f64>,
+}
+
+impl Joint<'_> {
+    fn answer(self) -> JointAnswer {
+        let chosen = &self.selection.chosen;
+        let rows = self.series.len() as f64;
+        let floor = floor(self.series);
+        // what neighbours scatter by is partly motion: no more of it is noise than the causes leave
+        let floor = floor.min(
+            (chosen.unseen_squares() / rows)
+                .sqrt()
+                .max(rounding(self.series)),
+        );
+        let before = rms(&self.bare);
+        let after = (chosen.unseen_squares() / rows).sqrt();
+        let total = (self.bare.iter().map(|e| e * e).sum::<f64>()).max(1e-300);
+        let is_gap = before > ABOVE_FLOOR * floor || !self.changes.is_empty();
+        let (closed, closed_ci95) = self.closed(floor);
+        let laws: f64 = self.selection.before.iter().sum::<f64>() / total;
+        let mut causes = self.laws();
+        for cause in &mut causes {
+            cause.share *= laws;
+        }
+        causes.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let share = (1.0 - laws).max(0.0) / self.changes.len().max(1) as f64;
+        let changes = self.changes.iter().map(|change| change.finding(share));
+        let causes: Vec<Finding> = changes.chain(causes).collect();
+        let verdict = match causes.first() {
+            _ if !is_gap => Verdict::NoGap,
+            Some(_) if closed < CLOSED && self.changes.is_empty() => Verdict::Unknown,
+            None => Verdict::Unknown,
+            Some(first) if first.confusable_with.is_empty() => Verdict::Named,
+            Some(_) => Verdict::Ambiguous,
+        };
+        JointAnswer {
+            next: next(verdict, &causes, closed),
+            causes: if is_gap { causes } else { Vec::new() },
+            verdict,
+            rms_before: before,
+            rms_after: after,
+            noise_floor: floor,
+            closed,
+            closed_ci95,
+            warnings: self.series.warnings.clone(),
+            tried: Law::ALL.len() + 2,
+            course: course(self.series, self.bare, chosen.fit.residual.clone()),
+        }
+    }
+
+    /// Share of the squares beyond noise that close on unseen rows, and its interval by the parts (jackknife).
+    fn closed(&self, floor: f64) -> (f64, [f64; 2]) {
+        let unseen = &self.selection.chosen.unseen;
+        let parts = unseen.len();
+        let rows = self.bare.len();
+        let noise = floor * floor * rows as f64;
+        let squares: Vec<f64> = (0..parts)
+            .map(|part| {
+                let own = &self.bare[part * rows / parts..(part + 1) * rows / parts];
+                own.iter().map(|error| error * error).sum()
+            })
+            .collect();
+        let share = |without: Option<usize>| {
+            let sum = |values: &[f64]| -> f64 {
+                let kept = values.iter().enumerate();
+                kept.filter(|(index, _)| Some(*index) != without)
+                    .map(|(_, value)| value)
+                    .sum()
+            };
+            let noise = noise
+                * if without.is_some() {
+                    1.0 - 1.0 / parts as f64
+                } else {
+                    1.0
+                };
+            let gap = (sum(&squares) - noise).max(1e-300);
+            (1.0 - (sum(unseen) - noise).max(0.0) / gap).max(0.0)
+        };
+        let all = share(None);
+        let sd = jackknife_sd((0..parts).map(|part| share(Some(part))));
+        (
+            all,
+            [(all - 1.96 * sd).max(0.0), (all + 1.96 * sd).min(1.0)],
+        )
+    }
+
+    /// The laws that are missed, with their numbers and rivals.
+    fn laws(&self) -> Vec<Finding> {
+        let chosen = &self.selection.chosen;
+        let total: f64 = self.selection.before.iter().sum::<f64>().max(1e-300);
+        let kept = self.selection.kept.iter();
+        kept.filter_map(|&(law, gained)| {
+            let (effect, numbers, confusable_with) = match law {
+                Law::Offset => self.offset()?,
+                Law::Timing => self.timing(),
+                Law::Friction => (
+                    friction::SPEC.name,
+                    vec![number("width_rad", chosen, |fit| {
+                        2.0 * fit.shape.half_width
+                    })],
+                    vec![friction::DEAD_ZONE.name, friction::BACKLASH.name],
+                ),
+                Law::Saturation => (
+                    saturation::SPEC.name,
+                    vec![number("limit_rad_per_s", chosen, |fit| {
+                        1.0 / fit.shape.slowness.max(1e-3)
+                    })],
+                    vec![lag::SPEC.name],
+                ),
+                Law::Gain => self.gain(),
+                Law::Droop => self.droop(),
+            };
+            Some(Finding {
+                effect,
+                numbers,
+                confusable_with,
+                share: (gained / total).clamp(0.0, 1.0),
+                since: None,
+            })
+        })
+        .collect()
+    }
+
+    fn offset(&self) -> Option<Named> {
+        let chosen = &self.selection.chosen;
+        let own = number("offset_rad", chosen, |fit| fit.offset);
+        let is_nothing =
+            own.value.abs() < OFFSET_COUNTS * self.series.count || own.ci95[0] * own.ci95[1] <= 0.0;
+        if is_nothing {
+            return None;
+        }
+        let columns = std::iter::once(&self.series.command).chain(&self.series.others);
+        let widest = columns.map(|column| range(column)).fold(0.0, f64::max);
+        let has_droop = Law::Droop.is_in(chosen.terms);
+        let is_wide = widest > WIDE_RAD && !has_droop;
+        let rivals = match is_wide || self.series.load_nm.is_some() {
+            // gravity's torque would have varied, and no droop that follows it is missed
+            true => Vec::new(),
+            false => vec![lag::SPEC.name],
+        };
+        Some((offset::SPEC.name, vec![own], rivals))
+    }
+
+    /// Delay or lag: both where neither alone does.
+    fn timing(&self) -> Named {
+        let chosen = &self.selection.chosen;
+        let leaves = |alone: &Judged| alone.unseen_squares() / chosen.unseen_squares().max(1e-300);
+        let is_worse =
+            |alone: &Option<Judged>| (alone.as_ref()).is_none_or(|alone| leaves(alone) > AS_GOOD);
+        let is_surely_worse = |alone: &Option<Judged>| {
+            let sure = |alone: &Judged| gain_over(&chosen.unseen, &alone.unseen).is_sure;
+            (alone.as_ref()).is_some_and(|alone| leaves(alone) > REFUSED && sure(alone))
+        };
+        let delay = number("delay_s", chosen, |fit| fit.shape.delay_s + fit.shape.lag_s);
+        let part = number("lag_s", chosen, |fit| fit.shape.lag_s);
+        let [delay_alone, lag_alone] = [&self.selection.delay_alone, &self.selection.lag_alone];
+        if let Some(alone) = delay_alone.as_ref().filter(|_| !is_worse(delay_alone))
+            && is_surely_worse(lag_alone)
+        {
+            let delay = number("delay_s", alone, |fit| fit.shape.delay_s);
+            return (latency::SPEC.name, vec![delay], Vec::new());
+        }
+        if let Some(alone) = lag_alone.as_ref().filter(|_| !is_worse(lag_alone))
+            && is_surely_worse(delay_alone)
+        {
+            let lag = number("lag_s", alone, |fit| fit.shape.lag_s);
+            return (lag::SPEC.name, vec![lag], vec![latency::SPEC.name]);
+        }
+        (latency::SPEC.name, vec![delay, part], vec![lag::SPEC.name])
+    }
+
+    fn gain(&self) -> Named {
+        let own = number("factor", &self.selection.chosen, |fit| fit.gain);
+        let rivals = match (own.value - 1.0).abs() > DROOP_GAIN {
+            true => Vec::new(),
+            false => vec![lag::SPEC.name],
+        };
+        (gain::SPEC.name, vec![own], rivals)
+    }
+
+    fn droop(&self) -> Named {
+        let numbers = match self.series.load_nm {
+            Some(_) => vec![number(
+                "stiffness_nm_per_rad",
+                &self.selection.chosen,
+                |fit| fit.droop.first().map_or(0.0, |slope| 1.0 / slope),
+            )],
+            None => {
+                let size = self.selection.droop_size;
+                vec![Number {
+                    name: "droop_rad",
+                    value: size,
+                    ci95: [size, size],
+                }]
+            }
+        };
+        let rivals = match self.series.load_nm {
+            Some(_) => Vec::new(),
+            None => vec![gain::SPEC.name],
+        };
+        (lag::SPEC.name, numbers, rivals)
+    }
+}
+
+/// What the search stops at, as a share of a number: folds that end at one point are no surer than that.
+const RESOLUTION: f64 = 2e-3;
+
+type Named = (&'static str, Vec<Number>, Vec<&'static str>);
+
+/// A number with the interval of what the parts of the log differ by (delete-a-part jackknife, Efron & Tibshirani 1993, 11).
+fn number(name: &'static str, judged: &Judged, of: impl Fn(&crate::fit::Fit) -> f64) -> Number {
+    let value = of(&judged.fit);
+    let sd = jackknife_sd(judged.folds.iter().map(of)).max(RESOLUTION * value.abs());
+    Number {
+        name,
+        value,
+        ci95: [value - 1.96 * sd, value + 1.96 * sd],
+    }
+}
+
+fn jackknife_sd(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.collect();
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count.max(1.0);
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (squares * (count - 1.0) / count.max(1.0)).sqrt()
+}

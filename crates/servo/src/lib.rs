@@ -1,0 +1,19 @@
+//! How a joint answers its command: offset, lag, friction, droop and gain, and where they change within a log.
+//!
+#![doc = include_str!("../README.md")]
+
+mod answer;
+mod change;
+mod effect;
+mod fit;
+mod joint;
+mod log;
+mod next;
+mod noise;
+mod select;
+mod thresholds;
+
+pub use answer::{Course, Finding, Instant, JointAnswer, Number, Verdict};
+pub use effect::{SPECS, Spec};
+pub use joint::diagnose_joint;
+pub use log::{JointLog, Untested};

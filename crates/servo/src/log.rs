@@ -1,0 +1,297 @@
+//! The log of one joint: what it was commanded, where it was, and when.
+
+use std::fmt;
+
+use crate::thresholds::{
+    DEGREES_PER_RADIAN, FEWEST_ROWS, GAP_STEPS, SAME_MOTION, STILL_COUNTS, STILL_RANGE, WRAP,
+};
+
+/// Columns of one joint, row by row; a row without a reading is `NaN`.
+#[derive(Debug, Clone, Copy)]
+pub struct JointLog<'a> {
+    /// Times \[s\], increasing within a run.
+    pub time_s: Option<&'a [f64]>,
+    /// Run of each row; one run without.
+    pub run: Option<&'a [i64]>,
+    /// Commanded positions \[rad\] or \[m\].
+    pub command: Option<&'a [f64]>,
+    /// Measured positions \[rad\] or \[m\].
+    pub response: &'a [f64],
+    /// Measured positions of the other joints: what gravity asks of this one depends on them.
+    pub others: &'a [&'a [f64]],
+    /// Torque that gravity asks of the joint \[N m\], where the device has masses.
+    pub load_nm: Option<&'a [f64]>,
+}
+
+/// Why the answer of a joint to its command cannot be tested.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Untested {
+    /// The log has no times.
+    NoTime,
+    /// The log has no command of the joint.
+    NoCommand,
+    /// Too few rows have time, command and position.
+    Short {
+        /// Rows that have all three.
+        rows: usize,
+    },
+    /// The command does not move.
+    Still,
+    /// The command moves as many times farther than the joint as a radian has degrees, or the other way round.
+    Degrees {
+        /// Command over position.
+        ratio: f64,
+    },
+    /// The position has nothing to do with the command.
+    Unrelated {
+        /// Their correlation.
+        correlation: f64,
+    },
+}
+
+impl fmt::Display for Untested {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoTime => f.write_str("no column t_s: without times no lag can be told"),
+            Self::NoCommand => f.write_str("the log has no command of it"),
+            Self::Short { rows } => write!(
+                f,
+                "{rows} rows have time, command and position; {FEWEST_ROWS} are needed"
+            ),
+            Self::Still => {
+                f.write_str("its command does not move: what it rests beside it has many causes")
+            }
+            Self::Degrees { ratio } if *ratio > 1.0 => write!(
+                f,
+                "its command moves {ratio:.1} times as far as the joint: degrees in a column of radians? Multiply it by 0.0174533"
+            ),
+            Self::Degrees { ratio } => write!(
+                f,
+                "the joint moves {:.1} times as far as its command: degrees in a column of radians? Multiply it by 0.0174533",
+                1.0 / ratio
+            ),
+            Self::Unrelated { correlation } => write!(
+                f,
+                "its position does not follow its command (correlation {correlation:.2}): is it the command of another joint?"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Untested {}
+
+/// Rows of one joint that have everything, in pieces without a gap.
+#[derive(Debug, Clone)]
+pub(crate) struct Series {
+    /// Row of the log.
+    pub(crate) row: Vec<usize>,
+    pub(crate) run: Vec<i64>,
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) command: Vec<f64>,
+    pub(crate) response: Vec<f64>,
+    pub(crate) others: Vec<Vec<f64>>,
+    pub(crate) load_nm: Option<Vec<f64>>,
+    /// First index of each piece.
+    pub(crate) starts: Vec<usize>,
+    /// Median time between rows.
+    pub(crate) step_s: f64,
+    /// Smallest change of a reading: a count of its sensor.
+    pub(crate) count: f64,
+    pub(crate) warnings: Vec<String>,
+}
+
+impl Series {
+    /// The rows of a joint that can be used.
+    pub(crate) fn new(log: &JointLog<'_>) -> Result<Self, Untested> {
+        let command = log.command.ok_or(Untested::NoCommand)?;
+        let time_s = log.time_s.ok_or(Untested::NoTime)?;
+        let is_whole = |&row: &usize| {
+            let own = [time_s[row], command[row], log.response[row]];
+            own.iter().all(|value| value.is_finite())
+        };
+        let rows: Vec<usize> = (0..log.response.len()).filter(is_whole).collect();
+        if rows.len() < FEWEST_ROWS {
+            return Err(Untested::Short { rows: rows.len() });
+        }
+        let take = |column: &[f64]| -> Vec<f64> { rows.iter().map(|&row| column[row]).collect() };
+        let is_filled = |column: &&&[f64]| rows.iter().all(|&row| column[row].is_finite());
+        let others = log.others.iter().filter(is_filled);
+        let mut series = Self {
+            run: rows
+                .iter()
+                .map(|&row| log.run.map_or(0, |run| run[row]))
+                .collect(),
+            time_s: take(time_s),
+            command: take(command),
+            response: take(log.response),
+            others: others.map(|column| take(column)).collect(),
+            load_nm: log.load_nm.filter(|column| is_filled(&column)).map(take),
+            starts: Vec::new(),
+            step_s: 0.0,
+            count: 0.0,
+            warnings: Vec::new(),
+            row: rows,
+        };
+        series.cut();
+        series.unwrap_turns();
+        series.count = smallest_step(&series.response);
+        Ok(series)
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.row.len()
+    }
+
+    /// Cuts at new runs and at gaps in time or rows.
+    fn cut(&mut self) {
+        let mut steps: Vec<f64> = (1..self.len())
+            .filter(|&k| self.run[k] == self.run[k - 1])
+            .map(|k| self.time_s[k] - self.time_s[k - 1])
+            .collect();
+        steps.sort_unstable_by(f64::total_cmp);
+        self.step_s = steps.get(steps.len() / 2).copied().unwrap_or(0.0).max(1e-9);
+        let (low, high) = (steps.len() / 20, steps.len() * 19 / 20);
+        if let (Some(low), Some(high)) = (steps.get(low), steps.get(high))
+            && high - low > 0.5 * self.step_s
+        {
+            self.warnings.push(format!(
+                "times between rows vary from {:.1} to {:.1} ms: lags are known no better",
+                low * 1e3,
+                high * 1e3
+            ));
+        }
+        let is_start = |&k: &usize| {
+            k == 0
+                || self.run[k] != self.run[k - 1]
+                || self.time_s[k] - self.time_s[k - 1] > GAP_STEPS * self.step_s
+        };
+        self.starts = (0..self.len()).filter(is_start).collect();
+    }
+
+    /// Takes out whole turns that a reading loses from one row to the next while its command does not.
+    fn unwrap_turns(&mut self) {
+        let turn = std::f64::consts::TAU;
+        let mut found = [0_usize; 2];
+        for (index, column) in [&mut self.response, &mut self.command]
+            .into_iter()
+            .enumerate()
+        {
+            let mut turns = 0.0;
+            for k in 1..column.len() {
+                if self.starts.binary_search(&k).is_ok() {
+                    turns = 0.0;
+                }
+                let step = column[k] + turns - column[k - 1];
+                if (step.abs() - turn).abs() < WRAP {
+                    turns -= turn * step.signum();
+                    found[index] += 1;
+                }
+                column[k] += turns;
+            }
+        }
+        if found.iter().any(|times| *times > 0) {
+            self.bring_together();
+        }
+        for (times, name) in found.iter().zip(["position", "command"]) {
+            if *times > 0 {
+                self.warnings.push(format!(
+                    "its {name} jumps by a whole turn {times} times: taken as an angle that wraps"
+                ));
+            }
+        }
+    }
+
+    /// Takes off whole turns that lie between a position and its command at the start of a piece.
+    fn bring_together(&mut self) {
+        let turn = std::f64::consts::TAU;
+        for piece in self.pieces().collect::<Vec<_>>() {
+            let apart = mean(&self.response[piece.clone()]) - mean(&self.command[piece.clone()]);
+            let turns = (apart / turn).round() * turn;
+            let own = &mut self.response[piece];
+            own.iter_mut().for_each(|value| *value -= turns);
+        }
+    }
+
+    /// The piece that starts at or before an index.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+        let ends = self.starts.iter().skip(1).copied();
+        let ends = ends.chain(std::iter::once(self.len()));
+        self.starts.iter().copied().zip(ends).map(|(a, b)| a..b)
+    }
+
+    /// Whether the command moves by more than a few counts.
+    pub(crate) fn moves(&self) -> bool {
+        let range = self
+            .pieces()
+            .map(|piece| range(&self.command[piece]))
+            .fold(0.0, f64::max);
+        range > (STILL_COUNTS * self.count).max(STILL_RANGE)
+    }
+
+    /// Refuses what is no command of this joint.
+    pub(crate) fn check_related(&self) -> Result<(), Untested> {
+        // the lag takes correlation away: the best of the shifts that a servo may have
+        let most = ((0.5 / self.step_s).round() as usize).min(self.len() / 4);
+        let shifts = (0..=most).step_by((most / 8).max(1));
+        let (correlation, slope) = shifts
+            .map(|shift| self.regressed(shift))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .unwrap_or((0.0, 1.0));
+        if correlation < SAME_MOTION {
+            return Err(Untested::Unrelated { correlation });
+        }
+        let is_near = |ratio: f64| (0.7..1.4).contains(&(ratio / DEGREES_PER_RADIAN));
+        if correlation > 0.8 && (is_near(slope) || is_near(1.0 / slope)) {
+            return Err(Untested::Degrees { ratio: 1.0 / slope });
+        }
+        Ok(())
+    }
+
+    /// Correlation of the response with the command some rows before, and its slope.
+    fn regressed(&self, shift: usize) -> (f64, f64) {
+        let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
+        for piece in self.pieces().filter(|piece| piece.len() > shift + 1) {
+            let x = &self.command[piece.start..piece.end - shift];
+            let y = &self.response[piece.start + shift..piece.end];
+            let (mx, my) = (mean(x), mean(y));
+            for (x, y) in x.iter().zip(y) {
+                xy += (x - mx) * (y - my);
+                xx += (x - mx).powi(2);
+                yy += (y - my).powi(2);
+            }
+        }
+        (xy / (xx * yy).sqrt().max(1e-300), xy / xx.max(1e-300))
+    }
+}
+
+pub(crate) fn range(values: &[f64]) -> f64 {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (high - low).max(0.0)
+}
+
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+pub(crate) fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// Changes of a reading that show its count.
+const FEWEST_STEPS: usize = 5;
+
+/// Lower twentieth of the changes that are none: one count, where readings are counts.
+fn smallest_step(values: &[f64]) -> f64 {
+    let pairs = values.windows(2);
+    let mut steps: Vec<f64> = pairs
+        .map(|pair| (pair[1] - pair[0]).abs())
+        .filter(|step| *step > 1e-9)
+        .collect();
+    if steps.len() < FEWEST_STEPS {
+        return 0.0;
+    }
+    steps.sort_unstable_by(f64::total_cmp);
+    steps[steps.len() / 20]
+}
