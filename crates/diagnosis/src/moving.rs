@@ -147,6 +147,11 @@ fn warnings(examined: &Examined) -> Vec<String> {
             "the torques were not judged beyond the rows that the log repeats or lacks: record again without such rows".to_owned(),
         );
     }
+    if examined.has_memory {
+        warnings.push(
+            "the noise of the torques has a memory: by its fastest part it is larger within the band than a white one".to_owned(),
+        );
+    }
     if examined.jitter > 0.1 {
         warnings.push(format!(
             "time stamps are {:.0} % of a step off an even grid (rms): readings were put on one",

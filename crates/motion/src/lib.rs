@@ -12,6 +12,7 @@ mod examine;
 mod loads;
 mod local_polynomial;
 mod low_pass;
+mod noise;
 mod plausible;
 mod problem;
 mod samples;

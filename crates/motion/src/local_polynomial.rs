@@ -43,11 +43,6 @@ impl LocalPolynomial {
         let window = &samples[index - self.half..=index + self.half];
         haptical_linalg::dot(&self.weights[order], window)
     }
-
-    /// Standard deviation of what a white noise of standard deviation 1 leaves beside the smoothed samples.
-    pub(crate) fn rest_sd(&self) -> f64 {
-        (1.0 - self.weights[0][self.half]).max(1e-3).sqrt()
-    }
 }
 
 #[cfg(test)]

@@ -6,8 +6,9 @@ use crate::MotionError;
 use crate::arm::{Arm, PARAMETERS};
 use crate::column::Column;
 use crate::local_polynomial::LocalPolynomial;
+use crate::noise::Noise;
 use crate::samples::Samples;
-use crate::states::{States, white_sd};
+use crate::states::States;
 
 /// Edges of the band that are tried, widest first \[Hz\]: an arm's motion is below the first, and where positions are coarse the
 /// noise of their accelerations asks for a narrower one.
@@ -23,6 +24,17 @@ const RESTS: f64 = 0.02;
 /// A joint whose fastest motion is slower than this share of the fastest joint's, and than `STILL`, stands still.
 const STILL: f64 = 1e-3;
 
+/// How a recording is read.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Reading {
+    /// Edge of the band, where it is settled already.
+    pub(crate) edge_hz: Option<f64>,
+    /// Rows that are repeated or missing are set right ([`crate::sampling`]).
+    pub(crate) sets_right: bool,
+    /// The noise of torques may have a memory.
+    pub(crate) has_memory: bool,
+}
+
 /// The rows of a recording.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem {
@@ -31,6 +43,8 @@ pub(crate) struct Problem {
     pub(crate) states: States,
     /// Joints that have a torque.
     pub(crate) channels: Vec<usize>,
+    /// Whether the noise of torques may have a memory.
+    pub(crate) has_memory: bool,
     /// Standard deviation of the noise of a row of each channel, and of a reading.
     pub(crate) row_sd: Vec<f64>,
     pub(crate) reading_sd: Vec<f64>,
@@ -43,17 +57,20 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    /// Rows of a recording; `edge_hz`: of the band, where it is settled already; `sets_right`: rows that are repeated or
-    /// missing ([`crate::sampling`]).
+    /// Rows of a recording.
     ///
     /// # Errors
     /// [`MotionError`] where the recording has no time, no torques or no motion, is too slow or too short.
     pub(crate) fn new(
         arm: Arm,
         recording: &Recording,
-        edge_hz: Option<f64>,
-        sets_right: bool,
+        reading: Reading,
     ) -> Result<Self, MotionError> {
+        let Reading {
+            edge_hz,
+            sets_right,
+            has_memory,
+        } = reading;
         let samples = Samples::new(recording, sets_right)?;
         if samples.rate_hz() < LEAST_RATE_HZ {
             return Err(MotionError::Sampling(format!(
@@ -83,7 +100,7 @@ impl Problem {
             let Some(states) = States::new(&samples, edge) else {
                 continue;
             };
-            let [positions, torques] = noises(&arm, &samples, &states, &channels)?;
+            let [positions, torques] = noises(&arm, &samples, &states, (&channels, has_memory))?;
             let is_fine = (positions.iter().zip(&torques)).all(|(own, torque)| own <= torque);
             let sd: Vec<f64> = (positions.iter().zip(&torques))
                 .map(|(own, torque)| own.hypot(*torque))
@@ -108,11 +125,15 @@ impl Problem {
             return Err(MotionError::Standstill);
         }
         let mut problem = Self {
-            reading_sd: reading_sds(&samples, &channels, &states),
+            reading_sd: reading_noises(&samples, &channels, &states, has_memory)
+                .iter()
+                .map(|own| own.sd)
+                .collect(),
             arm,
             samples,
             states,
             channels,
+            has_memory,
             row_sd,
             inertial: Vec::new(),
             rigid: Vec::new(),
@@ -291,16 +312,22 @@ impl Problem {
 }
 
 /// Noise of the readings of the channels' torques.
-fn reading_sds(samples: &Samples, channels: &[usize], states: &States) -> Vec<f64> {
+fn reading_noises(
+    samples: &Samples,
+    channels: &[usize],
+    states: &States,
+    has_memory: bool,
+) -> Vec<Noise> {
     let local = LocalPolynomial::new(samples.step_s, 2.0 * states.pass.edge_hz);
     channels
         .iter()
         .map(|&joint| {
-            let torques = samples
-                .pieces
-                .iter()
-                .filter_map(|own| own.torque[joint].as_deref());
-            white_sd(torques, &local)
+            let torques = samples.pieces.iter();
+            Noise::of(
+                torques.filter_map(|own| own.torque[joint].as_deref()),
+                &local,
+                has_memory,
+            )
         })
         .collect()
 }
@@ -310,7 +337,7 @@ fn noises(
     arm: &Arm,
     samples: &Samples,
     states: &States,
-    channels: &[usize],
+    (channels, has_memory): (&[usize], bool),
 ) -> Result<[Vec<f64>; 2], MotionError> {
     let joints = arm.joints();
     let mut work = arm.work();
@@ -327,10 +354,9 @@ fn noises(
             inertia[joint] = inertia[joint].max(matrix[joint * joints + joint]);
         }
     }
-    let gain = states.noise_gain();
-    let torques: Vec<f64> = reading_sds(samples, channels, states)
-        .iter()
-        .map(|sd| gain * sd)
+    let torques: Vec<f64> = reading_noises(samples, channels, states, has_memory)
+        .into_iter()
+        .map(|noise| states.behind(noise))
         .collect();
     let positions: Vec<f64> = (channels.iter())
         .map(|&joint| inertia[joint] * states.acceleration_sd[joint])

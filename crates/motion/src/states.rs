@@ -4,6 +4,7 @@ use haptical_linalg::dot;
 
 use crate::local_polynomial::LocalPolynomial;
 use crate::low_pass::LowPass;
+use crate::noise::Noise;
 use crate::samples::Samples;
 
 /// Positions are smoothed up to this multiple of the band's edge, so that the low pass alone shapes the rows.
@@ -168,10 +169,9 @@ impl States {
         self.fine.iter().map(at).collect()
     }
 
-    /// What the low pass leaves of the standard deviation of a white noise of the recorded torques.
-    pub(crate) fn noise_gain(&self) -> f64 {
-        let (_, weights) = self.pass.weights(self.step_s, 0.0);
-        dot(&weights, &weights).sqrt()
+    /// What the low pass leaves of the standard deviation of a noise of the recorded torques.
+    pub(crate) fn behind(&self, noise: Noise) -> f64 {
+        noise.behind(&self.pass.weights(self.step_s, 0.0).1)
     }
 }
 
@@ -208,33 +208,13 @@ fn acceleration_sds(
     let gain = dot(&kernel, &kernel).sqrt();
     let joints = samples.pieces[0].motor.len();
     let noise = |joint: usize| {
-        white_sd(
-            samples
-                .pieces
-                .iter()
-                .map(|piece| piece.motor[joint].as_slice()),
+        let pieces = samples.pieces.iter();
+        Noise::of(
+            pieces.map(|piece| piece.motor[joint].as_slice()),
             local,
+            false,
         )
+        .sd
     };
     (0..joints).map(|joint| gain * noise(joint)).collect()
-}
-
-/// Standard deviation of the white noise of recorded columns, from what is beside a local polynomial: by the median, so that
-/// steps and spikes do not count.
-pub(crate) fn white_sd<'c>(
-    columns: impl Iterator<Item = &'c [f64]>,
-    local: &LocalPolynomial,
-) -> f64 {
-    let mut rest: Vec<f64> = columns
-        .flat_map(|column| {
-            let inner = local.half..column.len().saturating_sub(local.half);
-            inner.map(|k| (column[k] - local.at(0, column, k)).abs())
-        })
-        .collect();
-    if rest.is_empty() {
-        return 0.0;
-    }
-    let middle = rest.len() / 2;
-    let (_, median, _) = rest.select_nth_unstable_by(middle, f64::total_cmp);
-    *median / 0.6745 / local.rest_sd()
 }

@@ -21,16 +21,26 @@ const BEYOND: f64 = 6.0;
 /// Mean square of what agrees, at most, in squares of noise.
 const AGREES: f64 = 2.0;
 
-/// Times outside, row by row of one joint; none where the rest does not agree either, or nothing is outside.
-pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Vec<bool>> {
+/// Times that do not agree with the others.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Outside {
+    /// Row by row of one joint.
+    pub(crate) rows: Vec<bool>,
+    /// Square of what the fit of the others leaves there, channel by channel.
+    pub(crate) squares: Vec<f64>,
+}
+
+/// The times outside; none where the rest does not agree either, or nothing is outside.
+pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Outside> {
     let rows = problem.states.rows();
     let channels = problem.channels.len();
     let recorded = problem.recorded(0.0);
     let columns: Vec<&Column> = base.columns.iter().map(|own| own.column.as_ref()).collect();
     let mut inside = vec![true; rows];
     let mut squares = vec![0.0; rows];
+    let mut rest = Vec::new();
     for step in 0..=STEPS {
-        let rest = rest_of(problem, base, &columns, &recorded, &inside)?;
+        rest = rest_of(problem, base, &columns, &recorded, &inside)?;
         for (row, square) in squares.iter_mut().enumerate() {
             *square = (0..channels)
                 .map(|own| rest[own * rows + row].powi(2))
@@ -53,7 +63,16 @@ pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Vec<bool>> {
     let mean = agreeing.iter().sum::<f64>() / agreeing.len().max(1) as f64;
     let is_found =
         agreeing.len() < rows && agreeing.len() as f64 > 0.5 * rows as f64 && mean < AGREES;
-    is_found.then(|| inside.iter().map(|own| !own).collect())
+    let of_channel = |channel: usize| {
+        let own = rest[channel * rows..][..rows].iter().zip(&inside);
+        own.filter(|(_, inside)| !**inside)
+            .map(|(rest, _)| rest * rest)
+            .sum()
+    };
+    is_found.then(|| Outside {
+        squares: (0..channels).map(of_channel).collect(),
+        rows: inside.iter().map(|own| !own).collect(),
+    })
 }
 
 /// What a fit to the times inside leaves of all.

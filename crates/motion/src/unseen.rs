@@ -9,7 +9,7 @@ use crate::arm::Arm;
 use crate::base::Base;
 use crate::column::Column;
 use crate::effect::{Candidate, Context, Finer};
-use crate::problem::Problem;
+use crate::problem::{Problem, Reading};
 use crate::select::{Fitted, Frame, Pick, Pool, Selection};
 use crate::system::System;
 
@@ -91,7 +91,15 @@ pub(crate) fn on_second(
     first: (&Problem, &Base, &Selection),
 ) -> Result<Vec<Unseen>, MotionError> {
     let (own, base, selection) = first;
-    let mut problem = Problem::new(arm.clone(), second, Some(own.states.pass.edge_hz), true)?;
+    let mut problem = Problem::new(
+        arm.clone(),
+        second,
+        Reading {
+            edge_hz: Some(own.states.pass.edge_hz),
+            sets_right: true,
+            has_memory: own.has_memory,
+        },
+    )?;
     problem.allow_for_rest(&base.coulomb);
     let there = Base::new(&problem, Some(&base.turnover));
     if there.columns.len() != base.columns.len() || problem.channels != own.channels {

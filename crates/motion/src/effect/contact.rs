@@ -5,7 +5,7 @@ use std::rc::Rc;
 use nalgebra::Vector3;
 
 use super::{Candidate, Candidates, Context, Effect};
-use crate::trimmed::outside;
+use crate::trimmed::{Outside, outside};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "contact",
@@ -16,6 +16,8 @@ pub(super) const EFFECT: Effect = Effect {
 const NODES: f64 = 2.0;
 /// Most nodes: a longer contact has them further apart.
 const MOST_NODES: usize = 60;
+/// A force at the flange is felt by several joints: the second most has this share of the squares of the most, at least.
+const FELT_BY_TWO: f64 = 0.03;
 /// A surface pushes in one direction: the mean force over the mean of its size, at least.
 const ONE_WAY: f64 = 0.5;
 
@@ -23,7 +25,18 @@ const ONE_WAY: f64 = 0.5;
 fn candidate(context: Context<'_>) -> Option<Candidate<'_>> {
     let problem = context.problem;
     let states = &problem.states;
-    let outside = outside(problem, context.base)?;
+    let Outside {
+        rows: outside,
+        squares,
+    } = outside(problem, context.base)?;
+    let mut sizes = squares;
+    sizes.sort_by(|a, b| b.total_cmp(a));
+    if sizes
+        .get(1)
+        .is_none_or(|second| *second < FELT_BY_TWO * sizes[0])
+    {
+        return None;
+    }
     let share = outside.iter().filter(|own| **own).count() as f64 / outside.len() as f64;
     let times: Vec<f64> = states
         .centre

@@ -63,7 +63,15 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             }
         }
     }
+    let mut pieces = problem.samples.pieces.iter();
+    let has_encoder = pieces
+        .next()
+        .map(|own| own.link.iter().map(Option::is_some).collect::<Vec<_>>());
     context.at_joints(|joint| {
+        // the link's own encoder is in the equations: a spring before it is no part of them
+        if has_encoder.as_ref().is_some_and(|own| own[joint]) {
+            return Vec::new();
+        }
         let columns = vec![problem.of_joints(&signals[joint])];
         let numbers = |own: &[f64]| vec![("stiffness_nm_per_rad", 1.0 / own[0])];
         vec![Candidate::new(EFFECT.name, Some(joint), columns, Rc::new(numbers)).if_positive()]

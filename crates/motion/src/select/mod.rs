@@ -21,7 +21,7 @@ use crate::problem::Problem;
 /// Most effects at once.
 const MOST: usize = 4;
 /// What an effect explains beyond its numbers, at least \[nats\].
-const LEAST_NATS: f64 = 12.0;
+const LEAST_NATS: f64 = 16.0;
 /// A further effect explains this share of the whole, or that one of what is left.
 const OF_WHOLE: f64 = 0.03;
 const OF_REST: f64 = 0.5;
