@@ -16,6 +16,11 @@ use haptical_metrics::gap_reduction_percent;
 /// A rival within this of a finding is not told apart from it: ln 100.
 const NOT_TOLD_APART: f64 = 4.605;
 
+/// A torque whose slope over the nominal one is below this has the other sign.
+const WRONG_SIGN: f64 = -0.3;
+/// Outside this the unit is another one.
+const WRONG_UNIT: std::ops::Range<f64> = 0.02..30.0;
+
 /// What the torques of a moving arm say, and what is left of a second recording's; none for a device or a recording of another kind.
 pub(crate) fn of_moving_arm(
     device: &Device,
@@ -112,7 +117,7 @@ fn answer(device: &Device, examined: &Examined) -> ForceAnswer {
         closed_unseen_share: None,
         numbers: examined.numbers,
         tested: examined.tried,
-        warnings: warnings(examined),
+        warnings: warnings(device, examined),
     }
 }
 
@@ -124,7 +129,7 @@ fn untestable(_: &Examined) -> Vec<(&'static str, String)> {
     others.map(|name| (name, why.to_owned())).collect()
 }
 
-fn warnings(examined: &Examined) -> Vec<String> {
+fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(why) = &examined.second {
         warnings.push(format!(
@@ -146,6 +151,28 @@ fn warnings(examined: &Examined) -> Vec<String> {
         warnings.push(
             "the torques were not judged beyond the rows that the log repeats or lacks: record again without such rows".to_owned(),
         );
+    }
+    for own in examined.channels.iter().filter(|own| own.has_gap()) {
+        let column = format!(
+            "{}_{}",
+            channel(own.joint),
+            if unit(device, own.joint) == "N" {
+                "n"
+            } else {
+                "nm"
+            }
+        );
+        if own.slope < WRONG_SIGN {
+            warnings.push(format!(
+                "{column} moves against the torque that the links ask for (slope {:.2}): is its sign, or that of the joint, the other way?",
+                own.slope
+            ));
+        } else if !WRONG_UNIT.contains(&own.slope.abs()) {
+            warnings.push(format!(
+                "{column} is {:.3} times what the links ask for: is it in N m at the joint, and not in N mm, at the motor, or a current?",
+                own.slope
+            ));
+        }
     }
     if examined.has_memory {
         warnings.push(

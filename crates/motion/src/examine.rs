@@ -67,6 +67,9 @@ pub struct ChannelFit {
     pub rms_after: f64,
     /// Noise of a row.
     pub noise: f64,
+    /// Slope of the recorded torque over that of the nominal bodies, which is near 1 where sign and unit are right and the arm
+    /// is loaded.
+    pub slope: f64,
     /// What the base model leaves, row by row, in the torque's unit.
     pub before: Vec<f64>,
     /// With all effects.
@@ -235,6 +238,7 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
                 rms_before: rms(&before),
                 rms_after: rms(&after),
                 noise,
+                slope: slope(problem, channel),
                 before,
                 after,
             }
@@ -288,4 +292,21 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
         jitter: problem.samples.jitter,
         time_s: centres.map(|step| problem.states.time_s[*step]).collect(),
     }
+}
+
+/// Slope of a channel's recorded torque over the nominal one, both about their means.
+fn slope(problem: &Problem, channel: usize) -> f64 {
+    let joint = problem.channels[channel];
+    let recorded = problem.states.torque(&problem.samples, joint, 0.0);
+    let nominal = problem.states.filtered(&problem.nominal_torque()[joint]);
+    let mean = |own: &[f64]| own.iter().sum::<f64>() / own.len() as f64;
+    let (a, b) = (mean(&recorded), mean(&nominal));
+    let pairs = || {
+        recorded
+            .iter()
+            .zip(&nominal)
+            .map(|(own, other)| (own - a, other - b))
+    };
+    let square: f64 = pairs().map(|(_, other)| other * other).sum();
+    pairs().map(|(own, other)| own * other).sum::<f64>() / square.max(1e-300)
 }
