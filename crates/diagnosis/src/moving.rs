@@ -174,6 +174,17 @@ fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
             ));
         }
     }
+    for own in examined
+        .channels
+        .iter()
+        .filter(|own| examined.is_adequate() && own.has_rest())
+    {
+        warnings.push(format!(
+            "{} keeps {:.1} times its noise: no effect of the catalogue explains that rest",
+            channel(own.joint),
+            own.rms_after / own.noise
+        ));
+    }
     if examined.has_memory {
         warnings.push(
             "the noise of the torques has a memory: by its fastest part it is larger within the band than a white one".to_owned(),

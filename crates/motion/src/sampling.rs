@@ -11,8 +11,8 @@ const LONG: f64 = 1.6;
 const EVEN: f64 = 0.1;
 /// Most rows that are missing at one place.
 const MOST_MISSING: f64 = 20.0;
-/// Joints move over this many of their smallest steps at least where a step is judged.
-const FINE: f64 = 20.0;
+/// A step is judged where a joint moves by this many times its smallest change, or what its steps scatter by.
+const FINE: f64 = 10.0;
 
 /// Rows that stay, with the times that they have.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,10 +51,10 @@ impl Sampling {
         let repeated = all - rows.len();
         let mut stamps: Vec<f64> = rows.iter().map(|&row| time_s[row]).collect();
         let mut missing = 0;
-        let smallest: Vec<f64> = recording
+        let finest: Vec<f64> = recording
             .joint
             .iter()
-            .map(|own| smallest_step(own))
+            .map(|own| smallest_step(own).max(scatter(own)))
             .collect();
         let per_step = |k: usize, joint: usize| {
             let own = &recording.joint[joint];
@@ -81,7 +81,7 @@ impl Sampling {
                     per_step(k + 2, joint),
                 ];
                 let usual = near.iter().sum::<f64>() / 4.0;
-                let scale = smallest[joint].max(1e-300);
+                let scale = finest[joint].max(1e-300);
                 product += per_step(k, joint) * usual / scale.powi(2);
                 square += usual * usual / scale.powi(2);
                 size = size.max(usual.abs() / scale);
@@ -109,6 +109,19 @@ impl Sampling {
             missing_share: missing as f64 / all as f64,
         })
     }
+}
+
+/// What steps of a column scatter by from row to row: the median of their changes.
+fn scatter(column: &[f64]) -> f64 {
+    let mut changes: Vec<f64> = (column.windows(3))
+        .map(|own| (own[2] - 2.0 * own[1] + own[0]).abs())
+        .collect();
+    if changes.is_empty() {
+        return 0.0;
+    }
+    let middle = changes.len() / 2;
+    let (_, median, _) = changes.select_nth_unstable_by(middle, f64::total_cmp);
+    *median
 }
 
 /// Smallest change of a column between rows: a count, or the last digit that is written.
