@@ -1,6 +1,7 @@
 //! The torques of a moving arm, as `haptical-motion` examines them, in the words of a diagnosis.
 
 use haptical_calibration::Channel;
+use haptical_effects::device::is_law;
 use haptical_effects::force::in_motion::SAMPLING;
 use haptical_model::{Device, JointType, Recording};
 use haptical_motion::{Examined, Finding, PARTS, Unseen, examine, is_moving_arm, link_torques};
@@ -8,6 +9,7 @@ use haptical_motion::{Examined, Finding, PARTS, Unseen, examine, is_moving_arm, 
 use crate::answer::floor::Floor;
 use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
 use crate::force::answer::{Course, ForceAnswer};
+use crate::force::recorded::torque_nm_without_effects;
 use crate::force::{OnSecond, names};
 use crate::noise::NoiseSource;
 use crate::thresholds::torque::LISTED_PROBABILITY;
@@ -31,7 +33,18 @@ pub(crate) fn of_moving_arm(
     if !is_moving_arm(device, recording) {
         return None;
     }
-    let examined = examine(device, recording, second, without).ok()?;
+    // what the device's own effects add is taken off, as it is from the torques of any log
+    let bare = |recording: &Recording| {
+        let torques = 0..recording.torque_nm.len();
+        Recording {
+            torque_nm: torques
+                .map(|joint| torque_nm_without_effects(device, recording, joint))
+                .collect(),
+            ..recording.clone()
+        }
+    };
+    let second_bare = second.map(bare);
+    let examined = examine(device, &bare(recording), second_bare.as_ref(), without).ok()?;
     let answer = answer(device, &examined);
     let seen = second.is_some().then(|| on_second(device, &examined));
     Some((answer, seen))
@@ -152,7 +165,24 @@ fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
             "the torques were not judged beyond the rows that the log repeats or lacks: record again without such rows".to_owned(),
         );
     }
+    let is_kept = |name: &str| {
+        haptical_effects::specs()
+            .any(|spec| spec.name == name && is_law(spec).is_ok() && spec.hook.is_on_drives())
+    };
+    for found in examined
+        .findings
+        .iter()
+        .filter(|own| examined.is_adequate() && !is_kept(own.effect))
+    {
+        warnings.push(format!(
+            "corrected.toml does not hold {}: a device file has no such effect; put its numbers into the masses or the log by hand",
+            found.effect
+        ));
+    }
     for own in examined.channels.iter().filter(|own| own.has_gap()) {
+        let Some(slope) = own.slope else {
+            continue;
+        };
         let column = format!(
             "{}_{}",
             channel(own.joint),
@@ -162,15 +192,15 @@ fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
                 "nm"
             }
         );
-        if own.slope < WRONG_SIGN {
+        if slope < WRONG_SIGN {
             warnings.push(format!(
                 "{column} moves against the torque that the links ask for (slope {:.2}): is its sign, or that of the joint, the other way?",
-                own.slope
+                slope
             ));
-        } else if !WRONG_UNIT.contains(&own.slope.abs()) {
+        } else if !WRONG_UNIT.contains(&slope.abs()) {
             warnings.push(format!(
                 "{column} is {:.3} times what the links ask for: is it in N m at the joint, and not in N mm, at the motor, or a current?",
-                own.slope
+                slope
             ));
         }
     }

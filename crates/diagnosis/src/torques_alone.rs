@@ -41,6 +41,12 @@ pub(crate) fn diagnose(
     check_recording(device, recording, &[])?;
     let model = options.model.unwrap_or(device);
     let context = Context::new(model, recording, &[])?;
+    let is_moving = moving.is_some();
+    let rows = if is_moving {
+        "behind a low pass"
+    } else {
+        "block means of 0.1 s"
+    };
     let (force, seen) = match moving {
         Some(moving) => moving,
         None => examine_both(&context, options.validation, &options.without)?,
@@ -66,7 +72,14 @@ pub(crate) fn diagnose(
     warnings.extend(not_tested.map(|why| format!("the torques were not tested: {why}")));
     let mut predictions = Vec::new();
     let mut held_out = match causes.iter().any(|cause| cause.held_out.is_some()) {
-        true => "a tenth of each run in turn, block means of 0.1 s".to_owned(),
+        true => format!(
+            "{} in turn, {rows}",
+            if is_moving {
+                "a fifth of the log"
+            } else {
+                "a tenth of each run"
+            }
+        ),
         false => String::new(),
     };
     if let Some(seen) = seen {
@@ -80,7 +93,7 @@ pub(crate) fn diagnose(
         }
         warnings.extend(seen.warnings);
         predictions = seen.predictions;
-        held_out = "the second recording, block means of 0.1 s".to_owned();
+        held_out = format!("the second recording, {rows}");
     }
     Ok(Diagnosis {
         verdict,

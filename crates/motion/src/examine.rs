@@ -16,6 +16,8 @@ const GAP: f64 = 1.21;
 const GAP_SDS: f64 = 4.0;
 /// The fault of a log that repeats rows or lacks some.
 const SAMPLING: &str = "sampling";
+/// A joint is loaded where the mean square of what its links ask for is this many times that of the noise.
+const LOADED: f64 = 25.0;
 /// Share of what the base model leaves beyond noise that effects may leave.
 const UNEXPLAINED: f64 = 0.02;
 /// And of each joint's root mean square, beyond twice its noise.
@@ -70,8 +72,8 @@ pub struct ChannelFit {
     /// Noise of a row.
     pub noise: f64,
     /// Slope of the recorded torque over that of the nominal bodies, which is near 1 where sign and unit are right and the arm
-    /// is loaded.
-    pub slope: f64,
+    /// is loaded; none where that is hardly more than noise.
+    pub slope: Option<f64>,
     /// What the base model leaves, row by row, in the torque's unit.
     pub before: Vec<f64>,
     /// With all effects.
@@ -303,7 +305,7 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
 }
 
 /// Slope of a channel's recorded torque over the nominal one, both about their means.
-fn slope(problem: &Problem, channel: usize) -> f64 {
+fn slope(problem: &Problem, channel: usize) -> Option<f64> {
     let joint = problem.channels[channel];
     let recorded = problem.states.torque(&problem.samples, joint, 0.0);
     let nominal = problem.states.filtered(&problem.nominal_torque()[joint]);
@@ -316,5 +318,6 @@ fn slope(problem: &Problem, channel: usize) -> f64 {
             .map(|(own, other)| (own - a, other - b))
     };
     let square: f64 = pairs().map(|(_, other)| other * other).sum();
-    pairs().map(|(own, other)| own * other).sum::<f64>() / square.max(1e-300)
+    let is_loaded = square > LOADED * problem.row_sd[channel].powi(2) * nominal.len() as f64;
+    is_loaded.then(|| pairs().map(|(own, other)| own * other).sum::<f64>() / square)
 }

@@ -15,7 +15,7 @@ mod gravity;
 mod grip;
 mod partial;
 mod posture;
-mod recorded;
+pub(crate) mod recorded;
 mod rows;
 mod select;
 #[cfg(test)]

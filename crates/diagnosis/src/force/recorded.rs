@@ -319,7 +319,7 @@ impl<'a> Recorded<'a> {
 
 /// A joint's torque readings less what the device's own effects add to them ([`Recording::added`]); none where they are not
 /// recorded.
-pub(super) fn torque_nm_without_effects(
+pub(crate) fn torque_nm_without_effects(
     device: &Device,
     recording: &Recording,
     joint: usize,

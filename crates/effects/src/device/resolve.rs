@@ -66,6 +66,9 @@ pub fn is_law(spec: &Spec) -> Result<(), &'static str> {
         {
             Err("give the masses and their centres in [[link]]")
         }
+        _ if spec.needs.contains(&crate::Need::Inertia) => {
+            Err("it is an effect of a moving arm's torques, and a device file does not hold those")
+        }
         _ => Ok(()),
     }
 }

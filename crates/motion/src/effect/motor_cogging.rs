@@ -72,7 +72,7 @@ fn at(context: Context<'_>, joint: usize, order: f64, step: f64) -> Option<Candi
     let numbers = |own: &[f64]| {
         vec![
             ("amplitude_nm", own[0].hypot(own[1])),
-            ("phase_rad", own[1].atan2(own[0])),
+            ("phase_rad", own[0].atan2(own[1])),
         ]
     };
     let mut signals = sines(q, order).to_vec();

@@ -50,7 +50,8 @@ impl<'c> Frame<'c> {
         let mut fixed: Vec<Option<f64>> = (self.base.columns.iter())
             .map(|own| (early_s.is_some() && is_delay(&own.term)).then_some(0.0))
             .collect();
-        for round in 0.. {
+        let mut round = 0;
+        loop {
             let solved = system.solve(&recorded, &fixed);
             let mut is_settled = true;
             for (index, own) in self.base.columns.iter().enumerate() {
@@ -62,7 +63,8 @@ impl<'c> Frame<'c> {
                     is_settled = false;
                 }
             }
-            if is_settled || round == ROUNDS {
+            round += 1;
+            if is_settled || round > ROUNDS {
                 let freedom = self.problem.channel_rows() as f64 - self.base.free() as f64;
                 return Fitted {
                     excess: solved.energy - 0.5 * freedom,
@@ -74,7 +76,6 @@ impl<'c> Frame<'c> {
                 };
             }
         }
-        unreachable!("the rounds end")
     }
 }
 

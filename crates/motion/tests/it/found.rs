@@ -80,7 +80,7 @@ fn a_scale_of_a_torque_is_named_at_its_joint() {
         gain: 3.0,
         ..Truth::default()
     };
-    assert_found(truth, "torque-gain", Some(1), ("gain", 3.0, 0.15));
+    assert_found(truth, "torque-gain", Some(1), ("gain", 0.75, 0.01));
 }
 
 #[test]
@@ -90,6 +90,17 @@ fn cogging_is_named_with_its_order() {
         ..Truth::default()
     };
     assert_found(truth, "motor-cogging", Some(0), ("order", 30.0, 0.3));
+}
+
+#[test]
+fn the_phase_of_cogging_is_that_of_a_cosine() {
+    let truth = Truth {
+        cogging_nm: 0.5,
+        ..Truth::default()
+    };
+    // sin(30 q + 0.4) = cos(30 q - (pi / 2 - 0.4))
+    let phase = std::f64::consts::FRAC_PI_2 - 0.4;
+    assert_found(truth, "motor-cogging", Some(0), ("phase_rad", phase, 0.1));
 }
 
 #[test]
