@@ -165,15 +165,17 @@ fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
             "the torques were not judged beyond the rows that the log repeats or lacks: record again without such rows".to_owned(),
         );
     }
-    let is_kept = |name: &str| {
-        haptical_effects::specs()
-            .any(|spec| spec.name == name && is_law(spec).is_ok() && spec.hook.is_on_drives())
+    let is_kept = |found: &Finding| {
+        let has = |name: &str| found.numbers.iter().any(|own| own.0 == name);
+        let is_whole = |spec: &haptical_effects::Spec| {
+            spec.parameters.len() == found.numbers.len()
+                && spec.parameters.iter().all(|own| has(own.name))
+        };
+        let mut specs = haptical_effects::specs().filter(|spec| spec.name == found.effect);
+        specs.any(|spec| spec.hook.is_on_drives() && is_law(spec).is_ok() && is_whole(spec))
     };
-    for found in examined
-        .findings
-        .iter()
-        .filter(|own| examined.is_adequate() && !is_kept(own.effect))
-    {
+    let adequate = examined.findings.iter().filter(|_| examined.is_adequate());
+    for found in adequate.filter(|own| !is_kept(own)) {
         warnings.push(format!(
             "corrected.toml does not hold {}: a device file has no such effect; put its numbers into the masses or the log by hand",
             found.effect
@@ -194,13 +196,11 @@ fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
         );
         if slope < WRONG_SIGN {
             warnings.push(format!(
-                "{column} moves against the torque that the links ask for (slope {:.2}): is its sign, or that of the joint, the other way?",
-                slope
+                "{column} moves against the torque that the links ask for (slope {slope:.2}): is its sign, or that of the joint, the other way?"
             ));
         } else if !WRONG_UNIT.contains(&slope.abs()) {
             warnings.push(format!(
-                "{column} is {:.3} times what the links ask for: is it in N m at the joint, and not in N mm, at the motor, or a current?",
-                slope
+                "{column} is {slope:.3} times what the links ask for: is it in N m at the joint, and not in N mm, at the motor, or a current?"
             ));
         }
     }

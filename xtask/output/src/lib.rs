@@ -6,8 +6,10 @@
 
 mod command;
 mod output;
+mod page;
 mod progress;
 
 pub use command::built_command;
 pub use output::{Layout, Output};
+pub use page::put_between;
 pub use progress::Progress;

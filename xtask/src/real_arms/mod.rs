@@ -7,6 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use xtask_output::put_between;
 
 use crate::compare_results::command;
 use sets::{Folders, Sets};
@@ -62,20 +63,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         ));
     }
     if arguments.only.is_none() {
-        write(Path::new(PAGE), &format!("{table}\n{remarks}"))?;
+        put_between(
+            Path::new(PAGE),
+            [BEGIN, END],
+            &format!("{table}\n{remarks}"),
+        )?;
     }
-    Ok(())
-}
-
-/// Puts the table into the page.
-fn write(path: &Path, table: &str) -> Result<()> {
-    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let (before, rest) = text
-        .split_once(BEGIN)
-        .context("no line where the table begins")?;
-    let (_, after) = rest
-        .split_once(END)
-        .context("no line where the table ends")?;
-    fs::write(path, format!("{before}{BEGIN}{table}{END}{after}"))?;
     Ok(())
 }

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use serde::de::DeserializeOwned;
-use xtask_output::built_command;
+use xtask_output::{built_command, put_between};
 
 use crate::bench_peers::tools::{Tools, source};
 use answers::{Case, Fit, Gap, Truth};
@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let table = table::table(&truth, &cases)?;
     print!("{table}");
     if !arguments.keep_page {
-        write(Path::new(PAGE), &table)?;
+        put_between(Path::new(PAGE), [BEGIN, END], &table)?;
     }
     Ok(())
 }
@@ -143,17 +143,4 @@ fn diagnose(program: &Path, folder: &Path, withheld: &str) -> Result<(Gap, f64)>
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
     let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
     serde_json::from_str(&text).with_context(|| path.display().to_string())
-}
-
-/// Puts the table into the page.
-fn write(path: &Path, table: &str) -> Result<()> {
-    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let (before, rest) = text
-        .split_once(BEGIN)
-        .context("no line where the table begins")?;
-    let (_, after) = rest
-        .split_once(END)
-        .context("no line where the table ends")?;
-    fs::write(path, format!("{before}{BEGIN}{table}{END}{after}"))?;
-    Ok(())
 }

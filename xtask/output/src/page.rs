@@ -1,0 +1,22 @@
+//! Tables of a job in a page of the docs.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+/// Puts a table between two lines of a page.
+///
+/// # Errors
+/// A page that cannot be read or written, or without one of the lines.
+pub fn put_between(path: &Path, [begin, end]: [&str; 2], table: &str) -> Result<()> {
+    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let (before, rest) = text
+        .split_once(begin)
+        .context("no line where the table begins")?;
+    let (_, after) = rest
+        .split_once(end)
+        .context("no line where the table ends")?;
+    fs::write(path, format!("{before}{begin}{table}{end}{after}"))?;
+    Ok(())
+}
