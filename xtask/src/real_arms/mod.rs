@@ -3,10 +3,9 @@
 mod page;
 mod sets;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use xtask_output::put_between;
 
 use crate::compare_results::command;

@@ -42,6 +42,12 @@ armature_kgm2 = 0.1
 pub(crate) struct Truth {
     /// At the flange \[kg\].
     pub(crate) payload_kg: f64,
+    /// How far beyond the flange it hangs, along the second link \[m\].
+    pub(crate) beyond_m: f64,
+    /// How far the mount is tilted in the plane \[rad\].
+    pub(crate) tilt_rad: f64,
+    /// A force on the flange, along the base's x, for 1.5 s of every log \[N\].
+    pub(crate) push_n: f64,
     /// How late positions are logged \[s\].
     pub(crate) late_s: f64,
     /// What the second joint's torque is logged too large by.
@@ -86,7 +92,7 @@ pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
         let time = 0.005 * row as f64;
         let logged = motion(&courses, time - truth.late_s);
         let now = motion(&courses, time);
-        let torque = torque(&truth, &factor, now);
+        let torque = torque(&truth, &factor, time, now);
         for joint in 0..2 {
             let count = 2.0 * std::f64::consts::PI / 400_000.0;
             log.joint[joint].push((logged[joint][0] / count).round() * count);
@@ -119,20 +125,36 @@ fn motion(courses: &[[(f64, f64); 6]; 2], time: f64) -> [[f64; 3]; 2] {
     })
 }
 
-fn torque(truth: &Truth, factor: &[f64], [[q1, w1, a1], [q2, w2, a2]]: [[f64; 3]; 2]) -> [f64; 2] {
+fn torque(
+    truth: &Truth,
+    factor: &[f64],
+    time: f64,
+    [[q1, w1, a1], [q2, w2, a2]]: [[f64; 3]; 2],
+) -> [f64; 2] {
     let (l1, l2, c1, c2) = (0.4, 0.3, 0.2, 0.15);
     let (m1, m2, p) = (3.0 * factor[0], 2.0 * factor[1], truth.payload_kg);
     let (i1, i2) = (0.05 * factor[0], 0.02 * factor[1]);
     // second link and payload together about the second joint
-    let moment = m2 * c2 + p * l2;
-    let about = m2 * c2 * c2 + i2 + p * l2 * l2;
+    let l3 = l2 + truth.beyond_m;
+    let moment = m2 * c2 + p * l3;
+    let about = m2 * c2 * c2 + i2 + p * l3 * l3;
     let (sine, cosine) = q2.sin_cos();
     let d11 = m1 * c1 * c1 + i1 + (m2 + p) * l1 * l1 + about + 2.0 * l1 * moment * cosine;
     let d12 = about + l1 * moment * cosine;
     let h = -l1 * moment * sine;
     let g = 9.81;
-    let g2 = moment * g * (q1 + q2).cos();
-    let g1 = (m1 * c1 + (m2 + p) * l1) * g * q1.cos() + g2;
+    let g2 = moment * g * (q1 + q2 + truth.tilt_rad).cos();
+    let g1 = (m1 * c1 + (m2 + p) * l1) * g * (q1 + truth.tilt_rad).cos() + g2;
+    // what the drives do against a push at the tip, by the transposed Jacobian
+    let push = if (8.0..9.5).contains(&time) {
+        truth.push_n
+    } else {
+        0.0
+    };
+    let push = [
+        push * (l1 * q1.sin() + l2 * (q1 + q2).sin()),
+        push * l2 * (q1 + q2).sin(),
+    ];
     let friction = |w: f64, coulomb: f64, viscous: f64| coulomb * (w / 0.006).tanh() + viscous * w;
     let more = truth.stribeck_nm / (1.0 + (w1 / 0.15).powi(2))
         + truth.dent_nm * (-0.5 * ((q1 - 0.1) / 0.05).powi(2)).exp();
@@ -143,7 +165,11 @@ fn torque(truth: &Truth, factor: &[f64], [[q1, w1, a1], [q2, w2, a2]]: [[f64; 3]
             + g1
             + 0.3 * factor[2] * a1
             + friction(w1, 1.5 + more, 0.8)
+            + push[0]
             + truth.cogging_nm * (30.0 * q1 + 0.4).sin(),
-        d12 * a1 + about * a2 - h * w1 * w1 + g2 + 0.1 * factor[3] * a2 + friction(w2, 0.6, 0.3),
+        push[1] + d12 * a1 + about * a2 - h * w1 * w1
+            + g2
+            + 0.1 * factor[3] * a2
+            + friction(w2, 0.6, 0.3),
     ]
 }

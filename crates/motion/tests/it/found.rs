@@ -104,6 +104,34 @@ fn the_phase_of_cogging_is_that_of_a_cosine() {
 }
 
 #[test]
+fn where_a_payload_hangs_is_told_in_the_frame_of_the_flange() {
+    let truth = Truth {
+        payload_kg: 1.2,
+        beyond_m: 0.1,
+        ..Truth::default()
+    };
+    assert_found(truth, "payload", None, ("moment_x_kg_m", 0.12, 0.05));
+}
+
+#[test]
+fn a_tilted_mount_is_named_with_its_angle() {
+    let truth = Truth {
+        tilt_rad: 0.15,
+        ..Truth::default()
+    };
+    assert_found(truth, "gravity-direction", None, ("tilt_rad", 0.15, 0.02));
+}
+
+#[test]
+fn a_push_for_a_part_of_the_log_is_named_with_its_share_of_it() {
+    let truth = Truth {
+        push_n: 25.0,
+        ..Truth::default()
+    };
+    assert_found(truth, "contact", None, ("share", 0.075, 0.02));
+}
+
+#[test]
 fn friction_near_rest_is_named_by_another_law_than_it_was_made_with() {
     let truth = Truth {
         stribeck_nm: 2.0,
