@@ -55,7 +55,10 @@ fn what_moves_an_arm_is_named() {
             assert!(is_right, "{set} with {model}: {told:?}");
             if let Some(payload) = first.filter(|own| own.effect == "payload") {
                 let mass_kg = payload.parameters["mass_kg"].value;
-                assert!((mass_kg - 4.0).abs() < 0.25, "{model}: {mass_kg} kg, truth 4");
+                assert!(
+                    (mass_kg - 4.0).abs() < 0.25,
+                    "{model}: {mass_kg} kg, truth 4"
+                );
             }
         }
     }
