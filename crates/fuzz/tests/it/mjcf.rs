@@ -19,16 +19,28 @@ fn read(bytes: &[u8]) {
     assert_eq!(back.unwrap().device.links, read.device.links, "{text}");
     chain_ends(text, "robot.xml", Some(&read.tip)).unwrap();
     if let Ok((new, _)) = new_mjcf(&read.device) {
-        assert!(
-            !new.contains("NaN") && !new.contains("inf\""),
-            "{text}\n{new}"
-        );
+        let odd = odd_number(&new);
+        assert!(odd.is_none(), "{odd:?}\n{text}\n{new}");
         let again = device_from_mjcf(&new, "new.xml", BaseAndTip::to("handle"));
-        assert!(
-            again.is_ok() || new.contains("e"),
-            "{text}\n{new}\n{again:?}"
-        );
+        assert!(again.is_ok(), "{text}\n{new}\n{again:?}");
     }
+}
+
+/// A number of this text that is not finite; joints are called what their device calls them, also `inf`.
+fn odd_number(xml: &str) -> Option<&str> {
+    let names = ["name", "joint", "actuator", "site", "body1", "body2"];
+    let mut parts = xml.split('"');
+    while let (Some(before), Some(value)) = (parts.next(), parts.next()) {
+        let is_name = names
+            .iter()
+            .any(|name| before.ends_with(&format!(" {name}=")));
+        let mut numbers = value.split_whitespace();
+        let odd = numbers.find(|word| word.parse().is_ok_and(|number: f64| !number.is_finite()));
+        if odd.is_some() && !is_name {
+            return odd;
+        }
+    }
+    None
 }
 
 fn read_between(text: &str, ends: BaseAndTip<'_>) -> Option<UrdfDevice> {
